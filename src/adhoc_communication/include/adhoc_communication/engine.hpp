@@ -1,0 +1,55 @@
+// The protocol engine of one robot: no ROS, no socket, no thread, no clock, no global random generator.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adhoc_communication/options.hpp"
+#include "adhoc_communication/types.hpp"
+
+namespace adhoc_communication {
+
+/// Five calls drive it: receive, send, poll, next_deadline, next_event. The host calls poll() after every receive()
+/// and send(), and again at next_deadline(), and puts the frames that poll() returns on the air.
+class Engine {
+ public:
+  /// Throws std::invalid_argument naming the option that is out of range.
+  Engine(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now);
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  /// A frame heard on the link. Anything malformed, foreign or not addressed to this robot is counted and dropped.
+  void receive(const Frame& frame, Time now);
+
+  /// Accepts a packet; its end is reported by one SendFinished. A request that cannot be tried at all (own name, empty
+  /// topic, larger than max_packet_size, queue full) finishes at once with the reason.
+  SendId send(SendRequest request, Time now);
+  SendId broadcast(BroadcastRequest request, Time now);
+
+  /// Does what is due and returns the frames to transmit now, in order.
+  std::vector<Frame> poll(Time now);
+
+  /// When poll() has to be called next at the latest. Time::max() when nothing is due.
+  Time next_deadline() const;
+
+  std::optional<Event> next_event();
+
+  void join_group(const std::string& group, Time now);
+  void leave_group(const std::string& group, Time now);
+  GroupState group_state(const std::string& group) const;
+
+  std::vector<std::string> neighbors() const;  ///< direct neighbours
+  std::vector<std::string> robots() const;     ///< all known robots, also over several hops
+  const Statistics& statistics() const;
+  const std::string& robot_name() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace adhoc_communication

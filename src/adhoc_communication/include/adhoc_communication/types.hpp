@@ -1,0 +1,106 @@
+// Values shared by the engine and its hosts.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace adhoc_communication {
+
+/// Time since any epoch the host likes, as long as it never goes back.
+using Time = std::chrono::nanoseconds;
+using Bytes = std::vector<std::uint8_t>;
+using MacAddress = std::array<std::uint8_t, 6>;
+/// Drawn by the host at each start (getrandom on a robot), so that a restarted robot is told from its former self.
+using BootId = std::array<std::uint8_t, 16>;
+
+/// What a link carries: everything behind the Ethernet header, and the two addresses of that header.
+struct Frame {
+  MacAddress destination{};
+  MacAddress source{};
+  Bytes bytes;
+};
+
+enum class Priority : std::uint8_t { kControl = 0, kPosition = 1, kNormal = 2, kBulk = 3 };
+
+using SendId = std::uint64_t;
+
+/// A packet to send. `destination` is a robot name, mc_<robot> for that robot's group, or empty for a one-hop broadcast.
+struct SendRequest {
+  std::string destination;
+  std::string topic;
+  std::uint8_t payload_type = 0;  ///< contract: 'A' string, 'M' map, ...; 'X' any message type
+  Bytes payload;
+  Priority priority = Priority::kNormal;
+};
+
+/// A packet flooded over at most `hop_limit` hops (0 means 1), one frame, unacknowledged.
+struct BroadcastRequest {
+  std::string topic;
+  std::uint8_t payload_type = 0;
+  Bytes payload;
+  std::uint8_t hop_limit = 1;
+};
+
+struct PacketReceived {
+  std::string source;
+  std::string group;  ///< empty unless sent to a group
+  std::string topic;
+  std::uint8_t payload_type = 0;
+  Bytes payload;
+  std::uint8_t hops = 1;
+};
+
+/// End of a send; exactly one per accepted SendRequest. `reason` is a sentence for people, empty when delivered.
+struct SendFinished {
+  SendId id = 0;
+  bool delivered = false;
+  std::string reason;
+};
+
+struct RobotAppeared {
+  std::string robot;
+};
+
+struct RobotLost {
+  std::string robot;
+};
+
+/// End of a group membership change asked for by the host.
+struct GroupChangeFinished {
+  std::string group;
+  bool joined = false;
+  bool succeeded = false;
+  std::string reason;
+};
+
+using Event = std::variant<PacketReceived, SendFinished, RobotAppeared, RobotLost, GroupChangeFinished>;
+
+/// Mirrors GetGroupState.srv.
+struct GroupState {
+  bool known = false;
+  bool member = false;
+  bool activated = false;
+  bool connected = false;
+  bool root = false;
+  bool joining = false;
+  std::string route_uplink;
+  std::vector<std::string> downlinks;
+};
+
+struct Statistics {
+  std::uint64_t frames_sent = 0;
+  std::uint64_t bytes_sent = 0;
+  std::uint64_t frames_received = 0;
+  std::uint64_t bytes_received = 0;
+  std::uint64_t frames_dropped_malformed = 0;
+  std::uint64_t packets_sent = 0;
+  std::uint64_t packets_failed = 0;
+  std::vector<std::uint64_t> packets_received_by_hops;  ///< index 0: one hop
+};
+
+}  // namespace adhoc_communication
