@@ -1,0 +1,139 @@
+"""Measures registration on pairs of partial maps: right, imprecise, wrong, declined.
+
+Wrong: accepted, and off by more than 0.25 m anywhere in the overlap or 2 deg. Right: accepted, and the mean displacement
+over the overlap is at most 0.1 m. Imprecise: between. Overlap: the source's known cells that the target knows at the true
+transform.
+Truth under distortion: the best rigid fit, which is the true transform refined on the shared walls.
+"""
+import math
+import time
+from dataclasses import dataclass, replace
+from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from .evidence import compare
+from .grid import Grid, cell_centres, values_at
+from .refine import FINE_REACH, refined
+from .registration import Registration
+from .surface import Landmarks, landmarks_of
+from .synthetic import FloorPlan, Pair, Survey, Surveyor, office_plan, pair_of
+from .transform import Transform, displacement, rotation_between
+
+RIGHT_M = 0.1
+WRONG_M = 0.25
+WRONG_RAD = math.radians(2.0)
+
+Register = Callable[[Landmarks, Landmarks], Registration]
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A family of pairs: how far apart the robots start (m), how they map, in which building."""
+
+    name: str
+    plan: Callable[[np.random.Generator], FloorPlan]
+    distance: float
+    longest_path: float = 25.0
+    drift: float = 0.0
+    smudges: int = 0
+    range_noise: float = 0.01
+    same_heading: bool = False
+    overlapping: bool = True
+    """False: in this family only "wrong = 0" is asked, since rooms repeat."""
+
+
+class Outcome(NamedTuple):
+    """One pair, measured. `shared` is the wall in metres that both maps hold, `seconds` the CPU time of the registration."""
+
+    seed: int
+    kind: str
+    reason: str
+    mean_error: float
+    largest_error: float
+    rotation_error: float
+    shared: float
+    rival: float
+    seconds: float
+
+
+def scenarios(plan: Optional[FloorPlan] = None) -> List[Scenario]:
+    """The families of the benchmark; `plan` replaces the generated office where rooms need not repeat exactly."""
+    def office(random: np.random.Generator) -> FloorPlan:
+        return plan if plan is not None else office_plan(random)
+
+    def copies(random: np.random.Generator) -> FloorPlan:
+        return office_plan(random, same=True)
+
+    return [
+        Scenario("side by side, same heading", office, 1.5, same_heading=True, longest_path=10.0),
+        Scenario("near, any heading", office, 5.0),
+        Scenario("near, noise, drift, smudges", office, 5.0, drift=0.08, smudges=4, range_noise=0.03),
+        Scenario("anywhere in the building", office, math.inf, overlapping=False),
+        Scenario("anywhere, long paths", office, math.inf, longest_path=60.0, overlapping=False),
+        Scenario("identical rooms, near", copies, 5.0, overlapping=False),
+        Scenario("identical rooms, anywhere", copies, math.inf, overlapping=False),
+        Scenario("identical rooms, anywhere, drift", copies, math.inf, drift=0.08, smudges=4, overlapping=False),
+    ]
+
+
+def draw_pair(scenario: Scenario, seed: int) -> Pair:
+    """The pair of a seed."""
+    random = np.random.default_rng(seed)
+    surveyor = Surveyor(scenario.plan(random))
+    survey = Survey(path_length=float(random.uniform(1.0, scenario.longest_path)), drift=scenario.drift,
+                    smudges=scenario.smudges, range_noise=scenario.range_noise)
+    heading = float(random.uniform(-math.pi, math.pi))
+    target = surveyor.explore(random, survey, yaw=heading if scenario.same_heading else None)
+    place: Optional[Tuple[float, float]] = None
+    if math.isfinite(scenario.distance):
+        shift = random.uniform(-scenario.distance, scenario.distance, 2)
+        place = (float(target.path[0, 0] + shift[0]), float(target.path[0, 1] + shift[1]))
+    survey = replace(survey, path_length=float(random.uniform(1.0, scenario.longest_path)))
+    source = surveyor.explore(random, survey, start=place, yaw=heading if scenario.same_heading else None)
+    return pair_of(target, source)
+
+
+def measure(pair: Pair, seed: int, register: Register) -> Outcome:
+    """Registers a pair and compares with the truth."""
+    target, source = landmarks_of(pair.target.grid), landmarks_of(pair.source.grid)
+    began = time.process_time()
+    result = register(target, source)
+    seconds = time.process_time() - began
+    truth = best_rigid_fit(target, source, pair.truth)
+    shared = compare(target, source, truth).matched
+    if result.transform is None:
+        return Outcome(seed, "declined", result.verdict.value, math.inf, math.inf, math.inf, shared, 0.0, seconds)
+    points = overlap(pair.target.grid, pair.source.grid, truth)
+    error = displacement(truth, result.transform, points)
+    rotation = rotation_between(truth, result.transform)
+    kind = classify(error, rotation) if result.accepted else "declined"
+    rival = result.rival_score / max(result.evidence.score, 1e-9)
+    return Outcome(seed, kind, result.verdict.value, float(error.mean()), float(error.max()), rotation, shared, rival, seconds)
+
+
+def classify(error: np.ndarray, rotation: float) -> str:
+    """Kind of an accepted transform from its displacement (m) over the overlap and its rotation error (rad)."""
+    if error.max() > WRONG_M or rotation > WRONG_RAD:
+        return "wrong"
+    return "right" if error.mean() <= RIGHT_M else "imprecise"
+
+
+def best_rigid_fit(target: Landmarks, source: Landmarks, truth: Transform) -> Transform:
+    """The truth for distorted maps: refined on the shared walls, but never led away by more than a little."""
+    fitted = refined(target.surface, source.surface, truth, FINE_REACH)
+    moved = displacement(truth, fitted, source.surface.points).max() if len(source.surface.points) else 0.0
+    return fitted if moved < 0.3 and compare(target, source, truth).matched > 3.0 else truth
+
+
+def overlap(target: Grid, source: Grid, truth: Transform) -> np.ndarray:
+    """Points (n, 2) of the source that both maps know; all known ones if there are none."""
+    rows, columns = np.nonzero(source.cells[::3, ::3] >= 0)
+    points = cell_centres(source.info, 3 * rows, 3 * columns)
+    shared = values_at(target.cells, target.info, truth.apply(points), -1) >= 0
+    return points[shared] if shared.any() else points
+
+
+def counts(outcomes: List[Outcome]) -> Dict[str, int]:
+    """How many outcomes of each kind."""
+    return {kind: sum(outcome.kind == kind for outcome in outcomes) for kind in ("right", "imprecise", "wrong", "declined")}

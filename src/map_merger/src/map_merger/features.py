@@ -1,0 +1,64 @@
+"""Registration by image features: the paper's method with the successor of its OpenCV call, verified like the default.
+
+ORB key points of both maps are matched and a similarity transform is estimated by RANSAC (`estimateAffinePartial2D` took the
+place of `estimateRigidTransform`). On repeated rooms it proposes wrong transforms; the verification then declines.
+"""
+import math
+from typing import List, Optional
+
+import cv2
+import numpy as np
+
+from .grid import Grid, cell_centres
+from .registration import DEFAULT_CRITERIA, Criteria, Limits, Registration, choose
+from .search import Prior
+from .surface import Landmarks
+from .transform import Transform
+
+_LARGEST_MATCH_DISTANCE = 60
+_SCALE_TOLERANCE = 0.05
+_ROUNDS = 4
+
+
+def register(target: Landmarks, source: Landmarks, criteria: Criteria = DEFAULT_CRITERIA, limits: Limits = Limits(),
+             prior: Optional[Prior] = None) -> Registration:
+    """Finds the transform source -> target from ORB features, or declines."""
+    return choose(target, source, _proposals(target.grid, source.grid), criteria, limits, prior)
+
+
+def image_of(grid: Grid) -> np.ndarray:
+    """Grey image, uint8: free 254, obstacle 0, unknown 205; row r of the image is row r of the grid."""
+    image = np.full(grid.info.shape, 205, np.uint8)
+    image[grid.free] = 254
+    image[grid.occupied] = 0
+    return image
+
+
+def _proposals(target: Grid, source: Grid) -> List[Transform]:
+    """Transforms from repeated estimates, each on the matches that the earlier ones left over."""
+    detector = cv2.ORB_create(nfeatures=1500, fastThreshold=5)
+    target_keys, target_descriptors = detector.detectAndCompute(image_of(target), None)
+    source_keys, source_descriptors = detector.detectAndCompute(image_of(source), None)
+    if target_descriptors is None or source_descriptors is None:
+        return []
+    matches = cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True).match(source_descriptors, target_descriptors)
+    matches = [match for match in matches if match.distance <= _LARGEST_MATCH_DISTANCE]
+    here = _points(source, [source_keys[match.queryIdx].pt for match in matches])
+    there = _points(target, [target_keys[match.trainIdx].pt for match in matches])
+    found: List[Transform] = []
+    for _ in range(_ROUNDS):
+        if len(here) < 4:
+            break
+        matrix, inliers = cv2.estimateAffinePartial2D(here, there, ransacReprojThreshold=0.2, maxIters=4000)
+        if matrix is None:
+            break
+        if abs(math.hypot(matrix[0, 0], matrix[1, 0]) - 1.0) <= _SCALE_TOLERANCE:
+            found.append(Transform(float(matrix[0, 2]), float(matrix[1, 2]), math.atan2(matrix[1, 0], matrix[0, 0])))
+        outside = inliers.ravel() == 0
+        here, there = here[outside], there[outside]
+    return found
+
+
+def _points(grid: Grid, pixels: list) -> np.ndarray:
+    positions = np.array(pixels, dtype=float).reshape(-1, 2)
+    return cell_centres(grid.info, positions[:, 1], positions[:, 0])

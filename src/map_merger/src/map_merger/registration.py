@@ -1,0 +1,149 @@
+"""Registration of two occupancy grids with unknown transform: search, refine, verify, decide.
+
+The decision prefers no answer to a wrong one. README.md says what is refused and why.
+"""
+import math
+from dataclasses import dataclass
+from enum import Enum
+from typing import List, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from .evidence import Evidence, compare
+from .refine import COARSE_REACH, FINE_REACH, refined
+from .search import Candidate, Prior, candidates
+from .surface import Landmarks, subsample
+from .transform import Transform, displacement, rotation_between
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """What a transform must show before it is believed. Lengths in metres of wall."""
+
+    matched: float = 12.0
+    minor: float = 3.5
+    conflict: float = 0.08
+    explained: float = 0.7
+    rival: float = 0.75
+    """Largest allowed score of a different transform, relative to the best."""
+
+    def scaled(self, factor: float) -> "Criteria":
+        """The same with other lengths."""
+        return Criteria(self.matched * factor, self.minor * factor, self.conflict, self.explained, self.rival)
+
+
+DEFAULT_CRITERIA = Criteria()
+PRIOR_CRITERIA = Criteria(matched=6.0, minor=1.5, rival=0.85)
+"""With a prior most rivals are excluded beforehand."""
+KEEP_CRITERIA = Criteria(matched=4.0, minor=1.0, conflict=0.2, explained=0.45)
+"""What an accepted transform must go on showing."""
+
+
+class Limits(NamedTuple):
+    """Largest accepted translation per axis (m) and rotation (rad); infinite if unlimited."""
+
+    translation: float = math.inf
+    rotation: float = math.inf
+
+    def allow(self, transform: Transform) -> bool:
+        """True if the transform is inside the limits."""
+        return max(abs(transform.x), abs(transform.y)) <= self.translation and abs(transform.yaw) <= self.rotation
+
+
+class Verdict(Enum):
+    """Why a registration gave a transform or none."""
+
+    ACCEPTED = "accepted"
+    NO_CANDIDATE = "no candidate"
+    TOO_LITTLE_SHARED_WALL = "too little shared wall"
+    ONE_DIRECTION_ONLY = "shared walls in one direction only"
+    CONTRADICTED = "walls of one map in free space of the other"
+    UNEXPLAINED = "too many walls without a partner"
+    AMBIGUOUS = "another transform fits nearly as well"
+    BEYOND_LIMITS = "beyond max_trans_robots or max_rotation_robots"
+
+
+class Registration(NamedTuple):
+    """Outcome: `transform` maps the source's frame to the target's and is to be used only if the verdict is ACCEPTED."""
+
+    verdict: Verdict
+    transform: Optional[Transform] = None
+    evidence: Evidence = Evidence()
+    rival_score: float = 0.0
+
+    @property
+    def accepted(self) -> bool:
+        """True if the transform may be used."""
+        return self.verdict is Verdict.ACCEPTED
+
+
+def judge(evidence: Evidence, criteria: Criteria) -> Verdict:
+    """Verdict on one transform by itself, without rivals."""
+    if evidence.matched < criteria.matched:
+        return Verdict.TOO_LITTLE_SHARED_WALL
+    if evidence.conflict > criteria.conflict:
+        return Verdict.CONTRADICTED
+    if evidence.minor < criteria.minor:
+        return Verdict.ONE_DIRECTION_ONLY
+    if evidence.explained < criteria.explained:
+        return Verdict.UNEXPLAINED
+    return Verdict.ACCEPTED
+
+
+def register(target: Landmarks, source: Landmarks, criteria: Criteria = DEFAULT_CRITERIA, limits: Limits = Limits(),
+             prior: Optional[Prior] = None) -> Registration:
+    """Finds the transform source -> target by correlation, or declines."""
+    coarse = candidates(target, source, 12 if prior is None else 6, prior)
+    return choose(target, source, [candidate.transform for candidate in coarse], criteria, limits, prior)
+
+
+def choose(target: Landmarks, source: Landmarks, starts: List[Transform], criteria: Criteria, limits: Limits,
+           prior: Optional[Prior]) -> Registration:
+    """Refines every start, ranks them by evidence and decides whether the best one can be believed."""
+    ranked = _ranked(target, source, starts)
+    if not ranked:
+        return Registration(Verdict.NO_CANDIDATE)
+    _, transform = ranked[0]
+    transform = refined(target.surface, subsample(source.surface, 2500), transform, FINE_REACH)
+    evidence = compare(target, source, transform)
+    points = source.surface.points
+    rivals = [other for other in ranked[1:] if _different(transform, other[1], points)]
+    rival_score = max((other.score for other, _ in rivals), default=0.0)
+    verdict = judge(evidence, criteria)
+    if verdict is Verdict.ACCEPTED and rival_score > criteria.rival * evidence.score:
+        verdict = Verdict.AMBIGUOUS
+    if verdict is Verdict.ACCEPTED and not limits.allow(transform):
+        verdict = Verdict.BEYOND_LIMITS
+    if verdict is Verdict.ACCEPTED and prior is not None and not _near_prior(transform, prior, points):
+        verdict = Verdict.NO_CANDIDATE
+    return Registration(verdict, transform, evidence, rival_score)
+
+
+def follow(target: Landmarks, source: Landmarks, transform: Transform) -> Tuple[Transform, Evidence]:
+    """An accepted transform refined on the present maps, and what speaks for it now."""
+    better = refined(target.surface, subsample(source.surface, 2500), transform, FINE_REACH)
+    return better, compare(target, source, better)
+
+
+def _ranked(target: Landmarks, source: Landmarks, starts: List[Transform]) -> List[Tuple[Evidence, Transform]]:
+    sample = subsample(source.surface, 500)
+    result = []
+    for start in starts:
+        transform = refined(target.surface, sample, start, COARSE_REACH)
+        result.append((compare(target, source, transform), transform))
+    result.sort(key=lambda pair: -pair[0].score)
+    return result
+
+
+def _different(first: Transform, second: Transform, points: np.ndarray) -> bool:
+    return (rotation_between(first, second) > math.radians(4.0)
+            or float(np.median(displacement(first, second, points))) > 0.4)
+
+
+def _near_prior(transform: Transform, prior: Prior, points: np.ndarray) -> bool:
+    centre = points.mean(axis=0, keepdims=True)
+    return (rotation_between(transform, prior.transform) <= 1.2 * prior.rotation
+            and float(displacement(transform, prior.transform, centre)[0]) <= 1.2 * prior.distance + 0.5)
+
+
+__all__ = ["Candidate", "Criteria", "Limits", "Prior", "Registration", "Verdict", "choose", "follow", "judge", "register"]

@@ -1,0 +1,145 @@
+"""Walls of a grid as oriented surface points: what registration compares.
+
+A wall seen from one room and the same wall seen from the next are two surfaces. Matching only surfaces that face the same way
+keeps the thickness of walls out of the estimate, and lets the quantisation of both grids cancel.
+"""
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .grid import UNKNOWN, Grid, GridInfo, cell_centres, cropped, known_box
+
+NORMAL_WEIGHT = 0.3
+"""Metres that a unit difference of the normals counts in a search for the nearest surface."""
+
+_WINDOW = 7
+"""Side in cells of the neighbourhood from which the direction of a wall is taken."""
+_SMALLEST_WALL = 4
+"""Connected obstacles of fewer cells are noise."""
+CLEAR_CELLS = 3.0
+"""Free cells farther than this from anything else are well observed: a wall of the other map there is a conflict."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Oriented wall points of a map in its frame.
+
+    points: float64 (n, 2), metres, on the border between obstacle and free space. normals: float64 (n, 2), unit, towards free
+    space. spacing: metres of wall for which one point stands.
+    """
+
+    points: np.ndarray
+    normals: np.ndarray
+    spacing: float
+    _tree: list = field(default_factory=list, repr=False)
+
+    @property
+    def length(self) -> float:
+        """Metres of wall, each face counted."""
+        return len(self.points) * self.spacing
+
+    def tree(self) -> cKDTree:
+        """Search tree over position and weighted normal, built once."""
+        if not self._tree:
+            self._tree.append(cKDTree(np.hstack([self.points, NORMAL_WEIGHT * self.normals])))
+        return self._tree[0]
+
+
+@dataclass(frozen=True, eq=False)
+class Landmarks:
+    """All that registration needs of a map, computed once per map.
+
+    grid: the known part. surface: its walls. clear: bool per cell, well observed free space. known: bool per cell.
+    """
+
+    grid: Grid
+    surface: Surface
+    clear: np.ndarray
+    known: np.ndarray
+
+    @property
+    def info(self) -> GridInfo:
+        """Geometry of the known part."""
+        return self.grid.info
+
+
+def landmarks_of(grid: Grid) -> Landmarks:
+    """Landmarks of a map; a map without obstacles has an empty surface."""
+    part = cropped(grid, known_box(grid).grown(1)) if (grid.cells != UNKNOWN).any() else grid
+    occupied = _without_specks(part.occupied)
+    free = part.free
+    if free.size == 0:
+        return Landmarks(part, _empty_surface(part.info.resolution), free, free)
+    distance = cv2.distanceTransform(free.astype(np.uint8), cv2.DIST_L2, 5)
+    return Landmarks(part, surface_of(part.info, occupied, free), distance > CLEAR_CELLS, part.cells != UNKNOWN)
+
+
+def surface_of(info: GridInfo, occupied: np.ndarray, free: np.ndarray) -> Surface:
+    """Oriented points of the obstacles' borders to free space; a thin wall that is free on both sides has two faces."""
+    rows, columns = np.nonzero(occupied)
+    if rows.size == 0:
+        return _empty_surface(info.resolution)
+    normal_rows, normal_columns, linearity = _directions(occupied, rows, columns)
+    points, normals = [], []
+    for side in (1.0, -1.0):
+        open_side = _free_towards(free, rows, columns, side * normal_rows, side * normal_columns)
+        keep = open_side & (linearity > 0.6)
+        step_rows, step_columns = side * normal_rows[keep], side * normal_columns[keep]
+        points.append(cell_centres(info, rows[keep] + 0.5 * step_rows, columns[keep] + 0.5 * step_columns))
+        normals.append(np.stack([step_columns, step_rows], axis=1) @ info.origin.rotation().T)
+    return Surface(np.concatenate(points), np.concatenate(normals), info.resolution)
+
+
+def subsample(surface: Surface, most: int) -> Surface:
+    """At most `most` points, evenly taken over the surface (deterministic)."""
+    count = len(surface.points)
+    if count <= most:
+        return surface
+    order = np.lexsort((surface.points[:, 0].round(1), surface.points[:, 1].round(1)))
+    chosen = order[np.linspace(0, count - 1, most).astype(int)]
+    return Surface(surface.points[chosen], surface.normals[chosen], surface.spacing * count / most)
+
+
+def _empty_surface(spacing: float) -> Surface:
+    return Surface(np.empty((0, 2)), np.empty((0, 2)), spacing)
+
+
+def _without_specks(occupied: np.ndarray) -> np.ndarray:
+    if not occupied.any():
+        return occupied
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(occupied.astype(np.uint8), connectivity=8)
+    large = statistics[:, cv2.CC_STAT_AREA] >= _SMALLEST_WALL
+    large[0] = False
+    return large[labels]
+
+
+def _directions(occupied: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> tuple:
+    """Unit normal (row part, column part) of the wall through each cell, and how line-like it is there (0 .. 1).
+
+    Second moments of the obstacles in a small window, from box filters.
+    """
+    mask = occupied.astype(np.float32)
+    row_index = np.arange(mask.shape[0], dtype=np.float32)[:, None] * mask
+    column_index = np.arange(mask.shape[1], dtype=np.float32)[None, :] * mask
+
+    def window_sum(values: np.ndarray) -> np.ndarray:
+        total = cv2.boxFilter(values, cv2.CV_64F, (_WINDOW, _WINDOW), normalize=False, borderType=cv2.BORDER_CONSTANT)
+        return total[rows, columns]
+
+    count = np.maximum(window_sum(mask), 1.0)
+    mean_row, mean_column = window_sum(row_index) / count, window_sum(column_index) / count
+    spread_row = window_sum(row_index * np.arange(mask.shape[0], dtype=np.float32)[:, None]) / count - mean_row**2
+    spread_column = window_sum(column_index * np.arange(mask.shape[1], dtype=np.float32)[None, :]) / count - mean_column**2
+    mixed = window_sum(row_index * np.arange(mask.shape[1], dtype=np.float32)[None, :]) / count - mean_row * mean_column
+    tangent = 0.5 * np.arctan2(2.0 * mixed, spread_column - spread_row)
+    anisotropy = np.hypot(spread_column - spread_row, 2.0 * mixed) / np.maximum(spread_column + spread_row, 1e-6)
+    return np.cos(tangent), -np.sin(tangent), anisotropy
+
+
+def _free_towards(free: np.ndarray, rows: np.ndarray, columns: np.ndarray, step_rows: np.ndarray,
+                  step_columns: np.ndarray) -> np.ndarray:
+    row = np.clip(np.rint(rows + 1.2 * step_rows).astype(int), 0, free.shape[0] - 1)
+    column = np.clip(np.rint(columns + 1.2 * step_columns).astype(int), 0, free.shape[1] - 1)
+    return free[row, column]
