@@ -1,0 +1,65 @@
+// Python module mr_sim._slam.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <tuple>
+
+#include "slam.hpp"
+
+namespace py = pybind11;
+using namespace mr_sim::slam;
+
+namespace {
+
+using PoseTuple = std::tuple<double, double, double>;
+using Ranges = py::array_t<float, py::array::c_style | py::array::forcecast>;
+
+Pose to_pose(const PoseTuple& pose) { return {std::get<0>(pose), std::get<1>(pose), std::get<2>(pose)}; }
+PoseTuple to_tuple(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
+
+py::tuple process(Slam& slam, const Ranges& ranges, const PoseTuple& odometry, const PoseTuple& mount,
+                  double angle_min, double angle_increment, double range_min, double range_max) {
+  const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, to_pose(mount)};
+  const SlamUpdate update =
+      slam.process(ranges.data(), static_cast<std::size_t>(ranges.size()), geometry, to_pose(odometry));
+  return py::make_tuple(to_tuple(update.pose), update.matched, update.inserted, update.share);
+}
+
+// Cells and, in cells, the lower left corner of the grid.
+py::tuple occupancy(const Slam& slam) {
+  const GridMap& map = slam.map();
+  const std::vector<int8_t> cells = map.occupancy();
+  py::array_t<int8_t> grid({map.height(), map.width()});
+  std::copy(cells.begin(), cells.end(), grid.mutable_data());
+  return py::make_tuple(grid, map.origin().x, map.origin().y);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_slam, module) {
+  module.doc() = "Core of the SLAM engine. SI units, poses as (x, y, yaw).";
+  py::class_<SlamOptions>(module, "SlamOptions")
+      .def(py::init<>())
+      .def_property(
+          "resolution", [](const SlamOptions& o) { return o.grid.resolution; },
+          [](SlamOptions& o, double value) { o.grid.resolution = value; })
+      .def_property(
+          "search_window", [](const SlamOptions& o) { return o.match.window; },
+          [](SlamOptions& o, double value) { o.match.window = value; })
+      .def_property(
+          "surface_deviation", [](const SlamOptions& o) { return o.match.surface_deviation; },
+          [](SlamOptions& o, double value) { o.match.surface_deviation = value; })
+      .def_readwrite("match_distance", &SlamOptions::match_distance)
+      .def_readwrite("match_angle", &SlamOptions::match_angle)
+      .def_readwrite("insert_distance", &SlamOptions::insert_distance)
+      .def_readwrite("insert_angle", &SlamOptions::insert_angle)
+      .def_readwrite("surface_window", &SlamOptions::surface_window);
+  py::class_<Slam>(module, "Slam")
+      .def(py::init<const SlamOptions&>())
+      .def("process", &process, py::arg("ranges"), py::arg("odometry"), py::arg("mount"), py::arg("angle_min"),
+           py::arg("angle_increment"), py::arg("range_min"), py::arg("range_max"))
+      .def("pose_at", [](const Slam& slam, const PoseTuple& odometry) { return to_tuple(slam.pose_at(to_pose(odometry))); })
+      .def("map_to_odometry", [](const Slam& slam) { return to_tuple(slam.map_to_odometry()); })
+      .def("occupancy", &occupancy);
+}

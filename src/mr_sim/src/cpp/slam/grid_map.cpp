@@ -1,0 +1,184 @@
+#include "grid_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mr_sim::slam {
+namespace {
+
+constexpr int kBlock = 32;              // the grid grows by whole blocks of cells
+constexpr float kMemory = 60.0F;        // hits after which a surface is a running mean
+constexpr double kSurfaceReach = 0.02;  // m, a beam passing a surface this near has seen through it
+constexpr double kTail = 0.12;          // m before its end in which a beam is no evidence against surfaces
+
+int block_floor(int value) { return static_cast<int>(std::floor(static_cast<double>(value) / kBlock)) * kBlock; }
+
+}  // namespace
+
+GridMap::GridMap(const GridOptions& options) : options_(options) {}
+
+Cell GridMap::cell_of(const Point& point) const {
+  return {static_cast<int>(std::floor(point.x / options_.resolution)),
+          static_cast<int>(std::floor(point.y / options_.resolution))};
+}
+
+bool GridMap::contains(const Cell& cell) const {
+  return cell.x >= origin_.x && cell.y >= origin_.y && cell.x < origin_.x + width_ && cell.y < origin_.y + height_;
+}
+
+const Surface* GridMap::surface(const Cell& cell) const {
+  if (!contains(cell)) return nullptr;
+  const Surface& surface = states_[static_cast<std::size_t>(cell.y - origin_.y) * width_ + cell.x - origin_.x].surface;
+  return surface.hits > 0.0F ? &surface : nullptr;
+}
+
+GridMap::CellState& GridMap::state(const Cell& cell) {
+  return states_[static_cast<std::size_t>(cell.y - origin_.y) * width_ + cell.x - origin_.x];
+}
+
+void GridMap::grow_to(Cell low, Cell high) {
+  if (width_ > 0) {
+    if (contains(low) && contains(high)) return;
+    low = {std::min(low.x, origin_.x), std::min(low.y, origin_.y)};
+    high = {std::max(high.x, origin_.x + width_ - 1), std::max(high.y, origin_.y + height_ - 1)};
+  }
+  low = {block_floor(low.x), block_floor(low.y)};
+  high = {block_floor(high.x) + kBlock, block_floor(high.y) + kBlock};
+  const int width = high.x - low.x, height = high.y - low.y;
+  const auto metres = [this](int index) { return static_cast<float>(index * options_.resolution); };
+  if (width_ == 0) {
+    grid_.setSize(metres(low.x), metres(high.x), metres(low.y), metres(high.y),
+                  static_cast<float>(options_.resolution));
+  } else {
+    grid_.resizeGrid(metres(low.x), metres(high.x), metres(low.y), metres(high.y), 0.5F, false);
+  }
+  if (static_cast<int>(grid_.getSizeX()) != width || static_cast<int>(grid_.getSizeY()) != height) {
+    throw std::runtime_error("the occupancy grid left its lattice");
+  }
+  std::vector<CellState> states(static_cast<std::size_t>(width) * height);
+  for (int row = 0; row < height_; ++row) {
+    std::copy_n(&states_[static_cast<std::size_t>(row) * width_], width_,
+                &states[static_cast<std::size_t>(row + origin_.y - low.y) * width + origin_.x - low.x]);
+  }
+  states_ = std::move(states);
+  origin_ = low;
+  width_ = width;
+  height_ = height;
+}
+
+// MRPT counts the log-odds of being free, in steps of 1/16.
+void GridMap::change_odds(const Cell& cell, double step) {
+  const int limit = std::min(127, static_cast<int>(16.0 * options_.certainty_limit));
+  auto& odds = grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x];
+  using Odds = std::decay_t<decltype(odds)>;
+  odds = static_cast<Odds>(std::clamp(static_cast<int>(odds) - static_cast<int>(std::lround(16.0 * step)), -limit, limit));
+  state(cell).seen = true;
+}
+
+void GridMap::insert(const Scan& scan, const Pose& robot) {
+  Cell low = cell_of({robot.x - 1.0, robot.y - 1.0}), high = cell_of({robot.x + 1.0, robot.y + 1.0});
+  for (const Beam& beam : scan.beams) {
+    const Cell cell = cell_of(robot * beam.end);
+    low = {std::min(low.x, cell.x - 1), std::min(low.y, cell.y - 1)};
+    high = {std::max(high.x, cell.x + 1), std::max(high.y, cell.y + 1)};
+  }
+  grow_to(low, high);
+  ++scan_number_;
+  // Hits first: what this scan touches, its other beams do not erase.
+  for (const Beam& beam : scan.beams) {
+    if (beam.hit) add_hit(beam, robot);
+  }
+  const Point eye = robot * scan.eye;
+  for (const Beam& beam : scan.beams) see_through(eye, robot * beam.end, beam.hit);
+  free_footprint(robot);
+}
+
+void GridMap::add_hit(const Beam& beam, const Pose& robot) {
+  const Point end = robot * beam.end;
+  const Cell cell = cell_of(end);
+  CellState& state = this->state(cell);
+  if (state.hit_in != scan_number_) {
+    state.hit_in = scan_number_;
+    change_odds(cell, options_.occupied_step);
+  }
+  if (!beam.has_normal) return;
+  Surface& surface = state.surface;
+  const Point normal = Pose{0.0, 0.0, robot.yaw} * beam.normal;
+  const double agreement = surface.normal_x * normal.x + surface.normal_y * normal.y;
+  if (surface.hits > 0.0F && agreement <= 0.0) {
+    // The far side of a thin wall: keep the side seen more.
+    surface.hits -= 0.5F;
+    if (surface.hits > 0.0F) return;
+    surface = Surface{};
+  }
+  surface.hits = std::min(surface.hits + 1.0F, kMemory);
+  const float share = 1.0F / surface.hits;
+  surface.x += share * (static_cast<float>(end.x) - surface.x);
+  surface.y += share * (static_cast<float>(end.y) - surface.y);
+  surface.normal_x += share * (static_cast<float>(normal.x) - surface.normal_x);
+  surface.normal_y += share * (static_cast<float>(normal.y) - surface.normal_y);
+}
+
+void GridMap::free_cell(const Cell& cell, const Point& eye, const Point& direction) {
+  CellState& state = this->state(cell);
+  if (state.hit_in == scan_number_ || state.freed_in == scan_number_) return;
+  if (state.surface.hits > 0.0F) {
+    // Beams grazing along a wall cross its cells without crossing its surface.
+    const double beside = direction.x * (state.surface.y - eye.y) - direction.y * (state.surface.x - eye.x);
+    if (std::abs(beside) > kSurfaceReach) return;
+  }
+  state.freed_in = scan_number_;
+  change_odds(cell, -options_.free_step);
+  if (grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x] > 0) state.surface = Surface{};
+}
+
+// Walks the cells of the line (Amanatides and Woo, A Fast Voxel Traversal Algorithm, 1987).
+void GridMap::see_through(const Point& eye, const Point& end, bool hit) {
+  const double length = std::hypot(end.x - eye.x, end.y - eye.y);
+  if (length <= 0.0) return;
+  const Point direction{(end.x - eye.x) / length, (end.y - eye.y) / length};
+  const double r = options_.resolution;
+  Cell cell = cell_of(eye);
+  const int step_x = direction.x < 0.0 ? -1 : 1, step_y = direction.y < 0.0 ? -1 : 1;
+  const double far = std::numeric_limits<double>::infinity();
+  const double delta_x = direction.x != 0.0 ? r / std::abs(direction.x) : far;
+  const double delta_y = direction.y != 0.0 ? r / std::abs(direction.y) : far;
+  double next_x = direction.x != 0.0 ? ((cell.x + (step_x > 0)) * r - eye.x) / direction.x : far;
+  double next_y = direction.y != 0.0 ? ((cell.y + (step_y > 0)) * r - eye.y) / direction.y : far;
+  double entered = 0.0;
+  while (entered < length) {
+    const bool in_tail = hit && entered > length - kTail;
+    if (!in_tail || state(cell).surface.hits == 0.0F) free_cell(cell, eye, direction);
+    if (next_x < next_y) {
+      entered = next_x, next_x += delta_x, cell.x += step_x;
+    } else {
+      entered = next_y, next_y += delta_y, cell.y += step_y;
+    }
+  }
+}
+
+void GridMap::free_footprint(const Pose& robot) {
+  const Cell low = cell_of({robot.x - options_.free_radius, robot.y - options_.free_radius});
+  const Cell high = cell_of({robot.x + options_.free_radius, robot.y + options_.free_radius});
+  for (int y = low.y; y <= high.y; ++y) {
+    for (int x = low.x; x <= high.x; ++x) {
+      const double center_x = (x + 0.5) * options_.resolution, center_y = (y + 0.5) * options_.resolution;
+      if (std::hypot(center_x - robot.x, center_y - robot.y) > options_.free_radius) continue;
+      if (state({x, y}).freed_in != scan_number_) change_odds({x, y}, -options_.free_step);
+    }
+  }
+}
+
+std::vector<int8_t> GridMap::occupancy() const {
+  std::vector<int8_t> cells(states_.size(), -1);
+  for (int row = 0; row < height_; ++row) {
+    const auto* odds = grid_.getRow(row);
+    for (int column = 0; column < width_; ++column) {
+      const std::size_t index = static_cast<std::size_t>(row) * width_ + column;
+      if (states_[index].seen) cells[index] = odds[column] < 0 ? 100 : 0;
+    }
+  }
+  return cells;
+}
+
+}  // namespace mr_sim::slam

@@ -1,0 +1,75 @@
+// The map: an MRPT occupancy grid, and per occupied cell the surface seen in it with sub-cell accuracy.
+#pragma once
+
+#include <mrpt/maps/COccupancyGridMap2D.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "scan.hpp"
+
+namespace mr_sim::slam {
+
+struct Cell {
+  int x = 0, y = 0;  // index on the lattice whose cell (0, 0) has its lower left corner at the map's origin
+};
+
+// Mean of the hits in a cell.
+struct Surface {
+  float x = 0.0F, y = 0.0F;                // m, map frame
+  float normal_x = 0.0F, normal_y = 0.0F;  // towards the side it was seen from
+  float hits = 0.0F;                       // 0: no surface
+};
+
+struct GridOptions {
+  double resolution = 0.05;      // m
+  double occupied_step = 1.2;    // log-odds of one hit
+  double free_step = 0.5;        // log-odds of one beam through
+  double certainty_limit = 3.6;  // log-odds, both ways: how soon a map gives in to new evidence
+  double free_radius = 0.17;     // m around the robot that is free because the robot is there
+};
+
+class GridMap {
+ public:
+  explicit GridMap(const GridOptions& options);
+
+  void insert(const Scan& scan, const Pose& robot);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  Cell origin() const { return origin_; }
+  double resolution() const { return options_.resolution; }
+
+  Cell cell_of(const Point& point) const;
+  // The surface in a cell of the lattice, or nullptr where there is none.
+  const Surface* surface(const Cell& cell) const;
+
+  // 100 occupied, 0 free, -1 never seen; row-major from the lowest y.
+  std::vector<int8_t> occupancy() const;
+
+ private:
+  struct CellState {
+    Surface surface;
+    uint32_t hit_in = 0;    // number of the last scan that hit the cell
+    uint32_t freed_in = 0;  // number of the last scan that saw through it
+    bool seen = false;
+  };
+
+  bool contains(const Cell& cell) const;
+  CellState& state(const Cell& cell);
+  void grow_to(Cell low, Cell high);
+  void change_odds(const Cell& cell, double step);
+  void add_hit(const Beam& beam, const Pose& robot);
+  void see_through(const Point& eye, const Point& end, bool hit);
+  void free_cell(const Cell& cell, const Point& eye, const Point& direction);
+  void free_footprint(const Pose& robot);
+
+  GridOptions options_;
+  mrpt::maps::COccupancyGridMap2D grid_;
+  std::vector<CellState> states_;
+  Cell origin_;
+  int width_ = 0, height_ = 0;
+  uint32_t scan_number_ = 0;
+};
+
+}  // namespace mr_sim::slam

@@ -1,0 +1,38 @@
+// Poses in the plane and their composition.
+#pragma once
+
+#include <cmath>
+
+namespace mr_sim::slam {
+
+struct Point {
+  double x = 0.0, y = 0.0;  // m
+};
+
+struct Pose {
+  double x = 0.0, y = 0.0;  // m
+  double yaw = 0.0;         // rad
+};
+
+inline double normalized(double angle) { return std::remainder(angle, 2.0 * M_PI); }
+
+inline Point operator*(const Pose& frame, const Point& point) {
+  const double c = std::cos(frame.yaw), s = std::sin(frame.yaw);
+  return {frame.x + c * point.x - s * point.y, frame.y + s * point.x + c * point.y};
+}
+
+inline Pose operator*(const Pose& frame, const Pose& pose) {
+  const Point origin = frame * Point{pose.x, pose.y};
+  return {origin.x, origin.y, normalized(frame.yaw + pose.yaw)};
+}
+
+// Pose of `to` seen from `from`.
+inline Pose between(const Pose& from, const Pose& to) {
+  const double c = std::cos(from.yaw), s = std::sin(from.yaw);
+  const double x = to.x - from.x, y = to.y - from.y;
+  return {c * x + s * y, -s * x + c * y, normalized(to.yaw - from.yaw)};
+}
+
+inline double distance(const Pose& a, const Pose& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+}  // namespace mr_sim::slam

@@ -1,0 +1,58 @@
+#include "scan.hpp"
+
+#include <algorithm>
+
+namespace mr_sim::slam {
+namespace {
+
+// Direction of the line through the hits around `index`, by principal axes; needs three hits and some extent.
+bool fit_normal(const std::vector<Beam>& beams, std::size_t index, double window, const Point& eye, Point* normal) {
+  const Point center = beams[index].end;
+  double sx = 0.0, sy = 0.0, sxx = 0.0, syy = 0.0, sxy = 0.0;
+  int count = 0;
+  const auto add = [&](const Beam& beam) {
+    const double x = beam.end.x - center.x, y = beam.end.y - center.y;
+    if (!beam.hit || x * x + y * y > window * window) return false;
+    sx += x, sy += y, sxx += x * x, syy += y * y, sxy += x * y;
+    ++count;
+    return true;
+  };
+  add(beams[index]);
+  for (std::size_t i = index; i-- > 0 && add(beams[i]);) {
+  }
+  for (std::size_t i = index + 1; i < beams.size() && add(beams[i]); ++i) {
+  }
+  if (count < 3) return false;
+  const double xx = sxx - sx * sx / count, yy = syy - sy * sy / count, xy = sxy - sx * sy / count;
+  const double spread = std::hypot(0.5 * (xx - yy), xy);
+  const double large = 0.5 * (xx + yy) + spread, small = 0.5 * (xx + yy) - spread;
+  if (large < 4.0 * small || large < count * 0.04 * window * window) return false;
+  const double along = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  *normal = {-std::sin(along), std::cos(along)};
+  if (normal->x * (eye.x - center.x) + normal->y * (eye.y - center.y) < 0.0) *normal = {-normal->x, -normal->y};
+  return true;
+}
+
+}  // namespace
+
+Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window) {
+  Scan scan;
+  scan.eye = {geometry.mount.x, geometry.mount.y};
+  scan.beams.reserve(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    const double range = ranges[i];
+    if (std::isnan(range) || range < std::max(geometry.range_min, 1e-3)) continue;
+    const bool hit = range < geometry.range_max - 1e-3;
+    const double length = hit ? range : geometry.range_max;
+    const double angle = geometry.angle_min + static_cast<double>(i) * geometry.angle_increment;
+    const Point end = geometry.mount * Point{length * std::cos(angle), length * std::sin(angle)};
+    scan.beams.push_back({end, hit, false, {}});
+  }
+  for (std::size_t i = 0; i < scan.beams.size(); ++i) {
+    Beam& beam = scan.beams[i];
+    if (beam.hit) beam.has_normal = fit_normal(scan.beams, i, surface_window, scan.eye, &beam.normal);
+  }
+  return scan;
+}
+
+}  // namespace mr_sim::slam

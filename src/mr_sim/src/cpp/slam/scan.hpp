@@ -1,0 +1,33 @@
+// One sweep of a laser, reduced to what mapping and matching need.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "pose.hpp"
+
+namespace mr_sim::slam {
+
+struct LaserGeometry {
+  double angle_min, angle_increment;  // rad
+  double range_min, range_max;        // m
+  Pose mount;                         // laser in the robot's frame
+};
+
+struct Beam {
+  Point end;           // robot's frame; where free space ends
+  bool hit;            // false: nothing up to range_max, the beam shows free space only
+  bool has_normal;     // the surface is seen densely enough to know its direction
+  Point normal;        // robot's frame, towards the laser
+};
+
+struct Scan {
+  Point eye;  // laser in the robot's frame
+  std::vector<Beam> beams;
+};
+
+// Readings that are NaN, negative or below range_min are dropped; infinity or range_max and above mean free space.
+// `surface_window`: m, neighbours up to this far apart form a surface.
+Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window);
+
+}  // namespace mr_sim::slam

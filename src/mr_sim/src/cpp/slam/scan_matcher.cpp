@@ -1,0 +1,153 @@
+#include "scan_matcher.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+
+namespace mr_sim::slam {
+namespace {
+
+constexpr int kIterations = 12;
+constexpr double kSpacing = 0.04;    // m between the hits used, so that near walls do not outweigh far ones
+constexpr double kOnSurface = 0.05;  // m
+constexpr double kTangential = 0.06;  // m, a surface reaches this far beside its mean
+constexpr double kSameSide = 0.7;    // cosine
+
+std::vector<const Beam*> choose_beams(const Scan& scan) {
+  std::vector<const Beam*> chosen;
+  for (const Beam& beam : scan.beams) {
+    if (!beam.hit || !beam.has_normal) continue;
+    if (!chosen.empty() &&
+        std::hypot(beam.end.x - chosen.back()->end.x, beam.end.y - chosen.back()->end.y) < kSpacing) {
+      continue;
+    }
+    chosen.push_back(&beam);
+  }
+  return chosen;
+}
+
+// Nearest surface seen from the same side.
+const Surface* nearest(const GridMap& map, const Point& point, const Point& normal, double reach) {
+  const int radius = static_cast<int>(std::ceil(reach / map.resolution()));
+  const Cell center = map.cell_of(point);
+  const Surface* best = nullptr;
+  double best_distance = reach * reach;
+  for (int y = center.y - radius; y <= center.y + radius; ++y) {
+    for (int x = center.x - radius; x <= center.x + radius; ++x) {
+      const Surface* surface = map.surface({x, y});
+      if (surface == nullptr) continue;
+      const double dx = point.x - surface->x, dy = point.y - surface->y;
+      const double distance = dx * dx + dy * dy;
+      if (distance >= best_distance) continue;
+      if (surface->normal_x * normal.x + surface->normal_y * normal.y < kSameSide) continue;
+      best = surface;
+      best_distance = distance;
+    }
+  }
+  return best;
+}
+
+struct Fit {
+  Pose pose;
+  double share = 0.0;
+  double cost = 0.0;  // mean squared residual, capped, m^2
+};
+
+// Gauss-Newton on point-to-line distances with Cauchy weights and the odometry prior.
+Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose& start, const Pose& expected,
+           const Pose& deviation, const MatchOptions& options) {
+  const double precision = 1.0 / (options.surface_deviation * options.surface_deviation);
+  Fit fit{start, 0.0, 0.0};
+  double reach = options.reach;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const Pose& pose = fit.pose;
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    information.diagonal() << 1.0 / (deviation.x * deviation.x), 1.0 / (deviation.y * deviation.y),
+        1.0 / (deviation.yaw * deviation.yaw);
+    Eigen::Vector3d gradient(pose.x - expected.x, pose.y - expected.y, normalized(pose.yaw - expected.yaw));
+    gradient = information * gradient;
+    int on_surface = 0;
+    double cost = 0.0;
+    const Pose turn{0.0, 0.0, pose.yaw};
+    for (const Beam* beam : beams) {
+      const Point arm = turn * beam->end, normal = turn * beam->normal;
+      const Point point{pose.x + arm.x, pose.y + arm.y};
+      const Surface* surface = nearest(map, point, normal, reach);
+      if (surface == nullptr) {
+        cost += options.reach * options.reach;
+        continue;
+      }
+      const double length = std::hypot(surface->normal_x, surface->normal_y);
+      const double nx = surface->normal_x / length, ny = surface->normal_y / length;
+      const double dx = point.x - surface->x, dy = point.y - surface->y;
+      const double residual = nx * dx + ny * dy, beside = -ny * dx + nx * dy;
+      if (std::abs(beside) > kTangential) continue;
+      cost += residual * residual;
+      on_surface += std::abs(residual) < kOnSurface;
+      const double scaled = residual / (2.5 * options.surface_deviation);
+      const double weight = precision * std::min(1.0, surface->hits / 3.0) / (1.0 + scaled * scaled);
+      const Eigen::Vector3d jacobian(nx, ny, -nx * arm.y + ny * arm.x);
+      information += weight * jacobian * jacobian.transpose();
+      gradient += weight * residual * jacobian;
+    }
+    fit.share = beams.empty() ? 0.0 : static_cast<double>(on_surface) / static_cast<double>(beams.size());
+    fit.cost = beams.empty() ? 0.0 : cost / static_cast<double>(beams.size());
+    if (iteration + 1 == kIterations) break;
+    const Eigen::Vector3d step = information.ldlt().solve(-gradient);
+    fit.pose = {pose.x + step.x(), pose.y + step.y(), normalized(pose.yaw + step.z())};
+    reach = std::max(0.5 * reach, 0.12);
+    if (iteration > 2 && step.head<2>().norm() < 2e-4 && std::abs(step.z()) < 1e-4) break;
+  }
+  return fit;
+}
+
+// Exhaustive search over a window (correlative matching, Olson 2009) on every fourth hit.
+Pose search(const GridMap& map, const std::vector<const Beam*>& beams, const Pose& center,
+            const MatchOptions& options) {
+  const double step = map.resolution(), turn_step = 0.025;
+  const int steps = static_cast<int>(std::ceil(options.window / step));
+  const int turns = static_cast<int>(std::ceil(options.angular_window / turn_step));
+  Pose best = center;
+  double best_score = -1.0;
+  std::vector<Cell> cells;
+  for (int turn = -turns; turn <= turns; ++turn) {
+    const Pose turned{center.x, center.y, normalized(center.yaw + turn * turn_step)};
+    cells.clear();
+    for (std::size_t i = 0; i < beams.size(); i += 4) cells.push_back(map.cell_of(turned * beams[i]->end));
+    for (int dy = -steps; dy <= steps; ++dy) {
+      for (int dx = -steps; dx <= steps; ++dx) {
+        double score = 0.0;
+        for (const Cell& cell : cells) score += map.surface({cell.x + dx, cell.y + dy}) != nullptr;
+        // Ties go to the pose nearest to the expectation.
+        score -= 1e-3 * (dx * dx + dy * dy) + 1e-2 * turn * turn;
+        if (score <= best_score) continue;
+        best_score = score;
+        best = {center.x + dx * step, center.y + dy * step, turned.yaw};
+      }
+    }
+  }
+  return best;
+}
+
+bool better(const Fit& fit, const Fit& than) { return fit.share > than.share + 0.05; }
+
+}  // namespace
+
+Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
+                 const Pose& previous, const MatchOptions& options) {
+  const std::vector<const Beam*> beams = choose_beams(scan);
+  if (beams.size() < 10) return {expected, 0.0, false};
+  Fit best = refine(map, beams, expected, expected, deviation, options);
+  if (best.share < options.good_share) {
+    const Fit stayed = refine(map, beams, previous, previous, deviation, options);
+    if (better(stayed, best)) best = stayed;
+  }
+  if (best.share < options.poor_share) {
+    const Pose found = search(map, beams, expected, options);
+    const Fit refound = refine(map, beams, found, found, deviation, options);
+    if (better(refound, best)) best = refound;
+  }
+  if (best.share < options.poor_share) return {expected, best.share, false};
+  return {best.pose, best.share, true};
+}
+
+}  // namespace mr_sim::slam

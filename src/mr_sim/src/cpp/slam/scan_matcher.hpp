@@ -1,0 +1,29 @@
+// Where must the robot be for its scan to lie on the surfaces of the map?
+#pragma once
+
+#include "grid_map.hpp"
+#include "scan.hpp"
+
+namespace mr_sim::slam {
+
+struct MatchOptions {
+  double reach = 0.25;           // m, how far from a surface a hit may be to be drawn to it
+  double surface_deviation = 0.02;  // m, standard deviation of hits around surfaces
+  double window = 0.4;           // m, half width of the search where odometry alone does not lead to a match
+  double angular_window = 0.2;   // rad, same for the heading
+  double good_share = 0.6;       // share of hits on surfaces that makes a match certain
+  double poor_share = 0.3;       // share below which a match is refused
+};
+
+struct Match {
+  Pose pose;
+  double share = 0.0;  // of the hits in known parts, those that lie on a surface
+  bool accepted = false;
+};
+
+// `expected`: pose by odometry with its standard deviations, weak enough for the scan to overrule slipping wheels.
+// `previous`: pose at the last match, where the robot still is if its wheels slipped.
+Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
+                 const Pose& previous, const MatchOptions& options);
+
+}  // namespace mr_sim::slam

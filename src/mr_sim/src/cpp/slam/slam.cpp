@@ -1,0 +1,60 @@
+#include "slam.hpp"
+
+namespace mr_sim::slam {
+namespace {
+
+// Odometry alone carries the robot over this many refused scans; then the map has to follow.
+constexpr int kRefusedLimit = 20;
+
+}  // namespace
+
+Slam::Slam(const SlamOptions& options) : options_(options), map_(options.grid) {}
+
+bool Slam::moved(const Pose& from, const Pose& to, double distance, double angle) const {
+  // A whisker below the threshold, so that steps of exactly that length count.
+  return slam::distance(from, to) >= distance - 1e-4 || std::abs(normalized(to.yaw - from.yaw)) >= angle - 1e-4;
+}
+
+Pose Slam::pose_at(const Pose& odometry) const { return started_ ? pose_ * between(odometry_, odometry) : Pose{}; }
+
+Pose Slam::map_to_odometry() const { return pose_ * between(odometry_, Pose{}); }
+
+void Slam::start(const Scan& scan, const Pose& odometry, SlamUpdate* update) {
+  map_.insert(scan, pose_);
+  odometry_ = odometry;
+  started_ = true;
+  update->matched = update->inserted = true;
+  update->share = 1.0;
+}
+
+SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeometry& geometry, const Pose& odometry) {
+  SlamUpdate update;
+  if (started_ && !moved(odometry_, odometry, options_.match_distance, options_.match_angle)) {
+    update.pose = pose_at(odometry);
+    return update;
+  }
+  const Scan scan = make_scan(ranges, size, geometry, options_.surface_window);
+  if (!started_) {
+    start(scan, odometry, &update);
+    return update;
+  }
+  const Pose motion = between(odometry_, odometry);
+  const double driven = std::hypot(motion.x, motion.y);
+  const Pose deviation{0.005 + 0.15 * driven, 0.005 + 0.15 * driven, 0.003 + 0.15 * std::abs(motion.yaw)};
+  const Match match = match_scan(map_, scan, pose_at(odometry), deviation, pose_, options_.match);
+  pose_ = match.pose;
+  odometry_ = odometry;
+  refused_ = match.accepted ? 0 : refused_ + 1;
+  if (moved(inserted_, pose_, options_.insert_distance, options_.insert_angle) &&
+      (match.accepted || refused_ > kRefusedLimit)) {
+    map_.insert(scan, pose_);
+    inserted_ = pose_;
+    update.inserted = true;
+  }
+  update.pose = pose_;
+  update.matched = match.accepted;
+  update.share = match.share;
+  return update;
+}
+
+}  // namespace mr_sim::slam

@@ -1,0 +1,52 @@
+// Local SLAM of one robot: odometry and scans in, pose and map out. No clock, no randomness, no I/O.
+#pragma once
+
+#include "grid_map.hpp"
+#include "scan_matcher.hpp"
+
+namespace mr_sim::slam {
+
+struct SlamOptions {
+  GridOptions grid;
+  MatchOptions match;
+  double match_distance = 0.04;   // m by odometry after which a scan is matched
+  double match_angle = 0.035;     // rad
+  double insert_distance = 0.1;   // m after which a matched scan goes into the map
+  double insert_angle = 0.087;    // rad
+  double surface_window = 0.15;   // m, see make_scan
+};
+
+struct SlamUpdate {
+  Pose pose;              // robot in the map frame
+  bool matched = false;   // the scan gave the pose; otherwise odometry did
+  bool inserted = false;  // the map changed
+  double share = 0.0;     // of the scan on known surfaces
+};
+
+class Slam {
+ public:
+  explicit Slam(const SlamOptions& options);
+
+  // `odometry`: robot in the odometry frame at the time of the scan.
+  SlamUpdate process(const float* ranges, std::size_t size, const LaserGeometry& geometry, const Pose& odometry);
+
+  Pose pose_at(const Pose& odometry) const;
+  // Odometry frame in the map frame.
+  Pose map_to_odometry() const;
+
+  const GridMap& map() const { return map_; }
+
+ private:
+  void start(const Scan& scan, const Pose& odometry, SlamUpdate* update);
+  bool moved(const Pose& from, const Pose& to, double distance, double angle) const;
+
+  SlamOptions options_;
+  GridMap map_;
+  bool started_ = false;
+  Pose pose_;             // at the last match, map frame
+  Pose odometry_;         // same moment, odometry frame
+  Pose inserted_;         // pose of the last scan in the map
+  int refused_ = 0;       // matches refused in a row
+};
+
+}  // namespace mr_sim::slam

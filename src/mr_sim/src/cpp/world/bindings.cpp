@@ -1,0 +1,121 @@
+// Python module mr_sim._world: the world engine's core.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "world.hpp"
+
+namespace py = pybind11;
+using namespace mr_sim;
+
+namespace {
+
+using Cells = py::array_t<uint8_t, py::array::c_style | py::array::forcecast>;
+using PoseTuple = std::tuple<double, double, double>;
+
+Pose to_pose(const PoseTuple& pose) { return {std::get<0>(pose), std::get<1>(pose), std::get<2>(pose)}; }
+
+std::shared_ptr<Raster> make_raster(const Cells& cells, double resolution, std::pair<double, double> origin) {
+  if (cells.ndim() != 2) throw std::invalid_argument("a raster needs a two-dimensional array");
+  return std::make_shared<Raster>(cells.data(), static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1)),
+                                  resolution, Point{origin.first, origin.second});
+}
+
+Ranger make_ranger(const PoseTuple& mount, double range_max, double field_of_view, int samples, double noise_variance) {
+  return {to_pose(mount), range_max, field_of_view, samples, noise_variance};
+}
+
+int add_robot(World& world, const PoseTuple& start,
+              const std::vector<std::vector<std::pair<double, double>>>& footprint,
+              std::pair<double, double> linear_bounds, std::pair<double, double> angular_bounds,
+              const PoseTuple& localization_origin, bool exact_localization, std::pair<double, double> bias,
+              int base_steps, double command_timeout, bool visible, bool solid, uint64_t noise_seed,
+              const std::vector<Ranger>& rangers) {
+  RobotOptions options{to_pose(start),
+                       {},
+                       linear_bounds.first,
+                       linear_bounds.second,
+                       angular_bounds.first,
+                       angular_bounds.second,
+                       to_pose(localization_origin),
+                       exact_localization,
+                       bias.first,
+                       bias.second,
+                       base_steps,
+                       command_timeout,
+                       visible,
+                       solid,
+                       noise_seed,
+                       rangers};
+  for (const auto& points : footprint) {
+    Polygon polygon;
+    for (const auto& [x, y] : points) polygon.push_back({x, y});
+    options.footprint.push_back(std::move(polygon));
+  }
+  return world.add_robot(std::move(options));
+}
+
+py::array_t<RobotState> states(const World& world) {
+  py::array_t<RobotState> records(world.size());
+  RobotState* record = records.mutable_data();
+  for (int i = 0; i < world.size(); ++i) record[i] = world.state(i);
+  return records;
+}
+
+py::array_t<float> scan(World& world, int robot, int ranger) {
+  py::array_t<float> ranges(world.samples(robot, ranger));
+  world.scan(robot, ranger, ranges.mutable_data());
+  return ranges;
+}
+
+py::array_t<double> cast(const Raster& raster, std::pair<double, double> origin,
+                         const py::array_t<double, py::array::c_style | py::array::forcecast>& angles,
+                         double max_range) {
+  py::array_t<double> ranges(angles.size());
+  for (py::ssize_t i = 0; i < angles.size(); ++i) {
+    const double angle = angles.data()[i];
+    ranges.mutable_data()[i] =
+        raster.cast({origin.first, origin.second}, {std::cos(angle), std::sin(angle)}, max_range);
+  }
+  return ranges;
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_world, module) {
+  module.doc() = "Core of the world engine: raster of walls, ray casting, robots. SI units, angles in radians.";
+  PYBIND11_NUMPY_DTYPE(RobotState, odometry_x, odometry_y, odometry_yaw, linear, angular, x, y, yaw, velocity_x,
+                       velocity_y, velocity_yaw, stalled, contact);
+
+  py::class_<Raster, std::shared_ptr<Raster>>(module, "Raster")
+      .def(py::init(&make_raster), py::arg("cells"), py::arg("resolution"), py::arg("origin"))
+      .def("cast", &cast, py::arg("origin"), py::arg("angles"), py::arg("max_range"),
+           "Ranges in metres from `origin` along the world angles (any shape, flattened).")
+      .def("touches", [](const Raster& raster, std::pair<double, double> a, std::pair<double, double> b) {
+        return raster.touches({a.first, a.second}, {b.first, b.second});
+      });
+
+  py::class_<Ranger>(module, "Ranger")
+      .def(py::init(&make_ranger), py::arg("mount"), py::arg("range_max"), py::arg("field_of_view"),
+           py::arg("samples"), py::arg("noise_variance"));
+
+  py::class_<World>(module, "World")
+      .def(py::init([](std::shared_ptr<Raster> obstacles, std::shared_ptr<Raster> visible, double interval) {
+             return std::make_unique<World>(std::move(obstacles), std::move(visible), interval);
+           }),
+           py::arg("obstacles"), py::arg("visible"), py::arg("interval"))
+      .def("add_robot", &add_robot, py::kw_only(), py::arg("start"), py::arg("footprint"), py::arg("linear_bounds"),
+           py::arg("angular_bounds"), py::arg("localization_origin"), py::arg("exact_localization"), py::arg("bias"),
+           py::arg("base_steps"), py::arg("command_timeout"), py::arg("visible"), py::arg("solid"),
+           py::arg("noise_seed"), py::arg("rangers"))
+      .def("command", &World::command, py::arg("robot"), py::arg("linear"), py::arg("angular"))
+      .def("step", &World::step)
+      .def_property_readonly("time", &World::time)
+      .def_property_readonly("steps", &World::steps)
+      .def("states", &states, "One NumPy record per robot, in the order they were added.")
+      .def("contact_at",
+           [](const World& world, int robot, const PoseTuple& pose) {
+             return static_cast<int>(world.contact_at(robot, to_pose(pose)));
+           })
+      .def("scan", &scan, py::arg("robot"), py::arg("ranger"), "Ranges in metres, float32, counter-clockwise.");
+}

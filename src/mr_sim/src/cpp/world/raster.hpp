@@ -1,0 +1,37 @@
+// Walls and furniture as a raster of occupied cells, with exact ray casting.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry.hpp"
+
+namespace mr_sim {
+
+class Raster {
+ public:
+  // `occupied`: rows * columns values, row 0 at the bottom; `origin`: lower left corner of cell (0, 0) in metres.
+  Raster(const uint8_t* occupied, int rows, int columns, double resolution, Point origin);
+
+  // Distance in metres from `origin` to the first occupied cell along the unit vector `direction`; `max_range` when
+  // there is none nearer. Everything outside the raster is free.
+  double cast(const Point& origin, const Point& direction, double max_range) const;
+
+  // Whether the segment touches an occupied cell.
+  bool touches(const Point& a, const Point& b) const;
+
+  bool occupied(const Point& point) const;
+
+ private:
+  bool enter(double x, double y, const Point& direction, double limit, double* travelled) const;
+  void measure_clearance(const uint8_t* occupied);
+
+  int rows_;
+  int columns_;
+  double resolution_;
+  Point origin_;
+  // Chessboard distance in cells to the nearest occupied cell, at most 255: a ray may cross that many cells at once.
+  std::vector<uint8_t> clearance_;
+};
+
+}  // namespace mr_sim

@@ -1,0 +1,233 @@
+#include "world.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace mr_sim {
+
+namespace {
+
+std::vector<Polygon> place(const std::vector<Polygon>& footprint, const Pose& pose) {
+  std::vector<Polygon> placed = footprint;
+  for (Polygon& polygon : placed) {
+    for (Point& point : polygon) point = transform(pose, point);
+  }
+  return placed;
+}
+
+double reach(const std::vector<Polygon>& footprint) {
+  double radius = 0.0;
+  for (const Polygon& polygon : footprint) {
+    for (const Point& point : polygon) radius = std::max(radius, std::hypot(point.x, point.y));
+  }
+  return radius;
+}
+
+bool touches(const Raster& raster, const Polygon& polygon) {
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    if (raster.touches(polygon[i], polygon[(i + 1) % polygon.size()])) return true;
+  }
+  return false;
+}
+
+double uniform(std::mt19937_64& generator) { return static_cast<double>(generator() >> 11) * 0x1p-53; }
+
+// Marsaglia's polar method, written out because std::normal_distribution differs between standard libraries.
+std::pair<double, double> two_normals(std::mt19937_64& generator) {
+  double u, v, s;
+  do {
+    u = 2.0 * uniform(generator) - 1.0;
+    v = 2.0 * uniform(generator) - 1.0;
+    s = u * u + v * v;
+  } while (s >= 1.0 || s == 0.0);
+  const double factor = std::sqrt(-2.0 * std::log(s) / s);
+  return {u * factor, v * factor};
+}
+
+// Stage adds no noise to readings at maximum range; noisy ones may be negative or above the maximum.
+void add_noise(const Ranger& ranger, std::mt19937_64& generator, float* ranges) {
+  if (ranger.noise_variance <= 0.0) return;
+  const double deviation = std::sqrt(ranger.noise_variance);
+  const float maximum = static_cast<float>(ranger.range_max);
+  for (int i = 0; i < ranger.samples; i += 2) {
+    const auto [first, second] = two_normals(generator);
+    if (ranges[i] < maximum) ranges[i] += static_cast<float>(first * deviation);
+    if (i + 1 < ranger.samples && ranges[i + 1] < maximum) ranges[i + 1] += static_cast<float>(second * deviation);
+  }
+}
+
+}  // namespace
+
+World::World(std::shared_ptr<const Raster> obstacles, std::shared_ptr<const Raster> visible, double interval)
+    : obstacles_(std::move(obstacles)), visible_(std::move(visible)), interval_(interval) {
+  if (!(interval > 0.0)) throw std::invalid_argument("the simulation interval must be positive");
+}
+
+int World::add_robot(RobotOptions options) {
+  Robot robot;
+  robot.radius = reach(options.footprint);
+  robot.outline = place(options.footprint, options.start);
+  robot.noise.seed(options.noise_seed);
+  const Pose odometry = relative(options.localization_origin, options.start);
+  robot.state = {odometry.x, odometry.y, odometry.yaw, 0, 0, options.start.x, options.start.y, options.start.yaw,
+                 0,          0,          0,            0, 0};
+  for (const Ranger& ranger : options.rangers) {
+    if (ranger.samples < 1) throw std::invalid_argument("a ranger needs at least one sample");
+    Beams beams;
+    beams.first = ranger.samples > 1 ? -ranger.field_of_view / 2.0 : 0.0;
+    beams.increment = ranger.samples > 1 ? ranger.field_of_view / (ranger.samples - 1) : 0.0;
+    for (int i = 0; i < ranger.samples; ++i) {
+      const double bearing = beams.first + i * beams.increment;
+      beams.directions.push_back({std::cos(bearing), std::sin(bearing)});
+    }
+    robot.beams.push_back(std::move(beams));
+  }
+  robot.options = std::move(options);
+  robots_.push_back(std::move(robot));
+  return size() - 1;
+}
+
+World::Robot& World::at(int robot) { return robots_.at(static_cast<size_t>(robot)); }
+const World::Robot& World::at(int robot) const { return robots_.at(static_cast<size_t>(robot)); }
+const RobotState& World::state(int robot) const { return at(robot).state; }
+int World::samples(int robot, int ranger) const { return at(robot).options.rangers.at(ranger).samples; }
+
+void World::command(int robot, double linear, double angular) {
+  if (!std::isfinite(linear) || !std::isfinite(angular)) {
+    throw std::invalid_argument("a velocity command must be finite");
+  }
+  Robot& target = at(robot);
+  target.wanted_linear = linear;
+  target.wanted_angular = angular;
+  target.commanded_at = time();
+}
+
+void World::step() {
+  for (Robot& robot : robots_) {
+    if (steps_ % robot.options.base_steps == 0) take_up_command(robot);
+  }
+  ++steps_;
+  for (int i = 0; i < size(); ++i) {
+    move(i);
+    count_odometry(robots_[i]);
+  }
+}
+
+void World::take_up_command(Robot& robot) const {
+  const RobotOptions& options = robot.options;
+  // Half a step of tolerance: times are sums of steps, equal ones may differ in the last bit.
+  const bool fresh = time() - robot.commanded_at < options.command_timeout - 0.5 * interval_;
+  robot.state.linear = fresh ? std::clamp(robot.wanted_linear, options.linear_min, options.linear_max) : 0.0;
+  robot.state.angular = fresh ? std::clamp(robot.wanted_angular, options.angular_min, options.angular_max) : 0.0;
+}
+
+void World::move(int index) {
+  Robot& robot = robots_[index];
+  RobotState& state = robot.state;
+  state.stalled = 0;
+  state.contact = static_cast<uint8_t>(Contact::kNone);
+  state.velocity_x = state.velocity_y = state.velocity_yaw = 0.0;
+  if (state.linear == 0.0 && state.angular == 0.0) return;
+
+  const Pose pose{state.x, state.y, state.yaw};
+  const Pose next = compose(pose, {state.linear * interval_, 0.0, state.angular * interval_});
+  const Contact contact = contact_at(index, next);
+  if (contact != Contact::kNone) {
+    state.stalled = 1;
+    state.contact = static_cast<uint8_t>(contact);
+    return;
+  }
+  state.velocity_x = (next.x - pose.x) / interval_;
+  state.velocity_y = (next.y - pose.y) / interval_;
+  state.velocity_yaw = state.angular;
+  state.x = next.x;
+  state.y = next.y;
+  state.yaw = next.yaw;
+  robot.outline = place(robot.options.footprint, next);
+}
+
+// Wheels count whether or not the robot gets anywhere.
+void World::count_odometry(Robot& robot) const {
+  RobotState& state = robot.state;
+  const RobotOptions& options = robot.options;
+  Pose odometry{state.odometry_x, state.odometry_y, state.odometry_yaw};
+  if (options.exact_localization) {
+    odometry = relative(options.localization_origin, {state.x, state.y, state.yaw});
+  } else {
+    odometry = compose(odometry, {state.linear * (1.0 + options.linear_bias) * interval_, 0.0,
+                                  state.angular * (1.0 + options.angular_bias) * interval_});
+  }
+  state.odometry_x = odometry.x;
+  state.odometry_y = odometry.y;
+  state.odometry_yaw = odometry.yaw;
+}
+
+Contact World::contact_at(int index, const Pose& pose) const {
+  const Robot& robot = at(index);
+  const std::vector<Polygon> outline = place(robot.options.footprint, pose);
+  for (const Polygon& polygon : outline) {
+    if (touches(*obstacles_, polygon)) return Contact::kWall;
+  }
+  for (int i = 0; i < size(); ++i) {
+    const Robot& other = robots_[i];
+    const double distance = std::hypot(other.state.x - pose.x, other.state.y - pose.y);
+    if (i == index || !other.options.solid || distance > robot.radius + other.radius) continue;
+    for (const Polygon& mine : outline) {
+      for (const Polygon& theirs : other.outline) {
+        if (overlap(mine, theirs)) return Contact::kRobot;
+      }
+    }
+  }
+  return Contact::kNone;
+}
+
+void World::scan(int index, int ranger_index, float* ranges) {
+  Robot& robot = at(index);
+  const Ranger& ranger = robot.options.rangers.at(static_cast<size_t>(ranger_index));
+  const Beams& beams = robot.beams[static_cast<size_t>(ranger_index)];
+  const Pose eye = compose({robot.state.x, robot.state.y, robot.state.yaw}, ranger.mount);
+  see_walls(robot, ranger, beams, eye, ranges);
+  for (int i = 0; i < size(); ++i) {
+    if (i != index && robots_[i].options.visible) see_robot(robots_[i], ranger, beams, eye, ranges);
+  }
+  add_noise(ranger, robot.noise, ranges);
+}
+
+void World::see_walls(const Robot&, const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const {
+  const double c = std::cos(eye.yaw);
+  const double s = std::sin(eye.yaw);
+  for (const Point& beam : beams.directions) {
+    const Point direction{c * beam.x - s * beam.y, s * beam.x + c * beam.y};
+    *ranges++ = static_cast<float>(visible_->cast({eye.x, eye.y}, direction, ranger.range_max));
+  }
+}
+
+void World::see_robot(const Robot& target, const Ranger& ranger, const Beams& beams, const Pose& eye,
+                      float* ranges) const {
+  const Pose centre = relative(eye, {target.state.x, target.state.y, 0.0});
+  const double distance = std::hypot(centre.x, centre.y);
+  if (distance > ranger.range_max + target.radius) return;
+  const double bearing = std::atan2(centre.y, centre.x);
+  const double half_width = distance > target.radius ? std::asin(target.radius / distance) : M_PI;
+  std::vector<Polygon> outline = target.outline;
+  for (Polygon& polygon : outline) {
+    for (Point& point : polygon) {
+      const Pose seen = relative(eye, {point.x, point.y, 0.0});
+      point = {seen.x, seen.y};
+    }
+  }
+  for (int i = 0; i < ranger.samples; ++i) {
+    const double angle = beams.first + i * beams.increment;
+    if (std::abs(wrap_angle(angle - bearing)) > half_width) continue;
+    for (const Polygon& polygon : outline) {
+      for (size_t j = 0; j < polygon.size(); ++j) {
+        const double range = ray_segment({0.0, 0.0}, beams.directions[static_cast<size_t>(i)], polygon[j],
+                                         polygon[(j + 1) % polygon.size()]);
+        ranges[i] = static_cast<float>(std::min<double>(ranges[i], range));
+      }
+    }
+  }
+}
+
+}  // namespace mr_sim

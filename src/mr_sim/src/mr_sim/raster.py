@@ -1,0 +1,130 @@
+"""Obstacles of a world description as a raster of occupied cells."""
+
+import math
+from dataclasses import dataclass
+from typing import List, Sequence, Tuple
+
+import cv2
+import numpy as np
+
+from mr_sim.world_file import WorldFileError
+from mr_sim.world_model import OCCUPIED_BELOW, Obstacle, Polygon, compose
+
+MAX_CELLS = 100_000_000
+
+
+@dataclass(frozen=True)
+class Grid:
+    """`cells`: uint8 (rows, columns), 1 = occupied, row 0 at the bottom; `origin`: lower left corner in metres."""
+
+    cells: np.ndarray
+    resolution: float
+    origin: Tuple[float, float]
+
+
+def load_bitmap(obstacle: Obstacle) -> np.ndarray:
+    """Occupied pixels, bool (rows, columns), row 0 at the bottom, cropped to their bounding box as Stage does."""
+    image = cv2.imread(str(obstacle.bitmap), cv2.IMREAD_GRAYSCALE)
+    if image is None:
+        raise WorldFileError(str(obstacle.bitmap), "is not an image that can be read")
+    occupied = np.flipud(image < OCCUPIED_BELOW)
+    rows, columns = np.flatnonzero(occupied.any(axis=1)), np.flatnonzero(occupied.any(axis=0))
+    if rows.size == 0:
+        raise WorldFileError(str(obstacle.bitmap), "has no dark pixel, so no walls")
+    return occupied[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+
+
+def _bounds(obstacles: Sequence[Obstacle]) -> Tuple[float, float, float, float]:
+    points: List[Tuple[float, float]] = [(0.0, 0.0)] if not obstacles else []
+    for obstacle in obstacles:
+        half_x, half_y = obstacle.size[0] / 2.0, obstacle.size[1] / 2.0
+        for corner in ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)):
+            x, y, _ = compose(obstacle.pose, (*corner, 0.0))
+            points.append((x, y))
+    xs, ys = [p[0] for p in points], [p[1] for p in points]
+    return min(xs), min(ys), max(xs), max(ys)
+
+
+class _Canvas:
+    """Marks cells; a cell is occupied when its centre lies in an obstacle or a fine detail of one lies in the cell."""
+
+    def __init__(self, bounds: Tuple[float, float, float, float], resolution: float) -> None:
+        # The lattice holds the world's zero; a tiny slack keeps rounding from adding an empty row.
+        first_column = math.floor(bounds[0] / resolution + 1e-6)
+        first_row = math.floor(bounds[1] / resolution + 1e-6)
+        columns = max(1, math.ceil(bounds[2] / resolution - 1e-6) - first_column)
+        rows = max(1, math.ceil(bounds[3] / resolution - 1e-6) - first_row)
+        if rows * columns > MAX_CELLS:
+            raise ValueError(f"resolution {resolution:g} m makes {rows} x {columns} cells: choose a coarser one")
+        self.resolution = resolution
+        self.origin = (first_column * resolution, first_row * resolution)
+        self.cells = np.zeros((rows, columns), dtype=np.uint8)
+
+    def _cells_at(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        indices = np.floor((points - self.origin) / self.resolution + 1e-6).astype(np.int64)
+        rows, columns = self.cells.shape
+        return np.clip(indices[..., 1], 0, rows - 1), np.clip(indices[..., 0], 0, columns - 1)
+
+    def _centres(self, corners: np.ndarray) -> Tuple[np.ndarray, slice, slice]:
+        """World coordinates (rows, columns, 2) of the cell centres in the bounding box of `corners`."""
+        rows, columns = self._cells_at(corners)
+        row_slice = slice(int(rows.min()), int(rows.max()) + 1)
+        column_slice = slice(int(columns.min()), int(columns.max()) + 1)
+        x = self.origin[0] + (np.arange(column_slice.start, column_slice.stop) + 0.5) * self.resolution
+        y = self.origin[1] + (np.arange(row_slice.start, row_slice.stop) + 0.5) * self.resolution
+        return np.stack(np.meshgrid(x, y), axis=-1), row_slice, column_slice
+
+    def draw_bitmap(self, obstacle: Obstacle) -> None:
+        pixels = load_bitmap(obstacle)
+        rows, columns = pixels.shape
+        scale = np.array([obstacle.size[0] / columns, obstacle.size[1] / rows])
+        cosine, sine = math.cos(obstacle.pose[2]), math.sin(obstacle.pose[2])
+        rotation = np.array([[cosine, -sine], [sine, cosine]])
+        half = np.array(obstacle.size) / 2.0
+        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half @ rotation.T + obstacle.pose[:2]
+        centres, row_slice, column_slice = self._centres(corners)
+        local = ((centres - obstacle.pose[:2]) @ rotation + half) / scale
+        index = np.floor(local + 1e-6).astype(np.int64)
+        inside = ((index >= 0) & (index < [columns, rows])).all(axis=-1)
+        index = np.clip(index, 0, [columns - 1, rows - 1])
+        self.cells[row_slice, column_slice] |= (inside & pixels[index[..., 1], index[..., 0]]).astype(np.uint8)
+        if scale.min() < self.resolution:
+            occupied = np.argwhere(pixels)[:, ::-1] + 0.5
+            self.cells[self._cells_at((occupied * scale - half) @ rotation.T + obstacle.pose[:2])] = 1
+
+    def draw_polygon(self, corners: np.ndarray) -> None:
+        centres, row_slice, column_slice = self._centres(corners)
+        inside = np.zeros(centres.shape[:2], dtype=bool)
+        x, y = centres[..., 0], centres[..., 1]
+        for a, b in zip(corners, np.roll(corners, -1, axis=0)):
+            if a[1] != b[1]:
+                crossing = (a[1] > y) != (b[1] > y)
+                inside ^= crossing & (x < (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]) + a[0])
+        self.cells[row_slice, column_slice] |= inside.astype(np.uint8)
+
+    def draw_line(self, a: np.ndarray, b: np.ndarray) -> None:
+        count = int(np.ceil(2.0 * np.hypot(*(b - a)) / self.resolution)) + 1
+        self.cells[self._cells_at(a + (b - a) * np.linspace(0.0, 1.0, count)[:, None])] = 1
+
+
+def _place(polygon: Polygon, obstacle: Obstacle) -> np.ndarray:
+    return np.array([compose(obstacle.pose, (x, y, 0.0))[:2] for x, y in polygon])
+
+
+def rasterise(obstacles: Sequence[Obstacle], resolution: float) -> Grid:
+    """Raster of the given obstacles at `resolution` metres. Raises WorldFileError for a bitmap without use."""
+    canvas = _Canvas(_bounds(obstacles), resolution)
+    for obstacle in obstacles:
+        if obstacle.bitmap is not None:
+            canvas.draw_bitmap(obstacle)
+        for polygon in obstacle.polygons:
+            corners = _place(polygon, obstacle)
+            canvas.draw_polygon(corners)
+            for a, b in zip(corners, np.roll(corners, -1, axis=0)):
+                canvas.draw_line(a, b)
+        if obstacle.boundary:
+            half_x, half_y = obstacle.size[0] / 2.0, obstacle.size[1] / 2.0
+            corners = _place(((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)), obstacle)
+            for a, b in zip(corners, np.roll(corners, -1, axis=0)):
+                canvas.draw_line(a, b)
+    return Grid(canvas.cells, resolution, canvas.origin)

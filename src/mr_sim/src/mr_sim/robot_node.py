@@ -1,0 +1,149 @@
+"""The robot node: the base and laser of one simulated robot on that robot's ROS master, as stageros offers them."""
+
+import math
+import sys
+from typing import List
+
+import rospy
+import tf2_ros
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import LaserScan
+
+from mr_sim import protocol, ros_io
+from mr_sim.world_client import ConnectionRefused, WorldClient
+
+CLOCK_INTERVAL = 0.05  # s of simulated time
+
+# Private parameters and their defaults.
+PARAMETERS = {
+    "socket": "",
+    "robot_name": "robot_0",
+    "prefix": "",
+    "publish_clock": True,
+    "publish_ground_truth": True,
+    "connect_timeout": 30.0,
+}
+TOPICS = ("cmd_vel", "odom", "base_pose_ground_truth", "base_scan")
+
+
+class ParameterError(ValueError):
+    """A parameter that cannot be used."""
+
+
+def read_parameters() -> dict:
+    """Private parameters; raises ParameterError naming the culprit."""
+    values = {}
+    for name, default in PARAMETERS.items():
+        value = rospy.get_param(f"~{name}", default)
+        if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
+            value = float(value)
+        if type(value) is not type(default):
+            raise ParameterError(f"~{name} must be of type {type(default).__name__}, not {value!r}")
+        values[name] = value
+    if not values["socket"]:
+        raise ParameterError("~socket is not set: give the path of the world process's socket")
+    if not values["connect_timeout"] >= 0.0:
+        raise ParameterError(f"~connect_timeout must be >= 0 s, not {values['connect_timeout']:g}")
+    return values
+
+
+class RobotNode:
+    """Publishes what the world says, sends velocity commands to it."""
+
+    def __init__(self, client: WorldClient, prefix: str, publish_clock: bool, publish_ground_truth: bool) -> None:
+        self._client = client
+        self._prefix = prefix
+        self._next_clock = 0.0 if publish_clock else math.inf
+        self._clock = rospy.Publisher("/clock", Clock, queue_size=10) if publish_clock else None
+        self._odometry = rospy.Publisher(prefix + "odom", Odometry, queue_size=10)
+        self._truth = (
+            rospy.Publisher(prefix + "base_pose_ground_truth", Odometry, queue_size=10) if publish_ground_truth else None
+        )
+        rangers = client.welcome.rangers
+        self._scans = [
+            rospy.Publisher(prefix + name, LaserScan, queue_size=10)
+            for name in ros_io.device_names("base_scan", len(rangers))
+        ]
+        frames = [prefix + name for name in ros_io.device_names("base_laser_link", len(rangers))]
+        self._scan_messages = [ros_io.scan_message(frame, ranger) for frame, ranger in zip(frames, rangers)]
+        self._odometry_message = ros_io.odometry_message(prefix + "odom", prefix + "base_footprint")
+        self._truth_message = ros_io.odometry_message(prefix + "odom", prefix + "base_footprint")
+        self._transforms = tf2_ros.TransformBroadcaster()
+        self._static_transforms = tf2_ros.StaticTransformBroadcaster()
+        self._send_static_transforms(frames)
+        self._subscriber = rospy.Subscriber(prefix + "cmd_vel", Twist, self._on_command, queue_size=1, tcp_nodelay=True)
+
+    def _send_static_transforms(self, laser_frames: List[str]) -> None:
+        zero, base = rospy.Time(0), self._prefix + "base_link"
+        mounts = [ranger.mount for ranger in self._client.welcome.rangers]
+        self._static_transforms.sendTransform(
+            [ros_io.transform(zero, self._prefix + "base_footprint", base, (0.0, 0.0, 0.0))]
+            + [ros_io.transform(zero, base, frame, mount) for frame, mount in zip(laser_frames, mounts)]
+        )
+
+    def _on_command(self, message: Twist) -> None:
+        linear, angular = message.linear.x, message.angular.z
+        if math.isfinite(linear) and math.isfinite(angular):
+            self._client.command(linear, angular)
+        else:
+            rospy.logwarn_throttle(1.0, "cmd_vel ignored: its velocities must be finite numbers")
+
+    def run(self) -> int:
+        """Publish until the world ends (0) or the connection is lost (1)."""
+        while not rospy.is_shutdown():
+            message = self._client.receive()
+            if isinstance(message, protocol.State):
+                self._publish_state(message)
+            elif isinstance(message, protocol.Ranges):
+                self._publish_ranges(message)
+            elif isinstance(message, protocol.Bye):
+                rospy.loginfo("the world has ended")
+                return 0
+            elif not rospy.is_shutdown():
+                rospy.logerr("connection to the world lost")
+                return 1
+        return 0
+
+    def _publish_state(self, state: protocol.State) -> None:
+        stamp = rospy.Time.from_sec(state.time)
+        if self._clock and state.time >= self._next_clock:
+            self._next_clock = state.time + CLOCK_INTERVAL - 1e-6
+            self._clock.publish(stamp)
+        odometry, base = self._prefix + "odom", self._prefix + "base_footprint"
+        self._transforms.sendTransform(ros_io.transform(stamp, odometry, base, state.odometry))
+        ros_io.fill_odometry(self._odometry_message, stamp, state.odometry, (state.wheels[0], 0.0, state.wheels[1]))
+        self._odometry.publish(self._odometry_message)
+        if self._truth and self._truth.get_num_connections():
+            ros_io.fill_odometry(self._truth_message, stamp, state.pose, state.velocity)
+            self._truth.publish(self._truth_message)
+
+    def _publish_ranges(self, message: protocol.Ranges) -> None:
+        scan = self._scan_messages[message.ranger]
+        scan.header.stamp = rospy.Time.from_sec(message.time)
+        scan.ranges = message.ranges
+        self._scans[message.ranger].publish(scan)
+
+
+def main() -> int:
+    """Run the node; returns its exit code."""
+    # This node makes the time of its master: it must not wait for it.
+    rospy.init_node("robot", disable_rostime=True)
+    try:
+        parameters = read_parameters()
+        client = WorldClient.connect(
+            parameters["socket"], parameters["robot_name"], timeout=parameters["connect_timeout"]
+        )
+    except (ParameterError, ConnectionRefused) as error:
+        rospy.logfatal(str(error))
+        print(f"robot: {error}", file=sys.stderr)
+        return 1
+    if parameters["publish_clock"]:
+        rospy.set_param("/use_sim_time", True)
+    rospy.on_shutdown(client.close)
+    node = RobotNode(client, parameters["prefix"], parameters["publish_clock"], parameters["publish_ground_truth"])
+    rospy.loginfo("%s is in the world on %s", parameters["robot_name"], parameters["socket"])
+    code = node.run()
+    rospy.signal_shutdown("the world has ended")
+    return code

@@ -1,0 +1,1 @@
+"""Local SLAM of one robot: the engine, and its edge to ROS in ros_io."""

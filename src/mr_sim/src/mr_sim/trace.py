@@ -1,0 +1,80 @@
+"""Truth trace of a run: what every robot really did. Written by the world process, read by the measures.
+
+A text file. Lines with `#` are remarks: the first names world, seed and wanted real-time factor, the last
+(`# end simulated S wall W real_time_factor F`) is there only after an orderly end. All others are CSV rows, one per
+robot and base update, in the order of `COLUMNS`: simulated and wall seconds since the world began to move, the robot's
+name, true pose (m, rad), true forward speed (m/s) and turn rate (rad/s), whether it was blocked in this step, and what
+its footprint would have overlapped had it not been (0 nothing, 1 a wall, 2 another robot).
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Dict, Optional, TextIO, Union
+
+import numpy as np
+
+COLUMNS = ("time", "wall", "robot", "x", "y", "yaw", "v", "w", "stalled", "collision")
+
+_DTYPE = np.dtype(
+    [("time", "f8"), ("wall", "f8"), ("x", "f8"), ("y", "f8"), ("yaw", "f8"), ("v", "f8"), ("w", "f8"),
+     ("stalled", "u1"), ("collision", "u1")]
+)  # fmt: skip
+
+
+class TraceError(ValueError):
+    """A file that is not a truth trace."""
+
+
+class TraceWriter:
+    """Writes a trace to an open text file; flushes every simulated second."""
+
+    def __init__(self, file: TextIO, world: str, seed: int, real_time_factor: float) -> None:
+        self._file = file
+        self._flush_at = 0.0
+        file.write(f"# mr_sim trace 1 seed {seed} real_time_factor {real_time_factor:g} world {world}\n")
+        file.write(",".join(COLUMNS) + "\n")
+
+    def write(self, time: float, wall: float, robot: str, record: np.void) -> None:
+        """`record`: one element of `World.states()`."""
+        speed = record["velocity_x"] * np.cos(record["yaw"]) + record["velocity_y"] * np.sin(record["yaw"])
+        self._file.write(
+            f"{time:.3f},{wall:.3f},{robot},{record['x']:.5f},{record['y']:.5f},{record['yaw']:.5f},"
+            f"{speed:.4f},{record['velocity_yaw']:.4f},{record['stalled']},{record['contact']}\n"
+        )
+        if time >= self._flush_at:
+            self._file.flush()
+            self._flush_at = time + 1.0
+
+    def close(self, simulated: float, wall: float) -> None:
+        factor = simulated / wall if wall > 0.0 else 0.0
+        self._file.write(f"# end simulated {simulated:.3f} wall {wall:.3f} real_time_factor {factor:.4f}\n")
+        self._file.close()
+
+
+@dataclass(frozen=True)
+class Trace:
+    """`robots`: per name a record array with the fields of COLUMNS without `robot`, in time order."""
+
+    robots: Dict[str, np.ndarray]
+    real_time_factor: Optional[float]  # achieved; None when the run did not end in order
+
+
+def read_trace(path: Union[str, Path]) -> Trace:
+    """Read a trace; a last line cut short by a crash is left out. Raises TraceError."""
+    rows: Dict[str, list] = {}
+    factor: Optional[float] = None
+    with open(path, encoding="utf-8") as file:
+        if not file.readline().startswith("# mr_sim trace 1 "):
+            raise TraceError(f"{path} is not a truth trace of mr_sim")
+        for number, line in enumerate(file, start=2):
+            if line.startswith("# end "):
+                factor = float(line.split()[-1])
+            if line.startswith(("#", "time,")) or not line.endswith("\n"):
+                continue
+            fields = line.split(",")
+            try:
+                values = tuple(float(value) for value in (*fields[:2], *fields[3:]))
+                rows.setdefault(fields[2], []).append(np.array([values], dtype=_DTYPE)[0].item())
+            except (ValueError, IndexError) as error:
+                raise TraceError(f"{path}:{number}: not a row of a truth trace") from error
+    return Trace({name: np.array(values, dtype=_DTYPE) for name, values in rows.items()}, factor)

@@ -1,0 +1,164 @@
+"""The world engine: truth about walls and robots, advanced step by step.
+
+Pure: time moves only by `step`, randomness comes from the seed, nothing is read or written. The same seed and the same
+commands at the same steps give the same bits.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Iterator, List, Optional, Tuple
+
+import numpy as np
+
+from mr_sim import _world
+from mr_sim.raster import Grid, rasterise
+from mr_sim.world_model import Pose, RobotDescription, WorldDescription
+
+COMMAND_TIMEOUT = 0.5  # s of simulated time without a fresh command after which a robot stops
+
+NO_CONTACT, CONTACT_WITH_WALL, CONTACT_WITH_ROBOT = 0, 1, 2
+
+
+class WorldError(ValueError):
+    """A world that cannot be simulated as asked."""
+
+
+@dataclass(frozen=True)
+class Scan:
+    """One sweep: `ranges` float32 (samples,), metres, counter-clockwise from the ranger's `angle_min`."""
+
+    robot: int
+    ranger: int
+    ranges: np.ndarray
+
+
+def _steps(interval: float, step: float) -> int:
+    """Simulation steps between updates; as in Stage an update falls on the first step at or after its time."""
+    return max(1, math.ceil(interval / step - 1e-6))
+
+
+class World:
+    """Robots of a world description in its walls.
+
+    Args:
+        description: from `world_model.load_world`.
+        robots: how many of the robots take part, in file order; all when None. The others are absent.
+        seed: of range noise and odometry bias; each robot has streams of its own, so one more robot changes nothing
+            for the others.
+    """
+
+    def __init__(
+        self,
+        description: WorldDescription,
+        robots: Optional[int] = None,
+        seed: int = 0,
+        command_timeout: float = COMMAND_TIMEOUT,
+    ) -> None:
+        count = len(description.robots) if robots is None else robots
+        if count < 1 or count > len(description.robots):
+            raise WorldError(
+                f"{description.path} defines {len(description.robots)} robots; asked for {count}: "
+                "add position models to the world or ask for fewer"
+            )
+        self.description = description
+        self.robots: Tuple[RobotDescription, ...] = description.robots[:count]
+        self.names: Tuple[str, ...] = tuple(robot.name for robot in self.robots)
+        self.interval = description.interval
+        self.obstacles = rasterise([o for o in description.obstacles if o.solid], description.resolution)
+        self.visible = rasterise([o for o in description.obstacles if o.visible], description.resolution)
+        self.core = _world.World(_core_raster(self.obstacles), _core_raster(self.visible), description.interval)
+        self.odometry_bias: List[Tuple[float, float]] = []  # per robot: shares by which distance and turn count wrong
+        for index, robot in enumerate(self.robots):
+            self._add_robot(index, robot, seed, command_timeout)
+        self._check_starts()
+        self._scan_steps = [[_steps(r.update_interval, self.interval) for r in robot.rangers] for robot in self.robots]
+
+    def _add_robot(self, index: int, robot: RobotDescription, seed: int, command_timeout: float) -> None:
+        sequence = np.random.SeedSequence([seed, index])
+        generator = np.random.Generator(np.random.PCG64(sequence))
+        forward, _, _, turn = robot.odom_error
+        bias = (float(generator.uniform(-forward, forward)), float(generator.uniform(-turn, turn)))
+        self.odometry_bias.append((0.0, 0.0) if robot.exact_localization else bias)
+        self.core.add_robot(
+            start=robot.start,
+            footprint=robot.footprint,
+            linear_bounds=robot.linear_bounds,
+            angular_bounds=robot.angular_bounds,
+            localization_origin=robot.localization_origin,
+            exact_localization=robot.exact_localization,
+            bias=bias,
+            base_steps=_steps(robot.update_interval, self.interval),
+            command_timeout=command_timeout,
+            visible=robot.visible,
+            solid=robot.solid,
+            noise_seed=int(generator.integers(0, 2**63)),
+            rangers=[
+                _world.Ranger(r.mount, r.range_max, r.field_of_view, r.samples, r.noise_variance)
+                for r in robot.rangers
+            ],
+        )
+
+    def _check_starts(self) -> None:
+        for index, robot in enumerate(self.robots):
+            contact = self.core.contact_at(index, robot.start)
+            if contact != NO_CONTACT:
+                what = "a wall" if contact == CONTACT_WITH_WALL else "another robot"
+                raise WorldError(
+                    f"{self.description.path}: {robot.name} starts inside {what} at "
+                    f"({robot.start[0]:g}, {robot.start[1]:g}): move its pose"
+                )
+
+    @property
+    def time(self) -> float:
+        """Simulated seconds since the start."""
+        return self.core.time
+
+    @property
+    def steps(self) -> int:
+        return self.core.steps
+
+    def next_deadline(self) -> float:
+        """Simulated time of the next step."""
+        return (self.core.steps + 1) * self.interval
+
+    def index(self, name: str) -> int:
+        """Place of a robot in `names`; raises WorldError for a robot that does not take part."""
+        try:
+            return self.names.index(name)
+        except ValueError:
+            raise WorldError(f'no robot "{name}" in this world; there are {", ".join(self.names)}') from None
+
+    def command(self, robot: int, linear: float, angular: float) -> None:
+        """Velocity wanted from now on, m/s and rad/s; takes effect with the robot's next base update.
+
+        Raises ValueError unless both are finite.
+        """
+        self.core.command(robot, linear, angular)
+
+    def step(self) -> None:
+        """Advance by one interval."""
+        self.core.step()
+
+    def states(self) -> np.ndarray:
+        """One record per robot: odometry_x/y/yaw, linear, angular, x/y/yaw, velocity_x/y/yaw, stalled, contact."""
+        return self.core.states()
+
+    def base_due(self, robot: int) -> bool:
+        """Whether the present step is a base update of the robot."""
+        return self.steps % _steps(self.robots[robot].update_interval, self.interval) == 0
+
+    def due_scans(self) -> Iterator[Scan]:
+        """Sweeps of the rangers whose update falls on the present step. Consumes noise: once per step."""
+        for robot, intervals in enumerate(self._scan_steps):
+            for ranger, interval in enumerate(intervals):
+                if self.steps % interval == 0:
+                    yield Scan(robot, ranger, self.core.scan(robot, ranger))
+
+    def pose(self, robot: int) -> Pose:
+        """True pose in the world frame."""
+        state = self.core.states()[robot]
+        return float(state["x"]), float(state["y"]), float(state["yaw"])
+
+
+def _core_raster(grid: Grid) -> _world.Raster:
+    return _world.Raster(grid.cells, grid.resolution, grid.origin)
