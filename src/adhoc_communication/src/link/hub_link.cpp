@@ -1,0 +1,81 @@
+#include "link/hub_link.hpp"
+
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "link/ethernet.hpp"
+#include "link/mac_address.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+constexpr std::size_t kLargestFrame = 4096;
+
+FileDescriptor connect_to(const std::string& path) {
+  struct sockaddr_un remote {};
+  remote.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof remote.sun_path) {
+    throw LinkError("hub socket '" + path + "': a path of 1 to " + std::to_string(sizeof remote.sun_path - 1) +
+                    " characters is needed behind hub:");
+  }
+  path.copy(remote.sun_path, path.size());
+  FileDescriptor descriptor(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (connect(descriptor.get(), reinterpret_cast<struct sockaddr*>(&remote), sizeof remote) != 0) {
+    throw LinkError("no radio answers at hub socket '" + path + "' (" + std::strerror(errno) +
+                    "): start \"rosrun adhoc_communication radio --hub " + path + "\" first");
+  }
+  return descriptor;
+}
+
+}  // namespace
+
+HubLink::HubLink(std::string path, std::optional<MacAddress> address, std::string robot_name)
+    : path_(std::move(path)),
+      robot_name_(std::move(robot_name)),
+      address_(address ? *address : address_of_robot(robot_name_)),
+      buffer_(kLargestFrame) {
+  connect();
+}
+
+void HubLink::connect() {
+  FileDescriptor descriptor = connect_to(path_);
+  if (::send(descriptor.get(), robot_name_.data(), robot_name_.size(), MSG_NOSIGNAL) < 0) {
+    throw LinkError("hub socket '" + path_ + "' refuses this robot: " + std::strerror(errno));
+  }
+  socket_ = std::move(descriptor);
+}
+
+std::optional<Frame> HubLink::receive() {
+  while (socket_.is_open()) {
+    const ssize_t size = recv(socket_.get(), buffer_.data(), buffer_.size(), 0);
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0 && errno == EAGAIN) return std::nullopt;
+    if (size <= 0) {  // the daemon has ended; tend() connects to the next one
+      socket_.reset();
+      return std::nullopt;
+    }
+    auto frame = from_wire(buffer_.data(), static_cast<std::size_t>(size));
+    if (!frame || frame->source == address_) continue;
+    if (frame->destination == address_ || frame->destination == kBroadcastAddress) return frame;
+  }
+  return std::nullopt;
+}
+
+void HubLink::send(const Frame& frame) {
+  if (!socket_.is_open()) return;
+  const Bytes octets = to_wire(frame);
+  ::send(socket_.get(), octets.data(), octets.size(), MSG_NOSIGNAL);
+}
+
+void HubLink::tend() {
+  if (socket_.is_open()) return;
+  try {
+    connect();
+  } catch (const LinkError&) {  // still no daemon; the next call tries again
+  }
+}
+
+}  // namespace adhoc_communication

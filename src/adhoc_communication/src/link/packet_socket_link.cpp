@@ -1,0 +1,150 @@
+#include "link/packet_socket_link.hpp"
+
+#include <arpa/inet.h>
+#include <linux/if_packet.h>
+#include <net/if.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "link/ethernet.hpp"
+#include "link/mac_address.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+constexpr std::size_t kLargestFrame = 65536 + kEthernetHeaderSize;  // lo has an MTU of 65536
+
+std::string existing_interfaces() {
+  std::string names;
+  struct if_nameindex* list = if_nameindex();
+  for (auto* entry = list; entry != nullptr && entry->if_index != 0; ++entry) {
+    names += (names.empty() ? "" : ", ") + std::string(entry->if_name);
+  }
+  if (list != nullptr) if_freenameindex(list);
+  return names.empty() ? "none" : names;
+}
+
+FileDescriptor open_socket(const std::string& interface) {
+  FileDescriptor descriptor(
+      socket(AF_PACKET, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));  // protocol 0: nothing is heard before bind()
+  if (descriptor.is_open()) return descriptor;
+  if (errno == EPERM || errno == EACCES) {
+    throw LinkError("raw frames on interface '" + interface +
+                    "' need the capability cap_net_raw: grant it once with \"sudo setcap cap_net_raw+ep "
+                    "$(readlink -f /path/to/adhoc_communication)\", start as root, or use interface:=hub:/path");
+  }
+  throw LinkError("cannot open a raw socket for interface '" + interface + "': " + std::strerror(errno));
+}
+
+struct ifreq request_for(const std::string& interface) {
+  struct ifreq request {};
+  interface.copy(request.ifr_name, IFNAMSIZ - 1);
+  return request;
+}
+
+MacAddress hardware_address(int socket, const std::string& interface) {
+  struct ifreq request = request_for(interface);
+  MacAddress address{};
+  if (ioctl(socket, SIOCGIFHWADDR, &request) == 0) {
+    std::copy_n(reinterpret_cast<const std::uint8_t*>(request.ifr_hwaddr.sa_data), address.size(), address.begin());
+  }
+  return address;
+}
+
+int interface_mtu(int socket, const std::string& interface) {
+  struct ifreq request = request_for(interface);
+  return ioctl(socket, SIOCGIFMTU, &request) == 0 ? request.ifr_mtu : 1500;
+}
+
+bool interface_is_up(int socket, const std::string& interface) {
+  struct ifreq request = request_for(interface);
+  return ioctl(socket, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP);
+}
+
+}  // namespace
+
+PacketSocketLink::PacketSocketLink(std::string interface, std::optional<MacAddress> address,
+                                   const std::string& robot_name)
+    : interface_(std::move(interface)), buffer_(kLargestFrame) {
+  open();
+  address_ = address ? *address : hardware_address(socket_.get(), interface_);
+  if (is_zero(address_)) address_ = address_of_robot(robot_name);
+}
+
+void PacketSocketLink::open() {
+  const unsigned index = interface_.size() < IFNAMSIZ ? if_nametoindex(interface_.c_str()) : 0;
+  if (index == 0) {
+    throw LinkError("interface '" + interface_ + "' does not exist (existing: " + existing_interfaces() + ")");
+  }
+  FileDescriptor descriptor = open_socket(interface_);
+  struct sockaddr_ll local {};
+  local.sll_family = AF_PACKET;
+  local.sll_protocol = htons(kEthertype);
+  local.sll_ifindex = static_cast<int>(index);
+  if (bind(descriptor.get(), reinterpret_cast<struct sockaddr*>(&local), sizeof local) != 0) {
+    throw LinkError("cannot listen on interface '" + interface_ + "': " + std::strerror(errno));
+  }
+  const int buffer_size = 4 << 20;
+  setsockopt(descriptor.get(), SOL_SOCKET, SO_RCVBUF, &buffer_size, sizeof buffer_size);
+  index_ = static_cast<int>(index);
+  mtu_ = interface_mtu(descriptor.get(), interface_);
+  up_ = interface_is_up(descriptor.get(), interface_);
+  socket_ = std::move(descriptor);
+}
+
+bool PacketSocketLink::concerns_us(const Frame& frame) const {
+  if (hears_all_) return true;
+  if (frame.source == address_) return false;
+  return frame.destination == address_ || frame.destination == kBroadcastAddress;
+}
+
+std::optional<Frame> PacketSocketLink::receive() {
+  while (socket_.is_open()) {
+    const ssize_t size = recv(socket_.get(), buffer_.data(), buffer_.size(), 0);
+    if (size < 0) {
+      if (errno == EINTR) continue;
+      if (errno != EAGAIN) up_ = false;  // ENETDOWN is reported once; tend() looks when it is back
+      return std::nullopt;
+    }
+    auto frame = from_wire(buffer_.data(), static_cast<std::size_t>(size));
+    if (frame && concerns_us(*frame)) return frame;
+  }
+  return std::nullopt;
+}
+
+void PacketSocketLink::send(const Frame& frame) {
+  if (!socket_.is_open()) return;
+  const Bytes octets = to_wire(frame);
+  struct sockaddr_ll remote {};
+  remote.sll_family = AF_PACKET;
+  remote.sll_protocol = htons(kEthertype);
+  remote.sll_ifindex = index_;
+  remote.sll_halen = 6;
+  std::copy(frame.destination.begin(), frame.destination.end(), remote.sll_addr);
+  const ssize_t sent = sendto(socket_.get(), octets.data(), octets.size(), 0,
+                              reinterpret_cast<struct sockaddr*>(&remote), sizeof remote);
+  if (sent < 0 && (errno == ENETDOWN || errno == ENXIO || errno == ENODEV)) up_ = false;
+}
+
+void PacketSocketLink::tend() {
+  const unsigned index = if_nametoindex(interface_.c_str());
+  if (index == 0) {
+    up_ = false;
+    return;
+  }
+  if (static_cast<int>(index) != index_) {  // the interface was removed and made anew
+    try {
+      open();
+    } catch (const LinkError&) {
+      up_ = false;
+    }
+    return;
+  }
+  up_ = interface_is_up(socket_.get(), interface_);
+}
+
+}  // namespace adhoc_communication

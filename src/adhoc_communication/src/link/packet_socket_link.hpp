@@ -1,0 +1,41 @@
+// Raw frames on a network interface (AF_PACKET). Needs the capability cap_net_raw, nothing else of root.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "link/file_descriptor.hpp"
+#include "link/link.hpp"
+
+namespace adhoc_communication {
+
+class PacketSocketLink : public Link {
+ public:
+  PacketSocketLink(std::string interface, std::optional<MacAddress> address, const std::string& robot_name);
+
+  int descriptor() const override { return socket_.get(); }
+  std::optional<Frame> receive() override;
+  void send(const Frame& frame) override;
+  void tend() override;
+  bool is_up() const override { return up_; }
+  MacAddress address() const override { return address_; }
+  int mtu() const override { return mtu_; }
+
+  /// Every frame on the interface, whoever it is for; own frames are still left out. For the radio daemon.
+  void hear_all() { hears_all_ = true; }
+
+ private:
+  void open();
+  bool concerns_us(const Frame& frame) const;
+
+  std::string interface_;
+  FileDescriptor socket_;
+  MacAddress address_{};
+  int index_ = 0;
+  int mtu_ = 0;
+  bool up_ = false;
+  bool hears_all_ = false;
+  std::vector<std::uint8_t> buffer_;
+};
+
+}  // namespace adhoc_communication

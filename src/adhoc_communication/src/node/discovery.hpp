@@ -1,0 +1,33 @@
+// The topics that tell which robots come and go.
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+
+#include <mutex>
+#include <set>
+#include <string>
+
+namespace adhoc_communication {
+
+/// new_robot and remove_robot (std_msgs/String). Plain latching would keep the last name only; here a late subscriber of
+/// new_robot is sent the name of every robot present, and one of remove_robot the last robot lost if it is still away.
+class Discovery {
+ public:
+  Discovery(ros::NodeHandle& node, const std::string& new_robot_topic, const std::string& remove_robot_topic);
+
+  void announce(const std::string& robot);
+  void announce_loss(const std::string& robot);
+
+ private:
+  void greet(const ros::SingleSubscriberPublisher& subscriber);
+  void greet_with_loss(const ros::SingleSubscriberPublisher& subscriber);
+
+  std::mutex mutex_;
+  std::set<std::string> present_;
+  std::string last_lost_;
+  ros::Publisher new_robot_;
+  ros::Publisher remove_robot_;
+};
+
+}  // namespace adhoc_communication

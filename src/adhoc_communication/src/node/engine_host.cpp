@@ -1,0 +1,215 @@
+#include "node/engine_host.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+#include "link/mac_address.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+constexpr int kFramesPerTurn = 64;  ///< so that commands and timers are served while frames pour in
+constexpr Time kTendingInterval = std::chrono::seconds(1);
+const char* const kShutsDown = "the node is shutting down";
+
+Time steady_now() { return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now().time_since_epoch()); }
+
+template <typename Value>
+Value drawn_from_system() {
+  Value value{};
+  if (getrandom(&value, sizeof value, 0) != static_cast<ssize_t>(sizeof value)) {
+    throw std::runtime_error("the system gives no random numbers");
+  }
+  return value;
+}
+
+}  // namespace
+
+EngineHost::EngineHost(const EngineOptions& options, std::unique_ptr<Link> link, ReceiveFilter filter,
+                       HostCallbacks callbacks)
+    : link_(std::move(link)),
+      filter_(std::move(filter)),
+      callbacks_(std::move(callbacks)),
+      engine_(options, link_->address(), drawn_from_system<BootId>(), drawn_from_system<std::uint64_t>(), steady_now()),
+      wake_up_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  thread_ = std::thread([this] { run(); });
+}
+
+EngineHost::~EngineHost() { stop(); }
+
+void EngineHost::stop() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  eventfd_write(wake_up_.get(), 1);
+  if (thread_.joinable()) thread_.join();
+}
+
+void EngineHost::run() {
+  for (;;) {
+    wait_for_work();
+    const Time now = steady_now();
+    run_commands(now);
+    receive_frames(now);
+    transmit(now);
+    report_events();
+    tend_link(now);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (stopping_) break;
+  }
+  fail_all_waiters();
+}
+
+void EngineHost::wait_for_work() {
+  const Time deadline = std::min(engine_.next_deadline(), next_tending_);
+  const Time wait = std::max(deadline - steady_now(), Time::zero());
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(wait);
+  const struct timespec timeout {
+    static_cast<time_t>(seconds.count()), static_cast<long>((wait - seconds).count())
+  };
+  struct pollfd sources[2] = {{wake_up_.get(), POLLIN, 0}, {link_->descriptor(), POLLIN, 0}};
+  ppoll(sources, 2, &timeout, nullptr);
+}
+
+void EngineHost::run_commands(Time now) {
+  std::deque<Command> commands;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    eventfd_t count = 0;
+    eventfd_read(wake_up_.get(), &count);
+    commands.swap(commands_);
+  }
+  for (const auto& command : commands) command(now);
+}
+
+void EngineHost::receive_frames(Time now) {
+  for (int i = 0; i < kFramesPerTurn; ++i) {
+    const auto frame = link_->receive();
+    if (!frame) return;
+    if (filter_.accepts(*frame)) engine_.receive(*frame, now);
+  }
+}
+
+void EngineHost::transmit(Time now) {
+  for (const auto& frame : engine_.poll(now)) link_->send(frame);
+}
+
+void EngineHost::report_events() {
+  while (auto event = engine_.next_event()) {
+    std::visit([this](auto& value) { report(value); }, *event);
+  }
+  if (const auto address = filter_.next_unnamed_sender()) {
+    callbacks_.on_warning("frames from " + to_text(*address) +
+                          " are dropped: the channel model cannot tell which robot that is; name it in sim_robot_macs");
+  }
+}
+
+void EngineHost::report(PacketReceived& packet) { callbacks_.on_packet(std::move(packet)); }
+
+void EngineHost::report(const RobotAppeared& event) { callbacks_.on_robot_appeared(event.robot); }
+
+void EngineHost::report(const RobotLost& event) { callbacks_.on_robot_lost(event.robot); }
+
+void EngineHost::report(const SendFinished& end) {
+  const auto waiter = sends_.extract(end.id);
+  if (waiter) waiter.mapped()->set_value({end.delivered, end.reason});
+}
+
+void EngineHost::report(const GroupChangeFinished& end) {
+  const auto [first, last] = group_changes_.equal_range(end.group);
+  for (auto waiter = first; waiter != last; ++waiter) waiter->second->set_value({end.succeeded, end.reason});
+  group_changes_.erase(first, last);
+}
+
+void EngineHost::tend_link(Time now) {
+  if (now < next_tending_) return;
+  next_tending_ = now + kTendingInterval;
+  link_->tend();
+  if (link_->is_up() == link_was_up_) return;
+  link_was_up_ = link_->is_up();
+  callbacks_.on_warning(link_was_up_ ? "the interface is up again" : "the interface is down; waiting for its return");
+}
+
+void EngineHost::fail_all_waiters() {
+  run_commands(steady_now());  // those accepted before the end: they get their answer too
+  for (auto& [id, waiter] : sends_) waiter->set_value({false, kShutsDown});
+  for (auto& [group, waiter] : group_changes_) waiter->set_value({false, kShutsDown});
+  sends_.clear();
+  group_changes_.clear();
+}
+
+bool EngineHost::post(Command command) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (stopping_) return false;
+  commands_.push_back(std::move(command));
+  eventfd_write(wake_up_.get(), 1);
+  return true;
+}
+
+Outcome EngineHost::wait_for(const std::function<void(Time, Waiter)>& begin) {
+  const auto waiter = std::make_shared<std::promise<Outcome>>();
+  auto outcome = waiter->get_future();
+  if (!post([&begin, waiter](Time now) { begin(now, waiter); })) return {false, kShutsDown};
+  return outcome.get();
+}
+
+Outcome EngineHost::send(SendRequest request) {
+  return wait_for([this, &request](Time now, Waiter waiter) {
+    sends_.emplace(engine_.send(std::move(request), now), std::move(waiter));
+  });
+}
+
+Outcome EngineHost::broadcast(BroadcastRequest request) {
+  return wait_for([this, &request](Time now, Waiter waiter) {
+    sends_.emplace(engine_.broadcast(std::move(request), now), std::move(waiter));
+  });
+}
+
+Outcome EngineHost::join_group(const std::string& group) {
+  return wait_for([this, &group](Time now, Waiter waiter) {
+    group_changes_.emplace(group, std::move(waiter));
+    engine_.join_group(group, now);
+  });
+}
+
+Outcome EngineHost::leave_group(const std::string& group) {
+  return wait_for([this, &group](Time now, Waiter waiter) {
+    group_changes_.emplace(group, std::move(waiter));
+    engine_.leave_group(group, now);
+  });
+}
+
+template <typename Value>
+Value EngineHost::ask(std::function<Value()> question) {
+  const auto answer = std::make_shared<std::promise<Value>>();
+  auto future = answer->get_future();
+  if (!post([question = std::move(question), answer](Time) { answer->set_value(question()); })) {
+    throw std::runtime_error(kShutsDown);
+  }
+  return future.get();
+}
+
+GroupState EngineHost::group_state(const std::string& group) {
+  return ask<GroupState>([this, group] { return engine_.group_state(group); });
+}
+
+std::vector<std::string> EngineHost::neighbors() {
+  return ask<std::vector<std::string>>([this] { return engine_.neighbors(); });
+}
+
+std::vector<std::string> EngineHost::robots() {
+  return ask<std::vector<std::string>>([this] { return engine_.robots(); });
+}
+
+Statistics EngineHost::statistics() {
+  return ask<Statistics>([this] { return engine_.statistics(); });
+}
+
+}  // namespace adhoc_communication

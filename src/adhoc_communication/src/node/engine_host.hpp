@@ -1,0 +1,98 @@
+// Runs an engine on a link: one thread owns both, every other thread asks it and waits for the answer.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <future>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "adhoc_communication/engine.hpp"
+#include "link/file_descriptor.hpp"
+#include "link/link.hpp"
+#include "node/channel_model.hpp"
+
+namespace adhoc_communication {
+
+/// How a send or a change of membership ended. `reason` is a sentence for people, empty on success.
+struct Outcome {
+  bool succeeded = false;
+  std::string reason;
+};
+
+/// What the host tells the node, always from the thread of the engine: these must return at once.
+struct HostCallbacks {
+  std::function<void(PacketReceived)> on_packet;
+  std::function<void(const std::string& robot)> on_robot_appeared;
+  std::function<void(const std::string& robot)> on_robot_lost;
+  std::function<void(const std::string& text)> on_warning;
+};
+
+class EngineHost {
+ public:
+  EngineHost(const EngineOptions& options, std::unique_ptr<Link> link, ReceiveFilter filter, HostCallbacks callbacks);
+  ~EngineHost();
+  EngineHost(const EngineHost&) = delete;
+  EngineHost& operator=(const EngineHost&) = delete;
+
+  /// Ends the thread; calls that still wait return with the reason that the node shuts down.
+  void stop();
+
+  // Each waits until the engine has finished. Callable from any thread.
+  Outcome send(SendRequest request);
+  Outcome broadcast(BroadcastRequest request);
+  Outcome join_group(const std::string& group);
+  Outcome leave_group(const std::string& group);
+
+  // Answered within one turn of the engine's loop.
+  GroupState group_state(const std::string& group);
+  std::vector<std::string> neighbors();
+  std::vector<std::string> robots();
+  Statistics statistics();
+
+ private:
+  using Command = std::function<void(Time now)>;
+  using Waiter = std::shared_ptr<std::promise<Outcome>>;
+
+  void run();
+  void wait_for_work();
+  void receive_frames(Time now);
+  void run_commands(Time now);
+  void transmit(Time now);
+  void report_events();
+  void tend_link(Time now);
+  void report(PacketReceived& packet);
+  void report(const SendFinished& end);
+  void report(const RobotAppeared& event);
+  void report(const RobotLost& event);
+  void report(const GroupChangeFinished& end);
+  void fail_all_waiters();
+
+  bool post(Command command);
+  template <typename Value>
+  Value ask(std::function<Value()> question);
+  Outcome wait_for(const std::function<void(Time, Waiter)>& begin);
+
+  std::unique_ptr<Link> link_;
+  ReceiveFilter filter_;
+  HostCallbacks callbacks_;
+  Engine engine_;
+  FileDescriptor wake_up_;
+  std::map<SendId, Waiter> sends_;
+  std::multimap<std::string, Waiter> group_changes_;
+  bool link_was_up_ = true;
+  Time next_tending_{0};
+
+  std::mutex mutex_;
+  bool stopping_ = false;
+  std::deque<Command> commands_;
+  std::thread thread_;
+};
+
+}  // namespace adhoc_communication

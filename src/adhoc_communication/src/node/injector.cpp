@@ -1,0 +1,120 @@
+#include "node/injector.hpp"
+
+#include <ros/console.h>
+#include <ros/names.h>
+#include <topic_tools/shape_shifter.h>
+
+#include <utility>
+
+namespace adhoc_communication {
+namespace {
+
+constexpr std::size_t kMaxTopics = 256;
+constexpr std::size_t kMaxReportedTopics = 256;
+constexpr std::size_t kMaxQueuedPackets = 1000;
+constexpr std::size_t kMaxQueuedOctets = 100'000'000;
+constexpr std::uint32_t kPublisherQueue = 100;
+
+}  // namespace
+
+std::string local_topic(const std::string& prefix, const std::string& topic) {
+  std::string error;
+  if (topic.empty() || topic[0] == '~' || !ros::names::validate(topic, error)) {
+    throw PayloadError("topic '" + topic + "' is not a valid topic name");
+  }
+  if (prefix.empty()) return topic;
+  const auto first = topic.find_first_not_of('/');
+  return first == std::string::npos ? prefix : prefix + topic.substr(first);
+}
+
+Injector::Injector(ros::NodeHandle node, std::string prefix) : node_(std::move(node)), prefix_(std::move(prefix)) {
+  thread_ = std::thread([this] { run(); });
+}
+
+Injector::~Injector() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  arrived_.notify_all();
+  thread_.join();
+}
+
+void Injector::inject(PacketReceived packet) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  if (queue_.size() >= kMaxQueuedPackets || queued_octets_ + packet.payload.size() > kMaxQueuedOctets) {
+    ++dropped_;
+    lock.unlock();
+    ROS_ERROR_THROTTLE(5.0, "Packets arrive faster than they can be published; one for topic '%s' was dropped",
+                       packet.topic.c_str());
+    return;
+  }
+  queued_octets_ += packet.payload.size();
+  queue_.push_back(std::move(packet));
+  arrived_.notify_one();
+}
+
+std::uint64_t Injector::dropped() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return dropped_;
+}
+
+void Injector::run() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  for (;;) {
+    arrived_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
+    if (stopping_) return;
+    const PacketReceived packet = std::move(queue_.front());
+    queue_.pop_front();
+    queued_octets_ -= packet.payload.size();
+    lock.unlock();
+    try {
+      publish(packet);
+    } catch (const std::exception& error) {
+      drop(packet, error.what());
+    }
+    lock.lock();
+  }
+}
+
+void Injector::publish(const PacketReceived& packet) {
+  const std::string name = local_topic(prefix_, packet.topic);
+  const SerializedMessage message = decode(packet);
+  const Topic& topic = topic_for(name, message);
+  topic_tools::ShapeShifter shape;
+  shape.morph(message.md5sum, message.type, message.definition, "1");
+  ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),  // an input stream only reads
+                                     static_cast<std::uint32_t>(message.bytes.size()));
+  shape.read(stream);
+  topic.publisher.publish(shape);
+}
+
+Injector::Topic& Injector::topic_for(const std::string& name, const SerializedMessage& message) {
+  const auto known = topics_.find(name);
+  if (known != topics_.end()) {
+    if (known->second.md5sum == message.md5sum && known->second.type == message.type) return known->second;
+    throw PayloadError("topic '" + name + "' carries " + known->second.type + " here, so " + message.type +
+                       " cannot be published on it");
+  }
+  if (topics_.size() >= kMaxTopics) {
+    throw PayloadError("topic '" + name + "' would be the " + std::to_string(kMaxTopics + 1) +
+                       "th received topic, more than this node publishes");
+  }
+  ros::AdvertiseOptions options(name, kPublisherQueue, message.md5sum, message.type, message.definition);
+  options.latch = true;
+  const ros::Publisher publisher = node_.advertise(options);
+  if (!publisher) throw PayloadError("topic '" + name + "' cannot be advertised as " + message.type);
+  return topics_.emplace(name, Topic{message.type, message.md5sum, publisher}).first->second;
+}
+
+void Injector::drop(const PacketReceived& packet, const std::string& reason) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ++dropped_;
+  }
+  if (reported_topics_.size() >= kMaxReportedTopics || !reported_topics_.insert(packet.topic).second) return;
+  ROS_ERROR("A packet of %zu octets from %s for topic '%s' is not published: %s (reported once per topic)",
+            packet.payload.size(), packet.source.c_str(), packet.topic.c_str(), reason.c_str());
+}
+
+}  // namespace adhoc_communication

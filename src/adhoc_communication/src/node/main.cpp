@@ -1,0 +1,67 @@
+#include <ros/ros.h>
+#include <xmlrpcpp/XmlRpcValue.h>
+
+#include <climits>
+#include <cstring>
+#include <iostream>
+#include <stdexcept>
+
+#include <unistd.h>
+
+#include "link/link.hpp"
+#include "node/node.hpp"
+#include "node/options.hpp"
+
+namespace {
+
+using adhoc_communication::NodeOptions;
+
+std::string host_name() {
+  char name[HOST_NAME_MAX + 1] = {};
+  gethostname(name, sizeof name - 1);
+  return name;
+}
+
+/// The original reads log_path beside the node, its launch files set it in the node's private namespace: both count.
+void add_public_log_path(XmlRpc::XmlRpcValue& values) {
+  std::string log_path;
+  const bool is_private = values.getType() == XmlRpc::XmlRpcValue::TypeStruct && values.hasMember("log_path");
+  if (!is_private && ros::NodeHandle().getParam("log_path", log_path)) values["log_path"] = log_path;
+}
+
+NodeOptions read_parameters() {
+  XmlRpc::XmlRpcValue values;
+  ros::param::get(ros::this_node::getName(), values);
+  add_public_log_path(values);
+  const auto [options, warnings] = adhoc_communication::read_options(values, host_name());
+  for (const auto& warning : warnings) ROS_WARN("The %s", warning.c_str());
+  return options;
+}
+
+int list_parameters() {
+  for (const auto& parameter : adhoc_communication::parameters()) {
+    std::cout << parameter.name << '\t' << parameter.type << '\t' << parameter.default_value << '\t'
+              << (parameter.without_effect.empty() ? "effect" : "no effect") << '\n';
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc > 1 && std::strcmp(argv[1], "--list-parameters") == 0) return list_parameters();
+  ros::init(argc, argv, "adhoc_communication");
+  try {
+    const NodeOptions options = read_parameters();
+    adhoc_communication::Node node(options);
+    if (!options.simulation_mode) {
+      const std::string complaint = adhoc_communication::set_transmit_power(options.interface, options.channel.p_tx);
+      if (!complaint.empty()) ROS_WARN("%s", complaint.c_str());
+    }
+    ros::spin();
+  } catch (const std::exception& error) {
+    ROS_FATAL("%s", error.what());
+    return 1;
+  }
+  return 0;
+}

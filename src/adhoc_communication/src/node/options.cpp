@@ -1,0 +1,244 @@
+#include "node/options.hpp"
+
+#include <xmlrpcpp/XmlRpcValue.h>
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "link/mac_address.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+std::string text_of(const XmlRpcValue& value) {
+  std::ostringstream text;
+  value.write(text);
+  return text.str();
+}
+
+template <typename T>
+T convert(const XmlRpcValue& value);
+
+template <>
+std::string convert(const XmlRpcValue& value) {
+  if (value.getType() != XmlRpcValue::TypeString) throw std::invalid_argument("is not a string");
+  return static_cast<std::string>(XmlRpcValue(value));
+}
+
+template <>
+int convert(const XmlRpcValue& value) {
+  if (value.getType() != XmlRpcValue::TypeInt) throw std::invalid_argument("is not an integer");
+  return static_cast<int>(XmlRpcValue(value));
+}
+
+template <>
+double convert(const XmlRpcValue& value) {
+  if (value.getType() == XmlRpcValue::TypeInt) return static_cast<int>(XmlRpcValue(value));
+  if (value.getType() != XmlRpcValue::TypeDouble) throw std::invalid_argument("is not a number");
+  return static_cast<double>(XmlRpcValue(value));
+}
+
+template <>
+bool convert(const XmlRpcValue& value) {
+  if (value.getType() != XmlRpcValue::TypeBoolean) throw std::invalid_argument("is not true or false");
+  return static_cast<bool>(XmlRpcValue(value));
+}
+
+std::string to_default(const std::string& value) { return value; }
+std::string to_default(bool value) { return value ? "true" : "false"; }
+std::string to_default(int value) { return std::to_string(value); }
+std::string to_default(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+std::string type_name(const std::string&) { return "string"; }
+std::string type_name(bool) { return "bool"; }
+std::string type_name(int) { return "int"; }
+std::string type_name(double) { return "double"; }
+
+/// A parameter that is stored in the member that `member` selects.
+template <typename Member>
+Parameter stored(const std::string& name, Member member) {
+  NodeOptions defaults;
+  auto& default_value = member(defaults);
+  using Value = std::decay_t<decltype(default_value)>;
+  return {name, type_name(default_value), to_default(default_value), "",
+          [member](NodeOptions& options, const XmlRpcValue& value) { member(options) = convert<Value>(value); }};
+}
+
+/// A parameter that has to be understood first.
+template <typename Value>
+Parameter parsed(const std::string& name, const Value& default_value, std::function<void(NodeOptions&, Value)> store) {
+  return {name, type_name(default_value), to_default(default_value), "",
+          [store](NodeOptions& options, const XmlRpcValue& value) { store(options, convert<Value>(value)); }};
+}
+
+Parameter without_effect(const std::string& name, const std::string& type, const std::string& default_value,
+                         const std::string& reason) {
+  return {name, type, default_value, reason, [](NodeOptions&, const XmlRpcValue&) {}};
+}
+
+void set_packet_size(NodeOptions& options, int size) {
+  if (size < 1) throw std::invalid_argument("is below 1 octet");
+  options.engine.max_packet_size = static_cast<std::size_t>(size);
+}
+
+/// The same rules as for a ROS name of one element; host names add '-' and '.'.
+bool is_robot_name(const std::string& name) {
+  constexpr std::size_t kLongestName = 64;
+  if (name.empty() || name.size() > kLongestName) return false;
+  return std::all_of(name.begin(), name.end(), [](unsigned char character) {
+    return std::isalnum(character) || character == '_' || character == '-' || character == '.';
+  });
+}
+
+bool is_topic_element(const std::string& name) {
+  if (name.empty() || (!std::isalpha(static_cast<unsigned char>(name[0])) && name[0] != '_')) return false;
+  return std::all_of(name.begin(), name.end(), [](unsigned char character) {
+    return std::isalnum(character) || character == '_' || character == '/';
+  });
+}
+
+[[noreturn]] void refuse(const std::string& name, const std::string& value, const std::string& why) {
+  throw std::invalid_argument("parameter ~" + name + " = " + value + " " + why);
+}
+
+void require_range(const std::string& name, int value, int low, int high) {
+  if (value >= low && value <= high) return;
+  refuse(name, std::to_string(value), "is outside " + std::to_string(low) + " .. " + std::to_string(high));
+}
+
+void check(const NodeOptions& options) {
+  const std::string& name = options.engine.robot_name;
+  if (!is_robot_name(name)) {
+    refuse("robot_name", "'" + name + "'", "is not a robot name: 1 to 64 letters, digits, '_', '-' or '.'");
+  }
+  if (options.simulation_mode && !robot_number(name)) {
+    refuse("robot_name", "'" + name + "'", "must be robot_<integer> in simulation_mode");
+  }
+  if (options.interface.empty()) refuse("interface", "''", "names no network interface");
+  require_range("robots_in_simulation", options.robots_in_simulation, 0, 1000);
+  require_range("p_thres", options.channel.p_thres, -200, 100);
+  require_range("p_tx", options.channel.p_tx, -100, 100);
+  require_range("n_model", options.channel.n_model, 0, 20);
+  require_range("l_0_model", options.channel.l_0_model, 0, 200);
+  if (!is_topic_element(options.topic_new_robot)) {
+    refuse("topic_new_robot", "'" + options.topic_new_robot + "'", "is not a topic name");
+  }
+  if (!is_topic_element(options.topic_remove_robot)) {
+    refuse("topic_remove_robot", "'" + options.topic_remove_robot + "'", "is not a topic name");
+  }
+  validate(options.engine);
+}
+
+/// A node whose address stands in sim_robot_macs needs no `mac` of its own.
+void complete(NodeOptions& options, const std::string& host_name) {
+  if (options.engine.robot_name.empty()) options.engine.robot_name = host_name;
+  if (options.mac) return;
+  for (const auto& [address, name] : options.sim_robot_macs) {
+    if (name == options.engine.robot_name) options.mac = address;
+  }
+}
+
+std::vector<Parameter> make_parameters() {
+  const std::string relaying_reason =
+      "the hop-by-hop resends and the routes found anew do what cooperative relaying was meant for";
+  return {
+      stored("interface", [](NodeOptions& o) -> auto& { return o.interface; }),
+      parsed<std::string>("mac", "",
+                          [](NodeOptions& o, const std::string& text) {
+                            o.mac.reset();
+                            if (!text.empty()) o.mac = parse_mac_address(text);
+                          }),
+      stored("robot_name", [](NodeOptions& o) -> auto& { return o.engine.robot_name; }),
+      stored("num_link_retrans", [](NodeOptions& o) -> auto& { return o.engine.num_link_retrans; }),
+      stored("num_e2e_retrans", [](NodeOptions& o) -> auto& { return o.engine.num_e2e_retrans; }),
+      stored("num_rreq", [](NodeOptions& o) -> auto& { return o.engine.num_rreq; }),
+      stored("max_frame_size", [](NodeOptions& o) -> auto& { return o.engine.max_frame_size; }),
+      stored("hop_limit_min", [](NodeOptions& o) -> auto& { return o.engine.hop_limit_min; }),
+      stored("hop_limit_max", [](NodeOptions& o) -> auto& { return o.engine.hop_limit_max; }),
+      stored("hop_limit_increment", [](NodeOptions& o) -> auto& { return o.engine.hop_limit_increment; }),
+      parsed<int>(
+          "beacon_interval", static_cast<int>(EngineOptions().beacon_interval.count()),
+          [](NodeOptions& o, int value) { o.engine.beacon_interval = std::chrono::milliseconds(value); }),
+      parsed<int>("max_packet_size", static_cast<int>(EngineOptions().max_packet_size), set_packet_size),
+      stored("simulation_mode", [](NodeOptions& o) -> auto& { return o.simulation_mode; }),
+      stored("robots_in_simulation", [](NodeOptions& o) -> auto& { return o.robots_in_simulation; }),
+      stored("p_thres", [](NodeOptions& o) -> auto& { return o.channel.p_thres; }),
+      stored("p_tx", [](NodeOptions& o) -> auto& { return o.channel.p_tx; }),
+      stored("n_model", [](NodeOptions& o) -> auto& { return o.channel.n_model; }),
+      stored("l_0_model", [](NodeOptions& o) -> auto& { return o.channel.l_0_model; }),
+      stored("topic_new_robot", [](NodeOptions& o) -> auto& { return o.topic_new_robot; }),
+      stored("topic_remove_robot", [](NodeOptions& o) -> auto& { return o.topic_remove_robot; }),
+      stored("rebuild_mc_tree", [](NodeOptions& o) -> auto& { return o.engine.rebuild_mc_tree; }),
+      stored("recursive_mc_ack", [](NodeOptions& o) -> auto& { return o.engine.recursive_mc_ack; }),
+      stored("loss_ratio", [](NodeOptions& o) -> auto& { return o.engine.loss_ratio; }),
+      stored("nack_threshold", [](NodeOptions& o) -> auto& { return o.engine.nack_threshold; }),
+      parsed<std::string>(
+          "sim_robot_macs", "",
+          [](NodeOptions& o, const std::string& text) { o.sim_robot_macs = parse_robot_macs(text); }),
+      stored("log_path", [](NodeOptions& o) -> auto& { return o.log_path; }),
+      stored("join_groups_automatically", [](NodeOptions& o) -> auto& { return o.engine.join_groups_automatically; }),
+      without_effect("enable_cooperative_relaying", "bool", "true", relaying_reason),
+      without_effect("tx_power", "string", "", "the channel model and wireless interfaces take p_tx"),
+      without_effect("use_sim_time", "bool", "false", "the protocol runs on the steady clock, never on ROS time"),
+  };
+}
+
+}  // namespace
+
+const std::vector<Parameter>& parameters() {
+  static const std::vector<Parameter> list = make_parameters();
+  return list;
+}
+
+std::map<MacAddress, std::string> parse_robot_macs(const std::string& text) {
+  std::map<MacAddress, std::string> robots;
+  std::istringstream entries(text);
+  for (std::string entry; std::getline(entries, entry, '!');) {
+    const auto comma = entry.find(',');
+    if (comma == std::string::npos) throw std::invalid_argument("has the entry '" + entry + "', not name,mac!name,mac");
+    const std::string name = entry.substr(0, comma);
+    if (!is_robot_name(name)) throw std::invalid_argument("has the entry '" + entry + "' without a robot name");
+    if (!robots.emplace(parse_mac_address(entry.substr(comma + 1)), name).second) {
+      throw std::invalid_argument("has the address of '" + entry + "' twice");
+    }
+  }
+  return robots;
+}
+
+OptionsRead read_options(const XmlRpcValue& values, const std::string& host_name) {
+  OptionsRead result;
+  XmlRpcValue copy(values);  // XmlRpcValue has no const iteration
+  if (copy.getType() == XmlRpcValue::TypeStruct) {
+    for (auto& [name, value] : copy) {
+      const auto known = std::find_if(parameters().begin(), parameters().end(),
+                                      [&name = name](const Parameter& parameter) { return parameter.name == name; });
+      if (known == parameters().end()) {
+        if (value.getType() != XmlRpcValue::TypeStruct) {
+          result.warnings.push_back("parameter ~" + name + " is unknown and has no effect");
+        }
+        continue;
+      }
+      try {
+        known->set(result.options, value);
+      } catch (const std::invalid_argument& error) {
+        refuse(name, text_of(value), error.what());
+      }
+      if (!known->without_effect.empty()) {
+        result.warnings.push_back("parameter ~" + name + " has no effect: " + known->without_effect);
+      }
+    }
+  }
+  complete(result.options, host_name);
+  check(result.options);
+  return result;
+}
+
+}  // namespace adhoc_communication

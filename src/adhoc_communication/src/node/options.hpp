@@ -1,0 +1,56 @@
+// The node's parameters: names, types, defaults and ranges in one place.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adhoc_communication/options.hpp"
+#include "node/channel_model.hpp"
+
+namespace XmlRpc {
+class XmlRpcValue;
+}
+
+namespace adhoc_communication {
+
+struct NodeOptions {
+  EngineOptions engine;
+  std::string interface = "wlan0";
+  std::optional<MacAddress> mac;
+  bool simulation_mode = false;
+  int robots_in_simulation = 10;
+  ChannelModel channel;
+  std::string topic_new_robot = "new_robot";
+  std::string topic_remove_robot = "remove_robot";
+  std::map<MacAddress, std::string> sim_robot_macs;
+  std::string log_path;
+};
+
+struct Parameter {
+  std::string name;
+  std::string type;           ///< string, int, double or bool
+  std::string default_value;  ///< as text
+  std::string without_effect;  ///< why setting it changes nothing; empty for all others
+  /// Throws std::invalid_argument when the value does not fit the type.
+  std::function<void(NodeOptions&, const XmlRpc::XmlRpcValue&)> set;
+};
+
+/// Every private parameter the node knows, in the order of the contract.
+const std::vector<Parameter>& parameters();
+
+struct OptionsRead {
+  NodeOptions options;
+  std::vector<std::string> warnings;
+};
+
+/// `values` is the struct of the node's private parameters (or invalid when none is set). Throws std::invalid_argument
+/// with one sentence that names the parameter, its value and what is allowed.
+OptionsRead read_options(const XmlRpc::XmlRpcValue& values, const std::string& host_name);
+
+/// name,mac!name,mac!...  Throws std::invalid_argument.
+std::map<MacAddress, std::string> parse_robot_macs(const std::string& text);
+
+}  // namespace adhoc_communication
