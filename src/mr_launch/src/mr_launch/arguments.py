@@ -1,0 +1,119 @@
+"""Command line of ``rosrun mr_launch team``: options, their limits and their defaults."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from dataclasses import asdict, dataclass
+from typing import Any, NoReturn, Sequence
+
+from mr_launch.errors import UserError
+
+STRATEGIES = {
+    0: "nearest frontier by path length",
+    1: "auction in the paper's form",
+    3: "nearest frontier, straight line",
+    7: "the best one there is",
+}
+LIMITS = {  # option: (lowest, highest, unit)
+    "range": (0.1, 10000.0, "m"),
+    "loss": (0.0, 0.95, ""),
+    "rtf": (0.0, 100.0, ""),
+    "duration": (1.0, 86400.0, "s"),
+    "seed": (0, 2**31 - 1, ""),
+}
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the user asked for, checked for itself (not yet against the world file)."""
+
+    world: str
+    robots: int | None
+    range: float
+    loss: float
+    rtf: float
+    seed: int
+    duration: float
+    out: str
+    strategy: int
+    slam: str
+    navigation: str
+    bag: bool
+    initial_poses: bool
+    log: str
+    quiet: bool
+    isolation: str
+
+    def to_dict(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise UserError(f"{message} (--help lists the options)")
+
+
+def make_parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="team",
+        description="A team of robots, each with its own ROS master and its own radio, explores a Stage world.",
+        epilog="Exit code: 0 every robot finished, 1 not all finished or a failure, 2 bad options, 130 interrupted.",
+    )
+    add = parser.add_argument
+    add("--world", default="office26x15", metavar="NAME|FILE", help="world by name or file (default: %(default)s)")
+    add("--robots", type=int, default=None, metavar="N", help="number of robots (default: 3, or all if the world has less)")
+    add("--range", type=float, default=10.0, metavar="M", help="reach of the radio in m (default: %(default)s)")
+    add("--loss", type=float, default=0.05, metavar="P", help="loss per frame and direction (default: %(default)s)")
+    add("--rtf", type=float, default=1.0, metavar="F", help="real-time factor, 0 = as fast as it goes (default: 1.0)")
+    add("--seed", type=int, default=1, metavar="N", help="seed of world and radio (default: %(default)s)")
+    add("--duration", type=float, default=900.0, metavar="S", help="limit in s of simulation time (default: 900)")
+    add("--out", default="", metavar="DIR", help="output folder (default: out/<time>, out/latest points to it)")
+    strategies = "; ".join(f"{number}: {text}" for number, text in STRATEGIES.items())
+    add("--strategy", type=int, default=7, metavar="N", help=f"frontier selection: {strategies} (default: 7)")
+    add("--slam", choices=("mrpt", "gmapping"), default="mrpt", help="local SLAM (default: %(default)s)")
+    add("--navigation", choices=("mr_sim", "move_base"), default="mr_sim", help="navigation (default: %(default)s)")
+    add("--no-bag", dest="bag", action="store_false", help="record no bags")
+    add("--initial-poses", action="store_true", help="tell the robots each other's start poses")
+    add("--log", choices=("debug", "info", "warn"), default="info", help="log level of the nodes (default: info)")
+    add("--quiet", action="store_true", help="print only notices, errors and the final table")
+    add(
+        "--isolation",
+        choices=("auto", "namespaces", "hub"),
+        default="auto",
+        help="namespaces: one network namespace and raw sockets per robot; hub: one port per master, the radio over "
+        "Unix sockets; auto: namespaces where the system allows them (default)",
+    )
+    return parser
+
+
+def parse_arguments(arguments: Sequence[str], now: float | None = None) -> Options:
+    """Options from the command line; raises UserError for values that no world could make right."""
+    values = vars(make_parser().parse_args(arguments))
+    for name, (lowest, highest, unit) in LIMITS.items():
+        value = values[name]
+        if not (math.isfinite(value) and lowest <= value <= highest):
+            raise UserError(f"--{name} {value:g} is out of range: {lowest:g} to {highest:g} {unit}".rstrip())
+    if values["strategy"] not in STRATEGIES:
+        known = ", ".join(f"{number} ({text})" for number, text in STRATEGIES.items())
+        raise UserError(f"--strategy {values['strategy']} is unknown; there are {known}")
+    if values["robots"] is not None and values["robots"] < 1:
+        raise UserError(f"--robots {values['robots']}: a team has at least one robot")
+    if not values["out"]:
+        stamp = time.strftime("%Y-%m-%d_%H-%M-%S", time.localtime(now))
+        values["out"] = f"out/{stamp}"
+    return Options(**values)
+
+
+def choose_robots(asked: int | None, names: Sequence[str], world: str) -> list[str]:
+    """Names of the team's robots: the first ones of the world file, checked to be there and to be unique."""
+    doubles = sorted({name for name in names if names.count(name) > 1})
+    if doubles:
+        raise UserError(f"{world} uses the robot name {doubles[0]} more than once; each robot needs its own name")
+    if not names:
+        raise UserError(f"{world} holds no robot (a position model with drive \"diff\" and a name)")
+    count = min(3, len(names)) if asked is None else asked
+    if count > len(names):
+        raise UserError(f"--robots {count}, but {world} has {len(names)}: {', '.join(names)}")
+    return list(names[:count])

@@ -1,0 +1,107 @@
+"""The commands ``team`` and ``enter``: check everything, then start."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Sequence
+
+from mr_launch import isolation
+from mr_launch.arguments import Options, choose_robots, parse_arguments
+from mr_launch.errors import UserError
+from mr_launch.outside import run_team
+from mr_launch.plan import FIRST_PORT, Plan, RobotPlan
+from mr_launch.programs import find_programs, free_ports
+from mr_launch.world import find_world, robots_of
+
+BAD_CALL = 2
+
+
+def team(arguments: Sequence[str]) -> int:
+    """``rosrun mr_launch team``; returns the exit code."""
+    try:
+        plan = make_plan(parse_arguments(arguments))
+        make_output_folder(plan)
+    except UserError as error:
+        print(f"team: {error}", file=sys.stderr)
+        return BAD_CALL
+    return run_team(plan)
+
+
+def make_plan(options: Options) -> Plan:
+    """Everything checked that can be checked before anything starts. Raises UserError."""
+    world = find_world(options.world)
+    poses = robots_of(world)
+    names = choose_robots(options.robots, [name for name, _ in poses], world)
+    programs = find_programs()
+    kind, reason = isolation.choose(options.isolation, os.geteuid())
+    if kind == isolation.HUB:
+        if options.isolation == "namespaces":
+            raise UserError(f"network namespaces are not allowed here: {reason}")
+        print(f"team: no network namespaces ({reason}): one port per master, radio over Unix sockets", file=sys.stderr)
+    ports = free_ports(len(names)) if kind == isolation.HUB else [FIRST_PORT] * len(names)
+    starts = dict(poses)
+    robots = [RobotPlan(name, index, ports[index], starts[name]) for index, name in enumerate(names)]
+    return Plan(options, world, robots, str(Path(options.out).absolute()), kind, programs)
+
+
+def make_output_folder(plan: Plan) -> None:
+    """The output folder, empty, and ``latest`` beside it if its name was not given by the user."""
+    out = Path(plan.out)
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise UserError(f"--out {out} exists and is not an empty folder")
+    try:
+        for robot in plan.robots:
+            plan.robot_folder(robot).mkdir(parents=True)
+            plan.log_folder(robot).mkdir(parents=True)
+        if not plan.options.out.startswith("out/"):
+            return
+        latest = out.parent / "latest"
+        if latest.is_symlink():
+            latest.unlink()
+        if not latest.exists():
+            latest.symlink_to(out.name)
+    except OSError as error:
+        raise UserError(f"cannot write to the output folder {out}: {error.strerror}") from None
+
+
+def enter(arguments: Sequence[str]) -> int:
+    """``rosrun mr_launch enter [--team FOLDER] ROBOT COMMAND...``; replaces this process by the command."""
+    try:
+        command = enter_command(list(arguments))
+    except UserError as error:
+        print(f"enter: {error}", file=sys.stderr)
+        return BAD_CALL
+    os.execvp(command[0], command)
+
+
+def enter_command(words: list[str]) -> list[str]:
+    folder = Path("out/latest")
+    if words[:1] == ["--team"] and len(words) > 1:
+        folder, words = Path(words[1]), words[2:]
+    if not words or words[0].startswith("-"):
+        raise UserError("usage: rosrun mr_launch enter [--team FOLDER] ROBOT [COMMAND...]")
+    robot, command = words[0], words[1:] or [os.environ.get("SHELL", "/bin/sh")]
+    state = running_team(folder)
+    if robot not in state["robots"]:
+        raise UserError(f"no robot {robot} in this team; there are {', '.join(state['robots'])}")
+    entry = state["robots"][robot]
+    environment = {**entry["environment"], "PATH": isolation.search_path(os.environ.get("PATH", ""))}
+    return isolation.command_inside(
+        state["isolation"], state["init"], entry["holder"], environment, os.getcwd(), command
+    )
+
+
+def running_team(folder: Path) -> dict:
+    """State file of a team that runs now."""
+    path = folder / "team.json"
+    try:
+        state = json.loads(path.read_text())
+        command_line = Path(f"/proc/{state['init']}/cmdline").read_bytes()
+    except (OSError, ValueError):
+        raise UserError(f"no running team in {folder} (is it over, or did it write to another --out folder?)") from None
+    if b"mr_launch.inside" not in command_line:
+        raise UserError(f"the team of {folder} is over")
+    return state

@@ -1,0 +1,135 @@
+"""First process of a running team. ``python3 -m mr_launch.inside LIFELINE PLAN`` is started by mr_launch.outside.
+
+In namespaces it is PID 1: whatever ends it, the kernel ends the rest.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from mr_launch import isolation
+from mr_launch.errors import TeamFailure
+from mr_launch.hub_cleanup import end_descendants
+from mr_launch.lifeline import Lifeline
+from mr_launch.mission import Interrupted, Mission, Outcome
+from mr_launch.outside import become_subreaper
+from mr_launch.plan import Plan
+from mr_launch.processes import cpu_seconds
+from mr_launch.reports import ReportServer
+from mr_launch.results import print_results, write_results
+from mr_launch.summary import cpu_shares
+from mr_launch.team import Team
+from mr_launch.truth import Truth
+from mr_launch.view import View
+
+OK, NOT_FINISHED, INTERRUPTED = 0, 1, 130
+
+
+def make_private_file_system(plan: Plan) -> None:
+    """A file system that nobody else sees and that goes with the namespace; without namespaces the folder serves."""
+    if plan.isolation != isolation.HUB:
+        command = ["mount", "-t", "tmpfs", "-o", "mode=0755", "none", plan.private]
+        result = subprocess.run(command, capture_output=True, text=True, check=False)
+        if result.returncode != 0:
+            raise TeamFailure(f"no private file system: {result.stderr.strip()}")
+        subprocess.run(["ip", "link", "set", "lo", "up"], check=False)
+    for robot in plan.robots:
+        Path(plan.socket(f"ros_home/{robot.name}")).mkdir(parents=True)
+
+
+def end_at_once() -> None:
+    """The process that people started is gone: end everything, now."""
+    if os.getpid() != 1:
+        end_descendants()
+    os._exit(INTERRUPTED)
+
+
+class Run:
+    """One mission from the first process to the last file."""
+
+    def __init__(self, plan: Plan, lifeline: Lifeline) -> None:
+        self.plan = plan
+        self.lifeline = lifeline
+        self.view = View(plan.options.quiet)
+        self.team = Team(plan, lifeline.wait_for_init(5.0))
+        self.truth = Truth(Path(plan.out) / "truth.csv", [robot.name for robot in plan.robots])
+        self.outcome = Outcome()
+        self._cpu: dict[int, tuple[str, float, int]] = {}
+        self._cpu_time = 0.0
+
+    def run(self) -> int:
+        make_private_file_system(self.plan)
+        self.server = ReportServer(self.plan.socket("reports"), list(self.truth.tracks))
+        self.mission = Mission(
+            self.plan, self.server, self.truth, self.team.failures, self.lifeline.stop.is_set, self.view.show
+        )
+        self.outcome = self.mission.outcome
+        with self.view:
+            code = self._explore()
+            self.view.pause()
+            return self._wind_up(code)
+
+    def _explore(self) -> int:
+        try:
+            self.team.start(self.lifeline.stop.is_set)
+            self.mission.on_start = self._start_of_measuring
+            outcome = self.mission.run()
+        except TeamFailure as failure:
+            self.outcome.reason = str(failure)
+            self.view.notice(f"team: {failure}")
+            return NOT_FINISHED
+        except Interrupted:
+            self.outcome.reason = "interrupted"
+            self.view.notice("team: interrupted, winding up")
+            return INTERRUPTED
+        if outcome.reason:
+            self.view.notice(f"team: {outcome.reason}")
+            return NOT_FINISHED
+        return OK
+
+    def _start_of_measuring(self) -> None:
+        self._cpu, self._cpu_time = cpu_seconds(), time.monotonic()
+
+    def _wind_up(self, code: int) -> int:
+        """Maps, orderly end of all nodes, and the files; also after a failure, with what there is."""
+        cpu = self._cpu_shares()
+        if self.outcome.start > 0.0:
+            self.mission.collect_maps()
+        self.team.stop_robots()
+        self.team.stop_rest()
+        self.server.close()
+        self.truth.update()
+        summary = write_results(self.plan, self.outcome, self.mission.reports, self.truth, cpu)
+        print_results(self.plan, summary)
+        return code
+
+    def _cpu_shares(self) -> dict[str, dict[str, float]]:
+        if not self._cpu:
+            return {}
+        launches = {name: child.process.pid for name, child in self.team.launches.items()}
+        return cpu_shares(self._cpu, cpu_seconds(), launches, time.monotonic() - self._cpu_time)
+
+
+def main() -> int:
+    plan = Plan.from_json(sys.argv[2])
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: lifeline.stop.set())
+    if plan.isolation == isolation.HUB:
+        become_subreaper()
+    lifeline = Lifeline(int(sys.argv[1]), end_at_once)
+    try:
+        return Run(plan, lifeline).run()
+    except TeamFailure as failure:
+        print(f"team: {failure}", file=sys.stderr)
+        return NOT_FINISHED
+
+
+if __name__ == "__main__":
+    code = main()
+    sys.stdout.flush()
+    os._exit(code)  # the lifeline's thread may sit in a read

@@ -1,0 +1,66 @@
+"""What roslaunch says about the nodes of one robot: which ended, and where their logs are."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+_ENDED = re.compile(
+    r"\[(?P<name>[^\]\s]+?)-\d+\] process has (?P<how>died|finished cleanly)(?: \[(?P<detail>[^\]]*)\])?"
+)
+_LOG = re.compile(r"log file: (?P<pattern>\S+)")
+_EXIT = re.compile(r"exit code (-?\d+)")
+MAY_FINISH = ("bag",)  # the recorder ends by itself when its bag is full
+
+
+@dataclass(frozen=True)
+class NodeEnd:
+    """The end of one node. ``log`` is the pattern of its log files, empty if roslaunch gave none."""
+
+    name: str
+    clean: bool
+    exit_code: int | None
+    log: str
+
+    def describe(self, robot: str) -> str:
+        how = "ended" if self.clean else f"died (exit code {self.exit_code})"
+        return f"{self.name} of {robot} {how}; log: {self.log or 'none'}"
+
+
+def parse_ends(output: str) -> list[NodeEnd]:
+    """All ends of nodes in the output of roslaunch, except of those that may end by themselves."""
+    ends = []
+    for found in _ENDED.finditer(output):
+        if found["name"] in MAY_FINISH and found["how"] != "died":
+            continue
+        following = output[found.end() : output.find("process has", found.end()) if "process has" in output[found.end() :] else None]
+        code = _EXIT.search(found["detail"] or "")
+        log = _LOG.search(following)
+        ends.append(
+            NodeEnd(
+                name=found["name"],
+                clean=found["how"] != "died",
+                exit_code=int(code[1]) if code else None,
+                log=log["pattern"] if log else "",
+            )
+        )
+    return ends
+
+
+class NodeWatch:
+    """Follows the output file of one roslaunch."""
+
+    def __init__(self, output: Path) -> None:
+        self._output = output
+        self._seen = 0
+
+    def new_ends(self) -> list[NodeEnd]:
+        try:
+            size = self._output.stat().st_size
+        except OSError:
+            return []
+        if size == self._seen:
+            return []
+        self._seen = size
+        return parse_ends(self._output.read_text(errors="replace"))

@@ -1,0 +1,98 @@
+"""The picture of a mission: the merged map with the paths of all robots, in the world frame."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Mapping, Sequence
+
+import matplotlib
+
+matplotlib.use("Agg")  # no display needed
+
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+from matplotlib.transforms import Affine2D  # noqa: E402
+
+from mr_launch.maps import Grid  # noqa: E402
+from mr_launch.truth import Track  # noqa: E402
+
+COLOURS = ("#d62728", "#1f77b4", "#2ca02c", "#ff9f1c", "#9467bd", "#17becf", "#8c564b", "#e377c2")
+ROBOT = np.array([(-0.22, -0.19), (0.12, -0.19), (0.22, 0.0), (0.12, 0.19), (-0.22, 0.19)])  # m, nose to the right
+UNKNOWN, FREE, OCCUPIED = (0.90, 0.91, 0.93, 1.0), (1.0, 1.0, 1.0, 1.0), (0.13, 0.15, 0.19, 1.0)
+
+
+def map_colours(grid: Grid) -> np.ndarray:
+    """RGBA image (rows, columns, 4), row 0 at the lowest y."""
+    image = np.empty((*grid.cells.shape, 4))
+    image[...] = UNKNOWN
+    image[grid.free] = FREE
+    image[grid.occupied] = OCCUPIED
+    return image
+
+
+def bounds(grid: Grid, pose: Sequence[float]) -> tuple[float, float, float, float]:
+    """Left, right, bottom, top (m, world frame) of the known part of a map whose frame lies at ``pose``."""
+    rows, columns = np.nonzero(grid.cells >= 0)
+    if rows.size == 0:
+        return pose[0] - 1, pose[0] + 1, pose[1] - 1, pose[1] + 1
+    xs = grid.origin[0] + grid.resolution * np.array([columns.min(), columns.max() + 1])
+    ys = grid.origin[1] + grid.resolution * np.array([rows.min(), rows.max() + 1])
+    corners = np.array([(x, y) for x in xs for y in ys])
+    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+    world = corners @ np.array([[cosine, sine], [-sine, cosine]]) + pose[:2]
+    return world[:, 0].min(), world[:, 0].max(), world[:, 1].min(), world[:, 1].max()
+
+
+def draw_mission(
+    grid: Grid, pose: Sequence[float], tracks: Mapping[str, Track], title: str, path: Path, start: float = 0.0
+) -> None:
+    """Write a PNG.
+
+    Args:
+        grid: the map to show.
+        pose: x, y, yaw (m, rad) of the map's frame in the world frame, that is the robot's true start pose.
+        tracks: true path of each robot; the part after the simulation time ``start`` (s) is drawn.
+        title: one line above the picture.
+        path: file to write.
+    """
+    left, right, bottom, top = bounds(grid, pose)
+    width, height = right - left, top - bottom
+    figure, axes = plt.subplots(figsize=(12, max(3.0, 12 * height / width) + 0.8), dpi=110)
+    to_world = Affine2D().rotate(pose[2]).translate(pose[0], pose[1])
+    rows, columns = grid.cells.shape
+    x, y = grid.origin
+    axes.imshow(
+        map_colours(grid),
+        origin="lower",
+        interpolation="nearest",
+        extent=(x, x + columns * grid.resolution, y, y + rows * grid.resolution),
+        transform=to_world + axes.transData,
+    )
+    for index, (name, track) in enumerate(tracks.items()):
+        draw_track(axes, name, track, start, COLOURS[index % len(COLOURS)])
+    axes.set_xlim(left - 0.3, right + 0.3)
+    axes.set_ylim(bottom - 0.3, top + 0.3)
+    axes.set_aspect("equal")
+    axes.set_facecolor(UNKNOWN)
+    axes.set_xlabel("x / m")
+    axes.set_ylabel("y / m")
+    axes.set_title(title, fontsize=11)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.06), ncol=max(1, len(tracks)), frameon=False)
+    figure.savefig(path, bbox_inches="tight")
+    plt.close(figure)
+
+
+def draw_track(axes: plt.Axes, name: str, track: Track, start: float, colour: str) -> None:
+    """Path, start (circle) and end (robot outline) of one robot."""
+    chosen = np.array(track.time) >= start
+    if not chosen.any():
+        return
+    x, y = np.array(track.x)[chosen], np.array(track.y)[chosen]
+    axes.plot(x, y, color="white", linewidth=3.2, alpha=0.8, zorder=3)
+    axes.plot(x, y, color=colour, linewidth=1.6, zorder=4, label=name)
+    axes.plot(x[0], y[0], "o", markersize=9, markerfacecolor="white", markeredgecolor=colour, markeredgewidth=2, zorder=5)
+    cosine, sine = np.cos(track.yaw[-1]), np.sin(track.yaw[-1])
+    outline = ROBOT @ np.array([[cosine, sine], [-sine, cosine]]) + (x[-1], y[-1])
+    axes.fill(*outline.T, facecolor=colour, edgecolor="black", linewidth=0.8, zorder=6)

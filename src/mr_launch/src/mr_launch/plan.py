@@ -1,0 +1,138 @@
+"""Everything that is decided before the first process starts: a plain value that goes to the inner process as JSON."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from mr_launch import isolation
+from mr_launch.arguments import Options
+
+FIRST_PORT = 11311
+RADIO_INTERFACE = "radio0"
+
+
+@dataclass(frozen=True)
+class RobotPlan:
+    """One robot of the team. ``start`` is its true pose in the world frame: x, y in m, yaw in rad."""
+
+    name: str
+    index: int
+    port: int
+    start: tuple[float, float, float]
+
+    @property
+    def air(self) -> str:
+        """The radio's end of the robot's cable. An index, because interface names end at 15 characters."""
+        return f"air{self.index}"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A checked mission: options, world file, robots, programs and the kind of isolation."""
+
+    options: Options
+    world: str
+    robots: list[RobotPlan]
+    out: str
+    isolation: str
+    programs: dict[str, str] = field(default_factory=dict)  # name -> path, see tools.PROGRAMS
+    private: str = ""  # folder for sockets
+
+    def robot_folder(self, robot: RobotPlan) -> Path:
+        return Path(self.out) / robot.name
+
+    def log_folder(self, robot: RobotPlan | None = None) -> Path:
+        logs = Path(self.out) / "logs"
+        return logs / robot.name if robot else logs
+
+    def socket(self, name: str) -> str:
+        return str(Path(self.private) / name)
+
+    def to_json(self) -> str:
+        return json.dumps(asdict(self))
+
+    @staticmethod
+    def from_json(text: str) -> Plan:
+        values: dict[str, Any] = json.loads(text)
+        values["options"] = Options(**values["options"])
+        values["robots"] = [RobotPlan(**{**robot, "start": tuple(robot["start"])}) for robot in values["robots"]]
+        return Plan(**values)
+
+
+def robot_environment(plan: Plan, robot: RobotPlan) -> dict[str, str]:
+    """ROS variables of one robot. In a network namespace of its own every master has the usual port."""
+    return {
+        "ROS_MASTER_URI": f"http://localhost:{robot.port}",
+        "ROS_HOSTNAME": "localhost",
+        "ROS_HOME": plan.socket(f"ros_home/{robot.name}"),
+        "ROS_LOG_DIR": str(plan.log_folder(robot)),
+    }
+
+
+def link_commands(robot: RobotPlan, holder: int) -> list[list[str]]:
+    """Commands, run in the radio's namespace, that lay a cable to the namespace held by process ``holder``."""
+    inside = namespace_prefix(holder)
+    return [
+        ["ip", "link", "add", robot.air, "type", "veth", "peer", "name", RADIO_INTERFACE, "netns", str(holder)],
+        ["ip", "link", "set", robot.air, "up"],
+        [*inside, "ip", "link", "set", "lo", "up"],
+        [*inside, "ip", "link", "set", RADIO_INTERFACE, "up"],
+    ]
+
+
+def namespace_prefix(holder: int | None) -> list[str]:
+    return ["nsenter", "--target", str(holder), "--net", "--"] if holder is not None else []
+
+
+def radio_command(plan: Plan) -> list[str]:
+    """The radio daemon on the other ends of all cables, or as a hub on a Unix socket."""
+    options = plan.options
+    command = [plan.programs["radio"]]
+    if plan.isolation == isolation.HUB:
+        command += ["--hub", plan.socket("hub")]
+    else:
+        for robot in plan.robots:
+            command += ["--interface", f"{robot.name}={robot.air}"]
+    command += ["--range", f"{options.range:g}", "--loss", f"{options.loss:g}", "--seed", str(options.seed)]
+    command += ["--control", plan.socket("radio"), "--statistics", str(Path(plan.out) / "radio.json")]
+    return command
+
+
+def world_command(plan: Plan) -> list[str]:
+    options = plan.options
+    command = [plan.programs["world"], "--world", plan.world, "--socket", plan.socket("world")]
+    command += ["--robots", str(len(plan.robots)), "--rtf", f"{options.rtf:g}", "--seed", str(options.seed)]
+    command += ["--radio-control", plan.socket("radio"), "--trace", str(Path(plan.out) / "truth.csv")]
+    return command
+
+
+def initial_poses(plan: Plan) -> str:
+    """Start poses of the whole team for map_merger, as YAML: x, y in m and yaw in rad, in the world frame."""
+    return json.dumps({robot.name: [round(value, 6) for value in robot.start] for robot in plan.robots})
+
+
+def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
+    """roslaunch with a master of its own: robot.launch, the monitor and the bag recorder of one robot."""
+    options = plan.options
+    interface = f"hub:{plan.socket('hub')}" if plan.isolation == isolation.HUB else RADIO_INTERFACE
+    arguments = {
+        "robot_name": robot.name,
+        "interface": interface,
+        "simulated": "true",
+        "world_socket": plan.socket("world"),
+        "slam": options.slam,
+        "navigation": options.navigation,
+        "frontier_selection": str(options.strategy),
+        "initial_poses": initial_poses(plan) if options.initial_poses else "",
+        "log_path": str(plan.log_folder(robot)),
+        "autostart": "false",
+        "report_socket": plan.socket("reports"),
+        "start_pose": " ".join(f"{value:g}" for value in robot.start),
+        "world": plan.world,
+        "bag": str(plan.robot_folder(robot) / f"{robot.name}.bag") if options.bag else "",
+    }
+    command = [plan.programs["roslaunch"], "-p", str(robot.port), "mr_launch", "team_robot.launch"]
+    return command + [f"{name}:={value}" for name, value in arguments.items()]

@@ -1,0 +1,106 @@
+"""Child processes: start them with a log file each, notice when one ends, and end them all in order."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+from typing import Mapping, Sequence
+
+
+class Child:
+    """One started program. Its output goes to ``log``."""
+
+    def __init__(self, name: str, process: subprocess.Popen[bytes], log: Path) -> None:
+        self.name = name
+        self.process = process
+        self.log = log
+
+    def describe_end(self) -> str:
+        code = self.process.returncode
+        how = f"ended with exit code {code}" if code >= 0 else f"was killed by {signal.Signals(-code).name}"
+        return f"{self.name} {how}; its log is {self.log}{last_lines(self.log)}"
+
+
+def last_lines(log: Path, count: int = 3) -> str:
+    """The end of a log file for an error message, indented; empty if there is nothing to show."""
+    try:
+        lines = [line for line in log.read_text(errors="replace").splitlines() if line.strip()]
+    except OSError:
+        return ""
+    return "".join(f"\n    {line[:200]}" for line in lines[-count:])
+
+
+class Children:
+    """All programs the team started, in the order of their start."""
+
+    def __init__(self) -> None:
+        self._children: list[Child] = []
+
+    def start(self, name: str, command: Sequence[str], log: Path, environment: Mapping[str, str]) -> Child:
+        """Start ``command`` in a session of its own, so that Ctrl-C reaches only the team's first process."""
+        log.parent.mkdir(parents=True, exist_ok=True)
+        with log.open("ab") as output:
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=dict(environment),
+                start_new_session=True,
+            )
+        child = Child(name, process, log)
+        self._children.append(child)
+        return child
+
+    def ended(self) -> list[Child]:
+        return [child for child in self._children if child.process.poll() is not None]
+
+    def stop(self, children: Sequence[Child], how: signal.Signals, patience: float) -> list[Child]:
+        """Ask with one signal, wait ``patience`` seconds for all together, then kill. Returns those killed."""
+        running = [child for child in children if child.process.poll() is None]
+        for child in running:
+            child.process.send_signal(how)
+        end = time.monotonic() + patience
+        while running and time.monotonic() < end:
+            time.sleep(0.05)
+            running = [child for child in running if child.process.poll() is None]
+        for child in running:
+            child.process.kill()
+            child.process.wait()
+        return running
+
+    def stop_all(self, patience: float) -> list[Child]:
+        return self.stop(self._children[::-1], signal.SIGTERM, patience)
+
+    def pids(self) -> set[int]:
+        return {child.process.pid for child in self._children}
+
+    def reap_orphans(self) -> None:
+        """PID 1 inherits orphans; collect those that ended and leave our own children to their Popen."""
+        while True:
+            try:
+                found = os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+            except ChildProcessError:
+                return
+            if found is None or found.si_pid in self.pids():
+                return
+            os.waitpid(found.si_pid, os.WNOHANG)
+
+
+def cpu_seconds() -> dict[int, tuple[str, float, int]]:
+    """CPU time of all visible processes: process id -> (command line, seconds of user and system time, parent)."""
+    ticks = os.sysconf("SC_CLK_TCK")
+    table = {}
+    for entry in Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            fields = (entry / "stat").read_text().rsplit(")", 1)[1].split()
+            command = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace").strip()
+        except (OSError, IndexError):
+            continue
+        table[int(entry.name)] = (command, (int(fields[11]) + int(fields[12])) / ticks, int(fields[1]))
+    return table

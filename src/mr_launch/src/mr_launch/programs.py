@@ -1,0 +1,67 @@
+"""The programs a team needs, found before anything starts."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+
+from mr_launch.errors import UserError
+from mr_launch.isolation import search_path
+
+PROGRAMS = {  # name in Plan.programs: (package, executable)
+    "radio": ("adhoc_communication", "radio"),
+    "world": ("mr_sim", "world"),
+}
+NODES = (
+    ("adhoc_communication", "adhoc_communication"),
+    ("map_merger", "map_merger"),
+    ("explorer", "explorer"),
+    ("mr_sim", "robot"),
+    ("mr_sim", "slam"),
+    ("mr_sim", "move_base"),
+    ("mr_launch", "monitor"),
+    ("rosbag", "record"),
+)
+SYSTEM = ("roslaunch", "ip", "unshare", "nsenter", "setpriv")
+
+
+def find_programs() -> dict[str, str]:
+    """Paths of all programs that the runner starts itself. Raises UserError that names every missing one."""
+    paths, missing = {}, []
+    for name, (package, executable) in PROGRAMS.items():
+        found = find_executable(package, executable)
+        if found:
+            paths[name] = found
+    wanted = [*PROGRAMS.values(), *NODES]
+    missing = sorted({f"{package}/{name}" for package, name in wanted if not find_executable(package, name)})
+    if missing:
+        raise UserError(f"not built: {', '.join(missing)}; run 'make build' and source the setup.sh of the build")
+    for name in SYSTEM:
+        found = shutil.which(name, path=search_path(""))  # the system's, whatever else is on PATH
+        if not found:
+            raise UserError(f"the program {name} is missing; run tools/install_dependencies")
+        paths[name] = found
+    return paths
+
+
+def find_executable(package: str, name: str) -> str | None:
+    """Path of ``rosrun package name``, None if there is none."""
+    from roslib.packages import find_node  # a ROS library, needed only here
+    from rospkg import ResourceNotFound
+
+    try:
+        found = find_node(package, name)
+    except ResourceNotFound:
+        return None
+    return found[0] if found else None
+
+
+def free_ports(count: int) -> list[int]:
+    """TCP ports that nobody uses at this moment."""
+    sockets = [socket.socket() for _ in range(count)]
+    for entry in sockets:
+        entry.bind(("localhost", 0))
+    ports = [entry.getsockname()[1] for entry in sockets]
+    for entry in sockets:
+        entry.close()
+    return ports

@@ -1,0 +1,128 @@
+"""What the monitors of the robots tell the runner: JSON lines over a Unix socket, requests back the same way."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import selectors
+import socket
+from dataclasses import dataclass, field
+from typing import Any
+
+MAXIMUM_LINE = 1 << 20  # octets; a monitor that sends more without a line end is cut off
+
+STATES = ("starting", "exploring", "waiting", "returning", "finished")
+FINISHED = 4
+
+
+@dataclass
+class RobotReport:
+    """Latest news of one robot. Times in s of simulation time, positions in m in the robot's ``map`` frame."""
+
+    robot: str
+    time: float = 0.0
+    missing: list[str] = field(default_factory=lambda: ["monitor"])
+    started: bool = False
+    start_error: str = ""
+    state: int = 0
+    text: str = ""
+    exploration_finished: bool = False
+    exploration_time: float = 0.0
+    goal: tuple[float, float] | None = None
+    frontiers: int = 0
+    unreachable: int = 0
+    goals_reached: int = 0
+    auctions: int = 0
+    coverage: float | None = None
+    neighbors: list[str] = field(default_factory=list)
+    merged: list[str] = field(default_factory=list)
+    merge_times: dict[str, float] = field(default_factory=dict)
+    start_time: float = 0.0
+    radio: dict[str, Any] = field(default_factory=dict)
+    saved: str = ""
+
+    @property
+    def state_name(self) -> str:
+        return STATES[self.state] if self.state < len(STATES) else str(self.state)
+
+    def update(self, values: dict[str, Any]) -> None:
+        """Take over known fields; an unknown one is a monitor of another version and is ignored."""
+        for name, value in values.items():
+            if name in self.__dataclass_fields__ and name != "robot":
+                setattr(self, name, value)
+
+
+class ReportServer:
+    """Accepts the monitors of all robots and keeps the latest report of each. Never blocks longer than asked."""
+
+    def __init__(self, path: str, robots: list[str]) -> None:
+        self.reports = {name: RobotReport(name) for name in robots}
+        self._links: dict[str, socket.socket] = {}
+        self._buffers: dict[socket.socket, bytes] = {}
+        self._selector = selectors.DefaultSelector()
+        self._server = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(path)
+        self._server.bind(path)
+        self._server.listen(len(robots) + 4)
+        self._server.setblocking(False)
+        self._selector.register(self._server, selectors.EVENT_READ)
+
+    def wait(self, seconds: float) -> None:
+        """Handle what arrives within ``seconds``."""
+        for key, _ in self._selector.select(seconds):
+            if key.fileobj is self._server:
+                self._accept()
+            else:
+                self._read(key.fileobj)  # type: ignore[arg-type]
+
+    def request(self, robot: str, **message: Any) -> bool:
+        """Ask a robot's monitor for something; False if it is not connected."""
+        link = self._links.get(robot)
+        if link is None:
+            return False
+        try:
+            link.sendall(json.dumps(message).encode() + b"\n")
+        except OSError:
+            self._drop(link)
+            return False
+        return True
+
+    def close(self) -> None:
+        for link in list(self._buffers):
+            self._drop(link)
+        self._selector.close()
+        self._server.close()
+
+    def _accept(self) -> None:
+        link, _ = self._server.accept()
+        self._buffers[link] = b""
+        self._selector.register(link, selectors.EVENT_READ)
+
+    def _read(self, link: socket.socket) -> None:
+        try:
+            data = link.recv(65536)
+        except OSError:
+            data = b""
+        if not data or len(self._buffers[link]) > MAXIMUM_LINE:
+            self._drop(link)
+            return
+        *lines, self._buffers[link] = (self._buffers[link] + data).split(b"\n")
+        for line in lines:
+            self._take(link, line)
+
+    def _take(self, link: socket.socket, line: bytes) -> None:
+        try:
+            values = json.loads(line)
+            report = self.reports[values["robot"]]
+        except (ValueError, KeyError, TypeError):
+            return
+        self._links[report.robot] = link
+        report.update(values)
+
+    def _drop(self, link: socket.socket) -> None:
+        self._selector.unregister(link)
+        self._buffers.pop(link, None)
+        self._links = {name: other for name, other in self._links.items() if other is not link}
+        link.close()

@@ -1,0 +1,140 @@
+"""Output folder of a mission: maps, picture, summary.json and the final table."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from mr_launch.maps import Grid, load_raw, save_map
+from mr_launch.mission import Outcome
+from mr_launch.plan import Plan, RobotPlan
+from mr_launch.reports import RobotReport
+from mr_launch.summary import mission_summary, robot_summary, team_summary
+from mr_launch.truth import Truth
+from mr_launch.view import percent
+from mr_launch.world import Measures
+
+
+def write_results(
+    plan: Plan, outcome: Outcome, reports: list[RobotReport], truth: Truth, cpu: dict[str, dict[str, float]]
+) -> dict[str, Any]:
+    """Write everything that the mission gave, however it ended, and return the summary."""
+    measures = Measures(plan)
+    grids = save_maps(plan, outcome)
+    robots: dict[str, dict[str, Any]] = {}
+    finish = last_finish(reports, outcome)
+    for robot, report in zip(plan.robots, reports):
+        movement = truth.tracks[robot.name].statistics(outcome.start, outcome.end)
+        grid = grids.get(robot.name)
+        robots[robot.name] = robot_summary(report, outcome.start, movement, measures.of(grid, robot))
+    team = team_summary(robots, truth.real_time_factor(outcome.start, finish), radio_statistics(plan))
+    team["cpu"] = cpu
+    summary = mission_summary(plan, robots, team, outcome.reason, outcome.notes)
+    draw(plan, outcome, grids, robots, truth)
+    (Path(plan.out) / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+    return summary
+
+
+def last_finish(reports: list[RobotReport], outcome: Outcome) -> float:
+    """Simulation time (s) at which the last robot finished exploring; the end if one did not."""
+    if not all(report.exploration_finished for report in reports):
+        return outcome.end
+    return max(report.start_time + report.exploration_time for report in reports)
+
+
+def save_maps(plan: Plan, outcome: Outcome) -> dict[str, Grid]:
+    grids = {}
+    for robot in plan.robots:
+        raw = Path(plan.socket(f"{robot.name}.npz"))
+        if not raw.exists():
+            if outcome.start > 0.0:
+                outcome.notes.append(f"{robot.name} gave no global map")
+            continue
+        grids[robot.name] = load_raw(raw)
+        folder = plan.robot_folder(robot)
+        folder.mkdir(parents=True, exist_ok=True)
+        save_map(grids[robot.name], folder / "map")
+    return grids
+
+
+def radio_statistics(plan: Plan) -> dict[str, Any] | None:
+    try:
+        return json.loads((Path(plan.out) / "radio.json").read_text())
+    except (OSError, ValueError):
+        return None
+
+
+def draw(
+    plan: Plan, outcome: Outcome, grids: dict[str, Grid], robots: dict[str, dict[str, Any]], truth: Truth
+) -> None:
+    """The most complete map with all paths."""
+    if not os.access(Path.home(), os.W_OK):
+        os.environ.setdefault("MPLCONFIGDIR", plan.socket("matplotlib"))  # it keeps a cache, and warns without a place
+    from mr_launch.pictures import draw_mission  # matplotlib is slow to import and needed only here
+
+    known: list[RobotPlan] = [robot for robot in plan.robots if robot.name in grids]
+    if not known:
+        return
+    best = max(known, key=lambda robot: int((grids[robot.name].cells >= 0).sum()))
+    times = [robot["time"] for robot in robots.values()]
+    done = f"explored in {max(times):.0f} s" if all(time is not None for time in times) else "not finished"
+    title = f"{Path(plan.world).stem}: {len(plan.robots)} robots, {done}; global map of {best.name}"
+    start = outcome.start if robots else 0.0
+    draw_mission(grids[best.name], best.start, truth.tracks, title, Path(plan.out) / "team.png", start)
+
+
+def print_results(plan: Plan, summary: dict[str, Any]) -> None:
+    """The final table, and where the files are."""
+    console = Console(soft_wrap=True, width=None if sys.stdout.isatty() else 120)
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    columns = ("robot", "finished", "time", "coverage", "wrong walls", "map error", "distance", "collisions", "merged with")
+    for title in columns:
+        table.add_column(title, justify="left" if title in ("robot", "merged with") else "right")
+    for name, robot in summary["robots"].items():
+        error = robot.get("map_error")
+        table.add_row(
+            name,
+            "yes" if robot["finished"] else f"no ({robot['state']})",
+            "-" if robot["time"] is None else f"{robot['time']:.1f} s",
+            percent(robot.get("coverage")),
+            percent(robot.get("wrong_walls")),
+            "-" if error is None else f"{error:+.2f} %",
+            f"{robot['distance']:.1f} m",
+            str(robot["collisions"]),
+            ", ".join(robot["merged_with"]) or "-",
+        )
+    console.print(table)
+    team = summary["team"]
+    time = "unfinished" if team["exploration_time"] is None else f"exploration time {team['exploration_time']:.1f} s"
+    factor = "unknown" if team["real_time_factor"] is None else f"{team['real_time_factor']:.2f}"
+    hops = ", ".join(f"{count} over {hop} hop{'s' * (hop != '1')}" for hop, count in team["packets_by_hops"].items())
+    lines = [
+        f"Team: {time}, real-time factor {factor}, {team['frames_sent']} frames ({team['bytes_sent'] / 1e6:.1f} MB) sent,",
+        f"packets received: {hops or 'none'}",
+        *(f"Note: {note}" for note in summary["notes"]),
+        f"Files in {shown(plan.out)}: {', '.join(files_of(plan))}",
+    ]
+    for line in lines:
+        console.print(line, markup=False, highlight=False)
+
+
+def files_of(plan: Plan) -> list[str]:
+    """What is in the output folder, one robot standing for all."""
+    out, first = Path(plan.out), plan.robots[0].name
+    names = ("summary.json", "team.png", "truth.csv", "logs", f"{first}/map.png", f"{first}/map.yaml", f"{first}/{first}.bag")
+    return [name for name in names if (out / name).exists()]
+
+
+def shown(path: str) -> str:
+    """A path as people like to read it: relative if that is shorter."""
+    try:
+        relative = str(Path(path).relative_to(Path.cwd()))
+    except ValueError:
+        return path
+    return relative

@@ -1,0 +1,39 @@
+"""Conversions between ROS messages and the values of this package."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mr_launch.maps import Grid
+
+
+def grid_of(message: Any) -> Grid:
+    """nav_msgs/OccupancyGrid (also as numpy_msg) to a Grid."""
+    info = message.info
+    cells = np.array(message.data, np.int8).reshape(info.height, info.width)
+    return Grid(cells, float(info.resolution), (info.origin.position.x, info.origin.position.y))
+
+
+def state_values(message: Any) -> dict[str, Any]:
+    """explorer/ExplorationState to fields of RobotReport."""
+    return {
+        "state": message.state,
+        "text": message.text,
+        "exploration_finished": message.exploration_finished,
+        "exploration_time": message.exploration_time,
+        "goal": [message.goal.x, message.goal.y] if message.has_goal else None,
+        "frontiers": message.frontiers,
+        "unreachable": message.unreachable,
+        "goals_reached": message.goals_reached,
+        "auctions": message.auctions_completed,
+    }
+
+
+def radio_values(message: Any) -> dict[str, Any]:
+    """adhoc_communication/Status to fields of RobotReport."""
+    counters = ("frames_sent", "bytes_sent", "frames_received", "bytes_received", "packets_sent", "packets_failed")
+    radio = {name: getattr(message, name) for name in counters}
+    radio["packets_received_by_hops"] = list(message.packets_received_by_hops)
+    return {"neighbors": list(message.neighbors), "radio": radio}

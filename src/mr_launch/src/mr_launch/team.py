@@ -1,0 +1,125 @@
+"""All processes of a team: radio, world, and one roslaunch with its own master per robot."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import time
+from pathlib import Path
+from typing import Callable
+
+from mr_launch import isolation
+from mr_launch.errors import TeamFailure
+from mr_launch.network import hold_namespace, lay_cable, switch_ipv6_off
+from mr_launch.nodes import NodeWatch
+from mr_launch.plan import (
+    Plan,
+    RobotPlan,
+    launch_command,
+    namespace_prefix,
+    radio_command,
+    robot_environment,
+    world_command,
+)
+from mr_launch.processes import Child, Children, last_lines
+
+NODES_PATIENCE = 25.0  # s; roslaunch itself waits 15 s for its nodes, then 2 s more
+FEW_THREADS = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+
+
+class Team:
+    """Starts everything, tells what broke, stops everything.
+
+    ``died_with_parent`` is a command prefix that ends a program when this process dies (used without PID namespace).
+    """
+
+    def __init__(self, plan: Plan, init: int | None) -> None:
+        self.plan = plan
+        self.children = Children()
+        self.launches: dict[str, Child] = {}
+        self._init = init
+        self._holders: dict[str, int] = {}
+        self._watches: dict[str, NodeWatch] = {}
+        self._own_namespaces = plan.isolation != isolation.HUB
+        # Several nodes share few cores; threads of numerical libraries would only get in each other's way.
+        self._environment = {**os.environ, **FEW_THREADS}
+        for name in ("ROS_IP", "ROS_NAMESPACE", "ROS_ROOT_LOG"):
+            self._environment.pop(name, None)
+        self._died_with_parent = [] if self._own_namespaces else ["setpriv", "--pdeathsig", "TERM", "--"]
+
+    def start(self, stopped: Callable[[], bool]) -> None:
+        """Namespaces, radio, world, robots, in the order in which they need each other."""
+        self._make_network()
+        self._start_radio(stopped)
+        self._start("world", world_command(self.plan), {})
+        for robot in self.plan.robots:
+            prefix = namespace_prefix(self._holders.get(robot.name))
+            command = [*prefix, *launch_command(self.plan, robot)]
+            child = self._start(robot.name, command, robot_environment(self.plan, robot))
+            self.launches[robot.name] = child
+            self._watches[robot.name] = NodeWatch(child.log)
+        self._write_state()
+
+    def failures(self) -> list[str]:
+        """What ended although it should run: one line each, with the log file."""
+        lines = [child.describe_end() for child in self.children.ended()]
+        for name, watch in self._watches.items():
+            lines += [end.describe(name) for end in watch.new_ends()]
+        self.children.reap_orphans()
+        return lines
+
+    def stop_robots(self) -> None:
+        """End all nodes in order, so that bags are closed and logs are complete."""
+        self.children.stop(list(self.launches.values()), signal.SIGINT, NODES_PATIENCE)
+
+    def stop_rest(self) -> None:
+        """End radio (it writes its statistics now) and world, then whatever is left."""
+        self.children.stop_all(5.0)
+        (Path(self.plan.out) / "team.json").unlink(missing_ok=True)
+
+    def _start(self, name: str, command: list[str], extra: dict[str, str]) -> Child:
+        log = self.plan.log_folder() / f"{name}.log"
+        return self.children.start(name, [*self._died_with_parent, *command], log, {**self._environment, **extra})
+
+    def _make_network(self) -> None:
+        if not self._own_namespaces:
+            return
+        switch_ipv6_off([])
+        for robot in self.plan.robots:
+            log = self.plan.log_folder() / "network.log"
+            holder = hold_namespace(robot, self.children, log, self._environment)
+            self._holders[robot.name] = holder.process.pid
+            lay_cable(robot, holder.process.pid)
+
+    def _start_radio(self, stopped: Callable[[], bool]) -> None:
+        radio = self._start("radio", radio_command(self.plan), {})
+        control = Path(self.plan.socket("radio"))
+        end = time.monotonic() + 15.0
+        while not control.exists() and not stopped():
+            if radio.process.poll() is not None:
+                raise TeamFailure(radio.describe_end())
+            if time.monotonic() > end:
+                raise TeamFailure(f"the radio does not get ready; its log is {radio.log}{last_lines(radio.log)}")
+            time.sleep(0.05)
+
+    def _write_state(self) -> None:
+        """For ``rosrun mr_launch enter``: how to reach each robot of this running team."""
+        state = {
+            "isolation": self.plan.isolation,
+            "init": self._init,
+            "robots": {
+                robot.name: {
+                    "holder": self._holders.get(robot.name),
+                    "environment": robot_environment(self.plan, robot),
+                }
+                for robot in self.plan.robots
+            },
+        }
+        path = Path(self.plan.out) / "team.json"
+        path.write_text(json.dumps(state, indent=2) + "\n")
+
+
+def process_of(plan: Plan, robot: RobotPlan) -> Path:
+    """Output of the robot's roslaunch."""
+    return plan.log_folder() / f"{robot.name}.log"
