@@ -102,9 +102,17 @@ class _Canvas:
                 inside ^= crossing & (x < (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]) + a[0])
         self.cells[row_slice, column_slice] |= inside.astype(np.uint8)
 
-    def draw_line(self, a: np.ndarray, b: np.ndarray) -> None:
-        count = int(np.ceil(2.0 * np.hypot(*(b - a)) / self.resolution)) + 1
-        self.cells[self._cells_at(a + (b - a) * np.linspace(0.0, 1.0, count)[:, None])] = 1
+    def draw_outline(self, corners: np.ndarray) -> None:
+        for a, b in zip(corners, np.roll(corners, -1, axis=0)):
+            count = int(np.ceil(2.0 * np.hypot(*(b - a)) / self.resolution)) + 1
+            self.cells[self._cells_at(a + (b - a) * np.linspace(0.0, 1.0, count)[:, None])] = 1
+
+
+def _is_thin(corners: np.ndarray, resolution: float) -> bool:
+    """Whether a polygon is so thin that cell centres may miss it."""
+    edges = np.roll(corners, -1, axis=0) - corners
+    area = 0.5 * abs(np.sum(corners[:, 0] * edges[:, 1] - corners[:, 1] * edges[:, 0]))
+    return area < resolution * np.hypot(edges[:, 0], edges[:, 1]).sum()
 
 
 def _place(polygon: Polygon, obstacle: Obstacle) -> np.ndarray:
@@ -120,11 +128,10 @@ def rasterise(obstacles: Sequence[Obstacle], resolution: float) -> Grid:
         for polygon in obstacle.polygons:
             corners = _place(polygon, obstacle)
             canvas.draw_polygon(corners)
-            for a, b in zip(corners, np.roll(corners, -1, axis=0)):
-                canvas.draw_line(a, b)
+            if _is_thin(corners, resolution):
+                canvas.draw_outline(corners)
         if obstacle.boundary:
             half_x, half_y = obstacle.size[0] / 2.0, obstacle.size[1] / 2.0
             corners = _place(((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)), obstacle)
-            for a, b in zip(corners, np.roll(corners, -1, axis=0)):
-                canvas.draw_line(a, b)
+            canvas.draw_outline(corners)
     return Grid(canvas.cells, resolution, canvas.origin)

@@ -1,0 +1,223 @@
+"""What the figures of a mission mean, as functions on arrays. Definitions: docs/measures.md.
+
+A map is placed in the world by the robot's true start pose, because a local map has its origin where the robot began.
+All positions in metres, angles in radians, times in simulated seconds.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Dict, List, Sequence, Tuple
+
+import cv2
+import numpy as np
+from scipy import ndimage
+
+from mr_sim import _world
+from mr_sim.raster import Grid
+from mr_sim.world import World
+from mr_sim.world_model import Polygon, Pose, compose
+
+FREE_BELOW = 50  # an occupancy value from 0 to this (exclusive) is explored free space
+OCCUPIED_FROM = 65  # an occupancy value from this on is a wall
+WALL_MARGIN = 0.1  # m: free cells nearer to a wall than this are no reference cells
+WALL_TOLERANCE = 0.15  # m: an occupied cell farther from a true wall than this is a wrong wall
+MOVING_SPEED, MOVING_TURN = 0.05, 0.1  # m/s, rad/s: above either a robot is moving
+
+_REFERENCE_RESOLUTION = 0.05  # m, lattice of the reference cells
+_HEADINGS = 16  # headings in which the footprint is tried
+_VIEWPOINT_SPACING = 0.2  # m between the poses looked from
+_BEAMS = 720
+_SURROUND = 1.0  # m around the walls in which the distance to them is known
+
+
+@dataclass(frozen=True)
+class OccupancyMap:
+    """`data`: int8 (rows, columns), -1 unknown, 0 free to 100 occupied; `origin`: pose of the corner of cell (0, 0)."""
+
+    data: np.ndarray
+    resolution: float
+    origin: Pose = (0.0, 0.0, 0.0)
+
+    def cells_at(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """Values (N,) at points (N, 2) of the map frame, and which points lie on the map; -1 where they do not."""
+        index = np.floor(_into(self.origin, points) / self.resolution).astype(np.int64)
+        inside = ((index >= 0) & (index < self.data.shape[::-1])).all(axis=1)
+        values = np.full(len(points), -1, dtype=np.int8)
+        values[inside] = self.data[index[inside, 1], index[inside, 0]]
+        return values, inside
+
+    def centres(self, mask: np.ndarray) -> np.ndarray:
+        """Centres (N, 2) in the map frame of the cells where `mask` (rows, columns) is true."""
+        return _out_of(self.origin, (np.argwhere(mask)[:, ::-1] + 0.5) * self.resolution)
+
+    @property
+    def explored_free_cells(self) -> int:
+        """P_n of the map error."""
+        return int(((self.data >= 0) & (self.data < FREE_BELOW)).sum())
+
+
+def _into(frame: Pose, points: np.ndarray) -> np.ndarray:
+    """Points (N, 2) as seen from `frame`."""
+    c, s = math.cos(frame[2]), math.sin(frame[2])
+    return (points - frame[:2]) @ np.array([[c, -s], [s, c]])
+
+
+def _out_of(frame: Pose, points: np.ndarray) -> np.ndarray:
+    """Points (N, 2) given in `frame`, in the frame that `frame` is given in."""
+    c, s = math.cos(frame[2]), math.sin(frame[2])
+    return points @ np.array([[c, s], [-s, c]]) + np.asarray(frame[:2])
+
+
+class Truth:
+    """What maps are compared with: the true walls and the reference free cells of a world."""
+
+    def __init__(self, walls: Grid, starts: Sequence[Pose], footprint: Sequence[Polygon], range_max: float) -> None:
+        """`starts`: world poses from which the footprint drives; `range_max`: of the laser. Takes seconds."""
+        pad = math.ceil(_SURROUND / walls.resolution)
+        cells = np.pad(walls.cells, pad)
+        self._resolution = walls.resolution
+        self._origin = np.asarray(walls.origin) - pad * walls.resolution
+        # From the centre of a cell to the face of the nearest wall.
+        self._distance = ndimage.distance_transform_edt(cells == 0) * walls.resolution - walls.resolution / 2.0
+        self.viewpoints = self._viewpoints(cells, starts, footprint)
+        self.reference = self._reference_cells(walls, range_max)
+
+    @classmethod
+    def of_world(cls, world: World) -> "Truth":
+        """Truth for the robots of a world; the footprint and laser are those of the first robot."""
+        robot = world.robots[0]
+        range_max = max((ranger.range_max for ranger in robot.rangers), default=0.0)
+        return cls(world.visible, [r.start for r in world.robots], robot.footprint, range_max)
+
+    def wall_distance(self, points: np.ndarray) -> np.ndarray:
+        """Distance (N,) from points (N, 2) to the nearest true wall, 0 inside it, infinite far outside the world."""
+        index = np.floor((points - self._origin) / self._resolution).astype(np.int64)
+        inside = ((index >= 0) & (index < self._distance.shape[::-1])).all(axis=1)
+        distance = np.full(len(points), np.inf)
+        distance[inside] = np.maximum(self._distance[index[inside, 1], index[inside, 0]], 0.0)
+        return distance
+
+    def _viewpoints(self, cells: np.ndarray, starts: Sequence[Pose], footprint: Sequence[Polygon]) -> np.ndarray:
+        """Positions (N, 2), thinned out, that the footprint reaches from the starts in one of its headings.
+
+        Reachability is by connection of the free poses (x, y, heading), without regard to how the robot steers.
+        """
+        free = np.stack([self._fits(cells, footprint, 2.0 * math.pi * k / _HEADINGS) for k in range(_HEADINGS)])
+        around = np.concatenate([free, free[:1]])  # heading 2 pi is heading 0 again
+        labels, _ = ndimage.label(around)
+        self._join_seam(labels)
+        reached: set = set()
+        for start in starts:
+            column, row = np.floor((np.asarray(start[:2]) - self._origin) / self._resolution).astype(int)
+            heading = round(start[2] / (2.0 * math.pi) * _HEADINGS) % _HEADINGS
+            reached.add(int(labels[heading, row, column]))
+        reached.discard(0)
+        reachable = np.isin(labels[:_HEADINGS], list(reached)).any(axis=0)
+        stride = max(1, round(_VIEWPOINT_SPACING / self._resolution))
+        return (np.argwhere(reachable[::stride, ::stride])[:, ::-1] * stride + 0.5) * self._resolution + self._origin
+
+    def _fits(self, cells: np.ndarray, footprint: Sequence[Polygon], heading: float) -> np.ndarray:
+        """Cells, bool (rows, columns), at whose centre the footprint touches no wall in this heading."""
+        turned = [np.array([compose((0.0, 0.0, heading), (*p, 0.0))[:2] for p in polygon]) for polygon in footprint]
+        reach = int(math.ceil(max(np.abs(corners).max() for corners in turned) / self._resolution)) + 1
+        kernel = np.zeros((2 * reach + 1, 2 * reach + 1), dtype=np.uint8)
+        for corners in turned:
+            cv2.fillPoly(kernel, [np.round(corners / self._resolution + reach).astype(np.int32)], 1)
+        # A correlation with the footprint: true where wall and footprint share a cell.
+        return cv2.dilate(cells, kernel[::-1, ::-1]) == 0
+
+    @staticmethod
+    def _join_seam(labels: np.ndarray) -> None:
+        """Give regions that are one across the seam of the heading the same label."""
+        first, last = labels[0], labels[-1]
+        for label in np.unique(last[last > 0]):
+            for other in np.unique(first[(last == label) & (first > 0)]):
+                if other != label:
+                    labels[labels == other] = label
+
+    def _reference_cells(self, walls: Grid, range_max: float) -> np.ndarray:
+        """Centres (N, 2) of the free cells in view from a viewpoint, without those beside a wall."""
+        rows, columns = (math.ceil(n * walls.resolution / _REFERENCE_RESOLUTION - 1e-6) for n in walls.cells.shape)
+        seen = np.zeros((rows, columns), dtype=np.uint8)
+        raster = _world.Raster(walls.cells, walls.resolution, walls.origin)
+        angles = np.arange(_BEAMS) * (2.0 * math.pi / _BEAMS)
+        beams = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        for point in self.viewpoints:
+            ends = point + beams * raster.cast(tuple(point), angles, range_max)[:, None]
+            pixels = np.floor((ends - walls.origin) / _REFERENCE_RESOLUTION).astype(np.int32)
+            cv2.fillPoly(seen, [pixels], 1)
+        centres = (np.argwhere(seen)[:, ::-1] + 0.5) * _REFERENCE_RESOLUTION + walls.origin
+        return centres[self.wall_distance(centres) >= WALL_MARGIN]
+
+
+def coverage(truth: Truth, occupancy: OccupancyMap, start: Pose) -> float:
+    """Share of the reference free cells that the map knows; `start`: the robot's true start pose."""
+    if len(truth.reference) == 0:
+        raise ValueError("the world has no reference cells: no robot can move in it")
+    values, _ = occupancy.cells_at(_into(start, truth.reference))
+    return float((values >= 0).mean())
+
+
+def wrong_walls(truth: Truth, occupancy: OccupancyMap, start: Pose) -> float:
+    """Share of the map's occupied cells that are no true wall; 0 for a map without occupied cells."""
+    occupied = occupancy.centres(occupancy.data >= OCCUPIED_FROM)
+    if len(occupied) == 0:
+        return 0.0
+    return float((truth.wall_distance(_out_of(start, occupied)) > WALL_TOLERANCE).mean())
+
+
+def map_error(explored_free_cells: int, reference: float) -> float:
+    """e in percent (paper VII-A): explored free cells against P_ref, signed."""
+    if not reference > 0.0:
+        raise ValueError(f"the reference must be positive, not {reference:g}")
+    return (explored_free_cells / reference - 1.0) * 100.0
+
+
+def overlap_between_robots(explored: Sequence[np.ndarray]) -> float:
+    """Sum of what each robot explored itself over their union, minus 1; `explored`: bool masks of one shape."""
+    union = np.logical_or.reduce(list(explored)).sum()
+    return float(sum(int(mask.sum()) for mask in explored) / union - 1.0) if union else 0.0
+
+
+def distance_driven(records: np.ndarray) -> float:
+    """Metres driven according to a robot's truth trace (`trace.Trace.robots`)."""
+    return float(np.hypot(np.diff(records["x"]), np.diff(records["y"])).sum())
+
+
+def moving_share(records: np.ndarray, begin: float, end: float) -> float:
+    """Share of the time from `begin` to `end`, in which the robot has a task, that it moves."""
+    task = records[(records["time"] > begin) & (records["time"] <= end)]
+    if len(task) == 0:
+        return 0.0
+    return float(((np.abs(task["v"]) > MOVING_SPEED) | (np.abs(task["w"]) > MOVING_TURN)).mean())
+
+
+@dataclass(frozen=True)
+class Collisions:
+    """Contacts of a robot: a run of steps in which it was blocked by the same kind of thing is one contact."""
+
+    with_walls: int
+    with_robots: int
+    times: Tuple[float, ...]  # when each began
+
+    @property
+    def total(self) -> int:
+        return self.with_walls + self.with_robots
+
+
+def collisions(records: np.ndarray) -> Collisions:
+    """Collisions of a robot according to its truth trace.
+
+    The simulator stops a robot before its footprint would overlap something, so each such stop counts as a collision.
+    """
+    contact = records["collision"].astype(int)
+    begins = np.flatnonzero((contact != 0) & (contact != np.concatenate([[0], contact[:-1]])))
+    kinds: List[int] = [int(kind) for kind in contact[begins]]
+    return Collisions(kinds.count(1), kinds.count(2), tuple(float(t) for t in records["time"][begins]))
+
+
+def exploration_time(start: float, finished: Dict[str, float]) -> float:
+    """Seconds from the start of the mission to the end of the last robot's exploration."""
+    if not finished:
+        raise ValueError("no robot has finished")
+    return max(finished.values()) - start
