@@ -1,0 +1,176 @@
+// The body of each frame type as a plain value. read() is strict: nothing for a body that is too short, too long or
+// holds a value outside its range.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "wire/octets.hpp"
+
+namespace adhoc_communication::wire {
+
+constexpr std::size_t kLongestName = 64;  ///< octets of a robot name
+constexpr std::uint8_t kFarthestHop = 35;  ///< RFC 3561 section 10, NET_DIAMETER
+
+/// A neighbour the sender of a beacon hears, so that the neighbour knows the link works both ways.
+struct HeardNeighbor {
+  MacAddress address{};
+  BootTag boot = 0;
+};
+
+/// What the sender of a beacon knows of a robot that not all of its neighbours hear themselves.
+struct Rumor {
+  MacAddress address{};
+  BootTag boot = 0;
+  std::uint32_t alive = 0;  ///< life sign of that robot; only a greater one is news
+  std::uint8_t hops = 0;    ///< from the sender of the beacon
+  std::string name;
+};
+
+/// RFC 3561 section 6.9 hello, with what discovery needs.
+struct Beacon {
+  std::uint32_t sequence_number = 0;  ///< own AODV sequence number
+  std::uint32_t alive = 0;
+  std::string name;
+  std::vector<HeardNeighbor> heard;
+  std::vector<Rumor> rumors;
+};
+
+/// RFC 3561 section 5.1. The destination is known by name, by address, or both.
+struct RouteRequest {
+  bool join = false;
+  bool repair = false;
+  bool gratuitous = false;
+  bool destination_only = false;
+  bool unknown_sequence_number = false;
+  std::uint8_t hop_count = 0;
+  std::uint8_t hop_limit = 0;
+  std::uint32_t id = 0;
+  MacAddress destination{};  ///< all zero: asked for by name only
+  std::uint32_t destination_sequence = 0;
+  std::string destination_name;
+  MacAddress originator{};
+  std::uint32_t originator_sequence = 0;
+  BootTag originator_boot = 0;
+  std::string originator_name;
+};
+
+/// RFC 3561 section 5.2.
+struct RouteReply {
+  bool repair = false;
+  bool acknowledgment_required = false;
+  std::uint8_t hop_count = 0;
+  MacAddress destination{};
+  std::uint32_t destination_sequence = 0;
+  BootTag destination_boot = 0;
+  std::string destination_name;
+  MacAddress originator{};
+  std::uint32_t lifetime_ms = 0;
+};
+
+struct UnreachableDestination {
+  MacAddress address{};
+  std::uint32_t sequence = 0;
+};
+
+/// RFC 3561 section 5.3.
+struct RouteError {
+  bool no_delete = false;
+  std::vector<UnreachableDestination> destinations;  ///< at least one, at most 255
+};
+
+/// What one robot has received of another's frames on one hop.
+struct HopAcknowledgment {
+  BootTag boot = 0;            ///< of the run of the robot whose frames these are
+  std::uint64_t newest_counter = 0;  ///< counter of the transmission received last
+  std::uint32_t highest = 0;   ///< highest link sequence received
+  std::uint64_t received = 0;  ///< bit i: link sequence highest - i was received
+};
+
+/// One segment of a packet on its way over any number of hops.
+struct Data {
+  MacAddress source{};
+  BootTag source_boot = 0;
+  MacAddress destination{};
+  std::uint8_t stream = 0;  ///< priority; order is kept within a stream
+  bool acknowledge_now = false;
+  std::uint8_t hops = 1;     ///< counting the one it travels now
+  std::uint32_t packet = 0;  ///< number of the packet in its stream
+  std::uint32_t base = 0;    ///< the receiver need not wait for packets before this one
+  std::uint32_t index = 0;   ///< of the segment
+  std::uint32_t total = 0;   ///< octets of the whole packet image
+  std::uint16_t segment_size = 0;  ///< octets of every segment but the last
+  Bytes octets;
+};
+constexpr std::size_t kDataHeaderSize = 41;
+
+/// Which segments of one unfinished packet have arrived.
+struct PartialPacket {
+  std::uint32_t packet = 0;
+  std::uint32_t first_missing = 0;
+  Bytes received;  ///< bit i (least significant first): segment first_missing + 1 + i
+};
+
+/// State of one stream at its receiver.
+struct TransportAcknowledgment {
+  MacAddress source{};        ///< the acknowledging robot
+  BootTag source_boot = 0;
+  MacAddress destination{};   ///< the robot whose packets these are
+  BootTag destination_boot = 0;
+  std::uint8_t stream = 0;
+  std::uint8_t hops = 1;
+  std::uint32_t next = 0;           ///< every packet before this one has been delivered or given up
+  std::vector<PartialPacket> partial;
+};
+
+/// One segment of a packet for everybody in range.
+struct BroadcastData {
+  std::uint32_t packet = 0;
+  std::uint32_t index = 0;
+  std::uint32_t total = 0;
+  std::uint16_t segment_size = 0;
+  Bytes octets;
+};
+constexpr std::size_t kBroadcastDataHeaderSize = 14;
+
+/// A packet in one frame for everybody within some hops.
+struct Flood {
+  MacAddress source{};
+  BootTag source_boot = 0;
+  std::uint32_t id = 0;
+  std::uint8_t hop_count = 0;
+  std::uint8_t hop_limit = 1;
+  std::string source_name;
+  Bytes image;
+};
+
+void write(Writer& writer, const Beacon& beacon);
+void write(Writer& writer, const RouteRequest& request);
+void write(Writer& writer, const RouteReply& reply);
+void write(Writer& writer, const RouteError& error);
+void write(Writer& writer, const HopAcknowledgment& acknowledgment);
+void write(Writer& writer, const Data& data);
+void write(Writer& writer, const TransportAcknowledgment& acknowledgment);
+void write(Writer& writer, const BroadcastData& data);
+void write(Writer& writer, const Flood& flood);
+
+template <typename Message>
+Bytes to_bytes(const Message& message) {
+  Bytes bytes;
+  Writer writer(bytes);
+  write(writer, message);
+  return bytes;
+}
+
+std::optional<Beacon> read_beacon(Reader reader);
+std::optional<RouteRequest> read_route_request(Reader reader);
+std::optional<RouteReply> read_route_reply(Reader reader);
+std::optional<RouteError> read_route_error(Reader reader);
+std::optional<HopAcknowledgment> read_hop_acknowledgment(Reader reader);
+std::optional<Data> read_data(Reader reader);
+std::optional<TransportAcknowledgment> read_transport_acknowledgment(Reader reader);
+std::optional<BroadcastData> read_broadcast_data(Reader reader);
+std::optional<Flood> read_flood(Reader reader);
+
+}  // namespace adhoc_communication::wire

@@ -1,0 +1,144 @@
+// Beacon, RREQ, RREP and RERR.
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::wire {
+namespace {
+
+bool is_name(const std::string& name) { return !name.empty() && name.size() <= kLongestName; }
+
+/// RFC 3561 section 9: extensions of types 1 to 127 are skipped when unknown, others discard the message.
+bool skip_extensions(Reader& reader) {
+  while (reader.ok() && reader.left() > 0) {
+    const std::uint8_t type = reader.u8();
+    if (type == 0 || type > 127) return false;
+    reader.skip(reader.u8());
+  }
+  return reader.at_end();
+}
+
+}  // namespace
+
+void write(Writer& writer, const Beacon& beacon) {
+  writer.u32(beacon.sequence_number);
+  writer.u32(beacon.alive);
+  writer.text8(beacon.name);
+  writer.u8(static_cast<std::uint8_t>(beacon.heard.size()));
+  for (const HeardNeighbor& neighbor : beacon.heard) {
+    writer.octets(neighbor.address);
+    writer.u64(neighbor.boot);
+  }
+  writer.u8(static_cast<std::uint8_t>(beacon.rumors.size()));
+  for (const Rumor& rumor : beacon.rumors) {
+    writer.octets(rumor.address);
+    writer.u64(rumor.boot);
+    writer.u32(rumor.alive);
+    writer.u8(rumor.hops);
+    writer.text8(rumor.name);
+  }
+}
+
+std::optional<Beacon> read_beacon(Reader reader) {
+  Beacon beacon;
+  beacon.sequence_number = reader.u32();
+  beacon.alive = reader.u32();
+  beacon.name = reader.text8();
+  for (int left = reader.u8(); left > 0 && reader.ok(); --left) {
+    beacon.heard.push_back({reader.address(), reader.u64()});
+  }
+  for (int left = reader.u8(); left > 0 && reader.ok(); --left) {
+    Rumor rumor{reader.address(), reader.u64(), reader.u32(), reader.u8(), reader.text8()};
+    if (!is_name(rumor.name) || rumor.hops == 0 || rumor.hops > kFarthestHop) return std::nullopt;
+    beacon.rumors.push_back(std::move(rumor));
+  }
+  if (!skip_extensions(reader) || !is_name(beacon.name)) return std::nullopt;
+  return beacon;
+}
+
+void write(Writer& writer, const RouteRequest& request) {
+  const int flags = (request.join ? 0x80 : 0) | (request.repair ? 0x40 : 0) | (request.gratuitous ? 0x20 : 0) |
+                    (request.destination_only ? 0x10 : 0) | (request.unknown_sequence_number ? 0x08 : 0);
+  writer.u8(static_cast<std::uint8_t>(flags));
+  writer.u8(request.hop_count);
+  writer.u8(request.hop_limit);
+  writer.u32(request.id);
+  writer.octets(request.destination);
+  writer.u32(request.destination_sequence);
+  writer.octets(request.originator);
+  writer.u32(request.originator_sequence);
+  writer.u64(request.originator_boot);
+  writer.text8(request.destination_name);
+  writer.text8(request.originator_name);
+}
+
+std::optional<RouteRequest> read_route_request(Reader reader) {
+  RouteRequest request;
+  const std::uint8_t flags = reader.u8();
+  request.join = (flags & 0x80) != 0;
+  request.repair = (flags & 0x40) != 0;
+  request.gratuitous = (flags & 0x20) != 0;
+  request.destination_only = (flags & 0x10) != 0;
+  request.unknown_sequence_number = (flags & 0x08) != 0;
+  request.hop_count = reader.u8();
+  request.hop_limit = reader.u8();
+  request.id = reader.u32();
+  request.destination = reader.address();
+  request.destination_sequence = reader.u32();
+  request.originator = reader.address();
+  request.originator_sequence = reader.u32();
+  request.originator_boot = reader.u64();
+  request.destination_name = reader.text8();
+  request.originator_name = reader.text8();
+  if (!skip_extensions(reader)) return std::nullopt;
+  if (request.destination_name.size() > kLongestName || !is_name(request.originator_name)) return std::nullopt;
+  if (request.destination == MacAddress{} && request.destination_name.empty()) return std::nullopt;
+  if (request.hop_limit == 0 || request.hop_count >= kFarthestHop) return std::nullopt;
+  return request;
+}
+
+void write(Writer& writer, const RouteReply& reply) {
+  writer.u8(static_cast<std::uint8_t>((reply.repair ? 0x80 : 0) | (reply.acknowledgment_required ? 0x40 : 0)));
+  writer.u8(reply.hop_count);
+  writer.octets(reply.destination);
+  writer.u32(reply.destination_sequence);
+  writer.u64(reply.destination_boot);
+  writer.octets(reply.originator);
+  writer.u32(reply.lifetime_ms);
+  writer.text8(reply.destination_name);
+}
+
+std::optional<RouteReply> read_route_reply(Reader reader) {
+  RouteReply reply;
+  const std::uint8_t flags = reader.u8();
+  reply.repair = (flags & 0x80) != 0;
+  reply.acknowledgment_required = (flags & 0x40) != 0;
+  reply.hop_count = reader.u8();
+  reply.destination = reader.address();
+  reply.destination_sequence = reader.u32();
+  reply.destination_boot = reader.u64();
+  reply.originator = reader.address();
+  reply.lifetime_ms = reader.u32();
+  reply.destination_name = reader.text8();
+  if (!skip_extensions(reader) || !is_name(reply.destination_name)) return std::nullopt;
+  if (reply.hop_count >= kFarthestHop) return std::nullopt;
+  return reply;
+}
+
+void write(Writer& writer, const RouteError& error) {
+  writer.u8(error.no_delete ? 0x80 : 0);
+  writer.u8(static_cast<std::uint8_t>(error.destinations.size()));
+  for (const UnreachableDestination& destination : error.destinations) {
+    writer.octets(destination.address);
+    writer.u32(destination.sequence);
+  }
+}
+
+std::optional<RouteError> read_route_error(Reader reader) {
+  RouteError error;
+  error.no_delete = (reader.u8() & 0x80) != 0;
+  const int count = reader.u8();
+  for (int i = 0; i < count && reader.ok(); ++i) error.destinations.push_back({reader.address(), reader.u32()});
+  if (!skip_extensions(reader) || count == 0) return std::nullopt;
+  return error;
+}
+
+}  // namespace adhoc_communication::wire
