@@ -96,8 +96,8 @@ PYBIND11_MODULE(_world, module) {
       });
 
   py::class_<Ranger>(module, "Ranger")
-      .def(py::init(&make_ranger), py::arg("mount"), py::arg("range_max"), py::arg("field_of_view"),
-           py::arg("samples"), py::arg("noise_variance"));
+      .def(py::init(&make_ranger), py::arg("mount"), py::arg("range_max"), py::arg("field_of_view"), py::arg("samples"),
+           py::arg("noise_variance"));
 
   py::class_<World>(module, "World")
       .def(py::init([](std::shared_ptr<Raster> obstacles, std::shared_ptr<Raster> visible, double interval) {
@@ -113,9 +113,7 @@ PYBIND11_MODULE(_world, module) {
       .def_property_readonly("time", &World::time)
       .def_property_readonly("steps", &World::steps)
       .def("states", &states, "One NumPy record per robot, in the order they were added.")
-      .def("contact_at",
-           [](const World& world, int robot, const PoseTuple& pose) {
-             return static_cast<int>(world.contact_at(robot, to_pose(pose)));
-           })
+      .def("contact_at", [](const World& world, int robot,
+                            const PoseTuple& pose) { return static_cast<int>(world.contact_at(robot, to_pose(pose))); })
       .def("scan", &scan, py::arg("robot"), py::arg("ranger"), "Ranges in metres, float32, counter-clockwise.");
 }

@@ -20,8 +20,8 @@ void Raster::measure_clearance(const uint8_t* occupied) {
   const auto at = [&](int row, int column) -> int& { return distance[(row + 1) * width + column + 1]; };
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
-      const int nearest = std::min({at(row, column - 1), at(row - 1, column - 1), at(row - 1, column),
-                                    at(row - 1, column + 1), 254});
+      const int nearest =
+          std::min({at(row, column - 1), at(row - 1, column - 1), at(row - 1, column), at(row - 1, column + 1), 254});
       at(row, column) = occupied[static_cast<size_t>(row) * columns_ + column] ? 0 : nearest + 1;
     }
   }
@@ -75,7 +75,8 @@ double Raster::cast(const Point& origin, const Point& direction, double max_rang
     if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return max_range;
     const int clear = clearance_[static_cast<size_t>(row) * columns_ + column];
     if (clear == 0) return travelled * resolution_;
-    // The square of cells nearer than `clear` is free: go on where the ray leaves it. With clear = 1 this is a DDA step.
+    // The square of cells nearer than `clear` is free: go on where the ray leaves it. With clear = 1 this is a DDA
+    // step.
     const int edge_x = step_x > 0 ? column + clear : column - clear + 1;
     const int edge_y = step_y > 0 ? row + clear : row - clear + 1;
     const double to_x = inverse_x != 0.0 ? (edge_x - x) * inverse_x : never;

@@ -57,6 +57,17 @@ void add_noise(const Ranger& ranger, std::mt19937_64& generator, float* ranges) 
   }
 }
 
+// Distance along a ray from the origin to the nearest of the polygons.
+double first_hit(const std::vector<Polygon>& polygons, const Point& direction) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Polygon& polygon : polygons) {
+    for (size_t i = 0; i < polygon.size(); ++i) {
+      nearest = std::min(nearest, ray_segment({0.0, 0.0}, direction, polygon[i], polygon[(i + 1) % polygon.size()]));
+    }
+  }
+  return nearest;
+}
+
 }  // namespace
 
 World::World(std::shared_ptr<const Raster> obstacles, std::shared_ptr<const Raster> visible, double interval)
@@ -70,8 +81,8 @@ int World::add_robot(RobotOptions options) {
   robot.outline = place(options.footprint, options.start);
   robot.noise.seed(options.noise_seed);
   const Pose odometry = relative(options.localization_origin, options.start);
-  robot.state = {odometry.x, odometry.y, odometry.yaw, 0, 0, options.start.x, options.start.y, options.start.yaw,
-                 0,          0,          0,            0, 0};
+  robot.state = {
+      odometry.x, odometry.y, odometry.yaw, 0, 0, options.start.x, options.start.y, options.start.yaw, 0, 0, 0, 0, 0};
   for (const Ranger& ranger : options.rangers) {
     if (ranger.samples < 1) throw std::invalid_argument("a ranger needs at least one sample");
     Beams beams;
@@ -187,14 +198,14 @@ void World::scan(int index, int ranger_index, float* ranges) {
   const Ranger& ranger = robot.options.rangers.at(static_cast<size_t>(ranger_index));
   const Beams& beams = robot.beams[static_cast<size_t>(ranger_index)];
   const Pose eye = compose({robot.state.x, robot.state.y, robot.state.yaw}, ranger.mount);
-  see_walls(robot, ranger, beams, eye, ranges);
+  see_walls(ranger, beams, eye, ranges);
   for (int i = 0; i < size(); ++i) {
     if (i != index && robots_[i].options.visible) see_robot(robots_[i], ranger, beams, eye, ranges);
   }
   add_noise(ranger, robot.noise, ranges);
 }
 
-void World::see_walls(const Robot&, const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const {
+void World::see_walls(const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const {
   const double c = std::cos(eye.yaw);
   const double s = std::sin(eye.yaw);
   for (const Point& beam : beams.directions) {
@@ -210,22 +221,18 @@ void World::see_robot(const Robot& target, const Ranger& ranger, const Beams& be
   if (distance > ranger.range_max + target.radius) return;
   const double bearing = std::atan2(centre.y, centre.x);
   const double half_width = distance > target.radius ? std::asin(target.radius / distance) : M_PI;
-  std::vector<Polygon> outline = target.outline;
-  for (Polygon& polygon : outline) {
-    for (Point& point : polygon) {
-      const Pose seen = relative(eye, {point.x, point.y, 0.0});
-      point = {seen.x, seen.y};
-    }
-  }
-  for (int i = 0; i < ranger.samples; ++i) {
-    const double angle = beams.first + i * beams.increment;
-    if (std::abs(wrap_angle(angle - bearing)) > half_width) continue;
-    for (const Polygon& polygon : outline) {
-      for (size_t j = 0; j < polygon.size(); ++j) {
-        const double range = ray_segment({0.0, 0.0}, beams.directions[static_cast<size_t>(i)], polygon[j],
-                                         polygon[(j + 1) % polygon.size()]);
-        ranges[i] = static_cast<float>(std::min<double>(ranges[i], range));
-      }
+  const std::vector<Polygon> outline =
+      place(target.options.footprint, relative(eye, {target.state.x, target.state.y, target.state.yaw}));
+  // Only beams that may meet the target's circle are tested; a field of view may reach around to it from either side.
+  for (const double turn : {-2.0 * M_PI, 0.0, 2.0 * M_PI}) {
+    const double from = bearing + turn - half_width - beams.first;
+    const double to = bearing + turn + half_width - beams.first;
+    const double last = ranger.samples - 1;
+    const bool single = beams.increment == 0.0;
+    const int begin = static_cast<int>(single ? 0.0 : std::clamp(std::floor(from / beams.increment), 0.0, last + 1.0));
+    const int end = static_cast<int>(single ? 0.0 : std::clamp(std::ceil(to / beams.increment), -1.0, last));
+    for (int i = begin; i <= end; ++i) {
+      ranges[i] = std::min(ranges[i], static_cast<float>(first_hit(outline, beams.directions[i])));
     }
   }
 }

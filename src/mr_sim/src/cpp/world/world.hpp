@@ -22,12 +22,12 @@ struct Ranger {
 };
 
 struct RobotOptions {
-  Pose start;                      // world frame
-  std::vector<Polygon> footprint;  // robot frame
-  double linear_min, linear_max;   // velocity_bounds, m/s
-  double angular_min, angular_max;  // rad/s
-  Pose localization_origin;         // world frame: where the odometry counts from
-  bool exact_localization;          // localization "gps"
+  Pose start;                        // world frame
+  std::vector<Polygon> footprint;    // robot frame
+  double linear_min, linear_max;     // velocity_bounds, m/s
+  double angular_min, angular_max;   // rad/s
+  Pose localization_origin;          // world frame: where the odometry counts from
+  bool exact_localization;           // localization "gps"
   double linear_bias, angular_bias;  // share by which odometry counts too much
   int base_steps;                    // simulation steps per base update
   double command_timeout;            // s of simulated time without a command after which the robot stops
@@ -96,7 +96,7 @@ class World {
   void take_up_command(Robot& robot) const;
   void move(int index);
   void count_odometry(Robot& robot) const;
-  void see_walls(const Robot& robot, const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const;
+  void see_walls(const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const;
   void see_robot(const Robot& target, const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const;
 
   std::shared_ptr<const Raster> obstacles_;
