@@ -6,6 +6,7 @@ In namespaces it is PID 1: whatever ends it, the kernel ends the rest.
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -42,10 +43,11 @@ def make_private_file_system(plan: Plan) -> None:
         Path(plan.socket(f"ros_home/{robot.name}")).mkdir(parents=True)
 
 
-def end_at_once() -> None:
+def end_at_once(plan: Plan) -> None:
     """The process that people started is gone: end everything, now."""
-    if os.getpid() != 1:
+    if plan.isolation == isolation.HUB:
         end_descendants()
+        shutil.rmtree(plan.private, ignore_errors=True)
     os._exit(INTERRUPTED)
 
 
@@ -121,7 +123,7 @@ def main() -> int:
         signal.signal(number, lambda *_: lifeline.stop.set())
     if plan.isolation == isolation.HUB:
         become_subreaper()
-    lifeline = Lifeline(int(sys.argv[1]), end_at_once)
+    lifeline = Lifeline(int(sys.argv[1]), lambda: end_at_once(plan))
     try:
         return Run(plan, lifeline).run()
     except TeamFailure as failure:

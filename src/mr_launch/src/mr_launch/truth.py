@@ -12,6 +12,14 @@ import numpy as np
 
 MOVING_SPEED = 0.05  # m/s
 MOVING_TURN = 0.1  # rad/s
+NO_MOVEMENT = {
+    "distance": 0.0,
+    "moving": 0.0,
+    "collisions": 0,
+    "collisions_with_robots": 0,
+    "stops": 0,
+    "stalled_time": 0.0,
+}
 
 
 @dataclass
@@ -26,7 +34,7 @@ class Track:
     v: list[float] = field(default_factory=list)
     w: list[float] = field(default_factory=list)
     stalled: list[bool] = field(default_factory=list)
-    collision: list[bool] = field(default_factory=list)
+    collision: list[int] = field(default_factory=list)  # touched: 0 nothing, 1 a wall, 2 a robot
     distance: float = 0.0  # m, whole track
 
     def add(self, row: dict[str, str]) -> None:
@@ -38,14 +46,14 @@ class Track:
         self.x.append(x)
         self.y.append(y)
         self.stalled.append(row["stalled"] not in ("0", "False", ""))
-        self.collision.append(row["collision"] not in ("0", "False", ""))
+        self.collision.append(int(row["collision"]))
 
     def statistics(self, start: float, end: float) -> dict[str, Any]:
         """Figures of the mission between two simulation times (s)."""
         time = np.array(self.time)
         chosen = (time >= start) & (time <= end)
         if chosen.sum() < 2:
-            return {"distance": 0.0, "moving": 0.0, "collisions": 0, "stops": 0, "stalled_time": 0.0}
+            return dict(NO_MOVEMENT)
         x, y = np.array(self.x)[chosen], np.array(self.y)[chosen]
         moving = (np.abs(np.array(self.v)[chosen]) > MOVING_SPEED) | (np.abs(np.array(self.w)[chosen]) > MOVING_TURN)
         stalled, collision = np.array(self.stalled)[chosen], np.array(self.collision)[chosen]
@@ -53,7 +61,8 @@ class Track:
         return {
             "distance": round(float(np.hypot(np.diff(x), np.diff(y)).sum()), 2),
             "moving": round(float(moving.mean()), 3),
-            "collisions": rises(collision),
+            "collisions": rises(collision > 0),
+            "collisions_with_robots": rises(collision == 2),
             "stops": rises(~moving),
             "stalled_time": round(float(stalled.sum()) * step, 2),
         }
@@ -92,6 +101,8 @@ class Truth:
             self._take(row)
 
     def _take(self, row: list[str]) -> None:
+        if not row or row[0].startswith("#"):
+            return
         if not self._columns:
             self._columns = row
             return
