@@ -1,0 +1,73 @@
+#include "radio/control.hpp"
+
+#include <sstream>
+
+namespace adhoc_communication {
+namespace {
+
+constexpr std::size_t kMaxNodes = 1000;
+
+bool is_probability(double value) { return value >= 0.0 && value <= 1.0; }
+
+std::string refuse(const std::string& line) {
+  return "command '" + line +
+         "' is not one of: position NAME X Y | loss P | range R | link A B P | down NAME | up NAME | statistics";
+}
+
+void write_counters(std::ostream& out, const Medium::Counters& counters) {
+  out << "\"frames\": " << counters.frames << ", \"bytes\": " << counters.octets
+      << ", \"delivered\": " << counters.delivered << ", \"lost\": " << counters.lost
+      << ", \"discarded\": " << counters.discarded
+      << ", \"air_time\": " << std::chrono::duration<double>(counters.air_time).count();
+}
+
+/// The rest of the line has to be empty, so that a mistyped command is not half obeyed.
+bool is_at_end(std::istringstream& words) {
+  words >> std::ws;
+  return words.eof();
+}
+
+}  // namespace
+
+Medium::Node node_named(Medium& medium, const std::string& name) {
+  if (const auto node = medium.find(name)) return *node;
+  if (medium.node_count() >= kMaxNodes) throw std::runtime_error("the radio knows 1000 robots and takes no more");
+  return medium.add_node(name);
+}
+
+std::string carry_out(const std::string& line, Medium& medium, Time now) {
+  std::istringstream words(line);
+  std::string command, name, other;
+  double x = 0.0, y = 0.0;
+  words >> command;
+  if (command == "position" && words >> name >> x >> y && is_at_end(words)) {
+    medium.set_position(node_named(medium, name), x, y);
+  } else if (command == "loss" && words >> x && is_at_end(words) && is_probability(x)) {
+    medium.set_loss(x);
+  } else if (command == "range" && words >> x && is_at_end(words) && x >= 0.0) {
+    medium.set_range(x);
+  } else if (command == "link" && words >> name >> other >> x && is_at_end(words) && is_probability(x)) {
+    medium.set_link_loss(node_named(medium, name), node_named(medium, other), x);
+  } else if ((command == "down" || command == "up") && words >> name && is_at_end(words)) {
+    medium.set_up(node_named(medium, name), command == "up", now);
+  } else {
+    return refuse(line);
+  }
+  return "";
+}
+
+std::string statistics_json(const Medium& medium) {
+  std::ostringstream out;
+  out << "{";
+  write_counters(out, medium.counters());
+  out << ", \"robots\": {";
+  for (Medium::Node node = 0; node < medium.node_count(); ++node) {
+    out << (node == 0 ? "" : ", ") << '"' << medium.name(node) << "\": {";
+    write_counters(out, medium.counters(node));
+    out << "}";
+  }
+  out << "}}\n";
+  return out.str();
+}
+
+}  // namespace adhoc_communication
