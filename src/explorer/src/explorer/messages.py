@@ -1,0 +1,107 @@
+"""What goes in and out of the agent, as plain values. `ros_io` converts them from and to ROS messages."""
+
+from dataclasses import dataclass
+from typing import Tuple, Union
+
+from explorer.frontiers import Element, Key
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A pose in the map frame: m, m, rad."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+@dataclass(frozen=True)
+class Bid:
+    """A cluster as the list of its elements, and what a robot bids for it; negative: no bid."""
+
+    elements: Tuple[Key, ...]
+    bid: float = -1.0
+
+
+@dataclass(frozen=True)
+class Auction:
+    """`adhoc_communication/ExpAuction` (contract 3.7). `status` tells the auctioneer's messages (start, closing) from
+    the bids of the others; `robot` is the sender."""
+
+    robot: str
+    auction_id: int
+    status: bool
+    start: bool = False
+    finished: bool = False
+    occupied: Tuple[Key, ...] = ()
+    requested: Tuple[Bid, ...] = ()
+    available: Tuple[Bid, ...] = ()
+
+
+@dataclass(frozen=True)
+class SendFrontiers:
+    """To the own group on `topic`: frontiers, visited_frontiers or negotiation_list."""
+
+    topic: str
+    elements: Tuple[Element, ...]
+
+
+@dataclass(frozen=True)
+class SendAuction:
+    """To the own group on topic auction."""
+
+    auction: Auction
+
+
+@dataclass(frozen=True)
+class SetGoal:
+    """Drive to `pose`, replacing the goal before. The outcome comes back under `goal_id`."""
+
+    goal_id: int
+    pose: Pose
+
+
+@dataclass(frozen=True)
+class CancelGoal:
+    """Stop; the goal is no longer wanted."""
+
+    goal_id: int
+
+
+@dataclass(frozen=True)
+class AskTransform:
+    """Ask map_merger for the transform from a robot's map frame to the own one; the answer is `on_transform`."""
+
+    robot: str
+
+
+@dataclass(frozen=True)
+class LogOutput:
+    """Call map_merger's log service with a bit mask; no answer is awaited."""
+
+    mask: int
+
+
+@dataclass(frozen=True)
+class WriteLog:
+    """Write a text file in the robot's log folder."""
+
+    name: str
+    text: str
+    append: bool = False
+
+
+@dataclass(frozen=True)
+class Note:
+    """One line for people; `warning` if something is not as it should be."""
+
+    text: str
+    warning: bool = False
+
+
+Effect = Union[SendFrontiers, SendAuction, SetGoal, CancelGoal, AskTransform, LogOutput, WriteLog, Note]
+
+# Outcomes of a goal for `on_goal_result`.
+REACHED = "reached"
+FAILED = "failed"
+REPLACED = "replaced"

@@ -1,0 +1,126 @@
+"""What this robot knows of the others: who there is, where they were last, and which frontiers they have claimed."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Dict, List, Mapping, Optional, Sequence, Set, Tuple
+
+from explorer.frontiers import Key
+
+Position = Tuple[float, float]
+
+# A position older than this is of no use for a bid, in seconds.
+POSITION_LIFETIME = 30.0
+
+# A robot that left so many auctions unanswered is not waited for until it is heard again.
+SILENT_AFTER = 2
+
+# Robots beyond this number are not remembered; it bounds every table here.
+MAXIMUM_ROBOTS = 100
+
+
+@dataclass
+class Claim:
+    """The elements of the cluster that a robot explores, since or confirmed at `time`, and its bid if it told one."""
+
+    elements: Tuple[Key, ...]
+    time: float
+    bid: Optional[float] = None
+
+
+@dataclass
+class Peer:
+    """One other robot. `known`: the radio announces it now. Times are in seconds, positions in the own frame."""
+
+    known: bool = False
+    position: Optional[Position] = None
+    position_time: float = -math.inf
+    claim: Optional[Claim] = None
+    bids: Dict[frozenset, float] = field(default_factory=dict)
+    unanswered: int = 0
+    finished: bool = False
+
+
+class Team:
+    """Table of the other robots, bounded; names come from the messages of the radio."""
+
+    def __init__(self, own_name: str, claim_timeout: float) -> None:
+        self._own_name = own_name
+        self._claim_timeout = claim_timeout
+        self._peers: Dict[str, Peer] = {}
+
+    def peer(self, name: str) -> Optional[Peer]:
+        """The entry of a robot, made when it is new; None for the own name or when the table is full."""
+        if name == self._own_name or not name:
+            return None
+        if name not in self._peers:
+            if len(self._peers) >= MAXIMUM_ROBOTS:
+                return None
+            self._peers[name] = Peer()
+        return self._peers[name]
+
+    def set_known(self, names: Sequence[str]) -> Tuple[List[str], List[str]]:
+        """Takes the robots the radio knows now; returns those that came and those that left."""
+        now_known = {name for name in names if name and name != self._own_name}
+        came = sorted(name for name in now_known if not (name in self._peers and self._peers[name].known))
+        left = sorted(name for name, peer in self._peers.items() if peer.known and name not in now_known)
+        for name in came:
+            peer = self.peer(name)
+            if peer is not None:
+                peer.known, peer.unanswered, peer.finished = True, 0, False
+        for name in left:
+            self._peers[name].known = False
+            self._peers[name].claim = None
+        return came, left
+
+    def set_positions(self, positions: Mapping[str, Position], now: float) -> None:
+        for name, position in sorted(positions.items()):
+            peer = self.peer(name)
+            if peer is not None and all(math.isfinite(value) for value in position):
+                peer.position, peer.position_time = (float(position[0]), float(position[1])), now
+
+    def heard(self, name: str) -> None:
+        peer = self.peer(name)
+        if peer is not None:
+            peer.known, peer.unanswered = True, 0
+
+    def claim(self, name: str, elements: Sequence[Key], now: float, bid: Optional[float] = None) -> None:
+        """A robot announces the elements of its cluster; none: it has given up its claim."""
+        peer = self.peer(name)
+        if peer is not None:
+            peer.claim = Claim(tuple(elements), now, bid) if elements else None
+
+    def claims(self, now: float) -> Dict[str, Claim]:
+        """The claims that hold: of robots that are there, confirmed within the time limit."""
+        return {
+            name: peer.claim
+            for name, peer in sorted(self._peers.items())
+            if peer.known and peer.claim is not None and now - peer.claim.time <= self._claim_timeout
+        }
+
+    def positions(self, now: float) -> Dict[str, Position]:
+        """Positions in metres in the own frame that are young enough to be used, also of robots out of range."""
+        return {
+            name: peer.position
+            for name, peer in sorted(self._peers.items())
+            if peer.position is not None and now - peer.position_time <= POSITION_LIFETIME
+        }
+
+    def known(self) -> List[str]:
+        return sorted(name for name, peer in self._peers.items() if peer.known)
+
+    def bidders(self) -> Set[str]:
+        """The robots an auction waits for: known ones that still explore and have answered lately."""
+        return {
+            name
+            for name, peer in self._peers.items()
+            if peer.known and not peer.finished and peer.unanswered < SILENT_AFTER
+        }
+
+    def competitors(self, now: float) -> List[str]:
+        """The robots that may take a cluster: known, not finished."""
+        return sorted(name for name, peer in self._peers.items() if peer.known and not peer.finished)
+
+    def mark_finished(self, name: str) -> None:
+        peer = self.peer(name)
+        if peer is not None:
+            peer.finished = True

@@ -1,0 +1,140 @@
+"""From where the robot looks at a frontier, and what it costs to get there."""
+
+import math
+from typing import List, Optional, Sequence, Tuple
+
+import cv2
+import numpy as np
+
+from explorer.clusters import Cluster
+from explorer.frontiers import Frontier
+from explorer.grid import OccupancyMap, line_is_clear, lines_are_clear
+from explorer.travel import CostField
+
+# A viewpoint keeps this far from obstacles and unknown cells where it can, in metres.
+PREFERRED_CLEARANCE = 0.35
+
+# Half edge in metres of the square in which the unknown area around a cluster is counted.
+GAIN_REACH = 2.0
+
+View = Tuple[float, float, float]
+
+
+class Views:
+    """Viewpoints for frontier points, on one map from one place of the robot."""
+
+    def __init__(self, occupancy: OccupancyMap, field: CostField, view_distance: float) -> None:
+        self._occupancy = occupancy
+        self._field = field
+        self._view_distance = view_distance
+        grid = field.grid
+        self._reachable = field.reachable
+        comfortable = self._reachable & (grid.coarse_clearance >= PREFERRED_CLEARANCE) & grid.away_from_unknown
+        self._maps = [_nearest_lookup(mask) for mask in (comfortable, self._reachable) if mask.any()]
+        self._unknown_sum = cv2.integral(occupancy.unknown.astype(np.uint8))
+
+    def of(self, points: np.ndarray) -> List[Optional[View]]:
+        """For each of (n, 2) points in metres the place (x, y) to look from and its cost, all in metres; None where
+        no reachable place sees the point."""
+        points = np.asarray(points, dtype=float).reshape(-1, 2)
+        result: List[Optional[View]] = [None] * len(points)
+        if not self._maps or not len(points):
+            return result
+        grid = self._field.grid
+        coarse = np.clip(grid.info.cells_of(points), 0, np.array(self._reachable.shape) - 1)
+        for nearest in self._maps:
+            missing = np.array([index for index, view in enumerate(result) if view is None], dtype=int)
+            if len(missing) == 0:
+                break
+            cells = nearest[coarse[missing, 0], coarse[missing, 1]]
+            places = grid.info.centres_of(cells)
+            seen = np.hypot(*(places - points[missing]).T) <= self._view_distance
+            seen &= self._clear(places, points[missing])
+            for index, cell, place in zip(missing[seen], cells[seen], places[seen]):
+                result[index] = (float(place[0]), float(place[1]), float(self._field.cost[cell[0], cell[1]]))
+        for index, view in enumerate(result):
+            if view is None:
+                result[index] = self._search(points[index])
+        return result
+
+    def assess(self, cluster: Cluster, active: Sequence[Frontier]) -> None:
+        """Sets cost, viewpoint, target, look_at and gain of a cluster from those of its members that are goals."""
+        cluster.cost, cluster.viewpoint, cluster.target = math.inf, None, None
+        points = np.array([(member.x, member.y) for member in active], dtype=float).reshape(-1, 2)
+        views = self.of(points)
+        cluster.views = {member.number: view for member, view in zip(active, views) if view is not None}
+        cluster.gain = self.gain(*cluster.centre)
+        if not cluster.views:
+            return
+        least = min(view[2] for view in cluster.views.values())
+        centre = cluster.centre
+        # A little more way for a place nearer to the middle: it shows more of the cluster.
+        best = min(
+            (math.hypot(member.x - centre[0], member.y - centre[1]), member.number, member)
+            for member in active
+            if member.number in cluster.views and cluster.views[member.number][2] <= least + 0.7
+        )[2]
+        x, y, _ = cluster.views[best.number]
+        cluster.cost, cluster.viewpoint, cluster.target = least, (x, y), best.number
+        cluster.look_at = (best.x, best.y)
+
+    def gain(self, x: float, y: float) -> float:
+        """Unknown area in square metres in the square around a point."""
+        info = self._occupancy.info
+        row, col = info.cell_of(x, y)
+        reach = int(GAIN_REACH / info.resolution)
+        top, bottom = (min(max(value, 0), info.height) for value in (row - reach, row + reach + 1))
+        left, right = (min(max(value, 0), info.width) for value in (col - reach, col + reach + 1))
+        total = self._unknown_sum
+        inside = int(total[bottom, right]) - int(total[top, right]) - int(total[bottom, left]) + int(total[top, left])
+        outside = (2 * reach + 1) ** 2 - (bottom - top) * (right - left)
+        return (inside + outside) * info.resolution**2
+
+    def _clear(self, places: np.ndarray, points: np.ndarray) -> np.ndarray:
+        info = self._occupancy.info
+        return lines_are_clear(self._field.grid.occupied, info.cells_of(places), info.cells_of(points))
+
+    def _search(self, point: np.ndarray) -> Optional[View]:
+        """The nearest reachable place within the view distance that sees the point, tried from near to far."""
+        grid, info = self._field.grid, self._occupancy.info
+        row, col = grid.info.cell_of(point[0], point[1])
+        reach = int(self._view_distance / grid.info.resolution)
+        top, left = max(0, row - reach), max(0, col - reach)
+        cells = np.argwhere(self._reachable[top : max(0, row + reach + 1), left : max(0, col + reach + 1)])
+        if len(cells) == 0:
+            return None
+        cells = cells + (top, left)
+        gaps = np.hypot(cells[:, 0] - row, cells[:, 1] - col)
+        cells = cells[np.argsort(gaps, kind="stable")[::3]]
+        places = grid.info.centres_of(cells)
+        ends = np.broadcast_to(info.cells_of(point), (len(cells), 2))
+        clear = lines_are_clear(grid.occupied, info.cells_of(places), ends)
+        clear &= np.hypot(*(places - point).T) <= self._view_distance
+        if not clear.any():
+            return None
+        first = int(np.argmax(clear))
+        cell = cells[first]
+        return (float(places[first, 0]), float(places[first, 1]), float(self._field.cost[cell[0], cell[1]]))
+
+
+def sees(
+    occupied: np.ndarray, occupancy: OccupancyMap, x: float, y: float, yaw: float, field_of_view: float, point: Frontier
+) -> bool:
+    """True if a robot there, with a sensor of that field of view (rad), has the point in view, walls considered."""
+    bearing = math.atan2(point.y - y, point.x - x) - yaw
+    bearing = abs(math.atan2(math.sin(bearing), math.cos(bearing)))
+    near = math.hypot(point.x - x, point.y - y) < 0.3
+    if bearing > field_of_view / 2 and not near:
+        return False
+    return line_is_clear(occupied, occupancy.info.cell_of(x, y), occupancy.info.cell_of(point.x, point.y))
+
+
+def _nearest_lookup(mask: np.ndarray) -> np.ndarray:
+    """(rows, cols, 2) int array: for each cell the (row, col) of the nearest one that is set (at least one is)."""
+    _, labels = cv2.distanceTransformWithLabels(
+        (~mask).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    cells = np.argwhere(mask)
+    table = np.zeros((int(labels.max()) + 1, 2), dtype=np.int64)
+    table[labels[mask]] = cells
+    return table[labels]
