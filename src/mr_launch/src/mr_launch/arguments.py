@@ -13,7 +13,11 @@ from mr_launch.errors import UserError
 STRATEGIES = {
     0: "nearest frontier by path length",
     1: "auction in the paper's form",
+    2: "furthest frontier",
     3: "nearest frontier, straight line",
+    4: "random frontier",
+    5: "nearest cluster with negotiation",
+    6: "random cluster with negotiation",
     7: "the best one there is",
 }
 LIMITS = {  # option: (lowest, highest, unit)

@@ -14,7 +14,7 @@ from mr_launch.errors import UserError
 from mr_launch.outside import run_team
 from mr_launch.plan import FIRST_PORT, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
-from mr_launch.world import find_world, robots_of
+from mr_launch.world import check_start, find_world, robots_of
 
 BAD_CALL = 2
 
@@ -35,6 +35,7 @@ def make_plan(options: Options) -> Plan:
     world = find_world(options.world)
     poses = robots_of(world)
     names = choose_robots(options.robots, [name for name, _ in poses], world)
+    check_start(world, len(names))
     programs = find_programs()
     kind, reason = isolation.choose(options.isolation, os.geteuid())
     if kind == isolation.HUB:

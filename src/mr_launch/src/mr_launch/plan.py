@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from mr_launch.arguments import Options
 
 FIRST_PORT = 11311
 RADIO_INTERFACE = "radio0"
+TRUTH_FILE = "truth.pickle"  # what maps are compared with, in the private folder
 
 
 @dataclass(frozen=True)
@@ -109,6 +111,12 @@ def world_command(plan: Plan) -> list[str]:
     return command
 
 
+def truth_command(plan: Plan) -> list[str]:
+    """Computes the reference of the world's figures beside the start of the nodes."""
+    python = [sys.executable, "-m", "mr_launch.world"]
+    return ["nice", *python, plan.world, str(len(plan.robots)), plan.socket(TRUTH_FILE)]
+
+
 def initial_poses(plan: Plan) -> str:
     """Start poses of the whole team for map_merger, as YAML: x, y in m and yaw in rad, in the world frame."""
     return json.dumps({robot.name: [round(value, 6) for value in robot.start] for robot in plan.robots})
@@ -126,12 +134,13 @@ def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
         "slam": options.slam,
         "navigation": options.navigation,
         "frontier_selection": str(options.strategy),
-        "initial_poses": initial_poses(plan) if options.initial_poses else "",
+        "initial_poses": initial_poses(plan) if options.initial_poses else "{}",
         "log_path": str(plan.log_folder(robot)),
         "autostart": "false",
         "report_socket": plan.socket("reports"),
         "start_pose": " ".join(f"{value:g}" for value in robot.start),
-        "world": plan.world,
+        "truth_file": plan.socket(TRUTH_FILE),
+        "seed": str(options.seed + robot.index),
         "bag": str(plan.robot_folder(robot) / f"{robot.name}.bag") if options.bag else "",
     }
     command = [plan.programs["roslaunch"], "-p", str(robot.port), "mr_launch", "team_robot.launch"]

@@ -11,12 +11,19 @@ from typing import Mapping, Sequence
 
 
 class Child:
-    """One started program. Its output goes to ``log``."""
+    """One started program. Its output goes to ``log``; with ``may_finish`` its orderly end is no failure."""
 
-    def __init__(self, name: str, process: subprocess.Popen[bytes], log: Path) -> None:
+    def __init__(self, name: str, process: subprocess.Popen[bytes], log: Path, may_finish: bool) -> None:
         self.name = name
         self.process = process
         self.log = log
+        self.may_finish = may_finish
+
+    @property
+    def failed(self) -> bool:
+        """It ended although it should not have, or not in order."""
+        code = self.process.poll()
+        return code is not None and not (self.may_finish and code == 0)
 
     def describe_end(self) -> str:
         code = self.process.returncode
@@ -39,7 +46,9 @@ class Children:
     def __init__(self) -> None:
         self._children: list[Child] = []
 
-    def start(self, name: str, command: Sequence[str], log: Path, environment: Mapping[str, str]) -> Child:
+    def start(
+        self, name: str, command: Sequence[str], log: Path, environment: Mapping[str, str], may_finish: bool = False
+    ) -> Child:
         """Start ``command`` in a session of its own, so that Ctrl-C reaches only the team's first process."""
         log.parent.mkdir(parents=True, exist_ok=True)
         with log.open("ab") as output:
@@ -51,12 +60,12 @@ class Children:
                 env=dict(environment),
                 start_new_session=True,
             )
-        child = Child(name, process, log)
+        child = Child(name, process, log, may_finish)
         self._children.append(child)
         return child
 
-    def ended(self) -> list[Child]:
-        return [child for child in self._children if child.process.poll() is not None]
+    def failed(self) -> list[Child]:
+        return [child for child in self._children if child.failed]
 
     def stop(self, children: Sequence[Child], how: signal.Signals, patience: float) -> list[Child]:
         """Ask with one signal, wait ``patience`` seconds for all together, then kill. Returns those killed."""

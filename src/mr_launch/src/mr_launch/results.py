@@ -13,7 +13,7 @@ from rich.table import Table
 
 from mr_launch.maps import Grid, load_raw, save_map
 from mr_launch.mission import Outcome
-from mr_launch.plan import Plan, RobotPlan
+from mr_launch.plan import TRUTH_FILE, Plan, RobotPlan
 from mr_launch.reports import RobotReport
 from mr_launch.summary import mission_summary, robot_summary, team_summary
 from mr_launch.truth import Truth
@@ -25,14 +25,14 @@ def write_results(
     plan: Plan, outcome: Outcome, reports: list[RobotReport], truth: Truth, cpu: dict[str, dict[str, float]]
 ) -> dict[str, Any]:
     """Write everything that the mission gave, however it ended, and return the summary."""
-    measures = Measures(plan)
+    measures = Measures(plan.world, plan.options.slam, Path(plan.socket(TRUTH_FILE)))
     grids = save_maps(plan, outcome)
     robots: dict[str, dict[str, Any]] = {}
     finish = last_finish(reports, outcome)
     for robot, report in zip(plan.robots, reports):
         movement = truth.tracks[robot.name].statistics(outcome.start, outcome.end)
         grid = grids.get(robot.name)
-        robots[robot.name] = robot_summary(report, outcome.start, movement, measures.of(grid, robot))
+        robots[robot.name] = robot_summary(report, outcome.start, movement, measures.of(grid, robot.start))
     team = team_summary(robots, truth.real_time_factor(outcome.start, finish), radio_statistics(plan))
     team["cpu"] = cpu
     summary = mission_summary(plan, robots, team, outcome.reason, outcome.notes)

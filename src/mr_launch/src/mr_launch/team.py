@@ -15,11 +15,11 @@ from mr_launch.network import hold_namespace, lay_cable, switch_ipv6_off
 from mr_launch.nodes import NodeWatch
 from mr_launch.plan import (
     Plan,
-    RobotPlan,
     launch_command,
     namespace_prefix,
     radio_command,
     robot_environment,
+    truth_command,
     world_command,
 )
 from mr_launch.processes import Child, Children, last_lines
@@ -29,10 +29,7 @@ FEW_THREADS = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS",
 
 
 class Team:
-    """Starts everything, tells what broke, stops everything.
-
-    ``died_with_parent`` is a command prefix that ends a program when this process dies (used without PID namespace).
-    """
+    """Starts everything, tells what broke, stops everything."""
 
     def __init__(self, plan: Plan, init: int | None) -> None:
         self.plan = plan
@@ -46,12 +43,14 @@ class Team:
         self._environment = {**os.environ, **FEW_THREADS}
         for name in ("ROS_IP", "ROS_NAMESPACE", "ROS_ROOT_LOG"):
             self._environment.pop(name, None)
+        # Without a PID namespace the programs ask the kernel for a signal when this process dies.
         self._died_with_parent = [] if self._own_namespaces else ["setpriv", "--pdeathsig", "TERM", "--"]
 
     def start(self, stopped: Callable[[], bool]) -> None:
         """Namespaces, radio, world, robots, in the order in which they need each other."""
         self._make_network()
         self._start_radio(stopped)
+        self._start("reference", truth_command(self.plan), {}, may_finish=True)
         self._start("world", world_command(self.plan), {})
         for robot in self.plan.robots:
             prefix = namespace_prefix(self._holders.get(robot.name))
@@ -63,7 +62,7 @@ class Team:
 
     def failures(self) -> list[str]:
         """What ended although it should run: one line each, with the log file."""
-        lines = [child.describe_end() for child in self.children.ended()]
+        lines = [child.describe_end() for child in self.children.failed()]
         for name, watch in self._watches.items():
             lines += [end.describe(name) for end in watch.new_ends()]
         self.children.reap_orphans()
@@ -78,9 +77,9 @@ class Team:
         self.children.stop_all(5.0)
         (Path(self.plan.out) / "team.json").unlink(missing_ok=True)
 
-    def _start(self, name: str, command: list[str], extra: dict[str, str]) -> Child:
+    def _start(self, name: str, command: list[str], extra: dict[str, str], may_finish: bool = False) -> Child:
         log = self.plan.log_folder() / f"{name}.log"
-        return self.children.start(name, [*self._died_with_parent, *command], log, {**self._environment, **extra})
+        return self.children.start(name, [*self._died_with_parent, *command], log, {**self._environment, **extra}, may_finish)
 
     def _make_network(self) -> None:
         if not self._own_namespaces:
@@ -118,8 +117,3 @@ class Team:
         }
         path = Path(self.plan.out) / "team.json"
         path.write_text(json.dumps(state, indent=2) + "\n")
-
-
-def process_of(plan: Plan, robot: RobotPlan) -> Path:
-    """Output of the robot's roslaunch."""
-    return plan.log_folder() / f"{robot.name}.log"

@@ -1,13 +1,14 @@
-"""What the runner needs to know about a world; everything else about worlds is mr_sim's."""
+"""What the runner needs to know about a world. What the figures mean is defined in mr_sim.measures."""
 
 from __future__ import annotations
 
+import pickle
+import sys
 from pathlib import Path
 from typing import Any
 
 from mr_launch.errors import UserError
 from mr_launch.maps import Grid
-from mr_launch.plan import Plan, RobotPlan
 
 Pose = tuple[float, float, float]  # x, y in m, yaw in rad
 
@@ -34,21 +35,102 @@ def robots_of(world: str) -> list[tuple[str, Pose]]:
         raise UserError(str(error)) from None
 
 
-class CoverageMeter:
-    """Explored share of one robot's map, while the team runs."""
+def check_start(world: str, robots: int) -> None:
+    """The robots of the team stand free. Raises UserError."""
+    from mr_sim.world import World, WorldError
+    from mr_sim.world_model import load_world
 
-    def __init__(self, world: str, start: Pose) -> None:
-        self._start = start
+    try:
+        World(load_world(world), robots)
+    except (WorldError, ValueError, OSError) as error:
+        raise UserError(str(error)) from None
 
-    def coverage(self, grid: Grid) -> float | None:
+
+def write_truth(world: str, robots: int, path: Path) -> None:
+    """Compute what maps of this world are compared with (seconds of work) and store it for ``load_truth``."""
+    from mr_sim.measures import Truth
+    from mr_sim.world import World
+    from mr_sim.world_model import load_world
+
+    truth = Truth.of_world(World(load_world(world), robots))
+    partial = path.with_suffix(".partial")
+    partial.write_bytes(pickle.dumps(truth))
+    partial.rename(path)
+
+
+def load_truth(path: Path) -> Any | None:
+    """The stored mr_sim.measures.Truth, None while it is not there. The file comes from this team's own process."""
+    try:
+        return pickle.loads(path.read_bytes())
+    except OSError:
         return None
 
 
+def occupancy_map(grid: Grid) -> Any:
+    from mr_sim.measures import OccupancyMap
+
+    return OccupancyMap(grid.cells, grid.resolution, (*grid.origin, 0.0))
+
+
+class CoverageMeter:
+    """Explored share of one robot's map while the team runs."""
+
+    def __init__(self, truth_file: str, start: Pose) -> None:
+        self._file = Path(truth_file)
+        self._start = start
+        self._truth: Any | None = None
+
+    def coverage(self, grid: Grid) -> float | None:
+        """Share of the reference cells that the map knows; None until the reference has been computed."""
+        from mr_sim.measures import coverage
+
+        self._truth = self._truth or load_truth(self._file)
+        return None if self._truth is None else coverage(self._truth, occupancy_map(grid), self._start)
+
+
 class Measures:
-    """Figures of final maps against the world's reference."""
+    """Figures of final maps, by mr_sim.measures."""
 
-    def __init__(self, plan: Plan) -> None:
-        self._plan = plan
+    def __init__(self, world: str, slam: str, truth_file: Path) -> None:
+        self._world = world
+        self._slam = slam
+        self._truth = load_truth(truth_file)
 
-    def of(self, grid: Grid | None, robot: RobotPlan) -> dict[str, Any]:
-        return {"coverage": None, "wrong_walls": None, "map_error": None}
+    def of(self, grid: Grid | None, start: Pose) -> dict[str, Any]:
+        """Coverage, wrong walls, free cells and map error of one robot's final map; None where there is none."""
+        if grid is None:
+            return {"coverage": None, "wrong_walls": None, "free_cells": None, **no_error("the robot gave no map")}
+        from mr_sim.measures import coverage, wrong_walls
+
+        occupancy, truth = occupancy_map(grid), self._truth
+        return {
+            "coverage": None if truth is None else round(coverage(truth, occupancy, start), 4),
+            "wrong_walls": None if truth is None else round(wrong_walls(truth, occupancy, start), 4),
+            "free_cells": occupancy.explored_free_cells,
+            **self._error(occupancy),
+        }
+
+    def _error(self, occupancy: Any) -> dict[str, Any]:
+        from mr_sim.measures import map_error
+        from mr_sim.reference import MINIMUM_MISSIONS, MapReferenceError, load_reference
+
+        try:
+            reference = load_reference(self._world)
+        except MapReferenceError as error:
+            return no_error(str(error))
+        if reference is None:
+            return no_error("the world has no stored one-robot missions to compare with")
+        if not reference.is_sufficient:
+            return no_error(f"only {len(reference.free_cells)} of {MINIMUM_MISSIONS} one-robot missions are stored")
+        if reference.slam != self._slam or reference.resolution != round(occupancy.resolution, 6):
+            return no_error(f"the stored missions are with {reference.slam} at {reference.resolution:g} m per cell")
+        error = map_error(occupancy.explored_free_cells, reference.median)
+        return {"map_error": round(error, 3), "map_error_reason": ""}
+
+
+def no_error(reason: str) -> dict[str, Any]:
+    return {"map_error": None, "map_error_reason": reason}
+
+
+if __name__ == "__main__":
+    write_truth(sys.argv[1], int(sys.argv[2]), Path(sys.argv[3]))
