@@ -5,6 +5,7 @@ over the overlap is at most 0.1 m. Imprecise: between. Overlap: the source's kno
 transform.
 Truth under distortion: the best rigid fit, which is the true transform refined on the shared walls.
 """
+
 import math
 import time
 from dataclasses import dataclass, replace
@@ -12,14 +13,17 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from .alignment import Alignment
 from .evidence import compare
 from .grid import Grid, cell_centres, values_at
 from .refine import FINE_REACH, refined
-from .registration import Registration
+from .registration import KEEP_CRITERIA, Registration, Verdict, follow, judge
 from .surface import Landmarks, landmarks_of
 from .synthetic import FloorPlan, Pair, Survey, Surveyor, office_plan, pair_of
 from .transform import Transform, displacement, rotation_between
 
+STAGES = (0.4, 0.6, 0.8, 1.0)
+"""Shares of the paths after which the robots exchange maps and look for the transform."""
 RIGHT_M = 0.1
 WRONG_M = 0.25
 WRONG_RAD = math.radians(2.0)
@@ -53,12 +57,12 @@ class Outcome(NamedTuple):
     largest_error: float
     rotation_error: float
     shared: float
-    rival: float
     seconds: float
 
 
 def scenarios(plan: Optional[FloorPlan] = None) -> List[Scenario]:
     """The families of the benchmark; `plan` replaces the generated office where rooms need not repeat exactly."""
+
     def office(random: np.random.Generator) -> FloorPlan:
         return plan if plan is not None else office_plan(random)
 
@@ -81,8 +85,13 @@ def draw_pair(scenario: Scenario, seed: int) -> Pair:
     """The pair of a seed."""
     random = np.random.default_rng(seed)
     surveyor = Surveyor(scenario.plan(random))
-    survey = Survey(path_length=float(random.uniform(1.0, scenario.longest_path)), drift=scenario.drift,
-                    smudges=scenario.smudges, range_noise=scenario.range_noise)
+    survey = Survey(
+        path_length=float(random.uniform(1.0, scenario.longest_path)),
+        drift=scenario.drift,
+        smudges=scenario.smudges,
+        range_noise=scenario.range_noise,
+        stages=STAGES,
+    )
     heading = float(random.uniform(-math.pi, math.pi))
     target = surveyor.explore(random, survey, yaw=heading if scenario.same_heading else None)
     place: Optional[Tuple[float, float]] = None
@@ -95,21 +104,41 @@ def draw_pair(scenario: Scenario, seed: int) -> Pair:
 
 
 def measure(pair: Pair, seed: int, register: Register) -> Outcome:
-    """Registers a pair and compares with the truth."""
-    target, source = landmarks_of(pair.target.grid), landmarks_of(pair.source.grid)
-    began = time.process_time()
-    result = register(target, source)
-    seconds = time.process_time() - began
+    """Lets the agents' rules decide on the growing pair, as during a mission, and compares with the truth."""
+    alignment = Alignment()
+    seconds = []
+    result = Registration(Verdict.NO_CANDIDATE)
+    for target_grid, source_grid in zip(pair.target.stages, pair.source.stages):
+        target, source = landmarks_of(target_grid), landmarks_of(source_grid)
+        began = time.process_time()
+        if alignment.transform is None:
+            result = register(target, source)
+        else:
+            better, evidence = follow(target, source, alignment.transform)
+            result = Registration(judge(evidence, KEEP_CRITERIA), better, evidence)
+        seconds.append(time.process_time() - began)
+        alignment.finished(result)
     truth = best_rigid_fit(target, source, pair.truth)
     shared = compare(target, source, truth).matched
-    if result.transform is None:
-        return Outcome(seed, "declined", result.verdict.value, math.inf, math.inf, math.inf, shared, 0.0, seconds)
-    points = overlap(pair.target.grid, pair.source.grid, truth)
-    error = displacement(truth, result.transform, points)
-    rotation = rotation_between(truth, result.transform)
-    kind = classify(error, rotation) if result.accepted else "declined"
-    rival = result.rival_score / max(result.evidence.score, 1e-9)
-    return Outcome(seed, kind, result.verdict.value, float(error.mean()), float(error.max()), rotation, shared, rival, seconds)
+    spent = float(np.mean(seconds))
+    if alignment.transform is None:
+        return Outcome(seed, "declined", _reason(result), math.inf, math.inf, math.inf, shared, spent)
+    error = displacement(truth, alignment.transform, overlap(pair.target.grid, pair.source.grid, truth))
+    rotation = rotation_between(truth, alignment.transform)
+    return Outcome(
+        seed,
+        classify(error, rotation),
+        result.verdict.value,
+        float(error.mean()),
+        float(error.max()),
+        rotation,
+        shared,
+        spent,
+    )
+
+
+def _reason(result: Registration) -> str:
+    return "not confirmed" if result.accepted else result.verdict.value
 
 
 def classify(error: np.ndarray, rotation: float) -> str:
@@ -136,4 +165,6 @@ def overlap(target: Grid, source: Grid, truth: Transform) -> np.ndarray:
 
 def counts(outcomes: List[Outcome]) -> Dict[str, int]:
     """How many outcomes of each kind."""
-    return {kind: sum(outcome.kind == kind for outcome in outcomes) for kind in ("right", "imprecise", "wrong", "declined")}
+    return {
+        kind: sum(outcome.kind == kind for outcome in outcomes) for kind in ("right", "imprecise", "wrong", "declined")
+    }

@@ -1,4 +1,5 @@
 """What speaks for and against a transform between two maps."""
+
 import math
 from dataclasses import dataclass
 
@@ -29,8 +30,12 @@ class Evidence:
 
     @property
     def score(self) -> float:
-        """One number to rank transforms: agreed wall, reduced by contradictions."""
-        return self.matched * max(0.0, 1.0 - 2.0 * self.conflict) * self.explained
+        """One number to rank transforms: agreed wall, steeply reduced by contradictions.
+
+        Rooms laid on the wrong room agree in long walls and contradict each other in a tenth to a fifth of them; true
+        transforms of undistorted maps contradict each other in next to nothing.
+        """
+        return self.matched * max(0.0, 1.0 - 6.0 * self.conflict) * self.explained
 
 
 def moved_surface(surface: Surface, transform: Transform) -> Surface:
@@ -83,8 +88,9 @@ def _one_way(target: Landmarks, moved: Surface, tolerance: float) -> Evidence:
         return Evidence()
     normals = part.normals[matched]
     scatter = normals.T @ normals
-    residual = np.einsum("ij,ij->i", part.points[matched] - target.surface.points[index[matched]],
-                         target.surface.normals[index[matched]])
+    residual = np.einsum(
+        "ij,ij->i", part.points[matched] - target.surface.points[index[matched]], target.surface.normals[index[matched]]
+    )
     contradicted = int((clear[inside] & ~matched).sum())
     return Evidence(
         matched=count * moved.spacing,

@@ -3,6 +3,7 @@
 ORB key points of both maps are matched and a similarity transform is estimated by RANSAC (`estimateAffinePartial2D` took the
 place of `estimateRigidTransform`). On repeated rooms it proposes wrong transforms; the verification then declines.
 """
+
 import math
 from typing import List, Optional
 
@@ -10,7 +11,7 @@ import cv2
 import numpy as np
 
 from .grid import Grid, cell_centres
-from .registration import DEFAULT_CRITERIA, Criteria, Limits, Registration, choose
+from .registration import DEFAULT_CRITERIA, UNLIMITED, Criteria, Limits, Registration, choose
 from .search import Prior
 from .surface import Landmarks
 from .transform import Transform
@@ -20,8 +21,13 @@ _SCALE_TOLERANCE = 0.05
 _ROUNDS = 4
 
 
-def register(target: Landmarks, source: Landmarks, criteria: Criteria = DEFAULT_CRITERIA, limits: Limits = Limits(),
-             prior: Optional[Prior] = None) -> Registration:
+def register(
+    target: Landmarks,
+    source: Landmarks,
+    criteria: Criteria = DEFAULT_CRITERIA,
+    limits: Limits = UNLIMITED,
+    prior: Optional[Prior] = None,
+) -> Registration:
     """Finds the transform source -> target from ORB features, or declines."""
     return choose(target, source, _proposals(target.grid, source.grid), criteria, limits, prior)
 

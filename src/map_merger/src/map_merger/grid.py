@@ -3,6 +3,7 @@
 Cells are addressed as (row, column). Row r, column c covers the square from r, c to r + 1, c + 1 (times the resolution) in
 the frame of the grid's corner, x along the columns and y along the rows, as in nav_msgs/OccupancyGrid.
 """
+
 import math
 from dataclasses import dataclass, replace
 from typing import Iterable, Iterator, Tuple
@@ -82,8 +83,12 @@ class Box:
             return other
         if other.empty:
             return self
-        return Box(min(self.top, other.top), min(self.left, other.left),
-                   max(self.bottom, other.bottom), max(self.right, other.right))
+        return Box(
+            min(self.top, other.top),
+            min(self.left, other.left),
+            max(self.bottom, other.bottom),
+            max(self.right, other.right),
+        )
 
     def intersection(self, other: "Box") -> "Box":
         """Cells in both."""
@@ -96,8 +101,12 @@ class Box:
 
     def aligned(self, block: int) -> "Box":
         """The box enlarged to whole blocks of `block` cells."""
-        return Box(self.top // block * block, self.left // block * block,
-                   -(-self.bottom // block) * block, -(-self.right // block) * block)
+        return Box(
+            self.top // block * block,
+            self.left // block * block,
+            -(-self.bottom // block) * block,
+            -(-self.right // block) * block,
+        )
 
     def tiles(self, size: int) -> Iterator["Box"]:
         """The box cut into tiles of at most `size` x `size` cells, row by row."""
@@ -211,7 +220,7 @@ def bounding_box(mask: np.ndarray) -> Box:
     rows = np.flatnonzero(mask.any(axis=1))
     if rows.size == 0:
         return EMPTY_BOX
-    columns = np.flatnonzero(mask[rows[0]:rows[-1] + 1].any(axis=0))
+    columns = np.flatnonzero(mask[rows[0] : rows[-1] + 1].any(axis=0))
     return Box(int(rows[0]), int(columns[0]), int(rows[-1]) + 1, int(columns[-1]) + 1)
 
 
@@ -279,8 +288,9 @@ class Canvas:
         result = np.full(box.shape, UNKNOWN, np.int8)
         inside = box.intersection(self._box)
         if not inside.empty:
-            result[inside.shifted(-box.top, -box.left).slices()] = (
-                self._cells[inside.shifted(-self._box.top, -self._box.left).slices()])
+            result[inside.shifted(-box.top, -box.left).slices()] = self._cells[
+                inside.shifted(-self._box.top, -self._box.left).slices()
+            ]
         return result
 
     def known_box(self) -> Box:
@@ -300,7 +310,9 @@ class Canvas:
         box = self._box.union(target.aligned(64))
         rows, columns = box.shape
         if rows * columns > MAX_CELLS:
-            raise GridError(f"a tile at row {target.top}, column {target.left} would make the map {columns} x {rows} cells")
+            raise GridError(
+                f"a tile at row {target.top}, column {target.left} would make the map {columns} x {rows} cells"
+            )
         cells = np.full(box.shape, UNKNOWN, np.int8)
         if not self._box.empty:
             cells[self._box.shifted(-box.top, -box.left).slices()] = self._cells

@@ -1,4 +1,5 @@
 """Local refinement of a transform: iterated closest surfaces, point to line (Chen and Medioni 1991)."""
+
 from typing import Sequence
 
 import numpy as np

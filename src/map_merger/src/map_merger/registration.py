@@ -2,6 +2,7 @@
 
 The decision prefers no answer to a wrong one. README.md says what is refused and why.
 """
+
 import math
 from dataclasses import dataclass
 from enum import Enum
@@ -11,7 +12,7 @@ import numpy as np
 
 from .evidence import Evidence, compare
 from .refine import COARSE_REACH, FINE_REACH, refined
-from .search import Candidate, Prior, candidates
+from .search import Prior, candidates
 from .surface import Landmarks, subsample
 from .transform import Transform, displacement, rotation_between
 
@@ -20,23 +21,26 @@ from .transform import Transform, displacement, rotation_between
 class Criteria:
     """What a transform must show before it is believed. Lengths in metres of wall."""
 
-    matched: float = 12.0
-    minor: float = 3.5
-    conflict: float = 0.08
-    explained: float = 0.7
+    matched: float = 14.0
+    minor: float = 4.0
+    conflict: float = 0.06
+    explained: float = 0.5
     rival: float = 0.75
     """Largest allowed score of a different transform, relative to the best."""
-
-    def scaled(self, factor: float) -> "Criteria":
-        """The same with other lengths."""
-        return Criteria(self.matched * factor, self.minor * factor, self.conflict, self.explained, self.rival)
+    plausible: float = 0.3
+    """A different transform without contradictions is a rival from this share of the best one's matched wall on."""
 
 
 DEFAULT_CRITERIA = Criteria()
-PRIOR_CRITERIA = Criteria(matched=6.0, minor=1.5, rival=0.85)
+PRIOR_CRITERIA = Criteria(matched=6.0, minor=1.5, plausible=0.6)
 """With a prior most rivals are excluded beforehand."""
-KEEP_CRITERIA = Criteria(matched=4.0, minor=1.0, conflict=0.2, explained=0.45)
+STRONG_CRITERIA = Criteria(matched=30.0, minor=8.0, conflict=0.05)
+"""Enough to be believed at first sight."""
+KEEP_CRITERIA = Criteria(matched=4.0, minor=1.0, conflict=0.2, explained=0.3)
 """What an accepted transform must go on showing."""
+PLAUSIBLE_CONFLICT = 0.08
+PLAUSIBLE_WALL = 6.0
+"""A transform with no more contradictions and at least this much wall (m) could be true."""
 
 
 class Limits(NamedTuple):
@@ -50,6 +54,9 @@ class Limits(NamedTuple):
         return max(abs(transform.x), abs(transform.y)) <= self.translation and abs(transform.yaw) <= self.rotation
 
 
+UNLIMITED = Limits()
+
+
 class Verdict(Enum):
     """Why a registration gave a transform or none."""
 
@@ -60,6 +67,7 @@ class Verdict(Enum):
     CONTRADICTED = "walls of one map in free space of the other"
     UNEXPLAINED = "too many walls without a partner"
     AMBIGUOUS = "another transform fits nearly as well"
+    CONTRADICTS_TEAM = "walls in free space of the merged map of the others"
     BEYOND_LIMITS = "beyond max_trans_robots or max_rotation_robots"
 
 
@@ -90,15 +98,26 @@ def judge(evidence: Evidence, criteria: Criteria) -> Verdict:
     return Verdict.ACCEPTED
 
 
-def register(target: Landmarks, source: Landmarks, criteria: Criteria = DEFAULT_CRITERIA, limits: Limits = Limits(),
-             prior: Optional[Prior] = None) -> Registration:
+def register(
+    target: Landmarks,
+    source: Landmarks,
+    criteria: Criteria = DEFAULT_CRITERIA,
+    limits: Limits = UNLIMITED,
+    prior: Optional[Prior] = None,
+) -> Registration:
     """Finds the transform source -> target by correlation, or declines."""
-    coarse = candidates(target, source, 12 if prior is None else 6, prior)
+    coarse = candidates(target, source, 16 if prior is None else 8, prior)
     return choose(target, source, [candidate.transform for candidate in coarse], criteria, limits, prior)
 
 
-def choose(target: Landmarks, source: Landmarks, starts: List[Transform], criteria: Criteria, limits: Limits,
-           prior: Optional[Prior]) -> Registration:
+def choose(
+    target: Landmarks,
+    source: Landmarks,
+    starts: List[Transform],
+    criteria: Criteria,
+    limits: Limits,
+    prior: Optional[Prior],
+) -> Registration:
     """Refines every start, ranks them by evidence and decides whether the best one can be believed."""
     ranked = _ranked(target, source, starts)
     if not ranked:
@@ -110,7 +129,7 @@ def choose(target: Landmarks, source: Landmarks, starts: List[Transform], criter
     rivals = [other for other in ranked[1:] if _different(transform, other[1], points)]
     rival_score = max((other.score for other, _ in rivals), default=0.0)
     verdict = judge(evidence, criteria)
-    if verdict is Verdict.ACCEPTED and rival_score > criteria.rival * evidence.score:
+    if verdict is Verdict.ACCEPTED and any(_rivals(evidence, other, criteria) for other, _ in rivals):
         verdict = Verdict.AMBIGUOUS
     if verdict is Verdict.ACCEPTED and not limits.allow(transform):
         verdict = Verdict.BEYOND_LIMITS
@@ -135,15 +154,24 @@ def _ranked(target: Landmarks, source: Landmarks, starts: List[Transform]) -> Li
     return result
 
 
+def _rivals(best: Evidence, other: Evidence, criteria: Criteria) -> bool:
+    """True if the other transform could as well be the true one: as good, or shorter but without contradictions."""
+    plausible = other.conflict <= PLAUSIBLE_CONFLICT and other.matched >= max(
+        PLAUSIBLE_WALL, criteria.plausible * best.matched
+    )
+    return plausible or other.score > criteria.rival * best.score
+
+
 def _different(first: Transform, second: Transform, points: np.ndarray) -> bool:
-    return (rotation_between(first, second) > math.radians(4.0)
-            or float(np.median(displacement(first, second, points))) > 0.4)
+    return (
+        rotation_between(first, second) > math.radians(4.0)
+        or float(np.median(displacement(first, second, points))) > 0.4
+    )
 
 
 def _near_prior(transform: Transform, prior: Prior, points: np.ndarray) -> bool:
     centre = points.mean(axis=0, keepdims=True)
-    return (rotation_between(transform, prior.transform) <= 1.2 * prior.rotation
-            and float(displacement(transform, prior.transform, centre)[0]) <= 1.2 * prior.distance + 0.5)
-
-
-__all__ = ["Candidate", "Criteria", "Limits", "Prior", "Registration", "Verdict", "choose", "follow", "judge", "register"]
+    return (
+        rotation_between(transform, prior.transform) <= 1.2 * prior.rotation
+        and float(displacement(transform, prior.transform, centre)[0]) <= 1.2 * prior.distance + 0.5
+    )

@@ -4,6 +4,7 @@ Walls of one map should fall on walls of the other (reward) and not into its fre
 all shifts are scored at once with a Fourier transform. The spectrum of wall directions (as in Carpin, "Fast and accurate map
 merging for multi-robot systems", 2008) tells which rotations are worth a transform.
 """
+
 import math
 from typing import List, NamedTuple, Optional
 
@@ -99,7 +100,10 @@ class _ShiftScorer:
             high = np.maximum(target.surface.points.max(axis=0), clear_points.max(axis=0))
             columns, rows = np.ceil((high - self._low) / self._cell).astype(int) + 1
         side = 2 * self._half + 1
-        self._shape = (fft.next_fast_len(int(rows) + side, real=True), fft.next_fast_len(int(columns) + side, real=True))
+        self._shape = (
+            fft.next_fast_len(int(rows) + side, real=True),
+            fft.next_fast_len(int(columns) + side, real=True),
+        )
         walls = self._raster(target.surface.points, self._low, target.surface.spacing / self._cell)
         clear_weight = (target.info.resolution / self._cell) ** 2 * _stride(target, self._cell) ** 2
         clear = self._raster(clear_points, self._low, clear_weight)
@@ -118,7 +122,9 @@ class _ShiftScorer:
         near_walls = cv2.blur(walls, (3, 3)) > 0.0
         clear = np.where(near_walls, 0.0, np.minimum(clear, 1.0)).astype(np.float32)
         spectra = fft.rfft2(np.stack([walls, clear]))
-        score = fft.irfft2(self._field * np.conj(spectra[0]) - _PENALTY * self._wall_spectrum * np.conj(spectra[1]), self._shape)
+        score = fft.irfft2(
+            self._field * np.conj(spectra[0]) - _PENALTY * self._wall_spectrum * np.conj(spectra[1]), self._shape
+        )
         return self._best(np.ascontiguousarray(score, dtype=np.float32), rotation, prior)
 
     def _best(self, score: np.ndarray, rotation: float, prior: Optional[Prior]) -> List[Candidate]:
@@ -142,7 +148,7 @@ class _ShiftScorer:
         return np.stack([column + self._half + 0.5, row + self._half + 0.5], axis=-1) * self._cell + self._low
 
     def _allowed(self, prior: Prior) -> np.ndarray:
-        rows, columns = np.mgrid[0:self._shape[0], 0:self._shape[1]]
+        rows, columns = np.mgrid[0 : self._shape[0], 0 : self._shape[1]]
         wanted = prior.transform.apply(self._centre[None])[0]
         return np.hypot(*np.moveaxis(self._place(rows, columns) - wanted, -1, 0)) <= prior.distance
 
@@ -171,8 +177,11 @@ def _distinct(found: List[Candidate], centre: np.ndarray, most: int) -> List[Can
     result: List[Candidate] = []
     for candidate in found:
         place = candidate.transform.apply(centre[None])[0]
-        if all(rotation_between(candidate.transform, other.transform) > math.radians(5.0)
-               or np.hypot(*(other.transform.apply(centre[None])[0] - place)) > 0.5 for other in result):
+        if all(
+            rotation_between(candidate.transform, other.transform) > math.radians(5.0)
+            or np.hypot(*(other.transform.apply(centre[None])[0] - place)) > 0.5
+            for other in result
+        ):
             result.append(candidate)
             if len(result) == most:
                 break

@@ -3,6 +3,7 @@
 A wall seen from one room and the same wall seen from the next are two surfaces. Matching only surfaces that face the same way
 keeps the thickness of walls out of the estimate, and lets the quantisation of both grids cancel.
 """
+
 from dataclasses import dataclass, field
 
 import cv2
@@ -131,15 +132,18 @@ def _directions(occupied: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> 
     count = np.maximum(window_sum(mask), 1.0)
     mean_row, mean_column = window_sum(row_index) / count, window_sum(column_index) / count
     spread_row = window_sum(row_index * np.arange(mask.shape[0], dtype=np.float32)[:, None]) / count - mean_row**2
-    spread_column = window_sum(column_index * np.arange(mask.shape[1], dtype=np.float32)[None, :]) / count - mean_column**2
+    spread_column = (
+        window_sum(column_index * np.arange(mask.shape[1], dtype=np.float32)[None, :]) / count - mean_column**2
+    )
     mixed = window_sum(row_index * np.arange(mask.shape[1], dtype=np.float32)[None, :]) / count - mean_row * mean_column
     tangent = 0.5 * np.arctan2(2.0 * mixed, spread_column - spread_row)
     anisotropy = np.hypot(spread_column - spread_row, 2.0 * mixed) / np.maximum(spread_column + spread_row, 1e-6)
     return np.cos(tangent), -np.sin(tangent), anisotropy
 
 
-def _free_towards(free: np.ndarray, rows: np.ndarray, columns: np.ndarray, step_rows: np.ndarray,
-                  step_columns: np.ndarray) -> np.ndarray:
+def _free_towards(
+    free: np.ndarray, rows: np.ndarray, columns: np.ndarray, step_rows: np.ndarray, step_columns: np.ndarray
+) -> np.ndarray:
     row = np.clip(np.rint(rows + 1.2 * step_rows).astype(int), 0, free.shape[0] - 1)
     column = np.clip(np.rint(columns + 1.2 * step_columns).astype(int), 0, free.shape[1] - 1)
     return free[row, column]

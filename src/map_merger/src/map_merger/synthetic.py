@@ -2,6 +2,7 @@
 
 Everything is drawn from the generator that is passed in, so a seed repeats a pair.
 """
+
 import math
 from dataclasses import dataclass
 from typing import List, NamedTuple, Optional, Sequence, Tuple
@@ -11,7 +12,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from .grid import OCCUPIED, UNKNOWN, Grid, GridInfo
+from .grid import FREE, OCCUPIED, UNKNOWN, Grid, GridInfo
 from .transform import Transform
 
 _COARSE = 4
@@ -41,14 +42,21 @@ class Survey:
     smudges: int = 0
     """Scans that see another robot in the way."""
     resolution: float = 0.05
+    stages: Tuple[float, ...] = (1.0,)
+    """Shares of the path after which the map is kept."""
 
 
 class RobotMap(NamedTuple):
-    """A local map in the frame of its start pose, the true start pose in the world, and the path (n, 3) in the world."""
+    """Local map in the frame of its start pose as it grew, the true start pose and the path (n, 3) in the world."""
 
-    grid: Grid
+    stages: Tuple[Grid, ...]
     start: Transform
     path: np.ndarray
+
+    @property
+    def grid(self) -> Grid:
+        """The map at the end."""
+        return self.stages[-1]
 
 
 class Pair(NamedTuple):
@@ -80,13 +88,13 @@ def office_plan(random: np.random.Generator, rooms: int = 6, same: bool = False)
         door = int(random.integers(8, pitch - 30))
         for room in range(rooms):
             left = room * pitch
-            walls[(0 if row == 0 else inner):(inner if row == 0 else height), left] = True
+            walls[(0 if row == 0 else inner) : (inner if row == 0 else height), left] = True
             if not same:
                 template = _furniture(random, depth - 2, pitch - 1)
                 door = int(random.integers(8, pitch - 30))
             bottom = 1 if row == 0 else inner + 1
-            walls[bottom:bottom + depth - 2, left + 1:left + pitch] |= template
-            walls[inner, left + door:left + door + 20] = False
+            walls[bottom : bottom + depth - 2, left + 1 : left + pitch] |= template
+            walls[inner, left + door : left + door + 20] = False
     return FloorPlan(walls)
 
 
@@ -96,9 +104,9 @@ def _furniture(random: np.random.Generator, rows: int, columns: int) -> np.ndarr
         height, width = random.integers(8, 26, 2)
         top, left = int(random.integers(0, rows - height)), int(random.integers(0, columns - width))
         if top > 24 and top + height < rows - 24:
-            mask[top:top + height, left:left + width] = True
+            mask[top : top + height, left : left + width] = True
         elif random.random() < 0.5:
-            mask[top:top + height, :width // 2] = True
+            mask[top : top + height, : width // 2] = True
     return mask
 
 
@@ -114,8 +122,13 @@ class Surveyor:
         self._open = blocks.max(axis=(1, 3)) == 0
         self._graph = _lattice_graph(self._open)
 
-    def explore(self, random: np.random.Generator, survey: Survey, start: Optional[Tuple[float, float]] = None,
-                yaw: Optional[float] = None) -> RobotMap:
+    def explore(
+        self,
+        random: np.random.Generator,
+        survey: Survey,
+        start: Optional[Tuple[float, float]] = None,
+        yaw: Optional[float] = None,
+    ) -> RobotMap:
         """Map of a robot that wanders from `start` (m, in the world; anywhere if None) for the survey's path length."""
         path = self._wander(random, survey, start)
         headings = np.unwrap(np.arctan2(*np.gradient(path, axis=0).T[::-1])) if len(path) > 1 else np.zeros(1)
@@ -159,26 +172,32 @@ class Surveyor:
         row, column = divmod(node, self._open.shape[1])
         return np.array([(column + 0.5) * cell, (row + 0.5) * cell])
 
-    def _draw(self, random: np.random.Generator, survey: Survey, poses: np.ndarray, begin: Transform) -> Grid:
+    def _draw(
+        self, random: np.random.Generator, survey: Survey, poses: np.ndarray, begin: Transform
+    ) -> Tuple[Grid, ...]:
         error = _wandering_error(random, survey, len(poses))
         smudged = set(random.choice(len(poses), min(survey.smudges, len(poses)), replace=False).tolist())
         to_map = begin.inverse()
         reach = survey.reach + 1.0
         path = to_map.apply(poses[:, :2])
-        low = np.floor((path.min(axis=0) - reach) / survey.resolution) * survey.resolution + random.uniform(-0.5, 0.5, 2)
+        low = np.floor((path.min(axis=0) - reach) / survey.resolution) * survey.resolution + random.uniform(
+            -0.5, 0.5, 2
+        )
         columns, rows = np.ceil((path.max(axis=0) + reach - low) / survey.resolution).astype(int)
         info = GridInfo(int(columns), int(rows), survey.resolution, Transform(float(low[0]), float(low[1]), 0.0))
         hits, passes = np.zeros(info.shape, np.int32), np.zeros(info.shape, np.int32)
+        ends = [max(1, round(share * len(poses))) - 1 for share in survey.stages]
+        stages: List[Grid] = []
         for index, pose in enumerate(poses):
             walls = self._with_smudge(random, pose) if index in smudged else self.plan.walls
             ranges = cast(walls, self.plan.resolution, pose, survey)
-            ranges = np.where(ranges < survey.reach, ranges + random.normal(0.0, survey.range_noise, ranges.size), ranges)
+            ranges = np.where(
+                ranges < survey.reach, ranges + random.normal(0.0, survey.range_noise, ranges.size), ranges
+            )
             seen = to_map.compose(Transform(*(float(value) for value in pose))).compose(error[index])
             _integrate(info, hits, passes, seen, ranges, survey)
-        cells = np.full(info.shape, UNKNOWN, np.int8)
-        cells[passes > 0] = 0
-        cells[(hits > 0) & (3 * hits >= passes)] = OCCUPIED
-        return Grid(info, cells)
+            stages.extend([_grid_from(info, hits, passes)] * ends.count(index))
+        return tuple(stages)
 
     def _with_smudge(self, random: np.random.Generator, pose: np.ndarray) -> np.ndarray:
         walls = self.plan.walls.astype(np.uint8)
@@ -187,6 +206,13 @@ class Surveyor:
         column, row = (round(value) for value in (centre / self.plan.resolution).tolist())
         cv2.circle(walls, (column, row), round(0.2 / self.plan.resolution), 1, -1)
         return walls.astype(bool)
+
+
+def _grid_from(info: GridInfo, hits: np.ndarray, passes: np.ndarray) -> Grid:
+    cells = np.full(info.shape, UNKNOWN, np.int8)
+    cells[passes > 0] = FREE
+    cells[(hits > 0) & (3 * hits >= passes)] = OCCUPIED
+    return Grid(info, cells)
 
 
 def cast(walls: np.ndarray, resolution: float, pose: Sequence[float], survey: Survey) -> np.ndarray:
@@ -201,7 +227,9 @@ def cast(walls: np.ndarray, resolution: float, pose: Sequence[float], survey: Su
     return np.where(blocked.any(axis=1), distances[blocked.argmax(axis=1)], survey.reach)
 
 
-def _integrate(info: GridInfo, hits: np.ndarray, passes: np.ndarray, pose: Transform, ranges: np.ndarray, survey: Survey) -> None:
+def _integrate(
+    info: GridInfo, hits: np.ndarray, passes: np.ndarray, pose: Transform, ranges: np.ndarray, survey: Survey
+) -> None:
     angles = pose.yaw + np.linspace(-survey.view / 2, survey.view / 2, survey.beams)
     distances = np.arange(0.0, survey.reach, 0.7 * info.resolution)
     x = (pose.x - info.origin.x + distances * np.cos(angles)[:, None]) / info.resolution
@@ -246,8 +274,9 @@ def _lattice_graph(open_cells: np.ndarray) -> coo_matrix:
         costs.append(np.full(int(both.sum()), math.hypot(down, right)))
     begin, end, cost = (np.concatenate(parts) for parts in (begins, ends, costs))
     size = rows * columns
-    return coo_matrix((np.concatenate([cost, cost]), (np.concatenate([begin, end]), np.concatenate([end, begin]))),
-                      shape=(size, size)).tocsr()
+    return coo_matrix(
+        (np.concatenate([cost, cost]), (np.concatenate([begin, end]), np.concatenate([end, begin]))), shape=(size, size)
+    ).tocsr()
 
 
 def pair_of(target: RobotMap, source: RobotMap) -> Pair:

@@ -1,4 +1,5 @@
 """Rigid transforms in the plane (metres and radians, REP-103 axes)."""
+
 import math
 from dataclasses import dataclass
 from typing import Sequence, Tuple

@@ -1,0 +1,537 @@
+"""The agent of one robot: local map, messages and time in, effects out. It knows no ROS, clock, thread or socket."""
+
+import math
+from typing import Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
+
+import numpy as np
+
+from . import fusion
+from .alignment import Job, LandmarkCache, Member, Versioned
+from .effects import (
+    AskNeighbors,
+    BroadcastTransforms,
+    Effect,
+    Note,
+    Place,
+    PublishMap,
+    PublishPositions,
+    PublishTrack,
+    Purpose,
+    Register,
+    SaveDebugImages,
+    Send,
+)
+from .exchange import MapSender
+from .grid import UNKNOWN, Grid, GridError, GridInfo, empty_grid
+from .messages import Anchor, Boot, Payload, Position, Request, Tile
+from .options import Options
+from .peer import HeardPose, Peer, Retry, Track
+from .registration import Limits, Prior, Registration, Verdict
+from .transform import Transform, rotation_between
+
+MOST_ROBOTS = 64
+NEIGHBOR_QUESTION_S = 5.0
+"""Seconds after the start at which the neighbours are asked for (contract 2.4)."""
+TRANSFORM_PERIOD_S = 0.5
+SHORTEST_PUBLISH_S = 1.0
+"""New local maps are passed on at once, but not more often than this."""
+POSITION_AGE_S = 30.0
+MOST_MARKERS = 500
+
+
+class NoTransform(LookupError):
+    """A point cannot be transformed; the text says why."""
+
+
+class LogFigures(NamedTuple):
+    """What a line of periodical.log holds (contract 2.7)."""
+
+    global_free: int
+    local_free: int
+    x: float
+    y: float
+    updates_sent: int
+    transforms: int
+
+
+class _Timer:
+    """Fires at most once per period; a clock that jumps back restarts it."""
+
+    def __init__(self, period: float, first: float = 0.0) -> None:
+        self.period = period
+        self._due: Optional[float] = None
+        self._first = first
+
+    def fires(self, now: float) -> bool:
+        if self._due is None or self._due - now > self.period + self._first + 1.0:
+            self._due = now + self._first
+        if now < self._due:
+            return False
+        self._due = now + self.period
+        return True
+
+    def deadline(self, now: float) -> float:
+        return now if self._due is None else self._due
+
+
+class Agent:
+    """One robot's map merger. Every `on_...` call and `tick` takes the present time in seconds; then collect `effects()`."""
+
+    def __init__(self, options: Options, boot: Boot) -> None:
+        """`boot` names this run (see messages.Boot)."""
+        self._options = options
+        self.name = options.robot_name
+        self._sender = MapSender(self.name, options.split_size if options.splitted else None, boot)
+        self._peers: Dict[str, Peer] = {}
+        self._effects: List[Effect] = []
+        self._local: Optional[Grid] = None
+        self._local_version = 0
+        self._global: Optional[Grid] = None
+        self._base: Optional[str] = None
+        self._own_pose: Optional[Transform] = None
+        self._own_track = Track()
+        self._layers: Dict[str, Tuple[tuple, Optional[fusion.Layer]]] = {}
+        self._cache = LandmarkCache()
+        self._registering = False
+        self._sends = 0
+        self._outstanding: Set[Purpose] = set()
+        self._undelivered: Set[int] = set()
+        self._announced = False
+        self._resend = Retry(float(options.seconds_send_timer), 60.0)
+        self._refused_limits: Set[str] = set()
+        self._sent_before: Optional[Grid] = None
+        self._changed_local, self._changed_foreign = False, False
+        self._asked_neighbors = False
+        self._publish_timer = _Timer(options.seconds_pub_timer, options.seconds_pub_timer)
+        self._local_timer = _Timer(SHORTEST_PUBLISH_S)
+        self._send_timer = _Timer(options.seconds_send_timer)
+        self._position_timer = _Timer(options.seconds_send_position)
+        self._anchor_timer = _Timer(options.seconds_meta_timer, options.seconds_meta_timer)
+        self._transform_timer = _Timer(TRANSFORM_PERIOD_S)
+        self._repair_timer = _Timer(1.0)
+        self._question_timer = _Timer(math.inf, NEIGHBOR_QUESTION_S)
+
+    # What comes in
+
+    def on_local_map(self, grid: Grid, now: float) -> None:
+        """The local SLAM map changed. Ignored in base station mode."""
+        if not self._options.has_local_map:
+            return
+        try:
+            self._sender.set_map(grid)
+        except GridError as error:
+            self._warn(f"local map ignored: {error}")
+            return
+        self._set_local(grid)
+
+    def on_local_pose(self, pose: Transform, now: float) -> None:
+        """The robot's pose in its map frame."""
+        self._own_pose = pose
+        self._own_track.add(pose.x, pose.y)
+
+    def on_robot(self, name: str, now: float, returned: bool = False) -> None:
+        """A robot is there. `returned`: the radio announced it anew (new_robot), so what was sent last may be lost."""
+        known = name in self._peers
+        peer = self._peer(name)
+        if peer is None:
+            return
+        was_present, peer.present = peer.present, True
+        if known and (returned or not was_present):
+            peer.retry.progress()
+            self._answer(peer, self._sender.last())
+
+    def on_robot_lost(self, name: str, now: float) -> None:
+        """The radio lost the robot. Its map and transform stay."""
+        if name in self._peers:
+            self._peers[name].present = False
+
+    def on_anchor(self, anchor: Anchor, now: float) -> None:
+        """A robot announced its anchor."""
+        peer = self._peer(anchor.robot)
+        if peer is None:
+            return
+        if peer.map.set_anchor(anchor):
+            peer.restart()
+            self._note(f"{peer.name} restarted: its former map and transform are dropped")
+        peer.retry.progress()
+        self._changed_foreign = True
+        self._adopt_base(peer)
+
+    def on_tile(self, tile: Tile, now: float) -> None:
+        """Map cells of another robot arrived."""
+        peer = self._peer(tile.robot)
+        if peer is None:
+            return
+        try:
+            changed = peer.map.add(tile)
+        except GridError as error:
+            self._warn(f"map update of {peer.name} ignored: {error}")
+            return
+        peer.retry.progress()
+        if changed:
+            self._changed_foreign = True
+            self._adopt_base(peer)
+
+    def on_request(self, request: Request, now: float) -> None:
+        """A robot asks for updates: none listed = everything, first one -1 = ignore (contract 2.4)."""
+        peer = self._peer(request.robot)
+        if peer is None or (request.numbers and request.numbers[0] == -1):
+            return
+        self._answer(
+            peer,
+            self._sender.again(request.numbers) if request.numbers else self._sender.everything(),
+            always=not request.numbers,
+        )
+
+    def on_position(self, position: Position, now: float) -> None:
+        """A robot told its pose."""
+        peer = self._peer(position.robot)
+        if peer is None or not self._options.exchange_position:
+            return
+        peer.position = HeardPose(position.pose, now)
+        peer.track.add(position.pose.x, position.pose.y)
+
+    def on_sent(self, send: Send, delivered: bool, now: float) -> None:
+        """The host finished a Send."""
+        if send.purpose in (Purpose.ANSWER, Purpose.REQUEST):
+            peer = self._peers.get(send.destination)
+            if peer is not None and send.purpose is Purpose.ANSWER:
+                peer.answering = False
+            return
+        self._outstanding.discard(send.purpose)
+        if send.purpose is Purpose.CHANGES:
+            numbers = [number for payload in send.payloads if isinstance(payload, Tile) for number in payload.numbers]
+            if delivered:
+                self._announced = True
+                self._undelivered.difference_update(numbers)
+                self._resend.progress()
+            else:
+                self._undelivered.update(numbers)
+
+    def on_registered(self, effect: Register, result: Registration, now: float) -> None:
+        """The host finished a registration."""
+        self._registering = False
+        peer = self._peers.get(effect.job.robot)
+        if peer is None or peer.generation != effect.generation:
+            return
+        before = peer.alignment.transform
+        news = peer.alignment.finished(result)
+        if peer.alignment.transform != before:
+            self._changed_foreign = True
+        if news == "accepted":
+            self._note(
+                f"transform to {peer.name}: {_described(peer.alignment.transform)}, "
+                f"{result.evidence.matched:.1f} m of wall in both maps"
+            )
+        elif news == "revoked":
+            self._warn(f"transform to {peer.name} revoked: {result.verdict.value}")
+        if result.verdict is Verdict.BEYOND_LIMITS and peer.name not in self._refused_limits:
+            self._refused_limits.add(peer.name)
+            self._warn(
+                f"transform to {peer.name} found ({_described(result.transform)}) but refused by max_trans_robots or "
+                f"max_rotation_robots; -1 lifts a limit"
+            )
+
+    # What goes out
+
+    def tick(self, now: float) -> None:
+        """Does what is due."""
+        if not self._asked_neighbors and self._question_timer.fires(now):
+            self._asked_neighbors = True
+            self._effects.append(AskNeighbors())
+        if self._options.has_local_map and self._send_timer.fires(now):
+            self._send_changes(now)
+        if self._anchor_timer.fires(now):
+            self._send_anchor()
+        if self._options.exchange_position and self._position_timer.fires(now):
+            self._send_position(now)
+        if self._repair_timer.fires(now):
+            self._request_missing(now)
+        self._start_registration(now)
+        self._publish(now)
+        if self._transform_timer.fires(now):
+            self._broadcast()
+
+    def effects(self) -> List[Effect]:
+        """What is to be done since the last call."""
+        effects, self._effects = self._effects, []
+        return effects
+
+    def next_deadline(self, now: float) -> float:
+        """When `tick` should be called next, seconds."""
+        timers = (
+            self._publish_timer,
+            self._send_timer,
+            self._position_timer,
+            self._anchor_timer,
+            self._transform_timer,
+            self._repair_timer,
+        )
+        return min(timer.deadline(now) for timer in timers)
+
+    # What others ask
+
+    @property
+    def local_map(self) -> Optional[Grid]:
+        """The local map, in base station mode that of the adopted robot."""
+        return self._local
+
+    @property
+    def global_map(self) -> Optional[Grid]:
+        """The global map as published last."""
+        return self._global
+
+    def transforms(self) -> Dict[str, Transform]:
+        """Believed transforms of the others' map frames to the own one."""
+        return {
+            name: peer.alignment.transform
+            for name, peer in sorted(self._peers.items())
+            if peer.alignment.transform is not None
+        }
+
+    def verdict(self, robot: str) -> str:
+        """Why there is (no) transform to the robot."""
+        return self._peers[robot].alignment.verdict.value if robot in self._peers else "robot not known"
+
+    def transform_point(self, robot: str, x: float, y: float) -> Tuple[float, float]:
+        """A point of the robot's map frame in the own one, metres. NoTransform while the transform is not known."""
+        if not (math.isfinite(x) and math.isfinite(y)):
+            raise NoTransform(f"point ({x}, {y}) is not finite")
+        if robot in (self.name, self._base):
+            return x, y
+        if robot not in self._peers:
+            raise NoTransform(f"no transform to {robot or 'the empty name'}: this robot is not known")
+        transform = self._peers[robot].alignment.transform
+        if transform is None:
+            raise NoTransform(f"no transform to {robot} yet: {self.verdict(robot)}")
+        return transform.apply_point(x, y)
+
+    def log_figures(self) -> LogFigures:
+        """Figures for the log."""
+        pose = self._own_pose or Transform()
+        return LogFigures(
+            0 if self._global is None else int(self._global.free.sum()),
+            0 if self._local is None else int(self._local.free.sum()),
+            pose.x,
+            pose.y,
+            self._sender.updates,
+            len(self.transforms()),
+        )
+
+    # Exchange
+
+    def _peer(self, name: str) -> Optional[Peer]:
+        if not name or name == self.name:
+            return None
+        if name not in self._peers:
+            if len(self._peers) >= MOST_ROBOTS:
+                self._warn(f"{name} ignored: there are {MOST_ROBOTS} robots already")
+                return None
+            self._peers[name] = Peer(name)
+            self._note(f"{name} is new")
+        return self._peers[name]
+
+    def _send(self, purpose: Purpose, destination: str, payloads: Iterable[Payload]) -> None:
+        self._sends += 1
+        self._effects.append(Send(self._sends, purpose, destination, tuple(payloads)))
+
+    def _group_send(self, purpose: Purpose, payloads: Iterable[Payload]) -> None:
+        self._outstanding.add(purpose)
+        self._send(purpose, f"mc_{self.name}", payloads)
+
+    def _send_changes(self, now: float) -> None:
+        anchor = self._sender.anchor()
+        if anchor is None or Purpose.CHANGES in self._outstanding:
+            return
+        tiles = self._sender.changes()
+        if tiles and self._options.debug and self._local is not None:
+            before = self._sent_before or empty_grid(self._local.info)
+            self._effects.append(SaveDebugImages(self._local, before))
+            self._sent_before = self._local
+        if self._undelivered and self._resend.ready(now):
+            tiles += self._sender.again(self._undelivered)
+        if tiles:
+            payloads: List[Payload] = [] if self._announced else [anchor]
+            self._group_send(Purpose.CHANGES, payloads + list(tiles))
+
+    def _send_anchor(self) -> None:
+        anchor = self._sender.anchor()
+        if anchor is not None and self._peers and Purpose.ANCHOR not in self._outstanding:
+            self._group_send(Purpose.ANCHOR, [anchor])
+
+    def _send_position(self, now: float) -> None:
+        if self._own_pose is not None and self._options.has_local_map and Purpose.POSITION not in self._outstanding:
+            self._group_send(Purpose.POSITION, [Position(self.name, self._own_pose)])
+        places = tuple(self._places(now))
+        self._effects.append(PublishPositions(places))
+        self._effects.append(PublishTrack(self.name, self._own_track.points()[-MOST_MARKERS:]))
+        for name, transform in self._transforms_with_base().items():
+            self._effects.append(PublishTrack(name, transform.apply(self._peers[name].track.points()[-MOST_MARKERS:])))
+
+    def _answer(self, peer: Peer, tiles: List[Tile], always: bool = False) -> None:
+        anchor = self._sender.anchor()
+        if anchor is None or peer.answering or not (tiles or always):
+            return
+        peer.answering = True
+        payloads: List[Payload] = [anchor]
+        self._send(Purpose.ANSWER, peer.name, payloads + list(tiles))
+
+    def _request_missing(self, now: float) -> None:
+        for peer in self._peers.values():
+            wanted = peer.map.wanted()
+            if wanted is not None and peer.present and peer.retry.ready(now):
+                self._send(Purpose.REQUEST, peer.name, [Request(self.name, wanted)])
+
+    # Base station
+
+    def _adopt_base(self, peer: Peer) -> None:
+        if self._options.has_local_map:
+            return
+        if self._base is None:
+            self._base = peer.name
+            self._note(f"base station: the map of {peer.name} is the reference")
+        grid = peer.map.grid()
+        if self._base == peer.name and grid is not None:
+            self._set_local(grid)
+
+    def _transforms_with_base(self) -> Dict[str, Transform]:
+        transforms = self.transforms()
+        if self._base is not None:
+            transforms[self._base] = Transform()
+        return transforms
+
+    def _set_local(self, grid: Grid) -> None:
+        self._local = grid
+        self._local_version += 1
+        self._changed_local = True
+
+    # Registration
+
+    def _start_registration(self, now: float) -> None:
+        if self._registering or self._local is None:
+            return
+        target = Versioned((self.name, self._local_version), self._local)
+        cells = int((self._local.cells != UNKNOWN).sum()) if self._peers else 0
+        for peer in sorted(self._peers.values(), key=lambda peer: peer.alignment.last_started):
+            grid = peer.map.grid()
+            if grid is None or peer.name == self._base:
+                continue
+            period: float = self._options.seconds_pub_timer
+            if peer.alignment.transform is not None:
+                period = self._options.seconds_recompute_transform
+                if period < 0:
+                    continue
+            source = Versioned((peer.name, peer.generation, peer.map.version), grid)
+            sizes = (cells, int((grid.cells != UNKNOWN).sum()))
+            if peer.alignment.due(now, target, source, sizes):
+                peer.alignment.started(now, target, source, sizes, period)
+                self._registering = True
+                self._effects.append(Register(self._job(peer, target, source), peer.generation))
+                return
+
+    def _job(self, peer: Peer, target: Versioned, source: Versioned) -> Job:
+        team = tuple(
+            Member(Versioned((other.name, other.generation, other.map.version), grid), other.alignment.transform)
+            for other, grid in ((other, other.map.grid()) for _, other in sorted(self._peers.items()))
+            if other is not peer and grid is not None and other.alignment.transform is not None
+        )
+        return Job(
+            peer.name,
+            target,
+            source,
+            team,
+            peer.alignment.transform,
+            self._prior(peer.name),
+            self._limits(target.grid.info),
+            self._options.registration,
+            self._cache,
+        )
+
+    def _prior(self, robot: str) -> Optional[Prior]:
+        poses = self._options.initial_poses
+        own = self._base or self.name
+        if own in poses and robot in poses:
+            return Prior(poses[own].inverse().compose(poses[robot]))
+        return None
+
+    def _limits(self, info: GridInfo) -> Limits:
+        cells, degrees = self._options.max_trans_robots, self._options.max_rotation_robots
+        return Limits(
+            math.inf if cells < 0 else cells * info.resolution, math.inf if degrees < 0 else math.radians(degrees)
+        )
+
+    # Publishing
+
+    def _publish(self, now: float) -> None:
+        if self._local is None:
+            return
+        due = self._publish_timer.fires(now)
+        if (self._changed_local and self._local_timer.fires(now)) or (due and self._changed_foreign):
+            self._changed_local, self._changed_foreign = False, False
+            self._global = self._fused(self._local)
+            self._effects.append(PublishMap(self._global))
+
+    def _fused(self, local: Grid) -> Grid:
+        transforms = self.transforms()
+        self._layers = {name: layer for name, layer in self._layers.items() if name in transforms}
+        layers = []
+        for name in sorted(transforms, key=lambda robot: -self._peers[robot].alignment.evidence.matched):
+            layer = self._layer(self._peers[name], transforms[name], local)
+            if layer is not None:
+                layers.append(layer)
+        return fusion.fused(local, layers)
+
+    def _layer(self, peer: Peer, transform: Transform, local: Grid) -> Optional[fusion.Layer]:
+        grid = peer.map.grid()
+        if grid is None:
+            return None
+        lattice = (local.info.resolution, local.info.origin)
+        key: tuple = (peer.generation, peer.map.version, lattice)
+        if peer.name in self._layers:
+            (*known, drawn_at), layer = self._layers[peer.name]
+            if tuple(known) == key and _nearly(drawn_at, transform):
+                return layer
+        layer = fusion.resampled(fusion.without_robots(grid, self._robots_seen_by(peer)), transform, local)
+        self._layers[peer.name] = ((*key, transform), layer)
+        return layer
+
+    def _robots_seen_by(self, peer: Peer) -> np.ndarray:
+        """Where other robots than the peer have been, in the peer's frame, shape (n, 2)."""
+        transforms = self._transforms_with_base()
+        back = transforms[peer.name].inverse()
+        places = [back.apply(self._own_track.points())]
+        for name, transform in transforms.items():
+            if name != peer.name:
+                places.append(back.compose(transform).apply(self._peers[name].track.points()))
+        return np.concatenate(places)
+
+    def _places(self, now: float) -> Iterable[Place]:
+        longest = max(POSITION_AGE_S, 10.0 * self._options.seconds_send_position)
+        for name, transform in sorted(self._transforms_with_base().items()):
+            position = self._peers[name].position
+            if position is not None and now - position.heard <= longest:
+                yield Place(name, *transform.apply_point(position.pose.x, position.pose.y))
+
+    def _broadcast(self) -> None:
+        transforms = self._transforms_with_base()
+        if transforms:
+            self._effects.append(BroadcastTransforms(tuple(sorted(transforms.items()))))
+
+    def _note(self, text: str) -> None:
+        self._effects.append(Note(text))
+
+    def _warn(self, text: str) -> None:
+        self._effects.append(Note(text, warning=True))
+
+
+def _nearly(first: Transform, second: Transform) -> bool:
+    """True if redrawing a layer would hardly move a cell."""
+    return math.hypot(first.x - second.x, first.y - second.y) < 0.005 and rotation_between(
+        first, second
+    ) < math.radians(0.03)
+
+
+def _described(transform: Optional[Transform]) -> str:
+    if transform is None:
+        return "none"
+    return f"x {transform.x:.2f} m, y {transform.y:.2f} m, {math.degrees(transform.yaw):.1f} deg"

@@ -1,0 +1,213 @@
+"""When a registration between two robots is tried, believed, kept and given up.
+
+A transform is believed at once only with strong evidence; otherwise it must be found again after the maps have grown. It is then
+followed as the maps grow, and revoked when they come to contradict it.
+"""
+
+import math
+from collections import OrderedDict
+from dataclasses import dataclass
+from typing import Callable, Hashable, NamedTuple, Optional, Tuple
+
+from . import features, registration
+from .evidence import Evidence, compare
+from .fusion import fused, resampled
+from .grid import Grid
+from .registration import (
+    KEEP_CRITERIA,
+    PRIOR_CRITERIA,
+    STRONG_CRITERIA,
+    Limits,
+    Prior,
+    Registration,
+    Verdict,
+    follow,
+    judge,
+)
+from .search import same_place
+from .surface import Landmarks, landmarks_of
+from .transform import Transform, rotation_between
+
+SHORTEST_GROWTH_M = 4.0
+SHORTEST_GROWTH = 1.25
+"""The shared walls must have grown by so many metres, and by this factor, before a second look confirms a candidate."""
+_SAME_DISTANCE = 0.15
+_SAME_ROTATION = math.radians(1.5)
+_STRIKES = 2
+_CACHED_MAPS = 24
+_LONGEST_WAIT_S = 20.0
+
+
+class Versioned(NamedTuple):
+    """A map and a key that changes whenever the map does."""
+
+    key: Hashable
+    grid: Grid
+
+
+class Member(NamedTuple):
+    """Another robot of the team whose transform to the own frame is believed."""
+
+    map: Versioned
+    transform: Transform
+
+
+class LandmarkCache:
+    """Landmarks of the most recently used maps. Used by one job at a time."""
+
+    def __init__(self) -> None:
+        self._known: OrderedDict[Hashable, Landmarks] = OrderedDict()
+
+    def of(self, key: Hashable, grid: Callable[[], Grid]) -> Landmarks:
+        """Landmarks of the map with this key, computed when needed."""
+        if key not in self._known:
+            self._known[key] = landmarks_of(grid())
+        self._known.move_to_end(key)
+        while len(self._known) > _CACHED_MAPS:
+            self._known.popitem(last=False)
+        return self._known[key]
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """One registration to compute: pure, may run in another thread. `run` does not change anything but the cache."""
+
+    robot: str
+    target: Versioned
+    source: Versioned
+    team: Tuple[Member, ...]
+    current: Optional[Transform]
+    prior: Optional[Prior]
+    limits: Limits
+    method: str
+    cache: LandmarkCache
+
+    def run(self) -> Registration:
+        """The outcome; for a followed transform the verdict says whether it may be kept."""
+        target = self.cache.of(self.target.key, lambda: self.target.grid)
+        source = self.cache.of(self.source.key, lambda: self.source.grid)
+        if self.current is not None:
+            return self._follow(target, source, self.current)
+        result = self._search(target, source)
+        if not self.team:
+            return result
+        merged = self._merged()
+        if not result.accepted and result.verdict is not Verdict.BEYOND_LIMITS:
+            result = self._search(merged, source)
+        if result.accepted and result.transform is not None:
+            against = compare(merged, source, result.transform)
+            if against.conflict > 1.5 * registration.DEFAULT_CRITERIA.conflict:
+                return result._replace(verdict=Verdict.CONTRADICTS_TEAM)
+        return result
+
+    def _search(self, target: Landmarks, source: Landmarks) -> Registration:
+        criteria = registration.DEFAULT_CRITERIA if self.prior is None else PRIOR_CRITERIA
+        method = features.register if self.method == "features" else registration.register
+        return method(target, source, criteria, self.limits, self.prior)
+
+    def _follow(self, target: Landmarks, source: Landmarks, current: Transform) -> Registration:
+        better, evidence = follow(target, source, current)
+        if evidence.matched < KEEP_CRITERIA.matched and self.team:
+            merged = self._merged()
+            better, evidence = follow(merged, source, current)
+        if not same_place(better, current, source.surface.points, 0.5):
+            # A jump is not a refinement; the transform stays, and the evidence for it decides.
+            better, evidence = current, compare(target, source, current)
+        return Registration(judge(evidence, KEEP_CRITERIA), better, evidence)
+
+    def _merged(self) -> Landmarks:
+        key = (self.target.key, tuple((member.map.key, member.transform) for member in self.team))
+
+        def merge() -> Grid:
+            layers = [resampled(member.map.grid, member.transform, self.target.grid) for member in self.team]
+            return fused(self.target.grid, [layer for layer in layers if layer is not None])
+
+        return self.cache.of(key, merge)
+
+
+class Alignment:
+    """What is known about the transform of one robot's frame to the own one."""
+
+    def __init__(self) -> None:
+        self.transform: Optional[Transform] = None
+        self.evidence = Evidence()
+        self.verdict = Verdict.NO_CANDIDATE
+        self._candidate: Optional[Registration] = None
+        self._strikes = 0
+        self._tried: Optional[Tuple[Hashable, Hashable]] = None
+        self._tried_cells = (0, 0)
+        self._due = -math.inf
+        self._wait = 0.0
+        self.last_started = -math.inf
+
+    def forget(self) -> None:
+        """The robot's frame is a new one: nothing that was known holds."""
+        self.__init__()  # type: ignore[misc]
+
+    def due(self, now: float, target: Versioned, source: Versioned, cells: Tuple[int, int]) -> bool:
+        """True if a job is worth its time. `cells`: numbers of known cells of both maps."""
+        if now < self._due or (target.key, source.key) == self._tried:
+            return False
+        if self.transform is not None or self._candidate is not None:
+            return True
+        return any(present > 1.03 * before + 50 for present, before in zip(cells, self._tried_cells))
+
+    def started(self, now: float, target: Versioned, source: Versioned, cells: Tuple[int, int], period: float) -> None:
+        """A job is under way; `period` is the shortest time in seconds to the next one."""
+        self._tried, self._tried_cells = (target.key, source.key), cells
+        self._wait = (
+            period
+            if self.transform is not None or self._candidate is not None
+            else min(max(period, 1.3 * self._wait), max(period, _LONGEST_WAIT_S))
+        )
+        self._due = now + self._wait
+        self.last_started = now
+
+    def finished(self, result: Registration) -> str:
+        """Takes the outcome of a job. Returns a text if something changed that a person wants to know, else ''."""
+        self.verdict = result.verdict
+        if self.transform is not None:
+            return self._followed(result)
+        return self._found(result)
+
+    def _found(self, result: Registration) -> str:
+        if not result.accepted or result.transform is None:
+            if result.verdict in (Verdict.CONTRADICTED, Verdict.AMBIGUOUS, Verdict.CONTRADICTS_TEAM):
+                self._candidate = None
+            return ""
+        if not (judge(result.evidence, STRONG_CRITERIA) is Verdict.ACCEPTED or self._confirms(result)):
+            if self._candidate is None or not self._agrees(result):
+                self._candidate = result
+            return ""
+        self.transform, self.evidence, self._candidate, self._strikes = result.transform, result.evidence, None, 0
+        return "accepted"
+
+    def _agrees(self, result: Registration) -> bool:
+        before = self._candidate
+        if before is None or before.transform is None or result.transform is None:
+            return False
+        between = before.transform.inverse().compose(result.transform)
+        return (
+            math.hypot(between.x, between.y) <= 3.0 * _SAME_DISTANCE
+            and rotation_between(before.transform, result.transform) <= _SAME_ROTATION
+        )
+
+    def _confirms(self, result: Registration) -> bool:
+        if self._candidate is None or not self._agrees(result):
+            return False
+        before = self._candidate.evidence.matched
+        return result.evidence.matched >= max(before + SHORTEST_GROWTH_M, before * SHORTEST_GROWTH)
+
+    def _followed(self, result: Registration) -> str:
+        self.evidence = result.evidence
+        if result.verdict is Verdict.CONTRADICTED:
+            self._strikes += 1
+            if self._strikes >= _STRIKES:
+                self.forget()
+                self.verdict = result.verdict
+                return "revoked"
+            return ""
+        self._strikes = 0
+        if result.accepted and result.transform is not None:
+            self.transform = result.transform
+        return ""

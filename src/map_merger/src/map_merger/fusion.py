@@ -1,0 +1,153 @@
+"""Fusion of the local map and the maps of others on the lattice of the local map.
+
+Rules, in this order:
+
+1. A known local cell stays as it is.
+2. Elsewhere the maps of others count in their given order (best supported first); the first that knows the cell decides.
+3. A foreign wall that falls on a free local cell is dropped. Where that cell borders on unknown local ones, those become
+   obstacles: a wall that lies one cell off must not open because the local map saw the floor in front of it.
+4. Small isolated obstacles where a robot is known to have been are robots, not walls, and are dropped from the foreign maps.
+"""
+
+from typing import List, NamedTuple, Optional, Sequence
+
+import cv2
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .grid import (
+    FREE,
+    OCCUPIED,
+    OCCUPIED_FROM,
+    UNKNOWN,
+    Box,
+    Grid,
+    GridInfo,
+    box_around,
+    cell_centres,
+    cells_of,
+    corners,
+    cropped,
+    full_box,
+    known_box,
+    union_of,
+    window,
+)
+from .transform import Transform
+
+GROWTH_BLOCK = 20
+"""The global map grows beyond the local one by whole blocks of cells, so that its size does not change with every refinement."""
+ROBOT_REACH = 0.45
+"""Metres from a robot's centre within which an isolated obstacle is taken for the robot."""
+_SMUDGE_CELLS_M = 0.8
+"""Largest extent in metres of such an obstacle."""
+
+
+class Layer(NamedTuple):
+    """A foreign map on the local lattice: cells (int8) of `box`, counted from the local map's corner."""
+
+    box: Box
+    cells: np.ndarray
+
+
+def resampled(foreign: Grid, transform: Transform, local: Grid) -> Optional[Layer]:
+    """The foreign map (transform: foreign frame -> local frame) on the local lattice; None if it knows nothing.
+
+    Each local cell takes the value of the foreign cell under its centre, which keeps walls as thick as they are. Walls that
+    hang together only at the corners of cells may break that way, so those links are drawn as well.
+    """
+    known = known_box(foreign)
+    if known.empty:
+        return None
+    part = cropped(foreign, known)
+    box = box_around(local.info, transform.apply(corners(part.info)))
+    target = window(local.info, box)
+    cells = _under_centres(part, transform, target)
+    links = transform.apply(_corner_links(part))
+    rows, columns, inside = cells_of(target, links)
+    cells[rows[inside], columns[inside]] = OCCUPIED
+    return Layer(box, cells)
+
+
+def _under_centres(part: Grid, transform: Transform, target: GridInfo) -> np.ndarray:
+    """Value of the foreign cell under each centre of the target's cells, by inverse mapping."""
+    info, shape = part.info, target.shape
+    centre = cell_centres(target, np.array([0, 0, 1]), np.array([0, 1, 0]))
+    image = info.origin.inverse().apply(transform.inverse().apply(centre)) / info.resolution
+    start, per_column, per_row = image[0], image[1] - image[0], image[2] - image[0]
+    rows, columns = np.arange(shape[0])[:, None], np.arange(shape[1])[None, :]
+    source_columns = np.floor(start[0] + per_column[0] * columns + per_row[0] * rows).astype(np.int32)
+    source_rows = np.floor(start[1] + per_column[1] * columns + per_row[1] * rows).astype(np.int32)
+    inside = (source_rows >= 0) & (source_rows < info.height) & (source_columns >= 0) & (source_columns < info.width)
+    cells = np.full(shape, UNKNOWN, np.int8)
+    cells[inside] = part.cells[source_rows[inside], source_columns[inside]]
+    return cells
+
+
+def _corner_links(part: Grid) -> np.ndarray:
+    """Points (n, 2) along the links between obstacles that touch only at a corner: both centres and the corner."""
+    occupied = part.occupied
+    points: List[np.ndarray] = []
+    for down in (True, False):
+        first = occupied[:-1, :-1] if down else occupied[1:, :-1]
+        second = occupied[1:, 1:] if down else occupied[:-1, 1:]
+        beside = (occupied[:-1, 1:] | occupied[1:, :-1]) if down else (occupied[:-1, :-1] | occupied[1:, 1:])
+        rows, columns = np.nonzero(first & second & ~beside)
+        begin = 0.0 if down else 1.0
+        for share in (0.0, 0.5, 1.0):
+            row = rows + (begin + share if down else begin - share)
+            points.append(cell_centres(part.info, row, columns + share))
+    return np.concatenate(points)
+
+
+def without_robots(grid: Grid, places: np.ndarray) -> Grid:
+    """The map without small isolated obstacles around the places (n, 2; metres, in the map's frame) where robots were."""
+    if not len(places) or not grid.occupied.any():
+        return grid
+    _, labels, statistics, centres = cv2.connectedComponentsWithStats(grid.occupied.astype(np.uint8), connectivity=8)
+    extent = np.maximum(statistics[:, cv2.CC_STAT_WIDTH], statistics[:, cv2.CC_STAT_HEIGHT]) * grid.info.resolution
+    small = np.flatnonzero(extent <= _SMUDGE_CELLS_M)
+    small = small[small > 0]
+    if small.size == 0:
+        return grid
+    middles = cell_centres(grid.info, centres[small, 1], centres[small, 0])
+    distance, _ = cKDTree(places).query(middles, distance_upper_bound=ROBOT_REACH)
+    robots = np.zeros(len(statistics), bool)
+    robots[small[np.isfinite(distance)]] = True
+    cells = grid.cells.copy()
+    cells[robots[labels]] = FREE
+    return Grid(grid.info, cells)
+
+
+def fused(local: Grid, layers: Sequence[Layer]) -> Grid:
+    """The global map. Without layers it is the local map itself."""
+    layers = [layer for layer in layers if not layer.box.empty]
+    if not layers:
+        return local
+    here = full_box(local.info)
+    foreign = union_of(layer.box for layer in layers)
+    # Only sides on which others know more grow, by whole blocks counted from the local corner.
+    outer = here.union(foreign.aligned(GROWTH_BLOCK)) if not here.contains(foreign) else here
+    result = cropped(local, outer)
+    cells = result.cells.copy()
+    for layer in layers:
+        view = cells[layer.box.shifted(-outer.top, -outer.left).slices()]
+        np.copyto(view, layer.cells, where=(view == UNKNOWN))
+    _close_walls(cells, local, layers, outer)
+    return Grid(result.info, cells)
+
+
+def _close_walls(cells: np.ndarray, local: Grid, layers: Sequence[Layer], outer: Box) -> None:
+    """Rule 3 on the fused cells, in place."""
+    inner = full_box(local.info).shifted(-outer.top, -outer.left).slices()
+    free = np.zeros(cells.shape, bool)
+    free[inner] = local.free
+    unknown = np.ones(cells.shape, bool)
+    unknown[inner] = local.cells == UNKNOWN
+    dropped = np.zeros(cells.shape, np.uint8)
+    for layer in layers:
+        place = layer.box.shifted(-outer.top, -outer.left).slices()
+        dropped[place] |= ((layer.cells >= OCCUPIED_FROM) & free[place]).astype(np.uint8)
+    if dropped.any():
+        border = cv2.dilate(dropped, np.ones((3, 3), np.uint8)).astype(bool)
+        cells[border & unknown & (cells >= 0)] = OCCUPIED

@@ -1,0 +1,60 @@
+"""What the agents tell one another, as plain values. `ros_io` converts them to the messages of the contract."""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Tuple, Union
+
+import numpy as np
+
+from .grid import Box, GridInfo
+from .transform import Transform
+
+Boot = Tuple[int, int]
+"""Names one run of a robot (its start time as seconds and nanoseconds). Only ever compared for equality."""
+
+NO_BOOT: Boot = (0, 0)
+"""A sender that does not tell; it matches every run."""
+
+
+class Anchor(NamedTuple):
+    """Corner and resolution from which the tile offsets of a robot count, fixed per run. `updates`: numbers used so far."""
+
+    robot: str
+    info: GridInfo
+    boot: Boot
+    updates: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Tile:
+    """Cells (int8, -1 unknown) at `row`, `column` from the anchor's corner, and the update numbers that they complete."""
+
+    robot: str
+    numbers: Tuple[int, ...]
+    row: int
+    column: int
+    cells: np.ndarray
+    resolution: float
+    boot: Boot = NO_BOOT
+    updates: int = 0
+
+    @property
+    def box(self) -> Box:
+        """The cells covered, counted from the anchor's corner."""
+        return Box(self.row, self.column, self.row + self.cells.shape[0], self.column + self.cells.shape[1])
+
+
+class Request(NamedTuple):
+    """`robot` asks for these updates; an empty list asks for everything, a first number of -1 for nothing."""
+
+    robot: str
+    numbers: Tuple[int, ...]
+
+
+class Position(NamedTuple):
+    """Pose of a robot in its own map frame."""
+
+    robot: str
+    pose: Transform
+
+
+Payload = Union[Anchor, Tile, Request, Position]

@@ -1,0 +1,152 @@
+"""Parameters of the node: names, types, defaults and bounds in one table (contract 2.1 and additions)."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
+
+from .transform import Transform, transform_of
+
+
+class OptionError(ValueError):
+    """A parameter that cannot be used; the text names it, its value and what is expected."""
+
+
+class Parameter(NamedTuple):
+    """One parameter: type, default, smallest value, and a further allowed value outside the bound."""
+
+    kind: type
+    default: Any
+    least: Optional[float] = None
+    also: Optional[float] = None
+    choices: Tuple[str, ...] = ()
+
+
+PARAMETERS: Dict[str, Parameter] = {
+    "robot_name": Parameter(str, ""),
+    "robot_prefix": Parameter(str, ""),
+    "local_map_frame_id": Parameter(str, "map"),
+    "local_map_topic": Parameter(str, "/map"),
+    "local_map_metadata_topic": Parameter(str, "/map_metadata"),
+    "map_topic_over_network": Parameter(str, "map_other"),
+    "meta_topic_over_network": Parameter(str, "map_meta_other"),
+    "control_topic": Parameter(str, "control"),
+    "position_local_robot_topic": Parameter(str, "slam_out_pose"),
+    "position_other_robots_topic": Parameter(str, "position_other_robots"),
+    "has_local_map": Parameter(bool, True),
+    "exchange_position": Parameter(bool, False),
+    "splitted": Parameter(bool, True),
+    "split_size": Parameter(int, 32, least=1),
+    "seconds_pub_timer": Parameter(int, 3, least=1),
+    "seconds_send_timer": Parameter(int, 5, least=1),
+    "seconds_recompute_transform": Parameter(int, 5, least=1, also=-1),
+    "seconds_send_position": Parameter(int, 2, least=1),
+    "seconds_meta_timer": Parameter(int, 5, least=1),
+    "max_trans_robots": Parameter(float, -1.0, least=0.0, also=-1.0),
+    "max_rotation_robots": Parameter(float, 5.0, least=0.0, also=-1.0),
+    "debug": Parameter(bool, True),
+    "log_path": Parameter(str, ""),
+    "registration": Parameter(str, "correlation", choices=("correlation", "features")),
+    "initial_poses": Parameter(dict, {}),
+}
+"""Every parameter of the node."""
+
+WITHOUT_EFFECT: Dict[str, str] = {
+    "local_map_metadata_topic": "the geometry is taken from every map itself, so a map may grow",
+}
+"""Accepted for compatibility; setting one gives one warning with this reason."""
+
+NOT_EMPTY = (
+    "local_map_frame_id",
+    "local_map_topic",
+    "map_topic_over_network",
+    "meta_topic_over_network",
+    "control_topic",
+    "position_local_robot_topic",
+    "position_other_robots_topic",
+)
+
+
+@dataclass(frozen=True)
+class Options:
+    """Checked parameters, with the names of PARAMETERS. Seconds, cells (max_trans_robots) and degrees as in the contract."""
+
+    robot_name: str
+    robot_prefix: str = ""
+    local_map_frame_id: str = "map"
+    local_map_topic: str = "/map"
+    local_map_metadata_topic: str = "/map_metadata"
+    map_topic_over_network: str = "map_other"
+    meta_topic_over_network: str = "map_meta_other"
+    control_topic: str = "control"
+    position_local_robot_topic: str = "slam_out_pose"
+    position_other_robots_topic: str = "position_other_robots"
+    has_local_map: bool = True
+    exchange_position: bool = False
+    splitted: bool = True
+    split_size: int = 32
+    seconds_pub_timer: int = 3
+    seconds_send_timer: int = 5
+    seconds_recompute_transform: int = 5
+    seconds_send_position: int = 2
+    seconds_meta_timer: int = 5
+    max_trans_robots: float = -1.0
+    max_rotation_robots: float = 5.0
+    debug: bool = True
+    log_path: str = ""
+    registration: str = "correlation"
+    initial_poses: Mapping[str, Transform] = field(default_factory=dict)
+
+
+def options_of(given: Mapping[str, Any], host_name: str) -> Options:
+    """Options from the parameters that are set (unset ones are left out). OptionError names the first bad one."""
+    unknown = sorted(set(given) - set(PARAMETERS))
+    if unknown:
+        raise OptionError(f"parameter {unknown[0]} is not known")
+    values = {name: _checked(name, given[name]) for name in PARAMETERS if name in given}
+    values["robot_name"] = values.get("robot_name") or host_name
+    if "/" in values["robot_name"]:
+        raise OptionError(f"parameter robot_name must not contain a slash: {values['robot_name']!r}")
+    values["initial_poses"] = _poses(values.get("initial_poses", {}))
+    return Options(**values)
+
+
+def warnings_of(given: Mapping[str, Any]) -> List[str]:
+    """One text for each parameter that was set though it has no effect."""
+    return [
+        f"parameter {name} has no effect: {WITHOUT_EFFECT[name]}" for name in sorted(given) if name in WITHOUT_EFFECT
+    ]
+
+
+def _checked(name: str, value: Any) -> Any:
+    parameter: Parameter = PARAMETERS[name]
+    if parameter.kind is float and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value)
+    if parameter.kind is str and name == "robot_name" and type(value) is int:
+        value = str(value)
+    expected: Any = parameter.kind
+    if type(value) is not expected:
+        raise OptionError(f"parameter {name} must be of type {expected.__name__}, not {value!r}")
+    if name in NOT_EMPTY and not value:
+        raise OptionError(f"parameter {name} must not be empty")
+    if parameter.choices and value not in parameter.choices:
+        raise OptionError(f"parameter {name} must be one of {', '.join(parameter.choices)}, not {value!r}")
+    if parameter.least is not None and not (value >= parameter.least or value == parameter.also):
+        also = "" if parameter.also is None else f" or {parameter.also:g} for unlimited"
+        if name == "seconds_recompute_transform":
+            also = " or -1 for never"
+        raise OptionError(f"parameter {name} must be at least {parameter.least:g}{also}, not {value:g}")
+    if parameter.kind is float and not math.isfinite(value):
+        raise OptionError(f"parameter {name} must be finite, not {value!r}")
+    return value
+
+
+def _poses(given: Mapping[str, Any]) -> Dict[str, Transform]:
+    poses = {}
+    for robot, pose in given.items():
+        try:
+            poses[str(robot)] = transform_of(pose)
+        except (TypeError, ValueError) as error:
+            raise OptionError(
+                f"parameter initial_poses/{robot}: expected [x, y, yaw] in metres and radians, not {pose!r}"
+            ) from error
+    return poses

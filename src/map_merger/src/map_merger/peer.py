@@ -1,0 +1,83 @@
+"""All that is known about one other robot."""
+
+import math
+from typing import List, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from .alignment import Alignment
+from .exchange import PeerMap
+from .transform import Transform
+
+TRACK_SPACING_M = 0.1
+LONGEST_TRACK = 4000
+
+
+class Track:
+    """Where a robot has been in its own frame: points TRACK_SPACING_M apart, thinned out when LONGEST_TRACK is reached."""
+
+    def __init__(self) -> None:
+        self._points: List[Tuple[float, float]] = []
+
+    def add(self, x: float, y: float) -> bool:
+        """Appends the place unless the robot has hardly moved; True if it was appended."""
+        if self._points and math.hypot(x - self._points[-1][0], y - self._points[-1][1]) < TRACK_SPACING_M:
+            return False
+        self._points.append((x, y))
+        if len(self._points) > LONGEST_TRACK:
+            self._points = self._points[::2]
+        return True
+
+    def points(self) -> np.ndarray:
+        """Shape (n, 2), metres, oldest first."""
+        return np.array(self._points, dtype=float).reshape(-1, 2)
+
+
+class Retry:
+    """Spaces repeated requests: the pause doubles from `first` to `longest` seconds until there is progress."""
+
+    def __init__(self, first: float, longest: float) -> None:
+        self._first, self._longest = first, longest
+        self._pause = first
+        self._due = -math.inf
+
+    def ready(self, now: float) -> bool:
+        """True once a pause has passed; starts the next, longer one."""
+        if now < self._due:
+            return False
+        self._due = now + self._pause
+        self._pause = min(2.0 * self._pause, self._longest)
+        return True
+
+    def progress(self) -> None:
+        """Something arrived: the next pauses are short again."""
+        self._pause = self._first
+
+
+class HeardPose(NamedTuple):
+    """A pose in the robot's frame and when it was heard (own clock, s)."""
+
+    pose: Transform
+    heard: float
+
+
+class Peer:
+    """Another robot: its map, its transform, its track, and what is being exchanged with it."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.map = PeerMap(name)
+        self.alignment = Alignment()
+        self.track = Track()
+        self.position: Optional[HeardPose] = None
+        self.present = True
+        self.answering = False
+        self.generation = 0
+        self.retry = Retry(2.0, 30.0)
+
+    def restart(self) -> None:
+        """The robot's frame is a new one."""
+        self.alignment.forget()
+        self.track = Track()
+        self.position = None
+        self.generation += 1

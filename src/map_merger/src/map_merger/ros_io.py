@@ -1,0 +1,189 @@
+"""Conversion between ROS messages and the values of this package. Nothing else here touches ROS types."""
+
+import math
+from typing import Iterable, Tuple
+
+import numpy as np
+import rospy
+from adhoc_communication.msg import MmControl, MmListOfPoints, MmMapUpdate, MmPoint, MmRobotPosition
+from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, TransformStamped
+from nav_msgs.msg import MapMetaData, OccupancyGrid
+from rospy.numpy_msg import numpy_msg
+from visualization_msgs.msg import Marker, MarkerArray
+
+from .effects import Place
+from .grid import Grid, GridError, GridInfo, grid_of
+from .messages import Anchor, Boot, Position, Request, Tile
+from .transform import Transform
+
+NumpyOccupancyGrid = numpy_msg(OccupancyGrid)
+NumpyMapUpdate = numpy_msg(MmMapUpdate)
+
+
+class MessageError(ValueError):
+    """A message that cannot be used, with the reason."""
+
+
+def transform_of_pose(pose: Pose) -> Transform:
+    """Planar part of a pose. MessageError if it is not finite or the quaternion is zero."""
+    q = pose.orientation
+    values = (pose.position.x, pose.position.y, q.x, q.y, q.z, q.w)
+    norm = math.sqrt(q.x**2 + q.y**2 + q.z**2 + q.w**2) if all(math.isfinite(value) for value in values) else math.nan
+    if math.isnan(norm) or (norm < 1e-6 and norm > 0.0):
+        raise MessageError("a pose with values that are not finite")
+    # Maps often leave the orientation of their origin at all zeros, meaning no rotation.
+    yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y**2 + q.z**2)) if norm else 0.0
+    return Transform(pose.position.x, pose.position.y, yaw)
+
+
+def pose_of(transform: Transform) -> Pose:
+    """Pose in the plane."""
+    orientation = Quaternion(0.0, 0.0, math.sin(transform.yaw / 2.0), math.cos(transform.yaw / 2.0))
+    return Pose(Point(transform.x, transform.y, 0.0), orientation)
+
+
+def info_of(message: MapMetaData) -> GridInfo:
+    """Geometry. MessageError if it cannot be used."""
+    try:
+        return GridInfo(message.width, message.height, message.resolution, transform_of_pose(message.origin))
+    except GridError as error:
+        raise MessageError(str(error)) from error
+
+
+def grid_of_message(message: OccupancyGrid) -> Grid:
+    """A map. MessageError if geometry and data do not fit."""
+    try:
+        return grid_of(info_of(message.info), np.asarray(message.data, dtype=np.int8))
+    except GridError as error:
+        raise MessageError(str(error)) from error
+
+
+def message_of_grid(grid: Grid, frame: str, stamp: rospy.Time) -> OccupancyGrid:
+    """A map as message for a numpy publisher."""
+    message = NumpyOccupancyGrid()
+    message.header.frame_id, message.header.stamp = frame, stamp
+    message.info = MapMetaData(
+        stamp, grid.info.resolution, grid.info.width, grid.info.height, pose_of(grid.info.origin)
+    )
+    message.data = np.ascontiguousarray(grid.cells, dtype=np.int8).ravel()
+    return message
+
+
+def anchor_message(anchor: Anchor) -> OccupancyGrid:
+    """An anchor: geometry without cells; map_load_time names the run, header.seq counts the updates."""
+    message = NumpyOccupancyGrid()
+    message.header.frame_id, message.header.seq = anchor.robot, anchor.updates
+    message.info = MapMetaData(rospy.Time(*anchor.boot), anchor.info.resolution, 0, 0, pose_of(anchor.info.origin))
+    message.data = np.empty(0, np.int8)
+    return message
+
+
+def anchor_of(message: OccupancyGrid) -> Anchor:
+    """Anchor from its announcement. MessageError if it cannot be used."""
+    if message.info.width or message.info.height or len(message.data):
+        raise MessageError(f"an anchor of {message.header.frame_id!r} with cells")
+    return Anchor(message.header.frame_id, info_of(message.info), _boot_of(message.info), message.header.seq)
+
+
+def tile_message(tile: Tile) -> MmMapUpdate:
+    """A tile (contract 2.4): first row in origin.position.x, first column in origin.position.y, in cells."""
+    rows, columns = tile.cells.shape
+    message = NumpyMapUpdate()
+    message.src_robot = tile.robot
+    message.update_numbers = np.array(tile.numbers, np.int32)
+    message.map.header.frame_id, message.map.header.seq = tile.robot, tile.updates
+    message.map.info = MapMetaData(
+        rospy.Time(*tile.boot),
+        tile.resolution,
+        columns,
+        rows,
+        Pose(Point(float(tile.row), float(tile.column), 0.0), Quaternion(0.0, 0.0, 0.0, 1.0)),
+    )
+    message.map.data = np.ascontiguousarray(tile.cells, dtype=np.int8).ravel()
+    return message
+
+
+def tile_of(message: MmMapUpdate) -> Tile:
+    """Tile from a map update. MessageError if it cannot be used."""
+    robot = message.map.header.frame_id or message.src_robot
+    if message.src_robot and message.src_robot != robot:
+        raise MessageError(f"a map update of {robot!r} sent by {message.src_robot!r}")
+    offset = message.map.info.origin.position
+    if not (abs(offset.x) < 2**30 and abs(offset.y) < 2**30):
+        raise MessageError(f"a map update of {robot!r} at offset {offset.x:g}, {offset.y:g}")
+    try:
+        info = GridInfo(message.map.info.width, message.map.info.height, message.map.info.resolution)
+        cells = grid_of(info, np.asarray(message.map.data, dtype=np.int8)).cells
+    except GridError as error:
+        raise MessageError(f"a map update of {robot!r}: {error}") from error
+    numbers = tuple(int(number) for number in message.update_numbers)
+    return Tile(
+        robot,
+        numbers,
+        round(offset.x),
+        round(offset.y),
+        cells,
+        info.resolution,
+        _boot_of(message.map.info),
+        message.map.header.seq,
+    )
+
+
+def request_message(request: Request) -> MmControl:
+    """A request for updates."""
+    return MmControl(request.robot, list(request.numbers))
+
+
+def request_of(message: MmControl) -> Request:
+    """Request from its message."""
+    return Request(message.src_robot, tuple(message.update_numbers))
+
+
+def position_message(position: Position, frame: str, stamp: rospy.Time) -> MmRobotPosition:
+    """A pose in the sender's map frame."""
+    message = MmRobotPosition(position.robot, PoseStamped())
+    message.position.header.frame_id, message.position.header.stamp = frame, stamp
+    message.position.pose = pose_of(position.pose)
+    return message
+
+
+def position_of(message: MmRobotPosition) -> Position:
+    """Position from its message. MessageError if the pose is not finite."""
+    return Position(message.src_robot, transform_of_pose(message.position.pose))
+
+
+def points_message(places: Iterable[Place]) -> MmListOfPoints:
+    """The other robots' places in the own frame."""
+    return MmListOfPoints([MmPoint(place.robot, place.x, place.y) for place in places])
+
+
+def transform_messages(transforms: Iterable[Tuple[str, Transform]], frame: str, stamp: rospy.Time) -> list:
+    """tf2 messages `frame` -> given child frames."""
+    messages = []
+    for child, transform in transforms:
+        message = TransformStamped()
+        message.header.frame_id, message.header.stamp, message.child_frame_id = frame, stamp, child
+        message.transform.translation.x, message.transform.translation.y = transform.x, transform.y
+        message.transform.rotation = pose_of(transform).orientation
+        messages.append(message)
+    return messages
+
+
+def transform_of_message(message: TransformStamped) -> Transform:
+    """Planar part of a tf2 transform."""
+    return transform_of_pose(Pose(message.transform.translation, message.transform.rotation))
+
+
+def track_message(points: np.ndarray, frame: str, stamp: rospy.Time) -> MarkerArray:
+    """Places (n, 2) in metres as spheres of 0.2 m."""
+    marker = Marker(type=Marker.SPHERE_LIST, action=Marker.ADD, ns="positions")
+    marker.header.frame_id, marker.header.stamp = frame, stamp
+    marker.scale.x = marker.scale.y = marker.scale.z = 0.2
+    marker.color.g = marker.color.a = 1.0
+    marker.pose.orientation.w = 1.0
+    marker.points = [Point(float(x), float(y), 0.0) for x, y in points]
+    return MarkerArray([marker])
+
+
+def _boot_of(info: MapMetaData) -> Boot:
+    return info.map_load_time.secs, info.map_load_time.nsecs
