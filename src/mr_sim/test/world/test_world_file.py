@@ -1,0 +1,121 @@
+"""Syntax of world files."""
+
+import string
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mr_sim.world_file import WorldFileError, parse_world_file
+
+def test_properties_blocks_and_comments(write_world):
+    root = parse_world_file(
+        write_world('# head\nresolution 0.02 # metres\nmodel ( name "box" size [ 1 2.5 -3e-1 ] # end )\n model ( ) )\n')
+    )
+    assert root.properties["resolution"].value == 0.02
+    (box,) = root.children
+    assert box.properties["name"].value == "box"
+    assert box.properties["size"].value == (1.0, 2.5, -0.3)
+    assert box.properties["size"].place.line == 3
+    assert [child.kind for child in box.children] == ["model"]
+
+
+def test_define_inherits_overrides_and_chains(write_world):
+    root = parse_world_file(
+        write_world(
+            'define a model ( color "red" size [ 1 1 1 ] model ( name "inner" ) )\n'
+            'define b a ( color "blue" )\n'
+            'b ( name "x" model ( name "second" ) )\nb ( size [ 2 2 2 ] )\n'
+        )
+    )
+    first, second = root.children
+    assert first.kind == "model" and first.word == "b"
+    assert first.properties["color"].value == "blue"
+    assert first.properties["size"].value == (1.0, 1.0, 1.0)
+    assert [child.properties["name"].value for child in first.children] == ["inner", "second"]
+    assert second.properties["size"].value == (2.0, 2.0, 2.0)
+    assert len(second.children) == 1, "an instance must not change the definition it is made from"
+
+
+def test_include_is_relative_to_its_file_and_brings_definitions(write_world, tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "outer.inc").write_text('include "inner.inc"\n')
+    (tmp_path / "sub" / "inner.inc").write_text("define thing model ( size [ 1 1 1 ] )\n")
+    root = parse_world_file(write_world('include "sub/outer.inc"\nthing ( )\n'))
+    assert root.children[0].properties["size"].place.file.endswith("inner.inc")
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ('model (\n name "x\n)', 2, "closing quote"),
+        ("resolution 1.2.3", 1, 'bad number "1.2.3"'),
+        ("resolution nan", 1, "needs a number"),
+        ("resolution 1e999", 1, 'bad number "1e999"'),
+        ("model ( size [ 1 two 3 ] )", 1, 'bad number "two"'),
+        ("model ( size [ 1 2 3 )", 1, 'bad number ")"'),
+        ("model ( size [ 1 2 3", 1, "never closed"),
+        ("\nmodel ( pose [ 0 0 0 0 ]\n", 2, 'block of "model" is never closed'),
+        ("model ( ) )", 1, 'unexpected ")"'),
+        ("pioneer ( )", 1, 'unknown model "pioneer"'),
+        ("define a", 1, "define needs"),
+        ("define model model ( )", 1, "built-in"),
+        ("include pioneer.inc", 1, "file name in quotes"),
+        ('\n\ninclude "missing.inc"', 3, "no such file"),
+        ("resolution", 1, "has no value"),
+        ("[ 1 2 ]", 1, "expected a word"),
+        ("resolution )", 1, "needs a number, a string or a tuple"),
+    ],
+)
+def test_faults_name_file_line_and_word(write_world, text, line, message):
+    with pytest.raises(WorldFileError) as caught:
+        parse_world_file(write_world(text))
+    assert f"test.world:{line}: " in str(caught.value)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_fault_in_an_included_file_names_that_file(write_world):
+    with pytest.raises(WorldFileError, match=r"robot\.inc:2: .*\"12x\""):
+        parse_world_file(write_world('include "robot.inc"', robot_inc="\nresolution 12x\n"))
+
+
+def test_include_cycle(write_world):
+    with pytest.raises(WorldFileError, match=r"b\.inc:1: include cycle: a\.inc -> b\.inc -> a\.inc"):
+        parse_world_file(write_world('include "a.inc"', a_inc='include "b.inc"', b_inc='include "a.inc"'))
+
+
+def test_missing_and_unreadable_world(tmp_path):
+    with pytest.raises(WorldFileError, match="no such file"):
+        parse_world_file(tmp_path / "none.world")
+    with pytest.raises(WorldFileError, match="cannot read"):
+        parse_world_file(tmp_path)
+    (tmp_path / "binary.world").write_bytes(b"\x89PNG\xff\xfe\x00")
+    with pytest.raises(WorldFileError, match="cannot read"):
+        parse_world_file(tmp_path / "binary.world")
+
+
+names = st.text(string.ascii_lowercase + "_", min_size=1, max_size=8).filter(lambda n: n not in ("include", "define"))
+numbers = st.floats(-1e6, 1e6).map(lambda x: round(x, 6))
+values = st.one_of(numbers, st.text(string.ascii_letters + " ./", max_size=10), st.lists(numbers, max_size=8).map(tuple))
+
+
+def _written(value: object) -> str:
+    if isinstance(value, tuple):
+        return "[ " + " ".join(map(repr, value)) + " ]"
+    return f'"{value}"' if isinstance(value, str) else repr(value)
+
+
+@given(properties=st.dictionaries(names, values, max_size=6), spacing=st.sampled_from([" ", "\n", "\t # x\n"]))
+def test_what_is_written_is_read(write_world, properties, spacing):
+    text = spacing.join(f"{word} {_written(value)}" for word, value in properties.items())
+    root = parse_world_file(write_world(f"model ({spacing}{text}{spacing})"))
+    assert {word: entry.value for word, entry in root.children[0].properties.items()} == properties
+
+
+@given(text=st.lists(st.sampled_from([*'abm ()[]"#\n0.-e', "model (", "define ", "include ", " 1 "])).map("".join))
+def test_any_text_is_parsed_or_refused_with_one_line(write_world, text):
+    try:
+        parse_world_file(write_world(text))
+    except WorldFileError as error:
+        assert "test.world" in str(error) and "\n" not in str(error)

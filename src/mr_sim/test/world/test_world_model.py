@@ -1,0 +1,191 @@
+"""Meaning of world files."""
+
+import math
+
+import numpy as np
+import pytest
+
+from mr_sim.raster import load_bitmap, rasterise
+from mr_sim.world_file import WorldFileError
+from mr_sim.world_model import load_world
+
+
+@pytest.fixture
+def load(write_world):
+    return lambda text: load_world(write_world(text))
+
+
+def test_robot_with_all_its_words(load):
+    world = load(
+        """
+        interval_sim 20 resolution 0.05 speedup 4 quit_time 60
+        position (
+          name "r2d2" pose [ 1 2 0 90 ] size [ 0.6 0.4 0.3 ] origin [ 0.1 0 0 0 ] drive "diff"
+          update_interval 40 velocity_bounds [ -0.3 0.7 0 0 0 0 -45 60 ]
+          acceleration_bounds [ -1 1 0 0 0 0 -180 180 ]
+          localization "odom" localization_origin [ 0 0 0 0 ] odom_error [ 0.01 0.02 0.03 0.04 ]
+          ranger ( update_interval 80 pose [ 0.2 0 0 0 ]
+            sensor ( pose [ 0.05 0 0 10 ] range [ 0.1 6 ] fov 180 samples 181 noise [ 0.0004 0 0 ] ) )
+        )
+        """
+    )
+    assert (world.interval, world.resolution, world.speedup, world.quit_time) == (0.02, 0.05, 4.0, 60.0)
+    (robot,) = world.robots
+    assert robot.name == "r2d2"
+    assert robot.start == pytest.approx((1, 2, math.pi / 2))
+    assert np.allclose(robot.footprint, [[(-0.2, -0.2), (0.4, -0.2), (0.4, 0.2), (-0.2, 0.2)]])
+    assert robot.linear_bounds == (-0.3, 0.7)
+    assert robot.angular_bounds == pytest.approx((-math.pi / 4, math.pi / 3))
+    assert not robot.exact_localization
+    assert robot.localization_origin == (0, 0, 0)
+    assert robot.odom_error == (0.01, 0.02, 0.03, 0.04)
+    assert robot.update_interval == 0.04
+    (ranger,) = robot.rangers
+    assert ranger.mount == pytest.approx((0.25, 0, math.radians(10)))
+    assert (ranger.range_min, ranger.range_max, ranger.samples) == (0.1, 6, 181)
+    assert ranger.angle_min == pytest.approx(-math.pi / 2)
+    assert ranger.angle_increment == pytest.approx(math.radians(1))
+    assert (ranger.update_interval, ranger.noise_variance) == (0.08, 0.0004)
+
+
+def test_defaults_are_those_of_stage(load):
+    (robot,) = load("position ( pose [ 3 4 0 0 ] )").robots
+    assert robot.name == "robot_0"
+    assert robot.exact_localization
+    assert robot.localization_origin == robot.start
+    assert robot.linear_bounds == (-1, 1)
+    assert robot.angular_bounds == pytest.approx((-math.pi / 2, math.pi / 2))
+    assert robot.odom_error == (0.03, 0.03, 0.0, 0.05)
+    assert robot.update_interval == 0.1
+    assert load("").interval == 0.1
+
+
+def test_older_words_of_a_laser(load):
+    (robot,) = load("position ( laser ( range_max 12 fov 90 samples 91 ) )").robots
+    assert (robot.rangers[0].range_max, robot.rangers[0].samples) == (12, 91)
+
+
+def test_several_sensors_become_several_rangers(load):
+    (robot,) = load("position ( ranger ( sensor ( samples 1 ) sensor ( samples 2 pose [ 0 0 0 180 ] ) ) )").robots
+    assert [r.samples for r in robot.rangers] == [1, 2]
+
+
+def test_words_of_the_window_have_no_effect(load):
+    plain = load("position ( )")
+    decorated = load(
+        'window ( size [ 700 500 ] scale 30 show_data 1 anything "goes" )\nthreads 4 show_clock 1 paused 0\n'
+        'position ( color "red" gui_nose 1 gui_grid 0 gui_outline 1 gui_move 1 watts 10 fiducial_return 1 mass 20 )'
+    )
+    assert decorated.robots == plain.robots
+
+
+def test_nested_models_are_placed_relative_to_their_parent(load):
+    world = load("model ( pose [ 1 1 0 90 ] size [ 1 1 1 ] model ( pose [ 2 0 0 0 ] origin [ 0.5 0 0 0 ] ) )")
+    assert world.obstacles[1].pose == pytest.approx((1, 3.5, math.pi / 2))
+
+
+def test_model_on_a_robot_belongs_to_its_footprint(load):
+    (robot,) = load("position ( size [ 1 1 1 ] model ( size [ 0.2 0.2 1 ] pose [ 0.6 0 0 0 ] ) )").robots
+    assert np.allclose(robot.footprint[1], [(0.5, -0.1), (0.7, -0.1), (0.7, 0.1), (0.5, 0.1)])
+
+
+def test_blocks_are_scaled_to_the_size(load):
+    world = load(
+        "model ( size [ 4 2 1 ] block ( points 3 point[0] [ 0 0 ] point[1] [ 10 0 ] point[2] [ 0 10 ] z [ 0 1 ] ) )"
+    )
+    assert np.allclose(world.obstacles[0].polygons, [[(-2, -1), (2, -1), (-2, 1)]])
+
+
+def test_bitmap_is_cropped_to_its_walls_and_fills_the_size(load, image):
+    pixels = np.full((10, 20), 255, dtype=np.uint8)
+    pixels[2:8, 3:13] = 0
+    pixels[4:6, 5:10] = 255
+    image("plan.png", pixels)
+    world = load('resolution 0.1 model ( bitmap "plan.png" size [ 1.0 0.6 1 ] pose [ 0.5 0.3 0 0 ] )')
+    assert load_bitmap(world.obstacles[0]).shape == (6, 10)
+    grid = rasterise(world.obstacles, world.resolution)
+    assert grid.origin == (0.0, 0.0)
+    assert np.array_equal(grid.cells, pixels[2:8, 3:13] == 0)
+
+
+@pytest.mark.parametrize("degrees", [90, 180, 270])
+def test_bitmap_may_be_turned(load, image, degrees):
+    pixels = np.full((4, 8), 255, dtype=np.uint8)
+    pixels[0, :] = pixels[:, 0] = pixels[3, 7] = 0
+    image("plan.png", pixels)
+    x, y = (0.2, 0.4) if degrees != 180 else (0.4, 0.2)
+    world = load(f'model ( bitmap "plan.png" size [ 0.8 0.4 1 ] pose [ {x} {y} 0 {degrees} ] )')
+    cells = rasterise(world.obstacles, 0.1).cells
+    assert np.array_equal(cells, np.rot90(pixels == 0, -degrees // 90))
+
+
+def test_fine_walls_of_a_bitmap_survive_a_coarse_raster(load, image):
+    pixels = np.full((100, 100), 255, dtype=np.uint8)
+    pixels[0, :] = pixels[-1, :] = pixels[:, 0] = pixels[:, -1] = pixels[:, 47] = 0
+    image("plan.png", pixels)
+    world = load('model ( bitmap "plan.png" size [ 1 1 1 ] pose [ 0.5 0.5 0 0 ] )')
+    cells = rasterise(world.obstacles, 0.1).cells
+    assert cells.shape == (10, 10)
+    assert cells[:, 4].all() and not cells[1:-1, 5].any()
+
+
+def test_boundary_makes_a_wall_around(load):
+    cells = rasterise(load("model ( size [ 1 1 1 ] boundary 1 pose [ 0.5 0.5 0 0 ] )").obstacles, 0.1).cells
+    assert cells[0, :].all() and cells[-1, :].all() and cells[:, 0].all() and cells[:, -1].all()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("resolutoin 0.02", 'unknown word "resolutoin" in "world"'),
+        ('position ( driev "diff" )', 'unknown word "driev" in "position"'),
+        ('position ( drive "omni" )', '"omni" is not supported'),
+        ('position ( localization "slam" )', '"gps" or "odom"'),
+        ("position ( drive 3 )", "needs a string"),
+        ("position ( pose [ 1 2 3 ] )", '"pose" needs 4 numbers'),
+        ('position ( pose [ 1 2 3 "4" ] )', '"pose" needs 4 numbers'),
+        ("position ( velocity_bounds [ 1 -1 0 0 0 0 -90 90 ] )", "minimum above its maximum"),
+        ("position ( update_interval 0 )", "greater than 0"),
+        ('position ( ctrl "wander" )', 'unknown word "ctrl"'),
+        ('position ( name "a" ) position ( name "a" )', '"a" is used by two robots'),
+        ('position ( name "robot_1" ) position ( )', '"robot_1" is used by two robots'),
+        ("position ( position ( ) )", '"position" inside a position model'),
+        ('model ( bitmap "none.png" )', "does not exist"),
+        ('model ( bitmap "" )', "needs a file name"),
+        ("model ( size [ 1 0 1 ] )", "must be positive"),
+        ("model ( size 1 )", "needs 3 numbers"),
+        ("ranger ( )", "cannot stand here"),
+        ("position ( ranger ( sensor ( samples 0 ) ) )", "at least 1"),
+        ("position ( ranger ( sensor ( samples 2.5 ) ) )", "whole number"),
+        ("position ( ranger ( sensor ( samples 1e9 ) ) )", "whole number"),
+        ("position ( ranger ( sensor ( range [ 5 1 ] ) ) )", "larger maximum"),
+        ("position ( ranger ( sensor ( fov 361 ) ) )", "at most 360"),
+        ("position ( ranger ( sensor ( noise [ -1 0 0 ] ) ) )", "must not be negative"),
+        ("position ( ranger ( sensor ( noise [ 0 0.1 0 ] ) ) )", "only its first number"),
+        ("position ( ranger ( fov 90 sensor ( ) ) )", "outside the sensor block"),
+        ("position ( ranger ( scount 16 ) )", 'unknown word "scount"'),
+        ("model ( block ( points 2 ) )", "at least 3"),
+        ("model ( block ( points 3 point[0] [ 0 0 ] ) )", "lacks point[1]"),
+        ("resolution 0", "greater than 0"),
+    ],
+)
+def test_faults_name_place_and_word(load, text, message):
+    with pytest.raises(WorldFileError) as caught:
+        load("\n" + text)
+    assert "test.world:2: " in str(caught.value)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_unusable_bitmaps(load, image, tmp_path):
+    (tmp_path / "text.png").write_text("no image")
+    with pytest.raises(WorldFileError, match=r"text\.png: is not an image"):
+        rasterise(load('model ( bitmap "text.png" )').obstacles, 0.1)
+    image("white.png", np.full((3, 3), 255, dtype=np.uint8))
+    with pytest.raises(WorldFileError, match=r"white\.png: has no dark pixel"):
+        rasterise(load('model ( bitmap "white.png" )').obstacles, 0.1)
+
+
+def test_resolution_too_fine_for_the_world(load):
+    with pytest.raises(ValueError, match="choose a coarser one"):
+        rasterise(load("model ( size [ 1000 1000 1 ] )").obstacles, 0.001)
