@@ -122,6 +122,7 @@ class ExplorerAgent:
         self.pose: Optional[Pose] = None
         self.map: Optional[OccupancyMap] = None
         self.grid: Optional[TravelGrid] = None
+        self.revision = 0
         self._random = np.random.default_rng(options.seed)
         self._outbox: List[Effect] = []
         self._goal_counter = 0
@@ -323,6 +324,7 @@ class ExplorerAgent:
         self._field_place, self._field_time = (self.pose.x, self.pose.y), now
         self._map_changed = self._dirty = False
         self._assess(now)
+        self.revision += 1
 
     def _take_map(self, now: float) -> None:
         assert self.map is not None

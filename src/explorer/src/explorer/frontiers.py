@@ -210,6 +210,11 @@ class ForeignFrontiers:
     def count(self) -> int:
         return sum(len(points) for points in self._points.values())
 
+    def places(self, robot: str) -> List[Tuple[float, float]]:
+        """Points of a robot in metres in the own map frame; none without a transform."""
+        places = [self.in_own_frame((robot, number)) for number in self._points.get(robot, {})]
+        return [place for place in places if place is not None]
+
     def to_own_frame(self, element: Element) -> Optional[Tuple[float, float]]:
         transform = self._transforms.get(element.detected_by)
         if transform is None:

@@ -1,0 +1,215 @@
+"""Conversions between ROS messages and the plain values of the agent. The only module here that knows ROS types."""
+
+import math
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
+
+import numpy as np
+import rospy
+from adhoc_communication.msg import (
+    ExpAuction,
+    ExpAuctionElement,
+    ExpCluster,
+    ExpClusterElement,
+    ExpFrontier,
+    ExpFrontierElement,
+    MmListOfPoints,
+    MmPoint,
+)
+from geometry_msgs.msg import Point, PointStamped, Quaternion
+from move_base_msgs.msg import MoveBaseGoal
+from nav_msgs.msg import GridCells, OccupancyGrid
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from explorer.agent import ExplorerAgent
+from explorer.errors import MapError
+from explorer.frontiers import Element, Key, rigid_transform
+from explorer.grid import GridInfo, OccupancyMap
+from explorer.messages import Auction, Bid, Pose
+from explorer.msg import ExplorationState
+from explorer.options import Options, number_of
+
+COLOURS: Sequence[Tuple[float, float, float]] = ((0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1))
+CLUSTER_CELL = 0.5
+
+# Points of another robot's frame, in metres, whose images tell the whole transform.
+PROBES = ((0.0, 0.0), (10.0, 0.0), (0.0, 10.0))
+
+
+def map_from(message: OccupancyGrid) -> OccupancyMap:
+    """Raises `MapError` for a grid that cannot be used. With `numpy_msg` the data are not copied."""
+    info, rotation = message.info, message.info.origin.orientation
+    if abs(rotation.x) > 1e-3 or abs(rotation.y) > 1e-3 or abs(rotation.z) > 1e-3:
+        raise MapError("map origin is rotated; publish the map with an unrotated origin")
+    data = np.asarray(message.data, dtype=np.int8)
+    if data.size != info.width * info.height:
+        raise MapError(f"map data holds {data.size} cells, its description says {info.width} x {info.height}")
+    grid = GridInfo(
+        float(info.resolution), int(info.width), int(info.height), info.origin.position.x, info.origin.position.y
+    )
+    return OccupancyMap(grid, data.reshape(info.height, info.width) if data.size else np.zeros((0, 0), np.int8))
+
+
+def pose_from(transform: Any) -> Pose:
+    """From a geometry_msgs/TransformStamped map -> robot."""
+    place, rotation = transform.transform.translation, transform.transform.rotation
+    yaw = 2.0 * math.atan2(rotation.z, rotation.w)
+    return Pose(place.x, place.y, math.atan2(math.sin(yaw), math.cos(yaw)))
+
+
+def positions_from(message: MmListOfPoints) -> Dict[str, Tuple[float, float]]:
+    return {point.src_robot.strip("/"): (point.x, point.y) for point in message.positions}
+
+
+def named_point(robot: str, point: Tuple[float, float]) -> MmPoint:
+    """A point in metres in the map frame of a robot."""
+    return MmPoint(src_robot=robot, x=point[0], y=point[1])
+
+
+class Wire:
+    """Frontiers and auctions to and from messages, by the identity rules of simulation and real robots."""
+
+    def __init__(self, options: Options) -> None:
+        self._simulation = options.simulation
+        self._name = options.robot_name
+
+    def elements_from(self, message: ExpFrontier) -> List[Element]:
+        elements = []
+        for element in message.frontier_element:
+            robot = element.detected_by_robot_str.strip("/")
+            if not robot and self._simulation:
+                robot = f"robot_{element.detected_by_robot}"
+            elements.append(Element(robot, int(element.id), element.x_coordinate, element.y_coordinate))
+        return elements
+
+    def frontier_to(self, elements: Iterable[Element]) -> ExpFrontier:
+        message = ExpFrontier()
+        for element in elements:
+            out = ExpFrontierElement(id=element.number, x_coordinate=element.x, y_coordinate=element.y)
+            if self._simulation:
+                out.detected_by_robot = number_of(element.detected_by)
+            else:
+                out.detected_by_robot_str = element.detected_by
+            message.frontier_element.append(out)
+        return message
+
+    def auction_from(self, message: ExpAuction) -> Auction:
+        robot = message.robot_name.strip("/")
+        return Auction(
+            robot=f"robot_{robot}" if robot.isdigit() else robot,
+            auction_id=int(message.auction_id),
+            status=bool(message.auction_status_message),
+            start=bool(message.start_auction),
+            finished=bool(message.auction_finished),
+            occupied=tuple(self._key_from(element) for element in message.occupied_ids),
+            requested=tuple(self._bid_from(cluster) for cluster in message.requested_clusters),
+            available=tuple(self._bid_from(cluster) for cluster in message.available_clusters),
+        )
+
+    def auction_to(self, auction: Auction) -> ExpAuction:
+        return ExpAuction(
+            auction_status_message=auction.status,
+            start_auction=auction.start,
+            auction_finished=auction.finished,
+            occupied_ids=[ExpAuctionElement(*self._key_to(key)) for key in auction.occupied],
+            requested_clusters=[self._bid_to(bid) for bid in auction.requested],
+            auction_id=auction.auction_id,
+            robot_name=str(number_of(auction.robot)) if self._simulation else auction.robot,
+            available_clusters=[self._bid_to(bid) for bid in auction.available],
+        )
+
+    def _key_from(self, element: Any) -> Key:
+        robot = element.detected_by_robot_str.strip("/")
+        if not robot and self._simulation:
+            robot = f"robot_{element.id // 10000}"
+        return (robot, int(element.id))
+
+    def _key_to(self, key: Key) -> Tuple[int, str]:
+        return (key[1], "" if self._simulation else key[0])
+
+    def _bid_from(self, cluster: ExpCluster) -> Bid:
+        bid = float(cluster.bid) if math.isfinite(cluster.bid) else -1.0
+        return Bid(tuple(self._key_from(element) for element in cluster.ids_contained), bid)
+
+    def _bid_to(self, bid: Bid) -> ExpCluster:
+        return ExpCluster([ExpClusterElement(*self._key_to(key)) for key in bid.elements], bid.bid)
+
+
+def goal_to(pose: Pose, frame: str, stamp: rospy.Time) -> MoveBaseGoal:
+    goal = MoveBaseGoal()
+    goal.target_pose.header.frame_id = frame
+    goal.target_pose.header.stamp = stamp
+    goal.target_pose.pose.position = Point(pose.x, pose.y, 0.0)
+    goal.target_pose.pose.orientation = Quaternion(0.0, 0.0, math.sin(pose.yaw / 2), math.cos(pose.yaw / 2))
+    return goal
+
+
+def point_to(x: float, y: float, frame: str, stamp: rospy.Time) -> PointStamped:
+    message = PointStamped()
+    message.header.frame_id, message.header.stamp = frame, stamp
+    message.point = Point(x, y, 0.0)
+    return message
+
+
+def state_to(agent: ExplorerAgent, now: float) -> ExplorationState:
+    goal = agent.goal
+    return ExplorationState(
+        robot_name=agent.name,
+        state=int(agent.state),
+        text=agent.text,
+        exploration_finished=agent.finished_at is not None,
+        exploration_time=agent.exploration_time(now),
+        has_goal=goal is not None,
+        goal=Point(goal.pose.x, goal.pose.y, 0.0) if goal is not None else Point(),
+        frontiers=len(agent.frontiers.frontiers),
+        clusters=len(agent.clusters.clusters),
+        unreachable=agent.unreachable_count(),
+        goals_reached=agent.counters.goals_reached,
+        auctions_completed=agent.counters.auctions_completed,
+        auctions_uncompleted=agent.counters.auctions_uncompleted,
+    )
+
+
+def frontier_markers(agent: ExplorerAgent, frame: str, stamp: rospy.Time, visited: bool) -> MarkerArray:
+    """Spheres of 0.2 m in namespace my_namespace, one list per robot: own red, the others by number."""
+    own = [(f.x, f.y) for f in agent.frontiers.ordered() if f.visited == visited]
+    lists = [(0, (1.0, 0.0, 0.0), own)]
+    if not visited:
+        for number, robot in enumerate(agent.foreign.robots()):
+            lists.append((number + 1, COLOURS[number_of(robot) % len(COLOURS) - 1], agent.foreign.places(robot)))
+    return MarkerArray([_spheres(number, colour, points, frame, stamp) for number, colour, points in lists])
+
+
+def _spheres(
+    number: int, colour: Sequence[float], points: Sequence[Tuple[float, float]], frame: str, stamp: rospy.Time
+) -> Marker:
+    marker = Marker(ns="my_namespace", id=number, type=Marker.SPHERE_LIST, action=Marker.ADD)
+    marker.header.frame_id, marker.header.stamp = frame, stamp
+    marker.pose.orientation.w = 1.0
+    marker.scale.x = marker.scale.y = marker.scale.z = 0.2
+    marker.color = ColorRGBA(colour[0], colour[1], colour[2], 1.0)
+    marker.points = [Point(x, y, 0.0) for x, y in points]
+    if not points:
+        marker.action = Marker.DELETE
+    return marker
+
+
+def cluster_grids(agent: ExplorerAgent, count: int, frame: str, stamp: rospy.Time) -> List[GridCells]:
+    """Cells of 0.5 m at the members of the clusters, by cluster number modulo `count`; unused grids hold one cell
+    far away (contract 3.2)."""
+    grids = [GridCells(cell_width=CLUSTER_CELL, cell_height=CLUSTER_CELL) for _ in range(count)]
+    for cluster in agent.clusters.clusters:
+        grids[cluster.number % count].cells += [Point(f.x, f.y, 0.0) for f in cluster.members]
+    for grid in grids:
+        grid.header.frame_id, grid.header.stamp = frame, stamp
+        if not grid.cells:
+            grid.cells = [Point(1000.0, 1000.0, 1000.0)]
+    return grids
+
+
+def transform_from(images: Sequence[Optional[Tuple[float, float]]]) -> Optional[np.ndarray]:
+    """(2, 3) transform from what `transformPoint` made of `PROBES`; None if an answer is missing."""
+    if any(image is None for image in images):
+        return None
+    return rigid_transform(np.array(PROBES), np.array(images, dtype=float))
+

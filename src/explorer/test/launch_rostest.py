@@ -1,0 +1,43 @@
+#!/usr/bin/env python3
+"""rostest: exploration.launch starts the node in simulation mode; bad parameters end it with one clear message."""
+
+import subprocess
+import sys
+import unittest
+
+import rosnode
+import rospy
+import rostest
+from explorer.msg import ExplorationState
+
+
+class TestLaunch(unittest.TestCase):
+    def test_node_runs_under_the_robots_prefix(self) -> None:
+        state = rospy.wait_for_message("/explorer/state", ExplorationState, timeout=20)
+        self.assertEqual(state.robot_name, "robot_0")
+        self.assertEqual(state.state, ExplorationState.STARTING)
+        self.assertIn("/explorer", rosnode.get_node_names())
+        topics = {name for name, _ in rospy.get_published_topics()}
+        self.assertIn("/frontierPoints", topics)
+        self.assertIn("/cluster_grid_19", topics)
+
+    def test_out_of_range_is_one_message_and_exit_code(self) -> None:
+        cases = (
+            ("_frontier_selection:=9", "~frontier_selection is 9, out of range 0 to 7"),
+            ("_view_distance:=far", "~view_distance is 'far', it must be of type float"),
+            ("_robot_prefix:=/robot_1", "must carry the robot's number"),
+        )
+        for number, (setting, culprit) in enumerate(cases):
+            done = subprocess.run(
+                ["rosrun", "explorer", "explorer", f"__name:=broken_{number}", setting],
+                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=30,
+            )
+            text = done.stdout.decode()
+            self.assertNotEqual(done.returncode, 0, text)
+            self.assertIn(culprit, text)
+            self.assertNotIn("Traceback", text)
+
+
+if __name__ == "__main__":
+    rospy.init_node("launch_rostest")
+    rostest.rosrun("explorer", "exploration_launch", TestLaunch, sys.argv)
