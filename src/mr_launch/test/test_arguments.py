@@ -1,0 +1,76 @@
+"""Bad input gives one message that names the culprit; nothing is started."""
+
+import pytest
+from mr_launch.arguments import choose_robots, parse_arguments
+from mr_launch.commands import make_output_folder
+from mr_launch.errors import UserError
+from mr_launch.plan import Plan, RobotPlan
+
+
+def test_defaults():
+    options = parse_arguments([], now=0.0)
+    assert (options.world, options.range, options.loss, options.rtf, options.duration) == ("office26x15", 10, 0.05, 1, 900)
+    assert options.robots is None and options.bag and not options.initial_poses
+    assert options.out.startswith("out/1970-01-01_") or options.out.startswith("out/1969-12-31_")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "culprit"),
+    [
+        (["--range", "0"], "--range 0 is out of range"),
+        (["--range", "nan"], "--range nan is out of range"),
+        (["--loss", "1"], "--loss 1 is out of range"),
+        (["--loss", "-0.1"], "--loss -0.1 is out of range"),
+        (["--rtf", "-1"], "--rtf -1 is out of range"),
+        (["--rtf", "inf"], "--rtf inf is out of range"),
+        (["--duration", "0"], "--duration 0 is out of range"),
+        (["--seed", "-5"], "--seed -5 is out of range"),
+        (["--robots", "0"], "--robots 0: a team has at least one robot"),
+        (["--robots", "two"], "argument --robots: invalid int value: 'two'"),
+        (["--strategy", "8"], "--strategy 8 is unknown"),
+        (["--slam", "hector"], "argument --slam: invalid choice: 'hector'"),
+        (["--wrold", "x"], "unrecognized arguments: --wrold x"),
+    ],
+)
+def test_bad_values(arguments, culprit):
+    with pytest.raises(UserError) as error:
+        parse_arguments(arguments)
+    assert culprit in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_robots_come_in_the_order_of_the_world():
+    assert choose_robots(2, ["b", "a", "c"], "w") == ["b", "a"]
+    assert choose_robots(None, ["b", "a"], "w") == ["b", "a"]
+    assert choose_robots(None, list("abcd"), "w") == list("abc")
+
+
+@pytest.mark.parametrize(
+    ("asked", "names", "culprit"),
+    [
+        (3, ["a", "b"], "--robots 3, but my.world has 2: a, b"),
+        (1, ["a", "b", "a"], "my.world uses the robot name a more than once"),
+        (None, [], "my.world holds no robot"),
+    ],
+)
+def test_robots_that_the_world_cannot_give(asked, names, culprit):
+    with pytest.raises(UserError, match=culprit):
+        choose_robots(asked, names, "my.world")
+
+
+def plan_with(out):
+    options = parse_arguments(["--out", str(out)])
+    return Plan(options, "w", [RobotPlan("a", 0, 11311, (0.0, 0.0, 0.0))], str(out), "hub")
+
+
+def test_output_folder_must_be_empty(tmp_path):
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(UserError, match="exists and is not an empty folder"):
+        make_output_folder(plan_with(tmp_path))
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
+def test_output_folder_that_cannot_be_made(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UserError, match="cannot write to the output folder"):
+        make_output_folder(plan_with(tmp_path / "file" / "out"))

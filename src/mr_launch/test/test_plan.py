@@ -1,0 +1,103 @@
+"""The command lines of a mission, as values."""
+
+import json
+import re
+
+import pytest
+from mr_launch import isolation
+from mr_launch.arguments import parse_arguments
+from mr_launch.plan import (
+    Plan,
+    RobotPlan,
+    launch_command,
+    link_commands,
+    radio_command,
+    robot_environment,
+    world_command,
+)
+
+ROBOTS = [RobotPlan("robot_0", 0, 11311, (1.0, 2.0, 0.5)), RobotPlan("a_robot_with_a_long_name", 1, 11311, (1.0, 3.0, 0.0))]
+PROGRAMS = {"radio": "/bin/radio", "world": "/bin/world", "roslaunch": "/bin/roslaunch"}
+
+
+def plan(kind=isolation.NAMESPACES, *arguments):
+    options = parse_arguments(["--out", "/o", *arguments])
+    return Plan(options, "/w.world", ROBOTS, "/o", kind, PROGRAMS, "/private")
+
+
+def launch_arguments(command):
+    return dict(word.split(":=", 1) for word in command if ":=" in word)
+
+
+def test_plan_survives_its_way_to_the_inner_process():
+    original = plan(isolation.HUB, "--loss", "0.2", "--no-bag")
+    assert Plan.from_json(original.to_json()) == original
+
+
+def test_radio_gets_one_interface_per_robot():
+    command = radio_command(plan(isolation.NAMESPACES, "--range", "7", "--loss", "0.25", "--seed", "4"))
+    assert command[:5] == ["/bin/radio", "--interface", "robot_0=air0", "--interface", "a_robot_with_a_long_name=air1"]
+    assert command[5:] == "--range 7 --loss 0.25 --seed 4 --control /private/radio --statistics /o/radio.json".split()
+
+
+def test_radio_as_hub():
+    assert radio_command(plan(isolation.HUB))[:3] == ["/bin/radio", "--hub", "/private/hub"]
+
+
+def test_interface_names_fit_the_kernel():
+    for robot in [*ROBOTS, RobotPlan("r", 99, 1, (0.0, 0.0, 0.0))]:
+        assert len(robot.air) <= 15
+
+
+def test_world_waits_for_the_whole_team_and_tells_the_radio():
+    command = world_command(plan(isolation.NAMESPACES, "--rtf", "0"))
+    assert command[command.index("--robots") + 1] == "2"
+    assert command[command.index("--rtf") + 1] == "0"
+    assert command[command.index("--radio-control") + 1] == "/private/radio"
+
+
+def test_cable_ends_in_the_holders_namespace():
+    first, *rest = link_commands(ROBOTS[0], 77)
+    assert first == "ip link add air0 type veth peer name radio0 netns 77".split()
+    assert ["nsenter", "--target", "77", "--net", "--", "ip", "link", "set", "radio0", "up"] in rest
+    assert ["ip", "link", "set", "air0", "up"] in rest
+
+
+@pytest.mark.parametrize(("kind", "interface"), [(isolation.NAMESPACES, "radio0"), (isolation.HUB, "hub:/private/hub")])
+def test_robot_gets_its_interface(kind, interface):
+    arguments = launch_arguments(launch_command(plan(kind), ROBOTS[0]))
+    assert arguments["interface"] == interface
+    assert arguments["autostart"] == "false"
+    assert arguments["bag"] == "/o/robot_0/robot_0.bag"
+
+
+def test_start_poses_are_told_only_when_asked_for():
+    assert launch_arguments(launch_command(plan(), ROBOTS[0]))["initial_poses"] == "{}"
+    told = launch_arguments(launch_command(plan(isolation.NAMESPACES, "--initial-poses"), ROBOTS[0]))["initial_poses"]
+    assert json.loads(told) == {"robot_0": [1.0, 2.0, 0.5], "a_robot_with_a_long_name": [1.0, 3.0, 0.0]}
+
+
+def test_every_robot_has_its_own_master_and_logs():
+    robots = [RobotPlan("a", 0, 1001, (0.0, 0.0, 0.0)), RobotPlan("b", 1, 1002, (0.0, 0.0, 0.0))]
+    one, two = (robot_environment(plan(isolation.HUB), robot) for robot in robots)
+    assert one["ROS_MASTER_URI"] == "http://localhost:1001" != two["ROS_MASTER_URI"]
+    assert one["ROS_HOME"] != two["ROS_HOME"] and one["ROS_LOG_DIR"] != two["ROS_LOG_DIR"]
+
+
+def test_socket_paths_fit_the_kernel():
+    for name in ("hub", "radio", "world", "reports"):
+        assert len(Plan(plan().options, "", [], "", "", {}, isolation.PRIVATE_MOUNT).socket(name)) < 108
+
+
+def test_entering_a_robot():
+    command = isolation.command_inside(isolation.USER_NAMESPACES, 500, 7, {"A": "1"}, "/here", ["rostopic", "list"])
+    text = " ".join(command)
+    assert re.match(r"nsenter --target 500 --user --preserve-credentials --mount --pid --", text)
+    assert text.endswith("nsenter --target 7 --net -- env -C /here A=1 rostopic list")
+    hub = isolation.command_inside(isolation.HUB, 500, None, {"A": "1"}, "/here", ["rostopic", "list"])
+    assert hub == "env -C /here A=1 rostopic list".split()
+
+
+def test_system_python_comes_first_on_path():
+    assert isolation.search_path("/opt/pyenv/bin:/usr/bin").split(":")[:2] == ["/usr/bin", "/bin"]
+    assert isolation.search_path("/opt/pyenv/bin:/usr/bin").split(":").count("/usr/bin") == 1

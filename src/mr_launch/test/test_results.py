@@ -1,0 +1,210 @@
+"""Trace, maps, summary and what roslaunch says about nodes."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+from mr_launch.arguments import parse_arguments
+from mr_launch.maps import Grid, load_raw, save_map, save_raw
+from mr_launch.monitor import Digest
+from mr_launch.nodes import NodeWatch, parse_ends
+from mr_launch.pictures import bounds, draw_mission
+from mr_launch.plan import Plan, RobotPlan
+from mr_launch.reports import RobotReport
+from mr_launch.summary import cpu_shares, mission_summary, packets_by_hops, process_name, robot_summary, team_summary
+from mr_launch.truth import Truth
+from mr_launch.view import Picture, RobotRow, plain_lines
+
+HEADER = "# mr_sim trace 1 seed 1 real_time_factor 1 world w\ntime,wall,robot,x,y,yaw,v,w,stalled,collision\n"
+
+
+def grid():
+    cells = np.full((3, 4), -1, np.int8)
+    cells[0] = 100  # lowest row
+    cells[1, :2] = 0
+    cells[1, 2] = 50
+    return Grid(cells, 0.05, (-1.0, -2.0))
+
+
+def write_trace(path, rows):
+    path.write_text(HEADER + "".join(",".join(map(str, row)) + "\n" for row in rows))
+
+
+def test_truth_of_one_robot(tmp_path):
+    rows = [  # drives 1 m, stands, touches a wall once for two steps, touches a robot once
+        (0.0, 10.0, "a", 0.0, 0, 0, 0.0, 0.0, 0, 0),
+        (1.0, 10.5, "a", 0.5, 0, 0, 0.5, 0.0, 0, 0),
+        (2.0, 11.0, "a", 1.0, 0, 0, 0.5, 0.0, 0, 0),
+        (3.0, 11.5, "a", 1.0, 0, 0, 0.0, 0.0, 1, 1),
+        (4.0, 12.0, "a", 1.0, 0, 0, 0.0, 0.0, 1, 1),
+        (5.0, 12.5, "a", 1.0, 0, 0, 0.0, 0.0, 0, 0),
+        (6.0, 13.0, "a", 1.0, 0, 0, 0.0, 0.2, 1, 2),
+    ]
+    write_trace(tmp_path / "t.csv", rows)
+    truth = Truth(tmp_path / "t.csv", ["a"])
+    truth.update()
+    figures = truth.tracks["a"].statistics(0.0, 6.0)
+    assert figures["distance"] == 1.0
+    assert figures["moving"] == pytest.approx(3 / 7, abs=1e-3)
+    assert (figures["collisions"], figures["collisions_with_robots"]) == (2, 1)
+    assert figures["stalled_time"] == 3.0
+    assert truth.real_time_factor(0.0, 6.0) == pytest.approx(2.0)
+    later = truth.tracks["a"].statistics(2.0, 6.0)
+    assert later["distance"] == 0.0
+
+
+def test_growing_trace_is_read_by_whole_lines(tmp_path):
+    path = tmp_path / "t.csv"
+    write_trace(path, [(0.0, 0.0, "a", 0, 0, 0, 0, 0, 0, 0)])
+    with path.open("a") as file:
+        file.write("0.05,0.05,a,1.")
+    truth = Truth(path, ["a"])
+    truth.update()
+    assert truth.tracks["a"].time == [0.0]
+    with path.open("a") as file:
+        file.write("5,0,0,0,0,0,0\n0.05,0.05,stranger,1,0,0,0,0,0,0\n# end simulated 1\n")
+    truth.update()
+    assert truth.tracks["a"].x == [0.0, 1.5]
+    assert truth.time == 0.05
+
+
+def test_map_files_are_those_of_map_server(tmp_path):
+    files = save_map(grid(), tmp_path / "map")
+    assert [path.name for path in files] == ["map.pgm", "map.yaml", "map.png"]
+    pixels = cv2.imread(str(files[0]), cv2.IMREAD_UNCHANGED)
+    assert pixels.tolist() == [[205] * 4, [254, 254, 205, 205], [0] * 4]  # first row is the highest y
+    entry = yaml.safe_load(files[1].read_text())
+    assert entry["image"] == "map.pgm" and entry["resolution"] == 0.05 and entry["origin"] == [-1.0, -2.0, 0.0]
+
+
+def test_raw_map_keeps_every_value(tmp_path):
+    save_raw(grid(), tmp_path / "m.npz")
+    loaded = load_raw(tmp_path / "m.npz")
+    assert (loaded.cells == grid().cells).all() and loaded.cells.dtype == np.int8
+    assert (loaded.resolution, loaded.origin) == (0.05, (-1.0, -2.0))
+
+
+def test_known_part_of_a_turned_map_in_the_world():
+    left, right, bottom, top = bounds(grid(), (10.0, 20.0, np.pi / 2))
+    # Known cells: x -1.0 to -0.8, y -2.0 to -1.9; a quarter turn makes (x, y) to (-y, x).
+    assert (left, right, bottom, top) == pytest.approx((11.9, 12.0, 19.0, 19.2))
+
+
+def test_picture_is_written_even_without_known_cells(tmp_path):
+    write_trace(tmp_path / "t.csv", [(0.0, 0.0, "a", 0, 0, 0, 0, 0, 0, 0), (0.1, 0.1, "a", 0.1, 0, 0, 0, 0, 0, 0)])
+    truth = Truth(tmp_path / "t.csv", ["a", "silent"])
+    truth.update()
+    empty = Grid(np.full((2, 2), -1, np.int8), 0.05, (0.0, 0.0))
+    for number, map_ in enumerate((grid(), empty)):
+        path = tmp_path / f"{number}.png"
+        draw_mission(map_, (0.0, 0.0, 0.0), truth.tracks, "title", path)
+        assert cv2.imread(str(path)).shape[0] > 100
+
+
+def report(**values):
+    entry = RobotReport("robot_0")
+    entry.update(values)
+    return entry
+
+
+def test_time_of_a_robot_counts_from_the_start_of_the_mission():
+    late = report(exploration_finished=True, exploration_time=50.0, start_time=12.5)
+    assert robot_summary(late, 12.0, {}, {})["time"] == 50.5
+    assert robot_summary(report(exploration_time=50.0), 12.0, {}, {})["time"] is None
+
+
+def robot(time, hops, merged=()):
+    radio = {"frames_sent": 10, "bytes_sent": 1000, "packets_received_by_hops": hops}
+    return {"time": time, "radio": radio, "merged_with": list(merged), "collisions": 1}
+
+
+def test_team_sums_up():
+    robots = {"a": robot(10.0, [5, 2], ["b"]), "b": robot(20.0, [1, 0, 4], ["a"])}
+    team = team_summary(robots, 0.98765, None)
+    assert team["exploration_time"] == 20.0
+    assert team["packets_by_hops"] == {"1": 6, "2": 2, "3": 4}
+    assert (team["frames_sent"], team["bytes_sent"], team["merges"], team["collisions"]) == (20, 2000, 2, 2)
+    assert team["real_time_factor"] == 0.988
+
+
+def test_team_with_an_unfinished_robot_has_no_time():
+    robots = {"a": robot(10.0, []), "b": robot(None, [])}
+    team = team_summary(robots, None, None)
+    assert team["finished"] is False and team["exploration_time"] is None
+    options = parse_arguments(["--out", "/o"])
+    plan = Plan(options, "w", [RobotPlan("a", 0, 1, (0.0, 0.0, 0.0))], "/o", "hub")
+    summary = mission_summary(plan, robots, team, "limit of 900 s of simulation time reached", [])
+    assert summary["finished"] is False
+    json.dumps(summary)
+
+
+def test_no_packets():
+    assert packets_by_hops({"a": {"radio": {}}}) == {}
+
+
+def test_cpu_shares_by_robot_and_node():
+    before = {10: ("roslaunch", 1.0, 1), 11: ("/usr/bin/python3 /x/slam __name:=slam", 2.0, 10), 20: ("/x/world --w", 1.0, 1)}
+    after = {10: ("roslaunch", 1.0, 1), 11: ("/usr/bin/python3 /x/slam __name:=slam", 4.5, 10), 20: ("/x/world --w", 2.0, 1)}
+    assert cpu_shares(before, after, {"robot_0": 10}, 10.0) == {"robot_0": {"slam": 0.25}, "team": {"world": 0.1}}
+
+
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [
+        ("/usr/bin/python3 /a/b/explorer __name:=explorer __log:=/x", "explorer"),
+        ("/usr/bin/python3 -m mr_launch.inside 3", "mr_launch.inside"),
+        ("/usr/bin/python3 /usr/bin/rosmaster --core", "rosmaster"),
+        ("/x/radio --loss 0", "radio"),
+        ("", "?"),
+    ],
+)
+def test_process_names(command, name):
+    assert process_name(command) == name
+
+
+DIED = """[slam-3] process has died [pid 12, exit code -11, cmd /x/slam __name:=slam].
+log file: /logs/slam-3*.log
+[bag-8] process has finished cleanly
+log file: /logs/bag-8*.log
+[explorer-5] process has finished cleanly
+log file: /logs/explorer-5*.log
+"""
+
+
+def test_ends_of_nodes_in_the_output_of_roslaunch():
+    slam, explorer = parse_ends(DIED)
+    assert slam.describe("robot_1") == "slam of robot_1 died (exit code -11); log: /logs/slam-3*.log"
+    assert explorer.describe("robot_1") == "explorer of robot_1 ended; log: /logs/explorer-5*.log"
+
+
+def test_end_of_the_recorder_counts_only_if_it_died():
+    assert parse_ends("[bag-8] process has finished cleanly\n") == []
+    assert len(parse_ends("[bag-8] process has died [pid 1, exit code 1, cmd x].\n")) == 1
+
+
+def test_quiet_roslaunch_gives_no_ends(tmp_path):
+    watch = NodeWatch(tmp_path / "robot_0.log")
+    assert watch.new_ends() == []
+    (tmp_path / "robot_0.log").write_text("started roslaunch server\n")
+    assert watch.new_ends() == []
+
+
+def test_digest_keeps_the_first_merge_of_each_robot():
+    digest = Digest("a")
+    digest.merged(["a", "b"], 5.0)
+    digest.merged(["a", "b", "c"], 9.0)
+    digest.seen("map")
+    result = digest.report(10.0)
+    assert result["merged"] == ["b", "c"] and result["merge_times"] == {"b": 5.0, "c": 9.0}
+    assert "map" not in result["missing"] and "explorer" in result["missing"]
+
+
+def test_plain_lines_say_it_all():
+    row = RobotRow("robot_0", "exploring", 0.5, 12.34, (1.0, 2.0), ["robot_1"], [], "")
+    lines = plain_lines(Picture("exploring", 61.0, 900.0, 0.99, [row]))
+    assert lines[0] == "exploring, 61 s of 900 s, real-time factor 0.99"
+    assert lines[1].strip() == (
+        "robot_0: exploring, explored 50.0 %, 12.3 m, goal (1.0, 2.0), neighbours 1, merged with -"
+    )
