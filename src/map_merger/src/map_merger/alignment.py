@@ -28,8 +28,8 @@ from .search import same_place
 from .surface import Landmarks, landmarks_of
 from .transform import Transform, rotation_between
 
-SHORTEST_GROWTH_M = 4.0
-SHORTEST_GROWTH = 1.25
+SHORTEST_GROWTH_M = 3.0
+SHORTEST_GROWTH = 1.15
 """The shared walls must have grown by so many metres, and by this factor, before a second look confirms a candidate."""
 _SAME_DISTANCE = 0.15
 _SAME_ROTATION = math.radians(1.5)

@@ -70,7 +70,7 @@ def scenarios(plan: Optional[FloorPlan] = None) -> List[Scenario]:
         return office_plan(random, same=True)
 
     return [
-        Scenario("side by side, same heading", office, 1.5, same_heading=True, longest_path=10.0),
+        Scenario("side by side, same heading", office, 1.5, same_heading=True, longest_path=20.0),
         Scenario("near, any heading", office, 5.0),
         Scenario("near, noise, drift, smudges", office, 5.0, drift=0.08, smudges=4, range_noise=0.03),
         Scenario("anywhere in the building", office, math.inf, overlapping=False),

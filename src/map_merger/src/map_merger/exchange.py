@@ -155,7 +155,7 @@ class PeerMap:
             return False
         restarted = self._anchor is not None
         self._anchor = anchor
-        self._canvas = Canvas(anchor.info)
+        self._canvas = Canvas(anchor.info, stamped=True)
         self._complete, self._expected = 0, min(anchor.updates, HIGHEST_NUMBER)
         self._later = set()
         self._changed()
@@ -178,7 +178,8 @@ class PeerMap:
             raise GridError(
                 f"a tile with {tile.resolution:g} m cells for a map with {self._anchor.info.resolution:g} m cells"
             )
-        changed = not self._canvas.write_known(tile.row, tile.column, tile.cells).empty
+        # An answer may overtake an update, or the other way round: of each cell the newest word counts.
+        changed = not self._canvas.write_known(tile.row, tile.column, tile.cells, min(tile.updates, HIGHEST_NUMBER)).empty
         self._record(tile)
         if changed:
             self._changed()

@@ -255,19 +255,23 @@ def union_of(boxes: Iterable[Box]) -> Box:
 
 
 class Canvas:
-    """A map on an unbounded lattice: cells are written at any offset from the anchor's corner, the store grows as needed."""
+    """A map on an unbounded lattice: cells are written at any offset from the anchor's corner.
 
-    def __init__(self, anchor: GridInfo) -> None:
+    A stamped canvas also remembers with which stamp each cell was written, and leaves newer cells alone.
+    """
+
+    def __init__(self, anchor: GridInfo, stamped: bool = False) -> None:
         self.anchor = replace(anchor, width=0, height=0)
         self._box = EMPTY_BOX
         self._cells = np.empty((0, 0), np.int8)
+        self._stamps = np.empty((0, 0), np.int32) if stamped else None
 
     @property
     def box(self) -> Box:
         """Cells that are stored."""
         return self._box
 
-    def write_known(self, top: int, left: int, cells: np.ndarray) -> Box:
+    def write_known(self, top: int, left: int, cells: np.ndarray, stamp: int = 0) -> Box:
         """Writes the known cells at the offset; returns the box of cells whose value changed.
 
         GridError if the store would exceed MAX_CELLS.
@@ -278,8 +282,12 @@ class Canvas:
         cells = cells[known.slices()]
         target = known.shifted(top, left)
         self._reserve(target)
-        view = self._cells[target.shifted(-self._box.top, -self._box.left).slices()]
-        changed = (cells != UNKNOWN) & (cells != view)
+        place = target.shifted(-self._box.top, -self._box.left).slices()
+        view, written = self._cells[place], cells != UNKNOWN
+        if self._stamps is not None:
+            written &= self._stamps[place] <= stamp
+            self._stamps[place][written] = stamp
+        changed = written & (cells != view)
         np.copyto(view, cells, where=changed)
         return bounding_box(changed).shifted(target.top, target.left) if changed.any() else EMPTY_BOX
 
@@ -313,7 +321,13 @@ class Canvas:
             raise GridError(
                 f"a tile at row {target.top}, column {target.left} would make the map {columns} x {rows} cells"
             )
-        cells = np.full(box.shape, UNKNOWN, np.int8)
+        self._cells = self._moved(self._cells, box, UNKNOWN)
+        if self._stamps is not None:
+            self._stamps = self._moved(self._stamps, box, 0)
+        self._box = box
+
+    def _moved(self, store: np.ndarray, box: Box, filler: int) -> np.ndarray:
+        result = np.full(box.shape, filler, store.dtype)
         if not self._box.empty:
-            cells[self._box.shifted(-box.top, -box.left).slices()] = self._cells
-        self._box, self._cells = box, cells
+            result[self._box.shifted(-box.top, -box.left).slices()] = store
+        return result

@@ -34,7 +34,7 @@ class Criteria:
 DEFAULT_CRITERIA = Criteria()
 PRIOR_CRITERIA = Criteria(matched=6.0, minor=1.5, plausible=0.6)
 """With a prior most rivals are excluded beforehand."""
-STRONG_CRITERIA = Criteria(matched=30.0, minor=8.0, conflict=0.05)
+STRONG_CRITERIA = Criteria(matched=26.0, minor=7.0, conflict=0.04)
 """Enough to be believed at first sight."""
 KEEP_CRITERIA = Criteria(matched=4.0, minor=1.0, conflict=0.2, explained=0.3)
 """What an accepted transform must go on showing."""

@@ -1,0 +1,155 @@
+"""A stand-in for adhoc_communication and SLAM in tests of the node: records what is sent, publishes what would arrive."""
+import threading
+
+import numpy as np
+import rospy
+from adhoc_communication.msg import MmControl, MmMapUpdate, MmRobotPosition, Status
+from adhoc_communication.srv import (
+    GetNeighbors,
+    GetNeighborsResponse,
+    SendMmControl,
+    SendMmControlResponse,
+    SendMmMapUpdate,
+    SendMmMapUpdateResponse,
+    SendMmRobotPosition,
+    SendMmRobotPositionResponse,
+    SendOccupancyGrid,
+    SendOccupancyGridResponse,
+)
+from map_merger import ros_io
+from map_merger.grid import Grid, GridInfo
+from map_merger.synthetic import Survey, Surveyor, office_plan
+from map_merger.transform import Transform
+from nav_msgs.msg import OccupancyGrid
+from std_msgs.msg import String
+
+WAIT_S = 30.0
+
+
+def building(yaw=1.0):
+    """Two overlapping maps of one building and the true transform source -> target."""
+    random = np.random.default_rng(5)
+    surveyor = Surveyor(office_plan(random))
+    survey = Survey(path_length=25.0)
+    target = surveyor.explore(random, survey)
+    source = surveyor.explore(random, survey, start=tuple(target.path[0, :2]), yaw=yaw)
+    return target.grid, source.grid, target.start.inverse().compose(source.start)
+
+
+def small_map(rows=20, columns=30, x=-0.5, y=-0.5):
+    """A room with walls all round."""
+    cells = np.zeros((rows, columns), np.int8)
+    cells[[0, -1]] = 100
+    cells[:, [0, -1]] = 100
+    return Grid(GridInfo(columns, rows, 0.05, Transform(x, y, 0.0)), cells)
+
+
+class FakeAdhoc:
+    """Services of adhoc_communication under `prefix`; `sent` holds (service, destination, topic, payload)."""
+
+    def __init__(self, prefix="", neighbors=(), refuse=()):
+        self.sent = []
+        self.refuse = set(refuse)
+        self._news = threading.Condition()
+        self._prefix = prefix
+        base = prefix + "adhoc_communication/"
+        self._services = [
+            rospy.Service(base + "send_map_update", SendMmMapUpdate, self._record(
+                "map_update", "map_update", SendMmMapUpdateResponse)),
+            rospy.Service(base + "send_map", SendOccupancyGrid, self._record("map", "map", SendOccupancyGridResponse)),
+            rospy.Service(base + "send_control_message", SendMmControl, self._record(
+                "control", "msg", SendMmControlResponse)),
+            rospy.Service(base + "send_position", SendMmRobotPosition, self._record(
+                "position", "position", SendMmRobotPositionResponse)),
+            rospy.Service(base + "get_neighbors", GetNeighbors, lambda _: GetNeighborsResponse(list(neighbors))),
+        ]
+        self.map_other = rospy.Publisher(prefix + "map_other", MmMapUpdate, queue_size=100)
+        self.meta_other = rospy.Publisher(prefix + "map_meta_other", OccupancyGrid, queue_size=100)
+        self.control = rospy.Publisher(prefix + "control", MmControl, queue_size=100)
+        self.positions = rospy.Publisher(prefix + "position_other_robots", MmRobotPosition, queue_size=100)
+        self.new_robot = rospy.Publisher(base + "new_robot", String, queue_size=10, latch=True)
+        self.status = rospy.Publisher(base + "status", Status, queue_size=10, latch=True)
+
+    def _record(self, service, field, response):
+        def handle(request):
+            with self._news:
+                self.sent.append((service, request.dst_robot, request.topic, getattr(request, field)))
+                self._news.notify_all()
+            if service in self.refuse:
+                raise rospy.ServiceException("no route")
+            return response(1)
+        return handle
+
+    def wait_for(self, accept):
+        """The first record that `accept` takes; AssertionError if none comes."""
+        deadline = rospy.get_time() + WAIT_S
+        with self._news:
+            while True:
+                for record in self.sent:
+                    if accept(*record):
+                        return record
+                remaining = deadline - rospy.get_time()
+                assert remaining > 0.0, f"not sent; recorded: {[record[:3] for record in self.sent]}"
+                self._news.wait(remaining)
+
+    def forget(self):
+        """Drops the records."""
+        with self._news:
+            self.sent.clear()
+
+
+class Latest:
+    """The messages of a topic, to wait for one that fits."""
+
+    def __init__(self, topic, kind):
+        self._news = threading.Condition()
+        self._messages = []
+        self._subscriber = rospy.Subscriber(topic, kind, self._take, queue_size=100)
+
+    def _take(self, message):
+        with self._news:
+            self._messages.append(message)
+            del self._messages[:-50]
+            self._news.notify_all()
+
+    def wait_for(self, accept):
+        """The newest message that `accept` takes; AssertionError if none comes."""
+        deadline = rospy.get_time() + WAIT_S
+        with self._news:
+            while True:
+                for message in reversed(self._messages):
+                    if accept(message):
+                        return message
+                remaining = deadline - rospy.get_time()
+                assert remaining > 0.0, f"no fitting message among {len(self._messages)}"
+                self._news.wait(remaining)
+
+
+def connected(publisher):
+    """Waits until somebody listens."""
+    deadline = rospy.get_time() + WAIT_S
+    rate = rospy.Rate(50)
+    while not publisher.get_num_connections():
+        assert rospy.get_time() < deadline, f"nobody listens to {publisher.name}"
+        rate.sleep()
+    return publisher
+
+
+def map_message(grid, frame="map"):
+    """A map as SLAM publishes it."""
+    message = ros_io.message_of_grid(grid, frame, rospy.Time.now())
+    plain = OccupancyGrid(message.header, message.info, message.data.tolist())
+    return plain
+
+
+def plain_anchor(anchor):
+    """An anchor as an ordinary message."""
+    message = ros_io.anchor_message(anchor)
+    return OccupancyGrid(message.header, message.info, [])
+
+
+def plain_tile(tile):
+    """A tile as an ordinary message."""
+    message = ros_io.tile_message(tile)
+    return MmMapUpdate(message.src_robot, message.update_numbers.tolist(),
+                       OccupancyGrid(message.map.header, message.map.info, message.map.data.tolist()))

@@ -1,0 +1,236 @@
+"""The exchange of map changes: whatever is lost or reordered, the copies become equal again."""
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from map_merger import exchange
+from map_merger.exchange import MapSender, PeerMap
+from map_merger.grid import UNKNOWN, Box, Grid, GridError, GridInfo, offset_between, window
+from map_merger.messages import NO_BOOT, Anchor, Tile
+from map_merger.transform import Transform
+
+BOOT = (1, 0)
+FIRST = GridInfo(12, 10, 0.05, Transform(-1.0, 2.0, 0.4))
+
+
+def grid_at(top, left, cells):
+    """A map on the lattice of FIRST with its corner at the offset."""
+    cells = np.array(cells, np.int8)
+    return Grid(window(FIRST, Box(top, left, top + cells.shape[0], left + cells.shape[1])), cells)
+
+
+def sender_with(grid, tile_size=32):
+    sender = MapSender("robot_0", tile_size, BOOT)
+    sender.set_map(grid)
+    return sender
+
+
+def same_known_cells(peer_grid, grid):
+    row, column = offset_between(peer_grid.info, grid.info)
+    known = grid.cells != UNKNOWN
+    copy = np.full(grid.cells.shape, UNKNOWN, np.int8)
+    for (r, c), value in np.ndenumerate(peer_grid.cells):
+        if value != UNKNOWN:
+            copy[r + row, c + column] = value
+    return np.array_equal(copy[known], grid.cells[known])
+
+
+def repair(sender, peer):
+    """Asks until nothing is missing; the number of rounds is bounded."""
+    for _ in range(5):
+        wanted = peer.wanted()
+        if wanted is None:
+            return
+        peer.set_anchor(sender.anchor())
+        for tile in sender.again(wanted) if wanted else sender.everything():
+            peer.add(tile)
+    pytest.fail(f"still missing {peer.wanted()}")
+
+
+def test_numbers_start_at_zero_and_count_the_tiles():
+    sender = sender_with(grid_at(0, 0, np.zeros((10, 12))), tile_size=5)
+    tiles = sender.changes()
+    assert [tile.numbers for tile in tiles] == [(n,) for n in range(6)]
+    assert sender.changes() == []
+    assert sender.anchor() == Anchor("robot_0", GridInfo(0, 0, 0.05, FIRST.origin), BOOT, 6)
+
+
+def test_only_tiles_with_changes_are_sent():
+    cells = np.zeros((10, 12))
+    sender = sender_with(grid_at(0, 0, cells), tile_size=4)
+    sender.changes()
+    cells[0, 0], cells[9, 11] = 100, 100
+    sender.set_map(grid_at(0, 0, cells))
+    tiles = sender.changes()
+    assert [(tile.row, tile.column) for tile in tiles] == [(0, 0), (8, 8)]
+
+
+def test_growth_to_the_south_west_gives_negative_offsets_and_keeps_the_anchor():
+    sender = sender_with(grid_at(0, 0, np.zeros((10, 12))))
+    sender.changes()
+    sender.set_map(grid_at(-7, -3, np.zeros((20, 20))))
+    (tile,) = sender.changes()
+    assert (tile.row, tile.column) == (-7, -3)
+    assert sender.anchor().info.origin == FIRST.origin
+    peer = PeerMap("robot_0")
+    peer.set_anchor(sender.anchor())
+    for part in sender.everything():
+        peer.add(part)
+    assert offset_between(peer.grid().info, FIRST) == (-7, -3)
+
+
+def test_another_resolution_is_refused():
+    sender = sender_with(grid_at(0, 0, np.zeros((3, 3))))
+    with pytest.raises(GridError, match="resolution"):
+        sender.set_map(Grid(GridInfo(3, 3, 0.1), np.zeros((3, 3), np.int8)))
+
+
+def test_a_full_answer_has_the_margin_and_all_numbers_in_its_last_tile():
+    sender = sender_with(grid_at(0, 0, np.zeros((10, 12))), tile_size=11)
+    sender.changes()
+    tiles = sender.everything()
+    assert (tiles[0].row, tiles[0].column) == (-exchange.FULL_MAP_MARGIN,) * 2
+    assert [tile.numbers for tile in tiles[:-1]] == [()] * (len(tiles) - 1)
+    assert tiles[-1].numbers == tuple(range(sender.updates))
+
+
+@pytest.mark.parametrize("numbers", [[5], [-1], [-7, 10**9], []])
+def test_unknown_numbers_are_harmless(numbers):
+    sender = sender_with(grid_at(0, 0, np.zeros((3, 3))))
+    sender.changes()
+    assert sender.again(numbers) == []
+    assert MapSender("robot_0", 32, BOOT).everything() == []
+
+
+def test_forgotten_updates_are_answered_with_everything(monkeypatch):
+    monkeypatch.setattr(exchange, "MOST_BOXES", 2)
+    cells = np.zeros((10, 12))
+    sender = sender_with(grid_at(0, 0, cells))
+    for value in range(4):
+        cells[0, 0] = value + 1
+        sender.set_map(grid_at(0, 0, cells))
+        sender.changes()
+    assert sender.again([0])[-1].numbers == (0, 1, 2, 3)
+    assert sender.again([3])[-1].box == Box(0, 0, 1, 1)
+
+
+def test_the_number_of_tiles_is_bounded(monkeypatch):
+    monkeypatch.setattr(exchange, "MOST_TILES", 6)
+    assert len(sender_with(grid_at(0, 0, np.zeros((10, 12))), tile_size=1).changes()) <= 6
+
+
+def test_not_splitted_is_one_tile():
+    assert len(sender_with(grid_at(0, 0, np.zeros((100, 120))), tile_size=None).changes()) == 1
+
+
+def test_a_tile_waits_for_its_anchor():
+    sender = sender_with(grid_at(0, 0, np.zeros((10, 12))))
+    peer = PeerMap("robot_0")
+    assert not peer.add(sender.changes()[0])
+    assert peer.wanted() == () and peer.grid() is None
+    assert not peer.set_anchor(sender.anchor())
+    assert peer.wanted() is None
+    assert (peer.grid().cells == 0).all()
+
+
+def test_waiting_tiles_are_bounded(monkeypatch):
+    monkeypatch.setattr(exchange, "MOST_WAITING_CELLS", 100)
+    peer = PeerMap("robot_0")
+    for number in range(5):
+        peer.add(Tile("robot_0", (number,), 0, number * 6, np.zeros((6, 6), np.int8), 0.05, BOOT))
+    peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05), BOOT))
+    assert peer.grid().info.width == 12
+    assert peer.wanted() == (0, 1, 2)
+
+
+def test_a_restarted_robot_replaces_its_map_even_with_the_same_corner():
+    peer = PeerMap("robot_0")
+    old = sender_with(grid_at(0, 0, np.zeros((10, 12))))
+    peer.set_anchor(old.anchor())
+    for tile in old.changes():
+        peer.add(tile)
+    new = MapSender("robot_0", 32, (2, 0))
+    new.set_map(grid_at(0, 0, np.full((2, 2), 100)))
+    late, early = old.last(), new.changes()
+    peer.add(early[0])
+    assert (peer.grid().cells == 0).all(), "a tile of a run without anchor must not be drawn"
+    assert peer.set_anchor(new.anchor())
+    assert peer.grid().cells.tolist() == [[100, 100], [100, 100]]
+    peer.add(late[0])
+    assert peer.grid().cells.tolist() == [[100, 100], [100, 100]], "late tiles of the former run are not drawn"
+
+
+def test_a_repeated_anchor_shows_that_the_last_update_was_lost():
+    sender = sender_with(grid_at(0, 0, np.zeros((10, 12))))
+    peer = PeerMap("robot_0")
+    peer.set_anchor(sender.anchor())
+    sender.changes()
+    assert peer.wanted() is None
+    assert not peer.set_anchor(sender.anchor())
+    assert peer.wanted() == (0,)
+
+
+def test_many_gaps_become_a_request_for_everything():
+    peer = PeerMap("robot_0")
+    peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05), BOOT, exchange.MOST_REQUESTED + 1))
+    assert peer.wanted() == ()
+
+
+def test_foreign_resolution_and_senders_without_boot():
+    peer = PeerMap("robot_0")
+    peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05), BOOT))
+    with pytest.raises(GridError, match="0.1 m"):
+        peer.add(Tile("robot_0", (0,), 0, 0, np.zeros((2, 2), np.int8), 0.1, BOOT))
+    assert peer.add(Tile("robot_0", (0,), 0, 0, np.zeros((2, 2), np.int8), 0.05, NO_BOOT))
+
+
+@given(st.data())
+def test_copies_become_equal_whatever_is_lost_or_reordered(data):
+    """Loss, duplication and reordering of tiles on a map that grows in all directions; then repair."""
+    random = np.random.default_rng(data.draw(st.integers(0, 2**32 - 1)))
+    tile_size = data.draw(st.sampled_from([3, 8, 32, None]))
+    sender = MapSender("robot_0", tile_size, BOOT)
+    peer = PeerMap("robot_0")
+    top, left, cells = 0, 0, random.integers(-1, 101, (6, 7)).astype(np.int8)
+    in_flight = []
+    for _ in range(data.draw(st.integers(1, 5))):
+        sender.set_map(grid_at(top, left, cells))
+        in_flight.extend(sender.changes())
+        random.shuffle(in_flight)
+        for tile in in_flight[::2]:
+            if random.random() < 0.7:
+                peer.add(tile)
+                peer.add(tile)
+        in_flight = in_flight[1::2]
+        if random.random() < 0.5:
+            peer.set_anchor(sender.anchor())
+        pad = random.integers(0, 4, (2, 2))
+        top, left = top - pad[0, 0], left - pad[1, 0]
+        cells = np.pad(cells, pad, constant_values=UNKNOWN)
+        cells[random.random(cells.shape) < 0.3] = random.integers(0, 101)
+    sender.set_map(grid_at(top, left, cells))
+    sender.changes()
+    peer.set_anchor(sender.anchor())
+    repair(sender, peer)
+    final = grid_at(top, left, cells)
+    assert (peer.grid() is None) == bool((final.cells == UNKNOWN).all())
+    if peer.grid() is not None:
+        assert same_known_cells(peer.grid(), final)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_reordered_tiles_never_bring_back_old_cells(seed):
+    """All tiles arrive, in any order, mixed with answers: the copy is equal without any repair."""
+    random = np.random.default_rng(seed)
+    sender, peer = MapSender("robot_0", 4, BOOT), PeerMap("robot_0")
+    tiles = []
+    for _ in range(4):
+        cells = random.integers(0, 101, (6, 7)).astype(np.int8)
+        sender.set_map(grid_at(0, 0, cells))
+        tiles.extend(sender.changes() + sender.again([0]))
+    peer.set_anchor(sender.anchor())
+    random.shuffle(tiles)
+    for tile in tiles:
+        peer.add(tile)
+    assert peer.wanted() is None
+    assert np.array_equal(peer.grid().cells, cells)
