@@ -12,3 +12,11 @@ target_link_libraries(_slam PRIVATE mrpt::maps Eigen3::Eigen)
 target_compile_options(_slam PRIVATE -Wall -Wextra -Werror -O3)
 set_target_properties(_slam PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${MR_SIM_PYTHON_DEVEL})
 install(TARGETS _slam DESTINATION ${MR_SIM_PYTHON_INSTALL})
+
+pybind11_add_module(_navigation
+  src/cpp/navigation/bindings.cpp
+  src/cpp/navigation/march.cpp
+  src/cpp/navigation/rollout.cpp)
+target_compile_options(_navigation PRIVATE -Wall -Wextra -Werror -O3)
+set_target_properties(_navigation PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${MR_SIM_PYTHON_DEVEL})
+install(TARGETS _navigation DESTINATION ${MR_SIM_PYTHON_INSTALL})

@@ -9,7 +9,7 @@ namespace {
 constexpr int kBlock = 32;              // the grid grows by whole blocks of cells
 constexpr float kMemory = 60.0F;        // hits after which a surface is a running mean
 constexpr double kSurfaceReach = 0.02;  // m, a beam passing a surface this near has seen through it
-constexpr double kTail = 0.12;          // m before its end in which a beam is no evidence against surfaces
+constexpr double kBehind = 0.1;         // m, and it must end this far behind it
 
 int block_floor(int value) { return static_cast<int>(std::floor(static_cast<double>(value) / kBlock)) * kBlock; }
 
@@ -89,7 +89,7 @@ void GridMap::insert(const Scan& scan, const Pose& robot) {
     if (beam.hit) add_hit(beam, robot);
   }
   const Point eye = robot * scan.eye;
-  for (const Beam& beam : scan.beams) see_through(eye, robot * beam.end, beam.hit);
+  for (const Beam& beam : scan.beams) see_through(eye, robot * beam.end);
   free_footprint(robot);
 }
 
@@ -119,21 +119,26 @@ void GridMap::add_hit(const Beam& beam, const Pose& robot) {
   surface.normal_y += share * (static_cast<float>(normal.y) - surface.normal_y);
 }
 
-void GridMap::free_cell(const Cell& cell, const Point& eye, const Point& direction) {
+// Beams along a wall cross its cells without crossing its surface: only those that end well behind count against it.
+bool GridMap::sees_through(const Surface& surface, const Point& eye, const Point& end) const {
+  const double behind = surface.normal_x * (surface.x - end.x) + surface.normal_y * (surface.y - end.y);
+  if (behind < kBehind * std::hypot(surface.normal_x, surface.normal_y)) return false;
+  const double length = std::hypot(end.x - eye.x, end.y - eye.y);
+  const double cross = (end.x - eye.x) * (surface.y - eye.y) - (end.y - eye.y) * (surface.x - eye.x);
+  return std::abs(cross) < kSurfaceReach * length;
+}
+
+void GridMap::free_cell(const Cell& cell, const Point& eye, const Point& end) {
   CellState& state = this->state(cell);
   if (state.hit_in == scan_number_ || state.freed_in == scan_number_) return;
-  if (state.surface.hits > 0.0F) {
-    // Beams grazing along a wall cross its cells without crossing its surface.
-    const double beside = direction.x * (state.surface.y - eye.y) - direction.y * (state.surface.x - eye.x);
-    if (std::abs(beside) > kSurfaceReach) return;
-  }
+  if (state.surface.hits > 0.0F && !sees_through(state.surface, eye, end)) return;
   state.freed_in = scan_number_;
   change_odds(cell, -options_.free_step);
   if (grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x] > 0) state.surface = Surface{};
 }
 
 // Walks the cells of the line (Amanatides and Woo, A Fast Voxel Traversal Algorithm, 1987).
-void GridMap::see_through(const Point& eye, const Point& end, bool hit) {
+void GridMap::see_through(const Point& eye, const Point& end) {
   const double length = std::hypot(end.x - eye.x, end.y - eye.y);
   if (length <= 0.0) return;
   const Point direction{(end.x - eye.x) / length, (end.y - eye.y) / length};
@@ -147,8 +152,7 @@ void GridMap::see_through(const Point& eye, const Point& end, bool hit) {
   double next_y = direction.y != 0.0 ? ((cell.y + (step_y > 0)) * r - eye.y) / direction.y : far;
   double entered = 0.0;
   while (entered < length) {
-    const bool in_tail = hit && entered > length - kTail;
-    if (!in_tail || state(cell).surface.hits == 0.0F) free_cell(cell, eye, direction);
+    free_cell(cell, eye, end);
     if (next_x < next_y) {
       entered = next_x, next_x += delta_x, cell.x += step_x;
     } else {

@@ -60,8 +60,9 @@ class GridMap {
   void grow_to(Cell low, Cell high);
   void change_odds(const Cell& cell, double step);
   void add_hit(const Beam& beam, const Pose& robot);
-  void see_through(const Point& eye, const Point& end, bool hit);
-  void free_cell(const Cell& cell, const Point& eye, const Point& direction);
+  void see_through(const Point& eye, const Point& end);
+  bool sees_through(const Surface& surface, const Point& eye, const Point& end) const;
+  void free_cell(const Cell& cell, const Point& eye, const Point& end);
   void free_footprint(const Pose& robot);
 
   GridOptions options_;

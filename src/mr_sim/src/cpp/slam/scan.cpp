@@ -26,7 +26,7 @@ bool fit_normal(const std::vector<Beam>& beams, std::size_t index, double window
   const double xx = sxx - sx * sx / count, yy = syy - sy * sy / count, xy = sxy - sx * sy / count;
   const double spread = std::hypot(0.5 * (xx - yy), xy);
   const double large = 0.5 * (xx + yy) + spread, small = 0.5 * (xx + yy) - spread;
-  if (large < 4.0 * small || large < count * 0.04 * window * window) return false;
+  if (large < 25.0 * small || large < count * 0.04 * window * window) return false;
   const double along = 0.5 * std::atan2(2.0 * xy, xx - yy);
   *normal = {-std::sin(along), std::cos(along)};
   if (normal->x * (eye.x - center.x) + normal->y * (eye.y - center.y) < 0.0) *normal = {-normal->x, -normal->y};

@@ -9,7 +9,10 @@ namespace {
 constexpr int kIterations = 12;
 constexpr double kSpacing = 0.04;    // m between the hits used, so that near walls do not outweigh far ones
 constexpr double kOnSurface = 0.05;  // m
-constexpr double kTangential = 0.06;  // m, a surface reaches this far beside its mean
+constexpr double kTangential = 0.08;  // m, a surface reaches this far beside its mean
+constexpr int kNeighbours = 2;        // cells around a surface that make up its line
+constexpr double kMatureHits = 20.0;  // of a line, for its full weight
+constexpr double kAgreement = 16.0;    // squared deviations within which scan and odometry agree
 constexpr double kSameSide = 0.7;    // cosine
 
 std::vector<const Beam*> choose_beams(const Scan& scan) {
@@ -25,7 +28,15 @@ std::vector<const Beam*> choose_beams(const Scan& scan) {
   return chosen;
 }
 
-// Nearest surface seen from the same side.
+struct Line {
+  Point through, normal;  // m; unit vector
+  double weight = 0.0;    // 0: nothing there
+};
+
+bool same_side(const Surface& surface, const Point& normal) {
+  return surface.normal_x * normal.x + surface.normal_y * normal.y > kSameSide;
+}
+
 const Surface* nearest(const GridMap& map, const Point& point, const Point& normal, double reach) {
   const int radius = static_cast<int>(std::ceil(reach / map.resolution()));
   const Cell center = map.cell_of(point);
@@ -37,13 +48,38 @@ const Surface* nearest(const GridMap& map, const Point& point, const Point& norm
       if (surface == nullptr) continue;
       const double dx = point.x - surface->x, dy = point.y - surface->y;
       const double distance = dx * dx + dy * dy;
-      if (distance >= best_distance) continue;
-      if (surface->normal_x * normal.x + surface->normal_y * normal.y < kSameSide) continue;
+      if (distance >= best_distance || !same_side(*surface, normal)) continue;
       best = surface;
       best_distance = distance;
     }
   }
   return best;
+}
+
+// The line through the nearest surface and its neighbours. A single cell would not do: a wall on the border of two
+// cells leaves half its hits in each, and hits would be drawn to the nearer half wherever they lie.
+Line line_near(const GridMap& map, const Point& point, const Point& normal, double reach) {
+  const Surface* center = nearest(map, point, normal, reach);
+  if (center == nullptr) return {};
+  const Cell cell = map.cell_of({center->x, center->y});
+  Line line;
+  double hits = 0.0;
+  for (int y = cell.y - kNeighbours; y <= cell.y + kNeighbours; ++y) {
+    for (int x = cell.x - kNeighbours; x <= cell.x + kNeighbours; ++x) {
+      const Surface* surface = map.surface({x, y});
+      if (surface == nullptr || !same_side(*surface, normal)) continue;
+      hits += surface->hits;
+      line.through.x += surface->hits * surface->x;
+      line.through.y += surface->hits * surface->y;
+      line.normal.x += surface->hits * surface->normal_x;
+      line.normal.y += surface->hits * surface->normal_y;
+    }
+  }
+  const double length = std::hypot(line.normal.x, line.normal.y);
+  line.through = {line.through.x / hits, line.through.y / hits};
+  line.normal = {line.normal.x / length, line.normal.y / length};
+  line.weight = std::min(1.0, hits / kMatureHits);
+  return line;
 }
 
 struct Fit {
@@ -54,8 +90,8 @@ struct Fit {
 
 // Gauss-Newton on point-to-line distances with Cauchy weights and the odometry prior.
 Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose& start, const Pose& expected,
-           const Pose& deviation, const MatchOptions& options) {
-  const double precision = 1.0 / (options.surface_deviation * options.surface_deviation);
+           const Pose& deviation, double surface_deviation, const MatchOptions& options) {
+  const double precision = 1.0 / (surface_deviation * surface_deviation);
   Fit fit{start, 0.0, 0.0};
   double reach = options.reach;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
@@ -71,20 +107,19 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
     for (const Beam* beam : beams) {
       const Point arm = turn * beam->end, normal = turn * beam->normal;
       const Point point{pose.x + arm.x, pose.y + arm.y};
-      const Surface* surface = nearest(map, point, normal, reach);
-      if (surface == nullptr) {
+      const Line line = line_near(map, point, normal, reach);
+      if (line.weight == 0.0) {
         cost += options.reach * options.reach;
         continue;
       }
-      const double length = std::hypot(surface->normal_x, surface->normal_y);
-      const double nx = surface->normal_x / length, ny = surface->normal_y / length;
-      const double dx = point.x - surface->x, dy = point.y - surface->y;
+      const double nx = line.normal.x, ny = line.normal.y;
+      const double dx = point.x - line.through.x, dy = point.y - line.through.y;
       const double residual = nx * dx + ny * dy, beside = -ny * dx + nx * dy;
       if (std::abs(beside) > kTangential) continue;
       cost += residual * residual;
       on_surface += std::abs(residual) < kOnSurface;
       const double scaled = residual / (2.5 * options.surface_deviation);
-      const double weight = precision * std::min(1.0, surface->hits / 3.0) / (1.0 + scaled * scaled);
+      const double weight = precision * line.weight / (1.0 + scaled * scaled);
       const Eigen::Vector3d jacobian(nx, ny, -nx * arm.y + ny * arm.x);
       information += weight * jacobian * jacobian.transpose();
       gradient += weight * residual * jacobian;
@@ -128,6 +163,12 @@ Pose search(const GridMap& map, const std::vector<const Beam*>& beams, const Pos
   return best;
 }
 
+bool agree(const Pose& a, const Pose& b, const Pose& deviation) {
+  const double x = (a.x - b.x) / deviation.x, y = (a.y - b.y) / deviation.y;
+  const double yaw = normalized(a.yaw - b.yaw) / deviation.yaw;
+  return x * x + y * y + yaw * yaw < kAgreement;
+}
+
 bool better(const Fit& fit, const Fit& than) { return fit.share > than.share + 0.05; }
 
 }  // namespace
@@ -136,17 +177,23 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
                  const Pose& previous, const MatchOptions& options) {
   const std::vector<const Beam*> beams = choose_beams(scan);
   if (beams.size() < 10) return {expected, 0.0, false};
-  Fit best = refine(map, beams, expected, expected, deviation, options);
+  const auto fit = [&](const Pose& start) {
+    return refine(map, beams, start, start, deviation, options.surface_deviation, options);
+  };
+  Fit best = fit(expected);
   if (best.share < options.good_share) {
-    const Fit stayed = refine(map, beams, previous, previous, deviation, options);
+    const Fit stayed = fit(previous);
     if (better(stayed, best)) best = stayed;
   }
   if (best.share < options.poor_share) {
-    const Pose found = search(map, beams, expected, options);
-    const Fit refound = refine(map, beams, found, found, deviation, options);
-    if (better(refound, best)) best = refound;
+    const Fit found = fit(search(map, beams, expected, options));
+    if (better(found, best)) best = found;
   }
   if (best.share < options.poor_share) return {expected, best.share, false};
+  if (!agree(best.pose, expected, deviation)) return {best.pose, best.share, true};
+  // Neighbouring hits err together (walls on cell borders, corners), so where the wheels do not slip odometry is
+  // worth more beside the scan than independent hits would leave it; this keeps headings from creeping.
+  best = refine(map, beams, best.pose, expected, deviation, options.joint_deviation, options);
   return {best.pose, best.share, true};
 }
 

@@ -40,7 +40,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   }
   const Pose motion = between(odometry_, odometry);
   const double driven = std::hypot(motion.x, motion.y);
-  const Pose deviation{0.005 + 0.15 * driven, 0.005 + 0.15 * driven, 0.003 + 0.15 * std::abs(motion.yaw)};
+  const Pose deviation{0.01 + 0.3 * driven, 0.01 + 0.3 * driven, 0.0005 + 0.2 * std::abs(motion.yaw)};
   const Match match = match_scan(map_, scan, pose_at(odometry), deviation, pose_, options_.match);
   pose_ = match.pose;
   odometry_ = odometry;

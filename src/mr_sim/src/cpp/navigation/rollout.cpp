@@ -1,0 +1,161 @@
+#include "rollout.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace mr_sim::navigation {
+namespace {
+
+constexpr double kHidden = 1e3;  // m, clearance where there is no obstacle
+
+double approach(double value, double target, double change) {
+  return value + std::clamp(target - value, -change, change);
+}
+
+double cost_at(const Field& field, double x, double y) {
+  const double column = (x - field.origin_x) / field.resolution - 0.5;
+  const double row = (y - field.origin_y) / field.resolution - 0.5;
+  const int c = static_cast<int>(std::floor(column)), r = static_cast<int>(std::floor(row));
+  double sum = 0.0, weights = 0.0;
+  for (int dr = 0; dr < 2; ++dr) {
+    for (int dc = 0; dc < 2; ++dc) {
+      const int rr = r + dr, cc = c + dc;
+      if (rr < 0 || cc < 0 || rr >= field.rows || cc >= field.columns) continue;
+      const float cost = field.cost[static_cast<std::size_t>(rr) * field.columns + cc];
+      if (!std::isfinite(cost)) continue;
+      const double weight = (1.0 - std::abs(column - cc)) * (1.0 - std::abs(row - rr));
+      sum += weight * cost;
+      weights += weight;
+    }
+  }
+  return weights > 1e-6 ? sum / weights : kUnreached;
+}
+
+// Direction of steepest descent, over a stencil wide enough to smooth the grid.
+std::optional<double> downhill(const Field& field, double x, double y) {
+  const double h = 2.0 * field.resolution;
+  const double here = cost_at(field, x, y);
+  const auto slope = [&](double dx, double dy) {
+    const double ahead = cost_at(field, x + dx, y + dy), behind = cost_at(field, x - dx, y - dy);
+    if (std::isfinite(ahead) && std::isfinite(behind)) return 0.5 * (ahead - behind);
+    if (std::isfinite(ahead)) return std::min(0.0, ahead - here);
+    if (std::isfinite(behind)) return std::max(0.0, here - behind);
+    return 0.0;
+  };
+  const double gx = slope(h, 0.0), gy = slope(0.0, h);
+  if (gx == 0.0 && gy == 0.0) return std::nullopt;
+  return std::atan2(-gy, -gx);
+}
+
+struct Motion {
+  Pose end;
+  double clearance = kHidden;  // with margins
+  double arrived = -1.0;       // s, when it came to the goal
+  bool valid = true;
+};
+
+Motion follow(const Field* field, Pose pose, Velocity velocity, const Velocity& target,
+              const std::vector<Obstacle>& obstacles, double at_start, const Limits& limits,
+              const Footprint& footprint, const Horizon& horizon) {
+  Motion motion;
+  // From inside a margin only ways that lead no deeper are open.
+  const double least = std::min(0.0, at_start - 0.003);
+  const int steps = static_cast<int>(std::lround(horizon.duration / horizon.step));
+  for (int i = 1; i <= steps; ++i) {
+    velocity.linear = approach(velocity.linear, target.linear, limits.linear_acceleration * horizon.step);
+    velocity.angular = approach(velocity.angular, target.angular, limits.angular_acceleration * horizon.step);
+    const double yaw = pose.yaw + 0.5 * velocity.angular * horizon.step;
+    pose.x += velocity.linear * horizon.step * std::cos(yaw);
+    pose.y += velocity.linear * horizon.step * std::sin(yaw);
+    pose.yaw += velocity.angular * horizon.step;
+    motion.clearance = std::min(motion.clearance, clearance(pose, obstacles, footprint, true));
+    if (motion.clearance < least) {
+      motion.valid = false;
+      return motion;
+    }
+    if (field != nullptr && std::hypot(pose.x - field->goal_x, pose.y - field->goal_y) < horizon.goal_radius) {
+      motion.arrived = i * horizon.step;
+      break;
+    }
+  }
+  motion.end = pose;
+  return motion;
+}
+
+double time_left(const Field& field, const Motion& motion, const Limits& limits, const Horizon& horizon) {
+  if (motion.arrived >= 0.0) return motion.arrived;
+  const double cost = cost_at(field, motion.end.x, motion.end.y);
+  if (!std::isfinite(cost)) return kUnreached;
+  double time = horizon.duration + cost * field.resolution / limits.linear;
+  if (const auto direction = downhill(field, motion.end.x, motion.end.y)) {
+    const double error = std::abs(std::remainder(*direction - motion.end.yaw, 2.0 * M_PI));
+    time += horizon.heading_weight * error / limits.angular;
+  }
+  return time;
+}
+
+std::vector<double> speeds(const Limits& limits) {
+  std::vector<double> values{0.0};
+  for (const double share : {0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 1.0}) values.push_back(share * limits.linear);
+  if (limits.reverse > 0.0) values.insert(values.end(), {-0.5 * limits.reverse, -limits.reverse});
+  return values;
+}
+
+}  // namespace
+
+double clearance(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint,
+                 bool with_margin) {
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  double least = kHidden;
+  for (const Obstacle& obstacle : obstacles) {
+    const double dx = obstacle.x - pose.x, dy = obstacle.y - pose.y;
+    const double ahead = std::abs(c * dx + s * dy) - footprint.half_length;
+    const double beside = std::abs(-s * dx + c * dy) - footprint.half_width;
+    const double margin = with_margin ? obstacle.margin : 0.0;
+    const double inside = std::max(ahead, beside);
+    if (inside - margin >= least) continue;
+    const double distance =
+        ahead > 0.0 && beside > 0.0 ? std::sqrt(ahead * ahead + beside * beside) : inside;
+    least = std::min(least, distance - margin);
+  }
+  return least;
+}
+
+Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
+              const Limits& limits, const Footprint& footprint, const Horizon& horizon, double period) {
+  constexpr int kTurns = 12;  // to each side
+  Choice best{{0.0, 0.0}, {0.0, 0.0}, kUnreached, 0.0, false};
+  const double at_start = clearance(pose, obstacles, footprint, true);
+  for (const double linear : speeds(limits)) {
+    for (int turn = -kTurns; turn <= kTurns; ++turn) {
+      // Finer around straight ahead.
+      const double share = static_cast<double>(turn) / kTurns;
+      const Velocity target{linear, limits.angular * share * std::abs(share)};
+      const Motion motion =
+          follow(&field, pose, velocity, target, obstacles, at_start, limits, footprint, horizon);
+      if (!motion.valid) continue;
+      double time = time_left(field, motion, limits, horizon);
+      // Backwards the laser is blind: only where it saves a lot.
+      if (linear < 0.0) time += 1.5;
+      time += 0.02 * std::abs(target.angular - velocity.angular);
+      if (time >= best.time) continue;
+      best.time = time;
+      best.target = target;
+      best.clearance = motion.clearance;
+      best.found = true;
+    }
+  }
+  best.velocity = {approach(velocity.linear, best.target.linear, limits.linear_acceleration * period),
+                   approach(velocity.angular, best.target.angular, limits.angular_acceleration * period)};
+  return best;
+}
+
+bool is_clear(const Pose& pose, const Velocity& velocity, const Velocity& target,
+              const std::vector<Obstacle>& obstacles, const Limits& limits, const Footprint& footprint,
+              const Horizon& horizon) {
+  const double at_start = clearance(pose, obstacles, footprint, true);
+  return follow(nullptr, pose, velocity, target, obstacles, at_start, limits, footprint, horizon).valid;
+}
+
+}  // namespace mr_sim::navigation
