@@ -184,6 +184,11 @@ def test_end_of_the_recorder_counts_only_if_it_died():
     assert len(parse_ends("[bag-8] process has died [pid 1, exit code 1, cmd x].\n")) == 1
 
 
+def test_node_that_could_not_be_started():
+    (end,) = parse_ends("\x1b[31mERROR: cannot launch node of type [mr_sim/slam]: Cannot locate node of type [slam]\x1b[0m\n")
+    assert end.describe("robot_0") == "mr_sim/slam of robot_0 was not started: Cannot locate node of type [slam]"
+
+
 def test_quiet_roslaunch_gives_no_ends(tmp_path):
     watch = NodeWatch(tmp_path / "robot_0.log")
     assert watch.new_ends() == []

@@ -36,7 +36,7 @@ def make_plan(options: Options) -> Plan:
     poses = robots_of(world)
     names = choose_robots(options.robots, [name for name, _ in poses], world)
     check_start(world, len(names))
-    programs = find_programs()
+    programs = find_programs(options.slam, options.navigation)
     kind, reason = isolation.choose(options.isolation, os.geteuid())
     if kind == isolation.HUB:
         if options.isolation == "namespaces":

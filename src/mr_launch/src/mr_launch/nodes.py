@@ -9,6 +9,7 @@ from pathlib import Path
 _ENDED = re.compile(
     r"\[(?P<name>[^\]\s]+?)-\d+\] process has (?P<how>died|finished cleanly)(?: \[(?P<detail>[^\]]*)\])?"
 )
+_NOT_STARTED = re.compile(r"ERROR: cannot launch node of type \[(?P<type>[^\]]+)\]: (?P<reason>[^\n\x1b]*)")
 _LOG = re.compile(r"log file: (?P<pattern>\S+)")
 _EXIT = re.compile(r"exit code (-?\d+)")
 MAY_FINISH = ("bag",)  # the recorder ends by itself when its bag is full
@@ -22,19 +23,25 @@ class NodeEnd:
     clean: bool
     exit_code: int | None
     log: str
+    reason: str = ""  # why it never started
 
     def describe(self, robot: str) -> str:
+        if self.reason:
+            return f"{self.name} of {robot} was not started: {self.reason}"
         how = "ended" if self.clean else f"died (exit code {self.exit_code})"
         return f"{self.name} of {robot} {how}; log: {self.log or 'none'}"
 
 
 def parse_ends(output: str) -> list[NodeEnd]:
     """All ends of nodes in the output of roslaunch, except of those that may end by themselves."""
-    ends = []
+    ends = [
+        NodeEnd(found["type"], clean=False, exit_code=None, log="", reason=found["reason"])
+        for found in _NOT_STARTED.finditer(output)
+    ]
     for found in _ENDED.finditer(output):
         if found["name"] in MAY_FINISH and found["how"] != "died":
             continue
-        following = output[found.end() : output.find("process has", found.end()) if "process has" in output[found.end() :] else None]
+        following = output[found.end() :].split("process has", 1)[0]
         code = _EXIT.search(found["detail"] or "")
         log = _LOG.search(following)
         ends.append(

@@ -143,5 +143,5 @@ def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
         "seed": str(options.seed + robot.index),
         "bag": str(plan.robot_folder(robot) / f"{robot.name}.bag") if options.bag else "",
     }
-    command = [plan.programs["roslaunch"], "-p", str(robot.port), "mr_launch", "team_robot.launch"]
+    command = [plan.programs["roslaunch"], "-p", str(robot.port), "--run_id", "nodes", "mr_launch", "team_robot.launch"]
     return command + [f"{name}:={value}" for name, value in arguments.items()]

@@ -17,25 +17,25 @@ NODES = (
     ("map_merger", "map_merger"),
     ("explorer", "explorer"),
     ("mr_sim", "robot"),
-    ("mr_sim", "slam"),
-    ("mr_sim", "move_base"),
     ("mr_launch", "monitor"),
     ("rosbag", "record"),
 )
+SLAM = {"mrpt": ("mr_sim", "slam"), "gmapping": ("gmapping", "slam_gmapping")}
+NAVIGATION = {"mr_sim": ("mr_sim", "move_base"), "move_base": ("move_base", "move_base")}
+OWN = ("adhoc_communication", "explorer", "map_merger", "mr_launch", "mr_sim")  # packages of this repository
 SYSTEM = ("roslaunch", "ip", "unshare", "nsenter", "setpriv")
 
 
-def find_programs() -> dict[str, str]:
+def find_programs(slam: str, navigation: str) -> dict[str, str]:
     """Paths of all programs that the runner starts itself. Raises UserError that names every missing one."""
-    paths, missing = {}, []
-    for name, (package, executable) in PROGRAMS.items():
-        found = find_executable(package, executable)
-        if found:
-            paths[name] = found
-    wanted = [*PROGRAMS.values(), *NODES]
-    missing = sorted({f"{package}/{name}" for package, name in wanted if not find_executable(package, name)})
+    wanted = [*PROGRAMS.values(), *NODES, SLAM[slam], NAVIGATION[navigation]]
+    missing = sorted({(package, name) for package, name in wanted if not find_executable(package, name)})
     if missing:
-        raise UserError(f"not built: {', '.join(missing)}; run 'make build' and source the setup.sh of the build")
+        names = ", ".join("/".join(entry) for entry in missing)
+        if any(package in OWN for package, _ in missing):
+            raise UserError(f"not built: {names}; run 'make build' and source the setup.sh of the build")
+        raise UserError(f"not installed: {names}; install it, or leave out --slam and --navigation")
+    paths = {key: find_executable(*program) or "" for key, program in PROGRAMS.items()}
     for name in SYSTEM:
         found = shutil.which(name, path=search_path(""))  # the system's, whatever else is on PATH
         if not found:

@@ -1,0 +1,84 @@
+"""Every launch file and every parameter file loads; robot.launch explains its arguments."""
+
+import subprocess
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+import yaml
+
+PACKAGE = Path(__file__).resolve().parents[1]
+LAUNCH_FILES = sorted((PACKAGE / "launch").glob("*.launch"))
+NEEDED = {  # arguments without a default
+    "robot.launch": [],
+    "simulated_robot.launch": ["robot_name:=robot_0", "world_socket:=/x"],
+    "team_robot.launch": [
+        "robot_name:=robot_0", "interface:=radio0", "world_socket:=/x", "report_socket:=/x", "start_pose:=0 0 0", "truth_file:=/x",
+    ],
+}  # fmt: skip
+
+
+def roslaunch(option, name, *arguments):
+    command = ["roslaunch", option, "mr_launch", name, *NEEDED.get(name, []), *arguments]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode == 0 and "Exception" not in result.stderr, result.stderr
+    return result.stdout
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
+def test_loads(path):
+    assert "/" in roslaunch("--nodes", path.name)
+
+
+@pytest.mark.parametrize(("simulated", "slam"), [("false", "mrpt"), ("true", "mrpt"), ("true", "gmapping")])
+def test_nodes_of_a_robot(simulated, slam):
+    nodes = set(roslaunch("--nodes", "robot.launch", f"simulated:={simulated}", f"slam:={slam}").split())
+    core = {"/adhoc_communication", "/map_merger", "/explorer"}
+    assert nodes == (core | {"/robot", "/slam", "/move_base"} if simulated == "true" else core)
+
+
+def test_recorder_is_there_only_with_a_file():
+    assert "/bag" not in roslaunch("--nodes", "team_robot.launch").split()
+    assert "/bag" in roslaunch("--nodes", "team_robot.launch", "bag:=/tmp/x.bag").split()
+
+
+def test_arguments_reach_the_nodes():
+    text = roslaunch(
+        "--dump-params", "robot.launch", "robot_name:=anna", "interface:=wlan7", "frontier_selection:=3",
+        "autostart:=false", "initial_poses:={anna: [1.0, 2.0, 0.5]}",
+    )  # fmt: skip
+    parameters = yaml.safe_load(text)
+    assert {parameters[f"/{node}/robot_name"] for node in ("adhoc_communication", "map_merger", "explorer")} == {"anna"}
+    assert parameters["/adhoc_communication/interface"] == "wlan7"
+    assert parameters["/explorer/frontier_selection"] == 3
+    assert parameters["/explorer/autostart"] is False
+    assert parameters["/map_merger/initial_poses/anna"] == [1.0, 2.0, 0.5]
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
+def test_arguments_are_documented(path):
+    arguments = ElementTree.parse(path).getroot().findall("arg")
+    assert arguments
+    for argument in arguments:
+        assert len(argument.get("doc", "")) > 5, f"{path.name}: {argument.get('name')}"
+
+
+def test_robot_launch_needs_no_argument():
+    for argument in ElementTree.parse(PACKAGE / "launch" / "robot.launch").getroot().findall("arg"):
+        assert argument.get("default") is not None, argument.get("name")
+
+
+@pytest.mark.parametrize("path", sorted((PACKAGE / "config").glob("*.yaml")), ids=lambda path: path.name)
+def test_parameter_files_load(path):
+    assert isinstance(yaml.safe_load(path.read_text()), dict)
+
+
+@pytest.mark.parametrize(
+    ("name", "known"),
+    [("map_merger", "map_merger.options"), ("explorer", "explorer.options")],
+)
+def test_parameter_files_hold_known_parameters(name, known):
+    module = __import__(known, fromlist=["PARAMETERS"])
+    names = {getattr(entry, "name", entry) for entry in module.PARAMETERS}
+    values = yaml.safe_load((PACKAGE / "config" / f"{name}.yaml").read_text())
+    assert set(values) <= names
