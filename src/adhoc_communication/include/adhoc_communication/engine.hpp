@@ -46,6 +46,7 @@ class Engine {
   std::vector<std::string> robots() const;     ///< all known robots, also over several hops
   const Statistics& statistics() const;
   const std::string& robot_name() const;
+  std::vector<RouteState> routes() const;  ///< the routing table, for diagnosis and tests
 
  private:
   class Implementation;

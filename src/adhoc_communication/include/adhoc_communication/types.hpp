@@ -29,7 +29,8 @@ enum class Priority : std::uint8_t { kControl = 0, kPosition = 1, kNormal = 2, k
 
 using SendId = std::uint64_t;
 
-/// A packet to send. `destination` is a robot name, mc_<robot> for that robot's group, or empty for a one-hop broadcast.
+/// A packet to send. `destination` is a robot name, mc_<robot> for that robot's group, or empty for a one-hop
+/// broadcast.
 struct SendRequest {
   std::string destination;
   std::string topic;
@@ -90,6 +91,18 @@ struct GroupState {
   bool joining = false;
   std::string route_uplink;
   std::vector<std::string> downlinks;
+};
+
+/// One entry of the routing table (RFC 3561 section 2).
+struct RouteState {
+  MacAddress destination{};
+  MacAddress next_hop{};
+  std::uint8_t hops = 0;
+  std::uint32_t sequence = 0;
+  bool sequence_valid = false;
+  bool valid = false;
+  Time expires{0};
+  std::vector<MacAddress> precursors;
 };
 
 struct Statistics {

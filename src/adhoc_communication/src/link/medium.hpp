@@ -15,19 +15,19 @@
 namespace adhoc_communication {
 
 struct MediumOptions {
-  double range = 10.0;                                ///< metres; robots farther apart do not hear each other
-  double loss = 0.0;                                  ///< probability per frame and receiver
-  double bit_rate = 50e6;                             ///< bit/s for the octets behind the Ethernet header
+  double range = 10.0;                                  ///< metres; robots farther apart do not hear each other
+  double loss = 0.0;                                    ///< probability per frame and receiver
+  double bit_rate = 50e6;                               ///< bit/s for the octets behind the Ethernet header
   Time frame_overhead = std::chrono::microseconds(50);  ///< air time of a frame besides its octets
-  bool shared = false;       ///< all nodes take turns on one channel; otherwise each has its own to send on
+  bool shared = false;             ///< all nodes take turns on one channel; otherwise each has its own to send on
   std::size_t queue_limit = 1000;  ///< frames of a node waiting for the air; further ones are lost
-  double duplication = 0.0;  ///< probability that a frame arrives twice
-  double reordering = 0.0;   ///< probability that a frame arrives up to 5 ms late
-  double corruption = 0.0;   ///< probability that one octet of a frame is altered
+  double duplication = 0.0;        ///< probability that a frame arrives twice
+  double reordering = 0.0;         ///< probability that a frame arrives up to 5 ms late
+  double corruption = 0.0;         ///< probability that one octet of a frame is altered
 };
 
-/// Frames of a node go out one after another. A frame reaches, at the end of its air time, the nodes in range that it is
-/// addressed to. A node whose position is unknown is in range of everybody.
+/// Frames of a node go out one after another. A frame reaches, at the end of its air time, the nodes in range that it
+/// is addressed to. A node whose position is unknown is in range of everybody.
 class Medium {
  public:
   using Node = std::size_t;
@@ -41,7 +41,7 @@ class Medium {
     std::uint64_t frames = 0;  ///< transmitted
     std::uint64_t octets = 0;
     std::uint64_t delivered = 0;
-    std::uint64_t lost = 0;      ///< by chance
+    std::uint64_t lost = 0;       ///< by chance
     std::uint64_t discarded = 0;  ///< queue full, or the sender was down
     Time air_time{0};
   };

@@ -1,6 +1,30 @@
 #include "wire/frame_header.hpp"
 
+#include <array>
+
 namespace adhoc_communication::wire {
+namespace {
+
+/// CRC-32 of IEEE 802.3, reflected.
+constexpr std::array<std::uint32_t, 256> make_table() {
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t octet = 0; octet < 256; ++octet) {
+    std::uint32_t value = octet;
+    for (int bit = 0; bit < 8; ++bit) value = (value & 1) != 0 ? value >> 1 ^ 0xedb88320u : value >> 1;
+    table[octet] = value;
+  }
+  return table;
+}
+
+constexpr std::array<std::uint32_t, 256> kTable = make_table();
+
+std::uint32_t checksum(const std::uint8_t* data, std::size_t size) {
+  std::uint32_t value = 0xffffffffu;
+  for (std::size_t i = 0; i < size; ++i) value = kTable[(value ^ data[i]) & 0xff] ^ value >> 8;
+  return ~value;
+}
+
+}  // namespace
 
 void write(Writer& writer, const FrameHeader& header) {
   writer.u8(kVersion);
@@ -30,6 +54,23 @@ std::optional<FrameHeader> read_header(Reader& reader) {
   header.link_sequence = reader.u32();
   if (!reader.ok()) return std::nullopt;
   return header;
+}
+
+Bytes seal_openly(const FrameHeader& header, const Bytes& body) {
+  Bytes frame;
+  frame.reserve(kHeaderSize + body.size() + kChecksumSize);
+  Writer writer(frame);
+  write(writer, header);
+  writer.octets(body);
+  writer.u32(checksum(frame.data(), frame.size()));
+  return frame;
+}
+
+std::optional<Reader> open(const Bytes& frame) {
+  if (frame.size() < kHeaderSize + kChecksumSize) return std::nullopt;
+  const std::size_t size = frame.size() - kChecksumSize;
+  if (Reader(frame.data() + size, kChecksumSize).u32() != checksum(frame.data(), size)) return std::nullopt;
+  return Reader(frame.data(), size);
 }
 
 }  // namespace adhoc_communication::wire

@@ -9,7 +9,8 @@ namespace adhoc_communication::wire {
 
 constexpr std::uint8_t kVersion = 1;
 constexpr std::size_t kHeaderSize = 43;
-constexpr std::size_t kTagSize = 16;  ///< room kept free behind the body for an authentication tag
+constexpr std::size_t kTagSize = 16;      ///< room kept free behind the body for an authentication tag
+constexpr std::size_t kChecksumSize = 4;  ///< what stands there in an open frame: CRC-32 of all before
 constexpr std::size_t kEthernetHeaderSize = 14;
 constexpr MacAddress kEverybody = {0xff, 0xff, 0xff, 0xff, 0xff, 0xff};
 
@@ -26,9 +27,9 @@ enum class FrameType : std::uint8_t {
 };
 
 enum HeaderFlags : std::uint8_t {
-  kSealed = 0x01,              ///< an authentication tag follows the body; not spoken by this version
+  kSealed = 0x01,               ///< an authentication tag follows the body; not spoken by this version
   kWantsAcknowledgment = 0x02,  ///< link_sequence is meaningful, the next hop acknowledges
-  kAcknowledgeNow = 0x04,      ///< do not wait for more frames before acknowledging
+  kAcknowledgeNow = 0x04,       ///< do not wait for more frames before acknowledging
 };
 
 struct FrameHeader {
@@ -36,8 +37,8 @@ struct FrameHeader {
   std::uint8_t flags = 0;
   MacAddress sender{};
   BootId boot_id{};
-  std::uint64_t counter = 0;       ///< grows with every transmission of the sender, also with a repetition
-  MacAddress next_hop{};           ///< kEverybody for a broadcast
+  std::uint64_t counter = 0;        ///< grows with every transmission of the sender, also with a repetition
+  MacAddress next_hop{};            ///< kEverybody for a broadcast
   std::uint32_t link_sequence = 0;  ///< per sender and next hop; the same in every repetition
 };
 
@@ -45,5 +46,10 @@ void write(Writer& writer, const FrameHeader& header);
 
 /// Nothing for another version, an unknown type or flag, or too few octets.
 std::optional<FrameHeader> read_header(Reader& reader);
+
+/// An open frame as it goes on the air.
+Bytes seal_openly(const FrameHeader& header, const Bytes& body);
+/// The reader over header and body, if the checksum is right.
+std::optional<Reader> open(const Bytes& frame);
 
 }  // namespace adhoc_communication::wire

@@ -10,7 +10,7 @@
 
 namespace adhoc_communication::wire {
 
-constexpr std::size_t kLongestName = 64;  ///< octets of a robot name
+constexpr std::size_t kLongestName = 64;   ///< octets of a robot name
 constexpr std::uint8_t kFarthestHop = 35;  ///< RFC 3561 section 10, NET_DIAMETER
 
 /// A neighbour the sender of a beacon hears, so that the neighbour knows the link works both ways.
@@ -77,15 +77,16 @@ struct UnreachableDestination {
 /// RFC 3561 section 5.3.
 struct RouteError {
   bool no_delete = false;
+  bool unknown_sequence = false;  ///< the sender knows no numbers; each receiver raises its own by one
   std::vector<UnreachableDestination> destinations;  ///< at least one, at most 255
 };
 
 /// What one robot has received of another's frames on one hop.
 struct HopAcknowledgment {
-  BootTag boot = 0;            ///< of the run of the robot whose frames these are
+  BootTag boot = 0;                  ///< of the run of the robot whose frames these are
   std::uint64_t newest_counter = 0;  ///< counter of the transmission received last
-  std::uint32_t highest = 0;   ///< highest link sequence received
-  std::uint64_t received = 0;  ///< bit i: link sequence highest - i was received
+  std::uint32_t highest = 0;         ///< highest link sequence received
+  std::uint64_t received = 0;        ///< bit i: link sequence highest - i was received
 };
 
 /// One segment of a packet on its way over any number of hops.
@@ -95,11 +96,11 @@ struct Data {
   MacAddress destination{};
   std::uint8_t stream = 0;  ///< priority; order is kept within a stream
   bool acknowledge_now = false;
-  std::uint8_t hops = 1;     ///< counting the one it travels now
-  std::uint32_t packet = 0;  ///< number of the packet in its stream
-  std::uint32_t base = 0;    ///< the receiver need not wait for packets before this one
-  std::uint32_t index = 0;   ///< of the segment
-  std::uint32_t total = 0;   ///< octets of the whole packet image
+  std::uint8_t hops = 1;           ///< counting the one it travels now
+  std::uint32_t packet = 0;        ///< number of the packet in its stream
+  std::uint32_t base = 0;          ///< the receiver need not wait for packets before this one
+  std::uint32_t index = 0;         ///< of the segment
+  std::uint32_t total = 0;         ///< octets of the whole packet image
   std::uint16_t segment_size = 0;  ///< octets of every segment but the last
   Bytes octets;
 };
@@ -114,13 +115,13 @@ struct PartialPacket {
 
 /// State of one stream at its receiver.
 struct TransportAcknowledgment {
-  MacAddress source{};        ///< the acknowledging robot
+  MacAddress source{};  ///< the acknowledging robot
   BootTag source_boot = 0;
-  MacAddress destination{};   ///< the robot whose packets these are
+  MacAddress destination{};  ///< the robot whose packets these are
   BootTag destination_boot = 0;
   std::uint8_t stream = 0;
   std::uint8_t hops = 1;
-  std::uint32_t next = 0;           ///< every packet before this one has been delivered or given up
+  std::uint32_t next = 0;  ///< every packet before this one has been delivered or given up
   std::vector<PartialPacket> partial;
 };
 

@@ -124,7 +124,7 @@ std::optional<RouteReply> read_route_reply(Reader reader) {
 }
 
 void write(Writer& writer, const RouteError& error) {
-  writer.u8(error.no_delete ? 0x80 : 0);
+  writer.u8(static_cast<std::uint8_t>((error.no_delete ? 0x80 : 0) | (error.unknown_sequence ? 0x40 : 0)));
   writer.u8(static_cast<std::uint8_t>(error.destinations.size()));
   for (const UnreachableDestination& destination : error.destinations) {
     writer.octets(destination.address);
@@ -134,7 +134,9 @@ void write(Writer& writer, const RouteError& error) {
 
 std::optional<RouteError> read_route_error(Reader reader) {
   RouteError error;
-  error.no_delete = (reader.u8() & 0x80) != 0;
+  const std::uint8_t flags = reader.u8();
+  error.no_delete = (flags & 0x80) != 0;
+  error.unknown_sequence = (flags & 0x40) != 0;
   const int count = reader.u8();
   for (int i = 0; i < count && reader.ok(); ++i) error.destinations.push_back({reader.address(), reader.u32()});
   if (!skip_extensions(reader) || count == 0) return std::nullopt;

@@ -1,0 +1,39 @@
+# The protocol engine: a static library without ROS, and its tests. Included by CMakeLists.txt.
+option(ADHOC_SANITIZE "Build the protocol engine with AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
+
+find_path(ZSTD_INCLUDE_DIR zstd.h REQUIRED)
+find_library(ZSTD_LIBRARY zstd REQUIRED)
+
+set(ADHOC_ENGINE_DIR ${CMAKE_CURRENT_LIST_DIR})
+file(GLOB ADHOC_ENGINE_SOURCES CONFIGURE_DEPENDS
+  ${ADHOC_ENGINE_DIR}/src/*.cpp
+  ${ADHOC_ENGINE_DIR}/src/wire/*.cpp
+  ${ADHOC_ENGINE_DIR}/src/routing/*.cpp
+  ${ADHOC_ENGINE_DIR}/src/transport/*.cpp
+  ${ADHOC_ENGINE_DIR}/src/multicast/*.cpp
+  ${ADHOC_ENGINE_DIR}/src/link/medium*.cpp)
+
+add_library(adhoc_engine STATIC ${ADHOC_ENGINE_SOURCES})
+set_target_properties(adhoc_engine PROPERTIES POSITION_INDEPENDENT_CODE ON)
+target_compile_features(adhoc_engine PUBLIC cxx_std_17)
+target_compile_options(adhoc_engine PRIVATE -Wall -Wextra -Werror)
+target_include_directories(adhoc_engine PUBLIC ${ADHOC_ENGINE_DIR}/include ${ADHOC_ENGINE_DIR}/src
+                           PRIVATE ${ZSTD_INCLUDE_DIR})
+target_link_libraries(adhoc_engine PUBLIC ${ZSTD_LIBRARY})
+if(ADHOC_SANITIZE)
+  target_compile_options(adhoc_engine PUBLIC -fsanitize=address,undefined -fno-sanitize-recover=undefined)
+  target_link_libraries(adhoc_engine PUBLIC -fsanitize=address,undefined)
+endif()
+
+# Robots in one process on the simulated radio.
+add_library(adhoc_engine_team STATIC EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/test/engine/team.cpp)
+target_include_directories(adhoc_engine_team PUBLIC ${ADHOC_ENGINE_DIR}/test/engine)
+target_link_libraries(adhoc_engine_team PUBLIC adhoc_engine)
+
+if(CATKIN_ENABLE_TESTING)
+  file(GLOB ADHOC_ENGINE_TESTS CONFIGURE_DEPENDS ${ADHOC_ENGINE_DIR}/test/engine/test_*.cpp)
+  catkin_add_gtest(${PROJECT_NAME}_engine_test ${ADHOC_ENGINE_TESTS} TIMEOUT 300)
+  if(TARGET ${PROJECT_NAME}_engine_test)
+    target_link_libraries(${PROJECT_NAME}_engine_test adhoc_engine_team)
+  endif()
+endif()

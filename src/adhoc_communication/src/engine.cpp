@@ -1,0 +1,42 @@
+#include "adhoc_communication/engine.hpp"
+
+#include "engine_implementation.hpp"
+
+namespace adhoc_communication {
+
+Engine::Engine(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now)
+    : implementation_(std::make_unique<Implementation>(std::move(options), address, boot_id, seed, now)) {}
+
+Engine::~Engine() = default;
+
+void Engine::receive(const Frame& frame, Time now) { implementation_->receive(frame, now); }
+SendId Engine::send(SendRequest request, Time now) { return implementation_->send(std::move(request), now); }
+SendId Engine::broadcast(BroadcastRequest request, Time now) {
+  return implementation_->broadcast(std::move(request), now);
+}
+std::vector<Frame> Engine::poll(Time now) { return implementation_->poll(now); }
+Time Engine::next_deadline() const { return implementation_->next_deadline(); }
+std::optional<Event> Engine::next_event() { return implementation_->next_event(); }
+void Engine::join_group(const std::string& group, Time now) { implementation_->join_group(group, now); }
+void Engine::leave_group(const std::string& group, Time now) { implementation_->leave_group(group, now); }
+GroupState Engine::group_state(const std::string& group) const { return implementation_->group_state(group); }
+std::vector<std::string> Engine::neighbors() const { return implementation_->neighbors(); }
+std::vector<std::string> Engine::robots() const { return implementation_->robots(); }
+const Statistics& Engine::statistics() const { return implementation_->statistics(); }
+const std::string& Engine::robot_name() const { return implementation_->robot_name(); }
+std::vector<RouteState> Engine::routes() const {
+  std::vector<RouteState> result;
+  for (const auto& [destination, route] : implementation_->router().table().routes()) {
+    result.push_back({destination,
+                      route.next_hop,
+                      route.hops,
+                      route.sequence,
+                      route.sequence_valid,
+                      route.valid,
+                      route.expires,
+                      {route.precursors.begin(), route.precursors.end()}});
+  }
+  return result;
+}
+
+}  // namespace adhoc_communication

@@ -1,0 +1,117 @@
+// Frames in and out.
+#include "engine_implementation.hpp"
+
+namespace adhoc_communication {
+
+using wire::FrameType;
+
+void Engine::Implementation::broadcast(FrameType type, Bytes body) {
+  transmit(type, 0, wire::kEverybody, 0, next_counter_++, body, now_);
+}
+
+void Engine::Implementation::unicast(const MacAddress& neighbor, FrameType type, Bytes body) {
+  link(neighbor).sender.enqueue({type, std::move(body), static_cast<std::uint8_t>(Priority::kControl)});
+}
+
+Engine::Implementation::Link& Engine::Implementation::link(const MacAddress& neighbor) {
+  const auto found = links_.find(neighbor);
+  if (found != links_.end()) return found->second;
+  // Link sequences begin where the frame counter stands, so that a link that was forgotten never repeats one.
+  const auto first = static_cast<std::uint32_t>(next_counter_);
+  return links_.emplace(neighbor, Link{transport::HopSender(first, options_.num_link_retrans), std::nullopt})
+      .first->second;
+}
+
+void Engine::Implementation::transmit(FrameType type, std::uint8_t flags, const MacAddress& next_hop,
+                                      std::uint32_t link_sequence, std::uint64_t counter, const Bytes& body, Time now) {
+  const wire::FrameHeader header{type, flags, self_.address, self_.boot_id, counter, next_hop, link_sequence};
+  Frame frame{next_hop, self_.address, wire::seal_openly(header, body)};
+  ++statistics_.frames_sent;
+  statistics_.bytes_sent += frame.bytes.size() + wire::kEthernetHeaderSize;
+  air_.transmitted(counter, frame.bytes.size(), now);
+  out_.push_back(std::move(frame));
+}
+
+void Engine::Implementation::receive(const Frame& frame, Time now) {
+  now_ = now;
+  if (frame.destination != wire::kEverybody && frame.destination != self_.address) return;
+  ++statistics_.frames_received;
+  statistics_.bytes_received += frame.bytes.size() + wire::kEthernetHeaderSize;
+  std::optional<wire::Reader> reader = wire::open(frame.bytes);
+  if (!reader) return malformed();
+  const std::optional<wire::FrameHeader> header = wire::read_header(*reader);
+  if (!header || header->sender != frame.source) return malformed();
+  const bool for_all = header->next_hop == wire::kEverybody;
+  if (header->sender == self_.address || (!for_all && header->next_hop != self_.address)) return;
+  if (directory_.is_former(header->sender, wire::boot_tag(header->boot_id))) return;
+  if (lost_artificially(header->type) || !hear(*header, now)) return;
+
+  if (!for_all && (header->flags & wire::kWantsAcknowledgment) != 0) {
+    Link& from = link(header->sender);
+    const wire::BootTag boot = wire::boot_tag(header->boot_id);
+    if (!from.receiver || from.receiver->boot() != boot) from.receiver.emplace(boot);
+    const bool at_once = (header->flags & wire::kAcknowledgeNow) != 0;
+    if (!from.receiver->take(header->link_sequence, header->counter, at_once, now)) return;
+  }
+  dispatch(*header, *reader, now);
+}
+
+/// Enters the sender into the table of neighbours; false if there is no room for it.
+bool Engine::Implementation::hear(const wire::FrameHeader& header, Time now) {
+  const wire::BootTag boot = wire::boot_tag(header.boot_id);
+  const routing::Neighbor* before = neighbors_.find(header.sender);
+  const bool restarted = before != nullptr && before->boot != boot;
+  if (before == nullptr || restarted) {
+    // Newcomers are greeted soon, so that both sides know at once that the link works both ways.
+    const Time earliest = last_beacon_ < Time(0) ? now : last_beacon_ + std::chrono::milliseconds(50);
+    beacon_due_ = std::min(beacon_due_, std::max(earliest, now + random_.delay(std::chrono::milliseconds(10))));
+  }
+  if (restarted) link_lost(header.sender, now);
+  if (neighbors_.heard(header.sender, boot, now) == nullptr) return false;
+  if (const auto found = links_.find(header.sender); found != links_.end()) found->second.sender.heard(now);
+  return true;
+}
+
+bool Engine::Implementation::lost_artificially(FrameType type) {
+  if (options_.loss_ratio <= 0.0) return false;
+  const bool concerned = type == FrameType::kData || type == FrameType::kTransportAcknowledgment ||
+                         type == FrameType::kHopAcknowledgment || type == FrameType::kBroadcastData ||
+                         type == FrameType::kFlood;
+  return concerned && random_.chance(options_.loss_ratio);
+}
+
+void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Reader body, Time now) {
+  const MacAddress& from = header.sender;
+  const auto with = [this](auto message, auto handle) {
+    if (!message) return malformed();
+    handle(std::move(*message));
+  };
+  switch (header.type) {
+    case FrameType::kBeacon:
+      return with(wire::read_beacon(body),
+                  [&](auto beacon) { on_beacon(from, wire::boot_tag(header.boot_id), beacon, now); });
+    case FrameType::kRouteRequest:
+      return with(wire::read_route_request(body), [&](auto request) { router_.on_request(from, request, now); });
+    case FrameType::kRouteReply:
+      return with(wire::read_route_reply(body), [&](auto reply) { router_.on_reply(from, reply, now); });
+    case FrameType::kRouteError:
+      return with(wire::read_route_error(body), [&](auto error) { router_.on_error(from, error, now); });
+    case FrameType::kHopAcknowledgment:
+      return with(wire::read_hop_acknowledgment(body), [&](auto acknowledgment) {
+        if (acknowledgment.boot != self_.boot) return;
+        air_.acknowledged(acknowledgment.newest_counter, now);
+        link(from).sender.acknowledged(acknowledgment, now);
+      });
+    case FrameType::kData:
+      return with(wire::read_data(body), [&](auto data) { on_data(from, std::move(data), now); });
+    case FrameType::kTransportAcknowledgment:
+      return with(wire::read_transport_acknowledgment(body),
+                  [&](auto acknowledgment) { on_transport_acknowledgment(from, std::move(acknowledgment), now); });
+    case FrameType::kBroadcastData:
+      return with(wire::read_broadcast_data(body), [&](auto data) { on_broadcast_data(header, data, now); });
+    case FrameType::kFlood:
+      return with(wire::read_flood(body), [&](auto flood) { on_flood(flood, now); });
+  }
+}
+
+}  // namespace adhoc_communication

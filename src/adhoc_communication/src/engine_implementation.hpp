@@ -1,0 +1,181 @@
+// The layers of the engine put together. Each file engine_*.cpp holds one part of this class.
+#pragma once
+
+#include <array>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adhoc_communication/engine.hpp"
+#include "identity.hpp"
+#include "multicast/groups.hpp"
+#include "outbox.hpp"
+#include "random.hpp"
+#include "routing/router.hpp"
+#include "transport/air_clock.hpp"
+#include "transport/broadcast.hpp"
+#include "transport/flood.hpp"
+#include "transport/hop_receiver.hpp"
+#include "transport/hop_sender.hpp"
+#include "transport/packet_image.hpp"
+#include "transport/stream_receiver.hpp"
+#include "transport/stream_sender.hpp"
+
+namespace adhoc_communication {
+
+class Engine::Implementation : private Outbox {
+ public:
+  static constexpr std::size_t kMostSends = 256;              ///< packets of the host not finished yet
+  static constexpr std::size_t kMostSendOctets = 64'000'000;  ///< of these packets, as they go on the air
+  static constexpr std::size_t kMostEvents = 4096;            ///< the oldest received packet is dropped beyond
+
+  Implementation(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now);
+
+  // The interface of the engine.
+  void receive(const Frame& frame, Time now);
+  SendId send(SendRequest request, Time now);
+  SendId broadcast(BroadcastRequest request, Time now);
+  std::vector<Frame> poll(Time now);
+  Time next_deadline() const;
+  std::optional<Event> next_event();
+  void join_group(const std::string& group, Time now);
+  void leave_group(const std::string& group, Time now);
+  GroupState group_state(const std::string& group) const;
+  std::vector<std::string> neighbors() const;
+  std::vector<std::string> robots() const { return directory_.names(); }
+  const Statistics& statistics() const { return statistics_; }
+  const std::string& robot_name() const { return self_.name; }
+  const routing::Router& router() const { return router_; }
+
+ private:
+  /// The hop to one neighbour.
+  struct Link {
+    transport::HopSender sender;
+    std::optional<transport::HopReceiver> receiver;
+  };
+  /// Packets of one priority to one robot.
+  struct Stream {
+    transport::StreamSender sender;
+    std::optional<MacAddress> address;
+    std::optional<MacAddress> next_hop;
+  };
+  using StreamKey = std::pair<std::string, std::uint8_t>;
+
+  enum class Purpose { kHost, kFanOut, kJoin, kLeave, kInternal };
+  /// A packet not finished yet.
+  struct Sending {
+    Purpose purpose = Purpose::kHost;
+    std::string destination;
+    std::string group;  ///< that is joined or left
+    SendId parent = 0;  ///< of kFanOut
+    std::size_t octets = 0;
+  };
+
+  // engine_frames.cpp: frames in and out.
+  void broadcast(wire::FrameType type, Bytes body) override;
+  void unicast(const MacAddress& neighbor, wire::FrameType type, Bytes body) override;
+  void transmit(wire::FrameType type, std::uint8_t flags, const MacAddress& next_hop, std::uint32_t link_sequence,
+                std::uint64_t counter, const Bytes& body, Time now);
+  void dispatch(const wire::FrameHeader& header, wire::Reader body, Time now);
+  bool hear(const wire::FrameHeader& header, Time now);
+  bool lost_artificially(wire::FrameType type);
+  void malformed() { ++statistics_.frames_dropped_malformed; }
+  Link& link(const MacAddress& neighbor);
+
+  // engine_beacons.cpp: presence.
+  void send_beacon(Time now);
+  void on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon, Time now);
+  void maintain(Time now);
+  void announce_changes(Time now);
+  void link_lost(const MacAddress& neighbor, Time now);
+
+  // engine_transport.cpp: packets.
+  void on_data(const MacAddress& from, wire::Data data, Time now);
+  void deliver_data(const wire::Data& data, Time now);
+  void on_transport_acknowledgment(const MacAddress& from, wire::TransportAcknowledgment acknowledgment, Time now);
+  void on_broadcast_data(const wire::FrameHeader& header, const wire::BroadcastData& data, Time now);
+  void on_flood(const wire::Flood& flood, Time now);
+  void deliver_packet(const std::string& source, const Bytes& image, std::uint8_t hops, Time now);
+  transport::StreamReceiver* receiver_for(const wire::Data& data, Time now);
+  template <typename Message>
+  void forward(const MacAddress& from, Message message, wire::FrameType type, std::uint8_t priority, Time now);
+  void acknowledge_streams(Time now);
+  void serve_streams(Time now);
+  void serve_stream(const StreamKey& key, Stream& stream, Time now);
+  void fail_unreachable(Time now);
+  void pump(Time now);
+  bool pump_priority(std::uint8_t priority, Time now);
+  bool pump_links(std::uint8_t priority, Time now);
+  bool pump_streams(std::uint8_t priority, Time now);
+  bool air_allows(const Link& link, Time now) const;
+  void send_on(const MacAddress& neighbor, Link& link, const transport::HopSender::Outgoing& outgoing,
+               std::uint64_t counter, Time now);
+  bool more_for(const MacAddress& neighbor, const Link& link) const;
+  void send_unacknowledged(const MacAddress& neighbor, const transport::HopFrame& frame, Time now);
+  bool something_to_send() const;
+
+  // engine_sends.cpp: requests of the host and their ends.
+  std::string refusal(const SendRequest& request) const;
+  SendId refuse(std::string reason);
+  SendId start_unicast(const std::string& destination, transport::Image image, Priority priority, Sending sending,
+                       Time now);
+  void start_group_send(SendId id, const std::string& group, transport::Image image, Priority priority, Time now);
+  void fan_out(SendId id, const std::vector<std::string>& members, const transport::Image& image, Priority priority,
+               Time now);
+  void finish(SendId id, bool delivered, const std::string& reason, Time now);
+  void finish_fan_out_part(const Sending& part, bool delivered, const std::string& reason, Time now);
+  void report(Event event);
+
+  // engine_groups.cpp: membership.
+  void join_due_groups(Time now);
+  void start_join(const std::string& group, Time now);
+  void finish_membership(const Sending& sending, bool delivered, const std::string& reason, Time now);
+  void on_group_packet(const std::string& source, const transport::Packet& packet, Time now);
+  void answer_members_request(const std::string& source, const std::string& group, Time now);
+  void on_members(const std::string& group, const std::vector<std::string>& members, Time now);
+  void expire_waiting_sends(Time now);
+  SendId send_control(const std::string& destination, transport::PacketKind kind, const std::string& group,
+                      Bytes payload, Purpose purpose, Time now);
+
+  EngineOptions options_;
+  Identity self_;
+  Random random_;
+  routing::Timings timings_;
+  routing::Neighbors neighbors_;
+  routing::RobotDirectory directory_;
+  routing::Router router_;
+  std::size_t segment_size_;
+  std::size_t broadcast_segment_size_;
+  transport::AirClock air_;
+  transport::AssemblyBudget budget_;
+  std::map<MacAddress, Link> links_;
+  std::map<StreamKey, Stream> streams_;
+  std::map<MacAddress, std::unique_ptr<transport::StreamReceiver>> receivers_;
+  std::array<transport::BroadcastSender, transport::kPriorities> broadcasts_;
+  transport::BroadcastReceiver broadcast_receiver_;
+  transport::FloodRelay flood_;
+  multicast::Groups groups_;
+
+  std::map<SendId, Sending> sendings_;
+  std::size_t host_sends_ = 0;
+  std::size_t octets_waiting_ = 0;
+  SendId next_send_id_ = 1;
+  std::uint32_t next_flood_id_ = 0;
+  std::uint64_t next_counter_ = 1;
+  Time now_{0};
+  Time beacon_due_{0};
+  Time last_beacon_{-1};
+  Time started_{0};
+  Time expected_poll_ = Time::max();
+  MacAddress last_link_served_{};
+  StreamKey last_stream_served_;
+  std::vector<Frame> out_;
+  std::deque<Event> events_;
+  Statistics statistics_;
+};
+
+}  // namespace adhoc_communication

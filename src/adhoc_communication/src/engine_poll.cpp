@@ -1,0 +1,89 @@
+// Time: what is due now, and when something is due next.
+#include <algorithm>
+
+#include "engine_implementation.hpp"
+
+namespace adhoc_communication {
+
+using transport::StreamSender;
+
+namespace {
+
+constexpr Time kTolerableLateness = std::chrono::milliseconds(20);
+constexpr std::size_t kWindowWithoutHopRepetition = 4;
+
+EngineOptions validated(EngineOptions options) {
+  validate(options);
+  return options;
+}
+
+/// Octets of payload that fit a data frame behind header, `body` octets of fields, and the room for a tag.
+std::size_t room(const EngineOptions& options, std::size_t body) {
+  const int frame = std::min(options.max_frame_size, options.mtu + static_cast<int>(wire::kEthernetHeaderSize));
+  return static_cast<std::size_t>(frame) - wire::kEthernetHeaderSize - wire::kHeaderSize - wire::kTagSize - body;
+}
+
+}  // namespace
+
+Engine::Implementation::Implementation(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed,
+                                       Time now)
+    : options_(validated(std::move(options))),
+      self_{options_.robot_name, address, boot_id, wire::boot_tag(boot_id)},
+      random_(seed),
+      timings_(routing::robot_timings()),
+      neighbors_(timings_),
+      router_(self_, options_, timings_, neighbors_, directory_, *this, random_),
+      segment_size_(room(options_, wire::kDataHeaderSize)),
+      broadcast_segment_size_(room(options_, wire::kBroadcastDataHeaderSize)),
+      air_(static_cast<std::size_t>(std::min(options_.max_frame_size, options_.mtu))),
+      budget_(4 * options_.max_packet_size),
+      broadcast_receiver_(options_.max_packet_size, budget_),
+      flood_(*this, random_),
+      now_(now),
+      beacon_due_(now),
+      started_(now) {}
+
+std::vector<Frame> Engine::Implementation::poll(Time now) {
+  now_ = now;
+  if (now > expected_poll_ + kTolerableLateness) {
+    for (auto& [neighbor, link] : links_) link.sender.excuse_silence(now);
+  }
+  if (beacon_due_ <= now) {
+    maintain(now);
+    send_beacon(now);
+  }
+  announce_changes(now);
+  for (auto& [neighbor, link] : links_) {
+    link.sender.expire(now);
+    if (link.sender.dead(now)) link_lost(neighbor, now);
+  }
+  serve_streams(now);
+  acknowledge_streams(now);
+  router_.poll(now);
+  fail_unreachable(now);
+  flood_.poll(now);
+  for (auto& [neighbor, link] : links_) {
+    if (!link.receiver || link.receiver->due() > now) continue;
+    transmit(wire::FrameType::kHopAcknowledgment, 0, neighbor, 0, next_counter_++,
+             to_bytes(link.receiver->acknowledge()), now);
+  }
+  pump(now);
+  expected_poll_ = next_deadline();
+  return std::exchange(out_, {});
+}
+
+Time Engine::Implementation::next_deadline() const {
+  Time next = std::min({beacon_due_, router_.next_deadline(), flood_.next_deadline()});
+  for (const auto& [neighbor, link] : links_) {
+    next = std::min(next, link.sender.next_deadline());
+    if (link.receiver) next = std::min(next, link.receiver->due());
+  }
+  for (const auto& [source, receiver] : receivers_) next = std::min(next, receiver->next_deadline());
+  for (const auto& [key, stream] : streams_) {
+    if (stream.next_hop) next = std::min(next, stream.sender.next_deadline());
+  }
+  if (something_to_send()) next = std::min(next, air_.ready_at());
+  return next;
+}
+
+}  // namespace adhoc_communication

@@ -1,0 +1,132 @@
+// What goes on the air next: the most urgent frame first, no more than the air can take.
+#include <algorithm>
+
+#include "engine_implementation.hpp"
+
+namespace adhoc_communication {
+
+using transport::HopSender;
+using wire::FrameType;
+
+void Engine::Implementation::pump(Time now) {
+  bool sent = true;
+  while (sent) {
+    sent = false;
+    for (std::uint8_t priority = 0; priority < transport::kPriorities && !sent; ++priority) {
+      sent = pump_priority(priority, now);
+    }
+  }
+}
+
+bool Engine::Implementation::pump_priority(std::uint8_t priority, Time now) {
+  if (pump_links(priority, now)) return true;
+  transport::BroadcastSender& broadcasts = broadcasts_[priority];
+  if (broadcasts.has_segment() && air_.ready_at() <= now) {
+    auto [data, finished] = broadcasts.next_segment();
+    broadcast(FrameType::kBroadcastData, to_bytes(data));
+    if (finished) finish(*finished, true, {}, now);
+    return true;
+  }
+  return pump_streams(priority, now);
+}
+
+/// Repetitions and frames of others, one neighbour after the other.
+bool Engine::Implementation::pump_links(std::uint8_t priority, Time now) {
+  auto iterator = links_.upper_bound(last_link_served_);
+  for (std::size_t visited = 0; visited < links_.size(); ++visited, ++iterator) {
+    if (iterator == links_.end()) iterator = links_.begin();
+    auto& [neighbor, link] = *iterator;
+    const bool again = link.sender.has_resend(priority) && link.sender.may_resend();
+    const bool anew = link.sender.has_waiting(priority) && link.sender.may_start();
+    if (!(again || anew) || !air_allows(link, now)) continue;
+    last_link_served_ = neighbor;
+    if (!again && options_.num_link_retrans == 0) {
+      send_unacknowledged(neighbor, link.sender.take_waiting(priority), now);
+      return true;
+    }
+    const std::uint64_t counter = next_counter_++;
+    const HopSender::Outgoing outgoing = again ? link.sender.resend(priority, counter, now)
+                                               : link.sender.start(link.sender.take_waiting(priority), counter, now);
+    send_on(neighbor, link, outgoing, counter, now);
+    return true;
+  }
+  return false;
+}
+
+/// Own packets, one destination after the other.
+bool Engine::Implementation::pump_streams(std::uint8_t priority, Time now) {
+  auto iterator = streams_.upper_bound(last_stream_served_);
+  for (std::size_t visited = 0; visited < streams_.size(); ++visited, ++iterator) {
+    if (iterator == streams_.end()) iterator = streams_.begin();
+    auto& [key, stream] = *iterator;
+    if (key.second != priority || !stream.next_hop || !stream.sender.has_segment()) continue;
+    Link& hop = link(*stream.next_hop);
+    if (!hop.sender.may_start() || !air_allows(hop, now)) continue;
+    last_stream_served_ = key;
+    wire::Data data = stream.sender.next_segment(now);
+    data.source = self_.address;
+    data.source_boot = self_.boot;
+    data.destination = *stream.address;
+    router_.used(self_.address, data.destination, self_.address, now);
+    transport::HopFrame frame{FrameType::kData, to_bytes(data), priority};
+    if (options_.num_link_retrans == 0) {
+      send_unacknowledged(*stream.next_hop, frame, now);
+      return true;
+    }
+    const std::uint64_t counter = next_counter_++;
+    send_on(*stream.next_hop, hop, hop.sender.start(std::move(frame), counter, now), counter, now);
+    return true;
+  }
+  return false;
+}
+
+/// Two frames may always be on their way to a neighbour, whatever is believed of the air.
+bool Engine::Implementation::air_allows(const Link& link, Time now) const {
+  if (air_.ready_at() <= now) return true;
+  return options_.num_link_retrans > 0 && link.sender.unresolved() < 2;
+}
+
+void Engine::Implementation::send_on(const MacAddress& neighbor, Link& link, const HopSender::Outgoing& outgoing,
+                                     std::uint64_t counter, Time now) {
+  std::uint8_t flags = wire::kWantsAcknowledgment;
+  const bool pressing = link.sender.unresolved() > HopSender::kMostUnresolved / 2;
+  if (!air_.calibrated() || pressing || !more_for(neighbor, link)) flags |= wire::kAcknowledgeNow;
+  transmit(outgoing.type, flags, neighbor, outgoing.link_sequence, counter, *outgoing.body, now);
+}
+
+/// With the repetition on each hop switched off, frames carry no link sequence and nobody acknowledges them.
+void Engine::Implementation::send_unacknowledged(const MacAddress& neighbor, const transport::HopFrame& frame,
+                                                 Time now) {
+  transmit(frame.type, 0, neighbor, 0, next_counter_++, frame.body, now);
+}
+
+bool Engine::Implementation::more_for(const MacAddress& neighbor, const Link& link) const {
+  if (link.sender.waiting() > 0) return true;
+  for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
+    if (link.sender.has_resend(priority)) return true;
+  }
+  return std::any_of(streams_.begin(), streams_.end(), [&](const auto& item) {
+    return item.second.next_hop == neighbor && item.second.sender.has_segment();
+  });
+}
+
+/// Whether pump() would send more if the air were free.
+bool Engine::Implementation::something_to_send() const {
+  for (const auto& [neighbor, link] : links_) {
+    for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
+      if (link.sender.has_resend(priority) && link.sender.may_resend()) return true;
+      if (link.sender.has_waiting(priority) && link.sender.may_start()) return true;
+    }
+  }
+  for (const auto& broadcasts : broadcasts_) {
+    if (broadcasts.has_segment()) return true;
+  }
+  return std::any_of(streams_.begin(), streams_.end(), [&](const auto& item) {
+    const Stream& stream = item.second;
+    if (!stream.next_hop || !stream.sender.has_segment()) return false;
+    const auto hop = links_.find(*stream.next_hop);
+    return hop == links_.end() || hop->second.sender.may_start();
+  });
+}
+
+}  // namespace adhoc_communication

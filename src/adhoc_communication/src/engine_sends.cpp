@@ -1,0 +1,185 @@
+// Requests of the host, and how they end.
+#include <algorithm>
+
+#include "engine_implementation.hpp"
+#include "texts.hpp"
+
+namespace adhoc_communication {
+
+using transport::Image;
+
+std::string Engine::Implementation::refusal(const SendRequest& request) const {
+  if (request.destination == self_.name) return "the destination " + request.destination + " is this robot itself";
+  if (request.destination.size() > 255) return "the destination's name is longer than 255 octets";
+  if (request.topic.empty()) return "the topic is empty";
+  if (request.topic.size() > 65535) return "the topic is longer than 65535 octets";
+  const std::size_t size = transport::image_size(request.destination, request.topic, request.payload.size());
+  if (size > options_.max_packet_size) {
+    return "packet of " + size_text(size) + " exceeds max_packet_size of " + size_text(options_.max_packet_size);
+  }
+  if (host_sends_ >= kMostSends) return "send queue is full (" + std::to_string(host_sends_) + " packets waiting)";
+  if (octets_waiting_ + request.payload.size() > kMostSendOctets && host_sends_ > 0) {
+    return "send queue is full (" + size_text(octets_waiting_) + " waiting, at most " + size_text(kMostSendOctets) +
+           ")";
+  }
+  return {};
+}
+
+SendId Engine::Implementation::refuse(std::string reason) {
+  const SendId id = next_send_id_++;
+  ++statistics_.packets_failed;
+  report(SendFinished{id, false, std::move(reason)});
+  return id;
+}
+
+SendId Engine::Implementation::send(SendRequest request, Time now) {
+  now_ = now;
+  if (std::string reason = refusal(request); !reason.empty()) return refuse(std::move(reason));
+  const bool to_group = multicast::root_of(request.destination).has_value();
+  transport::Packet packet;
+  packet.payload_type = request.payload_type;
+  packet.topic = std::move(request.topic);
+  packet.payload = std::move(request.payload);
+  if (to_group) packet.group = request.destination;
+  const Image image = transport::encode(packet);
+  Sending sending{Purpose::kHost, request.destination, {}, 0, image->size()};
+  ++host_sends_;
+  octets_waiting_ += image->size();
+  if (!to_group && !request.destination.empty()) {
+    return start_unicast(request.destination, image, request.priority, std::move(sending), now);
+  }
+  const SendId id = next_send_id_++;
+  sendings_.emplace(id, std::move(sending));
+  if (to_group) {
+    start_group_send(id, request.destination, image, request.priority, now);
+  } else {
+    broadcasts_[static_cast<std::size_t>(request.priority)].add(id, image,
+                                                                static_cast<std::uint16_t>(broadcast_segment_size_));
+  }
+  return id;
+}
+
+SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
+  now_ = now;
+  if (request.topic.empty()) return refuse("the topic is empty");
+  wire::Flood flood;
+  flood.source = self_.address;
+  flood.source_boot = self_.boot;
+  flood.id = next_flood_id_++;
+  flood.hop_limit = std::max<std::uint8_t>(1, request.hop_limit);
+  flood.source_name = self_.name;
+  flood.image =
+      *transport::encode({transport::PacketKind::kUser, request.payload_type, {}, request.topic, request.payload});
+  Bytes body = to_bytes(flood);
+  const std::size_t most = segment_size_ + wire::kDataHeaderSize;
+  if (body.size() > most) {
+    return refuse("packet of " + std::to_string(body.size()) +
+                  " octets does not fit the one frame of a flood, which takes " + std::to_string(most));
+  }
+  broadcast(wire::FrameType::kFlood, std::move(body));
+  ++statistics_.packets_sent;
+  const SendId id = next_send_id_++;
+  report(SendFinished{id, true, {}});
+  return id;
+}
+
+SendId Engine::Implementation::start_unicast(const std::string& destination, Image image, Priority priority,
+                                             Sending sending, Time now) {
+  const SendId id = next_send_id_++;
+  sendings_.emplace(id, std::move(sending));
+  const StreamKey key{destination, static_cast<std::uint8_t>(priority)};
+  const std::size_t window = options_.num_link_retrans == 0 ? 4 : transport::StreamSender::kWindow;
+  const auto found = streams_.try_emplace(key, Stream{transport::StreamSender(key.second, window), {}, {}}).first;
+  found->second.sender.add(id, std::move(image), static_cast<std::uint16_t>(segment_size_), now);
+  return id;
+}
+
+void Engine::Implementation::start_group_send(SendId id, const std::string& group, Image image, Priority priority,
+                                              Time now) {
+  if (group == multicast::group_of(self_.name)) {
+    const std::vector<std::string> members(groups_.members.begin(), groups_.members.end());
+    return fan_out(id, members, image, priority, now);
+  }
+  const auto membership = groups_.memberships.find(group);
+  if (membership == groups_.memberships.end() || !membership->second.joined) {
+    return finish(id, false, "this robot is not a member of " + group, now);
+  }
+  auto& waiting = groups_.waiting[group];
+  waiting.push_back({id, std::move(image), priority, now + multicast::Groups::kMembersPatience});
+  if (waiting.size() > 1) return;
+  send_control(*multicast::root_of(group), transport::PacketKind::kGroupMembersRequest, group, {}, Purpose::kInternal,
+               now);
+}
+
+void Engine::Implementation::fan_out(SendId id, const std::vector<std::string>& members, const Image& image,
+                                     Priority priority, Time now) {
+  if (members.empty()) return finish(id, true, {}, now);
+  groups_.fan_outs[id].open = members.size();
+  for (const std::string& member : members) {
+    start_unicast(member, image, priority, {Purpose::kFanOut, member, {}, id, 0}, now);
+  }
+}
+
+void Engine::Implementation::finish(SendId id, bool delivered, const std::string& reason, Time now) {
+  const auto found = sendings_.find(id);
+  if (found == sendings_.end()) return;
+  const Sending sending = std::move(found->second);
+  sendings_.erase(found);
+  switch (sending.purpose) {
+    case Purpose::kHost:
+      --host_sends_;
+      octets_waiting_ -= sending.octets;
+      ++(delivered ? statistics_.packets_sent : statistics_.packets_failed);
+      return report(SendFinished{id, delivered, reason});
+    case Purpose::kFanOut:
+      return finish_fan_out_part(sending, delivered, reason, now);
+    case Purpose::kJoin:
+    case Purpose::kLeave:
+      return finish_membership(sending, delivered, reason, now);
+    case Purpose::kInternal:
+      return;
+  }
+}
+
+void Engine::Implementation::finish_fan_out_part(const Sending& part, bool delivered, const std::string& reason,
+                                                 Time now) {
+  const auto found = groups_.fan_outs.find(part.parent);
+  if (found == groups_.fan_outs.end()) return;
+  if (!delivered) found->second.failures.push_back(part.destination + " (" + reason + ")");
+  if (--found->second.open > 0) return;
+  const std::vector<std::string> failures = std::move(found->second.failures);
+  groups_.fan_outs.erase(found);
+  if (failures.empty()) return finish(part.parent, true, {}, now);
+  std::string names;
+  for (const std::string& failure : failures) names += (names.empty() ? "" : ", ") + failure;
+  finish(part.parent, false, "not delivered to " + names, now);
+}
+
+void Engine::Implementation::report(Event event) {
+  if (events_.size() >= kMostEvents) {
+    // Ends of sends and changes of the team are few and must not be lost.
+    const auto oldest = std::find_if(events_.begin(), events_.end(),
+                                     [](const Event& kept) { return std::holds_alternative<PacketReceived>(kept); });
+    if (oldest != events_.end()) events_.erase(oldest);
+  }
+  events_.push_back(std::move(event));
+}
+
+std::optional<Event> Engine::Implementation::next_event() {
+  if (events_.empty()) return std::nullopt;
+  Event event = std::move(events_.front());
+  events_.pop_front();
+  return event;
+}
+
+std::vector<std::string> Engine::Implementation::neighbors() const {
+  std::vector<std::string> names;
+  for (const auto& [address, neighbor] : neighbors_.all()) {
+    const routing::Robot* robot = directory_.find(address);
+    if (robot != nullptr && robot->announced) names.push_back(robot->name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace adhoc_communication

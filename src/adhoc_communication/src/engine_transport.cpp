@@ -1,0 +1,164 @@
+// Packets on their way: delivered, passed on, acknowledged, put on the air in the order of their priority.
+#include <algorithm>
+
+#include "engine_implementation.hpp"
+#include "texts.hpp"
+
+namespace adhoc_communication {
+
+using transport::HopSender;
+using wire::FrameType;
+
+namespace {
+
+constexpr std::size_t kMostReceivers =
+    1024;  ///< robots whose packets are put together; the one idle longest makes room
+
+}  // namespace
+
+void Engine::Implementation::on_data(const MacAddress& from, wire::Data data, Time now) {
+  if (data.source == self_.address || directory_.is_former(data.source, data.source_boot)) return;
+  directory_.traffic(data.source, data.source_boot, now);
+  router_.used(data.source, data.destination, from, now);
+  if (data.destination == self_.address) return deliver_data(data, now);
+  const std::uint8_t stream = data.stream;
+  forward(from, std::move(data), FrameType::kData, stream, now);
+}
+
+void Engine::Implementation::on_transport_acknowledgment(const MacAddress& from,
+                                                         wire::TransportAcknowledgment acknowledgment, Time now) {
+  if (acknowledgment.source == self_.address) return;
+  if (directory_.is_former(acknowledgment.source, acknowledgment.source_boot)) return;
+  directory_.traffic(acknowledgment.source, acknowledgment.source_boot, now);
+  router_.used(acknowledgment.source, acknowledgment.destination, from, now);
+  if (acknowledgment.destination != self_.address) {
+    return forward(from, std::move(acknowledgment), FrameType::kTransportAcknowledgment, 0, now);
+  }
+  if (acknowledgment.destination_boot != self_.boot) return;
+  const routing::Robot* robot = directory_.find(acknowledgment.source);
+  if (robot == nullptr) return;
+  const auto stream = streams_.find({robot->name, acknowledgment.stream});
+  if (stream == streams_.end()) return;
+  for (const SendId id : stream->second.sender.acknowledged(acknowledgment, now)) finish(id, true, {}, now);
+}
+
+template <typename Message>
+void Engine::Implementation::forward(const MacAddress& from, Message message, FrameType type, std::uint8_t priority,
+                                     Time now) {
+  if (message.hops >= wire::kFarthestHop) return;
+  const routing::Route* route = router_.route_to(message.destination, now);
+  if (route == nullptr || route->next_hop == from) return router_.no_route_for(message.destination, from, now);
+  ++message.hops;
+  // A full queue loses the frame; the source repeats it when the destination misses it.
+  link(route->next_hop).sender.enqueue({type, to_bytes(message), priority});
+}
+
+void Engine::Implementation::deliver_data(const wire::Data& data, Time now) {
+  const routing::Robot* robot = directory_.find(data.source);
+  if (robot == nullptr) return router_.search({data.source, {}}, now);  // who is that?
+  transport::StreamReceiver* receiver = receiver_for(data, now);
+  const std::string source = robot->name;
+  for (const auto& complete : receiver->take(data, now)) deliver_packet(source, complete.image, complete.hops, now);
+}
+
+transport::StreamReceiver* Engine::Implementation::receiver_for(const wire::Data& data, Time) {
+  auto found = receivers_.find(data.source);
+  if (found != receivers_.end() && found->second->boot() == data.source_boot) return found->second.get();
+  if (found != receivers_.end()) receivers_.erase(found);
+  if (receivers_.size() >= kMostReceivers) {
+    receivers_.erase(std::min_element(receivers_.begin(), receivers_.end(), [](const auto& a, const auto& b) {
+      return a.second->last_used() < b.second->last_used();
+    }));
+  }
+  auto receiver = std::make_unique<transport::StreamReceiver>(data.source_boot, options_.max_packet_size, budget_);
+  return receivers_.emplace(data.source, std::move(receiver)).first->second.get();
+}
+
+void Engine::Implementation::deliver_packet(const std::string& source, const Bytes& image, std::uint8_t hops,
+                                            Time now) {
+  std::optional<transport::Packet> packet = transport::decode(image, options_.max_packet_size);
+  if (!packet) return malformed();
+  if (packet->kind != transport::PacketKind::kUser) return on_group_packet(source, *packet, now);
+  auto& by_hops = statistics_.packets_received_by_hops;
+  if (by_hops.size() < hops) by_hops.resize(hops);
+  ++by_hops[hops - 1];
+  report(PacketReceived{source, packet->group, packet->topic, packet->payload_type, std::move(packet->payload), hops});
+}
+
+void Engine::Implementation::on_broadcast_data(const wire::FrameHeader& header, const wire::BroadcastData& data,
+                                               Time now) {
+  const routing::Robot* robot = directory_.find(header.sender);
+  if (robot == nullptr) return;
+  const auto image = broadcast_receiver_.take(header.sender, wire::boot_tag(header.boot_id), data, now);
+  if (image) deliver_packet(robot->name, *image, 1, now);
+}
+
+void Engine::Implementation::on_flood(const wire::Flood& flood, Time now) {
+  if (flood.source == self_.address || directory_.is_former(flood.source, flood.source_boot)) return;
+  if (!flood_.take(flood, now)) return;
+  deliver_packet(flood.source_name, flood.image, static_cast<std::uint8_t>(flood.hop_count + 1), now);
+}
+
+void Engine::Implementation::acknowledge_streams(Time now) {
+  for (auto& [source, receiver] : receivers_) {
+    for (std::size_t stream = 0; stream < transport::kPriorities; ++stream) {
+      if (receiver->due(stream) > now) continue;
+      const routing::Route* route = router_.route_to(source, now);
+      if (route == nullptr) {
+        router_.search({source, {}}, now);
+        receiver->postpone(stream, now + std::chrono::milliseconds(20));
+        continue;
+      }
+      wire::TransportAcknowledgment acknowledgment = receiver->acknowledge(stream);
+      acknowledgment.source = self_.address;
+      acknowledgment.source_boot = self_.boot;
+      acknowledgment.destination = source;
+      acknowledgment.destination_boot = receiver->boot();
+      unicast(route->next_hop, FrameType::kTransportAcknowledgment, to_bytes(acknowledgment));
+    }
+  }
+}
+
+void Engine::Implementation::serve_streams(Time now) {
+  for (auto iterator = streams_.begin(); iterator != streams_.end(); ++iterator) {
+    if (!iterator->second.sender.idle()) serve_stream(iterator->first, iterator->second, now);
+  }
+}
+
+/// Keeps the route of a stream with work, and its end-to-end timer.
+void Engine::Implementation::serve_stream(const StreamKey& key, Stream& stream, Time now) {
+  stream.address = directory_.address_of(key.first);
+  const routing::Route* route = stream.address ? router_.route_to(*stream.address, now) : nullptr;
+  if (route == nullptr) {
+    stream.next_hop.reset();
+    stream.sender.route_missing(now);
+    return router_.search({stream.address.value_or(MacAddress{}), key.first}, now);
+  }
+  if (stream.next_hop != route->next_hop) {
+    stream.next_hop = route->next_hop;
+    stream.sender.route_changed(now);
+  }
+  for (const auto& [id, elapsed] : stream.sender.expire(options_.num_e2e_retrans, now)) {
+    finish(id, false, key.first + " did not acknowledge within " + seconds_text(elapsed), now);
+  }
+}
+
+void Engine::Implementation::fail_unreachable(Time now) {
+  for (const routing::DiscoveryFailure& failure : router_.take_failures()) {
+    if (const auto found = receivers_.find(failure.target.address); found != receivers_.end()) {
+      for (std::size_t stream = 0; stream < transport::kPriorities; ++stream) found->second->forgo(stream);
+    }
+    std::string name = failure.target.name;
+    if (const routing::Robot* robot = directory_.find(failure.target.address)) name = robot->name;
+    const std::string reason = failure.elapsed > Time(0)
+                                   ? "no route to " + name + " after " + seconds_text(failure.elapsed)
+                                   : "no route to " + name + ": too many searches at once";
+    for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
+      const auto stream = streams_.find({name, priority});
+      if (stream == streams_.end()) continue;
+      for (const SendId id : stream->second.sender.abandon()) finish(id, false, reason, now);
+    }
+  }
+}
+
+}  // namespace adhoc_communication

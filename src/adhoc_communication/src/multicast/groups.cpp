@@ -1,0 +1,32 @@
+#include "multicast/groups.hpp"
+
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::multicast {
+
+std::optional<std::string> root_of(const std::string& group) {
+  const std::string prefix = kPrefix;
+  if (group.size() <= prefix.size() || group.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
+  return group.substr(prefix.size());
+}
+
+Bytes encode_members(const std::set<std::string>& members) {
+  Bytes payload;
+  wire::Writer writer(payload);
+  writer.u16(static_cast<std::uint16_t>(members.size()));
+  for (const std::string& member : members) writer.text8(member);
+  return payload;
+}
+
+std::optional<std::vector<std::string>> decode_members(const Bytes& payload) {
+  wire::Reader reader(payload);
+  std::vector<std::string> members;
+  for (std::size_t left = reader.u16(); left > 0 && reader.ok(); --left) {
+    members.push_back(reader.text8());
+    if (members.back().empty() || members.back().size() > wire::kLongestName) return std::nullopt;
+  }
+  if (!reader.at_end()) return std::nullopt;
+  return members;
+}
+
+}  // namespace adhoc_communication::multicast

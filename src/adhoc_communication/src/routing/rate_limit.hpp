@@ -1,0 +1,30 @@
+// RREQ_RATELIMIT and RERR_RATELIMIT (RFC 3561 sections 6.3 and 6.11): so many in any window of one second.
+#pragma once
+
+#include <deque>
+
+#include "adhoc_communication/types.hpp"
+
+namespace adhoc_communication::routing {
+
+class RateLimit {
+ public:
+  explicit RateLimit(int per_second) : per_second_(static_cast<std::size_t>(per_second)) {}
+
+  /// When the next one may go.
+  Time free_at(Time now) const {
+    return recent_.size() < per_second_ ? now : std::max(now, recent_.front() + std::chrono::seconds(1));
+  }
+  bool take(Time now) {
+    if (free_at(now) > now) return false;
+    if (recent_.size() == per_second_) recent_.pop_front();
+    recent_.push_back(now);
+    return true;
+  }
+
+ private:
+  std::size_t per_second_;
+  std::deque<Time> recent_;
+};
+
+}  // namespace adhoc_communication::routing

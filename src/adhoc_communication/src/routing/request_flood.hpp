@@ -1,0 +1,62 @@
+// RFC 3561 sections 6.3 and 6.5: which route requests were seen, and passing them on.
+//
+// A lost broadcast is the weak point of a flood. So whoever has broadcast a request listens; a neighbour that has not
+// been heard with it after kConfirm gets it once more as an acknowledged unicast.
+#pragma once
+
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "outbox.hpp"
+#include "random.hpp"
+#include "routing/neighbors.hpp"
+
+namespace adhoc_communication::routing {
+
+/// At most kMostRequests are remembered; the one that would be forgotten first makes room.
+class RequestFlood {
+ public:
+  static constexpr std::size_t kMostRequests = 1024;
+  static constexpr std::size_t kMostConfirmations = 6;  ///< unicast copies of one request
+  static constexpr Time kConfirm = std::chrono::milliseconds(15);
+  static constexpr Time kJitter = std::chrono::milliseconds(2);
+  static constexpr Time kLossPenalty = std::chrono::milliseconds(20);
+
+  RequestFlood(const Timings& timings, Outbox& outbox, Random& random)
+      : timings_(timings), outbox_(outbox), random_(random) {}
+
+  /// Notes that `from` has the request. True when it is new to this robot.
+  bool first_time(const wire::RouteRequest& request, const MacAddress& from, Time now);
+  /// Broadcasts an own request now.
+  void originate(const wire::RouteRequest& request, const MacAddress& self, Time now);
+  /// Broadcasts a request of another after a short random delay, longer when it came over a lossy link: so the copy
+  /// over clean links wins the race.
+  void forward(const wire::RouteRequest& request, double loss_of_arrival, Time now);
+
+  void poll(const Neighbors& neighbors, Time now);
+  Time next_deadline() const;
+
+ private:
+  using Key = std::pair<MacAddress, std::uint32_t>;
+  struct Seen {
+    Time forgotten{0};
+    std::set<MacAddress> holders;
+  };
+  struct Pending {
+    Time due{0};
+    bool broadcast_done = false;
+    wire::RouteRequest request;
+  };
+
+  void confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now);
+
+  const Timings& timings_;
+  Outbox& outbox_;
+  Random& random_;
+  std::map<Key, Seen> seen_;
+  std::vector<Pending> pending_;
+};
+
+}  // namespace adhoc_communication::routing

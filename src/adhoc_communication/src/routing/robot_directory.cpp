@@ -1,0 +1,122 @@
+#include "routing/robot_directory.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "routing/sequence_number.hpp"
+
+namespace adhoc_communication::routing {
+namespace {
+
+constexpr std::size_t kMostFormerBoots = 8;
+constexpr Time kForget = std::chrono::seconds(60);  ///< how long a lost robot's runs are remembered
+
+}  // namespace
+
+bool RobotDirectory::learn(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint8_t hops,
+                           Time now) {
+  Robot* robot = admit(address, name, boot, now);
+  if (robot == nullptr) return false;
+  robot->hops = hops;
+  return true;
+}
+
+void RobotDirectory::life_sign(const MacAddress& address, const std::string& name, wire::BootTag boot,
+                               std::uint32_t alive, std::uint8_t hops, Time now) {
+  const Robot* known = find(address);
+  const bool same_run = known != nullptr && known->boot == boot;
+  if (hops > 1 && same_run && known->alive != 0 && !is_newer(alive, known->alive)) {
+    // A nearer witness of the same life sign shortens the distance; it is no news of life.
+    if (alive == known->alive && hops < known->hops) robots_[address].hops = hops;
+    return;
+  }
+  Robot* robot = admit(address, name, boot, now);
+  if (robot == nullptr) return;
+  if (robot->alive != alive) robot->spreads_left = kSpreads;
+  robot->alive = alive;
+  robot->hops = hops;
+}
+
+void RobotDirectory::traffic(const MacAddress& address, wire::BootTag boot, Time now) {
+  const auto found = robots_.find(address);
+  if (found != robots_.end() && found->second.boot == boot && found->second.announced) found->second.last_news = now;
+}
+
+bool RobotDirectory::is_former(const MacAddress& address, wire::BootTag boot) const {
+  const Robot* robot = find(address);
+  if (robot == nullptr) return false;
+  return std::find(robot->former_boots.begin(), robot->former_boots.end(), boot) != robot->former_boots.end();
+}
+
+const Robot* RobotDirectory::find(const MacAddress& address) const {
+  const auto found = robots_.find(address);
+  return found == robots_.end() ? nullptr : &found->second;
+}
+
+std::optional<MacAddress> RobotDirectory::address_of(const std::string& name) const {
+  const std::pair<const MacAddress, Robot>* best = nullptr;
+  for (const auto& item : robots_) {
+    if (item.second.name != name) continue;
+    const bool better = best == nullptr || (item.second.announced && !best->second.announced) ||
+                        (item.second.announced == best->second.announced && item.second.hops < best->second.hops);
+    if (better) best = &item;
+  }
+  if (best == nullptr) return std::nullopt;
+  return best->first;
+}
+
+std::vector<std::string> RobotDirectory::names() const {
+  std::vector<std::string> names;
+  for (const auto& [address, robot] : robots_) {
+    if (robot.announced) names.push_back(robot.name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+void RobotDirectory::expire(Time now) {
+  for (auto iterator = robots_.begin(); iterator != robots_.end();) {
+    Robot& robot = iterator->second;
+    if (robot.announced && now - robot.last_news >= patience(robot)) {
+      robot.announced = false;
+      changes_.push_back({robot.name, iterator->first, false});
+    }
+    if (!robot.announced && now - robot.last_news >= kForget) {
+      iterator = robots_.erase(iterator);
+    } else {
+      ++iterator;
+    }
+  }
+}
+
+std::vector<DirectoryChange> RobotDirectory::take_changes() { return std::exchange(changes_, {}); }
+
+Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now) {
+  if (is_former(address, boot)) return nullptr;
+  auto found = robots_.find(address);
+  if (found == robots_.end()) {
+    if (robots_.size() >= kMostRobots) return nullptr;
+    found = robots_.emplace(address, Robot{}).first;
+    found->second.boot = boot;
+    found->second.name = name;
+  }
+  Robot& robot = found->second;
+  if (robot.boot != boot || robot.name != name) {
+    if (robot.announced) changes_.push_back({robot.name, address, false});
+    robot.announced = false;
+    if (robot.boot != boot) robot.former_boots.push_back(robot.boot);
+    if (robot.former_boots.size() > kMostFormerBoots) robot.former_boots.erase(robot.former_boots.begin());
+    robot.boot = boot;
+    robot.name = name;
+    robot.alive = 0;
+  }
+  robot.last_news = now;
+  if (!robot.announced) {
+    robot.announced = true;
+    robot.spreads_left = kSpreads;
+    changes_.push_back({robot.name, address, true});
+  }
+  return &robot;
+}
+
+}  // namespace adhoc_communication::routing

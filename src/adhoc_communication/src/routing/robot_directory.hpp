@@ -1,0 +1,85 @@
+// All robots known, near and far: name, address, run, distance. Says when one appears and when one is lost.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::routing {
+
+struct Robot {
+  std::string name;
+  wire::BootTag boot = 0;
+  std::vector<wire::BootTag> former_boots;  ///< earlier runs, newest last; nothing of theirs is believed any more
+  std::uint32_t alive = 0;  ///< greatest life sign heard; it is raised by that robot alone, once a second
+  std::uint8_t hops = 1;
+  Time last_news{0};
+  bool announced = false;
+  int spreads_left = 0;  ///< beacons that still carry the latest life sign
+};
+
+struct DirectoryChange {
+  std::string robot;
+  MacAddress address{};
+  bool appeared = false;
+};
+
+/// A rumour is news only if it carries a greater life sign than known. Nobody but the robot itself raises that sign, so
+/// a lost robot's rumours die out instead of being counted up to infinity. At most kMostRobots; when full, new ones are
+/// not taken in until a robot is lost.
+class RobotDirectory {
+ public:
+  static constexpr std::size_t kMostRobots = 1024;
+  static constexpr int kSpreads = 3;  ///< beacons that repeat a life sign, against lost beacons
+  static constexpr Time kSilence = std::chrono::seconds(5);
+
+  /// False when the robot belongs to a former run, or the directory is full.
+  bool learn(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint8_t hops, Time now);
+  /// As learn(), with a life sign; takes only news.
+  void life_sign(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint32_t alive,
+                 std::uint8_t hops, Time now);
+  /// Data of the robot arrived, so it lives.
+  void traffic(const MacAddress& address, wire::BootTag boot, Time now);
+
+  bool is_former(const MacAddress& address, wire::BootTag boot) const;
+  const Robot* find(const MacAddress& address) const;
+  std::optional<MacAddress> address_of(const std::string& name) const;
+  std::vector<std::string> names() const;
+
+  /// The next rumours to spread, at most `most`; each call counts as one beacon. `wanted` says whether a robot is worth
+  /// a rumour.
+  template <typename Predicate>
+  std::vector<wire::Rumor> take_rumors(std::size_t most, Predicate wanted);
+
+  void expire(Time now);
+  std::vector<DirectoryChange> take_changes();
+
+ private:
+  Robot* admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now);
+  static Time patience(const Robot& robot) { return kSilence + (robot.hops - 1) * std::chrono::seconds(1); }
+
+  std::map<MacAddress, Robot> robots_;
+  std::vector<DirectoryChange> changes_;
+  MacAddress last_spread_{};
+};
+
+template <typename Predicate>
+std::vector<wire::Rumor> RobotDirectory::take_rumors(std::size_t most, Predicate wanted) {
+  std::vector<wire::Rumor> rumors;
+  auto iterator = robots_.upper_bound(last_spread_);
+  for (std::size_t visited = 0; visited < robots_.size() && rumors.size() < most; ++visited) {
+    if (iterator == robots_.end()) iterator = robots_.begin();
+    auto& [address, robot] = *iterator++;
+    if (robot.spreads_left <= 0 || !robot.announced || robot.hops >= wire::kFarthestHop) continue;
+    --robot.spreads_left;
+    if (!wanted(address)) continue;
+    rumors.push_back({address, robot.boot, robot.alive, robot.hops, robot.name});
+    last_spread_ = address;
+  }
+  return rumors;
+}
+
+}  // namespace adhoc_communication::routing

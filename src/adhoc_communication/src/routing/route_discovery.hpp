@@ -1,0 +1,81 @@
+// RFC 3561 sections 6.3 and 6.4: when to ask for a destination, how far, and when to give up.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adhoc_communication/options.hpp"
+#include "routing/rate_limit.hpp"
+#include "routing/timings.hpp"
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::routing {
+
+/// A destination by address, or by name alone while its address is unknown (all zero).
+struct Target {
+  MacAddress address{};
+  std::string name;
+};
+
+struct DiscoveryFailure {
+  Target target;
+  Time elapsed{0};
+};
+
+/// At most kMostSearches at once; further ones fail at once.
+class RouteDiscovery {
+ public:
+  static constexpr std::size_t kMostSearches = 64;
+
+  struct Step {
+    Target target;
+    std::uint8_t hop_limit;
+  };
+
+  RouteDiscovery(const Timings& timings, const EngineOptions& options);
+
+  /// Starts a search unless one is running. `last_hops`: length of the route that was lost, 0 if there was none.
+  void search(const Target& target, std::uint8_t last_hops, Time now);
+  template <typename Predicate>
+  void finish_if(Predicate found);
+
+  /// The requests due now; failures are kept for take_failures().
+  std::vector<Step> poll(Time now);
+  std::vector<DiscoveryFailure> take_failures() { return std::exchange(failures_, {}); }
+  Time next_deadline() const;
+  bool searching(const Target& target) const { return searches_.count(key(target)) != 0; }
+
+ private:
+  struct Search {
+    Target target;
+    Time started{0};
+    Time due{0};
+    int hop_limit = 0;
+    int tries = 0;  ///< at this hop limit
+  };
+  using Key = std::pair<MacAddress, std::string>;
+
+  static Key key(const Target& target);
+  bool advance(Search& search, Time now);
+  bool is_last_ring(int hop_limit) const { return hop_limit >= last_ring_; }
+
+  const Timings& timings_;
+  int first_ring_;
+  int last_ring_;
+  int increment_;
+  int tries_per_ring_;
+  RateLimit rate_limit_;
+  std::map<Key, Search> searches_;
+  std::vector<DiscoveryFailure> failures_;
+};
+
+template <typename Predicate>
+void RouteDiscovery::finish_if(Predicate found) {
+  for (auto iterator = searches_.begin(); iterator != searches_.end();) {
+    iterator = found(iterator->second.target) ? searches_.erase(iterator) : std::next(iterator);
+  }
+}
+
+}  // namespace adhoc_communication::routing

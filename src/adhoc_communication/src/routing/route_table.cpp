@@ -1,0 +1,135 @@
+#include "routing/route_table.hpp"
+
+#include <algorithm>
+
+#include "routing/sequence_number.hpp"
+
+namespace adhoc_communication::routing {
+
+const Route* RouteTable::find(const MacAddress& destination) const {
+  const auto found = routes_.find(destination);
+  return found == routes_.end() ? nullptr : &found->second;
+}
+
+const Route* RouteTable::usable(const MacAddress& destination, Time now) const {
+  const Route* route = find(destination);
+  return route != nullptr && route->valid && route->expires > now ? route : nullptr;
+}
+
+bool RouteTable::update(const RouteOffer& offer) {
+  Route& route = entry(offer.destination);
+  // Another run of the destination counts from its own start: its numbers cannot be compared with the stored one.
+  const bool other_run = offer.boot != 0 && route.boot != 0 && offer.boot != route.boot;
+  const bool known = route.sequence_valid && !other_run;
+  if (known && offer.sequence) {
+    if (is_newer(route.sequence, *offer.sequence)) return false;
+    const bool as_new = *offer.sequence == route.sequence;
+    if (as_new && route.valid && offer.hops >= route.hops) {
+      if (route.next_hop == offer.next_hop) route.expires = std::max(route.expires, offer.expires);
+      return false;
+    }
+  }
+  if (known && !offer.sequence && route.valid) return false;
+  if (offer.boot != 0) route.boot = offer.boot;
+  if (offer.sequence) route.sequence = *offer.sequence;
+  route.sequence_valid = offer.sequence.has_value() || known;
+  route.hops = offer.hops;
+  route.next_hop = offer.next_hop;
+  route.expires = route.valid ? std::max(route.expires, offer.expires) : offer.expires;
+  route.valid = true;
+  return true;
+}
+
+void RouteTable::heard_directly(const MacAddress& neighbor, wire::BootTag boot, std::optional<std::uint32_t> sequence,
+                                Time expires) {
+  Route& route = entry(neighbor);
+  const bool other_run = route.boot != 0 && boot != route.boot;
+  if (other_run) route.sequence_valid = false;
+  route.boot = boot;
+  if (sequence) {
+    route.sequence = route.sequence_valid ? newest(route.sequence, *sequence) : *sequence;
+    route.sequence_valid = true;
+  }
+  route.expires = route.valid ? std::max(route.expires, expires) : expires;
+  route.hops = 1;
+  route.next_hop = neighbor;
+  route.valid = true;
+}
+
+void RouteTable::extend(const MacAddress& destination, Time until) {
+  const auto found = routes_.find(destination);
+  if (found != routes_.end() && found->second.valid) found->second.expires = std::max(found->second.expires, until);
+}
+
+void RouteTable::add_precursor(const MacAddress& destination, const MacAddress& precursor) {
+  const auto found = routes_.find(destination);
+  if (found == routes_.end() || found->second.precursors.size() >= kMostPrecursors) return;
+  found->second.precursors.insert(precursor);
+}
+
+std::vector<Route> RouteTable::break_link(const MacAddress& next_hop, Time now) {
+  std::vector<Route> broken;
+  for (auto& [destination, route] : routes_) {
+    if (!route.valid || route.next_hop != next_hop) continue;
+    if (route.sequence_valid) ++route.sequence;
+    invalidate(route, now);
+    broken.push_back(route);
+    route.precursors.clear();
+  }
+  return broken;
+}
+
+std::vector<Route> RouteTable::break_destinations(const wire::RouteError& error, const MacAddress& from, Time now) {
+  std::vector<Route> broken;
+  for (const wire::UnreachableDestination& lost : error.destinations) {
+    const auto found = routes_.find(lost.address);
+    if (found == routes_.end()) continue;
+    Route& route = found->second;
+    if (!route.valid || route.next_hop != from || route.destination == from) continue;
+    if (error.unknown_sequence) {
+      if (route.sequence_valid) ++route.sequence;
+    } else {
+      if (route.sequence_valid && is_newer(route.sequence, lost.sequence)) continue;
+      route.sequence = lost.sequence;
+      route.sequence_valid = true;
+    }
+    invalidate(route, now);
+    broken.push_back(route);
+    route.precursors.clear();
+  }
+  return broken;
+}
+
+void RouteTable::expire(Time now) {
+  for (auto iterator = routes_.begin(); iterator != routes_.end();) {
+    Route& route = iterator->second;
+    if (route.expires > now) {
+      ++iterator;
+    } else if (route.valid) {
+      if (route.sequence_valid) ++route.sequence;
+      invalidate(route, now);
+      ++iterator;
+    } else {
+      iterator = routes_.erase(iterator);
+    }
+  }
+}
+
+Route& RouteTable::entry(const MacAddress& destination) {
+  const auto found = routes_.find(destination);
+  if (found != routes_.end()) return found->second;
+  if (routes_.size() >= kMostRoutes) {
+    routes_.erase(std::min_element(routes_.begin(), routes_.end(),
+                                   [](const auto& a, const auto& b) { return a.second.expires < b.second.expires; }));
+  }
+  Route& route = routes_[destination];
+  route.destination = destination;
+  return route;
+}
+
+void RouteTable::invalidate(Route& route, Time now) {
+  route.valid = false;
+  route.expires = now + timings_.delete_period;
+}
+
+}  // namespace adhoc_communication::routing

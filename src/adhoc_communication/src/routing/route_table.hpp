@@ -1,0 +1,76 @@
+// RFC 3561 sections 2 and 6.2: routes, and the rule by which news replaces them.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "routing/timings.hpp"
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::routing {
+
+struct Route {
+  MacAddress destination{};
+  wire::BootTag boot = 0;  ///< run of the destination that the number belongs to; 0 unknown
+  std::uint32_t sequence = 0;
+  bool sequence_valid = false;
+  bool valid = false;
+  std::uint8_t hops = 0;
+  MacAddress next_hop{};
+  Time expires{0};  ///< valid: becomes invalid then; invalid: is deleted then
+  std::set<MacAddress> precursors;
+};
+
+/// What a message says about the way to a destination.
+struct RouteOffer {
+  MacAddress destination{};
+  wire::BootTag boot = 0;
+  std::optional<std::uint32_t> sequence;
+  std::uint8_t hops = 1;
+  MacAddress next_hop{};
+  Time expires{0};
+};
+
+/// At most kMostRoutes entries; when full, the one that ends first makes room.
+class RouteTable {
+ public:
+  static constexpr std::size_t kMostRoutes = 1024;
+  static constexpr std::size_t kMostPrecursors = 64;
+
+  explicit RouteTable(const Timings& timings) : timings_(timings) {}
+
+  const Route* find(const MacAddress& destination) const;
+  /// The valid route, or null.
+  const Route* usable(const MacAddress& destination, Time now) const;
+
+  /// Section 6.2: takes the offer when it is newer, as new and shorter, or revives an entry without losing freshness.
+  /// Tells whether the route was created or changed.
+  bool update(const RouteOffer& offer);
+  /// The destination itself was heard: a route of one hop, which cannot be part of a loop whatever its number.
+  void heard_directly(const MacAddress& neighbor, wire::BootTag boot, std::optional<std::uint32_t> sequence,
+                      Time expires);
+  /// Lengthens a valid route's life (section 6.2), never shortens it.
+  void extend(const MacAddress& destination, Time until);
+  void add_precursor(const MacAddress& destination, const MacAddress& precursor);
+
+  /// Section 6.11 case 1: every route over the neighbour becomes invalid, its number grows by one.
+  std::vector<Route> break_link(const MacAddress& next_hop, Time now);
+  /// Section 6.11 case 3, with the numbers of the route error.
+  std::vector<Route> break_destinations(const wire::RouteError& error, const MacAddress& from, Time now);
+  /// Section 6.1: a route that ran out becomes invalid with its number raised; old invalid ones are deleted.
+  void expire(Time now);
+
+  std::size_t size() const { return routes_.size(); }
+  const std::map<MacAddress, Route>& routes() const { return routes_; }
+
+ private:
+  Route& entry(const MacAddress& destination);
+  void invalidate(Route& route, Time now);
+
+  const Timings& timings_;
+  std::map<MacAddress, Route> routes_;
+};
+
+}  // namespace adhoc_communication::routing

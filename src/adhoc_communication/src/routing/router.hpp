@@ -1,0 +1,84 @@
+// RFC 3561 for link-layer addresses and robot names: finds, keeps and repairs routes.
+#pragma once
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "adhoc_communication/options.hpp"
+#include "identity.hpp"
+#include "outbox.hpp"
+#include "random.hpp"
+#include "routing/neighbors.hpp"
+#include "routing/rate_limit.hpp"
+#include "routing/request_flood.hpp"
+#include "routing/robot_directory.hpp"
+#include "routing/route_discovery.hpp"
+#include "routing/route_table.hpp"
+
+namespace adhoc_communication::routing {
+
+class Router {
+ public:
+  Router(const Identity& self, const EngineOptions& options, const Timings& timings, Neighbors& neighbors,
+         RobotDirectory& directory, Outbox& outbox, Random& random);
+
+  std::uint32_t own_sequence() const { return own_sequence_; }
+  const RouteTable& table() const { return routes_; }
+  const Route* route_to(const MacAddress& destination, Time now) const { return routes_.usable(destination, now); }
+
+  /// Section 6.3: data is due and there is no route.
+  void search(const Target& target, Time now);
+  bool searching(const Target& target) const { return discovery_.searching(target); }
+  std::vector<DiscoveryFailure> take_failures() { return discovery_.take_failures(); }
+
+  /// A beacon of a neighbour whose link works both ways (section 6.9).
+  void on_hello(const MacAddress& from, wire::BootTag boot, std::uint32_t sequence, Time now);
+  void on_request(const MacAddress& from, wire::RouteRequest request, Time now);
+  void on_reply(const MacAddress& from, wire::RouteReply reply, Time now);
+  void on_error(const MacAddress& from, const wire::RouteError& error, Time now);
+
+  /// Section 6.2: data between two robots passed through here.
+  void used(const MacAddress& source, const MacAddress& destination, const MacAddress& previous_hop, Time now);
+  /// Section 6.11 case 1.
+  void link_broken(const MacAddress& neighbor, Time now);
+  /// Section 6.11 case 2: data from `previous_hop` cannot go on.
+  void no_route_for(const MacAddress& destination, const MacAddress& previous_hop, Time now);
+
+  void poll(Time now);
+  Time next_deadline() const;
+  /// Ages routes; to be called a few times a second.
+  void expire(Time now) { routes_.expire(now); }
+
+ private:
+  bool is_destination(const wire::RouteRequest& request) const;
+  MacAddress address_asked(const wire::RouteRequest& request) const;
+  void send_request(const RouteDiscovery::Step& step, Time now);
+  void answer_as_destination(const wire::RouteRequest& request, const MacAddress& to, Time now);
+  bool answer_from_table(const wire::RouteRequest& request, const MacAddress& to, Time now);
+  void answer_gratuitously(const wire::RouteRequest& request, const Route& to_destination, Time now);
+  void forward_request(wire::RouteRequest request, const MacAddress& from, Time now);
+  bool worth_forwarding(const wire::RouteReply& reply, bool updated, const MacAddress& from, Time now);
+  void forward_reply(wire::RouteReply reply, Time now);
+  void announce_broken(const std::vector<Route>& broken, const MacAddress& except, bool unknown_sequence, Time now);
+  void finish_searches(Time now);
+
+  const Identity& self_;
+  const Timings& timings_;
+  Neighbors& neighbors_;
+  RobotDirectory& directory_;
+  Outbox& outbox_;
+  RouteTable routes_;
+  RouteDiscovery discovery_;
+  RequestFlood flood_;
+  RateLimit error_limit_;
+  std::uint32_t own_sequence_ = 0;
+  std::uint32_t next_request_id_ = 0;
+  struct Forwarded {
+    std::uint32_t sequence;
+    Time at;
+  };
+  std::map<std::pair<MacAddress, MacAddress>, Forwarded> forwarded_replies_;  ///< by originator and destination
+};
+
+}  // namespace adhoc_communication::routing

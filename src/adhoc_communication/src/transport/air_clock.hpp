@@ -1,0 +1,52 @@
+// How long the frames handed to the radio will still be on the air, learned from the rhythm of acknowledgments.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "adhoc_communication/types.hpp"
+
+namespace adhoc_communication::transport {
+
+/// The radio sends in the order of the frame counters, so the acknowledgment of one frame says that all before it are
+/// off the air. Keeps about two frames in the hands of the radio: enough to leave it no gap, few enough that an urgent
+/// frame never waits long.
+class AirClock {
+ public:
+  static constexpr std::size_t kOverheadOctets = 300;  ///< preamble and gaps of a frame, expressed in octets
+  static constexpr std::size_t kMostRemembered = 256;
+
+  explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}
+
+  void transmitted(std::uint64_t counter, std::size_t octets, Time now);
+  void acknowledged(std::uint64_t counter, Time now);
+
+  /// When a further frame may go to the radio: no more than one frame of largest size is ahead of it then.
+  Time ready_at() const { return busy_until_ - air_time(largest_frame_ + kOverheadOctets); }
+  /// False until the rhythm of the radio is known.
+  bool calibrated() const { return samples_ >= 8; }
+  double nanoseconds_per_octet() const { return nanoseconds_per_octet_; }
+
+ private:
+  struct Transmission {
+    std::uint64_t counter;
+    std::size_t octets;
+    Time sent;
+  };
+
+  Time air_time(std::size_t octets) const {
+    return Time(static_cast<Time::rep>(nanoseconds_per_octet_ * static_cast<double>(octets)));
+  }
+  void sample(std::size_t octets, Time duration);
+
+  std::size_t largest_frame_;
+  double nanoseconds_per_octet_ = 8e9 / 6e6;  ///< until known better: the slowest rate of 802.11g
+  int samples_ = 0;
+  Time busy_until_{0};
+  std::deque<Transmission> on_air_;
+  std::optional<Time> last_acknowledged_;
+};
+
+}  // namespace adhoc_communication::transport

@@ -1,0 +1,68 @@
+// Packets for everybody in range: cut into segments, put together where all of them arrive, never repeated.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "transport/packet_image.hpp"
+#include "transport/stream_receiver.hpp"
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::transport {
+
+class BroadcastSender {
+ public:
+  void add(SendId id, Image image, std::uint16_t segment_size) {
+    queue_.push_back({id, next_number_++, std::move(image), segment_size, 0});
+  }
+  bool has_segment() const { return !queue_.empty(); }
+  /// The next segment, and the packet if this was its last one.
+  std::pair<wire::BroadcastData, std::optional<SendId>> next_segment();
+
+ private:
+  struct Outgoing {
+    SendId id;
+    std::uint32_t number;
+    Image image;
+    std::uint16_t segment_size;
+    std::uint32_t next_index;
+  };
+  std::uint32_t next_number_ = 0;
+  std::deque<Outgoing> queue_;
+};
+
+/// At most kMostPackets are being put together; the one without news for longest makes room.
+class BroadcastReceiver {
+ public:
+  static constexpr std::size_t kMostPackets = 64;
+  static constexpr Time kPatience = std::chrono::seconds(2);
+
+  BroadcastReceiver(std::size_t largest_packet, AssemblyBudget& budget)
+      : largest_packet_(largest_packet), budget_(budget) {}
+
+  /// The packet that this segment completes.
+  std::optional<Bytes> take(const MacAddress& sender, wire::BootTag boot, const wire::BroadcastData& data, Time now);
+  void expire(Time now);
+
+ private:
+  using Key = std::tuple<MacAddress, wire::BootTag, std::uint32_t>;
+  struct Assembly {
+    std::uint32_t total = 0;
+    std::uint16_t segment_size = 0;
+    std::size_t missing = 0;
+    std::vector<bool> present;
+    Bytes octets;
+    Time last_segment{0};
+  };
+
+  void drop(std::map<Key, Assembly>::iterator assembly);
+
+  std::size_t largest_packet_;
+  AssemblyBudget& budget_;
+  std::map<Key, Assembly> assemblies_;  ///< also complete ones for a while, without octets, to drop repetitions
+};
+
+}  // namespace adhoc_communication::transport

@@ -1,0 +1,38 @@
+// Packets in one frame for everybody within some hops: passed on once by each robot, after a short random delay.
+#pragma once
+
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "outbox.hpp"
+#include "random.hpp"
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::transport {
+
+/// At most kMostSeen floods are remembered; the oldest makes room.
+class FloodRelay {
+ public:
+  static constexpr std::size_t kMostSeen = 1024;
+  static constexpr std::size_t kMostPending = 256;  ///< further floods are not passed on
+  static constexpr Time kRemembered = std::chrono::seconds(10);
+  static constexpr Time kJitter = std::chrono::milliseconds(10);
+
+  FloodRelay(Outbox& outbox, Random& random) : outbox_(outbox), random_(random) {}
+
+  /// True when the flood is new; it is then passed on if its hop limit allows.
+  bool take(const wire::Flood& flood, Time now);
+  void poll(Time now);
+  Time next_deadline() const;
+
+ private:
+  using Key = std::tuple<MacAddress, wire::BootTag, std::uint32_t>;
+
+  Outbox& outbox_;
+  Random& random_;
+  std::map<Key, Time> seen_;
+  std::vector<std::pair<Time, wire::Flood>> pending_;
+};
+
+}  // namespace adhoc_communication::transport

@@ -1,0 +1,37 @@
+// What has arrived from one run of a neighbour: for acknowledgments, and to drop repetitions.
+#pragma once
+
+#include <cstdint>
+
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::transport {
+
+class HopReceiver {
+ public:
+  static constexpr int kFramesPerAcknowledgment = 2;
+  static constexpr Time kLongestDelay = std::chrono::milliseconds(3);
+
+  explicit HopReceiver(wire::BootTag boot) : boot_(boot) {}
+
+  wire::BootTag boot() const { return boot_; }
+
+  /// True for a frame not seen before.
+  bool take(std::uint32_t link_sequence, std::uint64_t counter, bool acknowledge_now, Time now);
+  /// When the acknowledgment is due; Time::max() if none is owed.
+  Time due() const { return due_; }
+  wire::HopAcknowledgment acknowledge();
+
+ private:
+  bool mark(std::uint32_t link_sequence, bool& in_order);
+
+  wire::BootTag boot_;
+  bool started_ = false;
+  std::uint32_t highest_ = 0;
+  std::uint64_t received_ = 0;
+  std::uint64_t newest_counter_ = 0;
+  int unacknowledged_ = 0;
+  Time due_ = Time::max();
+};
+
+}  // namespace adhoc_communication::transport

@@ -1,0 +1,141 @@
+#include "transport/hop_sender.hpp"
+
+#include <algorithm>
+
+namespace adhoc_communication::transport {
+
+bool HopSender::enqueue(HopFrame frame) {
+  auto& queue = waiting_[frame.priority];
+  if (queue.size() >= kMostWaiting) return false;
+  queue.push_back(std::move(frame));
+  return true;
+}
+
+std::size_t HopSender::waiting() const {
+  std::size_t count = 0;
+  for (const auto& queue : waiting_) count += queue.size();
+  return count;
+}
+
+bool HopSender::may_start() const {
+  if (unresolved_.size() >= kMostUnresolved) return false;
+  return in_flight_.empty() || next_link_sequence_ - in_flight_.begin()->first < kSpan;
+}
+
+HopSender::Outgoing HopSender::resend(std::uint8_t priority, std::uint64_t counter, Time now) {
+  const std::uint32_t link_sequence = lost_[priority].front();
+  lost_[priority].pop_front();
+  return transmit(link_sequence, in_flight_.at(link_sequence), counter, now);
+}
+
+HopSender::Outgoing HopSender::start(HopFrame frame, std::uint64_t counter, Time now) {
+  if (!waiting_since_) {
+    waiting_since_ = now;
+    last_progress_ = now;
+  }
+  const std::uint32_t link_sequence = next_link_sequence_++;
+  InFlight& flight = in_flight_[link_sequence];
+  flight.frame = std::move(frame);
+  return transmit(link_sequence, flight, counter, now);
+}
+
+HopFrame HopSender::take_waiting(std::uint8_t priority) {
+  HopFrame frame = std::move(waiting_[priority].front());
+  waiting_[priority].pop_front();
+  return frame;
+}
+
+HopSender::Outgoing HopSender::transmit(std::uint32_t link_sequence, InFlight& flight, std::uint64_t counter,
+                                        Time now) {
+  ++flight.transmissions;
+  flight.last_counter = counter;
+  const int backoff = std::min(flight.timeouts, 5);
+  unresolved_.push_back({counter, link_sequence, now, now + round_trip_.timeout() * (5 + backoff) / 5});
+  return {flight.frame.type, link_sequence, &flight.frame.body};
+}
+
+bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time now) {
+  bool progress = false;
+  for (auto iterator = in_flight_.begin(); iterator != in_flight_.end();) {
+    const std::uint32_t behind = acknowledgment.highest - iterator->first;
+    if (behind < kSpan && (acknowledgment.received >> behind & 1) != 0) {
+      auto& lost = lost_[iterator->second.frame.priority];
+      lost.erase(std::remove(lost.begin(), lost.end(), iterator->first), lost.end());
+      iterator = in_flight_.erase(iterator);
+      progress = true;
+    } else {
+      ++iterator;
+    }
+  }
+  while (!unresolved_.empty() && unresolved_.front().counter <= acknowledgment.newest_counter) {
+    const Transmission transmission = unresolved_.front();
+    unresolved_.pop_front();
+    if (transmission.counter == acknowledgment.newest_counter) round_trip_.sample(now - transmission.sent);
+    const bool lost = in_flight_.count(transmission.link_sequence) != 0;
+    loss_ += ((lost ? 1.0 : 0.0) - loss_) / 32;
+    if (lost) transmission_lost(transmission, false);
+    progress = true;
+  }
+  if (progress) last_progress_ = now;
+  if (in_flight_.empty()) {
+    waiting_since_.reset();
+    unresolved_.clear();
+  }
+  return progress;
+}
+
+void HopSender::excuse_silence(Time now) {
+  silent_since_ = std::max(silent_since_, now);
+  last_progress_ = std::max(last_progress_, now);
+  for (Transmission& transmission : unresolved_) {
+    transmission.expires = std::max(transmission.expires, now + kShortestTimer);
+  }
+}
+
+void HopSender::expire(Time now) {
+  for (auto iterator = unresolved_.begin(); iterator != unresolved_.end();) {
+    if (iterator->expires > now) {
+      ++iterator;
+      continue;
+    }
+    const Transmission transmission = *iterator;
+    iterator = unresolved_.erase(iterator);
+    transmission_lost(transmission, true);
+  }
+}
+
+void HopSender::transmission_lost(const Transmission& transmission, bool by_timer) {
+  const auto found = in_flight_.find(transmission.link_sequence);
+  if (found == in_flight_.end() || found->second.last_counter != transmission.counter) return;
+  InFlight& flight = found->second;
+  if (by_timer) ++flight.timeouts;
+  if (flight.transmissions > most_resends_) {
+    in_flight_.erase(found);
+    ++given_up_;
+    return;
+  }
+  lost_[flight.frame.priority].push_back(transmission.link_sequence);
+}
+
+Time HopSender::dead_at() const {
+  if (!waiting_since_) return Time::max();
+  return std::min(std::max(*waiting_since_, silent_since_) + silence(), last_progress_ + kNoProgress);
+}
+
+bool HopSender::dead(Time now) const { return dead_at() <= now; }
+
+void HopSender::clear() {
+  for (auto& queue : waiting_) queue.clear();
+  for (auto& queue : lost_) queue.clear();
+  in_flight_.clear();
+  unresolved_.clear();
+  waiting_since_.reset();
+}
+
+Time HopSender::next_deadline() const {
+  Time next = dead_at();
+  for (const Transmission& transmission : unresolved_) next = std::min(next, transmission.expires);
+  return next;
+}
+
+}  // namespace adhoc_communication::transport

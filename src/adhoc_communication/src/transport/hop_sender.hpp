@@ -1,0 +1,112 @@
+// Selective repeat towards one neighbour: frames waiting, frames on their way, what is lost, when the link is dead.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "transport/round_trip.hpp"
+#include "wire/frame_header.hpp"
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::transport {
+
+constexpr std::size_t kPriorities = 4;
+
+struct HopFrame {
+  wire::FrameType type = wire::FrameType::kData;
+  Bytes body;
+  std::uint8_t priority = 0;
+};
+
+/// A frame is repeated as soon as a later transmission is acknowledged without it, or when its timer runs out; after
+/// `most_resends` repetitions it is given up and left to the end-to-end repetition. The link is dead when nothing at
+/// all was heard for kSilence while frames were outstanding, however few or many tries that were.
+class HopSender {
+ public:
+  static constexpr std::size_t kMostWaiting = 2048;   ///< per priority; further frames are refused
+  static constexpr std::uint32_t kSpan = 64;          ///< link sequences that one acknowledgment can cover
+  static constexpr std::size_t kMostUnresolved = 32;  ///< transmissions whose fate is open
+  static constexpr Time kSilence = std::chrono::milliseconds(150);
+  static constexpr Time kNoProgress = std::chrono::seconds(1);  ///< heard, but not acknowledging
+  static constexpr Time kShortestTimer = std::chrono::milliseconds(10);
+
+  struct Outgoing {
+    wire::FrameType type;
+    std::uint32_t link_sequence;
+    const Bytes* body;  ///< until the next call
+  };
+
+  HopSender(std::uint32_t first_link_sequence, int most_resends)
+      : next_link_sequence_(first_link_sequence), most_resends_(most_resends) {}
+
+  /// False when the queue of that priority is full.
+  bool enqueue(HopFrame frame);
+  std::size_t waiting() const;
+
+  bool has_resend(std::uint8_t priority) const { return !lost_[priority].empty(); }
+  bool has_waiting(std::uint8_t priority) const { return !waiting_[priority].empty(); }
+  bool idle() const { return in_flight_.empty() && waiting() == 0; }
+  /// Whether one more transmission fits: a repetition, or a frame with a new link sequence.
+  bool may_resend() const { return unresolved_.size() < kMostUnresolved; }
+  bool may_start() const;
+  std::size_t unresolved() const { return unresolved_.size(); }
+
+  /// The lost frame to repeat next; has_resend() and may_resend() hold.
+  Outgoing resend(std::uint8_t priority, std::uint64_t counter, Time now);
+  /// Puts a new frame on its way; may_start() holds.
+  Outgoing start(HopFrame frame, std::uint64_t counter, Time now);
+  HopFrame take_waiting(std::uint8_t priority);
+
+  /// True when the acknowledgment resolved something.
+  bool acknowledged(const wire::HopAcknowledgment& acknowledgment, Time now);
+  void heard(Time now) { silent_since_ = now; }
+  /// The host called late: silence before now proves nothing.
+  void excuse_silence(Time now);
+  /// Marks frames whose timer has run out as lost.
+  void expire(Time now);
+  bool dead(Time now) const;
+  /// Drops everything.
+  void clear();
+
+  Time next_deadline() const;
+  double loss() const { return loss_; }
+  std::uint64_t given_up() const { return given_up_; }
+
+ private:
+  struct InFlight {
+    HopFrame frame;
+    int transmissions = 0;
+    int timeouts = 0;
+    std::uint64_t last_counter = 0;
+  };
+  struct Transmission {
+    std::uint64_t counter;
+    std::uint32_t link_sequence;
+    Time sent;
+    Time expires;
+  };
+
+  Outgoing transmit(std::uint32_t link_sequence, InFlight& flight, std::uint64_t counter, Time now);
+  void transmission_lost(const Transmission& transmission, bool by_timer);
+  Time dead_at() const;
+  Time silence() const { return std::max(kSilence, 6 * round_trip_.timeout()); }
+
+  std::uint32_t next_link_sequence_;
+  int most_resends_;
+  std::array<std::deque<HopFrame>, kPriorities> waiting_;
+  std::map<std::uint32_t, InFlight> in_flight_;
+  std::array<std::deque<std::uint32_t>, kPriorities> lost_;
+  std::deque<Transmission> unresolved_;
+  RoundTrip round_trip_{std::chrono::milliseconds(20), kShortestTimer, std::chrono::milliseconds(100)};
+  std::optional<Time> waiting_since_;  ///< frames have been outstanding without a break since then
+  Time silent_since_{0};
+  Time last_progress_{0};
+  double loss_ = 0.0;
+  std::uint64_t given_up_ = 0;
+};
+
+}  // namespace adhoc_communication::transport

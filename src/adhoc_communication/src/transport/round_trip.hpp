@@ -1,0 +1,36 @@
+// RFC 6298: smoothed round trip time and its variation, as a timeout.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+
+#include "adhoc_communication/types.hpp"
+
+namespace adhoc_communication::transport {
+
+class RoundTrip {
+ public:
+  RoundTrip(Time initial, Time shortest, Time longest) : initial_(initial), shortest_(shortest), longest_(longest) {}
+
+  void sample(Time round_trip) {
+    if (!smoothed_) {
+      smoothed_ = round_trip;
+      variation_ = round_trip / 2;
+      return;
+    }
+    const Time deviation = round_trip > *smoothed_ ? round_trip - *smoothed_ : *smoothed_ - round_trip;
+    variation_ += (deviation - variation_) / 4;
+    *smoothed_ += (round_trip - *smoothed_) / 8;
+  }
+  Time timeout() const { return smoothed_ ? std::clamp(*smoothed_ + 4 * variation_, shortest_, longest_) : initial_; }
+  Time smoothed() const { return smoothed_.value_or(initial_); }
+
+ private:
+  Time initial_;
+  Time shortest_;
+  Time longest_;
+  std::optional<Time> smoothed_;
+  Time variation_{0};
+};
+
+}  // namespace adhoc_communication::transport

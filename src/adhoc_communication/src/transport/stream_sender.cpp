@@ -1,0 +1,202 @@
+#include "transport/stream_sender.hpp"
+
+#include <algorithm>
+
+namespace adhoc_communication::transport {
+
+void StreamSender::add(SendId id, Image image, std::uint16_t segment_size, Time now) {
+  if (packets_.empty()) waiting_since_ = now;
+  const std::size_t count = (image->size() + segment_size - 1) / segment_size;
+  packets_.push_back({id, next_number_++, std::move(image), segment_size, now, std::vector<Segment>(count), 0, 0});
+}
+
+bool StreamSender::has_segment() const {
+  if (!lost_.empty()) return true;
+  if (on_the_way_ >= window_) return false;
+  // Packets are begun in order, so only the last one can have segments not yet sent once.
+  return !packets_.empty() && packets_.back().started < packets_.back().segments.size();
+}
+
+wire::Data StreamSender::next_segment(Time now) {
+  if (!lost_.empty()) {
+    const auto [number, index] = *lost_.begin();
+    lost_.erase(lost_.begin());
+    Outgoing& packet = *find(number);
+    packet.segments[index].lost = false;
+    return segment(packet, index, now);
+  }
+  Outgoing& packet = *unstarted();
+  return segment(packet, packet.started++, now);
+}
+
+StreamSender::Outgoing* StreamSender::unstarted() {
+  const auto found = std::find_if(packets_.begin(), packets_.end(),
+                                  [](const Outgoing& packet) { return packet.started < packet.segments.size(); });
+  return found == packets_.end() ? nullptr : &*found;
+}
+
+wire::Data StreamSender::segment(Outgoing& packet, std::uint32_t index, Time now) {
+  packet.segments[index].sent = now;
+  ++on_the_way_;
+  waiting_since_ = now;
+  wire::Data data;
+  data.stream = stream_;
+  data.packet = packet.number;
+  data.base = packets_.front().number;
+  data.index = index;
+  data.total = static_cast<std::uint32_t>(packet.image->size());
+  data.segment_size = packet.segment_size;
+  const std::size_t begin = std::size_t{index} * packet.segment_size;
+  const std::size_t end = std::min(begin + packet.segment_size, packet.image->size());
+  data.octets.assign(packet.image->begin() + static_cast<std::ptrdiff_t>(begin),
+                     packet.image->begin() + static_cast<std::ptrdiff_t>(end));
+  data.acknowledge_now = probing_ || index + 1 == packet.segments.size() || on_the_way_ >= window_;
+  probing_ = false;
+  return data;
+}
+
+std::vector<SendId> StreamSender::acknowledged(const wire::TransportAcknowledgment& acknowledgment, Time now) {
+  if (receiver_boot_ != 0 && receiver_boot_ != acknowledgment.source_boot) receiver_restarted();
+  receiver_boot_ = acknowledgment.source_boot;
+  progress_ = false;
+  std::vector<SendId> finished;
+  while (!packets_.empty() && static_cast<std::int32_t>(acknowledgment.next - packets_.front().number) > 0) {
+    Outgoing& packet = packets_.front();
+    for (std::uint32_t index = packet.first_open; index < packet.segments.size(); ++index) take_one(packet, index, now);
+    finished.push_back(packet.id);
+    packets_.pop_front();
+  }
+  for (const wire::PartialPacket& partial : acknowledgment.partial) {
+    if (Outgoing* packet = find(partial.packet)) take(*packet, partial, now);
+  }
+  if (progress_) {
+    resends_ = 0;
+    waiting_since_ = now;
+    mark_overtaken(now);
+  }
+  return finished;
+}
+
+void StreamSender::take(Outgoing& packet, const wire::PartialPacket& partial, Time now) {
+  const auto count = static_cast<std::uint32_t>(packet.segments.size());
+  for (std::uint32_t index = packet.first_open; index < std::min(partial.first_missing, count); ++index) {
+    take_one(packet, index, now);
+  }
+  for (std::size_t bit = 0; bit < 8 * partial.received.size(); ++bit) {
+    const std::uint64_t index = std::uint64_t{partial.first_missing} + 1 + bit;
+    if (index >= count) break;
+    if ((partial.received[bit / 8] >> bit % 8 & 1) != 0) take_one(packet, static_cast<std::uint32_t>(index), now);
+  }
+  while (packet.first_open < count && packet.segments[packet.first_open].acknowledged) ++packet.first_open;
+}
+
+void StreamSender::take_one(Outgoing& packet, std::uint32_t index, Time now) {
+  Segment& segment = packet.segments[index];
+  if (segment.acknowledged || segment.sent < Time(0)) return;
+  segment.acknowledged = true;
+  progress_ = true;
+  if (segment.lost) {
+    segment.lost = false;
+    lost_.erase({packet.number, index});
+  } else {
+    --on_the_way_;
+  }
+  if (segment.sent > newest_acknowledged_) {
+    newest_acknowledged_ = segment.sent;
+    round_trip_.sample(now - segment.sent);
+  }
+}
+
+/// Hops repeat frames and so change their order a little; what is overtaken by much more than that is lost.
+void StreamSender::mark_overtaken(Time) {
+  for (Outgoing& packet : packets_) {
+    for (std::uint32_t index = packet.first_open; index < packet.started; ++index) {
+      const Segment& segment = packet.segments[index];
+      if (!segment.acknowledged && !segment.lost && segment.sent + kReordering < newest_acknowledged_) {
+        mark_lost(packet, index);
+      }
+    }
+    if (packet.started < packet.segments.size()) break;
+  }
+}
+
+void StreamSender::mark_lost(Outgoing& packet, std::uint32_t index) {
+  packet.segments[index].lost = true;
+  lost_.insert({packet.number, index});
+  --on_the_way_;
+}
+
+/// Another run of the receiver has nothing of what the former acknowledged.
+void StreamSender::receiver_restarted() {
+  for (Outgoing& packet : packets_) {
+    packet.segments.assign(packet.segments.size(), Segment{});
+    packet.started = 0;
+    packet.first_open = 0;
+  }
+  lost_.clear();
+  on_the_way_ = 0;
+  newest_acknowledged_ = Time(-1);
+  resends_ = 0;
+}
+
+void StreamSender::route_changed(Time now) {
+  waiting_since_ = now;
+  if (lost_.empty()) probe(now);
+}
+
+/// Repeats the oldest open segment and asks for an acknowledgment at once.
+void StreamSender::probe(Time) {
+  for (Outgoing& packet : packets_) {
+    for (std::uint32_t index = packet.first_open; index < packet.started; ++index) {
+      if (packet.segments[index].acknowledged || packet.segments[index].lost) continue;
+      mark_lost(packet, index);
+      probing_ = true;
+      return;
+    }
+  }
+}
+
+std::vector<std::pair<SendId, Time>> StreamSender::expire(int most_resends, Time now) {
+  std::vector<std::pair<SendId, Time>> given_up;
+  if (next_deadline() > now) return given_up;
+  if (resends_ < most_resends) {
+    ++resends_;
+    waiting_since_ = now;
+    probe(now);
+    return given_up;
+  }
+  while (!packets_.empty() && packets_.front().started > 0) {
+    Outgoing& packet = packets_.front();
+    for (std::uint32_t index = 0; index < packet.started; ++index) {
+      if (!packet.segments[index].acknowledged && !packet.segments[index].lost) --on_the_way_;
+    }
+    lost_.erase(lost_.lower_bound({packet.number, 0}), lost_.lower_bound({packet.number + 1, 0}));
+    given_up.emplace_back(packet.id, now - packet.added);
+    packets_.pop_front();
+  }
+  resends_ = 0;
+  waiting_since_ = now;
+  return given_up;
+}
+
+std::vector<SendId> StreamSender::abandon() {
+  std::vector<SendId> ids;
+  for (const Outgoing& packet : packets_) ids.push_back(packet.id);
+  packets_.clear();
+  lost_.clear();
+  on_the_way_ = 0;
+  resends_ = 0;
+  return ids;
+}
+
+Time StreamSender::timeout() const { return std::min(round_trip_.timeout() * (2 + resends_) / 2, kLongestBackoff); }
+
+Time StreamSender::next_deadline() const { return on_the_way_ == 0 ? Time::max() : waiting_since_ + timeout(); }
+
+StreamSender::Outgoing* StreamSender::find(std::uint32_t number) {
+  if (packets_.empty()) return nullptr;
+  const std::uint32_t offset = number - packets_.front().number;
+  return offset < packets_.size() ? &packets_[offset] : nullptr;
+}
+
+}  // namespace adhoc_communication::transport

@@ -1,0 +1,88 @@
+// Packets of one priority to one robot: cut into segments, repeated until the robot has them, finished in order.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "transport/packet_image.hpp"
+#include "transport/round_trip.hpp"
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::transport {
+
+class StreamSender {
+ public:
+  static constexpr std::size_t kWindow = 512;                         ///< segments on their way at once
+  static constexpr Time kReordering = std::chrono::milliseconds(50);  ///< a segment overtaken by more than this is lost
+  static constexpr Time kLongestBackoff = std::chrono::seconds(1);
+
+  StreamSender(std::uint8_t stream, std::size_t window) : stream_(stream), window_(window) {}
+
+  void add(SendId id, Image image, std::uint16_t segment_size, Time now);
+  bool idle() const { return packets_.empty(); }
+  bool has_segment() const;
+  /// The next segment; source and destination are left to the caller. has_segment() holds.
+  wire::Data next_segment(Time now);
+
+  /// Returns the packets that the receiver has delivered.
+  std::vector<SendId> acknowledged(const wire::TransportAcknowledgment& acknowledgment, Time now);
+
+  /// Frames may have been lost on the old route: ask the receiver at once what it has.
+  void route_changed(Time now);
+  /// While there is no route nothing is expected and no timer runs.
+  void route_missing(Time now) { waiting_since_ = now; }
+
+  /// Sends the probe that is due. Returns the packets given up after `most_resends` of them without progress.
+  std::vector<std::pair<SendId, Time>> expire(int most_resends, Time now);
+  /// Gives up everything, for a reason the caller knows.
+  std::vector<SendId> abandon();
+  Time next_deadline() const;
+
+ private:
+  struct Segment {
+    Time sent{-1};
+    bool acknowledged = false;
+    bool lost = false;  ///< waits in lost_
+  };
+  struct Outgoing {
+    SendId id;
+    std::uint32_t number;
+    Image image;
+    std::uint16_t segment_size;
+    Time added;
+    std::vector<Segment> segments;
+    std::uint32_t started = 0;     ///< segments sent at least once
+    std::uint32_t first_open = 0;  ///< every segment before is acknowledged
+  };
+  using Place = std::pair<std::uint32_t, std::uint32_t>;  ///< packet number, segment index
+
+  Outgoing* find(std::uint32_t number);
+  wire::Data segment(Outgoing& packet, std::uint32_t index, Time now);
+  void take(Outgoing& packet, const wire::PartialPacket& partial, Time now);
+  void take_one(Outgoing& packet, std::uint32_t index, Time now);
+  void mark_overtaken(Time now);
+  void mark_lost(Outgoing& packet, std::uint32_t index);
+  void receiver_restarted();
+  void probe(Time now);
+  Time timeout() const;
+  Outgoing* unstarted();
+
+  std::uint8_t stream_;
+  std::size_t window_;
+  std::uint32_t next_number_ = 0;
+  std::deque<Outgoing> packets_;
+  std::set<Place> lost_;
+  std::size_t on_the_way_ = 0;  ///< segments sent, neither acknowledged nor lost
+  wire::BootTag receiver_boot_ = 0;
+  Time newest_acknowledged_{-1};  ///< when the latest of the acknowledged segments was sent
+  bool progress_ = false;
+  bool probing_ = false;
+  int resends_ = 0;
+  Time waiting_since_{0};
+  RoundTrip round_trip_{std::chrono::milliseconds(300), std::chrono::milliseconds(150), std::chrono::seconds(1)};
+};
+
+}  // namespace adhoc_communication::transport

@@ -1,0 +1,138 @@
+#include "team.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace adhoc_communication {
+
+std::size_t Team::add(EngineOptions options, std::optional<double> x, double y) {
+  const std::size_t robot = robots_.size();
+  options.robot_name = name(robot);
+  Robot entry;
+  entry.options = options;
+  entry.node = medium_.add_node(options.robot_name, address(robot));
+  if (x) medium_.set_position(entry.node, *x, y);
+  by_node_[entry.node] = robot;
+  robots_.push_back(std::move(entry));
+  boot(robot);
+  return robot;
+}
+
+void Team::add_line(std::size_t count, const EngineOptions& options, double spacing) {
+  for (std::size_t i = 0; i < count; ++i) add(options, static_cast<double>(i) * spacing);
+}
+
+MacAddress Team::address(std::size_t robot) {
+  return {0x02, 0, 0, 0, static_cast<std::uint8_t>(robot >> 8), static_cast<std::uint8_t>(robot)};
+}
+
+void Team::boot(std::size_t robot) {
+  Robot& entry = robots_[robot];
+  ++entry.boots;
+  Random random(seed_ * 1'000'003 + robot * 1009 + static_cast<std::uint64_t>(entry.boots));
+  BootId boot_id;
+  for (std::uint8_t& octet : boot_id) octet = static_cast<std::uint8_t>(random.next());
+  entry.engine = std::make_unique<Engine>(entry.options, address(robot), boot_id, random.next(), now_);
+}
+
+void Team::kill(std::size_t robot) {
+  medium_.set_up(robots_[robot].node, false, now_);
+  robots_[robot].engine.reset();
+}
+
+void Team::restart(std::size_t robot) {
+  kill(robot);
+  medium_.set_up(robots_[robot].node, true, now_);
+  boot(robot);
+}
+
+SendId Team::send(std::size_t robot, const std::string& destination, Bytes payload, Priority priority,
+                  const std::string& topic) {
+  return engine(robot).send({destination, topic, 'A', std::move(payload), priority}, now_);
+}
+
+const SendFinished* Team::finished(std::size_t robot, SendId id) const {
+  const auto& finished = robots_.at(robot).finished;
+  const auto found = finished.find(id);
+  return found == finished.end() ? nullptr : &found->second.first;
+}
+
+bool Team::run_until(Time end, const std::function<bool()>& done) {
+  int rounds_without_time = 0;
+  for (;;) {
+    for (std::size_t robot = 0; robot < robots_.size(); ++robot) serve(robot);
+    if (done()) return true;
+    Time next = medium_.next_delivery().value_or(Time::max());
+    for (const Robot& robot : robots_) {
+      if (robot.engine) next = std::min(next, robot.engine->next_deadline());
+    }
+    if (next > end) {
+      now_ = end;
+      return false;
+    }
+    rounds_without_time = next > now_ ? 0 : rounds_without_time + 1;
+    if (rounds_without_time > 10'000) throw std::logic_error("an engine asks for polls without end");
+    now_ = std::max(now_, next);
+    for (Medium::Delivery& delivery : medium_.deliveries(now_)) {
+      if (on_frame) on_frame(delivery.node, delivery.frame);
+      const auto robot = by_node_.find(delivery.node);
+      if (robot == by_node_.end() || !robots_[robot->second].engine) continue;
+      robots_[robot->second].engine->receive(delivery.frame, now_);
+      serve(robot->second);
+    }
+  }
+}
+
+void Team::serve(std::size_t robot) {
+  Robot& entry = robots_[robot];
+  if (!entry.engine || entry.engine->next_deadline() > now_) {
+    if (entry.engine) take_events(entry);
+    return;
+  }
+  ++polls_;
+  for (const Frame& frame : entry.engine->poll(now_)) {
+    hash(frame);
+    if (on_transmission) on_transmission(robot, frame);
+    medium_.transmit(entry.node, frame, now_);
+  }
+  take_events(entry);
+}
+
+void Team::take_events(Robot& entry) {
+  while (std::optional<Event> event = entry.engine->next_event()) {
+    if (auto* received = std::get_if<PacketReceived>(&*event)) entry.received.push_back({std::move(*received), now_});
+    if (auto* finished = std::get_if<SendFinished>(&*event)) entry.finished[finished->id] = {*finished, now_};
+    if (auto* appeared = std::get_if<RobotAppeared>(&*event)) entry.presence.emplace_back(now_, "+" + appeared->robot);
+    if (auto* lost = std::get_if<RobotLost>(&*event)) entry.presence.emplace_back(now_, "-" + lost->robot);
+    if (auto* change = std::get_if<GroupChangeFinished>(&*event)) entry.group_changes.push_back(*change);
+  }
+}
+
+void Team::hash(const Frame& frame) {
+  const auto add = [this](std::uint8_t octet) { trace_hash_ = (trace_hash_ ^ octet) * 0x100000001b3u; };
+  for (int shift = 0; shift < 64; shift += 8) add(static_cast<std::uint8_t>(now_.count() >> shift));
+  for (const std::uint8_t octet : frame.bytes) add(octet);
+}
+
+Bytes noise(std::size_t size, std::uint64_t seed) {
+  Random random(seed);
+  Bytes bytes(size);
+  for (std::uint8_t& octet : bytes) octet = static_cast<std::uint8_t>(random.next() >> 32);
+  return bytes;
+}
+
+Bytes map_like(std::size_t size) {
+  Random random(7);
+  Bytes bytes;
+  while (bytes.size() < size) {
+    const std::uint8_t value = std::array<std::uint8_t, 3>{0, 100, 255}[random.next() % 3];
+    bytes.insert(bytes.end(), 20 + random.next() % 200, value);
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
+Bytes text(const std::string& characters) { return {characters.begin(), characters.end()}; }
+std::string text(const Bytes& octets) { return {octets.begin(), octets.end()}; }
+
+}  // namespace adhoc_communication

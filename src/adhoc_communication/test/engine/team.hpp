@@ -1,0 +1,96 @@
+// Robots in one process: engines on a simulated radio, driven by virtual time. For tests and benchmarks.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adhoc_communication/engine.hpp"
+#include "link/medium.hpp"
+
+namespace adhoc_communication {
+
+class Team {
+ public:
+  explicit Team(const MediumOptions& medium = {}, std::uint64_t seed = 1) : medium_(medium, seed), seed_(seed) {}
+
+  /// Adds robot_<i>; returns i.
+  std::size_t add(EngineOptions options = {}, std::optional<double> x = std::nullopt, double y = 0.0);
+  /// `count` robots in a row, each in range of the next only.
+  void add_line(std::size_t count, const EngineOptions& options = {}, double spacing = 8.0);
+
+  /// The robot falls silent and forgets everything; restart() brings it back with a new boot id.
+  void kill(std::size_t robot);
+  void restart(std::size_t robot);
+
+  Engine& engine(std::size_t robot) { return *robots_.at(robot).engine; }
+  Medium& medium() { return medium_; }
+  Time now() const { return now_; }
+  static MacAddress address(std::size_t robot);
+  static std::string name(std::size_t robot) { return "robot_" + std::to_string(robot); }
+
+  void run_for(Time duration) {
+    run_until(now_ + duration, [] { return false; });
+  }
+  /// Runs until `done` or for at most `patience`; tells whether `done` was reached.
+  bool run_until_done(const std::function<bool()>& done, Time patience) { return run_until(now_ + patience, done); }
+
+  SendId send(std::size_t robot, const std::string& destination, Bytes payload, Priority priority = Priority::kNormal,
+              const std::string& topic = "topic");
+
+  struct Received {
+    PacketReceived packet;
+    Time at;
+  };
+  /// What each robot has received and been told since its start.
+  std::vector<Received>& received(std::size_t robot) { return robots_.at(robot).received; }
+  std::vector<std::pair<Time, std::string>>& presence(std::size_t robot) { return robots_.at(robot).presence; }
+  std::vector<GroupChangeFinished>& group_changes(std::size_t robot) { return robots_.at(robot).group_changes; }
+  const SendFinished* finished(std::size_t robot, SendId id) const;
+  Time finished_at(std::size_t robot, SendId id) const { return robots_.at(robot).finished.at(id).second; }
+  /// Takes part in the radio without an engine: sees the frames for `node` instead of a robot.
+  std::function<void(Medium::Node, const Frame&)> on_frame;
+  /// Called for every frame that a robot puts on the air.
+  std::function<void(std::size_t, const Frame&)> on_transmission;
+  std::uint64_t polls() const { return polls_; }
+  /// Changes with every frame on the air and its time.
+  std::uint64_t trace_hash() const { return trace_hash_; }
+
+ private:
+  struct Robot {
+    EngineOptions options;
+    Medium::Node node;
+    std::unique_ptr<Engine> engine;
+    int boots = 0;
+    std::vector<Received> received;
+    std::vector<std::pair<Time, std::string>> presence;
+    std::vector<GroupChangeFinished> group_changes;
+    std::map<SendId, std::pair<SendFinished, Time>> finished;
+  };
+
+  bool run_until(Time end, const std::function<bool()>& done);
+  void boot(std::size_t robot);
+  void serve(std::size_t robot);
+  void take_events(Robot& robot);
+  void hash(const Frame& frame);
+
+  Medium medium_;
+  std::uint64_t seed_;
+  Time now_{0};
+  std::vector<Robot> robots_;
+  std::map<Medium::Node, std::size_t> by_node_;
+  std::uint64_t polls_ = 0;
+  std::uint64_t trace_hash_ = 0xcbf29ce484222325u;
+};
+
+/// `size` octets that no compression shortens, different for each seed.
+Bytes noise(std::size_t size, std::uint64_t seed = 1);
+/// `size` octets like a map: long runs of few values.
+Bytes map_like(std::size_t size);
+Bytes text(const std::string& characters);
+std::string text(const Bytes& octets);
+
+}  // namespace adhoc_communication
