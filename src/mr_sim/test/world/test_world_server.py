@@ -93,9 +93,9 @@ def test_commands_move_the_robot_that_sends_them(start):
     running = start(real_time_factor=5.0)
     first, second = running.connect("a"), running.connect("b")
     first.command(0.5, 0.0)
-    moved = next(s for s in states(first, 5.0)[0] if s.pose[0] > 0.2)
+    moved = next(s for s in states(first, 1.0)[0] if s.pose[0] > 0.2)
     assert moved.wheels == (0.5, 0.0) and moved.velocity[0] == pytest.approx(0.5)
-    assert all(s.pose == (0, 2, 0) for s in states(second, 2.0)[0])
+    assert all(s.pose == (0, 2, 0) for s in states(second, 1.0)[0])
 
 
 def test_end_is_announced(start):
