@@ -29,8 +29,8 @@ def main():
     tools.mkdir(exist_ok=True)
     os.environ["DUMMY_ROBOTS"] = json.dumps(names)
     plan = Plan(
-        options=parse_arguments(["--out", str(out), "--duration", "600"]),
-        world="/dummy.world",
+        options=parse_arguments(["--out", str(out), "--duration", "86400"]),
+        world=str(HERE.parents[2] / "worlds" / "small8x8.world"),
         robots=[RobotPlan(name, index, 11461 + index, (1.0, 1.0 + index, 0.0)) for index, name in enumerate(names)],
         out=str(out),
         isolation=isolation,
