@@ -23,7 +23,7 @@ LIBC = ctypes.CDLL(None)
 
 
 class Unavailable(RuntimeError):
-    """This machine grants no network namespaces or raw sockets."""
+    """This machine grants no network namespaces."""
 
 
 def die_with_parent():
@@ -77,12 +77,15 @@ class Agent:
         threading.Thread(target=self._read, daemon=True).start()
 
     def _read(self):
-        for line in self._process.stdout:
-            report = json.loads(line)
-            if "message" in report:
-                self.messages.put(report["message"])
-            else:
-                self._answers[report["id"]].put(report)
+        try:
+            for line in self._process.stdout:
+                report = json.loads(line)
+                if "message" in report:
+                    self.messages.put(report["message"])
+                else:
+                    self._answers[report["id"]].put(report)
+        except ValueError:  # closed at the end of the test
+            pass
 
     def begin(self, **request):
         """Send a request and return the queue on which its answer will arrive."""
@@ -101,6 +104,10 @@ class Agent:
 
     def listen(self, topic):
         assert self.ask(do="listen", topic=topic)["listening"]
+
+    def close(self):
+        self._process.stdin.close()
+        self._process.stdout.close()
 
     def next_message(self, timeout=60.0):
         return self.messages.get(timeout=timeout)
@@ -163,6 +170,8 @@ class Robot:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+        if self.agent is not None:
+            self.agent.close()
         self._holder.kill()
         self._holder.wait()
         self._log.close()
@@ -182,6 +191,7 @@ class Team:
         self._interface = interface
         self._parameters = {"num_e2e_retrans": 10, **(node_parameters or {})}
         self._radio = None
+        self.radio_control = None
 
     def __enter__(self):
         try:
@@ -206,6 +216,9 @@ class Team:
         if self._radio is not None:
             self._radio.terminate()
             self._radio.wait(timeout=5)
+            self._radio.stdout.close()
+        if self.radio_control is not None:
+            self.radio_control.close()
         self._folder.cleanup()
 
     def __getitem__(self, name):
@@ -255,6 +268,9 @@ class RadioControl:
 
     def send(self, command):
         self._socket.send(command.encode())
+
+    def close(self):
+        self._socket.close()
 
     def statistics(self):
         self._socket.send(b"statistics")

@@ -4,7 +4,9 @@
 #include <sys/un.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <thread>
 
 #include "link/ethernet.hpp"
 #include "link/mac_address.hpp"
@@ -13,6 +15,9 @@ namespace adhoc_communication {
 namespace {
 
 constexpr std::size_t kLargestFrame = 4096;
+/// A launch file may start the radio and the robots at once.
+constexpr int kAttemptsAtStart = 60;
+constexpr auto kPauseBetweenAttempts = std::chrono::milliseconds(50);
 
 FileDescriptor connect_to(const std::string& path) {
   struct sockaddr_un remote {};
@@ -37,7 +42,14 @@ HubLink::HubLink(std::string path, std::optional<MacAddress> address, std::strin
       robot_name_(std::move(robot_name)),
       address_(address ? *address : address_of_robot(robot_name_)),
       buffer_(kLargestFrame) {
-  connect();
+  for (int attempt = 1; !socket_.is_open(); ++attempt) {
+    try {
+      connect();
+    } catch (const LinkError&) {
+      if (attempt == kAttemptsAtStart) throw;
+      std::this_thread::sleep_for(kPauseBetweenAttempts);
+    }
+  }
 }
 
 void HubLink::connect() {

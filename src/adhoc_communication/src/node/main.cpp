@@ -51,6 +51,7 @@ int list_parameters() {
 int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "--list-parameters") == 0) return list_parameters();
   ros::init(argc, argv, "adhoc_communication");
+  const ros::NodeHandle keeps_ros_running;  // roscpp shuts down, its console too, when the last handle goes
   try {
     const NodeOptions options = read_parameters();
     adhoc_communication::Node node(options);

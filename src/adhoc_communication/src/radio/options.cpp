@@ -79,14 +79,15 @@ void set(RadioOptions& options, const std::string& option, const std::string& va
 
 RadioOptions parse_radio_options(int argc, char** argv) {
   RadioOptions options;
-  for (int i = 1; i < argc; i += 2) {
+  for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
+    if (option.compare(0, 2, "__") == 0) continue;  // roslaunch adds __name:=... and __log:=...
     if (option == "--help" || option == "-h") {
       options.help = true;
       return options;
     }
     if (i + 1 == argc) throw std::invalid_argument("option " + option + " needs a value");
-    set(options, option, argv[i + 1]);
+    set(options, option, argv[++i]);
   }
   if (options.interfaces.empty() && options.hub.empty()) {
     throw std::invalid_argument("nothing to connect: give --interface ROBOT=INTERFACE or --hub PATH");
