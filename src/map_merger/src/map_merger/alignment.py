@@ -31,7 +31,9 @@ from .transform import Transform, rotation_between
 SHORTEST_GROWTH_M = 3.0
 SHORTEST_GROWTH = 1.15
 """The shared walls must have grown by so many metres, and by this factor, before a second look confirms a candidate."""
-_SAME_DISTANCE = 0.15
+SURVEY_GROWTH = 1.4
+"""Or both maps together by this factor, without a contradiction and without a rival having come up."""
+_SAME_DISTANCE = 0.4
 _SAME_ROTATION = math.radians(1.5)
 _STRIKES = 2
 _CACHED_MAPS = 24
@@ -176,7 +178,7 @@ class Alignment:
                 self._candidate = None
             return ""
         if not (judge(result.evidence, STRONG_CRITERIA) is Verdict.ACCEPTED or self._confirms(result)):
-            if self._candidate is None or not self._agrees(result):
+            if not self._agrees(result):
                 self._candidate = result
             return ""
         self.transform, self.evidence, self._candidate, self._strikes = result.transform, result.evidence, None, 0
@@ -188,15 +190,18 @@ class Alignment:
             return False
         between = before.transform.inverse().compose(result.transform)
         return (
-            math.hypot(between.x, between.y) <= 3.0 * _SAME_DISTANCE
+            math.hypot(between.x, between.y) <= _SAME_DISTANCE
             and rotation_between(before.transform, result.transform) <= _SAME_ROTATION
         )
 
     def _confirms(self, result: Registration) -> bool:
-        if self._candidate is None or not self._agrees(result):
+        before = self._candidate
+        if before is None or not self._agrees(result):
             return False
-        before = self._candidate.evidence.matched
-        return result.evidence.matched >= max(before + SHORTEST_GROWTH_M, before * SHORTEST_GROWTH)
+        matched = before.evidence.matched
+        if result.evidence.matched >= max(matched + SHORTEST_GROWTH_M, matched * SHORTEST_GROWTH):
+            return True
+        return result.surveyed >= SURVEY_GROWTH * before.surveyed and result.evidence.matched >= 0.95 * matched
 
     def _followed(self, result: Registration) -> str:
         self.evidence = result.evidence

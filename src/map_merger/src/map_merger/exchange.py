@@ -179,7 +179,9 @@ class PeerMap:
                 f"a tile with {tile.resolution:g} m cells for a map with {self._anchor.info.resolution:g} m cells"
             )
         # An answer may overtake an update, or the other way round: of each cell the newest word counts.
-        changed = not self._canvas.write_known(tile.row, tile.column, tile.cells, min(tile.updates, HIGHEST_NUMBER)).empty
+        changed = not self._canvas.write_known(
+            tile.row, tile.column, tile.cells, min(tile.updates, HIGHEST_NUMBER)
+        ).empty
         self._record(tile)
         if changed:
             self._changed()

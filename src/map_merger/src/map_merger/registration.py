@@ -77,7 +77,8 @@ class Registration(NamedTuple):
     verdict: Verdict
     transform: Optional[Transform] = None
     evidence: Evidence = Evidence()
-    rival_score: float = 0.0
+    surveyed: float = 0.0
+    """Metres of wall in both maps together, shared or not."""
 
     @property
     def accepted(self) -> bool:
@@ -127,7 +128,6 @@ def choose(
     evidence = compare(target, source, transform)
     points = source.surface.points
     rivals = [other for other in ranked[1:] if _different(transform, other[1], points)]
-    rival_score = max((other.score for other, _ in rivals), default=0.0)
     verdict = judge(evidence, criteria)
     if verdict is Verdict.ACCEPTED and any(_rivals(evidence, other, criteria) for other, _ in rivals):
         verdict = Verdict.AMBIGUOUS
@@ -135,7 +135,7 @@ def choose(
         verdict = Verdict.BEYOND_LIMITS
     if verdict is Verdict.ACCEPTED and prior is not None and not _near_prior(transform, prior, points):
         verdict = Verdict.NO_CANDIDATE
-    return Registration(verdict, transform, evidence, rival_score)
+    return Registration(verdict, transform, evidence, target.surface.length + source.surface.length)
 
 
 def follow(target: Landmarks, source: Landmarks, transform: Transform) -> Tuple[Transform, Evidence]:

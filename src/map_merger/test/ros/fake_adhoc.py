@@ -1,4 +1,5 @@
 """A stand-in for adhoc_communication and SLAM in tests of the node: records what is sent, publishes what would arrive."""
+
 import threading
 
 import numpy as np
@@ -54,13 +55,20 @@ class FakeAdhoc:
         self._prefix = prefix
         base = prefix + "adhoc_communication/"
         self._services = [
-            rospy.Service(base + "send_map_update", SendMmMapUpdate, self._record(
-                "map_update", "map_update", SendMmMapUpdateResponse)),
+            rospy.Service(
+                base + "send_map_update",
+                SendMmMapUpdate,
+                self._record("map_update", "map_update", SendMmMapUpdateResponse),
+            ),
             rospy.Service(base + "send_map", SendOccupancyGrid, self._record("map", "map", SendOccupancyGridResponse)),
-            rospy.Service(base + "send_control_message", SendMmControl, self._record(
-                "control", "msg", SendMmControlResponse)),
-            rospy.Service(base + "send_position", SendMmRobotPosition, self._record(
-                "position", "position", SendMmRobotPositionResponse)),
+            rospy.Service(
+                base + "send_control_message", SendMmControl, self._record("control", "msg", SendMmControlResponse)
+            ),
+            rospy.Service(
+                base + "send_position",
+                SendMmRobotPosition,
+                self._record("position", "position", SendMmRobotPositionResponse),
+            ),
             rospy.Service(base + "get_neighbors", GetNeighbors, lambda _: GetNeighborsResponse(list(neighbors))),
         ]
         self.map_other = rospy.Publisher(prefix + "map_other", MmMapUpdate, queue_size=100)
@@ -78,6 +86,7 @@ class FakeAdhoc:
             if service in self.refuse:
                 raise rospy.ServiceException("no route")
             return response(1)
+
         return handle
 
     def wait_for(self, accept):
@@ -151,5 +160,8 @@ def plain_anchor(anchor):
 def plain_tile(tile):
     """A tile as an ordinary message."""
     message = ros_io.tile_message(tile)
-    return MmMapUpdate(message.src_robot, message.update_numbers.tolist(),
-                       OccupancyGrid(message.map.header, message.map.info, message.map.data.tolist()))
+    return MmMapUpdate(
+        message.src_robot,
+        message.update_numbers.tolist(),
+        OccupancyGrid(message.map.header, message.map.info, message.map.data.tolist()),
+    )

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The node on its own master with a stand-in for the radio: topics, services, files, tf."""
+
 import os
 import sys
 import unittest
@@ -60,8 +61,13 @@ class NodeTest(unittest.TestCase):
         self.assertAlmostEqual(first[3].info.origin.position.x, message.info.origin.position.x, places=6)
 
     def test_2_neighbours_and_announced_robots_are_asked_for_everything(self):
-        self.adhoc.wait_for(lambda service, to, topic, what: (service, to, topic) == ("control", "robot_9", "control")
-                            and what.src_robot == "robot_0" and not what.update_numbers)
+        self.adhoc.wait_for(
+            lambda service, to, topic, what: (
+                (service, to, topic) == ("control", "robot_9", "control")
+                and what.src_robot == "robot_0"
+                and not what.update_numbers
+            )
+        )
         fake.connected(self.adhoc.status).publish(Status(robots=["robot_0", "robot_8"]))
         self.adhoc.wait_for(lambda service, to, *_: (service, to) == ("control", "robot_8"))
 
@@ -80,8 +86,7 @@ class NodeTest(unittest.TestCase):
         self.assertEqual(known, np.count_nonzero(self.target.cells != -1))
 
     def test_5_a_peer_is_merged_though_it_was_never_announced(self):
-        fake.connected(self.adhoc.meta_other).publish(
-            fake.plain_anchor(Anchor("robot_1", self.source.info, BOOT, 1)))
+        fake.connected(self.adhoc.meta_other).publish(fake.plain_anchor(Anchor("robot_1", self.source.info, BOOT, 1)))
         tile = Tile("robot_1", (0,), 0, 0, self.source.cells, self.source.info.resolution, BOOT, 1)
         fake.connected(self.adhoc.map_other).publish(fake.plain_tile(tile))
         alone = np.count_nonzero(self.target.cells != -1)
@@ -106,7 +111,8 @@ class NodeTest(unittest.TestCase):
         positions = fake.Latest("all_positions", MmListOfPoints)
         tracks = fake.Latest("map_merger/position_robot_1", MarkerArray)
         fake.connected(self.adhoc.positions).publish(
-            ros_io.position_message(Position("robot_1", Transform(1.0, 2.0, 0.0)), "map", rospy.Time(1)))
+            ros_io.position_message(Position("robot_1", Transform(1.0, 2.0, 0.0)), "map", rospy.Time(1))
+        )
         point = positions.wait_for(lambda m: m.positions).positions[0]
         expected = self.truth.apply_point(1.0, 2.0)
         self.assertEqual(point.src_robot, "robot_1")

@@ -1,4 +1,5 @@
 """Makes the library importable without an install and keeps hypothesis repeatable."""
+
 import os
 import sys
 

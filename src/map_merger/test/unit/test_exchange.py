@@ -1,4 +1,5 @@
 """The exchange of map changes: whatever is lost or reordered, the copies become equal again."""
+
 import numpy as np
 import pytest
 from hypothesis import given

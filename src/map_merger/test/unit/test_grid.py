@@ -1,4 +1,5 @@
 """Geometry: cells, metres, boxes and the growing canvas."""
+
 import math
 
 import numpy as np
@@ -32,7 +33,11 @@ infos = st.builds(GridInfo, st.integers(1, 60), st.integers(1, 60), st.floats(0.
 offsets = st.integers(-80, 80)
 boxes = st.builds(
     lambda top, left, rows, columns: Box(top, left, top + rows, left + columns),
-    offsets, offsets, st.integers(1, 30), st.integers(1, 30))
+    offsets,
+    offsets,
+    st.integers(1, 30),
+    st.integers(1, 30),
+)
 
 
 @given(transforms, transforms, metres, metres)
@@ -56,7 +61,8 @@ def test_wrap_angle_at_the_border():
 
 def test_displacement_of_a_pure_turn_grows_with_the_distance():
     assert displacement(Transform(), Transform(yaw=0.1), np.array([[0.0, 0.0], [10.0, 0.0]])) == pytest.approx(
-        [0.0, 20.0 * math.sin(0.05)])
+        [0.0, 20.0 * math.sin(0.05)]
+    )
 
 
 @pytest.mark.parametrize("bad", [[1, 2], [1, 2, 3, 4], [1, 2, math.nan], ["a", 1, 2]])
@@ -87,8 +93,9 @@ def test_other_resolution_or_heading_is_refused():
         offset_between(GridInfo(4, 4, 0.05, Transform(0, 0, 0.1)), info)
 
 
-@pytest.mark.parametrize("width, height, resolution", [(1, 1, 0.0), (1, 1, -1.0), (1, 1, math.nan), (-1, 1, 1.0),
-                                                       (MAX_CELLS, 2, 1.0)])
+@pytest.mark.parametrize(
+    "width, height, resolution", [(1, 1, 0.0), (1, 1, -1.0), (1, 1, math.nan), (-1, 1, 1.0), (MAX_CELLS, 2, 1.0)]
+)
 def test_impossible_grids_are_refused(width, height, resolution):
     with pytest.raises(GridError):
         GridInfo(width, height, resolution)

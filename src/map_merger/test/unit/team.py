@@ -1,0 +1,139 @@
+"""A team of agents on virtual time and a radio that loses what the test wants lost."""
+
+from dataclasses import dataclass, field
+from typing import Callable, Dict, List
+
+import numpy as np
+from map_merger.agent import Agent
+from map_merger.effects import (
+    AskNeighbors,
+    BroadcastTransforms,
+    Note,
+    PublishMap,
+    PublishPositions,
+    Register,
+    SaveDebugImages,
+    Send,
+)
+from map_merger.messages import Anchor, Position, Request, Tile
+from map_merger.options import Options
+from map_merger.synthetic import Survey, Surveyor, office_plan
+
+STEP_S = 0.25
+
+
+def options(name, **changes):
+    """Options of a robot that accepts every rotation."""
+    values = dict(robot_name=name, max_rotation_robots=-1.0, exchange_position=True, split_size=2048, debug=False)
+    values.update(changes)
+    return Options(**values)
+
+
+@dataclass
+class Team:
+    """Agents by name; `lost(sender, receiver, payload)` says what the radio loses."""
+
+    agents: Dict[str, Agent]
+    lost: Callable[[str, str, object], bool] = lambda sender, receiver, payload: False
+    now: float = 100.0
+    sends: List[tuple] = field(default_factory=list)
+    maps: Dict[str, list] = field(default_factory=dict)
+    places: Dict[str, tuple] = field(default_factory=dict)
+    transforms: Dict[str, tuple] = field(default_factory=dict)
+    notes: Dict[str, list] = field(default_factory=dict)
+    asked: List[str] = field(default_factory=list)
+    images: Dict[str, list] = field(default_factory=dict)
+    jobs: int = 0
+
+    def run(self, seconds):
+        """Virtual time goes by."""
+        for _ in range(round(seconds / STEP_S)):
+            self.now += STEP_S
+            for name, agent in self.agents.items():
+                agent.tick(self.now)
+                self.settle(name)
+
+    def settle(self, name):
+        """Carries out what the agent wants."""
+        agent = self.agents[name]
+        effects = agent.effects()
+        while effects:
+            for effect in effects:
+                self._carry_out(name, agent, effect)
+            effects = agent.effects()
+
+    def _carry_out(self, name, agent, effect):
+        if isinstance(effect, Send):
+            agent.on_sent(effect, self._deliver(name, effect), self.now)
+        elif isinstance(effect, Register):
+            self.jobs += 1
+            agent.on_registered(effect, effect.job.run(), self.now)
+        elif isinstance(effect, PublishMap):
+            self.maps.setdefault(name, []).append(effect.grid)
+        elif isinstance(effect, PublishPositions):
+            self.places[name] = effect.places
+        elif isinstance(effect, BroadcastTransforms):
+            self.transforms[name] = effect.transforms
+        elif isinstance(effect, Note):
+            self.notes.setdefault(name, []).append(effect.text)
+        elif isinstance(effect, AskNeighbors):
+            self.asked.append(name)
+        elif isinstance(effect, SaveDebugImages):
+            self.images.setdefault(name, []).append(effect)
+
+    def _deliver(self, sender, send):
+        group = send.destination.startswith("mc_")
+        receivers = [name for name in self.agents if name != sender] if group else [send.destination]
+        for payload in send.payloads:
+            self.sends.append((self.now, sender, send.destination, payload))
+            missed = False
+            for receiver in receivers:
+                if receiver not in self.agents or self.lost(sender, receiver, payload):
+                    missed = True
+                    continue
+                take(self.agents[receiver], payload, self.now)
+            if missed and not group:
+                return False
+        return True
+
+    def sent(self, kind, sender=None, destination=None):
+        """Payloads of a kind that were sent."""
+        return [
+            payload
+            for _, who, where, payload in self.sends
+            if isinstance(payload, kind) and sender in (None, who) and destination in (None, where)
+        ]
+
+
+def take(agent, payload, now):
+    """Hands a payload to an agent."""
+    if isinstance(payload, Tile):
+        agent.on_tile(payload, now)
+    elif isinstance(payload, Anchor):
+        agent.on_anchor(payload, now)
+    elif isinstance(payload, Request):
+        agent.on_request(payload, now)
+    elif isinstance(payload, Position):
+        agent.on_position(payload, now)
+
+
+def team_of(*names, **changes):
+    """A team of robots that know nothing of each other."""
+    return Team({name: Agent(options(name, **changes), (1, number)) for number, name in enumerate(names)})
+
+
+def survey(count, seed=5, path_length=25.0, stages=(1.0,), same_place=True):
+    """Robot maps of one building, starting at one place with different headings."""
+    random = np.random.default_rng(seed)
+    surveyor = Surveyor(office_plan(random))
+    first = surveyor.explore(random, Survey(path_length=path_length, stages=stages))
+    others = [
+        surveyor.explore(
+            random,
+            Survey(path_length=path_length, stages=stages),
+            start=tuple(first.path[0, :2]) if same_place else None,
+            yaw=2.0 * number + 0.4,
+        )
+        for number in range(count - 1)
+    ]
+    return [first, *others]

@@ -1,0 +1,407 @@
+"""The agent on virtual time: exchange, restart, merging, positions, base station, parameters."""
+
+import math
+
+import numpy as np
+import pytest
+from map_merger.agent import Agent, NoTransform
+from map_merger.effects import Note, PublishMap, Send
+from map_merger.evidence import Evidence
+from map_merger.grid import UNKNOWN, Grid, GridInfo
+from map_merger.messages import Anchor, Position, Request, Tile
+from map_merger.registration import Registration, Verdict
+from map_merger.synthetic import pair_of
+from map_merger.transform import Transform, displacement
+from team import Team, options, survey, team_of
+
+
+def square(size=20, value=0, x=0.0):
+    return Grid(GridInfo(size, size, 0.05, Transform(x, 0.0, 0.0)), np.full((size, size), value, np.int8))
+
+
+@pytest.fixture(scope="module")
+def maps():
+    return survey(3)
+
+
+def known(grid):
+    return int((grid.cells != UNKNOWN).sum())
+
+
+def error_of(team, robot, other, maps, own=0, index=1):
+    """Largest error in metres of a transform over the other's map."""
+    truth = pair_of(maps[own], maps[index]).truth
+    points = np.array([[0.0, 0.0], [8.0, 0.0], [0.0, 8.0], [-8.0, -8.0]])
+    return displacement(truth, team.agents[robot].transforms()[other], points).max()
+
+
+def test_alone_the_global_map_is_the_local_one_at_once():
+    team = team_of("robot_0")
+    grid = square()
+    team.agents["robot_0"].on_local_map(grid, team.now)
+    team.run(0.25)
+    assert team.maps["robot_0"][-1] is grid
+
+
+def test_the_anchor_goes_before_the_first_tile_and_changes_go_once(maps):
+    team = team_of("robot_0", "robot_1")
+    team.agents["robot_0"].on_local_map(square(), team.now)
+    team.run(30.0)
+    payloads = [
+        payload for _, _, to, payload in team.sends if to == "mc_robot_0" and isinstance(payload, (Anchor, Tile))
+    ]
+    assert isinstance(payloads[0], Anchor) and payloads[0].info.width == 0
+    assert len(team.sent(Tile)) == 1
+
+
+def test_three_robots_merge_without_start_poses_and_maps_are_complete(maps):
+    team = team_of("robot_0", "robot_1", "robot_2")
+    for index in range(3):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(40.0)
+    for index, other in ((1, "robot_1"), (2, "robot_2")):
+        assert error_of(team, "robot_0", other, maps, index=index) < 0.2
+    merged = team.maps["robot_0"][-1]
+    assert known(merged) > known(maps[0].grid)
+    assert dict(team.transforms["robot_0"]).keys() == {"robot_1", "robot_2"}
+
+
+def test_lost_messages_are_asked_for_again(maps):
+    random = np.random.default_rng(1)
+    team = team_of("robot_0", "robot_1", split_size=32)
+    team.lost = lambda *_: random.random() < 0.4
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(20.0)
+    team.lost = lambda *_: False
+    team.run(60.0)
+    assert error_of(team, "robot_0", "robot_1", maps) < 0.2
+    whole = team_of("robot_0", "robot_1")
+    for index in range(2):
+        whole.agents[f"robot_{index}"].on_local_map(maps[index].grid, whole.now)
+    whole.run(60.0)
+    assert known(team.maps["robot_0"][-1]) == pytest.approx(known(whole.maps["robot_0"][-1]), rel=0.002)
+
+
+def test_a_group_send_that_failed_is_repeated_with_growing_pauses():
+    agent = Agent(options("robot_0"), (1, 0))
+    agent.on_local_map(square(), 0.0)
+    times = []
+    for step in range(1, 1200):
+        agent.tick(step * 0.25)
+        for effect in agent.effects():
+            if isinstance(effect, Send) and any(isinstance(payload, Tile) for payload in effect.payloads):
+                times.append(step * 0.25)
+                agent.on_sent(effect, False, step * 0.25)
+    pauses = np.diff(times)
+    assert 4 <= len(times) <= 12
+    assert pauses[0] <= 15.0 and pauses[-1] >= 55.0
+
+
+def test_a_send_that_is_not_finished_holds_back_the_next():
+    agent = Agent(options("robot_0"), (1, 0))
+    agent.on_local_pose(Transform(), 0.0)
+    agent.on_robot("robot_1", 0.0)
+    sends = []
+    for step in range(400):
+        agent.on_local_map(square(value=step % 50), step * 0.25)
+        agent.tick(step * 0.25)
+        sends.extend(effect for effect in agent.effects() if isinstance(effect, Send))
+    assert len([send for send in sends if send.destination == "mc_robot_0"]) == 3, "changes, position, anchor: one each"
+
+
+def test_an_unknown_sender_is_added_and_asked_for_its_anchor():
+    team = team_of("robot_0", "robot_1")
+    team.agents["robot_0"].on_tile(Tile("robot_1", (4,), 0, 0, np.zeros((2, 2), np.int8), 0.05, (1, 1), 5), team.now)
+    team.run(2.0)
+    assert Request("robot_0", ()) in team.sent(Request, "robot_0", "robot_1")
+
+
+def test_requests_become_rarer_while_nobody_answers():
+    agent = Agent(options("robot_0"), (1, 0))
+    agent.on_robot("robot_1", 0.0)
+    asked = 0
+    for step in range(1, 2400):
+        agent.tick(step * 0.25)
+        for effect in agent.effects():
+            if isinstance(effect, Send):
+                asked += effect.destination == "robot_1"
+                agent.on_sent(effect, False, step * 0.25)
+    assert 15 <= asked <= 30
+
+
+def test_a_robot_that_left_is_not_asked_and_gets_the_last_update_when_it_returns():
+    team = team_of("robot_0")
+    agent = team.agents["robot_0"]
+    agent.on_local_map(square(), team.now)
+    agent.on_robot("robot_1", team.now)
+    team.run(5.0)
+    agent.on_robot_lost("robot_1", team.now)
+    team.sends.clear()
+    team.run(60.0)
+    assert not team.sent(Request)
+    agent.on_robot("robot_1", team.now, returned=True)
+    (answer,) = agent.effects()
+    assert answer.destination == "robot_1"
+    assert [type(payload) for payload in answer.payloads] == [Anchor, Tile]
+
+
+@pytest.mark.parametrize("numbers", [(-1,), (-1, 0), (99,)])
+def test_requests_to_be_ignored(numbers):
+    team = team_of("robot_0")
+    agent = team.agents["robot_0"]
+    agent.on_local_map(square(), team.now)
+    team.run(1.0)
+    team.sends.clear()
+    agent.on_request(Request("robot_1", numbers), team.now)
+    team.settle("robot_0")
+    assert not team.sent(Tile)
+
+
+def test_a_restarted_robot_loses_its_map_and_transform(maps):
+    team = team_of("robot_0", "robot_1")
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    assert team.agents["robot_0"].transforms()
+    team.agents["robot_1"] = Agent(options("robot_1"), (2, 0))
+    team.agents["robot_1"].on_local_map(square(), team.now)
+    team.run(10.0)
+    assert not team.agents["robot_0"].transforms()
+    assert np.array_equal(team.maps["robot_0"][-1].cells, maps[0].grid.cells)
+    assert any("restarted" in note for note in team.notes["robot_0"])
+
+
+def test_a_robot_that_restarts_itself_gets_the_maps_again(maps):
+    team = team_of("robot_0", "robot_1")
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    team.agents["robot_0"] = Agent(options("robot_0"), (2, 0))
+    team.agents["robot_0"].on_local_map(maps[0].grid, team.now)
+    team.run(30.0)
+    assert error_of(team, "robot_0", "robot_1", maps) < 0.2
+
+
+def test_the_neighbours_are_asked_for_once_five_seconds_after_the_start():
+    team = team_of("robot_0")
+    team.run(4.5)
+    assert team.asked == []
+    team.run(60.0)
+    assert team.asked == ["robot_0"]
+
+
+def test_positions_and_points_in_the_own_frame(maps):
+    team = team_of("robot_0", "robot_1")
+    with pytest.raises(NoTransform, match="not known"):
+        team.agents["robot_0"].transform_point("robot_1", 0.0, 0.0)
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+        team.agents[f"robot_{index}"].on_local_pose(Transform(1.0, 0.5, 0.2), team.now)
+    team.run(30.0)
+    truth = pair_of(maps[0], maps[1]).truth
+    (place,) = team.places["robot_0"]
+    assert place.robot == "robot_1"
+    assert math.dist((place.x, place.y), truth.apply_point(1.0, 0.5)) < 0.1
+    point = team.agents["robot_0"].transform_point("robot_1", 3.0, 1.0)
+    assert math.dist(point, truth.apply_point(3.0, 1.0)) < 0.15
+    assert team.agents["robot_0"].transform_point("robot_0", 3.0, 1.0) == (3.0, 1.0)
+
+
+def test_without_transform_no_position_is_listed_and_points_fail_with_the_reason():
+    team = team_of("robot_0", "robot_1")
+    for name in ("robot_0", "robot_1"):
+        team.agents[name].on_local_map(square(), team.now)
+        team.agents[name].on_local_pose(Transform(), team.now)
+    team.run(20.0)
+    assert team.places["robot_0"] == ()
+    with pytest.raises(NoTransform, match="no transform to robot_1 yet"):
+        team.agents["robot_0"].transform_point("robot_1", 0.0, 0.0)
+    with pytest.raises(NoTransform, match="finite"):
+        team.agents["robot_0"].transform_point("robot_1", math.nan, 0.0)
+
+
+def test_old_positions_are_not_listed(maps):
+    team = team_of("robot_0", "robot_1")
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.agents["robot_1"].on_local_pose(Transform(), team.now)
+    team.run(30.0)
+    assert team.places["robot_0"]
+    del team.agents["robot_1"]
+    team.run(40.0)
+    assert team.places["robot_0"] == ()
+
+
+def test_positions_are_not_exchanged_unless_wanted():
+    team = team_of("robot_0", exchange_position=False)
+    team.agents["robot_0"].on_local_pose(Transform(), team.now)
+    team.run(10.0)
+    assert not team.sent(Position) and "robot_0" not in team.places
+
+
+def test_base_station_takes_the_first_map_as_reference_and_merges_the_others(maps):
+    team = team_of("robot_1", "robot_2")
+    team.agents["base"] = Agent(options("base", has_local_map=False), (1, 9))
+    team.agents["robot_1"].on_local_map(maps[0].grid, team.now)
+    team.run(10.0)
+    team.agents["robot_2"].on_local_map(maps[1].grid, team.now)
+    team.agents["robot_1"].on_local_pose(Transform(1.0, 2.0, 0.0), team.now)
+    team.run(40.0)
+    base = team.agents["base"]
+    assert error_of(team, "base", "robot_2", maps) < 0.2
+    assert base.transform_point("robot_1", 1.0, 2.0) == (1.0, 2.0)
+    assert known(team.maps["base"][-1]) > known(maps[0].grid)
+    assert ("robot_1", 1.0, 2.0) in team.places["base"]
+    assert dict(team.transforms["base"])["robot_1"] == Transform()
+    assert not team.sent(Tile, "base") and not team.sent(Position, "base")
+
+
+def test_initial_poses_are_a_prior_and_not_a_fact(maps):
+    truth = pair_of(maps[0], maps[1]).truth
+    for offset, found in ((Transform(1.0, -1.0, 0.2), True), (Transform(9.0, 9.0, 2.0), False)):
+        poses = {
+            "robot_0": Transform(5.0, 5.0, 1.0),
+            "robot_1": Transform(5.0, 5.0, 1.0).compose(truth).compose(offset),
+        }
+        team = team_of("robot_0", "robot_1", initial_poses=poses)
+        for index in range(2):
+            team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+        team.run(30.0)
+        assert bool(team.agents["robot_0"].transforms()) == found
+        if found:
+            assert error_of(team, "robot_0", "robot_1", maps) < 0.2
+
+
+@pytest.mark.parametrize("limit", [{"max_rotation_robots": 1.0}, {"max_trans_robots": 0.0}])
+def test_limits_refuse_and_say_so_once(maps, limit):
+    team = team_of("robot_0", "robot_1", **limit)
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(60.0)
+    assert not team.agents["robot_0"].transforms()
+    assert sum("-1 lifts a limit" in note for note in team.notes["robot_0"]) == 1
+
+
+def test_features_method_merges_too(maps):
+    team = team_of("robot_0", "robot_1", registration="features")
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    for transform in team.agents["robot_0"].transforms().values():
+        points = np.array([[0.0, 0.0], [8.0, 0.0]])
+        assert displacement(transform, pair_of(maps[0], maps[1]).truth, points).max() < 0.25
+
+
+def test_timers_have_their_periods():
+    team = team_of("robot_0", "robot_1", seconds_send_timer=7, seconds_send_position=3, seconds_meta_timer=11)
+    agent = team.agents["robot_0"]
+    agent.on_robot("robot_1", team.now)
+    agent.on_local_pose(Transform(), team.now)
+    for step in range(60):
+        agent.on_local_map(square(value=step), team.now)
+        team.run(1.0)
+    tiles = [now for now, who, to, payload in team.sends if to == "mc_robot_0" and isinstance(payload, Tile)]
+    positions = [now for now, who, to, payload in team.sends if to == "mc_robot_0" and isinstance(payload, Position)]
+    anchors = [now for now, who, to, payload in team.sends if to == "mc_robot_0" and isinstance(payload, Anchor)]
+    assert set(np.diff(tiles)) == {7.0}
+    assert set(np.diff(positions)) == {3.0}
+    assert set(np.diff(anchors[1:])) == {11.0}
+
+
+def test_news_of_others_come_with_the_publish_timer_and_own_news_at_once(maps):
+    team = team_of("robot_0", "robot_1", seconds_pub_timer=9)
+    team.agents["robot_0"].on_local_map(maps[0].grid, team.now)
+    team.run(0.25)
+    assert len(team.maps["robot_0"]) == 1
+    team.agents["robot_1"].on_local_map(maps[1].grid, team.now)
+    team.run(8.0)
+    assert len(team.maps["robot_0"]) == 1
+    team.run(20.0)
+    assert known(team.maps["robot_0"][-1]) > known(maps[0].grid)
+
+
+@pytest.mark.parametrize("period, refined", [(-1, False), (4, True)])
+def test_known_transforms_are_refined_unless_the_period_is_minus_one(maps, period, refined):
+    team = team_of("robot_0", "robot_1", seconds_recompute_transform=period)
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    before = team.jobs
+    cells = maps[0].grid.cells.copy()
+    cells[0, 0] = 0
+    team.agents["robot_0"].on_local_map(Grid(maps[0].grid.info, cells), team.now)
+    team.run(10.0)
+    assert (team.jobs > before) == refined
+
+
+def test_no_registration_while_nothing_changes(maps):
+    team = team_of("robot_0", "robot_1")
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    before = team.jobs
+    team.run(120.0)
+    assert team.jobs == before
+
+
+def test_a_contradicted_transform_is_revoked(maps):
+    team = team_of("robot_0", "robot_1")
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    assert team.agents["robot_0"].transforms()
+    wrong = Registration(Verdict.CONTRADICTED, Transform(), Evidence(20.0, 5.0, 0.4, 0.5, 0.1))
+    alignment = team.agents["robot_0"]._peers["robot_1"].alignment
+    assert alignment.finished(wrong) == ""
+    assert alignment.transform is not None
+    assert alignment.finished(wrong) == "revoked"
+    assert alignment.transform is None
+
+
+def test_debug_images_show_the_map_and_the_one_before():
+    team = Team({"robot_0": Agent(options("robot_0", debug=True), (1, 0))})
+    first, second = square(), square(value=100)
+    team.agents["robot_0"].on_local_map(first, team.now)
+    team.run(6.0)
+    team.agents["robot_0"].on_local_map(second, team.now)
+    team.run(6.0)
+    assert len(team.images["robot_0"]) == 2
+    assert team.images["robot_0"][1].present is second and team.images["robot_0"][1].before is first
+
+
+def test_a_local_map_with_another_resolution_is_reported_and_ignored():
+    agent = Agent(options("robot_0"), (1, 0))
+    agent.on_local_map(square(), 0.0)
+    agent.on_local_map(Grid(GridInfo(2, 2, 0.1), np.zeros((2, 2), np.int8)), 1.0)
+    agent.tick(2.0)
+    effects = agent.effects()
+    assert any(isinstance(effect, Note) and "resolution" in effect.text for effect in effects)
+    assert next(effect for effect in effects if isinstance(effect, PublishMap)).grid.info.resolution == 0.05
+
+
+def test_the_number_of_robots_is_bounded():
+    agent = Agent(options("robot_0"), (1, 0))
+    for number in range(1, 200):
+        agent.on_robot(f"robot_{number}", 0.0)
+    assert len(agent._peers) == 64
+
+
+def test_own_messages_are_ignored():
+    agent = Agent(options("robot_0"), (1, 0))
+    agent.on_robot("robot_0", 0.0)
+    agent.on_position(Position("robot_0", Transform()), 0.0)
+    agent.on_robot("", 0.0)
+    assert not agent._peers
+
+
+def test_a_clock_that_jumps_back_does_not_stop_the_agent():
+    team = team_of("robot_0")
+    agent = team.agents["robot_0"]
+    agent.on_local_map(square(), team.now)
+    team.run(10.0)
+    team.now = 0.0
+    agent.on_local_map(square(value=100), team.now)
+    team.run(10.0)
+    assert team.maps["robot_0"][-1].cells.max() == 100
+    assert len(team.sent(Tile)) == 2

@@ -1,0 +1,216 @@
+"""Registration: right where maps overlap, declined where they do not or where rooms repeat, never wrong."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from map_merger import benchmark, features, registration
+from map_merger.alignment import Alignment
+from map_merger.evidence import Evidence, compare
+from map_merger.grid import Grid, GridInfo, empty_grid
+from map_merger.refine import FINE_REACH, refined
+from map_merger.registration import STRONG_CRITERIA, Limits, Prior, Registration, Verdict, follow, register
+from map_merger.surface import landmarks_of
+from map_merger.synthetic import Survey, Surveyor, office_plan, pair_of
+from map_merger.transform import Transform, displacement, rotation_between
+
+
+@pytest.fixture(scope="module")
+def overlapping():
+    """Two maps that share much, and the truth."""
+    random = np.random.default_rng(5)
+    surveyor = Surveyor(office_plan(random))
+    survey = Survey(path_length=25.0)
+    target = surveyor.explore(random, survey)
+    source = surveyor.explore(random, survey, start=tuple(target.path[0, :2]), yaw=2.4)
+    return pair_of(target, source)
+
+
+def error(pair, transform):
+    return displacement(pair.truth, transform, benchmark.overlap(pair.target.grid, pair.source.grid, pair.truth)).max()
+
+
+def moved(grid, transform):
+    """The same map in a frame that is displaced: a point p becomes transform(p)."""
+    return Grid(replace(grid.info, origin=transform.compose(grid.info.origin)), grid.cells)
+
+
+@settings(max_examples=12)
+@given(st.floats(-30, 30), st.floats(-30, 30), st.floats(-math.pi, math.pi))
+def test_any_displacement_of_the_frames_is_found(overlapping, x, y, yaw):
+    frame = Transform(x, y, yaw)
+    source = landmarks_of(moved(overlapping.source.grid, frame))
+    result = register(landmarks_of(overlapping.target.grid), source)
+    assert result.accepted, result.verdict
+    found = result.transform.compose(frame)
+    assert error(overlapping, found) < 0.1
+    assert rotation_between(found, overlapping.truth) < math.radians(0.5)
+
+
+def test_it_is_precise_both_ways_and_repeatable(overlapping):
+    target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
+    there, back = register(target, source), register(source, target)
+    assert error(overlapping, there.transform) < 0.05
+    assert error(overlapping, back.transform.inverse()) < 0.05
+    assert register(target, source).transform == there.transform
+
+
+def test_different_resolutions_register(overlapping):
+    random = np.random.default_rng(5)
+    surveyor = Surveyor(office_plan(random))
+    target = surveyor.explore(random, Survey(path_length=25.0))
+    coarse = surveyor.explore(random, Survey(path_length=25.0, resolution=0.1), start=tuple(target.path[0, :2]))
+    result = register(landmarks_of(target.grid), landmarks_of(coarse.grid))
+    assert not result.accepted or error(pair_of(target, coarse), result.transform) < 0.25
+
+
+@pytest.mark.parametrize("scenario", benchmark.scenarios(), ids=lambda scenario: scenario.name)
+def test_never_wrong(scenario):
+    outcomes = [benchmark.measure(benchmark.draw_pair(scenario, seed), seed, register) for seed in range(500, 503)]
+    assert benchmark.counts(outcomes)["wrong"] == 0, outcomes
+
+
+def test_right_where_enough_is_shared():
+    scenario = next(each for each in benchmark.scenarios() if each.name == "near, any heading")
+    outcomes = [benchmark.measure(benchmark.draw_pair(scenario, seed), seed, register) for seed in range(600, 607)]
+    enough = [outcome for outcome in outcomes if outcome.shared >= 25.0]
+    assert len(enough) >= 2
+    assert sum(outcome.kind == "right" for outcome in enough) >= 0.7 * len(enough), outcomes
+
+
+def test_other_rooms_of_the_same_building_are_declined():
+    random = np.random.default_rng(3)
+    surveyor = Surveyor(office_plan(random, same=True))
+    survey = Survey(path_length=3.0)
+    first = surveyor.explore(random, survey, start=(2.0, 2.4))
+    second = surveyor.explore(random, survey, start=(14.3, 2.4))
+    result = register(landmarks_of(first.grid), landmarks_of(second.grid))
+    assert Alignment().finished(result) == ""
+
+
+@pytest.mark.parametrize(
+    "grid",
+    [
+        empty_grid(GridInfo(0, 0, 0.05)),
+        empty_grid(GridInfo(30, 30, 0.05)),
+        Grid(GridInfo(30, 30, 0.05), np.zeros((30, 30), np.int8)),
+        Grid(GridInfo(30, 30, 0.05), np.full((30, 30), 100, np.int8)),
+        Grid(GridInfo(1, 1, 0.05), np.zeros((1, 1), np.int8)),
+    ],
+)
+@pytest.mark.parametrize("method", [registration.register, features.register])
+def test_maps_without_walls_are_declined(overlapping, grid, method):
+    full = landmarks_of(overlapping.target.grid)
+    assert not method(full, landmarks_of(grid)).accepted
+    assert not method(landmarks_of(grid), full).accepted
+    assert not method(landmarks_of(grid), landmarks_of(grid)).accepted
+
+
+def test_a_lone_corridor_is_declined():
+    cells = np.zeros((40, 400), np.int8)
+    cells[[0, -1]] = 100
+    corridor = landmarks_of(Grid(GridInfo(400, 40, 0.05), cells))
+    assert not register(corridor, corridor).accepted
+
+
+def test_a_square_room_is_ambiguous():
+    cells = np.zeros((200, 200), np.int8)
+    cells[[0, -1]] = 100
+    cells[:, [0, -1]] = 100
+    square = landmarks_of(Grid(GridInfo(200, 200, 0.05), cells))
+    assert register(square, square).verdict is Verdict.AMBIGUOUS
+
+
+def test_a_prior_helps_where_little_is_shared_and_a_false_one_does_not_mislead():
+    scenario = next(each for each in benchmark.scenarios() if each.name == "side by side, same heading")
+    helped = 0
+    for seed in range(700, 706):
+        pair = benchmark.draw_pair(scenario, seed)
+        target, source = landmarks_of(pair.target.stages[0]), landmarks_of(pair.source.stages[0])
+        random = np.random.default_rng(seed)
+        rough = pair.truth.compose(Transform(*random.uniform(-1.4, 1.4, 2), random.uniform(-0.35, 0.35)))
+        result = register(target, source, registration.PRIOR_CRITERIA, prior=Prior(rough))
+        assert not result.accepted or error(pair, result.transform) < 0.25
+        helped += result.accepted and not register(target, source).accepted
+        false = rough.compose(Transform(12.0, 5.0, 1.5))
+        misled = register(target, source, registration.PRIOR_CRITERIA, prior=Prior(false))
+        assert not misled.accepted
+    assert helped >= 1
+
+
+def test_limits(overlapping):
+    target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
+    assert register(target, source, limits=Limits(rotation=1.0)).verdict is Verdict.BEYOND_LIMITS
+    assert register(target, source, limits=Limits(rotation=math.pi)).accepted
+
+
+def test_features_are_verified_too(overlapping):
+    target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
+    result = features.register(target, source)
+    assert not result.accepted or error(overlapping, result.transform) < 0.1
+
+
+@settings(max_examples=10)
+@given(st.floats(-0.15, 0.15), st.floats(-0.15, 0.15), st.floats(-0.02, 0.02))
+def test_refinement_draws_in_small_errors(overlapping, x, y, yaw):
+    target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
+    start = Transform(x, y, yaw).compose(overlapping.truth)
+    better, evidence = follow(target, source, start)
+    assert error(overlapping, better) < 0.06
+    assert evidence.conflict < 0.02
+
+
+def test_refinement_without_partners_changes_nothing(overlapping):
+    target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
+    far = Transform(500.0, 0.0, 0.0)
+    assert refined(target.surface, source.surface, far, FINE_REACH) == far
+    assert compare(target, source, far) == Evidence()
+
+
+def test_walls_in_free_space_are_conflicts(overlapping):
+    target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
+    assert compare(target, source, overlapping.truth).conflict < 0.02
+    assert compare(target, source, Transform(1.0, 1.0, 0.0).compose(overlapping.truth)).conflict > 0.3
+
+
+def look(matched, transform=None, conflict=0.0, surveyed=100.0, verdict=Verdict.ACCEPTED):
+    return Registration(
+        verdict, transform or Transform(1.0, 2.0, 0.5), Evidence(matched, matched / 3, conflict, 0.8, 0.02), surveyed
+    )
+
+
+def test_weak_evidence_needs_a_second_look_at_grown_maps():
+    alignment = Alignment()
+    assert alignment.finished(look(15.0)) == "" and alignment.transform is None
+    assert alignment.finished(look(15.0)) == "", "the same maps tell nothing new"
+    assert alignment.finished(look(17.0)) == "", "too little growth"
+    assert alignment.finished(look(18.5)) == "accepted"
+
+
+def test_growth_elsewhere_without_a_contradiction_confirms_as_well():
+    alignment = Alignment()
+    alignment.finished(look(15.0, surveyed=60.0))
+    assert alignment.finished(look(15.0, surveyed=90.0)) == "accepted"
+
+
+@pytest.mark.parametrize("between", [Verdict.AMBIGUOUS, Verdict.CONTRADICTED, Verdict.CONTRADICTS_TEAM])
+def test_a_candidate_that_meets_doubt_starts_anew(between):
+    alignment = Alignment()
+    alignment.finished(look(15.0))
+    alignment.finished(look(16.0, verdict=between))
+    assert alignment.finished(look(20.0)) == ""
+
+
+def test_another_transform_does_not_confirm():
+    alignment = Alignment()
+    alignment.finished(look(15.0))
+    assert alignment.finished(look(20.0, Transform(5.0, 2.0, 0.5))) == ""
+    assert alignment.transform is None
+
+
+def test_strong_evidence_is_believed_at_once():
+    alignment = Alignment()
+    assert alignment.finished(look(STRONG_CRITERIA.matched + 1.0)) == "accepted"
