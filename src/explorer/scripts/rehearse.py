@@ -357,6 +357,7 @@ def main() -> int:
     parser.add_argument("--merge-period", type=float, default=3.0, help="s")
     parser.add_argument("--range", type=float, default=math.inf, help="m")
     parser.add_argument("--first-seed", type=int, default=1)
+    parser.add_argument("--limit", type=float, default=1500.0, help="s")
     parser.add_argument("--verbose", action="store_true")
     arguments = parser.parse_args()
     free = load_plan(arguments.plan)
@@ -368,7 +369,7 @@ def main() -> int:
             for seed in range(arguments.first_seed, arguments.first_seed + arguments.seeds):
                 mission = Rehearsal(
                     free, robots, strategy, seed, arguments.loss, arguments.delay, arguments.merge_period,
-                    radio_range=arguments.range, verbose=arguments.verbose,
+                    radio_range=arguments.range, limit=arguments.limit, verbose=arguments.verbose,
                 )
                 results.append(mission.run())
             report(strategy, robots, results)

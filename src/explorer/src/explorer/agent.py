@@ -40,6 +40,7 @@ from explorer.messages import (
 )
 from explorer.options import Options
 from explorer.team import Team
+from explorer.tour import MAXIMUM_STOPS, tour_lengths, ways_between
 from explorer.travel import CostField, TravelGrid
 from explorer.views import Views, sees
 
@@ -52,6 +53,7 @@ SHARE_PERIOD = 1.5  # s between two messages with frontiers
 REFRESH_PERIOD = 30.0  # s after which all own frontiers are sent again
 CONFIRM_PERIOD = 8.0  # s after which a claim is confirmed
 REASSIGN_PERIOD = 5.0  # s between two auctions while the robot drives (strategy 7)
+PATIENCE = 4.0  # s after which a cluster that nobody claims is taken by a robot that has none
 RETRY_PERIOD = 1.0  # s between two auctions while the robot waits
 TRANSFORM_PERIOD = 5.0  # s after which a transform is asked for again
 LOG_PERIOD = 10.0  # s, contract 3.8
@@ -60,6 +62,7 @@ LOOK_TIME = 1.5  # s that the map needs to show what was looked at
 TOLD_TIME = 8.0  # s that the merged map needs to show what another robot has explored
 NOTHING_TIME = 5.0  # s at rest after which a map that does not change counts as fresh
 BLOCKING_DISTANCE = 1.5  # m, a robot this near may be what makes a goal fail
+TOUR_CELL = 0.2  # m, resolution at which ways between clusters are measured
 LOOKS = 2  # times a frontier is looked at before it counts as visited
 REVIVALS = 3  # times a frontier that was given up is tried anew
 HOME_ATTEMPTS = 5  # contract 3.3
@@ -133,6 +136,9 @@ class ExplorerAgent:
         self._cluster_failures: Dict[int, int] = {}
         self._given_up_maps: Dict[int, Tuple[int, int]] = {}
         self._hidden_foreign: List[Tuple[float, float, float]] = []
+        self._detours: Dict[int, float] = {}
+        self._other_fields: Dict[Tuple[float, float], CostField] = {}
+        self._tour_grid: Optional[TravelGrid] = None
         self._field: Optional[CostField] = None
         self._views: Optional[Views] = None
         self._view_of: Dict[int, Tuple[float, float, float]] = {}
@@ -153,6 +159,7 @@ class ExplorerAgent:
         self._confirm_time = -math.inf
         self._claimed: Tuple[Key, ...] = ()
         self._auction_time = -math.inf
+        self._idle_since: Optional[float] = None
         self._transform_times: Dict[str, float] = {}
         self._log_time = -math.inf
         self._home_attempts = 0
@@ -312,9 +319,9 @@ class ExplorerAgent:
     def _perceive(self, now: float) -> None:
         assert self.map is not None and self.pose is not None
         moved = math.hypot(self.pose.x - self._field_place[0], self.pose.y - self._field_place[1]) > REPLAN_DISTANCE
-        hidden_over = any(f.looks and f.hidden_until <= now and not f.visited for f in self.frontiers.frontiers.values())
-        if not (self._map_changed or self._dirty or (moved and now - self._field_time >= REPLAN_PERIOD)):
-            if not (hidden_over and now - self._field_time >= REPLAN_PERIOD):
+        told_over = any(spot[2] <= now for spot in self._hidden_foreign)
+        if not (self._map_changed or self._dirty):
+            if not (moved or told_over) or now - self._field_time < REPLAN_PERIOD:
                 return
         if self._map_changed:
             self._take_map(now)
@@ -330,6 +337,8 @@ class ExplorerAgent:
         assert self.map is not None
         robots = list(self.team.positions(now).values())
         self.grid = TravelGrid(self.map, self.options.inflation_radius, 0.6, robots)
+        self._tour_grid = None
+        self._other_fields = {}
         cells = frontier_cells(self.map, self.options.minimal_frontier_length)
         _, gone = self.frontiers.update(self.map, cells)
         for frontier in gone:
@@ -377,6 +386,25 @@ class ExplorerAgent:
             active = [f for f in cluster.members if self._is_goal(f) and not _near_any(f, hidden)]
             self._views.assess(cluster, active)
             self._view_of.update(cluster.views)
+        self._plan_tour()
+
+    def _plan_tour(self) -> None:
+        """How much longer the tour through the nearest clusters gets if it starts at each of them (strategy 7)."""
+        self._detours = {}
+        stops = sorted((c for c in self.clusters.clusters if c.reachable), key=lambda c: (c.cost, c.number))
+        if self.options.frontier_selection != 7 or len(stops) < 2:
+            return
+        if self._tour_grid is None:
+            assert self.map is not None
+            robots = list(self.team.positions(self._map_time).values())
+            self._tour_grid = TravelGrid(self.map, self.options.inflation_radius, 0.6, robots, cell=TOUR_CELL)
+        near = stops[:MAXIMUM_STOPS]
+        ways = ways_between(self._tour_grid, [c.viewpoint or c.centre for c in near])
+        ways = np.where(np.isfinite(ways), ways, 2.0 * np.array([[c.cost for c in near]]))
+        lengths = tour_lengths(np.array([c.cost for c in near]), np.minimum(ways, ways.T))
+        self._detours = {c.number: float(length - lengths.min()) for c, length in zip(near, lengths)}
+        for cluster in stops[MAXIMUM_STOPS:]:
+            self._detours[cluster.number] = float(lengths.max() - lengths.min())
 
     def _is_goal(self, frontier: Frontier) -> bool:
         return not (frontier.visited or frontier.given_up)
@@ -597,7 +625,7 @@ class ExplorerAgent:
                 current = self._current(ready)
             if current is None and (self._auction is not None or self.goal is None):
                 # While the bids are on their way, the likely outcome is better than standing still.
-                self._take(self._decide(ready, {}, now), now)
+                self._take(self._decide(ready, {}, now), ready, now)
                 current = self._current(ready)
         elif current is not None and self._auction is None and now - self._auction_time >= REASSIGN_PERIOD:
             if len(ready) > 1:
@@ -640,7 +668,7 @@ class ExplorerAgent:
         self._foreign_auctions = {r: t for r, t in self._foreign_auctions.items() if t > now}
         bidders = self.team.bidders()
         if not bidders:
-            self._take(self._decide(ready, {}, now), now)
+            self._take(self._decide(ready, {}, now), ready, now)
             return
         if self._foreign_auctions and self.goal is not None:
             # Another auction is open: wait for its outcome before asking again.
@@ -668,14 +696,21 @@ class ExplorerAgent:
         else:
             self.counters.auctions_uncompleted += 1
         ready = self._ready(self._candidates(now), now)
-        self._take(self._decide(ready, auction.bids, now), now)
+        self._take(self._decide(ready, auction.bids, now), ready, now)
         self._announce(now, auction.auction_id)
 
-    def _take(self, cluster: Optional[Cluster], now: float) -> None:
+    def _take(self, cluster: Optional[Cluster], ready: Sequence[Cluster], now: float) -> None:
+        """Takes the cluster that was decided on. A robot that goes empty-handed while a cluster stays unclaimed takes
+        it after a while: the robot it was meant for does not know it or does not come."""
+        if cluster is None and self._idle_since is not None and now - self._idle_since >= PATIENCE:
+            claimed = self._claimed_clusters(ready, now)
+            free = [c for c in ready if c.number not in claimed]
+            cluster = min(free, key=lambda c: (self._own_bid(c), c.number)) if free else None
         if cluster is not None:
-            self._cluster = cluster.number
+            self._cluster, self._idle_since = cluster.number, None
         else:
             self._cluster = None
+            self._idle_since = now if self._idle_since is None else self._idle_since
 
     def _own_bid(self, cluster: Cluster) -> float:
         assert self.pose is not None
@@ -686,7 +721,7 @@ class ExplorerAgent:
         turn = 0.0
         if choice.distance(place, (x, y)) > 0.3:
             turn = _turn(self.pose.yaw, math.atan2(y - place[1], x - place[0]))
-        return choice.travel_bid(cluster.cost, cluster.gain, turn)
+        return choice.travel_bid(cluster.cost, cluster.gain, turn, self._detours.get(cluster.number, 0.0))
 
     def _decide(
         self, ready: Sequence[Cluster], bids: Mapping[str, Mapping[int, float]], now: float
@@ -746,22 +781,28 @@ class ExplorerAgent:
 
     def _interpolation(self, clusters: Sequence[Cluster]):  # type: ignore[no-untyped-def]
         """The cost of a cluster (by row) for a robot at a position that gave no bid, in the unit of the strategy."""
-        fields: Dict[Tuple[float, float], CostField] = {}
 
         def cost(position: Tuple[float, float], row: int) -> float:
             cluster = clusters[row]
             if self.options.frontier_selection != 7:
                 return squared_euclidean(position, choice.nearest_member(cluster, position))
-            assert self.grid is not None
-            if position not in fields:
-                fields[position] = self.grid.field_from(*position)
             place = cluster.viewpoint if cluster.viewpoint is not None else cluster.centre
-            length = fields[position].at(*place)
+            length = self._field_of_other(position).at(*place)
             if not math.isfinite(length):
                 length = 2.0 * choice.distance(position, place)
             return choice.travel_bid(length, cluster.gain)
 
         return cost
+
+    def _field_of_other(self, position: Tuple[float, float]) -> CostField:
+        """Costs from another robot's place, kept until the map changes or the robot has moved on."""
+        assert self.grid is not None
+        place = (round(2 * position[0]) / 2, round(2 * position[1]) / 2)
+        if place not in self._other_fields:
+            while len(self._other_fields) >= 8:
+                del self._other_fields[next(iter(self._other_fields))]
+            self._other_fields[place] = self.grid.field_from(*place)
+        return self._other_fields[place]
 
     def _answer(self, auction: Auction, now: float) -> None:
         """Bids for each cluster on offer that is one of the own ones (40 % rule); no list at all if this robot has
@@ -963,7 +1004,11 @@ class ExplorerAgent:
 
     def unreachable_count(self) -> int:
         """Frontiers that are given up, or that no reachable place sees."""
-        return sum(1 for f in self.frontiers.frontiers.values() if not f.visited and f.number not in self._view_of)
+        return sum(
+            1
+            for f in self.frontiers.frontiers.values()
+            if f.given_up or (not f.visited and f.number not in self._view_of)
+        )
 
     def _periodical_log(self, now: float) -> None:
         if self.started_at is None or self.finished_at is not None or now - self._log_time < LOG_PERIOD:

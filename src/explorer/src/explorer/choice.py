@@ -15,6 +15,7 @@ Position = Tuple[float, float]
 GAIN_WEIGHT = 0.1  # m of way that a square metre of unknown area is worth
 GAIN_LIMIT = 8.0  # m^2 beyond which more unknown area makes no difference
 TURN_WEIGHT = 0.4  # m of way per rad of turning before the start
+TOUR_WEIGHT = 1.0  # m of way that a metre of detour in the tour through all clusters is worth
 OFFSET = 2.0  # m, keeps bids positive (a negative bid means none)
 LOYALTY = 2.0  # m in favour of the cluster that a robot explores already
 CROWD_DISTANCE = 4.0  # m, a cluster this near to another robot's costs more
@@ -50,11 +51,11 @@ def paper_bid(cluster: Cluster, place: Position) -> float:
     return assignment.squared_euclidean(place, nearest_member(cluster, place))
 
 
-def travel_bid(path_length: float, gain: float, turn: float = 0.0) -> float:
-    """Bid of strategy 7 in metres: the way to the cluster and the turn to start it (rad), less the worth of what is
-    unknown there (m^2)."""
-    bid = OFFSET + path_length + TURN_WEIGHT * abs(turn) - GAIN_WEIGHT * min(gain, GAIN_LIMIT)
-    return max(0.0, bid)
+def travel_bid(path_length: float, gain: float, turn: float = 0.0, detour: float = 0.0) -> float:
+    """Bid of strategy 7 in metres: the way to the cluster, the turn to start it (rad) and the detour that it makes of
+    the tour through all clusters, less the worth of what is unknown there (m^2)."""
+    bid = OFFSET + path_length + TURN_WEIGHT * abs(turn) + TOUR_WEIGHT * detour
+    return max(0.0, bid - GAIN_WEIGHT * min(gain, GAIN_LIMIT))
 
 
 def assigned_cluster(

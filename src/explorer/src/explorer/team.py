@@ -37,7 +37,6 @@ class Peer:
     claim: Optional[Claim] = None
     bids: Dict[frozenset, float] = field(default_factory=dict)
     unanswered: int = 0
-    finished: bool = False
 
 
 class Team:
@@ -66,7 +65,7 @@ class Team:
         for name in came:
             peer = self.peer(name)
             if peer is not None:
-                peer.known, peer.unanswered, peer.finished = True, 0, False
+                peer.known, peer.unanswered = True, 0
         for name in left:
             self._peers[name].known = False
             self._peers[name].claim = None
@@ -109,18 +108,19 @@ class Team:
         return sorted(name for name, peer in self._peers.items() if peer.known)
 
     def bidders(self) -> Set[str]:
-        """The robots an auction waits for: known ones that still explore and have answered lately."""
+        """The robots an auction waits for: known ones that have answered lately."""
         return {
             name
             for name, peer in self._peers.items()
-            if peer.known and not peer.finished and peer.unanswered < SILENT_AFTER
+            if peer.known and peer.unanswered < SILENT_AFTER
         }
 
     def competitors(self, now: float) -> List[str]:
-        """The robots that may take a cluster: known, not finished."""
-        return sorted(name for name, peer in self._peers.items() if peer.known and not peer.finished)
-
-    def mark_finished(self, name: str) -> None:
-        peer = self.peer(name)
-        if peer is not None:
-            peer.finished = True
+        """The robots that may take a cluster: known, and lately heard or with a claim that holds. A robot that has
+        missed one auction is counted with interpolated bids; one that never answers must not block a cluster."""
+        claims = self.claims(now)
+        return sorted(
+            name
+            for name, peer in self._peers.items()
+            if peer.known and (peer.unanswered < SILENT_AFTER or name in claims)
+        )

@@ -74,8 +74,9 @@ class TravelGrid:
         comfort: float,
         robots: Sequence[Tuple[float, float]] = (),
         robot_radius: float = 0.45,
+        cell: float = 0.1,
     ) -> None:
-        """`robots`: positions of the other robots in metres. What stands there in the map is taken for the robot
+        """`cell`: edge length in metres of the coarse cells, more where the map is too large. `robots`: positions of the other robots in metres. What stands there in the map is taken for the robot
         itself, seen by the laser, and not for a part of the building."""
         self.fine = occupancy.info
         free = occupancy.free.copy()
@@ -84,7 +85,7 @@ class TravelGrid:
         self.occupied = occupied
         self.clearance = self._distance_to(occupied)
         allowed = free & (self.clearance >= radius)
-        self.factor = self._factor_for(int(np.count_nonzero(allowed)))
+        self.factor = self._factor_for(int(np.count_nonzero(allowed)), cell)
         self.info = self._coarse_info()
         self.fine_allowed = allowed
         coarse_clearance = self._pool(np.where(allowed, self.clearance, -1.0))
@@ -176,8 +177,8 @@ class TravelGrid:
         occupied[hidden] = False
         free[hidden] = True
 
-    def _factor_for(self, fine_nodes: int) -> int:
-        factor = max(1, int(round(0.1 / self.fine.resolution)))
+    def _factor_for(self, fine_nodes: int, cell: float) -> int:
+        factor = max(1, int(round(cell / self.fine.resolution)))
         while fine_nodes / factor**2 > MAXIMUM_NODES and factor * self.fine.resolution < 0.25:
             factor += 1
         return factor

@@ -1,0 +1,46 @@
+"""How much way each first stop costs in the end: shortest open tours through clusters (Held and Karp 1962)."""
+
+import math
+from typing import Sequence, Tuple
+
+import numpy as np
+from scipy.sparse.csgraph import dijkstra
+
+from explorer.travel import SNAP_DISTANCE, TravelGrid
+
+# Stops that are considered; the exact solution doubles its work with each further one.
+MAXIMUM_STOPS = 9
+
+
+def tour_lengths(to_stops: np.ndarray, between: np.ndarray) -> np.ndarray:
+    """(n,) length in metres of the shortest open tour that goes to stop i first and then to all others.
+
+    `to_stops`: (n,) way from the robot; `between`: (n, n) ways between stops, symmetric; at most `MAXIMUM_STOPS`.
+    """
+    n = len(to_stops)
+    if n > MAXIMUM_STOPS:
+        raise ValueError(f"{n} stops, at most {MAXIMUM_STOPS} can be ordered")
+    if n == 0:
+        return np.zeros(0)
+    # rest[s, i]: shortest way that starts at i and visits all stops of the set s (i not among them).
+    rest = np.full((1 << n, n), math.inf)
+    rest[0] = 0.0
+    for subset in range(1, 1 << n):
+        members = [k for k in range(n) if subset >> k & 1]
+        onward = np.array([rest[subset & ~(1 << k), k] for k in members])
+        rest[subset] = (between[:, members] + onward).min(axis=1)
+    everything = (1 << n) - 1
+    return np.array([to_stops[i] + rest[everything & ~(1 << i), i] for i in range(n)])
+
+
+def ways_between(grid: TravelGrid, stops: Sequence[Tuple[float, float]]) -> np.ndarray:
+    """(n, n) path lengths in metres between n places on a `TravelGrid`, infinite where no path leads."""
+    cells = [grid.nearest(grid.traversable, x, y, 2 * SNAP_DISTANCE) for x, y in stops]
+    ways = np.full((len(stops), len(stops)), math.inf)
+    placed = [index for index, cell in enumerate(cells) if cell is not None]
+    if not placed:
+        return ways
+    nodes = [int(grid.node_of[cells[index]]) for index in placed]
+    ways[np.ix_(placed, placed)] = dijkstra(grid.graph, indices=nodes)[:, nodes]
+    np.fill_diagonal(ways, 0.0)
+    return np.minimum(ways, ways.T)

@@ -1,0 +1,567 @@
+"""The agent on virtual time: goals, failures, the end, auctions under loss, duplication and reordering."""
+
+from typing import Any, List, Optional
+
+import numpy as np
+import pytest
+from conftest import map_of
+from explorer.agent import ExplorerAgent, State
+from explorer.frontiers import Element
+from explorer.messages import (
+    FAILED,
+    REACHED,
+    REPLACED,
+    Auction,
+    Bid,
+    CancelGoal,
+    LogOutput,
+    Pose,
+    SendAuction,
+    SendFrontiers,
+    SetGoal,
+    WriteLog,
+)
+from explorer.options import Options
+
+IDENTITY = np.array([[1.0, 0, 0], [0, 1.0, 0]])
+
+
+def corridor(left: bool = True, right: bool = True) -> Any:
+    """20 m x 3 m, known in the middle; its ends are known up to the wall where `left` / `right` is False."""
+    cells = np.full((32, 202), -1, dtype=np.int8)
+    first, last = (60 if left else 1), (140 if right else 201)
+    cells[1:31, first:last] = 0
+    cells[0, first:last] = cells[31, first:last] = 100
+    if not left:
+        cells[:, 0] = 100
+    if not right:
+        cells[:, 201] = 100
+    return map_of(cells, 0.1, x=-10.0, y=-1.6)
+
+
+class Bench:
+    """An agent with a clock: keeps the effects, accepts goals, does not move by itself."""
+
+    def __init__(self, strategy: int = 7, **options: Any) -> None:
+        self.agent = ExplorerAgent(Options(frontier_selection=strategy, robot_name="robot_0", **options))
+        self.now = 100.0
+        self.effects: List[Any] = []
+        self.pose = Pose(0.5, 0.0, 0.0)
+        self.agent.start(self.now)
+
+    def map(self, occupancy: Any) -> "Bench":
+        self.agent.on_global_map(occupancy, self.now)
+        self.agent.on_own_map(self.now)
+        return self
+
+    def run(self, seconds: float, step: float = 0.2) -> List[Any]:
+        new: List[Any] = []
+        end = self.now + seconds
+        while self.now < end - 1e-6:
+            self.now += step
+            self.agent.on_pose(self.pose, self.now)
+            new += self.tick()
+        return new
+
+    def tick(self) -> List[Any]:
+        effects = self.agent.tick(self.now)
+        for effect in effects:
+            if isinstance(effect, SetGoal):
+                self.agent.on_goal_accepted(effect.goal_id, self.now)
+        self.effects += effects
+        return effects
+
+    def place(self, x: float, y: float, yaw: float = 0.0) -> None:
+        self.pose = Pose(x, y, yaw)
+        self.agent.on_pose(self.pose, self.now)
+
+    def goals(self) -> List[SetGoal]:
+        return [e for e in self.effects if isinstance(e, SetGoal)]
+
+    def auctions(self) -> List[Auction]:
+        return [e.auction for e in self.effects if isinstance(e, SendAuction)]
+
+    def join(self, *names: str, position: Optional[tuple] = None) -> "Bench":
+        self.agent.on_robots(list(names), self.now)
+        if position is not None:
+            self.agent.on_positions({name: position for name in names}, self.now)
+        for name in names:
+            self.agent.on_transform(name, IDENTITY, self.now)
+        return self
+
+
+def reply(start: Auction, robot: str, bids: List[float]) -> Auction:
+    available = tuple(Bid(offer.elements, bid) for offer, bid in zip(start.requested, bids))
+    return Auction(robot, start.auction_id, status=False, available=available)
+
+
+# ---- goals ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("strategy", range(8))
+def test_every_strategy_sends_a_goal_that_sees_a_frontier(strategy: int) -> None:
+    bench = Bench(strategy).map(corridor())
+    bench.run(1.0)
+    goal = bench.goals()[0].pose
+    assert abs(abs(goal.x + 0.0) - 4.0) < 1.6 and abs(goal.y) < 1.6 - 0.25
+    assert abs(abs(goal.yaw) - (0.0 if goal.x > 0 else np.pi)) < 1.6
+    assert bench.agent.state == State.EXPLORING
+
+
+def test_nearest_and_furthest() -> None:
+    for strategy, side in ((0, 1), (3, 1), (7, 1), (2, -1)):
+        bench = Bench(strategy).map(corridor())
+        bench.place(1.5, 0.0)
+        bench.run(1.0)
+        assert bench.goals()[0].pose.x * side > 0, strategy
+
+
+def test_path_length_and_euclidean_distance_differ() -> None:
+    """A wall between the robot and the nearer frontier: strategy 3 takes it, strategy 0 takes the shorter way."""
+    cells = np.full((100, 100), -1, dtype=np.int8)
+    cells[10:90, 10:90] = 0
+    cells[60, 10:70] = 100
+    cells[10:90, 10] = cells[10:90, 89] = cells[10, 10:90] = 100
+    cells[10, 30:50] = 0
+    cells[5:10, 30:50] = 0
+    bench = {strategy: Bench(strategy).map(map_of(cells, 0.1)) for strategy in (0, 3)}
+    for strategy, each in bench.items():
+        each.place(4.0, 5.5)
+        each.run(1.0)
+    assert bench[3].goals()[0].pose.y > 6.0
+    assert bench[0].goals()[0].pose.y < 5.0
+
+
+def test_new_goal_without_a_stop_when_the_frontier_has_vanished() -> None:
+    bench = Bench(7).map(corridor())
+    bench.place(1.0, 0.0)
+    bench.run(1.0)
+    assert bench.goals()[-1].pose.x > 0
+    bench.map(corridor(right=False))
+    effects = bench.run(1.0)
+    assert [e.pose.x < 0 for e in effects if isinstance(e, SetGoal)] == [True]
+    assert not any(isinstance(e, CancelGoal) for e in effects)
+
+
+def test_visited_frontier_is_no_goal_again() -> None:
+    bench = Bench(3).map(corridor(left=False))
+    for _ in range(6):
+        bench.run(1.0)
+        if bench.agent.goal is not None:
+            goal = bench.agent.goal
+            bench.place(goal.pose.x, goal.pose.y, goal.pose.yaw)
+            bench.agent.on_goal_result(goal.goal_id, REACHED, "", bench.now)
+        bench.run(1.6)
+        bench.map(corridor(left=False))
+    assert all(f.visited for f in bench.agent.frontiers.ordered())
+    assert bench.agent.unreachable_count() == 0
+
+
+def test_failed_goals_give_a_frontier_up_and_a_changed_map_revives_it() -> None:
+    bench = Bench(3, number_unreachable_for_cluster=2).map(corridor(left=False))
+    for _ in range(2):
+        bench.run(9.0)
+        assert bench.agent.goal is not None
+        bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "no way", bench.now)
+    given_up = [f for f in bench.agent.frontiers.ordered() if f.given_up]
+    assert given_up and bench.agent.unreachable_count() == len(given_up)
+    occupancy = corridor(left=False)
+    occupancy.cells[1:31, 140] = 0
+    bench.map(occupancy)
+    bench.run(0.4)
+    occupancy = corridor(left=False)
+    occupancy.cells[1:15, 141:150] = 0
+    bench.map(occupancy)
+    bench.run(0.4)
+    assert not any(f.given_up for f in bench.agent.frontiers.ordered())
+
+
+def test_a_robot_in_the_way_does_not_make_a_frontier_unreachable() -> None:
+    bench = Bench(3).map(corridor(left=False)).join("robot_1", position=(1.0, 0.0))
+    for _ in range(4):
+        bench.run(5.0)
+        bench.agent.on_positions({"robot_1": (1.0, 0.0)}, bench.now)
+        assert bench.agent.goal is not None
+        bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "blocked", bench.now)
+    assert not any(f.given_up or f.failures for f in bench.agent.frontiers.ordered())
+    assert bench.agent.state != State.FINISHED
+
+
+def test_clusters_are_given_up_after_the_parameter() -> None:
+    def failures_until_given_up(limit: int) -> int:
+        bench = Bench(1, number_unreachable_for_cluster=limit).map(corridor(left=False))
+        for count in range(1, 20):
+            bench.run(9.0)
+            if bench.agent.goal is None:
+                return count - 1
+            bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "no way", bench.now)
+            if all(f.given_up for f in bench.agent.frontiers.ordered()):
+                return count
+        return 99
+
+    assert failures_until_given_up(1) == 1
+    assert failures_until_given_up(3) == 3
+
+
+def test_goal_that_is_not_accepted_is_sent_again() -> None:
+    bench = Bench(7, wait_for_planner_result=2).map(corridor())
+    bench.agent.tick(bench.now)
+    bench.agent.on_pose(bench.pose, bench.now)
+    first = [e for e in bench.agent.tick(bench.now) if isinstance(e, SetGoal)]
+    later = [e for e in bench.agent.tick(bench.now + 1.9) if isinstance(e, SetGoal)]
+    again = [e for e in bench.agent.tick(bench.now + 2.1) if isinstance(e, SetGoal)]
+    assert len(first) == 1 and later == [] and len(again) == 1
+    assert again[0].goal_id != first[0].goal_id
+
+
+def test_no_progress_fails_the_goal() -> None:
+    bench = Bench(3, progress_timeout=10.0).map(corridor())
+    bench.run(9.0)
+    assert bench.agent.counters.goals_failed == 0
+    bench.run(2.0)
+    assert bench.agent.counters.goals_failed == 1
+    assert any(isinstance(e, CancelGoal) for e in bench.effects)
+
+
+def test_results_of_former_goals_and_of_others_are_harmless() -> None:
+    bench = Bench(3).map(corridor())
+    bench.run(1.0)
+    assert bench.agent.goal is not None
+    bench.agent.on_goal_result(bench.agent.goal.goal_id - 1, FAILED, "old", bench.now)
+    assert bench.agent.goal is not None
+    bench.agent.on_goal_result(bench.agent.goal.goal_id, REPLACED, "by hand", bench.now)
+    assert not [e for e in bench.run(1.5) if isinstance(e, SetGoal)]
+    assert [e for e in bench.run(2.0) if isinstance(e, SetGoal)]
+    assert bench.agent.counters.goals_failed == 0
+
+
+def test_bad_poses_are_ignored() -> None:
+    bench = Bench(3).map(corridor())
+    bench.run(1.0)
+    bench.agent.on_pose(Pose(float("nan"), 0.0, 0.0), bench.now)
+    assert bench.agent.pose == bench.pose
+
+
+# ---- the end ----------------------------------------------------------------------------------------------------------
+
+
+def closed() -> Any:
+    return corridor(left=False, right=False)
+
+
+def test_one_empty_list_is_not_the_end() -> None:
+    bench = Bench(7).map(corridor())
+    bench.run(1.0)
+    bench.map(closed())
+    bench.run(1.0)
+    assert bench.agent.finished_at is None
+    bench.map(corridor(left=False))
+    bench.run(10.0)
+    assert bench.agent.finished_at is None and bench.agent.goal is not None
+
+
+def test_finishes_once_after_the_delay_and_goes_home() -> None:
+    bench = Bench(7, finish_delay=3.0, log_path="/somewhere").map(corridor())
+    bench.run(1.0)
+    bench.place(3.0, 0.0)
+    bench.run(0.4)
+    bench.map(closed())
+    bench.run(2.6)
+    assert bench.agent.finished_at is None
+    bench.map(closed())
+    effects = bench.run(1.0)
+    assert bench.agent.state == State.RETURNING
+    time = bench.agent.exploration_time(bench.now)
+    assert effects.count(LogOutput(3)) == 1
+    log = next(e for e in effects if isinstance(e, WriteLog) and e.name == "exploration.log")
+    assert f"exploration_time={time:.3f}" in log.text and "complete=1" in log.text
+    home = [e for e in effects if isinstance(e, SetGoal)][-1]
+    assert (home.pose.x, home.pose.y) == (0.5, 0.0)
+    bench.map(corridor())
+    bench.place(0.5, 0.0)
+    bench.run(3.0)
+    assert bench.agent.state == State.FINISHED
+    assert bench.agent.exploration_time(bench.now) == time
+
+
+def test_the_map_must_be_younger_than_the_last_motion() -> None:
+    bench = Bench(7, finish_delay=1.0).map(closed())
+    bench.run(0.4)
+    bench.place(1.0, 0.0)
+    bench.run(3.0)
+    assert bench.agent.finished_at is None, "the map is older than the motion"
+    bench.agent.on_global_map(closed(), bench.now)
+    bench.run(0.4)
+    assert bench.agent.finished_at is None, "the robot's own map is older than the motion"
+    bench.agent.on_own_map(bench.now)
+    bench.run(0.4)
+    assert bench.agent.finished_at is not None
+
+
+def test_a_map_that_no_longer_changes_ends_it_too() -> None:
+    bench = Bench(7, finish_delay=1.0)
+    bench.map(closed())
+    bench.place(1.0, 0.0)
+    bench.run(7.0)
+    assert bench.agent.finished_at is not None
+
+
+def test_given_up_frontiers_get_a_last_try_before_the_end() -> None:
+    bench = Bench(3, number_unreachable_for_cluster=1).map(corridor(left=False))
+    bench.run(1.0)
+    tries = 0
+    for _ in range(200):
+        bench.run(1.0)
+        if bench.agent.finished_at is not None:
+            break
+        if bench.agent.goal is not None:
+            tries += 1
+            bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "no way", bench.now)
+    assert bench.agent.finished_at is not None
+    assert tries >= 2
+
+
+def test_home_is_tried_five_times() -> None:
+    bench = Bench(7, home_pose=(3.0, 0.0, 0.0)).map(closed())
+    bench.run(7.0)
+    assert bench.agent.state == State.RETURNING
+    for _ in range(40):
+        if bench.agent.goal is not None:
+            bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "no way", bench.now)
+        bench.run(1.0)
+    assert len(bench.goals()) == 5
+    assert bench.agent.state == State.FINISHED and "away from home" in bench.agent.text
+
+
+def test_stays_where_it_is_if_so_wished() -> None:
+    bench = Bench(7, return_home=False).map(closed())
+    bench.place(3.0, 0.0)
+    bench.run(10.0)
+    assert bench.agent.state == State.FINISHED and not bench.goals()
+
+
+def test_time_that_goes_back_is_survived() -> None:
+    bench = Bench(7).map(corridor())
+    bench.run(2.0)
+    bench.now = 1.0
+    bench.run(2.0)
+    assert bench.agent.exploration_time(bench.now) <= 2.0
+
+
+# ---- auctions ---------------------------------------------------------------------------------------------------------
+
+
+def opened(strategy: int = 1, peers: tuple = ("robot_1",), position: Optional[tuple] = (-3.0, 0.0)) -> Any:
+    bench = Bench(strategy, auction_timeout=1.0).map(corridor())
+    bench.join(*peers, position=position)
+    bench.run(0.2)
+    start = next(a for a in bench.auctions() if a.start)
+    return bench, start
+
+
+def chosen_side(bench: Bench) -> float:
+    return float(np.sign(bench.goals()[-1].pose.x))
+
+
+def test_start_message_has_the_flags_of_the_contract() -> None:
+    bench, start = opened()
+    assert (start.status, start.start, start.finished, start.occupied) == (True, True, False, ())
+    assert len(start.requested) == 2
+    shared = [e for e in bench.effects if isinstance(e, SendFrontiers) and e.topic == "frontiers"]
+    keys = {e.key for message in shared for e in message.elements}
+    assert {key for offer in start.requested for key in offer.elements} <= keys
+
+
+def test_closes_as_soon_as_all_have_answered() -> None:
+    bench, start = opened(peers=("robot_1", "robot_2"))
+    bench.agent.on_auction(reply(start, "robot_1", [1.0, 99.0]), bench.now)
+    assert not [a for a in (e.auction for e in bench.tick() if isinstance(e, SendAuction)) if a.finished]
+    bench.agent.on_auction(reply(start, "robot_2", [99.0, 98.0]), bench.now)
+    closing = [e.auction for e in bench.tick() if isinstance(e, SendAuction)][-1]
+    assert (closing.status, closing.start, closing.finished, closing.requested) == (True, False, True, ())
+    assert closing.auction_id == start.auction_id and closing.occupied
+    assert bench.agent.counters.auctions_completed == 1
+
+
+def test_deadline_and_robots_that_do_not_answer() -> None:
+    bench, start = opened()
+    bench.run(0.8)
+    assert not bench.goals()
+    bench.run(0.4)
+    assert bench.goals() and bench.agent.counters.auctions_uncompleted == 1
+    peer = bench.agent.team.peer("robot_1")
+    assert peer is not None and peer.unanswered == 1
+    peer.unanswered = 2
+    assert bench.agent.team.bidders() == set()
+    bench.agent.on_auction(Auction("robot_1", 5, status=False), bench.now)
+    assert bench.agent.team.bidders() == {"robot_1"}
+
+
+def side_of(start: Auction, bench: Bench, side: float) -> int:
+    """Row of the cluster on that side in the start message."""
+    for row, offer in enumerate(start.requested):
+        frontier = bench.agent.frontiers.frontiers[offer.elements[0][1]]
+        if np.sign(frontier.x) == side:
+            return row
+    raise AssertionError("no cluster there")
+
+
+@pytest.mark.parametrize("strategy", [1, 7])
+def test_dropping_one_bid_changes_the_result(strategy: int) -> None:
+    """The other robot bids little for the right and much for the left. Without its bids its position, on the left,
+    says the opposite."""
+
+    def outcome(drop: bool) -> float:
+        bench, start = opened(strategy)
+        bids = [0.0, 0.0]
+        bids[side_of(start, bench, 1.0)], bids[side_of(start, bench, -1.0)] = 0.5, 900.0
+        if not drop:
+            bench.agent.on_auction(reply(start, "robot_1", bids), bench.now)
+        bench.run(1.4)
+        return chosen_side(bench)
+
+    assert outcome(drop=False) == -1.0
+    assert outcome(drop=True) == 1.0
+
+
+def test_silent_robot_without_a_position_does_not_count() -> None:
+    bench, _ = opened(1, position=None)
+    bench.run(1.4)
+    assert chosen_side(bench) == 1.0
+
+
+def test_duplicates_strays_and_late_bids_are_ignored() -> None:
+    bench, start = opened(peers=("robot_1", "robot_2"))
+    row = side_of(start, bench, 1.0)
+    good = [900.0, 900.0]
+    good[row] = 0.5
+    first = reply(start, "robot_1", good)
+    worse = reply(start, "robot_1", good[::-1])
+    stray = Auction("robot_2", start.auction_id + 77, status=False, available=first.available)
+    foreign = Auction("robot_2", start.auction_id, status=False, available=(Bid((("robot_9", 1),), 1.0),))
+    for message in (stray, first, worse, first, foreign, stray):
+        bench.agent.on_auction(message, bench.now)
+    bench.run(0.4)
+    assert chosen_side(bench) == -1.0
+    goals = len(bench.goals())
+    bench.agent.on_auction(worse, bench.now)
+    bench.run(0.4)
+    assert len(bench.goals()) == goals
+
+
+def test_bids_for_the_other_robots_clusters() -> None:
+    bench = Bench(1).map(corridor()).join("robot_1", position=(-3.0, 0.0))
+    bench.run(0.2)
+    elements = tuple(Element("robot_1", 10000 + i, 3.9, -1.0 + 0.2 * i) for i in range(11))
+    bench.agent.on_frontiers(elements, bench.now)
+    offer = Bid(tuple(e.key for e in elements))
+    unknown = Bid((("robot_1", 4711),))
+    bench.agent.on_auction(Auction("robot_1", 10001, True, start=True, requested=(offer, unknown)), bench.now)
+    answer = next(a for a in (e.auction for e in bench.tick() if isinstance(e, SendAuction)) if not a.status)
+    assert (answer.auction_id, answer.robot) == (10001, "robot_0")
+    assert [bid.elements for bid in answer.available] == [offer.elements, unknown.elements]
+    assert answer.available[0].bid == float(int(3.45**2)) or 8 <= answer.available[0].bid <= 13
+    assert answer.available[1].bid == -1.0
+
+
+def test_without_a_transform_the_answer_is_empty_and_the_robot_is_not_counted() -> None:
+    bench = Bench(1).map(corridor())
+    bench.agent.on_robots(["robot_1"], bench.now)
+    bench.run(0.2)
+    start = next(a for a in bench.auctions() if a.start)
+    bench.agent.on_auction(
+        Auction("robot_1", 10001, True, start=True, requested=(Bid((("robot_1", 1),)),)), bench.now
+    )
+    answer = next(a for a in (e.auction for e in bench.tick() if isinstance(e, SendAuction)) if not a.status)
+    assert answer.available == ()
+    bench.agent.on_auction(Auction("robot_1", start.auction_id, status=False), bench.now)
+    bench.run(0.4)
+    assert chosen_side(bench) == 1.0
+
+
+def claimed_right(strategy: int) -> Bench:
+    bench = Bench(strategy, claim_timeout=20.0).map(corridor(left=False)).join("robot_1", position=(3.0, 0.0))
+    elements = tuple(Element("robot_1", 10000 + i, 3.9, -1.2 + 0.2 * i) for i in range(13))
+    bench.agent.on_frontiers(elements, bench.now)
+    closing = Auction("robot_1", 10001, True, finished=True, occupied=tuple(e.key for e in elements))
+    bench.agent.on_auction(closing, bench.now)
+    return bench
+
+
+@pytest.mark.parametrize("strategy", [1, 7])
+def test_a_claimed_cluster_is_left_alone_and_released(strategy: int) -> None:
+    for release in ("timeout", "left", "moved on"):
+        bench = claimed_right(strategy)
+        bench.run(6.0)
+        assert not bench.goals(), "claimed by robot_1"
+        assert bench.agent.state == State.WAITING
+        if release == "left":
+            bench.agent.on_robots([], bench.now)
+        elif release == "moved on":
+            bench.agent.on_auction(Auction("robot_1", 10002, True, finished=True), bench.now)
+            bench.agent.on_positions({"robot_1": (-8.0, 0.0)}, bench.now)
+        else:
+            bench.run(16.0)
+        bench.run(7.0)
+        assert bench.goals(), release
+
+
+def test_two_robots_that_chose_the_same_cluster_settle_it() -> None:
+    """The lower bid keeps it; with equal bids the lesser name."""
+    for bid, keeps in ((0.0, False), (500.0, True)):
+        bench = Bench(1).map(corridor()).join("robot_1", position=(0.4, 0.0))
+        bench.run(0.2)
+        start = next(a for a in bench.auctions() if a.start)
+        bench.agent.on_auction(reply(start, "robot_1", [900.0, 900.0]), bench.now)
+        bench.run(0.4)
+        side = chosen_side(bench)
+        elements = tuple(Element("robot_1", 10000 + i, 3.9 * side, -1.2 + 0.2 * i) for i in range(13))
+        keys = tuple(e.key for e in elements)
+        bench.agent.on_frontiers(elements, bench.now)
+        bench.agent.on_auction(Auction("robot_1", 10001, True, start=True, requested=(Bid(keys, bid),)), bench.now)
+        bench.agent.on_auction(Auction("robot_1", 10001, True, finished=True, occupied=keys), bench.now)
+        assert (bench.agent._cluster is not None) == keeps
+
+
+def test_forged_and_huge_messages_are_bounded() -> None:
+    bench = Bench(7).map(corridor())
+    for number in range(300):
+        bench.agent.on_auction(Auction(f"robot_{number + 1}", 1, True, start=True), bench.now)
+        bench.agent.on_frontiers([Element(f"ghost_{number}", 1, float("nan"), 0.0)], bench.now)
+    bench.agent.on_auction(Auction("robot_0", 1, True, finished=True, occupied=(("robot_0", 0),)), bench.now)
+    bench.run(1.0)
+    assert len(bench.agent.team.known()) <= 100
+    assert bench.agent.foreign.count() == 0
+
+
+def test_only_new_frontiers_are_sent() -> None:
+    bench = Bench(7).map(corridor()).join("robot_1", position=(-3.0, 0.0))
+    bench.run(10.0)
+    sent = [e for e in bench.effects if isinstance(e, SendFrontiers) and e.topic == "frontiers"]
+    assert len(sent) == 1
+    bench.map(corridor(right=False))
+    bench.run(2.0)
+    gone = [e for e in bench.effects if isinstance(e, SendFrontiers) and e.topic == "visited_frontiers"]
+    assert len(gone) == 1 and all(e.x > 0 for e in gone[0].elements)
+    bench.join("robot_1", "robot_2", position=(-3.0, 0.0))
+    bench.run(2.0)
+    again = [e for e in bench.effects if isinstance(e, SendFrontiers) and e.topic == "frontiers"]
+    assert len(again) == 2, "a new robot gets all"
+
+
+def test_what_another_robot_explored_is_no_goal_until_the_map_shows_it() -> None:
+    bench = Bench(3).map(corridor(left=False)).join("robot_1", position=(-3.0, 0.0))
+    bench.agent.on_visited_frontiers([Element("robot_1", i, 3.9, -1.4 + 0.3 * i) for i in range(11)], bench.now)
+    bench.run(4.0)
+    assert not bench.goals() and bench.agent.finished_at is None
+    bench.run(6.0)
+    assert bench.goals(), "the map still shows it: it is a frontier"
+
+
+def test_negotiated_clusters_are_left_to_the_other() -> None:
+    bench = Bench(5).map(corridor()).join("robot_1", position=(3.0, 0.0))
+    bench.agent.on_negotiation_list([Element("robot_1", 10000 + i, 3.9, -1.2 + 0.2 * i) for i in range(13)], bench.now)
+    bench.run(1.0)
+    assert chosen_side(bench) == -1.0
+    chosen = [e for e in bench.effects if isinstance(e, SendFrontiers) and e.topic == "negotiation_list"]
+    assert len(chosen) == 1 and all(e.x < 0 for e in chosen[0].elements)
