@@ -151,6 +151,10 @@ class Robot:
         self.run(["sh", "-c", "ip link set lo up; echo 1 > /proc/sys/net/ipv6/conf/all/disable_ipv6"])
         self.start(["/usr/bin/python3", "/usr/bin/rosmaster", "--core", "-p", "11311"])
 
+    def wait_for_master(self):
+        probe = "import rosgraph, sys; sys.exit(0 if rosgraph.is_master_online() else 1)"
+        wait_until(lambda: self.run(["/usr/bin/python3", "-c", probe]).returncode == 0, 20, f"master of {self.name}")
+
     def start_node(self, **parameters):
         arguments = [f"_{name}:={value}" for name, value in {"robot_name": self.name, **parameters}.items()]
         self.node = self.start([program("adhoc_communication"), *arguments])
@@ -200,7 +204,7 @@ class Team:
             for robot in self.robots.values():
                 robot.start_master()
             for robot in self.robots.values():
-                self._wait_for_master(robot)
+                robot.wait_for_master()
                 robot.start_node(interface=self._interface, **self._parameters)
                 robot.start_agent()
             for robot in self.robots.values():
@@ -245,16 +249,24 @@ class Team:
                 if self._links is not None and (a, b) not in self._links and (b, a) not in self._links:
                     self.radio_control.send(f"link {a} {b} 1")
 
-    def _wait_for_master(self, robot):
-        probe = "import rosgraph,sys; sys.exit(0 if rosgraph.is_master_online() else 1)"
-        wait_until(lambda: robot.run(["/usr/bin/python3", "-c", probe]).returncode == 0, 20, f"master of {robot.name}")
-
     def wait_for_robots(self, timeout=20.0):
         """Until every robot knows every other one, over however many hops."""
         for robot in self.robots.values():
             others = set(self.robots) - {robot.name}
             wait_until(
-                lambda: set(robot.agent.ask(do="status").get("robots", [])) >= others, timeout, f"{robot.name} knows {others}"
+                lambda: set(robot.agent.ask(do="status").get("robots", [])) >= others,
+                timeout,
+                f"{robot.name} knows {others}",
+            )
+
+    def wait_for_neighbors(self, expected, timeout=20.0):
+        """Until each robot named hears exactly the robots given for it."""
+        for name, neighbors in expected.items():
+            agent = self.robots[name].agent
+            wait_until(
+                lambda: set(agent.call("get_neighbors").get("response", {}).get("neigbors", [])) == neighbors,
+                timeout,
+                f"{name} hears {neighbors}",
             )
 
 

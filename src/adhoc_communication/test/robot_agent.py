@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Beside a robot's master: reads requests as JSON lines, answers and reports received messages as JSON lines.
 
-Requests: ready | listen (topic) | status | call (service, fields) | send_map (dst_robot, topic, seed, cells).
+Requests: ready (service) | listen (topic) | status | call (service, fields) | send_map (dst_robot, topic, seed, cells) |
+place (robot, x, y) | stream (dst_robot, topic, seconds).
 """
 
 import hashlib
@@ -15,10 +16,10 @@ import genpy
 import numpy as np
 import rospy
 import rosservice
-from nav_msgs.msg import OccupancyGrid
+from nav_msgs.msg import OccupancyGrid, Odometry
 
 from adhoc_communication.msg import Status
-from adhoc_communication.srv import SendOccupancyGrid
+from adhoc_communication.srv import SendOccupancyGrid, SendString
 
 PREFIX = "adhoc_communication/"
 OUTPUT_LOCK = threading.Lock()
@@ -61,14 +62,39 @@ class Agent:
     def __init__(self):
         self.status = None
         self.subscribers = []
+        self.truth = {}
         rospy.Subscriber(PREFIX + "status", Status, self._store_status)
 
     def _store_status(self, status):
         self.status = status
 
-    def ready(self, _request):
-        rospy.wait_for_service(PREFIX + "get_neighbors", timeout=30)
+    def ready(self, request):
+        rospy.wait_for_service(request.get("service", PREFIX + "get_neighbors"), timeout=30)
         return {"ready": True}
+
+    def place(self, request):
+        """Ground truth of a robot, latched."""
+        topic = f"/{request['robot']}/base_pose_ground_truth"
+        if topic not in self.truth:
+            self.truth[topic] = rospy.Publisher(topic, Odometry, queue_size=1, latch=True)
+        odometry = Odometry()
+        odometry.pose.pose.position.x, odometry.pose.pose.position.y = request["x"], request["y"]
+        self.truth[topic].publish(odometry)
+        return {"placed": True}
+
+    def stream(self, request):
+        """One text after the other for a while; how many were delivered and how many failed."""
+        send = rospy.ServiceProxy(PREFIX + "send_string", SendString, persistent=True)
+        counts = {"delivered": 0, "failed": 0}
+        end = time.monotonic() + request["seconds"]
+        while time.monotonic() < end:
+            try:
+                send(request["dst_robot"], request["topic"], str(sum(counts.values())))
+                counts["delivered"] += 1
+            except rospy.ServiceException:
+                counts["failed"] += 1
+            time.sleep(0.01)  # the pace of the traffic
+        return counts
 
     def listen(self, request):
         self.subscribers.append(rospy.Subscriber(request["topic"], rospy.AnyMsg, report_message(request["topic"])))
@@ -80,7 +106,7 @@ class Agent:
         return {name: getattr(self.status, name) for name in ("robots", "neighbors", "packets_received_by_hops")}
 
     def call(self, request):
-        service = PREFIX + request["service"]
+        service = request["service"] if request["service"].startswith("/") else PREFIX + request["service"]
         service_class = rosservice.get_service_class_by_name(rospy.resolve_name(service))
         service_request = service_class._request_class()
         genpy.message.fill_message_args(service_request, [request["fields"]])
@@ -103,7 +129,7 @@ class Agent:
 
 def serve(agent, request):
     handlers = {"ready": agent.ready, "listen": agent.listen, "status": agent.get_status}
-    handlers.update(call=agent.call, send_map=agent.send_map)
+    handlers.update(call=agent.call, send_map=agent.send_map, place=agent.place, stream=agent.stream)
     begin = time.monotonic()
     try:
         answer = handlers[request["do"]](request)

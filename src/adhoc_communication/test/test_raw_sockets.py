@@ -6,11 +6,12 @@ Run by catkin; by hand: /usr/bin/python3 test_raw_sockets.py [-k test_name]
 
 import os
 import sys
+import tempfile
 import time
 import unittest
 
 import pytest
-from namespaces import Team, Unavailable, enter_own_network
+from namespaces import Robot, Team, Unavailable, enter_own_network, program, wait_until
 
 pytestmark = pytest.mark.skipif("ADHOC_TEST_SKIP" in os.environ, reason=os.environ.get("ADHOC_TEST_SKIP", ""))
 
@@ -98,6 +99,40 @@ class FourMasters(unittest.TestCase):
         answer = team["robot_0"].agent.call("send_string", dst_robot="robot_3", topic="count", data=str(number))
         self.assertEqual(answer.get("response"), {"status": 1}, answer)
         self.assertEqual(text_in(team["robot_3"].agent.next_message()), ("robot_0", str(number)))
+
+
+class ThreeNodesOnLo(unittest.TestCase):
+    """simulation_mode: one master, one interface, a channel model fed by ground truth."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.host = Robot("host", self.folder.name)
+        self.addCleanup(self.host.stop)
+        self.host.start_master()
+        self.host.wait_for_master()
+        for number in range(3):
+            command = [program("adhoc_communication"), f"__name:=radio_{number}", f"_robot_name:=robot_{number}"]
+            self.host.start([*command, "_interface:=lo", "_simulation_mode:=true", "_p_tx:=1"])
+        self.agent = self.host.start_agent()
+        for number in range(3):
+            self.agent.ask(do="ready", service=f"/robot_{number}/adhoc_communication/get_neighbors")
+
+    def neighbors(self, robot):
+        answer = self.agent.call(f"/{robot}/adhoc_communication/get_neighbors")
+        return set(answer["response"]["neigbors"])
+
+    def test_positions_decide_who_hears_whom(self):
+        self.assertEqual(self.neighbors("robot_1"), set())  # no positions yet
+        for robot, x in (("robot_0", 0.0), ("robot_1", 10.0), ("robot_2", 20.0)):
+            self.agent.ask(do="place", robot=robot, x=x, y=0.0)
+        wait_until(lambda: self.neighbors("robot_1") == {"robot_0", "robot_2"}, 20, "the one in the middle hears both")
+        wait_until(lambda: self.neighbors("robot_0") == {"robot_1"}, 20, "robot_0 hears one")
+        self.agent.listen("/robot_2/greeting")
+        fields = {"dst_robot": "robot_2", "topic": "greeting", "data": "over two hops"}
+        answer = self.agent.call("/robot_0/adhoc_communication/send_string", **fields)
+        self.assertEqual(answer.get("response"), {"status": 1}, answer)
+        self.assertEqual(text_in(self.agent.next_message()), ("robot_0", "over two hops"))
 
 
 def main():

@@ -3,7 +3,7 @@
 #include <xmlrpcpp/XmlRpcValue.h>
 
 #include <algorithm>
-#include <limits>
+#include <cctype>
 #include <sstream>
 #include <stdexcept>
 
@@ -84,6 +84,14 @@ Parameter without_effect(const std::string& name, const std::string& type, const
   return {name, type, default_value, reason, [](NodeOptions&, const XmlRpcValue&) {}};
 }
 
+/// Its type and range are still checked, so that a mistake does not wait for the day the parameter counts.
+template <typename Member>
+Parameter checked_without_effect(const std::string& name, const std::string& reason, Member member) {
+  Parameter parameter = stored(name, member);
+  parameter.without_effect = reason;
+  return parameter;
+}
+
 void set_packet_size(NodeOptions& options, int size) {
   if (size < 1) throw std::invalid_argument("is below 1 octet");
   options.engine.max_packet_size = static_cast<std::size_t>(size);
@@ -146,7 +154,27 @@ void complete(NodeOptions& options, const std::string& host_name) {
   }
 }
 
+void read_one(const std::string& name, const XmlRpcValue& value, OptionsRead& result) {
+  const auto known = std::find_if(parameters().begin(), parameters().end(),
+                                  [&name](const Parameter& parameter) { return parameter.name == name; });
+  if (known == parameters().end()) {
+    const bool is_namespace = value.getType() == XmlRpcValue::TypeStruct;
+    if (!is_namespace) result.warnings.push_back("parameter ~" + name + " is unknown and has no effect");
+    return;
+  }
+  try {
+    known->set(result.options, value);
+  } catch (const std::invalid_argument& error) {
+    refuse(name, text_of(value), error.what());
+  }
+  if (!known->without_effect.empty()) {
+    result.warnings.push_back("parameter ~" + name + " has no effect: " + known->without_effect);
+  }
+}
+
 std::vector<Parameter> make_parameters() {
+  const std::string no_tree_reason =
+      "a packet for a group goes to each member by itself and is acknowledged by it, so there is no multicast tree";
   const std::string relaying_reason =
       "the hop-by-hop resends and the routes found anew do what cooperative relaying was meant for";
   return {
@@ -176,10 +204,13 @@ std::vector<Parameter> make_parameters() {
       stored("l_0_model", [](NodeOptions& o) -> auto& { return o.channel.l_0_model; }),
       stored("topic_new_robot", [](NodeOptions& o) -> auto& { return o.topic_new_robot; }),
       stored("topic_remove_robot", [](NodeOptions& o) -> auto& { return o.topic_remove_robot; }),
-      stored("rebuild_mc_tree", [](NodeOptions& o) -> auto& { return o.engine.rebuild_mc_tree; }),
-      stored("recursive_mc_ack", [](NodeOptions& o) -> auto& { return o.engine.recursive_mc_ack; }),
+      checked_without_effect("rebuild_mc_tree", no_tree_reason,
+                             [](NodeOptions& o) -> auto& { return o.engine.rebuild_mc_tree; }),
+      checked_without_effect("recursive_mc_ack", no_tree_reason,
+                             [](NodeOptions& o) -> auto& { return o.engine.recursive_mc_ack; }),
       stored("loss_ratio", [](NodeOptions& o) -> auto& { return o.engine.loss_ratio; }),
-      stored("nack_threshold", [](NodeOptions& o) -> auto& { return o.engine.nack_threshold; }),
+      checked_without_effect("nack_threshold", no_tree_reason,
+                             [](NodeOptions& o) -> auto& { return o.engine.nack_threshold; }),
       parsed<std::string>(
           "sim_robot_macs", "",
           [](NodeOptions& o, const std::string& text) { o.sim_robot_macs = parse_robot_macs(text); }),
@@ -217,24 +248,7 @@ OptionsRead read_options(const XmlRpcValue& values, const std::string& host_name
   OptionsRead result;
   XmlRpcValue copy(values);  // XmlRpcValue has no const iteration
   if (copy.getType() == XmlRpcValue::TypeStruct) {
-    for (auto& [name, value] : copy) {
-      const auto known = std::find_if(parameters().begin(), parameters().end(),
-                                      [&name = name](const Parameter& parameter) { return parameter.name == name; });
-      if (known == parameters().end()) {
-        if (value.getType() != XmlRpcValue::TypeStruct) {
-          result.warnings.push_back("parameter ~" + name + " is unknown and has no effect");
-        }
-        continue;
-      }
-      try {
-        known->set(result.options, value);
-      } catch (const std::invalid_argument& error) {
-        refuse(name, text_of(value), error.what());
-      }
-      if (!known->without_effect.empty()) {
-        result.warnings.push_back("parameter ~" + name + " has no effect: " + known->without_effect);
-      }
-    }
+    for (const auto& [name, value] : copy) read_one(name, value, result);
   }
   complete(result.options, host_name);
   check(result.options);
