@@ -20,3 +20,5 @@ pybind11_add_module(_navigation
 target_compile_options(_navigation PRIVATE -Wall -Wextra -Werror -O3)
 set_target_properties(_navigation PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${MR_SIM_PYTHON_DEVEL})
 install(TARGETS _navigation DESTINATION ${MR_SIM_PYTHON_INSTALL})
+
+catkin_install_python(PROGRAMS nodes/slam nodes/move_base DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})

@@ -1,0 +1,437 @@
+"""Navigation of one robot: map, pose, scan and goal in, velocity command and state out.
+
+Pure: time comes from the caller, chance from a generator seeded with the robot's name. Call `step` at a steady pace.
+Each step chooses, among the motions the robot can make next (Fox, Burgard and Thrun, The dynamic window approach to
+collision avoidance, 1997), the one after which the plan's cost to go leaves the least time.
+"""
+
+import math
+import zlib
+from dataclasses import dataclass
+from enum import Enum
+from typing import List, Mapping, Optional, Tuple
+
+import numpy as np
+
+from mr_sim import _navigation
+from mr_sim.navigation.obstacles import ObstacleMemory, near_walls
+from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, Pose, Scan, to_map
+from mr_sim.navigation.planner import CostMap, Plan, path, plan
+from mr_sim.navigation.stall import StallWatch
+from mr_sim.navigation.yielding import HeldUp, find_retreat, nearest_blocker
+
+NEAR = 1.3  # m around the robot in which obstacles bear on its next motion
+WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
+POINT_SPACING = 0.03  # m, finer detail of obstacles does not matter
+HINT_AGE = 6.0  # s for which reported positions of other robots count
+DETOUR = 5.0  # m that a way around something moving may be longer before waiting is better
+DETOUR_WAIT = 8.0  # s after which any detour is taken
+NO_WAY_CHECKS = 3  # plans that must fail before a goal is called unreachable
+NO_WAY_PAUSE = 0.25  # s between them
+PROGRESS = 0.1  # m of way that count as progress
+BACK_OFF_SPEED = 0.15  # m/s
+BACK_OFF_TIME = 1.6  # s
+RETREAT_TIME = 9.0  # s
+INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan
+TIME_ALLOWED = 30.0  # s for any goal, plus
+TIME_FACTOR = 5.0  # times what the way takes at full speed
+
+
+class Status(Enum):
+    IDLE = "idle"
+    ACTIVE = "active"
+    SUCCEEDED = "succeeded"
+    ABORTED = "aborted"
+
+
+class Mode(Enum):
+    DRIVE = "drive"
+    TURN = "turn"
+    BACK_OFF = "back off"
+    RETREAT = "give way"
+    WAIT = "wait"
+
+
+@dataclass(frozen=True)
+class Command:
+    linear: float  # m/s
+    angular: float  # rad/s
+    status: Status
+    text: str = ""  # why, when ABORTED
+
+
+@dataclass
+class _Goal:
+    pose: Pose
+    since: float
+    progress_at: float
+    best: float = math.inf  # least way left so far by the present plan, m
+    deadline: float = math.inf
+    recoveries: int = 0
+    blocked_since: Optional[float] = None
+    failed_plans: int = 0
+
+
+class Navigator:
+    """One robot. `name`: of two robots nose to nose the one whose name sorts later gives way."""
+
+    def __init__(self, options: Optional[NavigationOptions] = None, name: str = "robot", seed: int = 0) -> None:
+        self.options = options or NavigationOptions()
+        self.name = name
+        self.mode = Mode.DRIVE
+        self.plan: Optional[Plan] = None
+        self._random = np.random.Generator(np.random.PCG64([seed, zlib.crc32(name.encode())]))
+        self._costs: Optional[CostMap] = None
+        self._memory = ObstacleMemory(self.options.obstacle_memory)
+        self._others: Mapping[str, Tuple[float, float]] = {}
+        self._others_at = -math.inf
+        self._goal: Optional[_Goal] = None
+        self._planned_at = -math.inf
+        self._mode_until = 0.0
+        self._retreat: Optional[Plan] = None
+        self._velocity = (0.0, 0.0)
+        self._stall = StallWatch()
+        self._held_up = HeldUp(name, self.options.yield_patience, self._random)
+        self._footprint = _footprint(self.options)
+        self._walls_near = np.empty((0, 3))
+        self._walls_from: Optional[Tuple[float, float]] = None
+
+    # --- inputs -------------------------------------------------------------------------------------------------------
+
+    def set_map(self, grid: Grid) -> None:
+        """Raises NavigationError for a grid that is no map."""
+        if grid.cells.ndim != 2 or 0 in grid.cells.shape:
+            raise NavigationError(f"map has no cells: shape {grid.cells.shape}")
+        if not (np.isfinite(grid.resolution) and grid.resolution > 0.0 and np.isfinite(grid.origin).all()):
+            raise NavigationError("map needs a positive resolution and a finite origin")
+        self._costs = CostMap(grid, self.options)
+        self._walls_from = None
+
+    def set_others(self, positions: Mapping[str, Tuple[float, float]], now: float) -> None:
+        """Where the other robots say they are, map frame. A hint: nothing depends on it being there or right."""
+        self._others = {name: position for name, position in positions.items() if name != self.name}
+        self._others_at = now
+
+    def set_goal(self, goal: Pose, now: float) -> None:
+        """A new goal replaces the old one; a moving robot goes on without stopping."""
+        if not np.isfinite(goal).all():
+            raise NavigationError(f"goal ({goal[0]}, {goal[1]}, {goal[2]}) is not finite")
+        self._goal = _Goal(goal, now, now)
+        self._planned_at = -math.inf
+        self.plan = None
+        if self.mode is Mode.TURN:
+            self.mode = Mode.DRIVE
+
+    def cancel(self) -> None:
+        """Drops the goal; the robot brakes."""
+        self._goal = None
+        self.plan = None
+        self.mode = Mode.DRIVE
+
+    def path(self, pose: Pose) -> List[Tuple[float, float]]:
+        """Points of the present way, empty when there is none."""
+        return path(self.plan, pose) if self.plan is not None else []
+
+    def step(self, now: float, pose: Optional[Pose], scan: Optional[Scan]) -> Command:
+        """The command for the next period. `pose`: robot in the map frame; `scan`: the latest; None = not known."""
+        if pose is None or scan is None or self._costs is None:
+            return self._without_input(now, pose, scan)
+        self._memory.update(scan, pose, self._costs.wall_distance, self._costs.grid, now)
+        if self._goal is None:
+            self._stall.clear()
+            return self._brake(Status.IDLE)
+        if self._stall.blocked(now, pose):
+            self._stall.clear()
+            self._velocity = (0.0, 0.0)
+            command = self._recover(now, pose, "the wheels turn but the robot does not move")
+        else:
+            command = self._act(now, pose, self._obstacles(pose, scan))
+        self._velocity = (command.linear, command.angular)
+        self._stall.command(now, self._velocity)
+        return command
+
+    # --- modes --------------------------------------------------------------------------------------------------------
+
+    def _act(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
+        if self.mode is Mode.BACK_OFF and now < self._mode_until:
+            return self._back_off(pose, obstacles)
+        if self.mode is Mode.RETREAT:
+            return self._give_way(now, pose, obstacles)
+        if self.mode is Mode.WAIT and now < self._mode_until:
+            return self._brake(Status.ACTIVE)
+        if self.mode is not Mode.TURN:
+            self._enter_drive(now)
+        failure = self._replan(now, pose)
+        if failure is not None:
+            return failure
+        if self.plan is None:
+            return self._brake(Status.ACTIVE)
+        return self._drive(now, pose, obstacles)
+
+    def _drive(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
+        assert self._goal is not None and self.plan is not None
+        goal, way = self._goal, self.plan
+        if self.mode is Mode.TURN or math.dist(pose[:2], way.goal) < self.options.xy_goal_tolerance:
+            return self._turn_to_goal(now, pose, obstacles)
+        left = way.cost_at(pose[0], pose[1])
+        if left < goal.best - PROGRESS:
+            goal.best, goal.progress_at = left, now
+        if now > goal.deadline:
+            return self._abort(f"{now - goal.since:.0f} s were not enough to reach the goal, {left:.1f} m are left")
+        found, linear, angular = self._choose(way, pose, obstacles, reverse=0.0)
+        if self._held(now, pose, moving=found and linear > 0.05):
+            return self._begin_retreat(now, pose)
+        if now - goal.progress_at > self.options.progress_patience:
+            return self._recover(now, pose, "no progress")
+        # Nothing is safe, not even to brake gently: stop.
+        return Command(linear, angular, Status.ACTIVE) if found else Command(0.0, 0.0, Status.ACTIVE)
+
+    def _turn_to_goal(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
+        assert self._goal is not None
+        error = math.remainder(self._goal.pose[2] - pose[2], 2.0 * math.pi)
+        if abs(error) <= self.options.yaw_goal_tolerance or self.options.yaw_goal_tolerance >= math.pi:
+            self.cancel()
+            return self._brake(Status.SUCCEEDED)
+        if self.mode is not Mode.TURN:
+            self.mode = Mode.TURN
+            self._mode_until = now + self.options.progress_patience + 4.0
+        if now > self._mode_until:
+            return self._abort(f"cannot turn to the heading of the goal: {math.degrees(error):.0f} degrees are left")
+        rate = min(self.options.max_angular_velocity, math.sqrt(2.0 * abs(error)))
+        return self._ramp(pose, obstacles, (0.0, math.copysign(rate, error)))
+
+    def _back_off(self, pose: Pose, obstacles: np.ndarray) -> Command:
+        back = -BACK_OFF_SPEED
+        for target in ((back, 0.0), (back, 0.5), (back, -0.5), (0.0, 0.8), (0.0, -0.8)):
+            if self._is_clear(pose, obstacles, target, 0.6):
+                return self._ramp(pose, obstacles, target)
+        self._mode_until = -math.inf
+        return self._brake(Status.ACTIVE)
+
+    def _give_way(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
+        retreat = self._retreat
+        if retreat is None or now >= self._mode_until or math.dist(pose[:2], retreat.goal) < 0.2:
+            self.mode = Mode.WAIT
+            self._mode_until = now + 1.5 + 3.0 * self._random.random()
+            return self._brake(Status.ACTIVE)
+        found, linear, angular = self._choose(retreat, pose, obstacles, reverse=BACK_OFF_SPEED)
+        return Command(linear, angular, Status.ACTIVE) if found else self._brake(Status.ACTIVE)
+
+    def _enter_drive(self, now: float) -> None:
+        if self.mode is Mode.DRIVE:
+            return
+        assert self._goal is not None
+        self.mode = Mode.DRIVE
+        self._held_up.clear()
+        self._goal.progress_at = now
+        self._goal.best = math.inf
+        self._planned_at = -math.inf
+
+    # --- decisions ----------------------------------------------------------------------------------------------------
+
+    def _replan(self, now: float, pose: Pose) -> Optional[Command]:
+        """Plans when it is time; an ABORTED command when there is no way."""
+        assert self._goal is not None and self._costs is not None
+        goal = self._goal
+        if 0.0 <= now - self._planned_at < self.options.plan_period:
+            return None
+        self._planned_at = now
+        target = (goal.pose[0], goal.pose[1])
+        radius = self.options.goal_search_radius
+        known = plan(self._costs, np.empty((0, 2)), pose, target, radius)
+        if known is None:
+            self.plan = None
+            return self._no_way(now, target)
+        goal.failed_plans = 0
+        around = plan(self._costs, self._moving_points(pose), pose, target, radius) if self._memory.size else known
+        way = self._prefer(now, pose, known, around)
+        if way is None:
+            waited = now - (goal.blocked_since or now)
+            return self._abort(
+                f"the way to ({target[0]:.2f}, {target[1]:.2f}) has been blocked for {waited:.0f} s by an obstacle "
+                "that is not in the map"
+            )
+        left = way.cost_at(pose[0], pose[1])
+        if self.plan is None or left > goal.best + 1.0:
+            goal.best = left + PROGRESS
+        if goal.deadline == math.inf:
+            goal.deadline = now + TIME_ALLOWED + TIME_FACTOR * left / self.options.max_linear_velocity
+        self.plan = way
+        return None
+
+    def _prefer(self, now: float, pose: Pose, known: Plan, around: Optional[Plan]) -> Optional[Plan]:
+        """Around what moves when that is not far; else up to it, waiting; None when it has not moved for long."""
+        assert self._goal is not None
+        goal = self._goal
+        extra = math.inf
+        if around is not None:
+            extra = around.cost_at(pose[0], pose[1]) - known.cost_at(pose[0], pose[1])
+        if extra <= DETOUR:
+            goal.blocked_since = None
+            return around
+        if goal.blocked_since is None:
+            goal.blocked_since = now
+        if around is not None and now - goal.blocked_since > DETOUR_WAIT:
+            return around
+        return known if now - goal.blocked_since <= self.options.blocked_timeout else None
+
+    def _no_way(self, now: float, target: Tuple[float, float]) -> Optional[Command]:
+        assert self._goal is not None
+        self._goal.failed_plans += 1
+        if self._goal.failed_plans >= NO_WAY_CHECKS:
+            return self._abort(f"no way to ({target[0]:.2f}, {target[1]:.2f}): {self._why_no_way(target)}")
+        self._planned_at = now - self.options.plan_period + NO_WAY_PAUSE
+        return None
+
+    def _why_no_way(self, target: Tuple[float, float]) -> str:
+        assert self._costs is not None
+        grid = self._costs.grid
+        row, column = grid.cell(*target)
+        if not grid.contains(row, column):
+            return "the goal lies outside the map"
+        value = int(grid.cells[row, column])
+        if 0 <= value <= 50:
+            return "walls or unknown cells close it off"
+        where = "in the unknown" if value < 0 else "in a wall"
+        return f"the goal is {where} and nothing within {self.options.goal_search_radius:g} m of it can be reached"
+
+    def _held(self, now: float, pose: Pose, moving: bool) -> bool:
+        """Whether something that moves holds the robot up and it is on this robot to make room."""
+        blocker = None if moving else nearest_blocker(self._memory.points, pose)
+        others = self._others if now - self._others_at < HINT_AGE else {}
+        return self._held_up.must_give_way(now, blocker, others)
+
+    def _begin_retreat(self, now: float, pose: Pose) -> Command:
+        assert self._costs is not None
+        blocker = nearest_blocker(self._memory.points, pose)
+        self._held_up.clear()
+        self._retreat = None
+        if blocker is not None:
+            self._retreat = find_retreat(self._costs, self._moving_points(pose), pose, blocker)
+        if self._retreat is None:
+            return self._begin_back_off(now)
+        self.mode = Mode.RETREAT
+        self._mode_until = now + RETREAT_TIME
+        return self._brake(Status.ACTIVE)
+
+    def _begin_back_off(self, now: float) -> Command:
+        self.mode = Mode.BACK_OFF
+        self._mode_until = now + BACK_OFF_TIME * (0.5 + self._random.random())
+        return self._brake(Status.ACTIVE)
+
+    def _recover(self, now: float, pose: Pose, why: str) -> Command:
+        """Backs off, or makes room where something moves; gives the goal up when that has not helped often enough."""
+        assert self._goal is not None
+        goal = self._goal
+        goal.recoveries += 1
+        blocker = nearest_blocker(self._memory.points, pose)
+        if goal.recoveries > self.options.recovery_limit:
+            hint = "" if blocker is None else "; an obstacle that is not in the map is near"
+            return self._abort(f"stuck at ({pose[0]:.2f}, {pose[1]:.2f}) after {goal.recoveries - 1} recoveries: {why}{hint}")
+        if blocker is not None and goal.recoveries % 2 == 0:
+            return self._begin_retreat(now, pose)
+        self._memory.clear()
+        return self._begin_back_off(now)
+
+    def _abort(self, text: str) -> Command:
+        self.cancel()
+        brake = self._brake(Status.ABORTED)
+        return Command(brake.linear, brake.angular, Status.ABORTED, text)
+
+    def _without_input(self, now: float, pose: Optional[Pose], scan: Optional[Scan]) -> Command:
+        self._velocity = (0.0, 0.0)
+        if self._goal is None:
+            return Command(0.0, 0.0, Status.IDLE)
+        if now - self._goal.since <= INPUT_PATIENCE:
+            return Command(0.0, 0.0, Status.ACTIVE)
+        missing = "map" if self._costs is None else "pose in the map" if pose is None else "laser scan"
+        return self._abort(f"no {missing} for {INPUT_PATIENCE:g} s")
+
+    # --- motion -------------------------------------------------------------------------------------------------------
+
+    def _moving_points(self, pose: Pose) -> np.ndarray:
+        """Remembered obstacles (n, 2) but for what lies inside the robot itself."""
+        points = self._memory.points
+        return points[np.hypot(points[:, 0] - pose[0], points[:, 1] - pose[1]) > self.options.inscribed_radius]
+
+    def _obstacles(self, pose: Pose, scan: Scan) -> np.ndarray:
+        """What the next motion must not touch: rows (x, y, margin) in the map frame."""
+        assert self._costs is not None
+        options = self.options
+        near = scan.points[np.hypot(scan.points[:, 0], scan.points[:, 1]) < NEAR]
+        hits = to_map(near, pose)
+        known = near_walls(hits, self._costs.wall_distance, self._costs.grid)
+        seen = np.column_stack([hits, np.where(known, options.obstacle_margin, options.moving_margin)])
+        remembered = self._memory.points
+        remembered = remembered[np.hypot(remembered[:, 0] - pose[0], remembered[:, 1] - pose[1]) < NEAR]
+        moving = np.column_stack([remembered, np.full(len(remembered), options.moving_margin)])
+        rows = np.concatenate([seen, moving, self._walls(pose)])
+        _, first = np.unique(np.floor(rows[:, :2] / POINT_SPACING).astype(np.int64), axis=0, return_index=True)
+        return rows[first]
+
+    def _walls(self, pose: Pose) -> np.ndarray:
+        """Walls of the map around the robot, looked up again when it has moved a little."""
+        assert self._costs is not None
+        if self._walls_from is not None and math.dist(self._walls_from, pose[:2]) < 0.2:
+            return self._walls_near
+        self._walls_from = (pose[0], pose[1])
+        grid = self._costs.grid
+        row, column = grid.cell(pose[0], pose[1])
+        reach = int(math.ceil(NEAR / grid.resolution))
+        top, left = max(0, row - reach), max(0, column - reach)
+        window = grid.cells[top : max(0, row + reach + 1), left : max(0, column + reach + 1)]
+        rows, columns = np.nonzero(window > 50)
+        x = grid.origin[0] + (columns + left + 0.5) * grid.resolution
+        y = grid.origin[1] + (rows + top + 0.5) * grid.resolution
+        self._walls_near = np.column_stack([x, y, np.full(len(x), WALL_MARGIN)])
+        return self._walls_near
+
+    def _choose(self, way: Plan, pose: Pose, obstacles: np.ndarray, reverse: float) -> Tuple[bool, float, float]:
+        horizon = _navigation.Horizon()
+        horizon.goal_radius = 0.7 * self.options.xy_goal_tolerance
+        found, linear, angular, _, _ = _navigation.choose_velocity(
+            way.cost, way.grid.resolution, way.grid.origin, way.goal, pose, self._velocity, obstacles,
+            _limits(self.options, reverse), self._footprint, horizon, self.options.controller_period,
+        )  # fmt: skip
+        return found, linear, angular
+
+    def _is_clear(self, pose: Pose, obstacles: np.ndarray, target: Tuple[float, float], duration: float) -> bool:
+        horizon = _navigation.Horizon()
+        horizon.duration = duration
+        return _navigation.is_clear(
+            pose, self._velocity, target, obstacles, _limits(self.options, BACK_OFF_SPEED), self._footprint, horizon
+        )
+
+    def _ramp(self, pose: Pose, obstacles: np.ndarray, target: Tuple[float, float]) -> Command:
+        """Towards a velocity within the acceleration limits; brakes where that would touch something."""
+        if not self._is_clear(pose, obstacles, target, 0.4):
+            return self._brake(Status.ACTIVE)
+        return Command(*self._approach(target), Status.ACTIVE)
+
+    def _approach(self, target: Tuple[float, float]) -> Tuple[float, float]:
+        period = self.options.controller_period
+        most = (self.options.linear_acceleration * period, self.options.angular_acceleration * period)
+        linear, angular = (v + min(max(t - v, -m), m) for v, t, m in zip(self._velocity, target, most))
+        return linear, angular
+
+    def _brake(self, status: Status) -> Command:
+        linear, angular = self._approach((0.0, 0.0))
+        self._velocity = (linear, angular)
+        return Command(linear, angular, status)
+
+
+def _limits(options: NavigationOptions, reverse: float = 0.0) -> _navigation.Limits:
+    limits = _navigation.Limits()
+    limits.linear = options.max_linear_velocity
+    limits.reverse = reverse
+    limits.angular = options.max_angular_velocity
+    limits.linear_acceleration = options.linear_acceleration
+    limits.angular_acceleration = options.angular_acceleration
+    return limits
+
+
+def _footprint(options: NavigationOptions) -> _navigation.Footprint:
+    footprint = _navigation.Footprint()
+    footprint.half_length = options.footprint_length / 2.0
+    footprint.half_width = options.footprint_width / 2.0
+    return footprint

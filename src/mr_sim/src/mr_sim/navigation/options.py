@@ -1,0 +1,112 @@
+"""Options and values of the navigation engine. SI units, angles in radians, everything in the frame of the map."""
+
+from dataclasses import dataclass, fields
+from typing import Tuple
+
+import numpy as np
+
+Pose = Tuple[float, float, float]  # x, y, yaw
+
+
+class NavigationError(ValueError):
+    """A parameter, map or goal that navigation cannot work with."""
+
+
+@dataclass(frozen=True)
+class NavigationOptions:
+    max_linear_velocity: float = 0.5  # m/s
+    max_angular_velocity: float = 1.57  # rad/s
+    linear_acceleration: float = 1.0  # m/s^2
+    angular_acceleration: float = 3.14  # rad/s^2
+    footprint_length: float = 0.44  # m, along the robot
+    footprint_width: float = 0.38
+    obstacle_margin: float = 0.05  # m between footprint and what the laser sees
+    moving_margin: float = 0.1  # m between footprint and what the map does not know, which may move
+    inflation_radius: float = 0.6  # m from walls within which paths cost more
+    xy_goal_tolerance: float = 0.15  # m
+    yaw_goal_tolerance: float = 6.3  # rad; pi or more = any heading
+    goal_search_radius: float = 0.5  # m around a goal in a wall or in the unknown within which another is taken
+    allow_unknown: bool = False  # plan through cells never seen
+    controller_period: float = 0.1  # s
+    plan_period: float = 1.0  # s
+    obstacle_memory: float = 4.0  # s an obstacle out of sight is remembered
+    yield_patience: float = 1.0  # s a robot that has to give way waits before it does
+    progress_patience: float = 4.0  # s without progress before recovery
+    blocked_timeout: float = 25.0  # s a way may stay blocked before the goal is given up
+    recovery_limit: int = 6  # recoveries without progress before the goal is given up
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.type is bool or field.type == "bool":
+                continue
+            if not (np.isfinite(value) and value > 0):
+                raise NavigationError(f"parameter {field.name} must be a positive number, not {value!r}")
+        if self.inflation_radius <= self.inscribed_radius:
+            raise NavigationError(
+                f"parameter inflation_radius must exceed half the robot's width and margin, {self.inscribed_radius:g} m"
+            )
+
+    @property
+    def inscribed_radius(self) -> float:
+        """Nearest the robot's centre may come to a wall."""
+        return min(self.footprint_length, self.footprint_width) / 2.0 + self.obstacle_margin
+
+    @property
+    def circumscribed_radius(self) -> float:
+        return float(np.hypot(self.footprint_length, self.footprint_width)) / 2.0
+
+
+@dataclass(frozen=True)
+class Grid:
+    """`cells`: int8 (rows, columns), 100 occupied, 0 free, -1 unknown; `origin`: lower left corner."""
+
+    cells: np.ndarray
+    resolution: float
+    origin: Tuple[float, float]
+
+    def cell(self, x: float, y: float) -> Tuple[int, int]:
+        """(row, column), possibly outside."""
+        return (
+            int(np.floor((y - self.origin[1]) / self.resolution)),
+            int(np.floor((x - self.origin[0]) / self.resolution)),
+        )
+
+    def center(self, row: int, column: int) -> Tuple[float, float]:
+        return (
+            self.origin[0] + (column + 0.5) * self.resolution,
+            self.origin[1] + (row + 0.5) * self.resolution,
+        )
+
+    def contains(self, row: int, column: int) -> bool:
+        return 0 <= row < self.cells.shape[0] and 0 <= column < self.cells.shape[1]
+
+
+@dataclass(frozen=True)
+class Scan:
+    """`points`: (n, 2) hits in the robot's frame; `bearings`, `ranges`: (m,) of all valid beams from the laser."""
+
+    points: np.ndarray
+    ranges: np.ndarray  # m, valid beams keep their reading, others are 0
+    angle_min: float
+    angle_increment: float
+    range_max: float
+    mount: Pose
+
+
+def make_scan(
+    ranges: np.ndarray, angle_min: float, angle_increment: float, range_min: float, range_max: float, mount: Pose
+) -> Scan:
+    ranges = np.asarray(ranges, dtype=np.float64)
+    valid = np.isfinite(ranges) & (ranges >= max(range_min, 1e-3)) | np.isposinf(ranges)
+    ranges = np.where(valid, np.minimum(ranges, range_max), 0.0)
+    hits = valid & (ranges < range_max - 1e-3)
+    angles = mount[2] + angle_min + angle_increment * np.arange(ranges.size)
+    points = np.stack([mount[0] + ranges * np.cos(angles), mount[1] + ranges * np.sin(angles)], axis=1)[hits]
+    return Scan(points, ranges, angle_min, angle_increment, range_max, mount)
+
+
+def to_map(points: np.ndarray, pose: Pose) -> np.ndarray:
+    """Points (n, 2) of the robot's frame in the map frame."""
+    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+    return points @ np.array([[cosine, sine], [-sine, cosine]]) + pose[:2]

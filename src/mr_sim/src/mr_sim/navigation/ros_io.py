@@ -1,0 +1,74 @@
+"""ROS messages to and from the navigation engine's values."""
+
+import math
+from typing import Any, List, Sequence, Tuple
+
+import numpy as np
+import rospy
+from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped
+from move_base_msgs.msg import MoveBaseFeedback
+from nav_msgs.msg import Path
+
+from mr_sim.navigation.options import Grid, NavigationError, Pose, Scan, make_scan
+
+
+def yaw_of(q: Quaternion) -> float:
+    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+
+
+def quaternion(yaw: float) -> Quaternion:
+    return Quaternion(0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
+
+
+def transform_pose(message: TransformStamped) -> Pose:
+    translation = message.transform.translation
+    return translation.x, translation.y, yaw_of(message.transform.rotation)
+
+
+def goal_value(message: PoseStamped) -> Pose:
+    """Raises NavigationError for a quaternion that is no rotation or numbers that are not finite."""
+    q, position = message.pose.orientation, message.pose.position
+    norm = math.sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w)
+    if not abs(norm - 1.0) < 0.1:
+        raise NavigationError(f"orientation of the goal is no rotation (norm {norm:.3f}): set orientation.w to 1")
+    goal = (position.x, position.y, yaw_of(q))
+    if not all(math.isfinite(value) for value in goal):
+        raise NavigationError("goal has coordinates that are not finite")
+    return goal
+
+
+def grid_value(message: Any) -> Grid:
+    """`message`: OccupancyGrid whose data may be an array. Raises NavigationError for a wrong size."""
+    info = message.info
+    cells = np.asarray(message.data, dtype=np.int8)
+    if cells.size != info.width * info.height:
+        raise NavigationError(f"map has {cells.size} cells, its info says {info.width} x {info.height}")
+    origin = info.origin.position
+    return Grid(cells.reshape(info.height, info.width), info.resolution, (origin.x, origin.y))
+
+
+def scan_value(message: Any, mount: Pose) -> Scan:
+    return make_scan(
+        message.ranges, message.angle_min, message.angle_increment, message.range_min, message.range_max, mount
+    )
+
+
+def pose_message(pose: Sequence[float], frame: str, stamp: rospy.Time) -> PoseStamped:
+    message = PoseStamped()
+    message.header.frame_id = frame
+    message.header.stamp = stamp
+    message.pose.position.x, message.pose.position.y = pose[0], pose[1]
+    message.pose.orientation = quaternion(pose[2])
+    return message
+
+
+def feedback_message(pose: Pose, frame: str, stamp: rospy.Time) -> MoveBaseFeedback:
+    return MoveBaseFeedback(base_position=pose_message(pose, frame, stamp))
+
+
+def path_message(points: List[Tuple[float, float]], frame: str, stamp: rospy.Time) -> Path:
+    message = Path()
+    message.header.frame_id = frame
+    message.header.stamp = stamp
+    message.poses = [pose_message((x, y, 0.0), frame, stamp) for x, y in points[::4] + points[-1:]]
+    return message

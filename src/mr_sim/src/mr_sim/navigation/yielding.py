@@ -1,0 +1,95 @@
+"""Who gives way when robots stand in one another's way, and where to.
+
+In a doorway two robots cannot pass; one has to go back and aside. If the other robot is known by name and position the
+one whose name sorts later goes; otherwise, and when the other does not move, chance decides, so the two never keep step.
+"""
+
+import math
+from typing import Mapping, Optional, Tuple
+
+import numpy as np
+
+from mr_sim import _navigation
+from mr_sim.navigation.options import Pose
+from mr_sim.navigation.planner import CostMap, Plan, plan
+
+Point = Tuple[float, float]
+
+REACH = 1.4  # m within which something that the map does not know counts as in the way
+ROBOT_SIZE = 0.7  # m around a reported position in which its hits lie
+WINNER_PATIENCE = 6.0  # s a robot with the right of way waits before it gives way nevertheless
+ASIDE = 0.8  # m beside the other's way where it can pass
+ROOM = 0.36  # m from walls at a place to wait
+SEARCHED = 5.0  # m of way to places to wait
+
+
+class HeldUp:
+    """Decides when a robot that something holds up has to give way."""
+
+    def __init__(self, name: str, patience: float, random: np.random.Generator) -> None:
+        self._name = name
+        self._patience = patience
+        self._random = random
+        self._since: Optional[float] = None
+        self._limit = 0.0
+
+    def clear(self) -> None:
+        self._since = None
+
+    def must_give_way(self, now: float, blocker: Optional[Point], others: Mapping[str, Point]) -> bool:
+        """Once per step; `blocker` is None while nothing holds the robot up. `others`: reported positions."""
+        if blocker is None:
+            self._since = None
+            return False
+        if self._since is None or now < self._since:
+            self._since = now
+            self._limit = self._draw(blocker, others)
+        return now - self._since >= self._limit
+
+    def _draw(self, blocker: Point, others: Mapping[str, Point]) -> float:
+        near = [name for name, position in others.items() if math.dist(position, blocker) < ROBOT_SIZE]
+        chance = self._random.random()
+        if not near:
+            return self._patience * (0.5 + 3.0 * chance)
+        if self._name > min(near):
+            return 0.3 * self._patience
+        return WINNER_PATIENCE + 2.0 * chance
+
+
+def nearest_blocker(points: np.ndarray, pose: Pose) -> Optional[Point]:
+    """The nearest of the points (n, 2) within REACH and not behind the robot."""
+    if not len(points):
+        return None
+    offset = points - pose[:2]
+    distance = np.hypot(offset[:, 0], offset[:, 1])
+    ahead = offset[:, 0] * math.cos(pose[2]) + offset[:, 1] * math.sin(pose[2]) > -0.2
+    distance = np.where(ahead, distance, np.inf)
+    index = int(np.argmin(distance))
+    return (float(points[index, 0]), float(points[index, 1])) if distance[index] < REACH else None
+
+
+def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Point) -> Optional[Plan]:
+    """A way to the nearest place beside the way of what comes from `blocker`, or else far back along it."""
+    grid = costs.grid
+    start = grid.cell(pose[0], pose[1])
+    if not grid.contains(*start):
+        return None
+    slowness = costs.slowness(obstacles, pose)
+    slowness[start] = min(slowness[start], 25.0)
+    limit = 3.0 * SEARCHED / grid.resolution
+    cost = _navigation.march(slowness, [(start[0], start[1], 0.0)], limit=limit)
+    rows, columns = np.nonzero(np.isfinite(cost) & (costs.wall_distance > ROOM))
+    if not rows.size:
+        return None
+    x = grid.origin[0] + (columns + 0.5) * grid.resolution - blocker[0]
+    y = grid.origin[1] + (rows + 0.5) * grid.resolution - blocker[1]
+    length = max(math.dist(pose[:2], blocker), 1e-6)
+    ux, uy = (pose[0] - blocker[0]) / length, (pose[1] - blocker[1]) / length
+    aside, along, away = np.abs(ux * y - uy * x), ux * x + uy * y, np.hypot(x, y)
+    way = cost[rows, columns] * grid.resolution
+    # Waiting on the other's way helps only when it is far away: each metre nearer than wanted costs.
+    price = way + 20.0 * np.maximum(0.0, ASIDE - aside) + 4.0 * np.maximum(0.0, 1.2 - away)
+    price += np.where(aside < ASIDE, 3.0 * np.maximum(0.0, SEARCHED - along), 0.0)
+    best = int(np.argmin(price))
+    target = grid.center(int(rows[best]), int(columns[best]))
+    return plan(costs, obstacles, pose, target, 0.3)

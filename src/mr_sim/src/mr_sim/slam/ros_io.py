@@ -1,0 +1,62 @@
+"""ROS messages to and from the SLAM engine's values."""
+
+import math
+
+import numpy as np
+import rospy
+from geometry_msgs.msg import Quaternion, TransformStamped
+from nav_msgs.msg import MapMetaData, OccupancyGrid
+from rospy.numpy_msg import numpy_msg
+
+from mr_sim.slam.engine import LaserScan, OccupancyMap
+from mr_sim.slam.pose import Pose
+
+ArrayOccupancyGrid = numpy_msg(OccupancyGrid)
+
+
+def yaw_of(q: Quaternion) -> float:
+    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+
+
+def quaternion(yaw: float) -> Quaternion:
+    return Quaternion(0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
+
+
+def transform_pose(message: TransformStamped) -> Pose:
+    translation = message.transform.translation
+    return translation.x, translation.y, yaw_of(message.transform.rotation)
+
+
+def scan_value(message: object, mount: Pose) -> LaserScan:
+    return LaserScan(
+        np.asarray(message.ranges, dtype=np.float32),
+        message.angle_min,
+        message.angle_increment,
+        message.range_min,
+        message.range_max,
+        mount,
+    )
+
+
+def map_message(map_: OccupancyMap, frame: str, stamp: rospy.Time) -> OccupancyGrid:
+    message = ArrayOccupancyGrid()
+    message.header.frame_id = frame
+    message.header.stamp = stamp
+    message.info = MapMetaData()
+    message.info.map_load_time = stamp
+    message.info.resolution = map_.resolution
+    message.info.height, message.info.width = map_.cells.shape
+    message.info.origin.position.x, message.info.origin.position.y = map_.origin
+    message.info.origin.orientation.w = 1.0
+    message.data = map_.cells.ravel()
+    return message
+
+
+def transform_message(pose: Pose, frame: str, child: str, stamp: rospy.Time) -> TransformStamped:
+    message = TransformStamped()
+    message.header.frame_id = frame
+    message.header.stamp = stamp
+    message.child_frame_id = child
+    message.transform.translation.x, message.transform.translation.y = pose[0], pose[1]
+    message.transform.rotation = quaternion(pose[2])
+    return message
