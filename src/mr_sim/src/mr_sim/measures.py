@@ -5,8 +5,8 @@ All positions in metres, angles in radians, times in simulated seconds.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Dict, List, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -38,7 +38,7 @@ class OccupancyMap:
     resolution: float
     origin: Pose = (0.0, 0.0, 0.0)
 
-    def cells_at(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    def cells_at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values (N,) at points (N, 2) of the map frame, and which points lie on the map; -1 where they do not."""
         index = np.floor(_into(self.origin, points) / self.resolution).astype(np.int64)
         inside = ((index >= 0) & (index < self.data.shape[::-1])).all(axis=1)
@@ -119,7 +119,7 @@ class Truth:
     def _fits(self, cells: np.ndarray, footprint: Sequence[Polygon], heading: float) -> np.ndarray:
         """Cells, bool (rows, columns), at whose centre the footprint touches no wall in this heading."""
         turned = [np.array([compose((0.0, 0.0, heading), (*p, 0.0))[:2] for p in polygon]) for polygon in footprint]
-        reach = int(math.ceil(max(np.abs(corners).max() for corners in turned) / self._resolution)) + 1
+        reach = math.ceil(max(np.abs(corners).max() for corners in turned) / self._resolution) + 1
         kernel = np.zeros((2 * reach + 1, 2 * reach + 1), dtype=np.uint8)
         for corners in turned:
             cv2.fillPoly(kernel, [np.round(corners / self._resolution + reach).astype(np.int32)], 1)
@@ -143,7 +143,7 @@ class Truth:
         angles = np.arange(_BEAMS) * (2.0 * math.pi / _BEAMS)
         beams = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         for point in self.viewpoints:
-            ends = point + beams * raster.cast(tuple(point), angles, range_max)[:, None]
+            ends = point + beams * raster.cast((point[0], point[1]), angles, range_max)[:, None]
             pixels = np.floor((ends - walls.origin) / _REFERENCE_RESOLUTION).astype(np.int32)
             cv2.fillPoly(seen, [pixels], 1)
         centres = (np.argwhere(seen)[:, ::-1] + 0.5) * _REFERENCE_RESOLUTION + walls.origin
@@ -198,7 +198,7 @@ class Collisions:
 
     with_walls: int
     with_robots: int
-    times: Tuple[float, ...]  # when each began
+    times: tuple[float, ...]  # when each began
 
     @property
     def total(self) -> int:
@@ -212,11 +212,11 @@ def collisions(records: np.ndarray) -> Collisions:
     """
     contact = records["collision"].astype(int)
     begins = np.flatnonzero((contact != 0) & (contact != np.concatenate([[0], contact[:-1]])))
-    kinds: List[int] = [int(kind) for kind in contact[begins]]
+    kinds: list[int] = [int(kind) for kind in contact[begins]]
     return Collisions(kinds.count(1), kinds.count(2), tuple(float(t) for t in records["time"][begins]))
 
 
-def exploration_time(start: float, finished: Dict[str, float]) -> float:
+def exploration_time(start: float, finished: dict[str, float]) -> float:
     """Seconds from the start of the mission to the end of the last robot's exploration."""
     if not finished:
         raise ValueError("no robot has finished")

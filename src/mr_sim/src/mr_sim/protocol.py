@@ -18,8 +18,8 @@ and goes on from where it stands. A robot that does not read for 5 s is taken fo
 
 import math
 import struct
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Tuple, Union
 
 import numpy as np
 
@@ -51,7 +51,7 @@ class Command:
 
 @dataclass(frozen=True)
 class RangerInfo:
-    mount: Tuple[float, float, float]
+    mount: tuple[float, float, float]
     range_min: float
     range_max: float
     angle_min: float
@@ -63,17 +63,17 @@ class RangerInfo:
 @dataclass(frozen=True)
 class Welcome:
     interval: float
-    start: Tuple[float, float, float]
-    rangers: Tuple[RangerInfo, ...]
+    start: tuple[float, float, float]
+    rangers: tuple[RangerInfo, ...]
 
 
 @dataclass(frozen=True)
 class State:
     time: float
-    odometry: Tuple[float, float, float]
-    wheels: Tuple[float, float]
-    pose: Tuple[float, float, float]
-    velocity: Tuple[float, float, float]
+    odometry: tuple[float, float, float]
+    wheels: tuple[float, float]
+    pose: tuple[float, float, float]
+    velocity: tuple[float, float, float]
     stalled: bool
     contact: int
 
@@ -95,7 +95,7 @@ class Bye:
     pass
 
 
-Message = Union[Hello, Command, Welcome, State, Ranges, Refusal, Bye]
+Message = Hello | Command | Welcome | State | Ranges | Refusal | Bye
 
 
 def encode_hello(name: str) -> bytes:
@@ -167,13 +167,13 @@ def _decode_welcome(packet: bytes) -> Welcome:
     rangers = []
     for index in range(count):
         fields = _RANGER.unpack_from(packet, _WELCOME.size + index * _RANGER.size)
-        rangers.append(RangerInfo(fields[:3], *fields[3:]))
+        rangers.append(RangerInfo((fields[0], fields[1], fields[2]), *fields[3:]))
     return Welcome(interval, (x, y, yaw), tuple(rangers))
 
 
 def _decode_state(packet: bytes) -> State:
-    f = _STATE.unpack(packet)
-    return State(f[1], f[2:5], f[5:7], f[7:10], f[10:13], bool(f[13]), f[14])
+    _, time, ox, oy, oyaw, linear, angular, x, y, yaw, vx, vy, vyaw, stalled, contact = _STATE.unpack(packet)
+    return State(time, (ox, oy, oyaw), (linear, angular), (x, y, yaw), (vx, vy, vyaw), bool(stalled), contact)
 
 
 def _decode_ranges(packet: bytes) -> Ranges:
@@ -183,7 +183,7 @@ def _decode_ranges(packet: bytes) -> Ranges:
     return Ranges(ranger, time, np.frombuffer(packet, dtype="<f4", offset=_RANGES.size))
 
 
-_DECODERS = {
+_DECODERS: dict[bytes, Callable[[bytes], Message]] = {
     b"H": _decode_hello,
     b"C": _decode_command,
     b"W": _decode_welcome,

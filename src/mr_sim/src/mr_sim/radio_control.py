@@ -2,7 +2,7 @@
 
 import contextlib
 import socket
-from typing import Callable, Optional, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -16,7 +16,7 @@ class RadioControl:
     def __init__(self, path: str, say: Callable[[str], None] = print) -> None:
         self._path = path
         self._say = say
-        self._socket: Optional[socket.socket] = None
+        self._socket: socket.socket | None = None
         self._due = 0.0
         self._retry_at = 0.0
         self._said_lost = False
@@ -26,7 +26,7 @@ class RadioControl:
         if time < self._due or not self._connected(wall):
             return
         self._due = time + INTERVAL - 1e-9
-        lines = "".join(f"position {n} {s['x']:.3f} {s['y']:.3f}\n" for n, s in zip(names, states))
+        lines = "".join(f"position {n} {s['x']:.3f} {s['y']:.3f}\n" for n, s in zip(names, states, strict=True))
         assert self._socket is not None
         try:
             self._socket.send(lines.encode())

@@ -1,8 +1,8 @@
 """Obstacles of a world description as a raster of occupied cells."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import List, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -19,7 +19,7 @@ class Grid:
 
     cells: np.ndarray
     resolution: float
-    origin: Tuple[float, float]
+    origin: tuple[float, float]
 
 
 def load_bitmap(obstacle: Obstacle) -> np.ndarray:
@@ -34,8 +34,8 @@ def load_bitmap(obstacle: Obstacle) -> np.ndarray:
     return occupied[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
 
 
-def _bounds(obstacles: Sequence[Obstacle]) -> Tuple[float, float, float, float]:
-    points: List[Tuple[float, float]] = [(0.0, 0.0)] if not obstacles else []
+def _bounds(obstacles: Sequence[Obstacle]) -> tuple[float, float, float, float]:
+    points: list[tuple[float, float]] = [(0.0, 0.0)] if not obstacles else []
     for obstacle in obstacles:
         half_x, half_y = obstacle.size[0] / 2.0, obstacle.size[1] / 2.0
         for corner in ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)):
@@ -48,7 +48,7 @@ def _bounds(obstacles: Sequence[Obstacle]) -> Tuple[float, float, float, float]:
 class _Canvas:
     """Marks cells; a cell is occupied when its centre lies in an obstacle or a fine detail of one lies in the cell."""
 
-    def __init__(self, bounds: Tuple[float, float, float, float], resolution: float) -> None:
+    def __init__(self, bounds: tuple[float, float, float, float], resolution: float) -> None:
         # The lattice holds the world's zero; a tiny slack keeps rounding from adding an empty row.
         first_column = math.floor(bounds[0] / resolution + 1e-6)
         first_row = math.floor(bounds[1] / resolution + 1e-6)
@@ -60,12 +60,12 @@ class _Canvas:
         self.origin = (first_column * resolution, first_row * resolution)
         self.cells = np.zeros((rows, columns), dtype=np.uint8)
 
-    def _cells_at(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    def _cells_at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         indices = np.floor((points - self.origin) / self.resolution + 1e-6).astype(np.int64)
         rows, columns = self.cells.shape
         return np.clip(indices[..., 1], 0, rows - 1), np.clip(indices[..., 0], 0, columns - 1)
 
-    def _centres(self, corners: np.ndarray) -> Tuple[np.ndarray, slice, slice]:
+    def _centres(self, corners: np.ndarray) -> tuple[np.ndarray, slice, slice]:
         """World coordinates (rows, columns, 2) of the cell centres in the bounding box of `corners`."""
         rows, columns = self._cells_at(corners)
         row_slice = slice(int(rows.min()), int(rows.max()) + 1)
@@ -96,14 +96,14 @@ class _Canvas:
         centres, row_slice, column_slice = self._centres(corners)
         inside = np.zeros(centres.shape[:2], dtype=bool)
         x, y = centres[..., 0], centres[..., 1]
-        for a, b in zip(corners, np.roll(corners, -1, axis=0)):
+        for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
             if a[1] != b[1]:
                 crossing = (a[1] > y) != (b[1] > y)
                 inside ^= crossing & (x < (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]) + a[0])
         self.cells[row_slice, column_slice] |= inside.astype(np.uint8)
 
     def draw_outline(self, corners: np.ndarray) -> None:
-        for a, b in zip(corners, np.roll(corners, -1, axis=0)):
+        for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
             count = int(np.ceil(2.0 * np.hypot(*(b - a)) / self.resolution)) + 1
             self.cells[self._cells_at(a + (b - a) * np.linspace(0.0, 1.0, count)[:, None])] = 1
 

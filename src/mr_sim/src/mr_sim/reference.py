@@ -9,7 +9,6 @@ import os
 import statistics
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, Optional, Union
 
 MINIMUM_MISSIONS = 10
 
@@ -25,7 +24,7 @@ class Reference:
     world: str
     resolution: float
     slam: str
-    free_cells: Dict[int, int]
+    free_cells: dict[int, int]
 
     @property
     def is_sufficient(self) -> bool:
@@ -36,12 +35,12 @@ class Reference:
         return float(statistics.median(self.free_cells.values()))
 
 
-def reference_path(world: Union[str, Path]) -> Path:
+def reference_path(world: str | Path) -> Path:
     """Where the reference of a world file is kept."""
     return Path(world).with_suffix(".reference.json")
 
 
-def load_reference(world: Union[str, Path]) -> Optional[Reference]:
+def load_reference(world: str | Path) -> Reference | None:
     """The reference of a world file; None when there is none yet. Raises MapReferenceError for a broken one."""
     path = reference_path(world)
     if not path.exists():
@@ -57,7 +56,7 @@ def load_reference(world: Union[str, Path]) -> Optional[Reference]:
     return reference
 
 
-def add_to_reference(world: Union[str, Path], seed: int, free_cells: int, resolution: float, slam: str) -> Reference:
+def add_to_reference(world: str | Path, seed: int, free_cells: int, resolution: float, slam: str) -> Reference:
     """Add the outcome of a finished one-robot mission, replacing one of the same seed, and write the file.
 
     Raises MapReferenceError when resolution or SLAM differ from the missions that are there already.

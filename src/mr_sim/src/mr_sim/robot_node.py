@@ -2,7 +2,6 @@
 
 import math
 import sys
-from typing import List
 
 import rospy
 import tf2_ros
@@ -58,16 +57,16 @@ class RobotNode:
         self._next_clock = 0.0 if publish_clock else math.inf
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10) if publish_clock else None
         self._odometry = rospy.Publisher(prefix + "odom", Odometry, queue_size=10)
-        self._truth = (
-            rospy.Publisher(prefix + "base_pose_ground_truth", Odometry, queue_size=10) if publish_ground_truth else None
-        )
+        self._truth = None
+        if publish_ground_truth:
+            self._truth = rospy.Publisher(prefix + "base_pose_ground_truth", Odometry, queue_size=10)
         rangers = client.welcome.rangers
         self._scans = [
             rospy.Publisher(prefix + name, LaserScan, queue_size=10)
             for name in ros_io.device_names("base_scan", len(rangers))
         ]
         frames = [prefix + name for name in ros_io.device_names("base_laser_link", len(rangers))]
-        self._scan_messages = [ros_io.scan_message(frame, ranger) for frame, ranger in zip(frames, rangers)]
+        self._scan_messages = [ros_io.scan_message(*pair) for pair in zip(frames, rangers, strict=True)]
         self._odometry_message = ros_io.odometry_message(prefix + "odom", prefix + "base_footprint")
         self._truth_message = ros_io.odometry_message(prefix + "odom", prefix + "base_footprint")
         self._transforms = tf2_ros.TransformBroadcaster()
@@ -75,12 +74,12 @@ class RobotNode:
         self._send_static_transforms(frames)
         self._subscriber = rospy.Subscriber(prefix + "cmd_vel", Twist, self._on_command, queue_size=1, tcp_nodelay=True)
 
-    def _send_static_transforms(self, laser_frames: List[str]) -> None:
+    def _send_static_transforms(self, laser_frames: list[str]) -> None:
         zero, base = rospy.Time(0), self._prefix + "base_link"
         mounts = [ranger.mount for ranger in self._client.welcome.rangers]
         self._static_transforms.sendTransform(
             [ros_io.transform(zero, self._prefix + "base_footprint", base, (0.0, 0.0, 0.0))]
-            + [ros_io.transform(zero, base, frame, mount) for frame, mount in zip(laser_frames, mounts)]
+            + [ros_io.transform(zero, base, frame, mount) for frame, mount in zip(laser_frames, mounts, strict=True)]
         )
 
     def _on_command(self, message: Twist) -> None:

@@ -1,7 +1,7 @@
 """Messages of the robot node from what the world says. The only module of the world side that knows ROS types."""
 
 import math
-from typing import List, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import rospy
@@ -58,6 +58,6 @@ def scan_message(frame: str, ranger: protocol.RangerInfo) -> LaserScan:
     return message
 
 
-def device_names(name: str, count: int) -> List[str]:
+def device_names(name: str, count: int) -> list[str]:
     """Names of a robot's devices of one kind: numbered only when there are several, as stageros does."""
     return [name] if count == 1 else [f"{name}_{index}" for index in range(count)]

@@ -9,7 +9,6 @@ its footprint would have overlapped had it not been (0 nothing, 1 a wall, 2 anot
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, Optional, TextIO, Union
 
 import numpy as np
 
@@ -26,13 +25,13 @@ class TraceError(ValueError):
 
 
 class TraceWriter:
-    """Writes a trace to an open text file; flushes every simulated second."""
+    """Writes a trace to a file; flushes every simulated second."""
 
-    def __init__(self, file: TextIO, world: str, seed: int, real_time_factor: float) -> None:
-        self._file = file
+    def __init__(self, path: str | Path, world: str, seed: int, real_time_factor: float) -> None:
+        self._file = open(path, "w", encoding="utf-8")  # noqa: SIM115 - open until `close`
         self._flush_at = 0.0
-        file.write(f"# mr_sim trace 1 seed {seed} real_time_factor {real_time_factor:g} world {world}\n")
-        file.write(",".join(COLUMNS) + "\n")
+        self._file.write(f"# mr_sim trace 1 seed {seed} real_time_factor {real_time_factor:g} world {world}\n")
+        self._file.write(",".join(COLUMNS) + "\n")
 
     def write(self, time: float, wall: float, robot: str, record: np.void) -> None:
         """`record`: one element of `World.states()`."""
@@ -55,14 +54,14 @@ class TraceWriter:
 class Trace:
     """`robots`: per name a record array with the fields of COLUMNS without `robot`, in time order."""
 
-    robots: Dict[str, np.ndarray]
-    real_time_factor: Optional[float]  # achieved; None when the run did not end in order
+    robots: dict[str, np.ndarray]
+    real_time_factor: float | None  # achieved; None when the run did not end in order
 
 
-def read_trace(path: Union[str, Path]) -> Trace:
+def read_trace(path: str | Path) -> Trace:
     """Read a trace; a last line cut short by a crash is left out. Raises TraceError."""
-    rows: Dict[str, list] = {}
-    factor: Optional[float] = None
+    rows: dict[str, list] = {}
+    factor: float | None = None
     with open(path, encoding="utf-8") as file:
         if not file.readline().startswith("# mr_sim trace 1 "):
             raise TraceError(f"{path} is not a truth trace of mr_sim")

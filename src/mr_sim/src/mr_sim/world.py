@@ -5,8 +5,8 @@ commands at the same steps give the same bits.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Iterator, List, Optional, Tuple
 
 import numpy as np
 
@@ -50,7 +50,7 @@ class World:
     def __init__(
         self,
         description: WorldDescription,
-        robots: Optional[int] = None,
+        robots: int | None = None,
         seed: int = 0,
         command_timeout: float = COMMAND_TIMEOUT,
     ) -> None:
@@ -61,13 +61,13 @@ class World:
                 "add position models to the world or ask for fewer"
             )
         self.description = description
-        self.robots: Tuple[RobotDescription, ...] = description.robots[:count]
-        self.names: Tuple[str, ...] = tuple(robot.name for robot in self.robots)
+        self.robots: tuple[RobotDescription, ...] = description.robots[:count]
+        self.names: tuple[str, ...] = tuple(robot.name for robot in self.robots)
         self.interval = description.interval
         self.obstacles = rasterise([o for o in description.obstacles if o.solid], description.resolution)
         self.visible = rasterise([o for o in description.obstacles if o.visible], description.resolution)
         self.core = _world.World(_core_raster(self.obstacles), _core_raster(self.visible), description.interval)
-        self.odometry_bias: List[Tuple[float, float]] = []  # per robot: shares by which distance and turn count wrong
+        self.odometry_bias: list[tuple[float, float]] = []  # per robot: shares by which distance and turn count wrong
         for index, robot in enumerate(self.robots):
             self._add_robot(index, robot, seed, command_timeout)
         self._check_starts()

@@ -3,7 +3,6 @@
 import contextlib
 import socket
 import time
-from typing import Optional
 
 from mr_sim import protocol
 
@@ -46,7 +45,7 @@ class WorldClient:
         connection.settimeout(None)
         return cls(connection, answer)
 
-    def receive(self) -> Optional[protocol.Message]:
+    def receive(self) -> protocol.Message | None:
         """The next message; None when the connection has ended. Blocks."""
         try:
             packet = self._socket.recv(protocol.MAX_PACKET)

@@ -5,11 +5,11 @@ business of `world_model`.
 """
 
 import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
-Value = Union[float, str, Tuple[Union[float, str], ...]]
+Value = float | str | tuple[float | str, ...]
 
 BLOCK_KINDS = frozenset({"world", "model", "position", "ranger", "laser", "sensor", "block", "window", "camera"})
 MAX_INCLUDE_DEPTH = 32
@@ -36,7 +36,7 @@ class Place:
 class WorldFileError(ValueError):
     """A world file that cannot be used: says where, which word, and what is wrong."""
 
-    def __init__(self, place: Union[Place, str], message: str) -> None:
+    def __init__(self, place: Place | str, message: str) -> None:
         super().__init__(f"{place}: {message}")
 
 
@@ -56,8 +56,8 @@ class Block:
     kind: str
     word: str
     place: Place
-    properties: Dict[str, Property] = field(default_factory=dict)
-    children: List["Block"] = field(default_factory=list)
+    properties: dict[str, Property] = field(default_factory=dict)
+    children: list["Block"] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -94,11 +94,11 @@ class _Parser:
     """Recursive descent over one world file and the files it includes."""
 
     def __init__(self) -> None:
-        self._definitions: Dict[str, Block] = {}
-        self._open_files: List[Path] = []
+        self._definitions: dict[str, Block] = {}
+        self._open_files: list[Path] = []
 
-    def parse_file(self, path: Path, into: Block, place: Optional[Place] = None) -> None:
-        where: Union[Place, str] = place if place is not None else str(path)
+    def parse_file(self, path: Path, into: Block, place: Place | None = None) -> None:
+        where: Place | str = place if place is not None else str(path)
         resolved = path.resolve()
         if resolved in self._open_files:
             cycle = " -> ".join(p.name for p in [*self._open_files[self._open_files.index(resolved) :], resolved])
@@ -173,7 +173,7 @@ class _Parser:
         return end + 1
 
     @staticmethod
-    def _value(tokens: Sequence[_Token], at: int, word: _Token) -> Tuple[Value, int]:
+    def _value(tokens: Sequence[_Token], at: int, word: _Token) -> tuple[Value, int]:
         token = tokens[at]
         if token.kind == "string":
             return token.text.strip('"'), at + 1
@@ -181,7 +181,7 @@ class _Parser:
             return _number(token), at + 1
         if token.text != "[":
             raise WorldFileError(word.place, f'"{word.text}" needs a number, a string or a tuple, found {token.text}')
-        values: List[Union[float, str]] = []
+        values: list[float | str] = []
         for end in range(at + 1, len(tokens)):
             item = tokens[end]
             if item.text == "]":
@@ -192,7 +192,7 @@ class _Parser:
         raise WorldFileError(word.place, f'the tuple of "{word.text}" is never closed')
 
 
-def parse_world_file(path: Union[str, Path]) -> Block:
+def parse_world_file(path: str | Path) -> Block:
     """Parse a world file with everything it includes.
 
     Returns the block of kind "world": its properties are the world's, its children the models in file order.

@@ -4,14 +4,14 @@ SI units throughout: metres, radians (the files say degrees), seconds (the files
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import List, Optional, Sequence, Tuple, Union
 
 from mr_sim.world_file import Block, Property, WorldFileError, parse_world_file
 
-Pose = Tuple[float, float, float]  # x [m], y [m], yaw [rad]
-Polygon = Tuple[Tuple[float, float], ...]  # corners [m]
+Pose = tuple[float, float, float]  # x [m], y [m], yaw [rad]
+Polygon = tuple[tuple[float, float], ...]  # corners [m]
 
 # Words with an effect, by kind of block.
 WORLD_WORDS = frozenset({"resolution", "interval_sim", "speedup", "quit_time", "name"})
@@ -70,16 +70,16 @@ class RobotDescription:
 
     name: str
     start: Pose  # world frame
-    footprint: Tuple[Polygon, ...]  # robot's frame
-    linear_bounds: Tuple[float, float]
-    angular_bounds: Tuple[float, float]
+    footprint: tuple[Polygon, ...]  # robot's frame
+    linear_bounds: tuple[float, float]
+    angular_bounds: tuple[float, float]
     exact_localization: bool  # localization "gps"
     localization_origin: Pose  # world frame
-    odom_error: Tuple[float, float, float, float]  # shares along x, y, z and of the turn
+    odom_error: tuple[float, float, float, float]  # shares along x, y, z and of the turn
     update_interval: float
     visible: bool
     solid: bool
-    rangers: Tuple[RangerDescription, ...]
+    rangers: tuple[RangerDescription, ...]
 
 
 @dataclass(frozen=True)
@@ -87,9 +87,9 @@ class Obstacle:
     """A thing that does not move: polygons or a bitmap, fitted into the rectangle `size` centred at `pose`."""
 
     pose: Pose  # world frame, of the body's centre
-    size: Tuple[float, float]
-    polygons: Tuple[Polygon, ...]  # in the body's frame
-    bitmap: Optional[Path]
+    size: tuple[float, float]
+    polygons: tuple[Polygon, ...]  # in the body's frame
+    bitmap: Path | None
     boundary: bool
     visible: bool
     solid: bool
@@ -103,9 +103,9 @@ class WorldDescription:
     resolution: float
     interval: float  # simulated seconds per step
     speedup: float  # real-time factor; <= 0: as fast as possible
-    quit_time: Optional[float]  # simulated seconds
-    obstacles: Tuple[Obstacle, ...]
-    robots: Tuple[RobotDescription, ...]
+    quit_time: float | None  # simulated seconds
+    obstacles: tuple[Obstacle, ...]
+    robots: tuple[RobotDescription, ...]
 
 
 def compose(a: Pose, b: Pose) -> Pose:
@@ -124,7 +124,7 @@ class _Reader:
                 raise WorldFileError(entry.place, f'unknown word "{word}" in "{block.word}"')
         self.block = block
 
-    def _entry(self, word: str) -> Optional[Property]:
+    def _entry(self, word: str) -> Property | None:
         return self.block.properties.get(word)
 
     def fail(self, word: str, message: str) -> WorldFileError:
@@ -152,7 +152,7 @@ class _Reader:
             raise self.fail(word, f"must be {bound}, not {value:g}")
         return float(value)
 
-    def numbers(self, word: str, default: Sequence[float]) -> Tuple[float, ...]:
+    def numbers(self, word: str, default: Sequence[float]) -> tuple[float, ...]:
         """A tuple with exactly as many numbers as `default`."""
         entry = self._entry(word)
         if entry is None:
@@ -169,7 +169,7 @@ class _Reader:
         x, y, _, degrees = self.numbers(word, (0.0, 0.0, 0.0, 0.0))
         return x, y, math.radians(degrees)
 
-    def size(self, default: Sequence[float] = (0.1, 0.1, 0.1)) -> Tuple[float, float]:
+    def size(self, default: Sequence[float] = (0.1, 0.1, 0.1)) -> tuple[float, float]:
         x, y, _ = self.numbers("size", default)
         if x <= 0.0 or y <= 0.0:
             raise self.fail("size", "must be positive")
@@ -183,7 +183,7 @@ class _Reader:
         return self.number(word, default, above=0.0) / 1000.0
 
 
-def _rectangle(size: Tuple[float, float]) -> Polygon:
+def _rectangle(size: tuple[float, float]) -> Polygon:
     x, y = size[0] / 2.0, size[1] / 2.0
     return (-x, -y), (x, -y), (x, y), (-x, y)
 
@@ -200,7 +200,7 @@ def _block_polygon(block: Block) -> Polygon:
     return tuple(points)
 
 
-def _fit(polygons: Sequence[Polygon], size: Tuple[float, float], place: object) -> Tuple[Polygon, ...]:
+def _fit(polygons: Sequence[Polygon], size: tuple[float, float], place: object) -> tuple[Polygon, ...]:
     """Stage scales a model's blocks so that their common bounding box fills the model's size."""
     xs = [x for polygon in polygons for x, _ in polygon]
     ys = [y for polygon in polygons for _, y in polygon]
@@ -212,13 +212,13 @@ def _fit(polygons: Sequence[Polygon], size: Tuple[float, float], place: object) 
     return tuple(tuple(((x - middle_x) * scale_x, (y - middle_y) * scale_y) for x, y in p) for p in polygons)
 
 
-def _body(reader: _Reader, size: Tuple[float, float]) -> Tuple[Polygon, ...]:
+def _body(reader: _Reader, size: tuple[float, float]) -> tuple[Polygon, ...]:
     """Polygons of a model in the frame of its body's centre."""
     blocks = [_block_polygon(child) for child in reader.block.children if child.kind == "block"]
     return _fit(blocks, size, reader.block.place) if blocks else (_rectangle(size),)
 
 
-def _move(polygons: Sequence[Polygon], pose: Pose) -> Tuple[Polygon, ...]:
+def _move(polygons: Sequence[Polygon], pose: Pose) -> tuple[Polygon, ...]:
     return tuple(tuple(compose(pose, (x, y, 0.0))[:2] for x, y in polygon) for polygon in polygons)
 
 
@@ -226,8 +226,8 @@ class _Builder:
     """Walks the tree and collects obstacles and robots."""
 
     def __init__(self) -> None:
-        self.obstacles: List[Obstacle] = []
-        self.robots: List[RobotDescription] = []
+        self.obstacles: list[Obstacle] = []
+        self.robots: list[RobotDescription] = []
 
     def add(self, block: Block, parent: Pose) -> None:
         if block.kind == "position":
@@ -258,7 +258,7 @@ class _Builder:
                 self.add(child, pose)
 
     @staticmethod
-    def _bitmap(reader: _Reader) -> Optional[Path]:
+    def _bitmap(reader: _Reader) -> Path | None:
         name = reader.text("bitmap", "")
         if not name:
             if reader.has("bitmap"):
@@ -283,7 +283,7 @@ class _Builder:
             raise reader.fail("name", f'"{name}" is used by two robots')
         start = compose(parent, reader.pose())
         bounds = reader.numbers("velocity_bounds", (-1, 1, -1, 1, -1, 1, -90, 90))
-        if any(low > high for low, high in zip(bounds[::2], bounds[1::2])):
+        if any(low > high for low, high in zip(bounds[::2], bounds[1::2], strict=True)):
             raise reader.fail("velocity_bounds", "has a minimum above its maximum")
         error = reader.numbers("odom_error", (0.03, 0.03, 0.0, 0.05))
         self.robots.append(
@@ -299,12 +299,12 @@ class _Builder:
                 update_interval=reader.interval("update_interval", 100.0),
                 visible=reader.visible(),
                 solid=reader.flag("obstacle_return", True),
-                rangers=tuple(r for child in block.children if child.kind in ("ranger", "laser") for r in _ranger(child)),
+                rangers=tuple(ranger for child in block.children for ranger in _rangers(child)),
             )
         )
 
     @staticmethod
-    def _footprint(reader: _Reader) -> Tuple[Polygon, ...]:
+    def _footprint(reader: _Reader) -> tuple[Polygon, ...]:
         size = reader.size((0.4, 0.4, 0.4))
         footprint = list(_move(_body(reader, size), reader.pose("origin")))
         for child in reader.block.children:
@@ -317,8 +317,13 @@ class _Builder:
         return tuple(footprint)
 
 
-def _ranger(block: Block) -> List[RangerDescription]:
-    """One description per `sensor` block; without one, Stage's older words in the ranger itself."""
+def _rangers(block: Block) -> list[RangerDescription]:
+    """One description per `sensor` block; without one, Stage's older words in the ranger itself.
+
+    Blocks of other kinds have none.
+    """
+    if block.kind not in ("ranger", "laser"):
+        return []
     reader = _Reader(block, RANGER_WORDS)
     sensors = [child for child in block.children if child.kind == "sensor"]
     for child in block.children:
@@ -339,7 +344,8 @@ def _sensor(reader: _Reader, ranger: _Reader, mount: Pose) -> RangerDescription:
     range_min = reader.number("range_min", range_min, minimum=0.0)
     range_max = reader.number("range_max", range_max)
     if range_min < 0.0 or range_max <= range_min:
-        raise reader.fail(range_word, f"must go from a minimum >= 0 to a larger maximum, not {range_min:g} to {range_max:g}")
+        bounds = f"{range_min:g} to {range_max:g}"
+        raise reader.fail(range_word, f"must go from a minimum >= 0 to a larger maximum, not {bounds}")
     samples = reader.number("samples", 1.0, minimum=1.0)
     if samples != int(samples) or samples > MAX_SAMPLES:
         raise reader.fail("samples", f"must be a whole number up to {MAX_SAMPLES}, not {samples:g}")
@@ -363,7 +369,7 @@ def _sensor(reader: _Reader, ranger: _Reader, mount: Pose) -> RangerDescription:
     )
 
 
-def load_world(path: Union[str, Path]) -> WorldDescription:
+def load_world(path: str | Path) -> WorldDescription:
     """Read a world file. Raises WorldFileError with file, line and word."""
     root = parse_world_file(path)
     reader = _Reader(root, WORLD_WORDS)

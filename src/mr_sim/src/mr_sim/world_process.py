@@ -4,7 +4,6 @@ import argparse
 import json
 import math
 import sys
-from typing import List, Optional
 
 from mr_sim.radio_control import RadioControl
 from mr_sim.trace import TraceWriter
@@ -23,7 +22,7 @@ def _arguments() -> argparse.ArgumentParser:
     parser.add_argument("--socket", required=True, help="path of the Unix socket to listen on")
     parser.add_argument("--robots", type=int, help="take the first N robots of the world (default: all)")
     parser.add_argument(
-        "--rtf", type=float, help="real-time factor; 0 = as fast as the robots read (default: the world's speedup, or 1)"
+        "--rtf", type=float, help="real-time factor, 0 = as fast as the robots read (default: the speedup of the world)"
     )
     parser.add_argument("--seed", type=int, default=0, help="of range noise and odometry error (default: 0)")
     parser.add_argument("--duration", type=float, help="simulated seconds to run (default: until stopped)")
@@ -48,8 +47,7 @@ def _make_server(arguments: argparse.Namespace) -> WorldServer:
     factor = description.speedup if arguments.rtf is None else arguments.rtf
     trace = None
     if arguments.trace:
-        file = open(arguments.trace, "w", encoding="utf-8")  # noqa: SIM115 - closed by the trace writer
-        trace = TraceWriter(file, str(description.path), arguments.seed, factor)
+        trace = TraceWriter(arguments.trace, str(description.path), arguments.seed, factor)
     return WorldServer(
         world,
         listen(arguments.socket),
@@ -61,7 +59,7 @@ def _make_server(arguments: argparse.Namespace) -> WorldServer:
     )
 
 
-def main(argv: Optional[List[str]] = None) -> int:
+def main(argv: list[str] | None = None) -> int:
     """Run the world process; returns its exit code."""
     # roslaunch appends remappings (__name:=...) to what it starts.
     words = [word for word in (sys.argv[1:] if argv is None else argv) if ":=" not in word]

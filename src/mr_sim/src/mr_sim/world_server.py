@@ -6,9 +6,9 @@ import selectors
 import signal
 import socket
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Dict, List, Optional
 
 from mr_sim import protocol
 from mr_sim.radio_control import RadioControl
@@ -30,7 +30,7 @@ class ServerError(RuntimeError):
 class _Client:
     socket: socket.socket
     connected_at: float
-    robot: Optional[int] = None
+    robot: int | None = None
 
 
 def listen(path: str) -> socket.socket:
@@ -68,9 +68,9 @@ class WorldServer:
         world: World,
         listener: socket.socket,
         real_time_factor: float = 1.0,
-        duration: Optional[float] = None,
-        trace: Optional[TraceWriter] = None,
-        radio: Optional[RadioControl] = None,
+        duration: float | None = None,
+        trace: TraceWriter | None = None,
+        radio: RadioControl | None = None,
         say: Callable[[str], None] = print,
     ) -> None:
         self.world = world
@@ -82,8 +82,8 @@ class WorldServer:
         self._radio = radio
         self._say = say
         self._stop = False
-        self._clients: Dict[int, _Client] = {}
-        self._of_robot: List[Optional[_Client]] = [None] * len(world.names)
+        self._clients: dict[int, _Client] = {}
+        self._of_robot: list[_Client | None] = [None] * len(world.names)
         self._selector = selectors.DefaultSelector()
         self._selector.register(listener, selectors.EVENT_READ)
         self._wake_reader, self._wake_writer = socket.socketpair()
@@ -230,7 +230,7 @@ class WorldServer:
             for r in description.rangers
         )
         self._send(robot, protocol.encode_welcome(protocol.Welcome(self.world.interval, description.start, rangers)))
-        waiting = [n for n, c in zip(self.world.names, self._of_robot) if c is None]
+        waiting = [n for n, c in zip(self.world.names, self._of_robot, strict=True) if c is None]
         self._say(f"{name} connected" + (f", waiting for {', '.join(waiting)}" if waiting else ""))
 
     # --- connections that end ---

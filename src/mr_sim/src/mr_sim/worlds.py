@@ -1,14 +1,13 @@
 """Where the project's worlds are, in a source tree and in an install space."""
 
 from pathlib import Path
-from typing import List
 
 
 class WorldNotFoundError(ValueError):
     """No world of that name."""
 
 
-def world_folders() -> List[Path]:
+def world_folders() -> list[Path]:
     """Folders with worlds, nearest first: `worlds/` of the source tree, `share/mr_sim/worlds` when installed."""
     parents = Path(__file__).resolve().parents
     candidates = [parent / place for parent in parents for place in ("worlds", "share/mr_sim/worlds")]

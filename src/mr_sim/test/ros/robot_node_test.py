@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The robot node offers what stageros offers."""
 
+import itertools
 import math
 import queue
 import subprocess
@@ -83,9 +84,9 @@ class RobotNodeTest(unittest.TestCase):
         odometry, clock = self.listen("odom", Odometry), self.listen("/clock", Clock)
         truth = self.listen("base_pose_ground_truth", Odometry)
         stamps = [odometry.next().header.stamp for _ in range(4)]
-        self.assertEqual([round((b - a).to_sec(), 6) for a, b in zip(stamps, stamps[1:])], [0.05] * 3)
+        self.assertEqual([round((b - a).to_sec(), 6) for a, b in itertools.pairwise(stamps)], [0.05] * 3)
         ticks = [clock.next().clock for _ in range(3)]
-        self.assertEqual([round((b - a).to_sec(), 6) for a, b in zip(ticks, ticks[1:])], [0.05] * 2)
+        self.assertEqual([round((b - a).to_sec(), 6) for a, b in itertools.pairwise(ticks)], [0.05] * 2)
         message = odometry.next()
         self.assertEqual((message.header.frame_id, message.child_frame_id), ("odom", "base_footprint"))
         self.assertGreater(truth.next().pose.pose.position.x, 0.5)
@@ -146,7 +147,8 @@ class BadParameterTest(unittest.TestCase):
         self.assertIn("~socket is not set", self.refused())
 
     def test_wrong_type(self):
-        self.assertIn("~connect_timeout must be of type float", self.refused("_socket:=/tmp/x", "_connect_timeout:=soon"))
+        error = self.refused("_socket:=/tmp/x", "_connect_timeout:=soon")
+        self.assertIn("~connect_timeout must be of type float", error)
 
     def test_nobody_listens(self):
         error = self.refused("_socket:=/nonexistent/world", "_connect_timeout:=0.0")

@@ -1,13 +1,12 @@
 """Small worlds for the tests of the world engine."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Callable
 
 import cv2
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
-
 from mr_sim.world import World
 from mr_sim.world_model import load_world
 

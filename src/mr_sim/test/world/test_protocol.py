@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from mr_sim import protocol as p
 
-WELCOME = p.Welcome(
-    0.05, (1.0, 2.0, 0.5), (p.RangerInfo((0.1, 0.0, 0.0), 0.0, 8.0, -2.0, 0.01, 401, 0.1), p.RangerInfo((0.0,) * 3, 0.1, 4.0, 0.0, 0.0, 1, 0.2))
-)  # fmt: skip
+LASER = p.RangerInfo((0.1, 0.0, 0.0), 0.0, 8.0, -2.0, 0.01, 401, 0.1)
+SONAR = p.RangerInfo((0.0, 0.0, 0.0), 0.1, 4.0, 0.0, 0.0, 1, 0.2)
+WELCOME = p.Welcome(0.05, (1.0, 2.0, 0.5), (LASER, SONAR))
 
 
 def test_what_is_encoded_is_decoded(make_world):
@@ -35,7 +35,8 @@ def test_what_is_encoded_is_decoded(make_world):
     [
         b"", b"?", b"H", b"H\x01", b"H\x02robot_0", b"H\x01\xff\xfe", b"H\x01" + b"x" * 1000, b"C", b"C" + bytes(15),
         p.encode_command(float("nan"), 0.0), p.encode_command(0.0, float("inf")), p.encode_welcome(WELCOME)[:-1],
-        b"W\x09" + p.encode_welcome(WELCOME)[2:], b"S" + bytes(7), b"R\x00", p.encode_ranges(0, 0.0, np.zeros(2, "f4"))[:-1],
+        b"W\x09" + p.encode_welcome(WELCOME)[2:], b"S" + bytes(7), b"R\x00",
+        p.encode_ranges(0, 0.0, np.zeros(2, "f4"))[:-1],
     ],
 )  # fmt: skip
 def test_malformed_packets_are_refused(packet):

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-
 from mr_sim.world import CONTACT_WITH_ROBOT, CONTACT_WITH_WALL, World, WorldError
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
@@ -202,7 +201,8 @@ def test_robots_see_one_another_but_not_themselves(make_world):
 
 def test_robot_behind_is_seen_where_the_field_of_view_wraps(make_world):
     world = make_world(
-        'position ( name "a" ranger ( sensor ( range [ 0 8 ] fov 360 samples 361 ) ) )\nrover ( name "b" pose [ -2 0 0 0 ] )'
+        'position ( name "a" ranger ( sensor ( range [ 0 8 ] fov 360 samples 361 ) ) )\n'
+        'rover ( name "b" pose [ -2 0 0 0 ] )'
     )
     ranges = world.core.scan(0, 0)
     assert ranges[0] == ranges[360] == pytest.approx(2.0 - 0.22)
@@ -242,8 +242,8 @@ def run(seed, robots=3):
 
 
 def test_same_seed_same_bits():
-    assert all(a.tobytes() == b.tobytes() for a, b in zip(run(7), run(7)))
-    assert any(a.tobytes() != b.tobytes() for a, b in zip(run(7), run(8)))
+    assert all(a.tobytes() == b.tobytes() for a, b in zip(run(7), run(7), strict=True))
+    assert any(a.tobytes() != b.tobytes() for a, b in zip(run(7), run(8), strict=True))
 
 
 def test_another_robot_does_not_change_the_noise_of_the_others():
@@ -284,7 +284,7 @@ def test_time_is_counted_in_steps(make_world):
 
 
 def test_unknown_robot(make_world):
-    with pytest.raises(WorldError, match='no robot "x".*there are a'):
+    with pytest.raises(WorldError, match=r'no robot "x".*there are a'):
         make_world(ROVER).index("x")
 
 

@@ -5,8 +5,8 @@ import string
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
 from mr_sim.world_file import WorldFileError, parse_world_file
+
 
 def test_properties_blocks_and_comments(write_world):
     root = parse_world_file(
@@ -97,7 +97,8 @@ def test_missing_and_unreadable_world(tmp_path):
 
 names = st.text(string.ascii_lowercase + "_", min_size=1, max_size=8).filter(lambda n: n not in ("include", "define"))
 numbers = st.floats(-1e6, 1e6).map(lambda x: round(x, 6))
-values = st.one_of(numbers, st.text(string.ascii_letters + " ./", max_size=10), st.lists(numbers, max_size=8).map(tuple))
+texts = st.text(string.ascii_letters + " ./", max_size=10)
+values = st.one_of(numbers, texts, st.lists(numbers, max_size=8).map(tuple))
 
 
 def _written(value: object) -> str:

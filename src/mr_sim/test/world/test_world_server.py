@@ -10,12 +10,12 @@ import threading
 import time
 
 import pytest
-
-from mr_sim import protocol as p
 from mr_sim.radio_control import RadioControl
 from mr_sim.trace import TraceWriter, read_trace
 from mr_sim.world_client import ConnectionRefused, WorldClient
 from mr_sim.world_server import ServerError, WorldServer, listen
+
+from mr_sim import protocol as p
 
 TWO = 'rover ( name "a" pose [ 0 0 0 0 ] )\nrover ( name "b" pose [ 0 2 0 0 ] )\n'
 
@@ -207,7 +207,7 @@ def test_slow_world_slows_down_and_skips_nothing(start, monkeypatch):
 
 def test_trace_tells_the_truth(start, tmp_path):
     path = tmp_path / "trace.csv"
-    running = start(real_time_factor=0.0, duration=1.0, trace=TraceWriter(open(path, "w"), "x.world", 3, 0.0))
+    running = start(real_time_factor=0.0, duration=1.0, trace=TraceWriter(path, "x.world", 3, 0.0))
     first, second = running.connect("a"), running.connect("b")
     seen, _ = states(first, 1.0)
     states(second, 1.0)

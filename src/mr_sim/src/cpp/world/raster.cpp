@@ -6,32 +6,42 @@
 
 namespace mr_sim {
 
+namespace {
+
+constexpr int kMaxClearance = 255;
+
+// std::floor for coordinates at most kMaxClearance below zero, without its function call.
+inline int cell_of(double coordinate) {
+  return static_cast<int>(coordinate + (kMaxClearance + 1)) - (kMaxClearance + 1);
+}
+
+}  // namespace
+
 Raster::Raster(const uint8_t* occupied, int rows, int columns, double resolution, Point origin)
     : rows_(rows), columns_(columns), resolution_(resolution), origin_(origin) {
   if (rows < 1 || columns < 1) throw std::invalid_argument("a raster needs at least one cell");
   if (!(resolution > 0.0)) throw std::invalid_argument("the resolution of a raster must be positive");
-  measure_clearance(occupied);
+  for (int quadrant = 0; quadrant < 4; ++quadrant) {
+    measure_clearance(occupied, quadrant & 1 ? 1 : -1, quadrant & 2 ? 1 : -1, &clearance_[quadrant]);
+  }
 }
 
-// Two sweeps of the chessboard distance transform (Rosenfeld and Pfaltz 1966), exact for this metric.
-void Raster::measure_clearance(const uint8_t* occupied) {
-  const int width = columns_ + 2;
-  std::vector<int> distance(static_cast<size_t>(width) * (rows_ + 2), 255);
-  const auto at = [&](int row, int column) -> int& { return distance[(row + 1) * width + column + 1]; };
-  for (int row = 0; row < rows_; ++row) {
-    for (int column = 0; column < columns_; ++column) {
-      const int nearest =
-          std::min({at(row, column - 1), at(row - 1, column - 1), at(row - 1, column), at(row - 1, column + 1), 254});
-      at(row, column) = occupied[static_cast<size_t>(row) * columns_ + column] ? 0 : nearest + 1;
-    }
-  }
-  clearance_.resize(static_cast<size_t>(rows_) * columns_);
-  for (int row = rows_ - 1; row >= 0; --row) {
-    for (int column = columns_ - 1; column >= 0; --column) {
-      const int nearest =
-          std::min({at(row, column + 1), at(row + 1, column + 1), at(row + 1, column), at(row + 1, column - 1), 254});
-      at(row, column) = std::min(at(row, column), nearest + 1);
-      clearance_[static_cast<size_t>(row) * columns_ + column] = static_cast<uint8_t>(at(row, column));
+// Side of the largest free square in a quadrant, by dynamic programming: one cell more than the least of the three
+// neighbours in that direction. Outside the raster everything is free.
+void Raster::measure_clearance(const uint8_t* occupied, int step_x, int step_y, std::vector<uint8_t>* clearance) {
+  clearance->resize(static_cast<size_t>(rows_) * columns_);
+  const auto at = [&](int row, int column) -> int {
+    if (row < 0 || row >= rows_ || column < 0 || column >= columns_) return kMaxClearance;
+    return (*clearance)[static_cast<size_t>(row) * columns_ + column];
+  };
+  for (int i = 0; i < rows_; ++i) {
+    const int row = step_y > 0 ? rows_ - 1 - i : i;
+    for (int j = 0; j < columns_; ++j) {
+      const int column = step_x > 0 ? columns_ - 1 - j : j;
+      const size_t cell = static_cast<size_t>(row) * columns_ + column;
+      const int side = std::min(
+          {at(row, column + step_x), at(row + step_y, column), at(row + step_y, column + step_x), kMaxClearance - 1});
+      (*clearance)[cell] = occupied[cell] ? 0 : static_cast<uint8_t>(side + 1);
     }
   }
 }
@@ -71,12 +81,12 @@ double Raster::cast(const Point& origin, const Point& direction, double max_rang
   const double inverse_y = direction.y != 0.0 ? 1.0 / direction.y : 0.0;
   const int step_x = direction.x > 0.0 ? 1 : -1;
   const int step_y = direction.y > 0.0 ? 1 : -1;
+  const std::vector<uint8_t>& clearance = clearance_[(step_x > 0 ? 1 : 0) + (step_y > 0 ? 2 : 0)];
   while (travelled < limit) {
     if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return max_range;
-    const int clear = clearance_[static_cast<size_t>(row) * columns_ + column];
+    const int clear = clearance[static_cast<size_t>(row) * columns_ + column];
     if (clear == 0) return travelled * resolution_;
-    // The square of cells nearer than `clear` is free: go on where the ray leaves it. With clear = 1 this is a DDA
-    // step.
+    // Go on where the ray leaves the free square ahead; with clear = 1 this is a DDA step.
     const int edge_x = step_x > 0 ? column + clear : column - clear + 1;
     const int edge_y = step_y > 0 ? row + clear : row - clear + 1;
     const double to_x = inverse_x != 0.0 ? (edge_x - x) * inverse_x : never;
@@ -84,13 +94,14 @@ double Raster::cast(const Point& origin, const Point& direction, double max_rang
     if (to_x < to_y) {
       travelled = to_x;
       column += step_x * clear;
-      const int crossed = static_cast<int>(std::floor(y + direction.y * travelled));
-      row = std::clamp(crossed, row - clear + 1, row + clear - 1);
+      const int crossed = cell_of(y + direction.y * travelled);
+      row = step_y > 0 ? std::clamp(crossed, row, row + clear - 1) : std::clamp(crossed, row - clear + 1, row);
     } else {
       travelled = to_y;
       row += step_y * clear;
-      const int crossed = static_cast<int>(std::floor(x + direction.x * travelled));
-      column = std::clamp(crossed, column - clear + 1, column + clear - 1);
+      const int crossed = cell_of(x + direction.x * travelled);
+      column = step_x > 0 ? std::clamp(crossed, column, column + clear - 1)
+                          : std::clamp(crossed, column - clear + 1, column);
     }
   }
   return max_range;
@@ -107,7 +118,7 @@ bool Raster::occupied(const Point& point) const {
   const double column = std::floor((point.x - origin_.x) / resolution_);
   const double row = std::floor((point.y - origin_.y) / resolution_);
   if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return false;
-  return clearance_[static_cast<size_t>(row) * columns_ + static_cast<size_t>(column)] == 0;
+  return clearance_[0][static_cast<size_t>(row) * columns_ + static_cast<size_t>(column)] == 0;
 }
 
 }  // namespace mr_sim

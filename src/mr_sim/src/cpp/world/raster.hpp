@@ -1,6 +1,7 @@
 // Walls and furniture as a raster of occupied cells, with exact ray casting.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -24,14 +25,15 @@ class Raster {
 
  private:
   bool enter(double x, double y, const Point& direction, double limit, double* travelled) const;
-  void measure_clearance(const uint8_t* occupied);
+  void measure_clearance(const uint8_t* occupied, int step_x, int step_y, std::vector<uint8_t>* clearance);
 
   int rows_;
   int columns_;
   double resolution_;
   Point origin_;
-  // Chessboard distance in cells to the nearest occupied cell, at most 255: a ray may cross that many cells at once.
-  std::vector<uint8_t> clearance_;
+  // Per cell and quadrant of directions (1: towards larger x, 2: towards larger y) the side in cells, at most 255, of
+  // the largest free square that has the cell in its near corner: a ray into that quadrant may cross it at once.
+  std::array<std::vector<uint8_t>, 4> clearance_;
 };
 
 }  // namespace mr_sim
