@@ -47,7 +47,6 @@ PARAMETERS: Tuple[Parameter, ...] = (
     Parameter("number_unreachable_for_cluster", int, 3, "failed goals that give a cluster up", **_between(1, 1000)),
     Parameter("local_costmap/width", int, 0, "m, reported in the log"),
     Parameter("local_costmap/height", int, -1, "m, reported in the log"),
-    Parameter("local_costmap/resolution", float, 0.0, "m, reported in the log"),
     Parameter("log_path", str, "", "root of the log files; empty: none are written"),
     Parameter("robot_name", str, "", "own name, equal to the name in adhoc_communication; empty: host name"),
     Parameter("base_link", str, "", "robot's frame; empty: base_link, in simulation robot_<n>/base_link"),
@@ -70,7 +69,7 @@ PARAMETERS: Tuple[Parameter, ...] = (
 # Parameters of the original that are accepted without an effect, with the reason; they warn once when set.
 WITHOUT_EFFECT: Dict[str, str] = {
     "global_costmap": "frontiers are found on the map of map_topic itself, there is no costmap in this node",
-    "local_costmap": "there is no local costmap in this node; only its width, height and resolution are reported",
+    "local_costmap": "there is no local costmap in this node; only its width and height are reported, and lengths are in metres",
 }
 
 
@@ -86,7 +85,6 @@ class Options:
     number_unreachable_for_cluster: int = 3
     local_costmap_width: int = 0
     local_costmap_height: int = -1
-    local_costmap_resolution: float = 0.0
     log_path: str = ""
     robot_name: str = "robot_0"
     base_link: str = "base_link"
