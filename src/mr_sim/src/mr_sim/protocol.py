@@ -13,7 +13,7 @@ One packet is one message: a byte that tells its kind, then little-endian fields
 | `B` bye | world | nothing: the world ends in an orderly way |
 
 The world starts to move when all its robots have said hello. A robot whose connection ends stops; it may connect again
-and goes on from where it stands. A robot that does not read for 5 s is taken for dead; until then the world waits.
+and goes on from where it stands. A robot that does not read for 10 s is taken for dead; until then the world waits.
 """  # noqa: E501
 
 import math

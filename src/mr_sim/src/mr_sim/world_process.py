@@ -14,7 +14,7 @@ from mr_sim.world_server import ServerError, WorldServer, listen
 from mr_sim.worlds import WorldNotFoundError, find_world
 
 
-def _arguments() -> argparse.ArgumentParser:
+def argument_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="world", description="Holds the truth of a Stage world and serves it to robots over a Unix socket."
     )
@@ -63,7 +63,7 @@ def main(argv: list[str] | None = None) -> int:
     """Run the world process; returns its exit code."""
     # roslaunch appends remappings (__name:=...) to what it starts.
     words = [word for word in (sys.argv[1:] if argv is None else argv) if ":=" not in word]
-    arguments = _arguments().parse_args(words)
+    arguments = argument_parser().parse_args(words)
     try:
         server = _make_server(arguments)
     except (WorldFileError, WorldNotFoundError, WorldError, ServerError, ValueError) as error:

@@ -16,7 +16,7 @@ from mr_sim.trace import TraceWriter
 from mr_sim.world import World, WorldError
 
 HELLO_PATIENCE = 5.0  # s a connection may take to name its robot
-CLIENT_PATIENCE = 5.0  # s the world waits for a robot that does not read
+CLIENT_PATIENCE = 10.0  # s the world waits for a robot that does not read
 MAX_LAG = 0.25  # s behind the clock that are still caught up; what exceeds it is lost, so time slows and never jumps
 MAX_CONNECTIONS = 64
 MAX_SOCKET_PATH = 107
