@@ -74,18 +74,16 @@ class Agent:
         self._answers = {}
         self._count = 0
         self.messages = queue.Queue()
-        threading.Thread(target=self._read, daemon=True).start()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
 
     def _read(self):
-        try:
-            for line in self._process.stdout:
-                report = json.loads(line)
-                if "message" in report:
-                    self.messages.put(report["message"])
-                else:
-                    self._answers[report["id"]].put(report)
-        except ValueError:  # closed at the end of the test
-            pass
+        for line in self._process.stdout:
+            report = json.loads(line)
+            if "message" in report:
+                self.messages.put(report["message"])
+            else:
+                self._answers[report["id"]].put(report)
 
     def begin(self, **request):
         """Send a request and return the queue on which its answer will arrive."""
@@ -106,7 +104,9 @@ class Agent:
         assert self.ask(do="listen", topic=topic)["listening"]
 
     def close(self):
+        """After the end of the process."""
         self._process.stdin.close()
+        self._reader.join()
         self._process.stdout.close()
 
     def next_message(self, timeout=60.0):

@@ -8,6 +8,7 @@ place (robot, x, y) | stream (dst_robot, topic, seconds).
 import hashlib
 import io
 import json
+import os
 import sys
 import threading
 import time
@@ -23,12 +24,14 @@ from adhoc_communication.srv import SendOccupancyGrid, SendString
 
 PREFIX = "adhoc_communication/"
 OUTPUT_LOCK = threading.Lock()
+OUTPUT = os.fdopen(os.dup(1), "w")
+os.dup2(2, 1)  # rospy logs to standard output, which belongs to the reports
 
 
 def put(report):
     with OUTPUT_LOCK:
-        sys.stdout.write(json.dumps(report) + "\n")
-        sys.stdout.flush()
+        OUTPUT.write(json.dumps(report) + "\n")
+        OUTPUT.flush()
 
 
 def random_map(seed, cells):
