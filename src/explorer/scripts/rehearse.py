@@ -22,7 +22,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "src"))
 
-from explorer.agent import ExplorerAgent, State
+from explorer.agent import ExplorerAgent
 from explorer.grid import GridInfo, OccupancyMap
 from explorer.messages import (
     FAILED,
@@ -258,7 +258,8 @@ class Rehearsal:
             if other is robot or not self._hears(robot, other) or self.random.random() < self.loss:
                 continue
             self.count += 1
-            heapq.heappush(self.mail, (self.now + self.delay * self.random.uniform(0.5, 1.5), self.count, index, effect))
+            arrival = self.now + self.delay * self.random.uniform(0.5, 1.5)
+            heapq.heappush(self.mail, (arrival, self.count, index, effect))
 
     def _deliver(self) -> None:
         while self.mail and self.mail[0][0] <= self.now:

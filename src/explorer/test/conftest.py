@@ -11,8 +11,9 @@ sys.path.insert(0, os.path.join(HERE, "..", "src"))
 sys.path.insert(0, os.path.join(HERE, "..", "scripts"))
 sys.path.insert(0, HERE)
 
-from explorer.grid import GridInfo, OccupancyMap  # noqa: E402
 from hypothesis import settings  # noqa: E402
+
+from explorer.grid import GridInfo, OccupancyMap  # noqa: E402
 
 # The same examples in every run, and no verdict on time from a busy machine.
 settings.register_profile("repeatable", derandomize=True, deadline=None, database=None)

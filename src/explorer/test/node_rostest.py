@@ -204,7 +204,7 @@ class TestNode(unittest.TestCase):
 
     def check_goals(self) -> None:
         goals = self.fake.goals
-        for x, y in goals:
+        for _, y in goals:
             self.assertLess(abs(y), 3.0 - 0.25)
         self.assertGreater(max(x for x, _ in goals), 2.0)
         self.assertLess(math.hypot(*goals[-1]), 0.1, "the last goal is the start pose")

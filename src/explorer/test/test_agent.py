@@ -5,6 +5,7 @@ from typing import Any, List, Optional
 import numpy as np
 import pytest
 from conftest import map_of
+
 from explorer.agent import ExplorerAgent, State
 from explorer.frontiers import Element
 from explorer.messages import (
@@ -95,7 +96,7 @@ def reply(start: Auction, robot: str, bids: List[float]) -> Auction:
     return Auction(robot, start.auction_id, status=False, available=available)
 
 
-# ---- goals ------------------------------------------------------------------------------------------------------------
+# ---- goals ----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("strategy", range(8))
@@ -125,7 +126,7 @@ def test_path_length_and_euclidean_distance_differ() -> None:
     cells[10, 30:50] = 0
     cells[5:10, 30:50] = 0
     bench = {strategy: Bench(strategy).map(map_of(cells, 0.1)) for strategy in (0, 3)}
-    for strategy, each in bench.items():
+    for each in bench.values():
         each.place(4.0, 5.5)
         each.run(1.0)
     assert bench[3].goals()[0].pose.y > 6.0
@@ -242,7 +243,7 @@ def test_bad_poses_are_ignored() -> None:
     assert bench.agent.pose == bench.pose
 
 
-# ---- the end ----------------------------------------------------------------------------------------------------------
+# ---- the end --------------------------------------------------------------------------------------------------------
 
 
 def closed() -> Any:
@@ -348,7 +349,7 @@ def test_time_that_goes_back_is_survived() -> None:
     assert bench.agent.exploration_time(bench.now) <= 2.0
 
 
-# ---- auctions ---------------------------------------------------------------------------------------------------------
+# ---- auctions -------------------------------------------------------------------------------------------------------
 
 
 def opened(strategy: int = 1, peers: tuple = ("robot_1",), position: Optional[tuple] = (-3.0, 0.0)) -> Any:
@@ -384,7 +385,7 @@ def test_closes_as_soon_as_all_have_answered() -> None:
 
 
 def test_deadline_and_robots_that_do_not_answer() -> None:
-    bench, start = opened()
+    bench, _ = opened()
     bench.run(0.8)
     assert not bench.goals()
     bench.run(0.4)

@@ -5,17 +5,19 @@ import math
 
 import numpy as np
 import pytest
-from explorer.assignment import assign, cost_matrix, squared_euclidean
-from explorer.tour import MAXIMUM_STOPS, tour_lengths
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from explorer.assignment import assign, cost_matrix, squared_euclidean
+from explorer.tour import MAXIMUM_STOPS, tour_lengths
 
 
 def brute_force(costs: np.ndarray) -> float:
     rows, columns = costs.shape
     if rows < columns:
         return brute_force(costs.T)
-    return min(sum(costs[r, c] for c, r in enumerate(chosen)) for chosen in itertools.permutations(range(rows), columns))
+    orders = itertools.permutations(range(rows), columns)
+    return min(sum(costs[r, c] for c, r in enumerate(chosen)) for chosen in orders)
 
 
 @settings(max_examples=200)
@@ -39,7 +41,10 @@ def test_impossible_pairs_are_not_assigned() -> None:
 def test_missing_bids_are_interpolated_from_the_position() -> None:
     centres = [(0.0, 0.0), (10.0, 0.0)]
     costs = cost_matrix(
-        2, ["robot_1", "robot_2", "robot_3"], {"robot_1": {0: 4.0, 1: -1.0}}, {"robot_1": (9.0, 0), "robot_2": (1.0, 0)},
+        2,
+        ["robot_1", "robot_2", "robot_3"],
+        {"robot_1": {0: 4.0, 1: -1.0}},
+        {"robot_1": (9.0, 0), "robot_2": (1.0, 0)},
         lambda position, row: squared_euclidean(position, centres[row]),
     )
     assert costs[:, 0].tolist() == [4.0, 1.0]

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from conftest import drawn, map_of
-from explorer.clusters import Cluster, ClusterStore, group, match, split_long
-from explorer.frontiers import Element, ForeignFrontiers, Frontier
 from hypothesis import given
 from hypothesis import strategies as st
+
+from explorer.clusters import Cluster, ClusterStore, group, match, split_long
+from explorer.frontiers import Element, ForeignFrontiers, Frontier
 
 
 def frontiers(*points: tuple, first: int = 0) -> list:
@@ -76,7 +77,7 @@ def shifted_listing(count: int, share: float, shift: float) -> tuple:
     foreign = ForeignFrontiers()
     foreign.set_transform("robot_1", np.array([[1.0, 0, -20.0], [0, 1.0, 0]]))
     keys = []
-    for i in range(int(round(count * share))):
+    for i in range(round(count * share)):
         foreign.add(Element("robot_1", 10000 + i, 20.0 + 0.5 * i + shift, 0.0))
         keys.append(("robot_1", 10000 + i))
     return own, foreign, keys

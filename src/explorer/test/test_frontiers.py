@@ -5,6 +5,9 @@ import math
 import numpy as np
 import pytest
 from conftest import drawn, map_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from explorer.frontiers import (
     THINNING_DISTANCE,
     Element,
@@ -14,8 +17,6 @@ from explorer.frontiers import (
     rigid_transform,
     thin,
 )
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 HALL = ["############", "#......     ", "#......     ", "#......     ", "############"]
 

@@ -6,11 +6,12 @@ import time
 import numpy as np
 import pytest
 from conftest import drawn, map_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from explorer.errors import MapError
 from explorer.grid import GridInfo, OccupancyMap, line_is_clear, lines_are_clear
 from explorer.travel import MAXIMUM_NODES, TravelGrid
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 
 @given(

@@ -7,6 +7,7 @@ from typing import Any, Dict, List
 
 import pytest
 from conftest import HERE
+
 from explorer import logs, names, options
 from explorer.agent import ExplorerAgent
 from explorer.auction import first_auction_id

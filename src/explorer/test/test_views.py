@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from conftest import drawn, map_of
+
 from explorer.choice import frontier_order, travel_bid
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier

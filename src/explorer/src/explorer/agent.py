@@ -320,9 +320,9 @@ class ExplorerAgent:
         assert self.map is not None and self.pose is not None
         moved = math.hypot(self.pose.x - self._field_place[0], self.pose.y - self._field_place[1]) > REPLAN_DISTANCE
         told_over = any(spot[2] <= now for spot in self._hidden_foreign)
-        if not (self._map_changed or self._dirty):
-            if not (moved or told_over) or now - self._field_time < REPLAN_PERIOD:
-                return
+        due = now - self._field_time >= REPLAN_PERIOD and (moved or told_over)
+        if not (self._map_changed or self._dirty or due):
+            return
         if self._map_changed:
             self._take_map(now)
         assert self.grid is not None
@@ -451,20 +451,20 @@ class ExplorerAgent:
 
     def _look(self, goal: Goal, now: float) -> None:
         """The robot is where it can see the goal's frontier: what it sees now will be in the map soon."""
-        assert self.pose is not None and self.map is not None and self.grid is not None
-        pose = self.pose
         for frontier in self.frontiers.frontiers.values():
             if frontier.visited or frontier.hidden_until > now:
                 continue
-            near = math.hypot(frontier.x - pose.x, frontier.y - pose.y) <= self.options.view_distance + 0.5
-            if (near or frontier.number == goal.frontier) and (
-                frontier.number == goal.frontier
-                or sees(
-                    self.grid.occupied, self.map, pose.x, pose.y, pose.yaw, self.options.field_of_view, frontier
-                )
-            ):
+            if frontier.number == goal.frontier or self._in_view(frontier):
                 frontier.looks += 1
                 frontier.hidden_until = now + LOOK_TIME
+
+    def _in_view(self, frontier: Frontier) -> bool:
+        assert self.pose is not None and self.map is not None and self.grid is not None
+        pose = self.pose
+        if math.hypot(frontier.x - pose.x, frontier.y - pose.y) > self.options.view_distance + 0.5:
+            return False
+        view = self.options.field_of_view
+        return sees(self.grid.occupied, self.map, pose.x, pose.y, pose.yaw, view, frontier)
 
     def _fail(self, goal: Goal, text: str, now: float) -> None:
         """A goal failed: another robot in the way means another try soon, else the frontier is given up in the end."""
@@ -627,10 +627,9 @@ class ExplorerAgent:
                 # While the bids are on their way, the likely outcome is better than standing still.
                 self._take(self._decide(ready, {}, now), ready, now)
                 current = self._current(ready)
-        elif current is not None and self._auction is None and now - self._auction_time >= REASSIGN_PERIOD:
-            if len(ready) > 1:
-                self._need_cluster(ready, now)
-                current = self._current(ready)
+        elif len(ready) > 1 and self._auction is None and now - self._auction_time >= REASSIGN_PERIOD:
+            self._need_cluster(ready, now)
+            current = self._current(ready)
         if current is not None:
             self._follow(current, now)
         elif self.goal is not None and not self._any_hidden(now):
@@ -648,17 +647,15 @@ class ExplorerAgent:
                 return
             target = members[min(choices)[1]]
         goal = self.goal
-        if goal is not None and goal.cluster == cluster.number and goal.frontier is not None:
-            x, y, _ = self._view_of[target.number]
-            near = math.hypot(goal.pose.x - x, goal.pose.y - y) < 0.6
-            if near or (self._target_ready(goal, now) and now - goal.sent < 2.0):
-                if near and self._target_ready(goal, now):
-                    return
-                if near and goal.frontier == target.number:
-                    return
-                if not near:
-                    return
-        self._drive_to(target, cluster.number, now)
+        if goal is None or goal.cluster != cluster.number or not self._still_good(goal, target, now):
+            self._drive_to(target, cluster.number, now)
+
+    def _still_good(self, goal: Goal, target: Frontier, now: float) -> bool:
+        """True if the goal serves as well as the one for `target` would."""
+        x, y, _ = self._view_of[target.number]
+        if math.hypot(goal.pose.x - x, goal.pose.y - y) < 0.6:
+            return goal.frontier == target.number or self._target_ready(goal, now)
+        return self._target_ready(goal, now) and now - goal.sent < 2.0
 
     # ---- auctions -------------------------------------------------------------------------------------------------
 

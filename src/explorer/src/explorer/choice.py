@@ -60,7 +60,7 @@ def travel_bid(path_length: float, gain: float, turn: float = 0.0, detour: float
 
 def assigned_cluster(
     clusters: Sequence[Cluster],
-    own_costs: Sequence[float],
+    own_costs: np.ndarray,
     others: Sequence[str],
     costs: np.ndarray,
 ) -> Optional[Cluster]:

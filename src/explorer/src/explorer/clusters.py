@@ -113,7 +113,7 @@ def split_long(points: np.ndarray, labels: np.ndarray, longest: float = LONGEST_
         members = np.flatnonzero(labels == label)
         extent = np.ptp(points[members], axis=0)
         axis = int(np.argmax(extent))
-        parts = int(math.ceil(extent[axis] / longest))
+        parts = math.ceil(extent[axis] / longest)
         if parts < 2:
             continue
         part = ((points[members, axis] - points[members, axis].min()) / (extent[axis] / parts)).astype(int)

@@ -69,7 +69,8 @@ PARAMETERS: Tuple[Parameter, ...] = (
 # Parameters of the original that are accepted without an effect, with the reason; they warn once when set.
 WITHOUT_EFFECT: Dict[str, str] = {
     "global_costmap": "frontiers are found on the map of map_topic itself, there is no costmap in this node",
-    "local_costmap": "there is no local costmap in this node; only its width and height are reported, and lengths are in metres",
+    "local_costmap": "there is no local costmap in this node; only its width and height are reported, and lengths are"
+    " in metres",
 }
 
 
@@ -212,7 +213,7 @@ def _identify(values: Dict[str, Any], host_name: str) -> None:
         name = values["robot_name"].strip("/") or host_name
         values["base_link"] = values["base_link"] or "base_link"
     if not re.fullmatch(r"[A-Za-z0-9_.\-]+", name):
-        raise ParameterError(f"robot name {name!r} holds other characters than letters, digits and _.-; set ~robot_name")
+        raise ParameterError(f"robot name {name!r} holds more than letters, digits and _.-; set ~robot_name")
     if not values["move_base_frame"].strip("/"):
         raise ParameterError("parameter ~move_base_frame is empty; give the frame of the map, such as map")
     values["robot_name"] = name

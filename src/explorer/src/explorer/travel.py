@@ -76,8 +76,9 @@ class TravelGrid:
         robot_radius: float = 0.45,
         cell: float = 0.1,
     ) -> None:
-        """`cell`: edge length in metres of the coarse cells, more where the map is too large. `robots`: positions of the other robots in metres. What stands there in the map is taken for the robot
-        itself, seen by the laser, and not for a part of the building."""
+        """`cell`: edge length in metres of the coarse cells, more where the map is too large. `robots`: positions of
+        the other robots in metres; what stands there in the map is taken for the robot itself, seen by the laser, and
+        not for a part of the building."""
         self.fine = occupancy.info
         free = occupancy.free.copy()
         occupied = occupancy.occupied.copy()
@@ -121,13 +122,13 @@ class TravelGrid:
         row, col = self.info.cell_of(x, y)
         if self.info.contains(row, col) and mask[row, col]:
             return (row, col)
-        reach = int(math.ceil(distance / self.info.resolution))
+        reach = math.ceil(distance / self.info.resolution)
         top, left = max(0, row - reach), max(0, col - reach)
         window = mask[top : max(0, row + reach + 1), left : max(0, col + reach + 1)]
         cells = np.argwhere(window)
         if len(cells) == 0:
             return None
-        cells = cells + (top, left)
+        cells += np.array((top, left))
         gap = np.hypot(cells[:, 0] - row, cells[:, 1] - col)
         best = int(np.argmin(gap))
         if gap[best] * self.info.resolution > distance:
@@ -172,13 +173,13 @@ class TravelGrid:
         for x, y in robots:
             row, col = self.fine.cell_of(x, y)
             if self.fine.contains(row, col):
-                cv2.circle(mask, (col, row), int(round(radius / self.fine.resolution)), 1, thickness=-1)
+                cv2.circle(mask, (col, row), round(radius / self.fine.resolution), 1, thickness=-1)
         hidden = (mask > 0) & occupied
         occupied[hidden] = False
         free[hidden] = True
 
     def _factor_for(self, fine_nodes: int, cell: float) -> int:
-        factor = max(1, int(round(cell / self.fine.resolution)))
+        factor = max(1, round(cell / self.fine.resolution))
         while fine_nodes / factor**2 > MAXIMUM_NODES and factor * self.fine.resolution < 0.25:
             factor += 1
         return factor

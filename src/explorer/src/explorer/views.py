@@ -103,7 +103,7 @@ class Views:
         cells = np.argwhere(self._reachable[top : max(0, row + reach + 1), left : max(0, col + reach + 1)])
         if len(cells) == 0:
             return None
-        cells = cells + (top, left)
+        cells += np.array((top, left))
         gaps = np.hypot(cells[:, 0] - row, cells[:, 1] - col)
         cells = cells[np.argsort(gaps, kind="stable")[::3]]
         places = grid.info.centres_of(cells)
