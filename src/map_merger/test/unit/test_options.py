@@ -1,0 +1,109 @@
+"""Parameters: the contract's table, bounds and messages."""
+
+import math
+
+import pytest
+from map_merger.options import PARAMETERS, WITHOUT_EFFECT, OptionError, Options, options_of, warnings_of
+from map_merger.transform import Transform
+
+CONTRACT = {
+    "robot_prefix": "",
+    "local_map_frame_id": "map",
+    "local_map_topic": "/map",
+    "local_map_metadata_topic": "/map_metadata",
+    "map_topic_over_network": "map_other",
+    "control_topic": "control",
+    "position_local_robot_topic": "slam_out_pose",
+    "position_other_robots_topic": "position_other_robots",
+    "has_local_map": True,
+    "exchange_position": False,
+    "splitted": True,
+    "split_size": 32,
+    "seconds_pub_timer": 3,
+    "seconds_send_timer": 5,
+    "seconds_recompute_transform": 5,
+    "seconds_send_position": 2,
+    "seconds_meta_timer": 5,
+    "max_trans_robots": -1.0,
+    "max_rotation_robots": 5.0,
+    "debug": True,
+    "log_path": "",
+}
+
+
+def test_defaults_are_those_of_the_contract():
+    options = options_of({}, "host")
+    for name, value in CONTRACT.items():
+        assert getattr(options, name) == value and type(getattr(options, name)) is type(value), name
+        assert PARAMETERS[name].default == value, name
+    assert options == Options(robot_name="host", initial_poses={})
+
+
+def test_the_table_and_the_fields_agree():
+    assert set(PARAMETERS) == set(Options.__dataclass_fields__)
+
+
+def test_the_robot_name_is_the_host_name_unless_given():
+    assert options_of({"robot_name": ""}, "host").robot_name == "host"
+    assert options_of({"robot_name": "robot_1"}, "host").robot_name == "robot_1"
+    assert options_of({"robot_name": 7}, "host").robot_name == "7"
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        ("split_size", 0),
+        ("split_size", "32"),
+        ("split_size", 1.5),
+        ("split_size", True),
+        ("seconds_pub_timer", 0),
+        ("seconds_send_timer", -1),
+        ("seconds_send_position", 0),
+        ("seconds_meta_timer", 0),
+        ("seconds_recompute_transform", 0),
+        ("seconds_recompute_transform", -2),
+        ("max_trans_robots", -2.0),
+        ("max_trans_robots", math.nan),
+        ("max_rotation_robots", -0.5),
+        ("max_rotation_robots", math.inf),
+        ("has_local_map", 1),
+        ("debug", "yes"),
+        ("registration", "magic"),
+        ("robot_name", "a/b"),
+        ("map_topic_over_network", ""),
+        ("local_map_topic", 5),
+        ("initial_poses", {"robot_1": [1, 2]}),
+        ("initial_poses", {"robot_1": "x"}),
+        ("initial_poses", [1]),
+        ("unheard_of", 1),
+    ],
+)
+def test_bad_values_are_refused_with_their_name(name, value):
+    with pytest.raises(OptionError) as caught:
+        options_of({name: value}, "host")
+    assert name in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        ("seconds_recompute_transform", -1),
+        ("max_trans_robots", -1),
+        ("max_trans_robots", 40),
+        ("max_rotation_robots", 0.0),
+    ],
+)
+def test_special_values_are_accepted(name, value):
+    assert getattr(options_of({name: value}, "host"), name) == value
+
+
+def test_initial_poses_are_metres_and_radians():
+    options = options_of({"initial_poses": {"robot_0": [1, 2, 0.5]}}, "host")
+    assert options.initial_poses == {"robot_0": Transform(1.0, 2.0, 0.5)}
+
+
+def test_a_parameter_without_effect_gives_one_warning_with_the_reason():
+    for name, reason in WITHOUT_EFFECT.items():
+        (warning,) = warnings_of({name: "x", "split_size": 4})
+        assert name in warning and reason in warning
+    assert warnings_of({"split_size": 4}) == []
