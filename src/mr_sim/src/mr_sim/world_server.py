@@ -110,7 +110,7 @@ class WorldServer:
         try:
             self._tell_radio()
             while not self._stop and None in self._of_robot:
-                self._serve(time.monotonic() + 1.0)
+                self._handle_ready(timeout=1.0)
             self._advance()
         finally:
             self._close()
@@ -169,17 +169,19 @@ class WorldServer:
     def _serve(self, until: float) -> None:
         """Handle what robots send until the monotonic time `until`, at least once."""
         while True:
-            ready = self._selector.select(max(0.0, until - time.monotonic()))
-            for key, _ in ready:
-                if key.fileobj is self._listener:
-                    self._accept()
-                elif key.fileobj is self._wake_reader:
-                    self._wake_reader.recv(64)
-                else:
-                    self._receive(self._clients[key.fd])
-            self._expire_silent()
+            self._handle_ready(max(0.0, until - time.monotonic()))
             if self._stop or time.monotonic() >= until:
                 return
+
+    def _handle_ready(self, timeout: float) -> None:
+        for key, _ in self._selector.select(timeout):
+            if key.fileobj is self._listener:
+                self._accept()
+            elif key.fileobj is self._wake_reader:
+                self._wake_reader.recv(64)
+            elif key.fd in self._clients:
+                self._receive(self._clients[key.fd])
+        self._expire_silent()
 
     def _accept(self) -> None:
         try:
