@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from map_merger import benchmark, features, registration
-from map_merger.alignment import Alignment
+from map_merger.alignment import Alignment, Job, LandmarkCache, Member, Versioned
 from map_merger.evidence import Evidence, compare
 from map_merger.grid import Grid, GridInfo, empty_grid
 from map_merger.refine import FINE_REACH, refined
@@ -214,3 +214,57 @@ def test_another_transform_does_not_confirm():
 def test_strong_evidence_is_believed_at_once():
     alignment = Alignment()
     assert alignment.finished(look(STRONG_CRITERIA.matched + 1.0)) == "accepted"
+
+
+@pytest.fixture(scope="module")
+def chain():
+    """Three maps along a corridor: the first and the last share hardly anything, the middle one overlaps both."""
+    random = np.random.default_rng(0)
+    surveyor = Surveyor(office_plan(random))
+    return [
+        surveyor.explore(random, Survey(reach=5.0, beams=271, path_length=length), start=start)
+        for length, start in ((10.0, (2.0, 6.0)), (60.0, (4.0, 6.0)), (14.0, (19.0, 6.0)))
+    ]
+
+
+def job(target, source, team=(), current=None):
+    return Job(
+        "source",
+        Versioned("target", target),
+        Versioned("source", source),
+        tuple(team),
+        current,
+        None,
+        Limits(),
+        "correlation",
+        LandmarkCache(),
+    )
+
+
+def test_a_robot_without_shared_walls_is_registered_through_another_one(chain):
+    first, middle, last = chain
+    assert not job(first.grid, last.grid).run().accepted
+    member = Member(Versioned("middle", middle.grid), pair_of(first, middle).truth)
+    result = job(first.grid, last.grid, [member]).run()
+    assert result.accepted
+    assert error(pair_of(first, last), result.transform) < 0.1
+
+
+def test_a_transform_that_contradicts_the_team_is_refused(chain):
+    first, middle, _ = chain
+    alone = job(first.grid, middle.grid).run()
+    assert alone.accepted
+    displaced = Member(Versioned("other", middle.grid), Transform(0.0, 1.2, 0.0).compose(alone.transform))
+    assert job(first.grid, middle.grid, [displaced]).run().verdict is Verdict.CONTRADICTS_TEAM
+    agreeing = Member(Versioned("other", middle.grid), alone.transform)
+    assert job(first.grid, middle.grid, [agreeing]).run().accepted
+
+
+def test_a_followed_transform_is_corrected_a_little_and_never_jumps(overlapping):
+    target, source = overlapping.target.grid, overlapping.source.grid
+    near = Transform(0.05, -0.05, 0.003).compose(overlapping.truth)
+    result = job(target, source, current=near).run()
+    assert result.accepted and error(overlapping, result.transform) < 0.06
+    wrong = Transform(1.5, 1.0, 0.1).compose(overlapping.truth)
+    result = job(target, source, current=wrong).run()
+    assert result.verdict is not Verdict.ACCEPTED
