@@ -17,6 +17,22 @@ build: dependencies
 dependencies:
 	@tools/install_dependencies
 
+# Each prints its table and writes rows of JSON below out/bench.
+bench: bench-adhoc bench-merge bench-explore bench-sim
+
+bench-adhoc: build
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun adhoc_communication bench_engine --out out/bench/adhoc_engine.json
+	@$(ENVIRONMENT) rosrun adhoc_communication bench_namespaces --out out/bench/adhoc.json
+
+bench-merge: build
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun map_merger bench_registration --out out/bench/merge.json
+
+bench-explore: build
+	@mkdir -p out/bench && $(ENVIRONMENT) tools/bench_missions --out out/bench/missions.json
+
+bench-sim: build
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_sim bench_world --out out/bench/sim.json
+
 lint: dependencies
 	@$(ENVIRONMENT) tools/lint
 
