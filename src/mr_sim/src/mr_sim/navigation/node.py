@@ -60,8 +60,6 @@ class MoveBaseNode:
         self._command = rospy.Publisher(TOPICS["command"], Twist, queue_size=1)
         self._plan = rospy.Publisher(TOPICS["plan"], Path, queue_size=1, latch=True)
         self._server = actionlib.SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
-        self._server.register_goal_callback(self._on_goal)
-        self._server.register_preempt_callback(self._on_preempt)
         self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1)
         map_topic = rospy.get_param("~map_topic", MAP_TOPIC)
@@ -96,24 +94,24 @@ class MoveBaseNode:
         goal.goal.target_pose = message
         self._goals.publish(goal)
 
-    def _on_goal(self) -> None:
-        with self._lock:
-            goal = self._server.accept_new_goal()
-            if goal is None:
-                return
-            try:
-                self._navigator.set_goal(self._in_map(goal.target_pose), rospy.get_time())
-                self._planned_at = -float("inf")
-            except NavigationError as error:
-                self._navigator.cancel()
-                self._server.set_aborted(MoveBaseResult(), str(error))
+    def _take_requests(self) -> None:
+        """New goals and cancellations. Asked for in each control period: the server's callbacks run under its own lock,
+        so they must not wait for this node's lock, which is held while the server is called."""
+        if self._server.is_new_goal_available():
+            self._take_goal(self._server.accept_new_goal())
+        elif self._server.is_preempt_requested() and self._server.is_active():
+            self._navigator.cancel()
+            self._server.set_preempted(MoveBaseResult(), "goal was cancelled")
 
-    def _on_preempt(self) -> None:
-        with self._lock:
-            # With a new goal waiting the robot goes on; _on_goal takes it up.
-            if not self._server.is_new_goal_available() and self._server.is_active():
-                self._navigator.cancel()
-                self._server.set_preempted(MoveBaseResult(), "goal was cancelled")
+    def _take_goal(self, goal: Any) -> None:
+        if goal is None:
+            return
+        try:
+            self._navigator.set_goal(self._in_map(goal.target_pose), rospy.get_time())
+            self._planned_at = -float("inf")
+        except NavigationError as error:
+            self._navigator.cancel()
+            self._server.set_aborted(MoveBaseResult(), str(error))
 
     def _in_map(self, target: PoseStamped) -> Pose:
         goal = ros_io.goal_value(target)
@@ -132,6 +130,7 @@ class MoveBaseNode:
 
     def _on_timer(self, _: rospy.timer.TimerEvent) -> None:
         with self._lock:
+            self._take_requests()
             if not self._server.is_active() and not self._moving:
                 return
             self._control(rospy.get_time())
