@@ -25,7 +25,7 @@ MOVING_SPEED, MOVING_TURN = 0.05, 0.1  # m/s, rad/s: above either a robot is mov
 
 _REFERENCE_RESOLUTION = 0.05  # m, lattice of the reference cells
 _HEADINGS = 16  # headings in which the footprint is tried
-_VIEWPOINT_SPACING = 0.2  # m between the poses looked from
+_VIEWPOINT_SPACING = 0.3  # m between the poses looked from
 _BEAMS = 720
 _SURROUND = 1.0  # m around the walls in which the distance to them is known
 
@@ -109,8 +109,8 @@ class Truth:
         reached: set = set()
         for start in starts:
             column, row = np.floor((np.asarray(start[:2]) - self._origin) / self._resolution).astype(int)
-            heading = round(start[2] / (2.0 * math.pi) * _HEADINGS) % _HEADINGS
-            reached.add(int(labels[heading, row, column]))
+            # Any heading: the kernels are coarser than a start pose that just fits.
+            reached.update(int(label) for label in labels[:, row, column])
         reached.discard(0)
         reachable = np.isin(labels[:_HEADINGS], list(reached)).any(axis=0)
         stride = max(1, round(_VIEWPOINT_SPACING / self._resolution))

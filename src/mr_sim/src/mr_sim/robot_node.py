@@ -5,7 +5,7 @@ import sys
 
 import rospy
 import tf2_ros
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import TransformStamped, Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
@@ -70,17 +70,17 @@ class RobotNode:
         self._odometry_message = ros_io.odometry_message(prefix + "odom", prefix + "base_footprint")
         self._truth_message = ros_io.odometry_message(prefix + "odom", prefix + "base_footprint")
         self._transforms = tf2_ros.TransformBroadcaster()
-        self._static_transforms = tf2_ros.StaticTransformBroadcaster()
-        self._send_static_transforms(frames)
+        self._laser_frames = frames
         self._subscriber = rospy.Subscriber(prefix + "cmd_vel", Twist, self._on_command, queue_size=1, tcp_nodelay=True)
 
-    def _send_static_transforms(self, laser_frames: list[str]) -> None:
+    def static_transforms(self) -> list[TransformStamped]:
+        """From base_footprint to base_link and on to each laser, for /tf_static."""
         zero, base = rospy.Time(0), self._prefix + "base_link"
         mounts = [ranger.mount for ranger in self._client.welcome.rangers]
-        self._static_transforms.sendTransform(
-            [ros_io.transform(zero, self._prefix + "base_footprint", base, (0.0, 0.0, 0.0))]
-            + [ros_io.transform(zero, base, frame, mount) for frame, mount in zip(laser_frames, mounts, strict=True)]
-        )
+        return [
+            ros_io.transform(zero, self._prefix + "base_footprint", base, (0.0, 0.0, 0.0)),
+            *(ros_io.transform(zero, base, *pair) for pair in zip(self._laser_frames, mounts, strict=True)),
+        ]
 
     def _on_command(self, message: Twist) -> None:
         linear, angular = message.linear.x, message.angular.z
@@ -142,6 +142,8 @@ def main() -> int:
         rospy.set_param("/use_sim_time", True)
     rospy.on_shutdown(client.close)
     node = RobotNode(client, parameters["prefix"], parameters["publish_clock"], parameters["publish_ground_truth"])
+    static_transforms = tf2_ros.StaticTransformBroadcaster()
+    static_transforms.sendTransform(node.static_transforms())
     rospy.loginfo("%s is in the world on %s", parameters["robot_name"], parameters["socket"])
     code = node.run()
     rospy.signal_shutdown("the world has ended")

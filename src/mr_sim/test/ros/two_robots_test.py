@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 """Two robots under one master keep apart."""
 
+import math
 import sys
 import unittest
 
 import rospy
 import rostest
+import tf2_ros
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
-from tf2_msgs.msg import TFMessage
 
 PATIENCE = 30.0
 
@@ -27,11 +28,14 @@ class TwoRobotsTest(unittest.TestCase):
             self.assertAlmostEqual(truth.pose.pose.position.y, y)
 
     def test_transforms_carry_the_prefix(self):
-        frames = set()
-        while len(frames) < 4:
-            for transform in rospy.wait_for_message("/tf", TFMessage, PATIENCE).transforms:
-                frames |= {transform.header.frame_id, transform.child_frame_id}
-        self.assertEqual(frames, {f"robot_{i}/{name}" for i in (0, 1) for name in ("odom", "base_footprint")})
+        buffer = tf2_ros.Buffer()
+        listener = tf2_ros.TransformListener(buffer)
+        for name in ("robot_0/", "robot_1/"):
+            frames = name + "odom", name + "base_laser_link"
+            laser = buffer.lookup_transform(*frames, rospy.Time(0), rospy.Duration(PATIENCE))
+            self.assertAlmostEqual(math.hypot(laser.transform.translation.x, laser.transform.translation.y), 0.1)
+        self.assertFalse(buffer.can_transform("robot_0/odom", "robot_1/odom", rospy.Time(0)))
+        listener.unregister()
 
     def test_a_command_moves_one_of_them(self):
         publisher = rospy.Publisher("robot_1/cmd_vel", Twist, queue_size=1, latch=True)

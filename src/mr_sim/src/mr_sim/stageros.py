@@ -1,0 +1,72 @@
+"""Drop-in for `stageros`: a whole world with all its robots in one ROS node, under one master."""
+
+import argparse
+import sys
+import tempfile
+import threading
+
+import rospy
+import tf2_ros
+
+from mr_sim.robot_node import ParameterError, RobotNode
+from mr_sim.world import World
+from mr_sim.world_client import WorldClient
+from mr_sim.world_model import load_world
+from mr_sim.world_server import WorldServer, listen
+from mr_sim.worlds import find_world
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="stageros", description="A Stage world with all its robots in one node.")
+    parser.add_argument("world", help="a .world file, or the name of one of the project's worlds")
+    parser.add_argument("-g", action="store_true", help="no window; accepted for stageros, there is never one")
+    parser.add_argument("-u", action="store_true", help="prefixes are the names of the models, also for one robot")
+    return parser.parse_args(rospy.myargv(sys.argv)[1:])
+
+
+def prefixes(names: tuple[str, ...], use_model_names: bool) -> list[str]:
+    """Prefix of each robot's topics and frames, as stageros chooses them."""
+    if use_model_names:
+        return [f"{name}/" for name in names]
+    return [""] if len(names) == 1 else [f"robot_{index}/" for index in range(len(names))]
+
+
+def _run(world: World, use_model_names: bool, folder: str) -> None:
+    server = WorldServer(
+        world, listen(f"{folder}/world"), world.description.speedup, world.description.quit_time, say=rospy.loginfo
+    )
+    threads = [threading.Thread(target=server.run)]
+    threads[0].start()
+    rospy.on_shutdown(server.stop)
+    nodes = []
+    for index, prefix in enumerate(prefixes(world.names, use_model_names)):
+        client = WorldClient.connect(f"{folder}/world", world.names[index], timeout=30.0)
+        nodes.append(RobotNode(client, prefix, publish_clock=index == 0, publish_ground_truth=True))
+    # One message: a latched topic keeps only a node's last one.
+    static_transforms = tf2_ros.StaticTransformBroadcaster()
+    static_transforms.sendTransform([transform for node in nodes for transform in node.static_transforms()])
+    threads += [threading.Thread(target=node.run) for node in nodes]
+    for thread in threads[1:]:
+        thread.start()
+    for thread in threads:
+        thread.join()
+
+
+def main() -> int:
+    """Run the node; returns its exit code."""
+    arguments = _arguments()
+    try:
+        description = load_world(find_world(arguments.world))
+        rospy.init_node("stageros", disable_rostime=True)
+        rospy.set_param("/use_sim_time", True)
+        seed = rospy.get_param("~seed", 0)
+        if not isinstance(seed, int) or seed < 0:
+            raise ParameterError(f"~seed must be a whole number >= 0, not {seed!r}")
+        world = World(description, seed=seed)
+        with tempfile.TemporaryDirectory(prefix="mr_sim") as folder:
+            _run(world, arguments.u, folder)
+    except ValueError as error:
+        print(f"stageros: {error}", file=sys.stderr)
+        return 1
+    rospy.signal_shutdown("the world has ended")
+    return 0
