@@ -58,6 +58,8 @@ bool ReceiveFilter::accepts(const Frame& frame) {
   return here && there && is_received(model_, distance_between(*here, *there));
 }
 
-std::optional<MacAddress> ReceiveFilter::next_unnamed_sender() { return std::exchange(unreported_sender_, std::nullopt); }
+std::optional<MacAddress> ReceiveFilter::next_unnamed_sender() {
+  return std::exchange(unreported_sender_, std::nullopt);
+}
 
 }  // namespace adhoc_communication

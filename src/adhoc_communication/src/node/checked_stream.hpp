@@ -8,8 +8,8 @@
 
 namespace adhoc_communication {
 
-/// The input stream of roscpp resizes a vector to whatever count the bytes claim before it looks whether they are there.
-/// This one compares the claim with what is left first. Throws ros::serialization::StreamOverrunException.
+/// The input stream of roscpp resizes a vector to whatever count the bytes claim before it looks whether they are
+/// there. This one compares the claim with what is left first. Throws ros::serialization::StreamOverrunException.
 class CheckedStream : public ros::serialization::Stream {
  public:
   static const ros::serialization::StreamType stream_type = ros::serialization::stream_types::Input;

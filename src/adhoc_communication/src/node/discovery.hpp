@@ -10,8 +10,9 @@
 
 namespace adhoc_communication {
 
-/// new_robot and remove_robot (std_msgs/String). Plain latching would keep the last name only; here a late subscriber of
-/// new_robot is sent the name of every robot present, and one of remove_robot the last robot lost if it is still away.
+/// new_robot and remove_robot (std_msgs/String). Plain latching would keep the last name only; here a late subscriber
+/// of new_robot is sent the name of every robot present, and one of remove_robot the last robot lost if it is still
+/// away.
 class Discovery {
  public:
   Discovery(ros::NodeHandle& node, const std::string& new_robot_topic, const std::string& remove_robot_topic);

@@ -71,9 +71,7 @@ void EngineHost::wait_for_work() {
   const Time deadline = std::min(engine_.next_deadline(), next_tending_);
   const Time wait = std::max(deadline - steady_now(), Time::zero());
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(wait);
-  const struct timespec timeout {
-    static_cast<time_t>(seconds.count()), static_cast<long>((wait - seconds).count())
-  };
+  const struct timespec timeout { static_cast<time_t>(seconds.count()), static_cast<long>((wait - seconds).count()) };
   struct pollfd sources[2] = {{wake_up_.get(), POLLIN, 0}, {link_->descriptor(), POLLIN, 0}};
   ppoll(sources, 2, &timeout, nullptr);
 }

@@ -1,12 +1,12 @@
 #include <ros/ros.h>
+#include <unistd.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
 #include <climits>
+#include <csignal>
 #include <cstring>
 #include <iostream>
 #include <stdexcept>
-
-#include <unistd.h>
 
 #include "link/link.hpp"
 #include "node/node.hpp"
@@ -38,6 +38,11 @@ NodeOptions read_parameters() {
   return options;
 }
 
+/// roscpp sees to SIGINT only; service managers and containers end programs with SIGTERM.
+void end_on_sigterm() {
+  std::signal(SIGTERM, [](int) { ros::requestShutdown(); });
+}
+
 int list_parameters() {
   for (const auto& parameter : adhoc_communication::parameters()) {
     std::cout << parameter.name << '\t' << parameter.type << '\t' << parameter.default_value << '\t'
@@ -51,6 +56,7 @@ int list_parameters() {
 int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "--list-parameters") == 0) return list_parameters();
   ros::init(argc, argv, "adhoc_communication");
+  end_on_sigterm();
   const ros::NodeHandle keeps_ros_running;  // roscpp shuts down, its console too, when the last handle goes
   try {
     const NodeOptions options = read_parameters();

@@ -178,44 +178,62 @@ std::vector<Parameter> make_parameters() {
   const std::string relaying_reason =
       "the hop-by-hop resends and the routes found anew do what cooperative relaying was meant for";
   return {
-      stored("interface", [](NodeOptions& o) -> auto& { return o.interface; }),
+      stored(
+          "interface", [](NodeOptions & o) -> auto& { return o.interface; }),
       parsed<std::string>("mac", "",
                           [](NodeOptions& o, const std::string& text) {
                             o.mac.reset();
                             if (!text.empty()) o.mac = parse_mac_address(text);
                           }),
-      stored("robot_name", [](NodeOptions& o) -> auto& { return o.engine.robot_name; }),
-      stored("num_link_retrans", [](NodeOptions& o) -> auto& { return o.engine.num_link_retrans; }),
-      stored("num_e2e_retrans", [](NodeOptions& o) -> auto& { return o.engine.num_e2e_retrans; }),
-      stored("num_rreq", [](NodeOptions& o) -> auto& { return o.engine.num_rreq; }),
-      stored("max_frame_size", [](NodeOptions& o) -> auto& { return o.engine.max_frame_size; }),
-      stored("hop_limit_min", [](NodeOptions& o) -> auto& { return o.engine.hop_limit_min; }),
-      stored("hop_limit_max", [](NodeOptions& o) -> auto& { return o.engine.hop_limit_max; }),
-      stored("hop_limit_increment", [](NodeOptions& o) -> auto& { return o.engine.hop_limit_increment; }),
-      parsed<int>(
-          "beacon_interval", static_cast<int>(EngineOptions().beacon_interval.count()),
-          [](NodeOptions& o, int value) { o.engine.beacon_interval = std::chrono::milliseconds(value); }),
+      stored(
+          "robot_name", [](NodeOptions & o) -> auto& { return o.engine.robot_name; }),
+      stored(
+          "num_link_retrans", [](NodeOptions & o) -> auto& { return o.engine.num_link_retrans; }),
+      stored(
+          "num_e2e_retrans", [](NodeOptions & o) -> auto& { return o.engine.num_e2e_retrans; }),
+      stored(
+          "num_rreq", [](NodeOptions & o) -> auto& { return o.engine.num_rreq; }),
+      stored(
+          "max_frame_size", [](NodeOptions & o) -> auto& { return o.engine.max_frame_size; }),
+      stored(
+          "hop_limit_min", [](NodeOptions & o) -> auto& { return o.engine.hop_limit_min; }),
+      stored(
+          "hop_limit_max", [](NodeOptions & o) -> auto& { return o.engine.hop_limit_max; }),
+      stored(
+          "hop_limit_increment", [](NodeOptions & o) -> auto& { return o.engine.hop_limit_increment; }),
+      parsed<int>("beacon_interval", static_cast<int>(EngineOptions().beacon_interval.count()),
+                  [](NodeOptions& o, int value) { o.engine.beacon_interval = std::chrono::milliseconds(value); }),
       parsed<int>("max_packet_size", static_cast<int>(EngineOptions().max_packet_size), set_packet_size),
-      stored("simulation_mode", [](NodeOptions& o) -> auto& { return o.simulation_mode; }),
-      stored("robots_in_simulation", [](NodeOptions& o) -> auto& { return o.robots_in_simulation; }),
-      stored("p_thres", [](NodeOptions& o) -> auto& { return o.channel.p_thres; }),
-      stored("p_tx", [](NodeOptions& o) -> auto& { return o.channel.p_tx; }),
-      stored("n_model", [](NodeOptions& o) -> auto& { return o.channel.n_model; }),
-      stored("l_0_model", [](NodeOptions& o) -> auto& { return o.channel.l_0_model; }),
-      stored("topic_new_robot", [](NodeOptions& o) -> auto& { return o.topic_new_robot; }),
-      stored("topic_remove_robot", [](NodeOptions& o) -> auto& { return o.topic_remove_robot; }),
-      checked_without_effect("rebuild_mc_tree", no_tree_reason,
-                             [](NodeOptions& o) -> auto& { return o.engine.rebuild_mc_tree; }),
-      checked_without_effect("recursive_mc_ack", no_tree_reason,
-                             [](NodeOptions& o) -> auto& { return o.engine.recursive_mc_ack; }),
-      stored("loss_ratio", [](NodeOptions& o) -> auto& { return o.engine.loss_ratio; }),
-      checked_without_effect("nack_threshold", no_tree_reason,
-                             [](NodeOptions& o) -> auto& { return o.engine.nack_threshold; }),
-      parsed<std::string>(
-          "sim_robot_macs", "",
-          [](NodeOptions& o, const std::string& text) { o.sim_robot_macs = parse_robot_macs(text); }),
-      stored("log_path", [](NodeOptions& o) -> auto& { return o.log_path; }),
-      stored("join_groups_automatically", [](NodeOptions& o) -> auto& { return o.engine.join_groups_automatically; }),
+      stored(
+          "simulation_mode", [](NodeOptions & o) -> auto& { return o.simulation_mode; }),
+      stored(
+          "robots_in_simulation", [](NodeOptions & o) -> auto& { return o.robots_in_simulation; }),
+      stored(
+          "p_thres", [](NodeOptions & o) -> auto& { return o.channel.p_thres; }),
+      stored(
+          "p_tx", [](NodeOptions & o) -> auto& { return o.channel.p_tx; }),
+      stored(
+          "n_model", [](NodeOptions & o) -> auto& { return o.channel.n_model; }),
+      stored(
+          "l_0_model", [](NodeOptions & o) -> auto& { return o.channel.l_0_model; }),
+      stored(
+          "topic_new_robot", [](NodeOptions & o) -> auto& { return o.topic_new_robot; }),
+      stored(
+          "topic_remove_robot", [](NodeOptions & o) -> auto& { return o.topic_remove_robot; }),
+      checked_without_effect(
+          "rebuild_mc_tree", no_tree_reason, [](NodeOptions & o) -> auto& { return o.engine.rebuild_mc_tree; }),
+      checked_without_effect(
+          "recursive_mc_ack", no_tree_reason, [](NodeOptions & o) -> auto& { return o.engine.recursive_mc_ack; }),
+      stored(
+          "loss_ratio", [](NodeOptions & o) -> auto& { return o.engine.loss_ratio; }),
+      checked_without_effect(
+          "nack_threshold", no_tree_reason, [](NodeOptions & o) -> auto& { return o.engine.nack_threshold; }),
+      parsed<std::string>("sim_robot_macs", "",
+                          [](NodeOptions& o, const std::string& text) { o.sim_robot_macs = parse_robot_macs(text); }),
+      stored(
+          "log_path", [](NodeOptions & o) -> auto& { return o.log_path; }),
+      stored(
+          "join_groups_automatically", [](NodeOptions & o) -> auto& { return o.engine.join_groups_automatically; }),
       without_effect("enable_cooperative_relaying", "bool", "true", relaying_reason),
       without_effect("tx_power", "string", "", "the channel model and wireless interfaces take p_tx"),
       without_effect("use_sim_time", "bool", "false", "the protocol runs on the steady clock, never on ROS time"),

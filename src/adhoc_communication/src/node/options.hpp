@@ -31,8 +31,8 @@ struct NodeOptions {
 
 struct Parameter {
   std::string name;
-  std::string type;           ///< string, int, double or bool
-  std::string default_value;  ///< as text
+  std::string type;            ///< string, int, double or bool
+  std::string default_value;   ///< as text
   std::string without_effect;  ///< why setting it changes nothing; empty for all others
   /// Throws std::invalid_argument when the value does not fit the type.
   std::function<void(NodeOptions&, const XmlRpc::XmlRpcValue&)> set;

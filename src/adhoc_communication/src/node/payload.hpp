@@ -29,7 +29,7 @@ enum class PayloadType : std::uint8_t {
 
 /// A message ready to be published, whatever its type.
 struct SerializedMessage {
-  std::string type;        ///< package/Name
+  std::string type;  ///< package/Name
   std::string md5sum;
   std::string definition;  ///< full text, as in bag files
   Bytes bytes;             ///< ROS serialisation

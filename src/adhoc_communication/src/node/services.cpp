@@ -100,17 +100,17 @@ void Services::advertise_send(ros::NodeHandle& node, const std::string& name, Pa
 
 void Services::advertise_sends(ros::NodeHandle& node) {
   advertise<SendString>(node, sends_, "send_string", [this](auto& request, auto& response) {
-    response.status = send("send_string", {request.dst_robot, request.topic,
-                                           static_cast<std::uint8_t>(PayloadType::kString),
-                                           bytes_of_text(request.data), Priority::kNormal});
+    response.status =
+        send("send_string", {request.dst_robot, request.topic, static_cast<std::uint8_t>(PayloadType::kString),
+                             bytes_of_text(request.data), Priority::kNormal});
   });
   advertise<SendMessage>(node, sends_, "send_message", [this](auto& request, auto& response) {
     check_type(request.type, request.md5sum);
     const SerializedMessage message{request.type, request.md5sum, request.definition, request.data};
     const Priority priority = message.bytes.size() < kBulkSize ? Priority::kNormal : Priority::kBulk;
-    response.status = send("send_message", {request.dst_robot, request.topic,
-                                            static_cast<std::uint8_t>(PayloadType::kAnyMessage),
-                                            encode_any_message(message), priority});
+    response.status =
+        send("send_message", {request.dst_robot, request.topic, static_cast<std::uint8_t>(PayloadType::kAnyMessage),
+                              encode_any_message(message), priority});
   });
   using P = PayloadType;
   advertise_send<SendOccupancyGrid>(node, "send_map", P::kMap, Priority::kBulk, &SendOccupancyGrid::Request::map);

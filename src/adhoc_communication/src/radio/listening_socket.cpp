@@ -10,7 +10,9 @@
 namespace adhoc_communication {
 namespace {
 
-FileDescriptor make_socket() { return FileDescriptor(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)); }
+FileDescriptor make_socket() {
+  return FileDescriptor(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+}
 
 }  // namespace
 
@@ -18,8 +20,8 @@ ListeningSocket::ListeningSocket(std::string path) : path_(std::move(path)), soc
   struct sockaddr_un address {};
   address.sun_family = AF_UNIX;
   if (path_.size() >= sizeof address.sun_path) {
-    throw std::runtime_error("socket path " + path_ + " is longer than " +
-                             std::to_string(sizeof address.sun_path - 1) + " characters");
+    throw std::runtime_error("socket path " + path_ + " is longer than " + std::to_string(sizeof address.sun_path - 1) +
+                             " characters");
   }
   path_.copy(address.sun_path, path_.size());
   auto* generic = reinterpret_cast<struct sockaddr*>(&address);

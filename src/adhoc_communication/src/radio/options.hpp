@@ -13,7 +13,7 @@ struct RadioOptions {
   double range = 10.0;                            ///< metres
   double loss = 0.0;                              ///< of each frame on each link, 0..1
   double bit_rate = 50e6;                         ///< bit/s
-  bool shared = false;     ///< all robots take turns on one channel
+  bool shared = false;                            ///< all robots take turns on one channel
   std::uint64_t seed = 1;
   std::string control;     ///< path of the control socket, empty for none
   std::string statistics;  ///< file written at the end, empty for none

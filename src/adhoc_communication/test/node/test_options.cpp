@@ -35,14 +35,31 @@ TEST(Options, NoParametersMeanDefaultsAndTheHostName) {
 }
 
 TEST(Options, ContractHasTheseDefaults) {
-  const std::map<std::string, std::string> expected = {
-      {"interface", "wlan0"},       {"mac", ""},                 {"robot_name", ""},       {"num_link_retrans", "10"},
-      {"num_e2e_retrans", "10"},    {"num_rreq", "1"},           {"max_frame_size", "1500"}, {"hop_limit_min", "0"},
-      {"hop_limit_max", "0"},       {"hop_limit_increment", "3"}, {"beacon_interval", "250"}, {"max_packet_size", "10000000"},
-      {"simulation_mode", "false"}, {"robots_in_simulation", "10"}, {"p_thres", "-75"},     {"p_tx", "15"},
-      {"n_model", "4"},             {"l_0_model", "33"},         {"topic_new_robot", "new_robot"},
-      {"topic_remove_robot", "remove_robot"}, {"rebuild_mc_tree", "false"}, {"recursive_mc_ack", "false"},
-      {"loss_ratio", "0"},          {"nack_threshold", "10"},    {"sim_robot_macs", ""}};
+  const std::map<std::string, std::string> expected = {{"interface", "wlan0"},
+                                                       {"mac", ""},
+                                                       {"robot_name", ""},
+                                                       {"num_link_retrans", "10"},
+                                                       {"num_e2e_retrans", "10"},
+                                                       {"num_rreq", "1"},
+                                                       {"max_frame_size", "1500"},
+                                                       {"hop_limit_min", "0"},
+                                                       {"hop_limit_max", "0"},
+                                                       {"hop_limit_increment", "3"},
+                                                       {"beacon_interval", "250"},
+                                                       {"max_packet_size", "10000000"},
+                                                       {"simulation_mode", "false"},
+                                                       {"robots_in_simulation", "10"},
+                                                       {"p_thres", "-75"},
+                                                       {"p_tx", "15"},
+                                                       {"n_model", "4"},
+                                                       {"l_0_model", "33"},
+                                                       {"topic_new_robot", "new_robot"},
+                                                       {"topic_remove_robot", "remove_robot"},
+                                                       {"rebuild_mc_tree", "false"},
+                                                       {"recursive_mc_ack", "false"},
+                                                       {"loss_ratio", "0"},
+                                                       {"nack_threshold", "10"},
+                                                       {"sim_robot_macs", ""}};
   for (const auto& [name, value] : expected) {
     const auto found = std::find_if(parameters().begin(), parameters().end(),
                                     [&name = name](const Parameter& parameter) { return parameter.name == name; });
@@ -89,12 +106,14 @@ TEST(Options, WrongTypeIsRefusedByName) {
 
 TEST(Options, OutOfRangeIsRefusedByName) {
   const std::map<std::string, int> bad = {
-      {"num_link_retrans", -1}, {"num_e2e_retrans", -1}, {"num_rreq", -1},        {"max_frame_size", 10},
-      {"hop_limit_min", -1},    {"hop_limit_max", -1},   {"beacon_interval", -5}, {"max_packet_size", 0},
-      {"nack_threshold", -1},   {"loss_ratio", 2},       {"p_thres", 1000},       {"p_tx", 1000},
+      {"num_link_retrans", -1}, {"num_e2e_retrans", -1}, {"num_rreq", -1},
+      {"max_frame_size", 10},   {"hop_limit_min", -1},   {"hop_limit_max", -1},
+      {"beacon_interval", -5},  {"max_packet_size", 0},  {"nack_threshold", -1},
+      {"loss_ratio", 2},        {"p_thres", 1000},       {"p_tx", 1000},
       {"n_model", -1},          {"l_0_model", -1},       {"robots_in_simulation", -1}};
   for (const auto& [name, value] : bad) {
-    EXPECT_NE(refusal_of(with(name, value)).find(name), std::string::npos) << name << ": " << refusal_of(with(name, value));
+    EXPECT_NE(refusal_of(with(name, value)).find(name), std::string::npos)
+        << name << ": " << refusal_of(with(name, value));
   }
 }
 

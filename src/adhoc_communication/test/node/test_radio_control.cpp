@@ -72,8 +72,8 @@ TEST_F(RadioControl, WrongCommandsAreRefusedWhole) {
 }
 
 TEST(RadioOptions, AreRead) {
-  const RadioOptions options = parse({"--interface", "robot_0=air0", "--range", "5", "--loss", "0.1", "--bit-rate", "1e6",
-                                      "--seed", "9", "--shared", "true", "__name:=radio"});
+  const RadioOptions options = parse({"--interface", "robot_0=air0", "--range", "5", "--loss", "0.1", "--bit-rate",
+                                      "1e6", "--seed", "9", "--shared", "true", "__name:=radio"});
   EXPECT_EQ(options.interfaces.at("robot_0"), "air0");
   EXPECT_DOUBLE_EQ(options.range, 5.0);
   EXPECT_DOUBLE_EQ(options.loss, 0.1);
@@ -83,9 +83,15 @@ TEST(RadioOptions, AreRead) {
 }
 
 TEST(RadioOptions, WrongOnesAreRefused) {
-  const std::vector<std::vector<std::string>> wrong = {
-      {}, {"--hub"}, {"--loss", "2", "--hub", "x"}, {"--interface", "air0"}, {"--interface", "=air0"}, {"--what", "1"},
-      {"--interface", "a=x", "--interface", "a=y"}, {"--hub", "x", "--seed", "-1"}, {"--hub", "x", "--shared", "1"}};
+  const std::vector<std::vector<std::string>> wrong = {{},
+                                                       {"--hub"},
+                                                       {"--loss", "2", "--hub", "x"},
+                                                       {"--interface", "air0"},
+                                                       {"--interface", "=air0"},
+                                                       {"--what", "1"},
+                                                       {"--interface", "a=x", "--interface", "a=y"},
+                                                       {"--hub", "x", "--seed", "-1"},
+                                                       {"--hub", "x", "--shared", "1"}};
   for (const auto& words : wrong) EXPECT_THROW(parse(words), std::invalid_argument);
 }
 
