@@ -75,7 +75,8 @@ class _Timer:
 
 
 class Agent:
-    """One robot's map merger. Every `on_...` call and `tick` takes the present time in seconds; then collect `effects()`."""
+    """One robot's map merger. Every `on_...` call and `tick` takes the present time in seconds; then collect
+    `effects()`."""
 
     def __init__(self, options: Options, boot: Boot) -> None:
         """`boot` names this run (see messages.Boot)."""

@@ -1,7 +1,7 @@
 """When a registration between two robots is tried, believed, kept and given up.
 
-A transform is believed at once only with strong evidence; otherwise it must be found again after the maps have grown. It is then
-followed as the maps grow, and revoked when they come to contradict it.
+A transform is believed at once only with strong evidence; otherwise it must be found again after the maps have grown.
+It is then followed as the maps grow, and revoked when they come to contradict it.
 """
 
 import math

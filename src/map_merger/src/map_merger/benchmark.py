@@ -1,8 +1,8 @@
 """Measures registration on pairs of partial maps: right, imprecise, wrong, declined.
 
-Wrong: accepted, and off by more than 0.25 m anywhere in the overlap or 2 deg. Right: accepted, and the mean displacement
-over the overlap is at most 0.1 m. Imprecise: between. Overlap: the source's known cells that the target knows at the true
-transform.
+Wrong: accepted, and off by more than 0.25 m anywhere in the overlap or 2 deg. Right: accepted, and the mean
+displacement over the overlap is at most 0.1 m. Imprecise: between. Overlap: the source's known cells that the target
+knows at the true transform.
 Truth under distortion: the best rigid fit, which is the true transform refined on the shared walls.
 """
 
@@ -48,7 +48,8 @@ class Scenario:
 
 
 class Outcome(NamedTuple):
-    """One pair, measured. `shared` is the wall in metres that both maps hold, `seconds` the CPU time of the registration."""
+    """One pair, measured. `shared` is the wall in metres that both maps hold, `seconds` the CPU time of the
+    registration."""
 
     seed: int
     kind: str

@@ -16,10 +16,10 @@ _NORMAL_TOLERANCE = math.cos(math.radians(30.0))
 class Evidence:
     """Agreement of two maps under a transform. Lengths in metres of wall, the smaller of both directions of comparison.
 
-    matched: walls found in both. minor: matched length in the weaker direction (smaller eigenvalue of the normals' scatter).
-    conflict: share of matched plus contradicted walls that lie in well observed free space of the other map (the larger of
-    both directions). explained: share of one map's walls inside the known part of the other that are matched (the smaller).
-    error: root mean square distance of the matched walls in metres.
+    matched: walls found in both. minor: matched length in the weaker direction (smaller eigenvalue of the normals'
+    scatter). conflict: share of matched plus contradicted walls that lie in well observed free space of the other map
+    (the larger of both directions). explained: share of one map's walls inside the known part of the other that are
+    matched (the smaller). error: root mean square distance of the matched walls in metres.
     """
 
     matched: float = 0.0
@@ -65,7 +65,8 @@ def match_tolerance(target: Landmarks, source: Landmarks) -> float:
 
 
 def nearest(target: Surface, moved: Surface, reach: float) -> tuple:
-    """For each point of `moved` the index of the nearest like-facing point of `target`, and whether it is within `reach`."""
+    """For each point of `moved` the index of the nearest like-facing point of `target`, and whether it is within
+    `reach`."""
     query = np.hstack([moved.points, NORMAL_WEIGHT * moved.normals])
     _, index = target.tree().query(query, distance_upper_bound=math.hypot(reach, NORMAL_WEIGHT * 0.52))
     hit = index < len(target.points)

@@ -1,7 +1,8 @@
 """Registration by image features: the paper's method with the successor of its OpenCV call, verified like the default.
 
-ORB key points of both maps are matched and a similarity transform is estimated by RANSAC (`estimateAffinePartial2D` took the
-place of `estimateRigidTransform`). On repeated rooms it proposes wrong transforms; the verification then declines.
+ORB key points of both maps are matched and a similarity transform is estimated by RANSAC (`estimateAffinePartial2D`
+took the place of `estimateRigidTransform`). On repeated rooms it proposes wrong transforms; the verification then
+declines.
 """
 
 import math

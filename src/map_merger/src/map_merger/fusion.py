@@ -3,10 +3,12 @@
 Rules, in this order:
 
 1. A known local cell stays as it is.
-2. Elsewhere the maps of others count in their given order (best supported first); the first that knows the cell decides.
-3. A foreign wall that falls on a free local cell is dropped. Where that cell borders on unknown local ones, those become
-   obstacles: a wall that lies one cell off must not open because the local map saw the floor in front of it.
-4. Small isolated obstacles where a robot is known to have been are robots, not walls, and are dropped from the foreign maps.
+2. Elsewhere the maps of others count in their given order (best supported first); the first that knows the cell
+   decides.
+3. A foreign wall that falls on a free local cell is dropped. Where that cell borders on unknown local ones, those
+   become obstacles: a wall that lies one cell off must not open because the local map saw the floor in front of it.
+4. Small isolated obstacles where a robot is known to have been are robots, not walls, and are dropped from the foreign
+   maps.
 """
 
 from typing import List, NamedTuple, Optional, Sequence
@@ -36,7 +38,8 @@ from .grid import (
 from .transform import Transform
 
 GROWTH_BLOCK = 20
-"""The global map grows beyond the local one by whole blocks of cells, so that its size does not change with every refinement."""
+"""The global map grows beyond the local one by whole blocks of cells, so that its size does not change with every
+refinement."""
 ROBOT_REACH = 0.45
 """Metres from a robot's centre within which an isolated obstacle is taken for the robot."""
 _SMUDGE_CELLS_M = 0.8
@@ -53,8 +56,8 @@ class Layer(NamedTuple):
 def resampled(foreign: Grid, transform: Transform, local: Grid) -> Optional[Layer]:
     """The foreign map (transform: foreign frame -> local frame) on the local lattice; None if it knows nothing.
 
-    Each local cell takes the value of the foreign cell under its centre, which keeps walls as thick as they are. Walls that
-    hang together only at the corners of cells may break that way, so those links are drawn as well.
+    Each local cell takes the value of the foreign cell under its centre, which keeps walls as thick as they are. Walls
+    that hang together only at the corners of cells may break that way, so those links are drawn as well.
     """
     known = known_box(foreign)
     if known.empty:
@@ -101,7 +104,8 @@ def _corner_links(part: Grid) -> np.ndarray:
 
 
 def without_robots(grid: Grid, places: np.ndarray) -> Grid:
-    """The map without small isolated obstacles around the places (n, 2; metres, in the map's frame) where robots were."""
+    """The map without small isolated obstacles around the places (n, 2; metres, in the map's frame) where robots
+    were."""
     if not len(places) or not grid.occupied.any():
         return grid
     _, labels, statistics, centres = cv2.connectedComponentsWithStats(grid.occupied.astype(np.uint8), connectivity=8)

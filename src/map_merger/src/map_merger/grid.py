@@ -1,11 +1,11 @@
 """Occupancy grids as values, and all index arithmetic of the package.
 
-Cells are addressed as (row, column). Row r, column c covers the square from r, c to r + 1, c + 1 (times the resolution) in
-the frame of the grid's corner, x along the columns and y along the rows, as in nav_msgs/OccupancyGrid.
+Cells are addressed as (row, column). Row r, column c covers the square from r, c to r + 1, c + 1 (times the
+resolution) in the frame of the grid's corner, x along the columns and y along the rows, as in nav_msgs/OccupancyGrid.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Iterable, Iterator, Tuple
 
 import numpy as np
@@ -33,7 +33,7 @@ class GridInfo:
     width: int
     height: int
     resolution: float
-    origin: Transform = Transform()
+    origin: Transform = field(default_factory=Transform)
 
     def __post_init__(self) -> None:
         values = (self.resolution, self.origin.x, self.origin.y, self.origin.yaw)
@@ -124,7 +124,8 @@ EMPTY_BOX = Box(0, 0, 0, 0)
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """A map: geometry and cells (int8, shape (rows, columns), -1 unknown, 0 free .. 100 occupied). Treated as immutable."""
+    """A map: geometry and cells (int8, shape (rows, columns), -1 unknown, 0 free .. 100 occupied). Treated as
+    immutable."""
 
     info: GridInfo
     cells: np.ndarray

@@ -25,7 +25,8 @@ UPDATES_HEADER = "# time_s updates_sent\n"
 
 
 def picture_of(grid: Grid, mark_start: bool = True) -> bytes:
-    """The map as binary PGM, row r of the picture being row r of the grid; a circle marks the origin of the map frame."""
+    """The map as binary PGM, row r of the picture being row r of the grid; a circle marks the origin of the map
+    frame."""
     image = image_of(grid)
     if mark_start and image.size:
         rows, columns = continuous_cells(grid.info, np.zeros((1, 2)))

@@ -16,7 +16,8 @@ NO_BOOT: Boot = (0, 0)
 
 
 class Anchor(NamedTuple):
-    """Corner and resolution from which the tile offsets of a robot count, fixed per run. `updates`: numbers used so far."""
+    """Corner and resolution from which the tile offsets of a robot count, fixed per run. `updates`: numbers used so
+    far."""
 
     robot: str
     info: GridInfo
@@ -26,7 +27,8 @@ class Anchor(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tile:
-    """Cells (int8, -1 unknown) at `row`, `column` from the anchor's corner, and the update numbers that they complete."""
+    """Cells (int8, -1 unknown) at `row`, `column` from the anchor's corner, and the update numbers that they
+    complete."""
 
     robot: str
     numbers: Tuple[int, ...]

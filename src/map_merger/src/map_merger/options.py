@@ -68,7 +68,8 @@ NOT_EMPTY = (
 
 @dataclass(frozen=True)
 class Options:
-    """Checked parameters, with the names of PARAMETERS. Seconds, cells (max_trans_robots) and degrees as in the contract."""
+    """Checked parameters, with the names of PARAMETERS. Seconds, cells (max_trans_robots) and degrees as in the
+    contract."""
 
     robot_name: str
     robot_prefix: str = ""

@@ -14,7 +14,8 @@ LONGEST_TRACK = 4000
 
 
 class Track:
-    """Where a robot has been in its own frame: points TRACK_SPACING_M apart, thinned out when LONGEST_TRACK is reached."""
+    """Where a robot has been in its own frame: points TRACK_SPACING_M apart, thinned out when LONGEST_TRACK is
+    reached."""
 
     def __init__(self) -> None:
         self._points: List[Tuple[float, float]] = []

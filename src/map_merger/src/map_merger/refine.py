@@ -44,5 +44,5 @@ def _step(target: Surface, moved: Surface, index: np.ndarray, matched: np.ndarra
     shift_x, shift_y, turn = -np.linalg.solve(hessian + damping, (jacobian * weight[:, None]).T @ residual)
     turn = wrap_angle(float(turn))
     rotation = Transform(0.0, 0.0, turn)
-    offset = centre + (shift_x, shift_y) - rotation.apply(centre[None])[0]
+    offset = centre + np.array([shift_x, shift_y]) - rotation.apply(centre[None])[0]
     return Transform(float(offset[0]), float(offset[1]), turn)

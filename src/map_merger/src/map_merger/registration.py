@@ -72,7 +72,8 @@ class Verdict(Enum):
 
 
 class Registration(NamedTuple):
-    """Outcome: `transform` maps the source's frame to the target's and is to be used only if the verdict is ACCEPTED."""
+    """Outcome: `transform` maps the source's frame to the target's and is to be used only if the verdict is
+    ACCEPTED."""
 
     verdict: Verdict
     transform: Optional[Transform] = None

@@ -1,8 +1,8 @@
 """Global search: coarse transforms between two maps, over all rotations and shifts, by correlation.
 
-Walls of one map should fall on walls of the other (reward) and not into its free space (penalty), both ways. For one rotation
-all shifts are scored at once with a Fourier transform. The spectrum of wall directions (as in Carpin, "Fast and accurate map
-merging for multi-robot systems", 2008) tells which rotations are worth a transform.
+Walls of one map should fall on walls of the other (reward) and not into its free space (penalty), both ways. For one
+rotation all shifts are scored at once with a Fourier transform. The spectrum of wall directions (as in Carpin, "Fast
+and accurate map merging for multi-robot systems", 2008) tells which rotations are worth a transform.
 """
 
 import math
@@ -41,7 +41,8 @@ class Prior(NamedTuple):
 
 
 def candidates(target: Landmarks, source: Landmarks, most: int, prior: Optional[Prior] = None) -> List[Candidate]:
-    """The `most` best coarse transforms that map the source's points into the target's frame, best first, all different.
+    """The `most` best coarse transforms that map the source's points into the target's frame, best first, all
+    different.
 
     With a prior only transforms within its bounds, the distance taken at the middle of the source's walls.
     """

@@ -1,7 +1,7 @@
 """Walls of a grid as oriented surface points: what registration compares.
 
-A wall seen from one room and the same wall seen from the next are two surfaces. Matching only surfaces that face the same way
-keeps the thickness of walls out of the estimate, and lets the quantisation of both grids cancel.
+A wall seen from one room and the same wall seen from the next are two surfaces. Matching only surfaces that face the
+same way keeps the thickness of walls out of the estimate, and lets the quantisation of both grids cancel.
 """
 
 from dataclasses import dataclass, field
@@ -27,8 +27,8 @@ CLEAR_CELLS = 3.0
 class Surface:
     """Oriented wall points of a map in its frame.
 
-    points: float64 (n, 2), metres, on the border between obstacle and free space. normals: float64 (n, 2), unit, towards free
-    space. spacing: metres of wall for which one point stands.
+    points: float64 (n, 2), metres, on the border between obstacle and free space. normals: float64 (n, 2), unit,
+    towards free space. spacing: metres of wall for which one point stands.
     """
 
     points: np.ndarray

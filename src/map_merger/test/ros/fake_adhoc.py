@@ -1,4 +1,5 @@
-"""A stand-in for adhoc_communication and SLAM in tests of the node: records what is sent, publishes what would arrive."""
+"""A stand-in for adhoc_communication and SLAM in tests of the node: records what is sent, publishes what would
+arrive."""
 
 import threading
 
@@ -17,12 +18,13 @@ from adhoc_communication.srv import (
     SendOccupancyGrid,
     SendOccupancyGridResponse,
 )
+from nav_msgs.msg import OccupancyGrid
+from std_msgs.msg import String
+
 from map_merger import ros_io
 from map_merger.grid import Grid, GridInfo
 from map_merger.synthetic import Survey, Surveyor, office_plan
 from map_merger.transform import Transform
-from nav_msgs.msg import OccupancyGrid
-from std_msgs.msg import String
 
 WAIT_S = 30.0
 

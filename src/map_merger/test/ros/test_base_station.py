@@ -9,10 +9,11 @@ import numpy as np
 import rospy
 import rostest
 from adhoc_communication.msg import MmPoint
-from map_merger.messages import Anchor, Tile
 from map_merger.srv import TransformPoint
 from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import String
+
+from map_merger.messages import Anchor, Tile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import fake_adhoc as fake

@@ -11,12 +11,13 @@ import rostest
 import tf2_ros
 from adhoc_communication.msg import MmControl, MmListOfPoints, MmPoint, Status
 from geometry_msgs.msg import TransformStamped
-from map_merger import ros_io
-from map_merger.messages import Anchor, Position, Tile
 from map_merger.srv import LogMaps, TransformPoint
-from map_merger.transform import Transform
 from nav_msgs.msg import OccupancyGrid, Odometry
 from visualization_msgs.msg import MarkerArray
+
+from map_merger import ros_io
+from map_merger.messages import Anchor, Position, Tile
+from map_merger.transform import Transform
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import fake_adhoc as fake
@@ -51,7 +52,7 @@ class NodeTest(unittest.TestCase):
         self.assertEqual(merged.data, tuple(message.data))
         self.assertEqual(merged.header.frame_id, "map")
         self.assertEqual(merged.info.origin, message.info.origin)
-        service, destination, topic, update = self.adhoc.wait_for(lambda service, *_: service == "map_update")
+        _, destination, topic, update = self.adhoc.wait_for(lambda service, *_: service == "map_update")
         self.assertEqual((destination, topic), ("mc_robot_0", "map_other"))
         self.assertEqual(update.map.header.frame_id, "robot_0")
         self.assertEqual(list(update.update_numbers), [0])

@@ -10,9 +10,10 @@ import numpy as np
 import rospy
 import rostest
 import tf2_ros
+from nav_msgs.msg import OccupancyGrid
+
 from map_merger import ros_io
 from map_merger.messages import Anchor, Tile
-from nav_msgs.msg import OccupancyGrid
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import fake_adhoc as fake

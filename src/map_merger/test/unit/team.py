@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import Callable, Dict, List
 
 import numpy as np
+
 from map_merger.agent import Agent
 from map_merger.effects import (
     AskNeighbors,

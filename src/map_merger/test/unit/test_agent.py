@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from team import Team, options, survey, team_of
+
 from map_merger.agent import Agent, NoTransform
 from map_merger.effects import Note, PublishMap, Send
 from map_merger.evidence import Evidence
@@ -12,7 +14,6 @@ from map_merger.messages import Anchor, Position, Request, Tile
 from map_merger.registration import Registration, Verdict
 from map_merger.synthetic import pair_of
 from map_merger.transform import Transform, displacement
-from team import Team, options, survey, team_of
 
 
 def square(size=20, value=0, x=0.0):

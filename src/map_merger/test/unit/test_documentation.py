@@ -5,6 +5,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 
 import pytest
+
 from map_merger.options import PARAMETERS, WITHOUT_EFFECT
 
 ROOT = os.path.join(os.path.dirname(__file__), "..", "..")

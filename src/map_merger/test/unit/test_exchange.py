@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from map_merger import exchange
 from map_merger.exchange import MapSender, PeerMap
 from map_merger.grid import UNKNOWN, Box, Grid, GridError, GridInfo, offset_between, window
@@ -180,7 +181,7 @@ def test_many_gaps_become_a_request_for_everything():
 def test_foreign_resolution_and_senders_without_boot():
     peer = PeerMap("robot_0")
     peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05), BOOT))
-    with pytest.raises(GridError, match="0.1 m"):
+    with pytest.raises(GridError, match=r"0\.1 m"):
         peer.add(Tile("robot_0", (0,), 0, 0, np.zeros((2, 2), np.int8), 0.1, BOOT))
     assert peer.add(Tile("robot_0", (0,), 0, 0, np.zeros((2, 2), np.int8), 0.05, NO_BOOT))
 

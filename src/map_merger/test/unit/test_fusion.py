@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from map_merger.fusion import fused, resampled, without_robots
 from map_merger.grid import FREE, OCCUPIED, UNKNOWN, Grid, GridInfo, offset_between
 from map_merger.transform import Transform

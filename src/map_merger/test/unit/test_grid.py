@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from map_merger.grid import (
     EMPTY_BOX,
     MAX_CELLS,

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+
 from map_merger.options import PARAMETERS, WITHOUT_EFFECT, OptionError, Options, options_of, warnings_of
 from map_merger.transform import Transform
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from map_merger import benchmark, features, registration
 from map_merger.alignment import Alignment, Job, LandmarkCache, Member, Versioned
 from map_merger.evidence import Evidence, compare
