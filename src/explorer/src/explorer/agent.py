@@ -137,6 +137,7 @@ class ExplorerAgent:
         self._given_up_maps: Dict[int, Tuple[int, int]] = {}
         self._hidden_foreign: List[Tuple[float, float, float]] = []
         self._detours: Dict[int, float] = {}
+        self._tour_stale = True
         self._other_fields: Dict[Tuple[float, float], CostField] = {}
         self._tour_grid: Optional[TravelGrid] = None
         self._field: Optional[CostField] = None
@@ -386,11 +387,11 @@ class ExplorerAgent:
             active = [f for f in cluster.members if self._is_goal(f) and not _near_any(f, hidden)]
             self._views.assess(cluster, active)
             self._view_of.update(cluster.views)
-        self._plan_tour()
+        self._tour_stale = True
 
     def _plan_tour(self) -> None:
         """How much longer the tour through the nearest clusters gets if it starts at each of them (strategy 7)."""
-        self._detours = {}
+        self._detours, self._tour_stale = {}, False
         stops = sorted((c for c in self.clusters.clusters if c.reachable), key=lambda c: (c.cost, c.number))
         if self.options.frontier_selection != 7 or len(stops) < 2:
             return
@@ -718,6 +719,8 @@ class ExplorerAgent:
         turn = 0.0
         if choice.distance(place, (x, y)) > 0.3:
             turn = _turn(self.pose.yaw, math.atan2(y - place[1], x - place[0]))
+        if self._tour_stale:
+            self._plan_tour()
         return choice.travel_bid(cluster.cost, cluster.gain, turn, self._detours.get(cluster.number, 0.0))
 
     def _decide(
