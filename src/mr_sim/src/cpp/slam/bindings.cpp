@@ -35,6 +35,22 @@ py::tuple occupancy(const Slam& slam) {
   return py::make_tuple(grid, map.origin().x, map.origin().y);
 }
 
+// Rows (x, y, normal x, normal y, hits).
+py::array_t<float> surfaces(const Slam& slam) {
+  const GridMap& map = slam.map();
+  std::vector<float> values;
+  for (int y = 0; y < map.height(); ++y) {
+    for (int x = 0; x < map.width(); ++x) {
+      const Surface* surface = map.surface({map.origin().x + x, map.origin().y + y});
+      if (surface == nullptr) continue;
+      values.insert(values.end(), {surface->x, surface->y, surface->normal_x, surface->normal_y, surface->hits});
+    }
+  }
+  py::array_t<float> rows({static_cast<py::ssize_t>(values.size() / 5), py::ssize_t{5}});
+  std::copy(values.begin(), values.end(), rows.mutable_data());
+  return rows;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_slam, module) {
@@ -61,5 +77,6 @@ PYBIND11_MODULE(_slam, module) {
            py::arg("angle_increment"), py::arg("range_min"), py::arg("range_max"))
       .def("pose_at", [](const Slam& slam, const PoseTuple& odometry) { return to_tuple(slam.pose_at(to_pose(odometry))); })
       .def("map_to_odometry", [](const Slam& slam) { return to_tuple(slam.map_to_odometry()); })
-      .def("occupancy", &occupancy);
+      .def("occupancy", &occupancy)
+      .def("surfaces", &surfaces, "Rows (x, y, normal x, normal y, hits) float32, map frame.");
 }

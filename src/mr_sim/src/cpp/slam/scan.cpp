@@ -46,11 +46,16 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
     const double length = hit ? range : geometry.range_max;
     const double angle = geometry.angle_min + static_cast<double>(i) * geometry.angle_increment;
     const Point end = geometry.mount * Point{length * std::cos(angle), length * std::sin(angle)};
-    scan.beams.push_back({end, hit, false, {}});
+    scan.beams.push_back({end, hit, false, {}, 0.0});
   }
   for (std::size_t i = 0; i < scan.beams.size(); ++i) {
     Beam& beam = scan.beams[i];
-    if (beam.hit) beam.has_normal = fit_normal(scan.beams, i, surface_window, scan.eye, &beam.normal);
+    if (!beam.hit) continue;
+    beam.has_normal = fit_normal(scan.beams, i, surface_window, scan.eye, &beam.normal);
+    const Point ray{beam.end.x - scan.eye.x, beam.end.y - scan.eye.y};
+    const double range = std::hypot(ray.x, ray.y);
+    const double incidence = std::abs(beam.normal.x * ray.x + beam.normal.y * ray.y) / range;
+    beam.spacing = range * std::abs(geometry.angle_increment) / std::max(0.1, incidence);
   }
   return scan;
 }

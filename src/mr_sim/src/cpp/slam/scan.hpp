@@ -19,6 +19,7 @@ struct Beam {
   bool hit;            // false: nothing up to range_max, the beam shows free space only
   bool has_normal;     // the surface is seen densely enough to know its direction
   Point normal;        // robot's frame, towards the laser
+  double spacing;      // m along the surface from one beam to the next
 };
 
 struct Scan {

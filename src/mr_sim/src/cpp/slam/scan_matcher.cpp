@@ -15,15 +15,18 @@ constexpr double kMatureHits = 20.0;  // of a line, for its full weight
 constexpr double kAgreement = 16.0;    // squared deviations within which scan and odometry agree
 constexpr double kSameSide = 0.7;    // cosine
 
+// Whether a hit is used must not depend on its own noise: asking how far it lies from the last one would prefer, on
+// each wall, hits that err in the direction of the sweep, and turn the robot a little with every match.
 std::vector<const Beam*> choose_beams(const Scan& scan) {
   std::vector<const Beam*> chosen;
+  double passed = kSpacing;
   for (const Beam& beam : scan.beams) {
     if (!beam.hit || !beam.has_normal) continue;
-    if (!chosen.empty() &&
-        std::hypot(beam.end.x - chosen.back()->end.x, beam.end.y - chosen.back()->end.y) < kSpacing) {
-      continue;
+    if (passed >= kSpacing) {
+      chosen.push_back(&beam);
+      passed = 0.0;
     }
-    chosen.push_back(&beam);
+    passed += beam.spacing;
   }
   return chosen;
 }

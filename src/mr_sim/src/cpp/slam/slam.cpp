@@ -31,6 +31,8 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   SlamUpdate update;
   if (started_ && !moved(odometry_, odometry, options_.match_distance, options_.match_angle)) {
     update.pose = pose_at(odometry);
+    update.matched = refused_ == 0;
+    update.share = share_;
     return update;
   }
   const Scan scan = make_scan(ranges, size, geometry, options_.surface_window);
@@ -40,7 +42,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   }
   const Pose motion = between(odometry_, odometry);
   const double driven = std::hypot(motion.x, motion.y);
-  const Pose deviation{0.01 + 0.3 * driven, 0.01 + 0.3 * driven, 0.0005 + 0.2 * std::abs(motion.yaw)};
+  const Pose deviation{0.02 + 0.5 * driven, 0.02 + 0.5 * driven, 0.0003 + 0.2 * std::abs(motion.yaw)};
   const Match match = match_scan(map_, scan, pose_at(odometry), deviation, pose_, options_.match);
   pose_ = match.pose;
   odometry_ = odometry;
@@ -53,7 +55,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   }
   update.pose = pose_;
   update.matched = match.accepted;
-  update.share = match.share;
+  update.share = share_ = match.share;
   return update;
 }
 

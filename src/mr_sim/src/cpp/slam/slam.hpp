@@ -18,7 +18,7 @@ struct SlamOptions {
 
 struct SlamUpdate {
   Pose pose;              // robot in the map frame
-  bool matched = false;   // the scan gave the pose; otherwise odometry did
+  bool matched = false;   // the last match held; otherwise odometry alone gives the pose
   bool inserted = false;  // the map changed
   double share = 0.0;     // of the scan on known surfaces
 };
@@ -46,6 +46,7 @@ class Slam {
   Pose pose_;             // at the last match, map frame
   Pose odometry_;         // same moment, odometry frame
   Pose inserted_;         // pose of the last scan in the map
+  double share_ = 1.0;    // of the last match
   int refused_ = 0;       // matches refused in a row
 };
 
