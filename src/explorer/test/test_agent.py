@@ -566,3 +566,41 @@ def test_negotiated_clusters_are_left_to_the_other() -> None:
     assert chosen_side(bench) == -1.0
     chosen = [e for e in bench.effects if isinstance(e, SendFrontiers) and e.topic == "negotiation_list"]
     assert len(chosen) == 1 and all(e.x < 0 for e in chosen[0].elements)
+
+
+def test_traces_of_a_robot_in_the_only_door_do_not_end_the_mission() -> None:
+    """The door of the room has traces of another robot in the map; a look at it clears them."""
+    cells = np.full((60, 120), -1, dtype=np.int8)
+    cells[5:55, 5:60] = 0
+    cells[5:55, [4, 40]] = cells[[4, 55], 4:60] = 100
+    cells[25:35, 40] = 0
+    free = map_of(cells, 0.1)
+    blocked = map_of(cells.copy(), 0.1)
+    blocked.cells[28:32, 42:44] = 100
+    bench = Bench(7)
+    bench.place(2.0, 3.0)
+    bench.map(blocked)
+    bench.run(8.0)
+    look = bench.goals()[-1].pose
+    assert bench.agent.finished_at is None and look.x > 3.0 and abs(look.yaw) < 0.5
+    bench.place(look.x, look.y, look.yaw)
+    assert bench.agent.goal is not None
+    bench.agent.on_goal_result(bench.agent.goal.goal_id, REACHED, "", bench.now)
+    bench.map(free)
+    bench.run(2.0)
+    assert bench.goals()[-1].pose.x > 4.5 and bench.agent.state == State.EXPLORING
+
+
+def test_closer_looks_are_bounded() -> None:
+    cells = np.full((60, 120), -1, dtype=np.int8)
+    cells[5:55, 5:60] = 0
+    cells[5:55, [4, 40]] = cells[[4, 55], 4:60] = 100
+    cells[29:31, 40] = 0
+    bench = Bench(7)
+    bench.place(2.0, 3.0)
+    bench.map(map_of(cells, 0.1))
+    for _ in range(60):
+        bench.run(1.0)
+        if bench.agent.goal is not None and bench.agent.finished_at is None:
+            bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "no way", bench.now)
+    assert bench.agent.finished_at is not None and 1 <= len(bench.agent._closer_looks) <= 20

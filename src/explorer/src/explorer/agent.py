@@ -63,6 +63,8 @@ TOLD_TIME = 8.0  # s that the merged map needs to show what another robot has ex
 NOTHING_TIME = 5.0  # s at rest after which a map that does not change counts as fresh
 BLOCKING_DISTANCE = 1.5  # m, a robot this near may be what makes a goal fail
 TOUR_CELL = 0.2  # m, resolution at which ways between clusters are measured
+WORTH_A_LOOK = 4  # frontier points without a viewpoint that are worth a closer look before the end
+CLOSER_LOOKS = 20  # such looks in a mission
 LOOKS = 2  # times a frontier is looked at before it counts as visited
 REVIVALS = 3  # times a frontier that was given up is tried anew
 HOME_ATTEMPTS = 5  # contract 3.3
@@ -161,6 +163,7 @@ class ExplorerAgent:
         self._claimed: Tuple[Key, ...] = ()
         self._auction_time = -math.inf
         self._idle_since: Optional[float] = None
+        self._closer_looks: Dict[Tuple[int, int], int] = {}
         self._transform_times: Dict[str, float] = {}
         self._log_time = -math.inf
         self._home_attempts = 0
@@ -263,11 +266,12 @@ class ExplorerAgent:
             return
         goal, self.goal = self.goal, None
         if self.state == State.RETURNING:
-            self._home_result(outcome)
+            self._home_result(outcome, now)
+        elif goal.frontier is None:
+            self._empty_since = None
         elif outcome == REACHED:
             self.counters.goals_reached += 1
-            if goal.frontier is not None:
-                self._look(goal, now)
+            self._look(goal, now)
         elif outcome == FAILED:
             self._fail(goal, text, now)
         else:
@@ -553,11 +557,14 @@ class ExplorerAgent:
         order = choice.frontier_order(self.options.frontier_selection, self._view_of, ready, place, self._random)
         if order:
             self._drive_to(order[0], None, now)
-        elif self.goal is not None and not self._any_hidden(now):
+        elif self._goal_is_over(now):
             self._drop_goal()
 
-    def _any_hidden(self, now: float) -> bool:
-        return any(f.hidden_until > now for f in self.frontiers.frontiers.values())
+    def _goal_is_over(self, now: float) -> bool:
+        """True if the goal's frontier is no longer one, and no answer of the map is awaited."""
+        if self.goal is None or self.goal.frontier is None:
+            return False
+        return not any(f.hidden_until > now for f in self.frontiers.frontiers.values())
 
     def _drive_to(self, frontier: Frontier, cluster: Optional[int], now: float) -> None:
         x, y, _ = self._view_of[frontier.number]
@@ -572,7 +579,7 @@ class ExplorerAgent:
             self._drive_in(current, now)
         elif self._auction is None and ready:
             self._need_cluster(ready, now)
-        elif not ready and self.goal is not None and not self._any_hidden(now):
+        elif not ready and self._goal_is_over(now):
             self._drop_goal()
 
     def _select_negotiated(self, ready: List[Cluster], now: float) -> None:
@@ -593,7 +600,7 @@ class ExplorerAgent:
                 self._outbox.append(SendFrontiers("negotiation_list", self._elements(current.members)))
         if current is not None:
             self._drive_in(current, now)
-        elif self.goal is not None and not self._any_hidden(now):
+        elif self._goal_is_over(now):
             self._drop_goal()
 
     def _is_announced(self, cluster: Cluster, now: float) -> bool:
@@ -633,7 +640,7 @@ class ExplorerAgent:
             current = self._current(ready)
         if current is not None:
             self._follow(current, now)
-        elif self.goal is not None and not self._any_hidden(now):
+        elif self._goal_is_over(now):
             self._drop_goal()
 
     def _follow(self, cluster: Cluster, now: float) -> None:
@@ -922,6 +929,9 @@ class ExplorerAgent:
         if candidates or self._told_explored or not self._field.reachable.any():
             self._empty_since = None
             return False
+        if self.goal is not None and self.goal.frontier is None:
+            # On the way to a closer look.
+            return False
         if self._empty_since is None:
             self._empty_since = now
             self._drop_goal()
@@ -930,7 +940,7 @@ class ExplorerAgent:
         fresh = min(self._map_time, self._own_map_time) > self._motion_time or rest >= NOTHING_TIME
         if now - self._empty_since < self.options.finish_delay or not fresh:
             return False
-        return not self._try_given_up_again()
+        return not (self._try_given_up_again() or self._look_closer(now))
 
     def _try_given_up_again(self) -> bool:
         """Before the end every frontier that was given up gets one more try; True if there was one."""
@@ -943,6 +953,30 @@ class ExplorerAgent:
                 again = True
         self._dirty = self._dirty or again
         return again
+
+    def _look_closer(self, now: float) -> bool:
+        """Before the end the robot goes as near as it can to frontiers that no reachable place sees, and faces them:
+        what blocks the way may be the trace of a robot that has left. True if it is on its way."""
+        assert self._field is not None and self.pose is not None
+        place = (self.pose.x, self.pose.y)
+        hopeless = [
+            cluster
+            for cluster in self.clusters.clusters
+            if not cluster.reachable and sum(self._is_goal(member) for member in cluster.members) >= WORTH_A_LOOK
+        ]
+        for cluster in sorted(hopeless, key=lambda c: (choice.distance(place, c.centre), c.number)):
+            spot = (round(cluster.centre[0]), round(cluster.centre[1]))
+            tries = self._closer_looks.get(spot, 0)
+            if tries >= 2 or sum(self._closer_looks.values()) >= CLOSER_LOOKS:
+                continue
+            self._closer_looks[spot] = tries + 1
+            x, y = self._field.nearest_place(*cluster.centre)
+            # A turn shows the laser, and with it the map, what is there now; the second look turns further.
+            yaw = math.atan2(cluster.centre[1] - y, cluster.centre[0] - x) + (1.0 if tries else 0.0)
+            self._note(f"takes a closer look at unreachable frontiers near ({spot[0]}, {spot[1]})")
+            self._send_goal(Pose(x, y, yaw), now, None, None)
+            return True
+        return False
 
     def _finish(self, now: float) -> None:
         assert self.started_at is not None
@@ -981,9 +1015,10 @@ class ExplorerAgent:
             self._home_attempts += 1
             self._hold_until = now + 3.0
 
-    def _home_result(self, outcome: str) -> None:
+    def _home_result(self, outcome: str, now: float) -> None:
         if outcome != REACHED:
             self._home_attempts += 1
+            self._hold_until = now + 3.0
         else:
             # As near as move_base gets.
             self._home_attempts = HOME_ATTEMPTS

@@ -45,6 +45,13 @@ class CostField:
         cell = self.grid.nearest(self.reachable, x, y, SNAP_DISTANCE)
         return math.inf if cell is None else float(self.cost[cell])
 
+    def nearest_place(self, x: float, y: float) -> Tuple[float, float]:
+        """Centre in metres of the reachable cell nearest to a point, however far; there must be one."""
+        cells = np.argwhere(self.reachable)
+        row, col = self.grid.info.cell_of(x, y)
+        best = cells[int(np.argmin(np.hypot(cells[:, 0] - row, cells[:, 1] - col)))]
+        return self.grid.info.centre_of(int(best[0]), int(best[1]))
+
     def path_to(self, x: float, y: float) -> List[Tuple[float, float]]:
         """Points in metres from the field's origin to the reachable cell nearest to (x, y); empty without a path."""
         cell = self.grid.nearest(self.reachable, x, y, SNAP_DISTANCE)
