@@ -36,6 +36,7 @@ class Robot:
     turn_drift: List[float] = field(default_factory=list)
     distance: float = 0.0
     contacts: int = 0
+    touched: List[Tuple[float, Pose, str]] = field(default_factory=list)
     command: Optional[Command] = None
     results: List[Tuple[float, str]] = field(default_factory=list)
     cpu: Dict[str, float] = field(default_factory=lambda: {"slam": 0.0, "navigation": 0.0})
@@ -64,7 +65,9 @@ class ClosedLoop:
             states = self.world.states()
             for robot, state in zip(self.robots, states):
                 robot.distance += math.hypot(state["velocity_x"], state["velocity_y"]) * self.world.interval
-                robot.contacts += bool(state["contact"])
+                if state["contact"]:
+                    robot.contacts += 1
+                    robot.touched.append((self.world.time, robot.local((state["x"], state["y"], state["yaw"])), robot.navigator.mode.value))
             for scan in self.world.due_scans():
                 self._control(self.robots[scan.robot], states[scan.robot], scan.ranges)
 
@@ -180,6 +183,7 @@ def report(loop: ClosedLoop, explorer: NearestFrontier, wall: float) -> str:
             f"{robot.distance / loop.world.time:.2f} m/s, drift mean {drift.mean():.3f} max {drift.max():.3f} end {drift[-1]:.3f} m "
             f"yaw max {math.degrees(max(robot.turn_drift)):.2f} deg, contacts {robot.contacts}, of a core: {cpu}"
         )
+        lines += [f"    {when:.2f} s: touched at {pose[0]:.2f} {pose[1]:.2f} {pose[2]:.2f}: {mode}" for when, pose, mode in robot.touched[:5]]
         lines += [f"    {when:.0f} s: {text}" for when, text in robot.results if text != "succeeded"]
     return f"{loop.world.time:.0f} s in {wall:.0f} s\n" + "\n".join(lines)
 

@@ -1,0 +1,177 @@
+"""The navigation engine on the world engine, and its answers without one."""
+
+import math
+from typing import Callable, List, Tuple
+
+import numpy as np
+import pytest
+from closed_loop import ClosedLoop, Robot
+from mr_sim.navigation.engine import Command, Navigator, Status
+from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, Scan, make_scan
+from mr_sim.navigation.stall import StallWatch
+from mr_sim.slam.pose import Pose
+
+EMPTY = make_scan(np.full(541, np.inf), -2.356, 4.712 / 540, 0.0, 8.0, (0.1, 0.0, 0.0))
+
+
+def room(walls: Tuple[slice, ...] = ()) -> Grid:
+    cells = np.zeros((80, 80), np.int8)
+    for rows, columns in zip(walls[::2], walls[1::2]):
+        cells[rows, columns] = 100
+    return Grid(cells, 0.05, (0.0, 0.0))
+
+
+def until_end(navigator: Navigator, pose: Pose, scan: Scan = EMPTY, limit: float = 60.0) -> Tuple[float, Command]:
+    """Steps a robot that stands still until its goal ends."""
+    for step in range(int(limit * 10)):
+        command = navigator.step(step * 0.1, pose, scan)
+        if command.status is not Status.ACTIVE:
+            return step * 0.1, command
+    raise AssertionError("goal did not end")
+
+
+def test_no_way_is_said_within_a_second() -> None:
+    navigator = Navigator()
+    navigator.set_map(room((slice(None), slice(40, 42))))
+    navigator.set_goal((3.0, 2.0, 0.0), 0.0)
+    ended, command = until_end(navigator, (1.0, 2.0, 0.0))
+    assert ended <= 1.0 and command.status is Status.ABORTED
+    assert "no way to (3.00, 2.00): walls or unknown cells close it off" == command.text
+
+
+@pytest.mark.parametrize("goal, text", [((9.0, 2.0, 0.0), "outside the map"), ((2.05, 2.0, 0.0), "in a wall")])
+def test_no_way_says_why(goal: Pose, text: str) -> None:
+    navigator = Navigator(NavigationOptions(goal_search_radius=0.1))
+    navigator.set_map(room((slice(None), slice(40, 42))))
+    navigator.set_goal(goal, 0.0)
+    _, command = until_end(navigator, (1.0, 2.0, 0.0))
+    assert command.status is Status.ABORTED and text in command.text
+
+
+def test_missing_input_is_named() -> None:
+    navigator = Navigator()
+    navigator.set_goal((1.0, 0.0, 0.0), 0.0)
+    ended, command = until_end(navigator, (0.0, 0.0, 0.0))
+    assert ended <= 6.0 and command.text == "no map for 5 s"
+
+
+@pytest.mark.parametrize("call", [lambda n: n.set_goal((math.nan, 0.0, 0.0), 0.0), lambda n: n.set_map(Grid(np.zeros((0, 4), np.int8), 0.05, (0, 0)))])
+def test_bad_input_is_refused(call: Callable[[Navigator], None]) -> None:
+    with pytest.raises(NavigationError):
+        call(Navigator())
+    with pytest.raises(NavigationError, match="max_linear_velocity"):
+        NavigationOptions(max_linear_velocity=-1.0)
+
+
+def test_gentle_start_and_cancel() -> None:
+    navigator = Navigator()
+    navigator.set_map(room())
+    navigator.set_goal((3.5, 2.0, 0.0), 0.0)
+    speeds, pose = [0.0], (0.6, 2.0, 0.0)
+    for step in range(12):
+        command = navigator.step(step * 0.1, pose, EMPTY)
+        pose = (pose[0] + 0.1 * command.linear, pose[1], 0.0)
+        speeds.append(command.linear)
+    assert max(np.diff(speeds)) < 0.1 + 1e-9 and speeds[-1] == pytest.approx(0.5)
+    navigator.cancel()
+    assert navigator.step(1.3, pose, EMPTY).status is Status.IDLE
+
+
+def test_a_new_goal_does_not_stop_the_robot() -> None:
+    navigator = Navigator()
+    navigator.set_map(room())
+    pose, speeds = (0.6, 2.0, 0.0), []
+    navigator.set_goal((3.4, 2.0, 0.0), 0.0)
+    for step in range(25):
+        if step == 10:
+            navigator.set_goal((3.4, 2.3, 0.0), 1.0)
+        command = navigator.step(step * 0.1, pose, EMPTY)
+        yaw = pose[2] + 0.1 * command.angular
+        pose = (pose[0] + 0.1 * command.linear * math.cos(yaw), pose[1] + 0.1 * command.linear * math.sin(yaw), yaw)
+        speeds.append(command.linear)
+    assert min(speeds[8:]) > 0.3
+
+
+def test_blocked_wheels_are_noticed_soon() -> None:
+    watch = StallWatch()
+    for step in range(20):
+        now = step * 0.1
+        if watch.blocked(now, (0.0, 0.0, 0.0)):
+            break
+        watch.command(now, (0.5, 0.0))
+    assert 0.2 < now <= 0.5
+
+
+def test_a_robot_that_moves_is_not_called_blocked() -> None:
+    watch = StallWatch()
+    x = v = 0.0
+    for step in range(50):
+        assert not watch.blocked(step * 0.1, (x, 0.0, 0.0))
+        x, v = x + 0.1 * v, min(0.5, v + 0.1)
+        watch.command(step * 0.1, (v, 0.0))
+
+
+def drive(loop: ClosedLoop, goals: List[Pose], limit: float, since: float = 2.5) -> None:
+    """Gives every robot its goal (world frame) after `since` and runs until all have ended."""
+    loop.run(since)
+    for robot, goal in zip(loop.robots, goals):
+        robot.navigator.set_goal(robot.local(goal), loop.world.time)
+    loop.run(limit, lambda: all(robot.results for robot in loop.robots))
+
+
+def assert_arrived(robot: Robot) -> None:
+    assert robot.results and robot.results[-1][1] == "succeeded", robot.results
+    assert robot.contacts == 0
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("hints", [True, False])
+def test_nose_to_nose_in_a_doorway(draw_world: Callable[..., str], seed: int, hints: bool) -> None:
+    # Two rooms, one door of 0.9 m; each robot wants to go where the other comes from.
+    world = draw_world((8, 4), [(3.95, 0, 0.1, 1.55), (3.95, 2.45, 0.1, 1.55)], [(1.5, 2.0, 0.0), (6.5, 2.0, 180.0)])
+    loop = ClosedLoop(world, 2, seed)
+    loop.share_positions = hints
+    drive(loop, [(6.5, 2.0, 0.0), (1.5, 2.0, 0.0)], 90.0)
+    for robot in loop.robots:
+        assert_arrived(robot)
+
+
+def test_random_goals_in_the_office_without_touching_anything() -> None:
+    loop = ClosedLoop("office26x15", 1, 5)
+    robot = loop.robots[0]
+    random = np.random.default_rng(5)
+    loop.run(2.5)
+    for _ in range(6):
+        assert robot.grid is not None
+        rows, columns = np.nonzero(robot.grid.cells == 0)
+        index = int(random.integers(rows.size))
+        x, y = robot.grid.center(int(rows[index]), int(columns[index]))
+        robot.results.clear()
+        robot.navigator.set_goal((x, y, 0.0), loop.world.time)
+        loop.run(loop.world.time + 60.0, lambda: bool(robot.results))
+        assert robot.results and (robot.results[-1][1] == "succeeded" or "no way" in robot.results[-1][1])
+    assert robot.contacts == 0
+
+
+def test_way_blocked_by_what_the_map_does_not_know(draw_world: Callable[..., str]) -> None:
+    # A robot that never moves fills the only door.
+    world = draw_world((8, 4), [(3.95, 0, 0.1, 1.7), (3.95, 2.3, 0.1, 1.7)], [(1.5, 2.0, 0.0), (4.0, 2.0, 90.0)])
+    loop = ClosedLoop(world, 2, 0, NavigationOptions(blocked_timeout=8.0))
+    loop.share_positions = False
+    first = loop.robots[0]
+    loop.run(2.5)
+    cells = first.grid.cells.copy()
+    rows, columns = np.indices(cells.shape)
+    x = first.grid.origin[0] + (columns + 0.5) * 0.05
+    y = first.grid.origin[1] + (rows + 0.5) * 0.05
+    # What a map made before the other robot came would say.
+    known = (np.abs(y) < 1.9) & (x > -1.3) & (x < 6.3)
+    cells[known] = 0
+    cells[known & (np.abs(x - 2.5) < 0.05) & (np.abs(y) > 0.3)] = 100
+    before = Grid(cells, 0.05, first.grid.origin)
+    first.navigator.set_map = lambda grid, set_map=first.navigator.set_map: set_map(before)  # type: ignore[method-assign]
+    first.navigator.set_map(before)
+    first.navigator.set_goal(first.local((6.5, 2.0, 0.0)), loop.world.time)
+    loop.run(80.0, lambda: bool(first.results))
+    assert first.results and "not in the map" in first.results[-1][1]
+    assert first.contacts == 0

@@ -1,0 +1,209 @@
+"""The SLAM engine on the world engine: drift, slipping wheels, moving robots, the lattice of the map."""
+
+import math
+from typing import Callable, List, Tuple
+
+import numpy as np
+import pytest
+from closed_loop import ClosedLoop, Robot
+from mr_sim.slam.engine import LaserScan, OdometryHistory, Slam, SlamError, SlamOptions
+from mr_sim.slam.pose import Pose
+
+Drive = Callable[[float], Tuple[float, float]]
+
+# A round through the corridors of the office and one room, world frame.
+ROUND = [(12, 14.2), (25, 14), (24.6, 6.5), (12, 6.3), (1.4, 6.3), (1.4, 13.6), (12, 14.2), (12.2, 9), (12.2, 13.8)]
+
+
+class Drives:
+    """Robots that follow the truth, so that what SLAM makes of it is all that is tested."""
+
+    def __init__(self, world: str, robots: int = 1, seed: int = 0) -> None:
+        self.loop = ClosedLoop(world, robots, seed)
+        self.world = self.loop.world
+
+    def run(self, duration: float, drive: Callable[[int, np.void, float], Tuple[float, float]]) -> None:
+        end = self.world.time + duration
+        while self.world.time < end - 1e-9:
+            self.world.step()
+            states = self.world.states()
+            for scan in self.world.due_scans():
+                robot, state = self.loop.robots[scan.robot], states[scan.robot]
+                self.process(robot, state, scan.ranges)
+                self.world.command(scan.robot, *drive(scan.robot, state, self.world.time))
+
+    def process(self, robot: Robot, state: np.void, ranges: np.ndarray) -> None:
+        ranger = self.world.robots[robot.index].rangers[0]
+        geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, ranger.mount)
+        odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
+        pose = robot.slam.process(LaserScan(ranges, *geometry), odometry).pose
+        truth = robot.local((float(state["x"]), float(state["y"]), float(state["yaw"])))
+        robot.drift.append(math.dist(pose[:2], truth[:2]))
+
+
+def follow(points: List[Tuple[float, float]], velocity: float = 0.5) -> Callable[[int, np.void, float], Tuple[float, float]]:
+    left = list(points)
+
+    def drive(_: int, state: np.void, now: float) -> Tuple[float, float]:
+        while left and math.hypot(left[0][0] - state["x"], left[0][1] - state["y"]) < 0.25:
+            left.pop(0)
+        if not left:
+            return 0.0, 0.0
+        error = math.remainder(math.atan2(left[0][1] - state["y"], left[0][0] - state["x"]) - state["yaw"], 2 * math.pi)
+        return (velocity if abs(error) < 0.4 else 0.0), max(-1.5, min(1.5, 2.0 * error))
+
+    return drive
+
+
+def occupied(slam: Slam, x: float, y: float, radius: float) -> int:
+    """Occupied cells within `radius` of a point of the map frame."""
+    map_ = slam.map()
+    rows, columns = np.nonzero(map_.cells == 100)
+    cx = map_.origin[0] + (columns + 0.5) * map_.resolution - x
+    cy = map_.origin[1] + (rows + 0.5) * map_.resolution - y
+    return int((np.hypot(cx, cy) < radius).sum())
+
+
+@pytest.mark.parametrize("seed", [3])
+def test_drift_over_a_loop_in_the_office(seed: int) -> None:
+    drives = Drives("office26x15", seed=seed)
+    drives.run(190.0, follow(ROUND))
+    robot = drives.loop.robots[0]
+    assert math.dist(drives.world.pose(0)[:2], ROUND[-1]) < 0.5, "the round was not completed"
+    assert np.mean(robot.drift) < 0.05
+    assert max(robot.drift) < 0.12
+    assert robot.drift[-1] < 0.03
+
+
+def test_walls_are_crisp() -> None:
+    drives = Drives("office26x15")
+    drives.run(20.0, follow(ROUND[:1]))
+    map_ = drives.loop.robots[0].slam.map()
+    # The outer wall 0.6 m to the left of the start, 1 m to 6 m ahead of it.
+    row = round((0.3 - map_.origin[1]) / map_.resolution)
+    columns = slice(round((1.0 - map_.origin[0]) / 0.05), round((6.0 - map_.origin[0]) / 0.05))
+    thickness = (map_.cells[row : row + 14, columns] == 100).sum(axis=0)
+    assert thickness.min() >= 1 and thickness.max() <= 2
+    assert (map_.cells[row : row + 4, columns] == 0).all()
+
+
+def test_slipping_against_a_wall_moves_neither_pose_nor_map(draw_world: Callable[..., str]) -> None:
+    drives = Drives(draw_world((6, 4), [], [(4.0, 2.0, 0.0)]))
+    drives.run(5.0, lambda robot, state, now: (0.5, 0.0) if not state["stalled"] else (0.0, 0.0))
+    robot = drives.loop.robots[0]
+    assert drives.world.states()[0]["x"] > 5.5, "the robot did not get to the wall"
+    before, counted = robot.slam.map(), float(drives.world.states()[0]["odometry_x"])
+    robot.drift.clear()
+    drives.run(3.0, lambda robot, state, now: (0.5, 0.0))
+    assert drives.world.states()[0]["odometry_x"] - counted > 1.2, "odometry must go on counting for this test"
+    assert max(robot.drift) < 0.1
+    after = robot.slam.map()
+    assert after.cells.shape == before.cells.shape
+    assert ((after.cells == 100) != (before.cells == 100)).sum() < 15
+
+
+def test_slipping_while_turning_against_a_wall(draw_world: Callable[..., str]) -> None:
+    drives = Drives(draw_world((6, 4), [(4.27, 0, 0.1, 4)], [(4.0, 2.0, 0.0)]))
+    drives.run(0.5, lambda robot, state, now: (0.0, 0.0))
+    drives.run(3.0, lambda robot, state, now: (0.5, 0.8))
+    assert max(drives.loop.robots[0].drift) < 0.1
+
+
+def test_slipping_against_a_robot(draw_world: Callable[..., str]) -> None:
+    drives = Drives(draw_world((8, 4), [], [(3.0, 2.0, 0.0), (4.5, 2.0, 90.0)]), robots=2)
+    drives.run(2.4, lambda robot, state, now: (0.5, 0.0) if robot == 0 else (0.0, 0.0))
+    robot = drives.loop.robots[0]
+    robot.drift.clear()
+    drives.run(3.0, lambda robot, state, now: (0.5, 0.0) if robot == 0 else (0.0, 0.0))
+    assert drives.world.states()[0]["x"] < 4.2, "the robot was to be blocked"
+    assert max(robot.drift) < 0.1
+
+
+def test_a_robot_that_drives_by_leaves_no_wall_and_does_not_pull(draw_world: Callable[..., str]) -> None:
+    drives = Drives(draw_world((10, 6), [], [(1.0, 1.0, 0.0), (7.0, 1.5, 90.0)]), robots=2)
+
+    def drive(robot: int, state: np.void, now: float) -> Tuple[float, float]:
+        if robot == 0:
+            return 0.2, 0.0
+        return (0.4 if state["y"] < 5.0 else 0.0), 0.0
+
+    drives.run(20.0, drive)
+    robot = drives.loop.robots[0]
+    assert max(robot.drift) < 0.05
+    x, y = 7.0 - 1.0, 0.0
+    assert occupied(robot.slam, x, 0.6, 0.5) == 0, "where the other robot stood at first"
+    assert occupied(robot.slam, x, 2.2, 0.5) == 0, "where it drove"
+    assert occupied(robot.slam, x, 4.0, 0.5) > 0, "where it stands now"
+
+
+def test_lattice_survives_growth() -> None:
+    drives = Drives("office26x15")
+    slam = drives.loop.robots[0].slam
+    drives.run(0.2, lambda robot, state, now: (0.0, 0.0))
+    before = slam.map()
+    drives.run(30.0, follow(ROUND[:1]))
+    after = slam.map()
+    assert after.cells.shape != before.cells.shape
+    for origin in (*before.origin, *after.origin):
+        assert abs(origin / 0.05 - round(origin / 0.05)) < 1e-6
+    column = round((before.origin[0] - after.origin[0]) / 0.05)
+    row = round((before.origin[1] - after.origin[1]) / 0.05)
+    part = after.cells[row : row + before.cells.shape[0], column : column + before.cells.shape[1]]
+    walls = before.cells == 100
+    assert (part[walls] == 100).mean() > 0.85
+
+
+def test_beams_without_echo_clear_and_make_no_walls() -> None:
+    slam = Slam()
+    nothing = np.full(541, np.inf, np.float32)
+    geometry = (-2.356, 4.712 / 540, 0.0, 8.0, (0.0, 0.0, 0.0))
+    assert slam.process(LaserScan(nothing, *geometry), (0.0, 0.0, 0.0)).inserted
+    map_ = slam.map()
+    assert not (map_.cells == 100).any()
+    row, column = round(-map_.origin[1] / 0.05), round((7.8 - map_.origin[0]) / 0.05)
+    assert map_.cells[row, column] == 0
+
+
+def test_same_input_same_bits() -> None:
+    maps = []
+    for _ in range(2):
+        drives = Drives("office26x15", seed=7)
+        drives.run(15.0, follow(ROUND[:1]))
+        maps.append(drives.loop.robots[0].slam.map().cells)
+    assert np.array_equal(*maps)
+
+
+@pytest.mark.parametrize(
+    "ranges, odometry, message",
+    [
+        (np.ones(2, np.float32), (0.0, 0.0, 0.0), "at least 3 ranges"),
+        (np.ones(9, np.float32), (math.nan, 0.0, 0.0), "not finite"),
+    ],
+)
+def test_unusable_input_is_named(ranges: np.ndarray, odometry: Pose, message: str) -> None:
+    with pytest.raises(SlamError, match=message):
+        Slam().process(LaserScan(ranges, -1.0, 0.1, 0.0, 8.0, (0.0, 0.0, 0.0)), odometry)
+
+
+def test_scan_of_nothing_valid_is_survived() -> None:
+    slam = Slam()
+    scan = LaserScan(np.full(541, np.nan, np.float32), -2.356, 4.712 / 540, 0.0, 8.0, (0.0, 0.0, 0.0))
+    for step in range(5):
+        update = slam.process(scan, (0.2 * step, 0.0, 0.0))
+    assert update.pose == pytest.approx((0.8, 0.0, 0.0))
+
+
+def test_options_out_of_range_are_named() -> None:
+    with pytest.raises(SlamError, match="resolution must be a positive number"):
+        SlamOptions(resolution=0.0)
+
+
+def test_odometry_between_two_readings() -> None:
+    history = OdometryHistory()
+    history.add(1.0, (0.0, 0.0, 3.1))
+    history.add(2.0, (1.0, 2.0, -3.1))
+    x, y, yaw = history.at(1.5) or (0.0, 0.0, 0.0)
+    assert (x, y) == (0.5, 1.0) and abs(abs(yaw) - math.pi) < 1e-9
+    assert history.at(2.1) is None and history.at(0.9) is None
+    history.add(0.5, (5.0, 5.0, 0.0))
+    assert history.at(1.5) is None, "the clock was set back"
