@@ -22,3 +22,17 @@ set_target_properties(_navigation PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${MR_SIM_P
 install(TARGETS _navigation DESTINATION ${MR_SIM_PYTHON_INSTALL})
 
 catkin_install_python(PROGRAMS nodes/slam nodes/move_base DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+
+install(DIRECTORY config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+
+if(CATKIN_ENABLE_TESTING)
+  find_package(roslaunch REQUIRED)
+  find_package(rostest REQUIRED)
+  set(SLAM_NAVIGATION_RESULT ${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/pytest-slam_navigation.xml)
+  catkin_run_tests_target("pytest" "slam_navigation" "pytest-slam_navigation.xml"
+    COMMAND "${PYTHON_EXECUTABLE} -m pytest -q ${CMAKE_CURRENT_SOURCE_DIR}/test/slam_navigation --junit-xml=${SLAM_NAVIGATION_RESULT}"
+    DEPENDENCIES _world _slam _navigation)
+  add_rostest(test/ros/slam_navigation.test DEPENDENCIES _world _slam _navigation)
+  roslaunch_add_file_check(launch/slam.launch)
+  roslaunch_add_file_check(launch/move_base.launch)
+endif()
