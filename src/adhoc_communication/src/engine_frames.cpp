@@ -18,7 +18,7 @@ Engine::Implementation::Link& Engine::Implementation::link(const MacAddress& nei
   if (found != links_.end()) return found->second;
   // Link sequences begin where the frame counter stands, so that a link that was forgotten never repeats one.
   const auto first = static_cast<std::uint32_t>(next_counter_);
-  return links_.emplace(neighbor, Link{transport::HopSender(first, options_.num_link_retrans), std::nullopt})
+  return links_.emplace(neighbor, Link{transport::HopSender(first, options_.num_link_retrans), std::nullopt, 1})
       .first->second;
 }
 
@@ -33,7 +33,7 @@ void Engine::Implementation::transmit(FrameType type, std::uint8_t flags, const 
 }
 
 void Engine::Implementation::receive(const Frame& frame, Time now) {
-  now_ = now;
+  touch(now);
   if (frame.destination != wire::kEverybody && frame.destination != self_.address) return;
   ++statistics_.frames_received;
   statistics_.bytes_received += frame.bytes.size() + wire::kEthernetHeaderSize;
@@ -99,7 +99,7 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
     case FrameType::kHopAcknowledgment:
       return with(wire::read_hop_acknowledgment(body), [&](auto acknowledgment) {
         if (acknowledgment.boot != self_.boot) return;
-        air_.acknowledged(acknowledgment.newest_counter, now);
+        air_.acknowledged(acknowledgment.newest_counter, Time(acknowledgment.spacing_ns), now);
         link(from).sender.acknowledged(acknowledgment, now);
       });
     case FrameType::kData:

@@ -13,7 +13,7 @@ SendId Engine::Implementation::send_control(const std::string& destination, Pack
 }
 
 void Engine::Implementation::join_group(const std::string& group, Time now) {
-  now_ = now;
+  touch(now);
   const auto root = multicast::root_of(group);
   if (!root) return report(GroupChangeFinished{group, true, false, group + " is not the name of a group (mc_<robot>)"});
   if (*root == self_.name) return report(GroupChangeFinished{group, true, true, {}});
@@ -30,7 +30,7 @@ void Engine::Implementation::join_group(const std::string& group, Time now) {
 }
 
 void Engine::Implementation::leave_group(const std::string& group, Time now) {
-  now_ = now;
+  touch(now);
   if (group == multicast::group_of(self_.name)) {
     return report(GroupChangeFinished{group, false, false, "the root cannot leave its own group " + group});
   }

@@ -56,6 +56,7 @@ class Engine::Implementation : private Outbox {
   struct Link {
     transport::HopSender sender;
     std::optional<transport::HopReceiver> receiver;
+    int pair = 0;  ///< counts frames; 0 and 1 are the pair that measures the air
   };
   /// Packets of one priority to one robot.
   struct Stream {
@@ -74,6 +75,11 @@ class Engine::Implementation : private Outbox {
     SendId parent = 0;  ///< of kFanOut
     std::size_t octets = 0;
   };
+
+  void touch(Time now) {
+    now_ = now;
+    touched_ = true;
+  }
 
   // engine_frames.cpp: frames in and out.
   void broadcast(wire::FrameType type, Bytes body) override;
@@ -114,7 +120,6 @@ class Engine::Implementation : private Outbox {
   bool air_allows(const Link& link, Time now) const;
   void send_on(const MacAddress& neighbor, Link& link, const transport::HopSender::Outgoing& outgoing,
                std::uint64_t counter, Time now);
-  bool more_for(const MacAddress& neighbor, const Link& link) const;
   void send_unacknowledged(const MacAddress& neighbor, const transport::HopFrame& frame, Time now);
   bool something_to_send() const;
 
@@ -171,6 +176,7 @@ class Engine::Implementation : private Outbox {
   Time last_beacon_{-1};
   Time started_{0};
   Time expected_poll_ = Time::max();
+  bool touched_ = true;  ///< something came in since the last poll
   MacAddress last_link_served_{};
   StreamKey last_stream_served_;
   std::vector<Frame> out_;

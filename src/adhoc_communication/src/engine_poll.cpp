@@ -45,6 +45,7 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
 
 std::vector<Frame> Engine::Implementation::poll(Time now) {
   now_ = now;
+  touched_ = false;
   if (now > expected_poll_ + kTolerableLateness) {
     for (auto& [neighbor, link] : links_) link.sender.excuse_silence(now);
   }
@@ -73,6 +74,7 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
 }
 
 Time Engine::Implementation::next_deadline() const {
+  if (touched_) return now_;
   Time next = std::min({beacon_due_, router_.next_deadline(), flood_.next_deadline()});
   for (const auto& [neighbor, link] : links_) {
     next = std::min(next, link.sender.next_deadline());

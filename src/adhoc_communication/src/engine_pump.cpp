@@ -8,6 +8,12 @@ namespace adhoc_communication {
 using transport::HopSender;
 using wire::FrameType;
 
+namespace {
+
+constexpr int kPairInterval = 16;  ///< of so many frames to a neighbour, two measure the air
+
+}  // namespace
+
 void Engine::Implementation::pump(Time now) {
   bool sent = true;
   while (sent) {
@@ -80,17 +86,19 @@ bool Engine::Implementation::pump_streams(std::uint8_t priority, Time now) {
   return false;
 }
 
-/// Two frames may always be on their way to a neighbour, whatever is believed of the air.
+/// Two frames may always be on their way to a neighbour, whatever is believed of the air; and the second of a pair that
+/// measures the air follows the first without a gap.
 bool Engine::Implementation::air_allows(const Link& link, Time now) const {
   if (air_.ready_at() <= now) return true;
-  return options_.num_link_retrans > 0 && link.sender.unresolved() < 2;
+  return options_.num_link_retrans > 0 && (link.sender.unresolved() < 2 || link.pair == 0);
 }
 
 void Engine::Implementation::send_on(const MacAddress& neighbor, Link& link, const HopSender::Outgoing& outgoing,
                                      std::uint64_t counter, Time now) {
   std::uint8_t flags = wire::kWantsAcknowledgment;
-  const bool pressing = link.sender.unresolved() > HopSender::kMostUnresolved / 2;
-  if (!air_.calibrated() || pressing || !more_for(neighbor, link)) flags |= wire::kAcknowledgeNow;
+  const bool pressing = link.sender.unresolved() > HopSender::kMostUnresolved * 3 / 4;
+  link.pair = (link.pair + 1) % (air_.calibrated() ? kPairInterval : 2);
+  if (!air_.calibrated() || pressing || link.pair == 1) flags |= wire::kAcknowledgeNow;
   transmit(outgoing.type, flags, neighbor, outgoing.link_sequence, counter, *outgoing.body, now);
 }
 
@@ -98,16 +106,6 @@ void Engine::Implementation::send_on(const MacAddress& neighbor, Link& link, con
 void Engine::Implementation::send_unacknowledged(const MacAddress& neighbor, const transport::HopFrame& frame,
                                                  Time now) {
   transmit(frame.type, 0, neighbor, 0, next_counter_++, frame.body, now);
-}
-
-bool Engine::Implementation::more_for(const MacAddress& neighbor, const Link& link) const {
-  if (link.sender.waiting() > 0) return true;
-  for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
-    if (link.sender.has_resend(priority)) return true;
-  }
-  return std::any_of(streams_.begin(), streams_.end(), [&](const auto& item) {
-    return item.second.next_hop == neighbor && item.second.sender.has_segment();
-  });
 }
 
 /// Whether pump() would send more if the air were free.

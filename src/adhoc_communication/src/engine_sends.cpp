@@ -33,7 +33,7 @@ SendId Engine::Implementation::refuse(std::string reason) {
 }
 
 SendId Engine::Implementation::send(SendRequest request, Time now) {
-  now_ = now;
+  touch(now);
   if (std::string reason = refusal(request); !reason.empty()) return refuse(std::move(reason));
   const bool to_group = multicast::root_of(request.destination).has_value();
   transport::Packet packet;
@@ -60,7 +60,7 @@ SendId Engine::Implementation::send(SendRequest request, Time now) {
 }
 
 SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
-  now_ = now;
+  touch(now);
   if (request.topic.empty()) return refuse("the topic is empty");
   wire::Flood flood;
   flood.source = self_.address;

@@ -10,30 +10,26 @@ void AirClock::transmitted(std::uint64_t counter, std::size_t octets, Time now) 
   busy_until_ = std::max(busy_until_, now) + air_time(octets + kOverheadOctets);
 }
 
-void AirClock::acknowledged(std::uint64_t counter, Time now) {
-  std::size_t passed = 0;
-  bool back_to_back = last_acknowledged_.has_value();
-  bool any = false;
+void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time now) {
   while (!on_air_.empty() && on_air_.front().counter <= counter) {
-    passed += on_air_.front().octets;
-    // A frame handed over after the last acknowledgment may have found the radio idle.
-    back_to_back = back_to_back && on_air_.front().sent <= *last_acknowledged_;
-    any = true;
+    const Transmission transmission = on_air_.front();
     on_air_.pop_front();
+    // A frame handed over as late as it arrived after the one before may have found the radio idle.
+    const bool follows = transmission.counter == before_.counter + 1;
+    const bool together = follows && transmission.sent - before_.sent < spacing * 4 / 5;
+    if (transmission.counter == counter && together) sample(transmission.octets, spacing);
+    before_ = transmission;
   }
-  if (!any) return;
-  if (back_to_back) sample(passed, now - *last_acknowledged_);
-  last_acknowledged_ = now;
   std::size_t left = 0;
   for (const Transmission& transmission : on_air_) left += transmission.octets;
   busy_until_ = std::min(busy_until_, now + air_time(left));
 }
 
 void AirClock::sample(std::size_t octets, Time duration) {
-  constexpr double kGain = 0.125;
   const double measured = static_cast<double>(duration.count()) / static_cast<double>(octets);
-  const double bounded = std::clamp(measured, nanoseconds_per_octet_ / 4, nanoseconds_per_octet_ * 4);
-  nanoseconds_per_octet_ += kGain * (bounded - nanoseconds_per_octet_);
+  const double bounded = std::clamp(measured, nanoseconds_per_octet_ / 16, nanoseconds_per_octet_ * 16);
+  const double gain = std::max(0.125, 1.0 / (samples_ + 1));
+  nanoseconds_per_octet_ += gain * (bounded - nanoseconds_per_octet_);
   nanoseconds_per_octet_ = std::clamp(nanoseconds_per_octet_, 1.0, 100'000.0);
   ++samples_;
 }

@@ -4,15 +4,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <optional>
 
 #include "adhoc_communication/types.hpp"
 
 namespace adhoc_communication::transport {
 
 /// The radio sends in the order of the frame counters, so the acknowledgment of one frame says that all before it are
-/// off the air. Keeps about two frames in the hands of the radio: enough to leave it no gap, few enough that an urgent
-/// frame never waits long.
+/// off the air; and of two frames that lay in the radio together, the distance of their arrivals is the air time of the
+/// second. Keeps about two frames in the hands of the radio: enough to leave it no gap, few enough that an urgent frame
+/// never waits long.
 class AirClock {
  public:
   static constexpr std::size_t kOverheadOctets = 300;  ///< preamble and gaps of a frame, expressed in octets
@@ -21,7 +21,8 @@ class AirClock {
   explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}
 
   void transmitted(std::uint64_t counter, std::size_t octets, Time now);
-  void acknowledged(std::uint64_t counter, Time now);
+  /// `spacing`: between the arrivals of the frame before and of this one; zero unknown.
+  void acknowledged(std::uint64_t counter, Time spacing, Time now);
 
   /// When a further frame may go to the radio: no more than one frame of largest size is ahead of it then.
   Time ready_at() const { return busy_until_ - air_time(largest_frame_ + kOverheadOctets); }
@@ -46,7 +47,7 @@ class AirClock {
   int samples_ = 0;
   Time busy_until_{0};
   std::deque<Transmission> on_air_;
-  std::optional<Time> last_acknowledged_;
+  Transmission before_{};  ///< the last one known to be off the air
 };
 
 }  // namespace adhoc_communication::transport

@@ -5,16 +5,20 @@
 namespace adhoc_communication::transport {
 
 bool HopReceiver::take(std::uint32_t link_sequence, std::uint64_t counter, bool acknowledge_now, Time now) {
-  bool in_order = false;
-  const bool fresh = mark(link_sequence, in_order);
-  newest_counter_ = std::max(newest_counter_, counter);
+  bool gap = false;
+  const bool fresh = mark(link_sequence, gap);
+  if (counter > newest_counter_) {
+    spacing_ = counter == newest_counter_ + 1 ? now - newest_arrival_ : Time(0);
+    newest_counter_ = counter;
+    newest_arrival_ = now;
+  }
   ++unacknowledged_;
-  const bool now_due = acknowledge_now || !fresh || !in_order || unacknowledged_ >= kFramesPerAcknowledgment;
+  const bool now_due = acknowledge_now || !fresh || gap || unacknowledged_ >= kFramesPerAcknowledgment;
   due_ = std::min(due_, now_due ? now : now + kLongestDelay);
   return fresh;
 }
 
-bool HopReceiver::mark(std::uint32_t link_sequence, bool& in_order) {
+bool HopReceiver::mark(std::uint32_t link_sequence, bool& gap) {
   if (!started_) {
     started_ = true;
     highest_ = link_sequence;
@@ -23,7 +27,7 @@ bool HopReceiver::mark(std::uint32_t link_sequence, bool& in_order) {
   }
   const auto ahead = static_cast<std::int32_t>(link_sequence - highest_);
   if (ahead > 0) {
-    in_order = ahead == 1;
+    gap = ahead > 1;
     received_ = ahead < 64 ? received_ << ahead | 1 : 1;
     highest_ = link_sequence;
     return true;
@@ -39,7 +43,8 @@ bool HopReceiver::mark(std::uint32_t link_sequence, bool& in_order) {
 wire::HopAcknowledgment HopReceiver::acknowledge() {
   unacknowledged_ = 0;
   due_ = Time::max();
-  return {boot_, newest_counter_, highest_, received_};
+  const auto spacing = static_cast<std::uint32_t>(std::clamp<Time::rep>(spacing_.count(), 0, 0xffffffff));
+  return {boot_, newest_counter_, spacing, highest_, received_};
 }
 
 }  // namespace adhoc_communication::transport

@@ -9,7 +9,7 @@ namespace adhoc_communication::transport {
 
 class HopReceiver {
  public:
-  static constexpr int kFramesPerAcknowledgment = 2;
+  static constexpr int kFramesPerAcknowledgment = 8;
   static constexpr Time kLongestDelay = std::chrono::milliseconds(3);
 
   explicit HopReceiver(wire::BootTag boot) : boot_(boot) {}
@@ -23,13 +23,15 @@ class HopReceiver {
   wire::HopAcknowledgment acknowledge();
 
  private:
-  bool mark(std::uint32_t link_sequence, bool& in_order);
+  bool mark(std::uint32_t link_sequence, bool& gap);
 
   wire::BootTag boot_;
   bool started_ = false;
   std::uint32_t highest_ = 0;
   std::uint64_t received_ = 0;
   std::uint64_t newest_counter_ = 0;
+  Time newest_arrival_{0};
+  Time spacing_{0};
   int unacknowledged_ = 0;
   Time due_ = Time::max();
 };

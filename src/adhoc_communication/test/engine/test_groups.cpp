@@ -1,0 +1,132 @@
+// Groups mc_<robot>, broadcasts and floods.
+#include <gtest/gtest.h>
+
+#include "team.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+
+bool finish(Team& team, std::size_t robot, SendId id, Time patience = 20s) {
+  return team.run_until_done([&] { return team.finished(robot, id) != nullptr; }, patience);
+}
+
+TEST(Groups, RobotsJoinByThemselvesAndEveryMemberReceives) {
+  MediumOptions medium;
+  medium.loss = 0.1;
+  Team team(medium, 2);
+  team.add_line(4);
+  team.run_for(5s);
+  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks.size(), 3u);
+  EXPECT_TRUE(team.engine(3).group_state("mc_robot_0").connected);
+  const SendId id = team.send(0, "mc_robot_0", noise(20'000));
+  ASSERT_TRUE(finish(team, 0, id));
+  EXPECT_TRUE(team.finished(0, id)->delivered) << team.finished(0, id)->reason;
+  for (std::size_t robot = 1; robot < 4; ++robot) {
+    ASSERT_EQ(team.received(robot).size(), 1u);
+    EXPECT_EQ(team.received(robot)[0].packet.group, "mc_robot_0");
+    EXPECT_EQ(team.received(robot)[0].packet.source, "robot_0");
+  }
+}
+
+TEST(Groups, MemberThatIsNotTheRootReachesAll) {
+  Team team;
+  team.add_line(3);
+  team.run_for(5s);
+  const SendId id = team.send(2, "mc_robot_0", text("from a member"));
+  ASSERT_TRUE(finish(team, 2, id));
+  EXPECT_TRUE(team.finished(2, id)->delivered) << team.finished(2, id)->reason;
+  EXPECT_EQ(team.received(0).size(), 1u);
+  EXPECT_EQ(team.received(1).size(), 1u);
+  EXPECT_TRUE(team.received(2).empty());
+}
+
+TEST(Groups, WithoutMembersSucceedsAtOnceAndWithoutMembershipFails) {
+  EngineOptions options;
+  options.join_groups_automatically = false;
+  Team team;
+  team.add_line(2, options);
+  team.run_for(1s);
+  const SendId own = team.send(0, "mc_robot_0", text("x"));
+  const SendId other = team.send(0, "mc_robot_1", text("x"));
+  ASSERT_TRUE(finish(team, 0, own, 10ms));
+  EXPECT_TRUE(team.finished(0, own)->delivered);
+  ASSERT_TRUE(finish(team, 0, other, 10ms));
+  EXPECT_EQ(team.finished(0, other)->reason, "this robot is not a member of mc_robot_1");
+}
+
+TEST(Groups, UnreachableMemberIsNamed) {
+  Team team;
+  team.add_line(3);
+  team.run_for(3s);
+  team.kill(2);
+  const SendId id = team.send(0, "mc_robot_0", text("x"));
+  ASSERT_TRUE(finish(team, 0, id));
+  EXPECT_FALSE(team.finished(0, id)->delivered);
+  EXPECT_NE(team.finished(0, id)->reason.find("not delivered to robot_2 ("), std::string::npos)
+      << team.finished(0, id)->reason;
+  EXPECT_EQ(team.received(1).size(), 1u);
+}
+
+TEST(Groups, HostJoinsAndLeaves) {
+  EngineOptions options;
+  options.join_groups_automatically = false;
+  Team team;
+  team.add_line(2, options);
+  team.run_for(1s);
+  team.engine(1).join_group("mc_robot_0", team.now());
+  team.run_for(1s);
+  ASSERT_EQ(team.group_changes(1).size(), 1u);
+  EXPECT_TRUE(team.group_changes(1)[0].succeeded) << team.group_changes(1)[0].reason;
+  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks, std::vector<std::string>{"robot_1"});
+  team.engine(1).leave_group("mc_robot_0", team.now());
+  team.run_for(1s);
+  EXPECT_TRUE(team.engine(0).group_state("mc_robot_0").downlinks.empty());
+  team.engine(1).join_group("mc_robot_8", team.now());
+  team.run_for(3s);
+  EXPECT_FALSE(team.group_changes(1).back().succeeded);
+  EXPECT_EQ(team.group_changes(1).back().reason, "cannot join mc_robot_8: no route to robot_8 after 1.8 s");
+}
+
+TEST(Groups, RestartedRootGetsItsMembersBack) {
+  Team team;
+  team.add_line(3);
+  team.run_for(3s);
+  team.restart(0);
+  team.run_for(5s);
+  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks.size(), 2u);
+}
+
+TEST(Broadcast, OneHopIsSegmentedAndReportedAsSuccess) {
+  Team team;
+  team.add_line(3);
+  team.run_for(1s);
+  const Bytes payload = noise(10'000);
+  const SendId id = team.send(1, "", payload);
+  ASSERT_TRUE(finish(team, 1, id));
+  EXPECT_TRUE(team.finished(1, id)->delivered);
+  team.run_for(100ms);
+  ASSERT_EQ(team.received(0).size(), 1u);
+  EXPECT_EQ(team.received(0)[0].packet.payload, payload);
+  ASSERT_EQ(team.received(2).size(), 1u);
+}
+
+TEST(Flood, ReachesAsFarAsItsHopLimit) {
+  Team team;
+  team.add_line(5);
+  team.run_for(1s);
+  team.engine(0).broadcast({"topic", 'A', text("x"), 3}, team.now());
+  team.run_for(1s);
+  for (std::size_t robot = 1; robot <= 3; ++robot) {
+    ASSERT_EQ(team.received(robot).size(), 1u);
+    EXPECT_EQ(team.received(robot)[0].packet.hops, robot);
+  }
+  EXPECT_TRUE(team.received(4).empty());
+  const SendId large = team.engine(0).broadcast({"topic", 'A', noise(5000), 3}, team.now());
+  team.run_for(1ms);
+  EXPECT_FALSE(team.finished(0, large)->delivered);
+}
+
+}  // namespace
+}  // namespace adhoc_communication

@@ -1,0 +1,92 @@
+// Robots appear, fall silent, restart; near and far.
+#include <gtest/gtest.h>
+
+#include "team.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::vector<std::string> words(const std::vector<std::pair<Time, std::string>>& presence) {
+  std::vector<std::string> result;
+  for (const auto& item : presence) result.push_back(item.second);
+  return result;
+}
+
+TEST(Presence, NeighborAppearsAtOnceAndIsLostAfterFiveSeconds) {
+  Team team;
+  team.add_line(2);
+  team.run_for(100ms);
+  EXPECT_EQ(words(team.presence(0)), std::vector<std::string>{"+robot_1"});
+  EXPECT_EQ(team.engine(0).neighbors(), std::vector<std::string>{"robot_1"});
+  team.kill(1);
+  team.run_for(4s);
+  EXPECT_EQ(team.presence(0).size(), 1u);
+  team.run_for(1500ms);
+  EXPECT_EQ(words(team.presence(0)), (std::vector<std::string>{"+robot_1", "-robot_1"}));
+  EXPECT_TRUE(team.engine(0).neighbors().empty());
+}
+
+TEST(Presence, RestartIsRecognisedAtOnce) {
+  Team team;
+  team.add_line(2);
+  team.run_for(1s);
+  const Time restarted = team.now();
+  team.restart(1);
+  team.run_for(300ms);
+  EXPECT_EQ(words(team.presence(0)), (std::vector<std::string>{"+robot_1", "-robot_1", "+robot_1"}));
+  EXPECT_LE(team.presence(0).back().first - restarted, 50ms);
+}
+
+TEST(Presence, FarRobotsAreKnownAndNeverFlicker) {
+  MediumOptions medium;
+  medium.loss = 0.1;
+  Team team(medium, 3);
+  team.add_line(6);
+  team.run_for(60s);
+  for (std::size_t robot = 0; robot < 6; ++robot) {
+    EXPECT_EQ(team.engine(robot).robots().size(), 5u);
+    EXPECT_EQ(team.presence(robot).size(), 5u) << "robot_" << robot;
+  }
+  EXPECT_EQ(team.engine(0).neighbors(), std::vector<std::string>{"robot_1"});
+}
+
+TEST(Presence, DeadFarRobotIsForgottenByAllInBoundedTime) {
+  Team team;
+  team.add_line(6);
+  team.run_for(10s);
+  team.kill(5);
+  team.run_for(12s);
+  for (std::size_t robot = 0; robot < 5; ++robot) {
+    EXPECT_EQ(team.presence(robot).back().second, "-robot_5") << "robot_" << robot;
+    EXPECT_EQ(team.engine(robot).robots().size(), 4u);
+  }
+}
+
+TEST(Presence, IdleTeamIsQuiet) {
+  Team team;
+  for (int i = 0; i < 3; ++i) team.add();
+  team.run_for(10s);
+  const std::uint64_t polls = team.polls();
+  team.run_for(60s);
+  EXPECT_LE(static_cast<double>(team.polls() - polls) / 60 / 3, 14.0);  // own beacons and those heard
+}
+
+TEST(Presence, SameSeedSameFrames) {
+  const auto trace = [](std::uint64_t seed) {
+    MediumOptions medium;
+    medium.loss = 0.2;
+    Team team(medium, seed);
+    team.add_line(4);
+    team.run_for(1s);
+    team.send(0, "robot_3", noise(50'000));
+    team.run_for(2s);
+    return team.trace_hash();
+  };
+  EXPECT_EQ(trace(4), trace(4));
+  EXPECT_NE(trace(4), trace(5));
+}
+
+}  // namespace
+}  // namespace adhoc_communication
