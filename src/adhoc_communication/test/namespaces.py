@@ -118,7 +118,7 @@ class Robot:
 
     def __init__(self, name, folder):
         self.name = name
-        self._log = open(Path(folder) / f"{name}.log", "w")
+        self._log = (Path(folder) / f"{name}.log").open("w")  # written to until stop()
         self._holder = subprocess.Popen(
             ["unshare", "--net", "--", "sleep", "infinity"], preexec_fn=die_with_parent, stdout=subprocess.DEVNULL
         )
@@ -252,22 +252,23 @@ class Team:
     def wait_for_robots(self, timeout=20.0):
         """Until every robot knows every other one, over however many hops."""
         for robot in self.robots.values():
-            others = set(self.robots) - {robot.name}
-            wait_until(
-                lambda: set(robot.agent.ask(do="status").get("robots", [])) >= others,
-                timeout,
-                f"{robot.name} knows {others}",
-            )
+            self._wait_for_set(robot, set(self.robots) - {robot.name}, timeout)
 
-    def wait_for_neighbors(self, expected, timeout=20.0):
-        """Until each robot named hears exactly the robots given for it."""
-        for name, neighbors in expected.items():
-            agent = self.robots[name].agent
-            wait_until(
-                lambda: set(agent.call("get_neighbors").get("response", {}).get("neigbors", [])) == neighbors,
-                timeout,
-                f"{name} hears {neighbors}",
-            )
+    @staticmethod
+    def _wait_for_set(robot, others, timeout):
+        def knows_all():
+            return set(robot.agent.ask(do="status").get("robots", [])) >= others
+
+        wait_until(knows_all, timeout, f"{robot.name} knows {others}")
+
+    def wait_for_neighbors(self, name, neighbors, timeout=20.0):
+        """Until a robot hears exactly these robots."""
+        agent = self.robots[name].agent
+
+        def hears_them():
+            return set(agent.call("get_neighbors").get("response", {}).get("neigbors", [])) == neighbors
+
+        wait_until(hears_them, timeout, f"{name} hears {neighbors}")
 
 
 class RadioControl:

@@ -82,8 +82,8 @@ def call(robot, service, **fields):
 def filled(message_class):
     """A message in which every field differs from its default."""
     message = message_class()
-    for index, (name, kind) in enumerate(zip(message.__slots__, message._slot_types)):
-        setattr(message, name, value_of(kind, index + 1))
+    for index, name in enumerate(message.__slots__):
+        setattr(message, name, value_of(message._slot_types[index], index + 1))
     return message
 
 
@@ -199,7 +199,8 @@ class Delivery(unittest.TestCase):
         self.check_transfer("send_frontier", "frontier", filled(msg.ExpFrontier), destination="mc_alice")
 
     def test_empty_destination_is_a_broadcast_to_the_neighbours(self):
-        with Listener("/bob/hello_all", msg.RecvString) as at_bob, Listener("/carol/hello_all", msg.RecvString) as at_carol:
+        at_bob, at_carol = (Listener(f"/{robot}/hello_all", msg.RecvString) for robot in ("bob", "carol"))
+        with at_bob, at_carol:
             call("alice", "send_string", dst_robot="", topic="hello_all", data="hello")
             for listener in (at_bob, at_carol):
                 message = listener.wait_for()[0]
@@ -337,7 +338,8 @@ class Documentation(unittest.TestCase):
 def table_of_parameters():
     """(name, type, default) of every row of the tables below the heading Parameters of README.md."""
     text = (PACKAGE / "README.md").read_text().split("## Parameters", 1)[1].split("\n## ", 1)[0]
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("| `")]
+    lines = [line for line in text.splitlines() if line.startswith("| `")]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     return [(row[0].strip("`"), row[1], row[2].strip("`")) for row in rows]
 
 
