@@ -55,11 +55,7 @@ void Engine::Implementation::maintain(Time now) {
   directory_.expire(now);
   router_.expire(now);
   broadcast_receiver_.expire(now);
-  for (auto iterator = receivers_.begin(); iterator != receivers_.end();) {
-    transport::StreamReceiver& receiver = *iterator->second;
-    receiver.expire(now);
-    ++iterator;
-  }
+  for (auto& [source, receiver] : receivers_) receiver->expire(now);
   expire_waiting_sends(now);
   join_due_groups(now);
 }
