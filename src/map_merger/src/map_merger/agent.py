@@ -446,6 +446,8 @@ class Agent:
             self._limits(target.grid.info),
             self._options.registration,
             self._cache,
+            self._own_track.points(),
+            peer.track.points(),
         )
 
     def _prior(self, robot: str) -> Optional[Prior]:

@@ -6,8 +6,10 @@ It is then followed as the maps grow, and revoked when they come to contradict i
 
 import math
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Callable, Hashable, NamedTuple, Optional, Tuple
+
+import numpy as np
 
 from . import features, registration
 from .evidence import Evidence, compare
@@ -25,7 +27,7 @@ from .registration import (
     judge,
 )
 from .search import same_place
-from .surface import Landmarks, landmarks_of
+from .surface import Landmarks, landmarks_of, without_places
 from .transform import Transform, rotation_between
 
 SHORTEST_GROWTH_M = 3.0
@@ -33,6 +35,8 @@ SHORTEST_GROWTH = 1.15
 """The shared walls must have grown by so many metres, and by this factor, before a second look confirms a candidate."""
 SURVEY_GROWTH = 1.4
 """Or both maps together by this factor, without a contradiction and without a rival having come up."""
+_ROBOT_REACH_M = 0.35
+"""A robot hides that much around its centre from the others' lasers."""
 _SAME_DISTANCE = 0.4
 _SAME_ROTATION = math.radians(1.5)
 _STRIKES = 2
@@ -52,6 +56,11 @@ class Member(NamedTuple):
 
     map: Versioned
     transform: Transform
+
+
+def nowhere() -> np.ndarray:
+    """No places."""
+    return np.zeros((0, 2))
 
 
 class LandmarkCache:
@@ -83,11 +92,16 @@ class Job:
     limits: Limits
     method: str
     cache: LandmarkCache
+    target_track: np.ndarray = field(default_factory=nowhere)
+    source_track: np.ndarray = field(default_factory=nowhere)
+    """Where the robots of both maps have been, each (n, 2) in metres in the frame of its own map."""
 
     def run(self) -> Registration:
         """The outcome; for a followed transform the verdict says whether it may be kept."""
         target = self.cache.of(self.target.key, lambda: self.target.grid)
         source = self.cache.of(self.source.key, lambda: self.source.grid)
+        target = without_places(target, self.target_track, _ROBOT_REACH_M)
+        source = without_places(source, self.source_track, _ROBOT_REACH_M)
         if self.current is not None:
             return self._follow(target, source, self.current)
         result = self._search(target, source)
@@ -124,7 +138,7 @@ class Job:
             layers = [resampled(member.map.grid, member.transform, self.target.grid) for member in self.team]
             return fused(self.target.grid, [layer for layer in layers if layer is not None])
 
-        return self.cache.of(key, merge)
+        return without_places(self.cache.of(key, merge), self.target_track, _ROBOT_REACH_M)
 
 
 class Alignment:

@@ -40,7 +40,9 @@ class Evidence:
 
 def moved_surface(surface: Surface, transform: Transform) -> Surface:
     """The surface in the frame into which `transform` maps."""
-    return Surface(transform.apply(surface.points), surface.normals @ transform.rotation().T, surface.spacing)
+    return Surface(
+        transform.apply(surface.points), surface.normals @ transform.rotation().T, surface.spacing, surface.solid
+    )
 
 
 def compare(target: Landmarks, source: Landmarks, transform: Transform) -> Evidence:
@@ -82,7 +84,7 @@ def _one_way(target: Landmarks, moved: Surface, tolerance: float) -> Evidence:
     inside = np.flatnonzero(known)
     if inside.size == 0:
         return Evidence()
-    part = Surface(moved.points[inside], moved.normals[inside], moved.spacing)
+    part = Surface(moved.points[inside], moved.normals[inside], moved.spacing, moved.solid[inside])
     index, matched = nearest(target.surface, part, tolerance)
     count = int(matched.sum())
     if count == 0:
@@ -92,7 +94,7 @@ def _one_way(target: Landmarks, moved: Surface, tolerance: float) -> Evidence:
     residual = np.einsum(
         "ij,ij->i", part.points[matched] - target.surface.points[index[matched]], target.surface.normals[index[matched]]
     )
-    contradicted = int((clear[inside] & ~matched).sum())
+    contradicted = int((clear[inside] & ~matched & part.solid).sum())
     return Evidence(
         matched=count * moved.spacing,
         minor=float(np.linalg.eigvalsh(scatter)[0]) * moved.spacing,

@@ -4,13 +4,14 @@ A wall seen from one room and the same wall seen from the next are two surfaces.
 same way keeps the thickness of walls out of the estimate, and lets the quantisation of both grids cancel.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Tuple
 
 import cv2
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .grid import UNKNOWN, Grid, GridInfo, cell_centres, cropped, known_box
+from .grid import UNKNOWN, Grid, GridInfo, cell_centres, cells_of, cropped, known_box
 
 NORMAL_WEIGHT = 0.3
 """Metres that a unit difference of the normals counts in a search for the nearest surface."""
@@ -19,6 +20,8 @@ _WINDOW = 7
 """Side in cells of the neighbourhood from which the direction of a wall is taken."""
 _SMALLEST_WALL = 4
 """Connected obstacles of fewer cells are noise."""
+LARGEST_MOVER_M = 0.9
+"""Connected obstacles of at most this extent may be robots or people."""
 CLEAR_CELLS = 3.0
 """Free cells farther than this from anything else are well observed: a wall of the other map there is a conflict."""
 
@@ -28,12 +31,14 @@ class Surface:
     """Oriented wall points of a map in its frame.
 
     points: float64 (n, 2), metres, on the border between obstacle and free space. normals: float64 (n, 2), unit,
-    towards free space. spacing: metres of wall for which one point stands.
+    towards free space. spacing: metres of wall for which one point stands. solid: bool (n,), part of something larger
+    than a robot; only that can contradict free space, since robots and people move.
     """
 
     points: np.ndarray
     normals: np.ndarray
     spacing: float
+    solid: np.ndarray
     _tree: list = field(default_factory=list, repr=False)
 
     @property
@@ -66,31 +71,52 @@ class Landmarks:
         return self.grid.info
 
 
+def without_places(landmarks: Landmarks, places: np.ndarray, reach: float) -> Landmarks:
+    """The same landmarks, but nothing within `reach` (m) of `places` (n, 2; m, in the map's frame) counts as clear.
+
+    For places where the robot of this map has been: another robot may have seen it there, and has it as a wall.
+    """
+    if not len(places) or not landmarks.clear.size:
+        return landmarks
+    rows, columns, inside = cells_of(landmarks.info, places)
+    elsewhere = np.ones(landmarks.clear.shape, np.uint8)
+    elsewhere[rows[inside], columns[inside]] = 0
+    if elsewhere.all():
+        return landmarks
+    distance = cv2.distanceTransform(elsewhere, cv2.DIST_L2, 5) * landmarks.info.resolution
+    return replace(landmarks, clear=landmarks.clear & (distance > reach))
+
+
 def landmarks_of(grid: Grid) -> Landmarks:
     """Landmarks of a map; a map without obstacles has an empty surface."""
     part = cropped(grid, known_box(grid).grown(1)) if (grid.cells != UNKNOWN).any() else grid
-    occupied = _without_specks(part.occupied)
+    occupied, extent = _obstacles(part.occupied)
     free = part.free
     if free.size == 0:
         return Landmarks(part, _empty_surface(part.info.resolution), free, free)
     distance = cv2.distanceTransform(free.astype(np.uint8), cv2.DIST_L2, 5)
-    return Landmarks(part, surface_of(part.info, occupied, free), distance > CLEAR_CELLS, part.cells != UNKNOWN)
+    return Landmarks(part, surface_of(part.info, occupied, free, extent), distance > CLEAR_CELLS, part.cells != UNKNOWN)
 
 
-def surface_of(info: GridInfo, occupied: np.ndarray, free: np.ndarray) -> Surface:
-    """Oriented points of the obstacles' borders to free space; a thin wall that is free on both sides has two faces."""
+def surface_of(info: GridInfo, occupied: np.ndarray, free: np.ndarray, extent: np.ndarray) -> Surface:
+    """Oriented points of the obstacles' borders to free space; a thin wall that is free on both sides has two faces.
+
+    `extent`: for each cell the extent in cells of the connected obstacle that it belongs to.
+    """
     rows, columns = np.nonzero(occupied)
     if rows.size == 0:
         return _empty_surface(info.resolution)
     normal_rows, normal_columns, linearity = _directions(occupied, rows, columns)
-    points, normals = [], []
+    points, normals, solid = [], [], []
+    large = extent[rows, columns] * info.resolution > LARGEST_MOVER_M
     for side in (1.0, -1.0):
         open_side = _free_towards(free, rows, columns, side * normal_rows, side * normal_columns)
         keep = open_side & (linearity > 0.6)
         step_rows, step_columns = side * normal_rows[keep], side * normal_columns[keep]
         points.append(cell_centres(info, rows[keep] + 0.5 * step_rows, columns[keep] + 0.5 * step_columns))
         normals.append(np.stack([step_columns, step_rows], axis=1) @ info.origin.rotation().T)
-    return Surface(np.concatenate(points), np.concatenate(normals), info.resolution)
+        solid.append(large[keep])
+    return Surface(np.concatenate(points), np.concatenate(normals), info.resolution, np.concatenate(solid))
 
 
 def subsample(surface: Surface, most: int) -> Surface:
@@ -100,20 +126,24 @@ def subsample(surface: Surface, most: int) -> Surface:
         return surface
     order = np.lexsort((surface.points[:, 0].round(1), surface.points[:, 1].round(1)))
     chosen = order[np.linspace(0, count - 1, most).astype(int)]
-    return Surface(surface.points[chosen], surface.normals[chosen], surface.spacing * count / most)
+    return Surface(
+        surface.points[chosen], surface.normals[chosen], surface.spacing * count / most, surface.solid[chosen]
+    )
 
 
 def _empty_surface(spacing: float) -> Surface:
-    return Surface(np.empty((0, 2)), np.empty((0, 2)), spacing)
+    return Surface(np.empty((0, 2)), np.empty((0, 2)), spacing, np.empty(0, bool))
 
 
-def _without_specks(occupied: np.ndarray) -> np.ndarray:
+def _obstacles(occupied: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """The obstacles without specks, and for each cell the extent in cells of its connected obstacle."""
     if not occupied.any():
-        return occupied
+        return occupied, np.zeros(occupied.shape, np.int32)
     _, labels, statistics, _ = cv2.connectedComponentsWithStats(occupied.astype(np.uint8), connectivity=8)
     large = statistics[:, cv2.CC_STAT_AREA] >= _SMALLEST_WALL
     large[0] = False
-    return large[labels]
+    extent = np.maximum(statistics[:, cv2.CC_STAT_WIDTH], statistics[:, cv2.CC_STAT_HEIGHT])
+    return large[labels], extent[labels]
 
 
 def _directions(occupied: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> tuple:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from map_merger import benchmark, features, registration
 from map_merger.alignment import Alignment, Job, LandmarkCache, Member, Versioned
 from map_merger.evidence import Evidence, compare
-from map_merger.grid import Grid, GridInfo, empty_grid
+from map_merger.grid import Grid, GridInfo, cells_of, empty_grid
 from map_merger.refine import FINE_REACH, refined
 from map_merger.registration import STRONG_CRITERIA, Limits, Prior, Registration, Verdict, follow, register
 from map_merger.surface import landmarks_of
@@ -269,3 +269,19 @@ def test_a_followed_transform_is_corrected_a_little_and_never_jumps(overlapping)
     wrong = Transform(1.5, 1.0, 0.1).compose(overlapping.truth)
     result = job(target, source, current=wrong).run()
     assert result.verdict is not Verdict.ACCEPTED
+
+
+@pytest.mark.parametrize("size, contradicts", [(9, False), (30, True)])
+def test_what_may_be_a_robot_does_not_contradict_free_space(overlapping, size, contradicts):
+    target, source = overlapping.target.grid, overlapping.source.grid
+    clear = landmarks_of(source).clear
+    cells, info = source.cells.copy(), landmarks_of(source).info
+    corner = cells_of(source.info, info.origin.apply(np.zeros((1, 2)) + 0.5 * info.resolution))
+    rows, columns = np.nonzero(clear)
+    middle = np.argmin(abs(rows - rows.mean()) + abs(columns - columns.mean()))
+    row, column = int(corner[0][0]) + rows[middle], int(corner[1][0]) + columns[middle]
+    cells[row : row + size, column : column + size] = 100
+    cells[row + 1 : row + size - 1, column + 1 : column + size - 1] = -1
+    before = compare(landmarks_of(target), landmarks_of(source), overlapping.truth)
+    after = compare(landmarks_of(target), landmarks_of(Grid(source.info, cells)), overlapping.truth)
+    assert (after.conflict > before.conflict + 0.01) == contradicts
