@@ -31,6 +31,7 @@ class Engine::Implementation : private Outbox {
  public:
   static constexpr std::size_t kMostSends = 256;              ///< packets of the host not finished yet
   static constexpr std::size_t kMostSendOctets = 64'000'000;  ///< of these packets, as they go on the air
+  static constexpr std::size_t kMostStreams = 1024;           ///< robots and priorities; idle ones make room
   static constexpr std::size_t kMostEvents = 4096;            ///< the oldest received packet is dropped beyond
 
   Implementation(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now);

@@ -5,12 +5,9 @@
 
 namespace adhoc_communication {
 
-using transport::StreamSender;
-
 namespace {
 
 constexpr Time kTolerableLateness = std::chrono::milliseconds(20);
-constexpr std::size_t kWindowWithoutHopRepetition = 4;
 
 EngineOptions validated(EngineOptions options) {
   validate(options);

@@ -19,7 +19,9 @@ class StreamSender {
   static constexpr Time kReordering = std::chrono::milliseconds(50);  ///< a segment overtaken by more than this is lost
   static constexpr Time kLongestBackoff = std::chrono::seconds(1);
 
-  StreamSender(std::uint8_t stream, std::size_t window) : stream_(stream), window_(window) {}
+  /// `first_number` has to be beyond every packet number sent to this robot before.
+  StreamSender(std::uint8_t stream, std::uint32_t first_number, std::size_t window)
+      : stream_(stream), window_(window), next_number_(first_number) {}
 
   void add(SendId id, Image image, std::uint16_t segment_size, Time now);
   bool idle() const { return packets_.empty(); }
@@ -72,7 +74,7 @@ class StreamSender {
 
   std::uint8_t stream_;
   std::size_t window_;
-  std::uint32_t next_number_ = 0;
+  std::uint32_t next_number_;
   std::deque<Outgoing> packets_;
   std::set<Place> lost_;
   std::size_t on_the_way_ = 0;  ///< segments sent, neither acknowledged nor lost
