@@ -16,7 +16,7 @@ import numpy as np
 from mr_sim import _navigation
 from mr_sim.navigation.obstacles import ObstacleMemory, near_walls
 from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, Pose, Scan, to_map
-from mr_sim.navigation.planner import CostMap, Plan, path, plan
+from mr_sim.navigation.planner import CostMap, Plan, path, plan, without_robots
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.navigation.yielding import HeldUp, find_retreat, nearest_blocker
 
@@ -31,7 +31,9 @@ NO_WAY_PAUSE = 0.25  # s between them
 PROGRESS = 0.1  # m of way that count as progress
 BACK_OFF_SPEED = 0.15  # m/s
 BACK_OFF_TIME = 1.6  # s
-RETREAT_TIME = 9.0  # s
+RETREAT_TIME = 10.0  # s
+RETREAT_SPEED = 0.25  # m/s backwards
+TURNING_ROOM = 0.8  # m to what is in the way within which a robot that gives way goes back before it turns
 INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan
 TIME_ALLOWED = 30.0  # s for any goal, plus
 TIME_FACTOR = 5.0  # times what the way takes at full speed
@@ -81,6 +83,7 @@ class Navigator:
         self.mode = Mode.DRIVE
         self.plan: Optional[Plan] = None
         self._random = np.random.Generator(np.random.PCG64([seed, zlib.crc32(name.encode())]))
+        self._grid: Optional[Grid] = None
         self._costs: Optional[CostMap] = None
         self._memory = ObstacleMemory(self.options.obstacle_memory)
         self._others: Mapping[str, Tuple[float, float]] = {}
@@ -93,6 +96,7 @@ class Navigator:
         self._stall = StallWatch()
         self._held_up = HeldUp(name, self.options.yield_patience, self._random)
         self._footprint = _footprint(self.options)
+        self._hits = np.empty((0, 2))  # of the latest scan, map frame
         self._walls_near = np.empty((0, 3))
         self._walls_from: Optional[Tuple[float, float]] = None
 
@@ -104,13 +108,21 @@ class Navigator:
             raise NavigationError(f"map has no cells: shape {grid.cells.shape}")
         if not (np.isfinite(grid.resolution) and grid.resolution > 0.0 and np.isfinite(grid.origin).all()):
             raise NavigationError("map needs a positive resolution and a finite origin")
-        self._costs = CostMap(grid, self.options)
-        self._walls_from = None
+        self._grid = grid
+        self._rebuild_costs()
 
     def set_others(self, positions: Mapping[str, Tuple[float, float]], now: float) -> None:
         """Where the other robots say they are, map frame. A hint: nothing depends on it being there or right."""
         self._others = {name: position for name, position in positions.items() if name != self.name}
         self._others_at = now
+        if self._grid is not None:
+            self._rebuild_costs()
+
+    def _rebuild_costs(self) -> None:
+        """Robots that stood still long enough to enter the map are no walls: they are taken out where they report."""
+        assert self._grid is not None
+        self._costs = CostMap(without_robots(self._grid, list(self._others.values())), self.options)
+        self._walls_from = None
 
     def set_goal(self, goal: Pose, now: float) -> None:
         """A new goal replaces the old one; a moving robot goes on without stopping."""
@@ -136,6 +148,7 @@ class Navigator:
         """The command for the next period. `pose`: robot in the map frame; `scan`: the latest; None = not known."""
         if pose is None or scan is None or self._costs is None:
             return self._without_input(now, pose, scan)
+        self._hits = to_map(scan.points, pose)
         self._memory.update(scan, pose, self._costs.wall_distance, self._costs.grid, now)
         if self._goal is None:
             self._stall.clear()
@@ -214,8 +227,24 @@ class Navigator:
             self.mode = Mode.WAIT
             self._mode_until = now + 1.5 + 3.0 * self._random.random()
             return self._brake(Status.ACTIVE)
+        blocker = self._blocker(pose)
+        if blocker is not None and math.dist(blocker, pose[:2]) < TURNING_ROOM:
+            back = self._backwards(retreat, pose, obstacles)
+            if back is not None:
+                return self._ramp(pose, obstacles, back)
         found, linear, angular = self._choose(retreat, pose, obstacles, reverse=BACK_OFF_SPEED)
         return Command(linear, angular, Status.ACTIVE) if found else self._brake(Status.ACTIVE)
+
+    def _backwards(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Optional[Tuple[float, float]]:
+        """Nose to nose there is no room to turn: the way back that is clear and leads nearest to the retreat."""
+        best, least = None, math.inf
+        for turn in (0.0, 0.4, -0.4):
+            yaw = pose[2] + 0.5 * turn
+            behind = (pose[0] - RETREAT_SPEED * math.cos(yaw), pose[1] - RETREAT_SPEED * math.sin(yaw))
+            left = way.cost_at(*behind)
+            if left < least and self._is_clear(pose, obstacles, (-RETREAT_SPEED, turn), 1.0):
+                best, least = (-RETREAT_SPEED, turn), left
+        return best
 
     def _enter_drive(self, now: float) -> None:
         if self.mode is Mode.DRIVE:
@@ -240,7 +269,6 @@ class Navigator:
         radius = self.options.goal_search_radius
         known = plan(self._costs, np.empty((0, 2)), pose, target, radius)
         if known is None:
-            self.plan = None
             return self._no_way(now, target)
         goal.failed_plans = 0
         around = plan(self._costs, self._moving_points(pose), pose, target, radius) if self._memory.size else known
@@ -277,7 +305,14 @@ class Navigator:
 
     def _no_way(self, now: float, target: Tuple[float, float]) -> Optional[Command]:
         assert self._goal is not None
-        self._goal.failed_plans += 1
+        goal = self._goal
+        if self.plan is not None:
+            # There was a way: what closed it came later and may go again. The old plan leads up to it.
+            if goal.blocked_since is None:
+                goal.blocked_since = now
+            if now - goal.blocked_since <= self.options.blocked_timeout:
+                return None
+        goal.failed_plans += 1
         if self._goal.failed_plans >= NO_WAY_CHECKS:
             return self._abort(f"no way to ({target[0]:.2f}, {target[1]:.2f}): {self._why_no_way(target)}")
         self._planned_at = now - self.options.plan_period + NO_WAY_PAUSE
@@ -297,13 +332,19 @@ class Navigator:
 
     def _held(self, now: float, pose: Pose, moving: bool) -> bool:
         """Whether something that moves holds the robot up and it is on this robot to make room."""
-        blocker = None if moving else nearest_blocker(self._memory.points, pose)
+        blocker = None if moving else self._blocker(pose)
         others = self._others if now - self._others_at < HINT_AGE else {}
         return self._held_up.must_give_way(now, blocker, others)
 
+    def _blocker(self, pose: Pose) -> Optional[Tuple[float, float]]:
+        """What moves ahead of the robot, or, on a way that closed after it was planned, whatever is ahead."""
+        assert self._goal is not None
+        closed = self._goal.blocked_since is not None
+        return nearest_blocker(np.concatenate([self._memory.points, self._hits]) if closed else self._memory.points, pose)
+
     def _begin_retreat(self, now: float, pose: Pose) -> Command:
         assert self._costs is not None
-        blocker = nearest_blocker(self._memory.points, pose)
+        blocker = self._blocker(pose)
         self._held_up.clear()
         self._retreat = None
         if blocker is not None:
@@ -324,7 +365,7 @@ class Navigator:
         assert self._goal is not None
         goal = self._goal
         goal.recoveries += 1
-        blocker = nearest_blocker(self._memory.points, pose)
+        blocker = self._blocker(pose)
         if goal.recoveries > self.options.recovery_limit:
             hint = "" if blocker is None else "; an obstacle that is not in the map is near"
             return self._abort(f"stuck at ({pose[0]:.2f}, {pose[1]:.2f}) after {goal.recoveries - 1} recoveries: {why}{hint}")

@@ -15,6 +15,7 @@ ESCAPE_RADIUS = 0.45  # m around a robot that stands too near to a wall in which
 ESCAPE_COST = 25.0
 FIELD_MARGIN = 2.0  # m of cost to go beyond the robot that local control can use
 PATH_STEPS = 20000
+ROBOT_RADIUS = 0.4  # m around the reported position of a robot that its body may fill
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,23 @@ class CostMap:
         columns = slice(max(0, column - reach), column + reach + 1)
         window = slowness[rows, columns]
         window[~np.isfinite(window) & (distance[rows, columns] > 0.0)] = ESCAPE_COST
+
+
+def without_robots(grid: Grid, positions: List[Tuple[float, float]]) -> Grid:
+    """The grid with the ground under robots at these positions free."""
+    if not positions:
+        return grid
+    cells = grid.cells.copy()
+    reach = int(math.ceil(ROBOT_RADIUS / grid.resolution))
+    for x, y in positions:
+        row, column = grid.cell(x, y)
+        if not grid.contains(row, column):
+            continue
+        top, left = max(0, row - reach), max(0, column - reach)
+        window = cells[top : row + reach + 1, left : column + reach + 1]
+        rows, columns = np.indices(window.shape)
+        window[(np.hypot(rows + top - row, columns + left - column) <= reach) & (window > 50)] = 0
+    return Grid(cells, grid.resolution, grid.origin)
 
 
 def distance_to(mask: np.ndarray, resolution: float) -> np.ndarray:
