@@ -43,7 +43,7 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
 std::vector<Frame> Engine::Implementation::poll(Time now) {
   now_ = now;
   touched_ = false;
-  if (now > expected_poll_ + kTolerableLateness) {
+  if (now - kTolerableLateness > expected_poll_) {
     for (auto& [neighbor, link] : links_) link.sender.excuse_silence(now);
   }
   if (beacon_due_ <= now) {
