@@ -33,6 +33,8 @@ from .transform import Transform, rotation_between
 SHORTEST_GROWTH_M = 3.0
 SHORTEST_GROWTH = 1.15
 """The shared walls must have grown by so many metres, and by this factor, before a second look confirms a candidate."""
+CONFIRMED_WALL_M = 20.0
+"""And without a prior this much must be shared: more than the walls of one usual room, of which there may be copies."""
 SURVEY_GROWTH = 1.4
 """Or both maps together by this factor, without a contradiction and without a rival having come up."""
 _ROBOT_REACH_M = 0.35
@@ -211,6 +213,8 @@ class Alignment:
     def _confirms(self, result: Registration) -> bool:
         before = self._candidate
         if before is None or not self._agrees(result):
+            return False
+        if result.evidence.matched < CONFIRMED_WALL_M and not result.prior:
             return False
         matched = before.evidence.matched
         if result.evidence.matched >= max(matched + SHORTEST_GROWTH_M, matched * SHORTEST_GROWTH):

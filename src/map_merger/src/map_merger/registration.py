@@ -80,6 +80,8 @@ class Registration(NamedTuple):
     evidence: Evidence = Evidence()
     surveyed: float = 0.0
     """Metres of wall in both maps together, shared or not."""
+    prior: bool = False
+    """True if a rough transform was given beforehand."""
 
     @property
     def accepted(self) -> bool:
@@ -136,7 +138,7 @@ def choose(
         verdict = Verdict.BEYOND_LIMITS
     if verdict is Verdict.ACCEPTED and prior is not None and not _near_prior(transform, prior, points):
         verdict = Verdict.NO_CANDIDATE
-    return Registration(verdict, transform, evidence, target.surface.length + source.surface.length)
+    return Registration(verdict, transform, evidence, target.surface.length + source.surface.length, prior is not None)
 
 
 def follow(target: Landmarks, source: Landmarks, transform: Transform) -> Tuple[Transform, Evidence]:

@@ -185,16 +185,23 @@ def look(matched, transform=None, conflict=0.0, surveyed=100.0, verdict=Verdict.
 
 def test_weak_evidence_needs_a_second_look_at_grown_maps():
     alignment = Alignment()
-    assert alignment.finished(look(15.0)) == "" and alignment.transform is None
-    assert alignment.finished(look(15.0)) == "", "the same maps tell nothing new"
-    assert alignment.finished(look(17.0)) == "", "too little growth"
-    assert alignment.finished(look(18.5)) == "accepted"
+    assert alignment.finished(look(18.0)) == "" and alignment.transform is None
+    assert alignment.finished(look(18.0)) == "", "the same maps tell nothing new"
+    assert alignment.finished(look(20.5)) == "", "too little growth"
+    assert alignment.finished(look(21.5)) == "accepted"
+
+
+def test_one_room_is_not_enough_without_a_prior():
+    alignment = Alignment()
+    alignment.finished(look(14.1, surveyed=52.0))
+    assert alignment.finished(look(18.5, surveyed=90.0)) == ""
+    assert alignment.finished(look(18.5, surveyed=90.0)._replace(prior=True)) == "accepted"
 
 
 def test_growth_elsewhere_without_a_contradiction_confirms_as_well():
     alignment = Alignment()
-    alignment.finished(look(15.0, surveyed=60.0))
-    assert alignment.finished(look(15.0, surveyed=90.0)) == "accepted"
+    alignment.finished(look(21.0, surveyed=60.0))
+    assert alignment.finished(look(21.0, surveyed=90.0)) == "accepted"
 
 
 @pytest.mark.parametrize("between", [Verdict.AMBIGUOUS, Verdict.CONTRADICTED, Verdict.CONTRADICTS_TEAM])
