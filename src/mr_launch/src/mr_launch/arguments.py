@@ -46,7 +46,6 @@ class Options:
     navigation: str
     bag: bool
     initial_poses: bool
-    log: str
     quiet: bool
     isolation: str
 
@@ -80,7 +79,6 @@ def make_parser() -> argparse.ArgumentParser:
     add("--navigation", choices=("mr_sim", "move_base"), default="mr_sim", help="navigation (default: %(default)s)")
     add("--no-bag", dest="bag", action="store_false", help="record no bags")
     add("--initial-poses", action="store_true", help="tell the robots each other's start poses")
-    add("--log", choices=("debug", "info", "warn"), default="info", help="log level of the nodes (default: info)")
     add("--quiet", action="store_true", help="print only notices, errors and the final table")
     add(
         "--isolation",
