@@ -34,7 +34,7 @@ if(CATKIN_ENABLE_TESTING)
   file(GLOB ADHOC_ENGINE_TESTS CONFIGURE_DEPENDS ${ADHOC_ENGINE_DIR}/test/engine/test_*.cpp)
   catkin_add_gtest(${PROJECT_NAME}_engine_test ${ADHOC_ENGINE_TESTS} TIMEOUT 300)
   if(TARGET ${PROJECT_NAME}_engine_test)
-    target_link_libraries(${PROJECT_NAME}_engine_test adhoc_engine_team)
+    target_link_libraries(${PROJECT_NAME}_engine_test adhoc_engine_team gtest_main)
   endif()
 endif()
 
