@@ -21,8 +21,8 @@ dependencies:
 bench: bench-adhoc bench-merge bench-explore bench-sim
 
 bench-adhoc: build
-	@mkdir -p out/bench && $(ENVIRONMENT) rosrun adhoc_communication bench_engine --out out/bench/adhoc_engine.json
-	@$(ENVIRONMENT) rosrun adhoc_communication bench_namespaces --out out/bench/adhoc.json
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun adhoc_communication bench_namespaces --out out/bench/adhoc.json
+	@$(ENVIRONMENT) rosrun adhoc_communication bench_engine --json out/bench/adhoc_engine.json
 
 bench-merge: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun map_merger bench_registration --out out/bench/merge.json
