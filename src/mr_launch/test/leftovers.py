@@ -67,9 +67,9 @@ def in_user_namespace():
 
 def wait_for_mission(process, folder):
     """Until the robots explore: the trace is there and the state file of the running team was written."""
-    while process.poll() is None and not (folder / "out" / "team.json").exists():
+    wanted = [folder / "out" / name for name in ("team.json", "truth.csv")]
+    while process.poll() is None and not all(path.exists() for path in wanted):
         time.sleep(0.02)
-    time.sleep(1.0)
 
 
 def finish(process, end):
