@@ -16,7 +16,11 @@ def mission(tmp_path_factory: pytest.TempPathFactory) -> tuple[int, str, Path]:
     command = ["rosrun", "mr_launch", "team", "--world", "small8x8", "--robots", "2", "--loss", "0.1", "--seed", "3"]
     run = subprocess.run(
         [*command, "--duration", "300", "--out", str(out)],
-        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=LIMIT_S,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=LIMIT_S,
     )
     return run.returncode, run.stdout, out
 

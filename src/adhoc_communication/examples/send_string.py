@@ -7,7 +7,6 @@ The receiving robot publishes it as adhoc_communication/RecvString on TOPIC.
 import sys
 
 import rospy
-
 from adhoc_communication.srv import SendString
 
 

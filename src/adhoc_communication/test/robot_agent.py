@@ -17,10 +17,9 @@ import genpy
 import numpy as np
 import rospy
 import rosservice
-from nav_msgs.msg import OccupancyGrid, Odometry
-
 from adhoc_communication.msg import Status
 from adhoc_communication.srv import SendOccupancyGrid, SendString
+from nav_msgs.msg import OccupancyGrid, Odometry
 
 PREFIX = "adhoc_communication/"
 OUTPUT_LOCK = threading.Lock()

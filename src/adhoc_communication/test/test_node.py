@@ -13,11 +13,10 @@ import roslib.message
 import rospy
 import rosservice
 import rostest
+from adhoc_communication import msg, srv
 from geometry_msgs.msg import Quaternion, Twist
 from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import Float64MultiArray, String
-
-from adhoc_communication import msg, srv
 
 PACKAGE = Path(__file__).resolve().parents[1]
 SERVICES = {
@@ -167,9 +166,7 @@ class Delivery(unittest.TestCase):
     def check_transfer(self, service, field, message, destination="bob"):
         topic = f"transfer/{service}"
         with Listener(f"/bob/{topic}", type(message)) as listener:
-            self.assertEqual(
-                call("alice", service, dst_robot=destination, topic=topic, **{field: message}).status, 1
-            )
+            self.assertEqual(call("alice", service, dst_robot=destination, topic=topic, **{field: message}).status, 1)
             received = listener.wait_for()[0]
         if hasattr(message, "src_robot"):
             self.assertEqual(received.src_robot, "alice")

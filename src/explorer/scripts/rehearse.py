@@ -369,8 +369,16 @@ def main() -> int:
             results = []
             for seed in range(arguments.first_seed, arguments.first_seed + arguments.seeds):
                 mission = Rehearsal(
-                    free, robots, strategy, seed, arguments.loss, arguments.delay, arguments.merge_period,
-                    radio_range=arguments.range, limit=arguments.limit, verbose=arguments.verbose,
+                    free,
+                    robots,
+                    strategy,
+                    seed,
+                    arguments.loss,
+                    arguments.delay,
+                    arguments.merge_period,
+                    radio_range=arguments.range,
+                    limit=arguments.limit,
+                    verbose=arguments.verbose,
                 )
                 results.append(mission.run())
             report(strategy, robots, results)

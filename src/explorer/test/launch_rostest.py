@@ -30,7 +30,9 @@ class TestLaunch(unittest.TestCase):
         for number, (setting, culprit) in enumerate(cases):
             done = subprocess.run(
                 ["rosrun", "explorer", "explorer", f"__name:=broken_{number}", setting],
-                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=30,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                timeout=30,
             )
             text = done.stdout.decode()
             self.assertNotEqual(done.returncode, 0, text)

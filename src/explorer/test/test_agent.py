@@ -470,9 +470,7 @@ def test_without_a_transform_the_answer_is_empty_and_the_robot_is_not_counted() 
     bench.agent.on_robots(["robot_1"], bench.now)
     bench.run(0.2)
     start = next(a for a in bench.auctions() if a.start)
-    bench.agent.on_auction(
-        Auction("robot_1", 10001, True, start=True, requested=(Bid((("robot_1", 1),)),)), bench.now
-    )
+    bench.agent.on_auction(Auction("robot_1", 10001, True, start=True, requested=(Bid((("robot_1", 1),)),)), bench.now)
     answer = next(a for a in (e.auction for e in bench.tick() if isinstance(e, SendAuction)) if not a.status)
     assert answer.available == ()
     bench.agent.on_auction(Auction("robot_1", start.auction_id, status=False), bench.now)

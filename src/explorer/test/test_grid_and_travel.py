@@ -14,9 +14,7 @@ from explorer.grid import GridInfo, OccupancyMap, line_is_clear, lines_are_clear
 from explorer.travel import MAXIMUM_NODES, TravelGrid
 
 
-@given(
-    st.floats(0.01, 1.0), st.floats(-50, 50), st.floats(-50, 50), st.integers(0, 400), st.integers(0, 400)
-)
+@given(st.floats(0.01, 1.0), st.floats(-50, 50), st.floats(-50, 50), st.integers(0, 400), st.integers(0, 400))
 def test_cell_and_centre_are_inverse(resolution: float, x: float, y: float, row: int, col: int) -> None:
     info = GridInfo(resolution, 500, 500, x, y)
     assert info.cell_of(*info.centre_of(row, col)) == (row, col)

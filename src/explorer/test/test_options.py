@@ -45,7 +45,11 @@ def test_defaults_of_the_contract() -> None:
 
 def test_every_parameter_arrives() -> None:
     given = {
-        int: 5, float: 0.7, bool: False, str: "text", list: [1, 2.5, 0],
+        int: 5,
+        float: 0.7,
+        bool: False,
+        str: "text",
+        list: [1, 2.5, 0],
     }
     for parameter in options.PARAMETERS:
         if parameter.name in ("robot_prefix", "move_base_frame"):

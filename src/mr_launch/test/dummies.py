@@ -1,6 +1,6 @@
 """Stand-ins for the programs of a team, so that the runner is tested without ROS, robots or minutes of driving.
 
-    python3 dummies.py radio|world|roslaunch ...   takes the command lines of the real programs
+python3 dummies.py radio|world|roslaunch ...   takes the command lines of the real programs
 """
 
 import csv
@@ -60,7 +60,11 @@ def arguments():
 def roslaunch():
     """Has a grandchild that ignores every polite signal, and a monitor."""
     subprocess.Popen(
-        [sys.executable, "-c", "import signal, time\nfor s in (1, 2, 15): signal.signal(s, signal.SIG_IGN)\ntime.sleep(1000)"],
+        [
+            sys.executable,
+            "-c",
+            "import signal, time\nfor s in (1, 2, 15): signal.signal(s, signal.SIG_IGN)\ntime.sleep(1000)",
+        ],
         start_new_session=True,
     )
     values = arguments()
@@ -71,7 +75,10 @@ def roslaunch():
 
 
 def died():
-    print("[explorer-4] process has died [pid 77, exit code 3, cmd /x/explorer].\nlog file: /x/explorer-4*.log", flush=True)
+    print(
+        "[explorer-4] process has died [pid 77, exit code 3, cmd /x/explorer].\nlog file: /x/explorer-4*.log",
+        flush=True,
+    )
 
 
 def monitor(values):

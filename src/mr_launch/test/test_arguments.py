@@ -1,6 +1,7 @@
 """Bad input gives one message that names the culprit; nothing is started."""
 
 import pytest
+
 from mr_launch.arguments import choose_robots, parse_arguments
 from mr_launch.commands import make_output_folder
 from mr_launch.errors import UserError
@@ -9,7 +10,13 @@ from mr_launch.plan import Plan, RobotPlan
 
 def test_defaults():
     options = parse_arguments([], now=0.0)
-    assert (options.world, options.range, options.loss, options.rtf, options.duration) == ("office26x15", 10, 0.05, 1, 900)
+    assert (options.world, options.range, options.loss, options.rtf, options.duration) == (
+        "office26x15",
+        10,
+        0.05,
+        1,
+        900,
+    )
     assert options.robots is None and options.bag and not options.initial_poses
     assert options.out.startswith("out/1970-01-01_") or options.out.startswith("out/1969-12-31_")
 

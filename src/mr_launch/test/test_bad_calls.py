@@ -1,5 +1,6 @@
 """The commands as people call them: one message, exit code 2, nothing started, no traceback."""
 
+import json
 import os
 import subprocess
 import sys
@@ -18,7 +19,12 @@ pioneer ( name "%s" pose [ 1 3 0 0 ] )
 
 def call(tmp_path, name, *arguments):
     result = subprocess.run(
-        [sys.executable, str(NODES / name), *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
+        [sys.executable, str(NODES / name), *arguments],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
     )
     assert result.returncode == 2, result.stdout + result.stderr
     assert "Traceback" not in result.stderr
@@ -91,5 +97,5 @@ def test_enter_after_the_end(tmp_path):
     """A state file that a killed team left behind."""
     folder = tmp_path / "old"
     folder.mkdir()
-    (folder / "team.json").write_text('{"isolation": "hub", "init": %d, "robots": {}}' % os.getpid())
+    (folder / "team.json").write_text(json.dumps({"isolation": "hub", "init": os.getpid(), "robots": {}}))
     assert "is over" in call(tmp_path, "enter", "--team", "old", "robot_0", "ls")

@@ -45,7 +45,9 @@ def team(request):
 
 def enter(folder, user, *words):
     command = [*user, *ENTER, "--team", str(folder / "out"), *words]
-    return subprocess.run(command, cwd=folder, env=environment(), capture_output=True, text=True, timeout=30, check=False)
+    return subprocess.run(
+        command, cwd=folder, env=environment(), capture_output=True, text=True, timeout=30, check=False
+    )
 
 
 def test_command_runs_in_the_robots_place(team):

@@ -13,9 +13,14 @@ NEEDED = {  # arguments without a default
     "robot.launch": [],
     "simulated_robot.launch": ["robot_name:=robot_0", "world_socket:=/x"],
     "team_robot.launch": [
-        "robot_name:=robot_0", "interface:=radio0", "world_socket:=/x", "report_socket:=/x", "start_pose:=0 0 0", "truth_file:=/x",
+        "robot_name:=robot_0",
+        "interface:=radio0",
+        "world_socket:=/x",
+        "report_socket:=/x",
+        "start_pose:=0 0 0",
+        "truth_file:=/x",
     ],
-}  # fmt: skip
+}
 
 
 def roslaunch(option, name, *arguments):

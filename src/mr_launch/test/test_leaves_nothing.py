@@ -25,7 +25,10 @@ def folder():
 
 
 def run(folder, isolation, end, outer):
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE.parent / "src"), os.environ.get("PYTHONPATH", "")])}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join([str(HERE.parent / "src"), os.environ.get("PYTHONPATH", "")]),
+    }
     command = [*outer, sys.executable, str(HERE / "leftovers.py"), str(folder), isolation, end]
     result = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
     output = (folder / "output").read_text() if (folder / "output").exists() else ""
@@ -52,7 +55,9 @@ def test_nothing_is_left(folder, kind, end):
     assert found["processes_during"] > 3 or end in ("finish", "crash"), output
 
 
-@pytest.mark.skipif(os.geteuid() != 0, reason="needs root to become another user; test_nothing_is_left[user] covers the rest")
+@pytest.mark.skipif(
+    os.geteuid() != 0, reason="needs root to become another user; test_nothing_is_left[user] covers the rest"
+)
 def test_unprivileged_user(folder):
     found, output = run(folder, "user namespaces", "finish", outer_namespaces("root"))
     assert (found["code"], found["left"]) == (0, {}), output

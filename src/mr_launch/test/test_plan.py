@@ -4,6 +4,7 @@ import json
 import re
 
 import pytest
+
 from mr_launch import isolation
 from mr_launch.arguments import parse_arguments
 from mr_launch.plan import (
@@ -16,7 +17,10 @@ from mr_launch.plan import (
     world_command,
 )
 
-ROBOTS = [RobotPlan("robot_0", 0, 11311, (1.0, 2.0, 0.5)), RobotPlan("a_robot_with_a_long_name", 1, 11311, (1.0, 3.0, 0.0))]
+ROBOTS = [
+    RobotPlan("robot_0", 0, 11311, (1.0, 2.0, 0.5)),
+    RobotPlan("a_robot_with_a_long_name", 1, 11311, (1.0, 3.0, 0.0)),
+]
 PROGRAMS = {"radio": "/bin/radio", "world": "/bin/world", "roslaunch": "/bin/roslaunch"}
 
 
@@ -37,7 +41,18 @@ def test_plan_survives_its_way_to_the_inner_process():
 def test_radio_gets_one_interface_per_robot():
     command = radio_command(plan(isolation.NAMESPACES, "--range", "7", "--loss", "0.25", "--seed", "4"))
     assert command[:5] == ["/bin/radio", "--interface", "robot_0=air0", "--interface", "a_robot_with_a_long_name=air1"]
-    assert command[5:] == "--range 7 --loss 0.25 --seed 4 --control /private/radio --statistics /o/radio.json".split()
+    assert command[5:] == [
+        "--range",
+        "7",
+        "--loss",
+        "0.25",
+        "--seed",
+        "4",
+        "--control",
+        "/private/radio",
+        "--statistics",
+        "/o/radio.json",
+    ]
 
 
 def test_radio_as_hub():
@@ -58,7 +73,7 @@ def test_world_waits_for_the_whole_team_and_tells_the_radio():
 
 def test_cable_ends_in_the_holders_namespace():
     first, *rest = link_commands(ROBOTS[0], 77)
-    assert first == "ip link add air0 type veth peer name radio0 netns 77".split()
+    assert first == ["ip", "link", "add", "air0", "type", "veth", "peer", "name", "radio0", "netns", "77"]
     assert ["nsenter", "--target", "77", "--net", "--", "ip", "link", "set", "radio0", "up"] in rest
     assert ["ip", "link", "set", "air0", "up"] in rest
 
@@ -95,7 +110,7 @@ def test_entering_a_robot():
     assert re.match(r"nsenter --target 500 --user --preserve-credentials --mount --pid --", text)
     assert text.endswith("nsenter --target 7 --net -- env -C /here A=1 rostopic list")
     hub = isolation.command_inside(isolation.HUB, 500, None, {"A": "1"}, "/here", ["rostopic", "list"])
-    assert hub == "env -C /here A=1 rostopic list".split()
+    assert hub == ["env", "-C", "/here", "A=1", "rostopic", "list"]
 
 
 def test_system_python_comes_first_on_path():

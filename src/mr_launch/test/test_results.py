@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 import yaml
+
 from mr_launch.arguments import parse_arguments
 from mr_launch.maps import Grid, load_raw, save_map, save_raw
 from mr_launch.monitor import Digest
@@ -145,8 +146,16 @@ def test_no_packets():
 
 
 def test_cpu_shares_by_robot_and_node():
-    before = {10: ("roslaunch", 1.0, 1), 11: ("/usr/bin/python3 /x/slam __name:=slam", 2.0, 10), 20: ("/x/world --w", 1.0, 1)}
-    after = {10: ("roslaunch", 1.0, 1), 11: ("/usr/bin/python3 /x/slam __name:=slam", 4.5, 10), 20: ("/x/world --w", 2.0, 1)}
+    before = {
+        10: ("roslaunch", 1.0, 1),
+        11: ("/usr/bin/python3 /x/slam __name:=slam", 2.0, 10),
+        20: ("/x/world --w", 1.0, 1),
+    }
+    after = {
+        10: ("roslaunch", 1.0, 1),
+        11: ("/usr/bin/python3 /x/slam __name:=slam", 4.5, 10),
+        20: ("/x/world --w", 2.0, 1),
+    }
     assert cpu_shares(before, after, {"robot_0": 10}, 10.0) == {"robot_0": {"slam": 0.25}, "team": {"world": 0.1}}
 
 
@@ -185,7 +194,9 @@ def test_end_of_the_recorder_counts_only_if_it_died():
 
 
 def test_node_that_could_not_be_started():
-    (end,) = parse_ends("\x1b[31mERROR: cannot launch node of type [mr_sim/slam]: Cannot locate node of type [slam]\x1b[0m\n")
+    (end,) = parse_ends(
+        "\x1b[31mERROR: cannot launch node of type [mr_sim/slam]: Cannot locate node of type [slam]\x1b[0m\n"
+    )
     assert end.describe("robot_0") == "mr_sim/slam of robot_0 was not started: Cannot locate node of type [slam]"
 
 

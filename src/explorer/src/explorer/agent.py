@@ -528,9 +528,7 @@ class ExplorerAgent:
         if self.goal is not None and frontier is not None and self.goal.frontier is not None:
             # A goal that moves on while the robot stands still must not reset the watchdog.
             place, progress = self.goal.progress_place, self.goal.progress_time
-        self.goal = Goal(
-            self._goal_counter, pose, now, frontier, cluster, progress_place=place, progress_time=progress
-        )
+        self.goal = Goal(self._goal_counter, pose, now, frontier, cluster, progress_place=place, progress_time=progress)
         self._outbox.append(SetGoal(self._goal_counter, pose))
 
     # ---- selection ------------------------------------------------------------------------------------------------

@@ -27,7 +27,10 @@ def distance(a: Position, b: Position) -> float:
 
 
 def frontier_order(
-    strategy: int, views: Mapping[int, Tuple[float, float, float]], frontiers: Sequence[Frontier], place: Position,
+    strategy: int,
+    views: Mapping[int, Tuple[float, float, float]],
+    frontiers: Sequence[Frontier],
+    place: Position,
     random: np.random.Generator,
 ) -> List[Frontier]:
     """Frontiers with a viewpoint, best first, for strategies 0 (path), 2 (furthest), 3 (Euclidean) and 4 (random)."""

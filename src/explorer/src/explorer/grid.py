@@ -53,9 +53,7 @@ class GridInfo:
 
     def inside(self, cells: np.ndarray) -> np.ndarray:
         """(n,) bool array: which of the (n, 2) cells lie in the grid."""
-        return (
-            (cells[:, 0] >= 0) & (cells[:, 0] < self.height) & (cells[:, 1] >= 0) & (cells[:, 1] < self.width)
-        )
+        return (cells[:, 0] >= 0) & (cells[:, 0] < self.height) & (cells[:, 1] >= 0) & (cells[:, 1] < self.width)
 
 
 @dataclass(frozen=True)
@@ -76,9 +74,7 @@ class OccupancyMap:
         if info.width < 1 or info.height < 1:
             raise MapError(f"map has {info.width} x {info.height} cells; it needs at least one")
         if self.cells.shape != (info.height, info.width):
-            raise MapError(
-                f"map data holds {self.cells.size} cells, its description says {info.width} x {info.height}"
-            )
+            raise MapError(f"map data holds {self.cells.size} cells, its description says {info.width} x {info.height}")
 
     @property
     def free(self) -> np.ndarray:

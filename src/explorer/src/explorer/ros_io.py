@@ -212,4 +212,3 @@ def transform_from(images: Sequence[Optional[Tuple[float, float]]]) -> Optional[
     if any(image is None for image in images):
         return None
     return rigid_transform(np.array(PROBES), np.array(images, dtype=float))
-

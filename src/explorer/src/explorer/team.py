@@ -109,11 +109,7 @@ class Team:
 
     def bidders(self) -> Set[str]:
         """The robots an auction waits for: known ones that have answered lately."""
-        return {
-            name
-            for name, peer in self._peers.items()
-            if peer.known and peer.unanswered < SILENT_AFTER
-        }
+        return {name for name, peer in self._peers.items() if peer.known and peer.unanswered < SILENT_AFTER}
 
     def competitors(self, now: float) -> List[str]:
         """The robots that may take a cluster: known, and lately heard or with a claim that holds. A robot that has

@@ -66,7 +66,13 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add = parser.add_argument
     add("--world", default="office26x15", metavar="NAME|FILE", help="world by name or file (default: %(default)s)")
-    add("--robots", type=int, default=None, metavar="N", help="number of robots (default: 3, or all if the world has less)")
+    add(
+        "--robots",
+        type=int,
+        default=None,
+        metavar="N",
+        help="number of robots (default: 3, or all if the world has less)",
+    )
     add("--range", type=float, default=10.0, metavar="M", help="reach of the radio in m (default: %(default)s)")
     add("--loss", type=float, default=0.05, metavar="P", help="loss per frame and direction (default: %(default)s)")
     add("--rtf", type=float, default=1.0, metavar="F", help="real-time factor, 0 = as fast as it goes (default: 1.0)")
@@ -114,7 +120,7 @@ def choose_robots(asked: int | None, names: Sequence[str], world: str) -> list[s
     if doubles:
         raise UserError(f"{world} uses the robot name {doubles[0]} more than once; each robot needs its own name")
     if not names:
-        raise UserError(f"{world} holds no robot (a position model with drive \"diff\" and a name)")
+        raise UserError(f'{world} holds no robot (a position model with drive "diff" and a name)')
     count = min(3, len(names)) if asked is None else asked
     if count > len(names):
         raise UserError(f"--robots {count}, but {world} has {len(names)}: {', '.join(names)}")

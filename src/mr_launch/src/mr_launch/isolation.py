@@ -71,7 +71,9 @@ def choose(wish: str, user_id: int) -> tuple[str, str]:
 
 def search_path(path: str) -> str:
     """PATH with the system's own programs first, so that another ``python3`` does not run ROS nodes."""
-    return os.pathsep.join(dict.fromkeys(["/usr/bin", "/bin", "/usr/sbin", "/sbin", *filter(None, path.split(os.pathsep))]))
+    return os.pathsep.join(
+        dict.fromkeys(["/usr/bin", "/bin", "/usr/sbin", "/sbin", *filter(None, path.split(os.pathsep))])
+    )
 
 
 def child_of(pid: int) -> int | None:

@@ -110,8 +110,10 @@ class Mission:
         self._wait_until(
             lambda: all(report.started or report.start_error for report in self.reports),
             30.0,
-            lambda: "no answer to explorer/start from "
-            + ", ".join(report.robot for report in self.reports if not report.started),
+            lambda: (
+                "no answer to explorer/start from "
+                + ", ".join(report.robot for report in self.reports if not report.started)
+            ),
         )
         for report in self.reports:
             if report.start_error:
@@ -151,9 +153,8 @@ class Mission:
         if self._truth.time > self._moved[0]:
             self._moved = (self._truth.time, now)
         elif now - self._moved[1] > STANDSTILL_PATIENCE:
-            raise TeamFailure(
-                f"simulation time stands still at {self._truth.time:.1f} s; log: {self._plan.log_folder() / 'world.log'}"
-            )
+            log = self._plan.log_folder() / "world.log"
+            raise TeamFailure(f"simulation time stands still at {self._truth.time:.1f} s; log: {log}")
 
     def picture(self) -> Picture:
         started = all(report.started for report in self.reports)

@@ -6,6 +6,7 @@ team ends at once.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import os
 import shutil
@@ -13,6 +14,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from dataclasses import replace
 from types import FrameType
 
 from mr_launch import isolation
@@ -31,7 +33,7 @@ def run_team(plan: Plan) -> int:
     """Run the checked plan to its end and return the exit code."""
     hub = plan.isolation == isolation.HUB
     private = tempfile.mkdtemp(prefix="mr_launch-") if hub else isolation.PRIVATE_MOUNT
-    plan = Plan.from_json(Plan(**{**plan.__dict__, "private": private}).to_json())
+    plan = Plan.from_json(replace(plan, private=private).to_json())
     reader, writer = os.pipe()
     environment = {**os.environ, "PATH": isolation.search_path(os.environ.get("PATH", ""))}
     if hub:
@@ -75,7 +77,5 @@ def hand_on_signals(writer: int) -> None:
 
 
 def send(writer: int, line: str) -> None:
-    try:
+    with contextlib.suppress(BrokenPipeError):  # the team is ending already
         os.write(writer, line.encode() + b"\n")
-    except BrokenPipeError:
-        pass  # the team is ending already

@@ -9,12 +9,12 @@ import matplotlib
 
 matplotlib.use("Agg")  # no display needed
 
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.transforms import Affine2D  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.transforms import Affine2D
 
-from mr_launch.maps import Grid  # noqa: E402
-from mr_launch.truth import Track  # noqa: E402
+from mr_launch.maps import Grid
+from mr_launch.truth import Track
 
 COLOURS = ("#d62728", "#1f77b4", "#2ca02c", "#ff9f1c", "#9467bd", "#17becf", "#8c564b", "#e377c2")
 ROBOT = np.array([(-0.22, -0.19), (0.12, -0.19), (0.22, 0.0), (0.12, 0.19), (-0.22, 0.19)])  # m, nose to the right
@@ -92,7 +92,9 @@ def draw_track(axes: plt.Axes, name: str, track: Track, start: float, colour: st
     x, y = np.array(track.x)[chosen], np.array(track.y)[chosen]
     axes.plot(x, y, color="white", linewidth=3.2, alpha=0.8, zorder=3)
     axes.plot(x, y, color=colour, linewidth=1.6, zorder=4, label=name)
-    axes.plot(x[0], y[0], "o", markersize=9, markerfacecolor="white", markeredgecolor=colour, markeredgewidth=2, zorder=5)
+    axes.plot(
+        x[0], y[0], "o", markersize=9, markerfacecolor="white", markeredgecolor=colour, markeredgewidth=2, zorder=5
+    )
     cosine, sine = np.cos(track.yaw[-1]), np.sin(track.yaw[-1])
     outline = ROBOT @ np.array([[cosine, sine], [-sine, cosine]]) + (x[-1], y[-1])
     axes.fill(*outline.T, facecolor=colour, edgecolor="black", linewidth=0.8, zorder=6)

@@ -60,7 +60,8 @@ class Plan:
     def from_json(text: str) -> Plan:
         values: dict[str, Any] = json.loads(text)
         values["options"] = Options(**values["options"])
-        values["robots"] = [RobotPlan(**{**robot, "start": tuple(robot["start"])}) for robot in values["robots"]]
+        robots: list[dict[str, Any]] = values["robots"]
+        values["robots"] = [RobotPlan(**dict(robot, start=tuple(robot["start"]))) for robot in robots]
         return Plan(**values)
 
 

@@ -70,9 +70,7 @@ def radio_statistics(plan: Plan) -> dict[str, Any] | None:
         return None
 
 
-def draw(
-    plan: Plan, outcome: Outcome, grids: dict[str, Grid], robots: dict[str, dict[str, Any]], truth: Truth
-) -> None:
+def draw(plan: Plan, outcome: Outcome, grids: dict[str, Grid], robots: dict[str, dict[str, Any]], truth: Truth) -> None:
     """The most complete map with all paths."""
     if not os.access(Path.home(), os.W_OK):
         os.environ.setdefault("MPLCONFIGDIR", plan.socket("matplotlib"))  # it keeps a cache, and warns without a place
@@ -93,7 +91,17 @@ def print_results(plan: Plan, summary: dict[str, Any]) -> None:
     """The final table, and where the files are."""
     console = Console(soft_wrap=True, width=None if sys.stdout.isatty() else 120)
     table = Table(box=None, pad_edge=False, header_style="bold")
-    columns = ("robot", "finished", "time", "coverage", "wrong walls", "map error", "distance", "collisions", "merged with")
+    columns = (
+        "robot",
+        "finished",
+        "time",
+        "coverage",
+        "wrong walls",
+        "map error",
+        "distance",
+        "collisions",
+        "merged with",
+    )
     for title in columns:
         table.add_column(title, justify="left" if title in ("robot", "merged with") else "right")
     for name, robot in summary["robots"].items():
@@ -115,7 +123,8 @@ def print_results(plan: Plan, summary: dict[str, Any]) -> None:
     factor = "unknown" if team["real_time_factor"] is None else f"{team['real_time_factor']:.2f}"
     hops = ", ".join(f"{count} over {hop} hop{'s' * (hop != '1')}" for hop, count in team["packets_by_hops"].items())
     lines = [
-        f"Team: {time}, real-time factor {factor}, {team['frames_sent']} frames ({team['bytes_sent'] / 1e6:.1f} MB) sent,",
+        f"Team: {time}, real-time factor {factor}, "
+        f"{team['frames_sent']} frames ({team['bytes_sent'] / 1e6:.1f} MB) sent,",
         f"packets received: {hops or 'none'}",
         *(f"Note: {note}" for note in summary["notes"]),
         f"Files in {shown(plan.out)}: {', '.join(files_of(plan))}",
@@ -127,7 +136,15 @@ def print_results(plan: Plan, summary: dict[str, Any]) -> None:
 def files_of(plan: Plan) -> list[str]:
     """What is in the output folder, one robot standing for all."""
     out, first = Path(plan.out), plan.robots[0].name
-    names = ("summary.json", "team.png", "truth.csv", "logs", f"{first}/map.png", f"{first}/map.yaml", f"{first}/{first}.bag")
+    names = (
+        "summary.json",
+        "team.png",
+        "truth.csv",
+        "logs",
+        f"{first}/map.png",
+        f"{first}/map.yaml",
+        f"{first}/{first}.bag",
+    )
     return [name for name in names if (out / name).exists()]
 
 

@@ -24,9 +24,7 @@ def robot_summary(
         "auctions": report.auctions,
         "unreachable_frontiers": report.unreachable,
         "merged_with": sorted(report.merged),
-        "merge_times": {
-            name: round(time - mission_start, 1) for name, time in sorted(report.merge_times.items())
-        },
+        "merge_times": {name: round(time - mission_start, 1) for name, time in sorted(report.merge_times.items())},
         "radio": report.radio,
     }
 

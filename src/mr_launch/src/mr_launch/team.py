@@ -79,7 +79,9 @@ class Team:
 
     def _start(self, name: str, command: list[str], extra: dict[str, str], may_finish: bool = False) -> Child:
         log = self.plan.log_folder() / f"{name}.log"
-        return self.children.start(name, [*self._died_with_parent, *command], log, {**self._environment, **extra}, may_finish)
+        return self.children.start(
+            name, [*self._died_with_parent, *command], log, {**self._environment, **extra}, may_finish
+        )
 
     def _make_network(self) -> None:
         if not self._own_namespaces:

@@ -97,6 +97,7 @@ class View:
         self._console = Console(soft_wrap=True)
         self._quiet = quiet
         self._next_plain = 0.0
+        self._phase = ""
         live = sys.stdout.isatty() and not quiet
         self._live = Live(console=self._console, refresh_per_second=4, transient=True) if live else None
 
@@ -120,7 +121,8 @@ class View:
     def show(self, picture: Picture) -> None:
         if self._live:
             self._live.update(live_table(picture))
-        elif not self._quiet and time.monotonic() >= self._next_plain:
+        elif not self._quiet and (time.monotonic() >= self._next_plain or picture.phase != self._phase):
+            self._phase = picture.phase
             self._next_plain = time.monotonic() + PLAIN_PERIOD
             for line in plain_lines(picture):
                 self.notice(line)

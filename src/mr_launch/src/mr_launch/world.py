@@ -124,8 +124,8 @@ class Measures:
             return no_error(f"only {len(reference.free_cells)} of {MINIMUM_MISSIONS} one-robot missions are stored")
         if reference.slam != self._slam or reference.resolution != round(occupancy.resolution, 6):
             return no_error(f"the stored missions are with {reference.slam} at {reference.resolution:g} m per cell")
-        error = map_error(occupancy.explored_free_cells, reference.median)
-        return {"map_error": round(error, 3), "map_error_reason": ""}
+        value = map_error(occupancy.explored_free_cells, reference.median)
+        return {"map_error": round(value, 3), "map_error_reason": ""}
 
 
 def no_error(reason: str) -> dict[str, Any]:

@@ -1,11 +1,11 @@
 """Core of the world engine (src/cpp/world): raster of walls, ray casting, robots. SI units, angles in radians."""
 
-from typing import Any, List, Sequence, Tuple
+from typing import Any, Sequence
 
 import numpy as np
 
-_Pose = Tuple[float, float, float]
-_Pair = Tuple[float, float]
+_Pose = tuple[float, float, float]
+_Pair = tuple[float, float]
 
 class Raster:
     def __init__(self, cells: np.ndarray, resolution: float, origin: _Pair) -> None: ...
@@ -34,7 +34,7 @@ class World:
         visible: bool,
         solid: bool,
         noise_seed: int,
-        rangers: List[Ranger],
+        rangers: list[Ranger],
     ) -> int: ...
     def command(self, robot: int, linear: float, angular: float) -> None: ...
     def step(self) -> None: ...

@@ -54,7 +54,8 @@ class ClosedLoop:
     def __init__(self, world: str, robots: int, seed: int, options: Optional[NavigationOptions] = None) -> None:
         self.world = World(load_world(find_world(world)), robots=robots, seed=seed)
         self.robots = [
-            Robot(i, self.world.pose(i), Slam(), Navigator(options, name, seed)) for i, name in enumerate(self.world.names)
+            Robot(i, self.world.pose(i), Slam(), Navigator(options, name, seed))
+            for i, name in enumerate(self.world.names)
         ]
         self.on_scan: Optional[Callable[[Robot, Pose], None]] = None
         self.share_positions = True
@@ -67,7 +68,13 @@ class ClosedLoop:
                 robot.distance += math.hypot(state["velocity_x"], state["velocity_y"]) * self.world.interval
                 if state["contact"]:
                     robot.contacts += 1
-                    robot.touched.append((self.world.time, robot.local((state["x"], state["y"], state["yaw"])), robot.navigator.mode.value))
+                    robot.touched.append(
+                        (
+                            self.world.time,
+                            robot.local((state["x"], state["y"], state["yaw"])),
+                            robot.navigator.mode.value,
+                        )
+                    )
             for scan in self.world.due_scans():
                 self._control(self.robots[scan.robot], states[scan.robot], scan.ranges)
 
@@ -101,7 +108,9 @@ class ClosedLoop:
 
     def _positions(self, robot: Robot) -> Dict[str, Tuple[float, float]]:
         return {
-            other.navigator.name: robot.local(self.world.pose(other.index))[:2] for other in self.robots if other is not robot
+            other.navigator.name: robot.local(self.world.pose(other.index))[:2]
+            for other in self.robots
+            if other is not robot
         }
 
 
@@ -180,10 +189,14 @@ def report(loop: ClosedLoop, explorer: NearestFrontier, wall: float) -> str:
         drift = np.array(robot.drift)
         lines.append(
             f"  {robot.navigator.name}: done {explorer.done.get(robot.index, math.nan):.0f} s, {robot.distance:.0f} m, "
-            f"{robot.distance / loop.world.time:.2f} m/s, drift mean {drift.mean():.3f} max {drift.max():.3f} end {drift[-1]:.3f} m "
+            f"{robot.distance / loop.world.time:.2f} m/s, "
+            f"drift mean {drift.mean():.3f} max {drift.max():.3f} end {drift[-1]:.3f} m "
             f"yaw max {math.degrees(max(robot.turn_drift)):.2f} deg, contacts {robot.contacts}, of a core: {cpu}"
         )
-        lines += [f"    {when:.2f} s: touched at {pose[0]:.2f} {pose[1]:.2f} {pose[2]:.2f}: {mode}" for when, pose, mode in robot.touched[:5]]
+        lines += [
+            f"    {when:.2f} s: touched at {pose[0]:.2f} {pose[1]:.2f} {pose[2]:.2f}: {mode}"
+            for when, pose, mode in robot.touched[:5]
+        ]
         lines += [f"    {when:.0f} s: {text}" for when, text in robot.results if text != "succeeded"]
     return f"{loop.world.time:.0f} s in {wall:.0f} s\n" + "\n".join(lines)
 

@@ -31,13 +31,19 @@ def draw_world(tmp_path: Path) -> Callable[..., str]:
     def draw(size: Tuple[float, float], walls: Sequence[Tuple[float, ...]], poses: Sequence[Tuple[float, ...]]) -> str:
         scale = 20
         image = np.full((round(size[1] * scale), round(size[0] * scale)), 255, np.uint8)
-        frame = [(0, 0, size[0], 0.1), (0, size[1] - 0.1, size[0], 0.1), (0, 0, 0.1, size[1]), (size[0] - 0.1, 0, 0.1, size[1])]
+        frame = [
+            (0, 0, size[0], 0.1),
+            (0, size[1] - 0.1, size[0], 0.1),
+            (0, 0, 0.1, size[1]),
+            (size[0] - 0.1, 0, 0.1, size[1]),
+        ]
         for x, y, width, height in [*frame, *walls]:
             rows = slice(round(y * scale), round((y + height) * scale))
             image[rows, round(x * scale) : round((x + width) * scale)] = 0
         cv2.imwrite(str(tmp_path / "plan.png"), np.flipud(image))
         text = f"resolution 0.02 interval_sim 50\n{ROBOT}"
-        text += f'model ( name "plan" size [ {size[0]} {size[1]} 1 ] pose [ {size[0] / 2} {size[1] / 2} 0 0 ] bitmap "plan.png" )\n'
+        extent = f"size [ {size[0]} {size[1]} 1 ] pose [ {size[0] / 2} {size[1] / 2} 0 0 ]"
+        text += f'model ( name "plan" {extent} bitmap "plan.png" )\n'
         for index, (x, y, degrees) in enumerate(poses):
             text += f'rover ( name "robot_{index}" pose [ {x} {y} 0 {degrees} ] )\n'
         path = tmp_path / "drawn.world"

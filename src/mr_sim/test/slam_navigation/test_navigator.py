@@ -6,6 +6,7 @@ from typing import Callable, List, Tuple
 import numpy as np
 import pytest
 from closed_loop import ClosedLoop, Robot
+
 from mr_sim.navigation.engine import Command, Navigator, Status
 from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, Scan, make_scan
 from mr_sim.navigation.stall import StallWatch
@@ -36,7 +37,7 @@ def test_no_way_is_said_within_a_second() -> None:
     navigator.set_goal((3.0, 2.0, 0.0), 0.0)
     ended, command = until_end(navigator, (1.0, 2.0, 0.0))
     assert ended <= 1.0 and command.status is Status.ABORTED
-    assert "no way to (3.00, 2.00): walls or unknown cells close it off" == command.text
+    assert command.text == "no way to (3.00, 2.00): walls or unknown cells close it off"
 
 
 @pytest.mark.parametrize("goal, text", [((9.0, 2.0, 0.0), "outside the map"), ((2.05, 2.0, 0.0), "in a wall")])
@@ -55,7 +56,13 @@ def test_missing_input_is_named() -> None:
     assert ended <= 6.0 and command.text == "no map for 5 s"
 
 
-@pytest.mark.parametrize("call", [lambda n: n.set_goal((math.nan, 0.0, 0.0), 0.0), lambda n: n.set_map(Grid(np.zeros((0, 4), np.int8), 0.05, (0, 0)))])
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda n: n.set_goal((math.nan, 0.0, 0.0), 0.0),
+        lambda n: n.set_map(Grid(np.zeros((0, 4), np.int8), 0.05, (0, 0))),
+    ],
+)
 def test_bad_input_is_refused(call: Callable[[Navigator], None]) -> None:
     with pytest.raises(NavigationError):
         call(Navigator())

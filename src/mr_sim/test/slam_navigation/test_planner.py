@@ -7,6 +7,7 @@ from typing import Optional, Tuple
 import numpy as np
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
+
 from mr_sim import _navigation
 from mr_sim.navigation.options import Grid, NavigationOptions
 from mr_sim.navigation.planner import CostMap, path, plan

@@ -6,6 +6,7 @@ from typing import Callable, List, Tuple
 import numpy as np
 import pytest
 from closed_loop import ClosedLoop, Robot
+
 from mr_sim.slam.engine import LaserScan, OdometryHistory, Slam, SlamError, SlamOptions
 from mr_sim.slam.pose import Pose
 
@@ -41,7 +42,9 @@ class Drives:
         robot.drift.append(math.dist(pose[:2], truth[:2]))
 
 
-def follow(points: List[Tuple[float, float]], velocity: float = 0.5) -> Callable[[int, np.void, float], Tuple[float, float]]:
+def follow(
+    points: List[Tuple[float, float]], velocity: float = 0.5
+) -> Callable[[int, np.void, float], Tuple[float, float]]:
     left = list(points)
 
     def drive(_: int, state: np.void, now: float) -> Tuple[float, float]:
@@ -130,7 +133,7 @@ def test_a_robot_that_drives_by_leaves_no_wall_and_does_not_pull(draw_world: Cal
     drives.run(20.0, drive)
     robot = drives.loop.robots[0]
     assert max(robot.drift) < 0.05
-    x, y = 7.0 - 1.0, 0.0
+    x = 7.0 - 1.0
     assert occupied(robot.slam, x, 0.6, 0.5) == 0, "where the other robot stood at first"
     assert occupied(robot.slam, x, 2.2, 0.5) == 0, "where it drove"
     assert occupied(robot.slam, x, 4.0, 0.5) > 0, "where it stands now"

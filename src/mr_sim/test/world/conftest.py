@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
+
 from mr_sim.world import World
 from mr_sim.world_model import load_world
 

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from mr_sim.raster import Grid
-from mr_sim.trace import TraceError, TraceWriter, read_trace
 
 from mr_sim import measures as m
+from mr_sim.raster import Grid
+from mr_sim.trace import TraceError, TraceWriter, read_trace
 
 FOOTPRINT = [((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2))]
 
@@ -147,7 +147,7 @@ def test_exploration_time_is_that_of_the_last_robot():
 @pytest.fixture
 def trace(make_world, drive, tmp_path):
     """A robot that drives 1 m in 2 s, stands 1 s, drives into a wall 1 m ahead of it, backs off and hits it again."""
-    world = make_world("model ( size [ 0.2 4 1 ] pose [ 2.32 0 0 0 ] )\n" 'rover ( name "a" )')
+    world = make_world('model ( size [ 0.2 4 1 ] pose [ 2.32 0 0 0 ] )\nrover ( name "a" )')
     path = tmp_path / "trace.csv"
     writer = TraceWriter(path, "test.world", 1, 1.0)
 

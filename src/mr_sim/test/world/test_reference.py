@@ -3,6 +3,7 @@
 import json
 
 import pytest
+
 from mr_sim.reference import MapReferenceError, add_to_reference, load_reference, reference_path
 
 

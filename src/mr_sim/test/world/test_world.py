@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+
 from mr_sim.world import CONTACT_WITH_ROBOT, CONTACT_WITH_WALL, World, WorldError
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world

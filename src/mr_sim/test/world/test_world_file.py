@@ -5,6 +5,7 @@ import string
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from mr_sim.world_file import WorldFileError, parse_world_file
 
 

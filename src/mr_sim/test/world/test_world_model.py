@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+
 from mr_sim.raster import load_bitmap, rasterise
 from mr_sim.world_file import WorldFileError
 from mr_sim.world_model import load_world

@@ -10,12 +10,12 @@ import threading
 import time
 
 import pytest
+
+from mr_sim import protocol as p
 from mr_sim.radio_control import RadioControl
 from mr_sim.trace import TraceWriter, read_trace
 from mr_sim.world_client import ConnectionRefused, WorldClient
 from mr_sim.world_server import ServerError, WorldServer, listen
-
-from mr_sim import protocol as p
 
 TWO = 'rover ( name "a" pose [ 0 0 0 0 ] )\nrover ( name "b" pose [ 0 2 0 0 ] )\n'
 

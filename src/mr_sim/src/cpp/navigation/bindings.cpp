@@ -25,8 +25,7 @@ Floats march_grid(const Floats& slowness, const std::vector<std::tuple<int, int,
   for (const auto& [row, column, cost] : seeds) {
     if (row >= 0 && column >= 0 && row < rows && column < columns) list.push_back({row, column, cost});
   }
-  const std::vector<float> cost =
-      march(slowness.data(), rows, columns, list, stop.first, stop.second, beyond, limit);
+  const std::vector<float> cost = march(slowness.data(), rows, columns, list, stop.first, stop.second, beyond, limit);
   Floats result({rows, columns});
   std::copy(cost.begin(), cost.end(), result.mutable_data());
   return result;
@@ -45,12 +44,17 @@ std::vector<Obstacle> to_obstacles(const Doubles& rows) {
 py::tuple choose_velocity(const Floats& cost, double resolution, const Pair& origin, const Pair& goal,
                           const Triple& pose, const Pair& velocity, const Doubles& obstacles, const Limits& limits,
                           const Footprint& footprint, const Horizon& horizon, double period) {
-  const Field field{cost.data(),  static_cast<int>(cost.shape(0)), static_cast<int>(cost.shape(1)), resolution,
-                    origin.first, origin.second,                   goal.first,                      goal.second};
-  const Choice choice = choose(field, to_pose(pose), {velocity.first, velocity.second}, to_obstacles(obstacles),
-                               limits, footprint, horizon, period);
-  return py::make_tuple(choice.found, choice.velocity.linear, choice.velocity.angular, choice.time,
-                        choice.clearance);
+  const Field field{cost.data(),
+                    static_cast<int>(cost.shape(0)),
+                    static_cast<int>(cost.shape(1)),
+                    resolution,
+                    origin.first,
+                    origin.second,
+                    goal.first,
+                    goal.second};
+  const Choice choice = choose(field, to_pose(pose), {velocity.first, velocity.second}, to_obstacles(obstacles), limits,
+                               footprint, horizon, period);
+  return py::make_tuple(choice.found, choice.velocity.linear, choice.velocity.angular, choice.time, choice.clearance);
 }
 
 }  // namespace

@@ -50,8 +50,8 @@ std::vector<float> march(const float* slowness, int rows, int columns, const std
       if (r < 0 || c < 0 || r >= rows || c >= columns) continue;
       const int index = r * columns + c;
       if (fixed[index] || !std::isfinite(slowness[index])) continue;
-      const float candidate =
-          solve(std::min(value(r - 1, c), value(r + 1, c)), std::min(value(r, c - 1), value(r, c + 1)), slowness[index]);
+      const float candidate = solve(std::min(value(r - 1, c), value(r + 1, c)),
+                                    std::min(value(r, c - 1), value(r, c + 1)), slowness[index]);
       if (candidate < cost[index]) {
         cost[index] = candidate;
         front.push({candidate, index});

@@ -56,8 +56,8 @@ struct Motion {
 };
 
 Motion follow(const Field* field, Pose pose, Velocity velocity, const Velocity& target,
-              const std::vector<Obstacle>& obstacles, double at_start, const Limits& limits,
-              const Footprint& footprint, const Horizon& horizon) {
+              const std::vector<Obstacle>& obstacles, double at_start, const Limits& limits, const Footprint& footprint,
+              const Horizon& horizon) {
   Motion motion;
   // From inside a margin only ways that lead no deeper are open.
   const double least = std::min(0.0, at_start - 0.003);
@@ -115,8 +115,7 @@ double clearance(const Pose& pose, const std::vector<Obstacle>& obstacles, const
     const double margin = with_margin ? obstacle.margin : 0.0;
     const double inside = std::max(ahead, beside);
     if (inside - margin >= least) continue;
-    const double distance =
-        ahead > 0.0 && beside > 0.0 ? std::sqrt(ahead * ahead + beside * beside) : inside;
+    const double distance = ahead > 0.0 && beside > 0.0 ? std::sqrt(ahead * ahead + beside * beside) : inside;
     least = std::min(least, distance - margin);
   }
   return least;
@@ -132,8 +131,7 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
       // Finer around straight ahead.
       const double share = static_cast<double>(turn) / kTurns;
       const Velocity target{linear, limits.angular * share * std::abs(share)};
-      const Motion motion =
-          follow(&field, pose, velocity, target, obstacles, at_start, limits, footprint, horizon);
+      const Motion motion = follow(&field, pose, velocity, target, obstacles, at_start, limits, footprint, horizon);
       if (!motion.valid) continue;
       double time = time_left(field, motion, limits, horizon);
       // Backwards the laser is blind: only where it saves a lot.

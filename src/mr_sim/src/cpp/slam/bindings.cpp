@@ -18,8 +18,8 @@ using Ranges = py::array_t<float, py::array::c_style | py::array::forcecast>;
 Pose to_pose(const PoseTuple& pose) { return {std::get<0>(pose), std::get<1>(pose), std::get<2>(pose)}; }
 PoseTuple to_tuple(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
 
-py::tuple process(Slam& slam, const Ranges& ranges, const PoseTuple& odometry, const PoseTuple& mount,
-                  double angle_min, double angle_increment, double range_min, double range_max) {
+py::tuple process(Slam& slam, const Ranges& ranges, const PoseTuple& odometry, const PoseTuple& mount, double angle_min,
+                  double angle_increment, double range_min, double range_max) {
   const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, to_pose(mount)};
   const SlamUpdate update =
       slam.process(ranges.data(), static_cast<std::size_t>(ranges.size()), geometry, to_pose(odometry));
@@ -75,7 +75,8 @@ PYBIND11_MODULE(_slam, module) {
       .def(py::init<const SlamOptions&>())
       .def("process", &process, py::arg("ranges"), py::arg("odometry"), py::arg("mount"), py::arg("angle_min"),
            py::arg("angle_increment"), py::arg("range_min"), py::arg("range_max"))
-      .def("pose_at", [](const Slam& slam, const PoseTuple& odometry) { return to_tuple(slam.pose_at(to_pose(odometry))); })
+      .def("pose_at",
+           [](const Slam& slam, const PoseTuple& odometry) { return to_tuple(slam.pose_at(to_pose(odometry))); })
       .def("map_to_odometry", [](const Slam& slam) { return to_tuple(slam.map_to_odometry()); })
       .def("occupancy", &occupancy)
       .def("surfaces", &surfaces, "Rows (x, y, normal x, normal y, hits) float32, map frame.");

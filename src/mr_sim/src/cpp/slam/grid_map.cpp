@@ -71,7 +71,8 @@ void GridMap::change_odds(const Cell& cell, double step) {
   const int limit = std::min(127, static_cast<int>(16.0 * options_.certainty_limit));
   auto& odds = grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x];
   using Odds = std::decay_t<decltype(odds)>;
-  odds = static_cast<Odds>(std::clamp(static_cast<int>(odds) - static_cast<int>(std::lround(16.0 * step)), -limit, limit));
+  odds =
+      static_cast<Odds>(std::clamp(static_cast<int>(odds) - static_cast<int>(std::lround(16.0 * step)), -limit, limit));
   state(cell).seen = true;
 }
 

@@ -7,13 +7,13 @@ namespace mr_sim::slam {
 namespace {
 
 constexpr int kIterations = 12;
-constexpr double kSpacing = 0.04;    // m between the hits used, so that near walls do not outweigh far ones
-constexpr double kOnSurface = 0.05;  // m
+constexpr double kSpacing = 0.04;     // m between the hits used, so that near walls do not outweigh far ones
+constexpr double kOnSurface = 0.05;   // m
 constexpr double kTangential = 0.08;  // m, a surface reaches this far beside its mean
 constexpr int kNeighbours = 2;        // cells around a surface that make up its line
 constexpr double kMatureHits = 20.0;  // of a line, for its full weight
-constexpr double kAgreement = 16.0;    // squared deviations within which scan and odometry agree
-constexpr double kSameSide = 0.7;    // cosine
+constexpr double kAgreement = 16.0;   // squared deviations within which scan and odometry agree
+constexpr double kSameSide = 0.7;     // cosine
 
 // Whether a hit is used must not depend on its own noise: asking how far it lies from the last one would prefer, on
 // each wall, hits that err in the direction of the sweep, and turn the robot a little with every match.

@@ -9,11 +9,11 @@ namespace mr_sim::slam {
 struct SlamOptions {
   GridOptions grid;
   MatchOptions match;
-  double match_distance = 0.04;   // m by odometry after which a scan is matched
-  double match_angle = 0.035;     // rad
-  double insert_distance = 0.1;   // m after which a matched scan goes into the map
-  double insert_angle = 0.087;    // rad
-  double surface_window = 0.15;   // m, see make_scan
+  double match_distance = 0.04;  // m by odometry after which a scan is matched
+  double match_angle = 0.035;    // rad
+  double insert_distance = 0.1;  // m after which a matched scan goes into the map
+  double insert_angle = 0.087;   // rad
+  double surface_window = 0.15;  // m, see make_scan
 };
 
 struct SlamUpdate {
@@ -43,11 +43,11 @@ class Slam {
   SlamOptions options_;
   GridMap map_;
   bool started_ = false;
-  Pose pose_;             // at the last match, map frame
-  Pose odometry_;         // same moment, odometry frame
-  Pose inserted_;         // pose of the last scan in the map
-  double share_ = 1.0;    // of the last match
-  int refused_ = 0;       // matches refused in a row
+  Pose pose_;           // at the last match, map frame
+  Pose odometry_;       // same moment, odometry frame
+  Pose inserted_;       // pose of the last scan in the map
+  double share_ = 1.0;  // of the last match
+  int refused_ = 0;     // matches refused in a row
 };
 
 }  // namespace mr_sim::slam

@@ -340,7 +340,9 @@ class Navigator:
         """What moves ahead of the robot, or, on a way that closed after it was planned, whatever is ahead."""
         assert self._goal is not None
         closed = self._goal.blocked_since is not None
-        return nearest_blocker(np.concatenate([self._memory.points, self._hits]) if closed else self._memory.points, pose)
+        return nearest_blocker(
+            np.concatenate([self._memory.points, self._hits]) if closed else self._memory.points, pose
+        )
 
     def _begin_retreat(self, now: float, pose: Pose) -> Command:
         assert self._costs is not None
@@ -368,7 +370,9 @@ class Navigator:
         blocker = self._blocker(pose)
         if goal.recoveries > self.options.recovery_limit:
             hint = "" if blocker is None else "; an obstacle that is not in the map is near"
-            return self._abort(f"stuck at ({pose[0]:.2f}, {pose[1]:.2f}) after {goal.recoveries - 1} recoveries: {why}{hint}")
+            return self._abort(
+                f"stuck at ({pose[0]:.2f}, {pose[1]:.2f}) after {goal.recoveries - 1} recoveries: {why}{hint}"
+            )
         if blocker is not None and goal.recoveries % 2 == 0:
             return self._begin_retreat(now, pose)
         self._memory.clear()
@@ -418,7 +422,7 @@ class Navigator:
         self._walls_from = (pose[0], pose[1])
         grid = self._costs.grid
         row, column = grid.cell(pose[0], pose[1])
-        reach = int(math.ceil(NEAR / grid.resolution))
+        reach = math.ceil(NEAR / grid.resolution)
         top, left = max(0, row - reach), max(0, column - reach)
         window = grid.cells[top : max(0, row + reach + 1), left : max(0, column + reach + 1)]
         rows, columns = np.nonzero(window > 50)

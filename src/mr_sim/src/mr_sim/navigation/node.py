@@ -123,7 +123,9 @@ class MoveBaseNode:
         try:
             message = self._buffer.lookup_transform(self._frames["map_frame"], frame, rospy.Time(0))
         except tf2_ros.TransformException as error:
-            raise NavigationError(f"goal is given in frame {frame}, which has no transform to the map: {error}") from None
+            raise NavigationError(
+                f"goal is given in frame {frame}, which has no transform to the map: {error}"
+            ) from None
         return compose(ros_io.transform_pose(message), goal)
 
     # --- control ------------------------------------------------------------------------------------------------------
@@ -163,7 +165,9 @@ class MoveBaseNode:
 
     def _pose(self, now: float) -> Optional[Pose]:
         try:
-            message = self._buffer.lookup_transform(self._frames["map_frame"], self._frames["base_frame"], rospy.Time(0))
+            message = self._buffer.lookup_transform(
+                self._frames["map_frame"], self._frames["base_frame"], rospy.Time(0)
+            )
         except tf2_ros.TransformException as error:
             rospy.logwarn_throttle(10.0, f"pose of the robot is unknown: {error}")
             return None

@@ -31,7 +31,9 @@ class ObstacleMemory:
     def clear(self) -> None:
         self._points = np.empty((0, 3))
 
-    def update(self, scan: Scan, pose: Pose, wall_distance: Optional[np.ndarray], grid: Optional[Grid], now: float) -> None:
+    def update(
+        self, scan: Scan, pose: Pose, wall_distance: Optional[np.ndarray], grid: Optional[Grid], now: float
+    ) -> None:
         """`wall_distance`: metres from each cell of `grid` to the nearest wall of the map."""
         old = self._points[(now - self._points[:, 2] < self._duration) & (self._points[:, 2] <= now)]
         old = old[~seen_gone(old[:, :2], scan, pose)]

@@ -74,7 +74,7 @@ class CostMap:
         row, column = self.grid.cell(robot[0], robot[1])
         if not self.grid.contains(row, column) or np.isfinite(slowness[row, column]):
             return
-        reach = int(math.ceil(ESCAPE_RADIUS / self.grid.resolution))
+        reach = math.ceil(ESCAPE_RADIUS / self.grid.resolution)
         rows = slice(max(0, row - reach), row + reach + 1)
         columns = slice(max(0, column - reach), column + reach + 1)
         window = slowness[rows, columns]
@@ -86,7 +86,7 @@ def without_robots(grid: Grid, positions: List[Tuple[float, float]]) -> Grid:
     if not positions:
         return grid
     cells = grid.cells.copy()
-    reach = int(math.ceil(ROBOT_RADIUS / grid.resolution))
+    reach = math.ceil(ROBOT_RADIUS / grid.resolution)
     for x, y in positions:
         row, column = grid.cell(x, y)
         if not grid.contains(row, column):
@@ -135,7 +135,7 @@ def _march(slowness: np.ndarray, seeds: List[Tuple[int, int, float]], start: Tup
 
 def _seeds_near(slowness: np.ndarray, row: int, column: int, radius: float) -> List[Tuple[int, int, float]]:
     """Open cells around a goal; being off the goal costs more than any way around saves."""
-    reach = int(math.ceil(radius))
+    reach = math.ceil(radius)
     seeds = []
     for r in range(max(0, row - reach), min(slowness.shape[0], row + reach + 1)):
         for c in range(max(0, column - reach), min(slowness.shape[1], column + reach + 1)):

@@ -1,7 +1,8 @@
 """Who gives way when robots stand in one another's way, and where to.
 
-In a doorway two robots cannot pass; one has to go back and aside. If the other robot is known by name and position the
-one whose name sorts later goes; otherwise, and when the other does not move, chance decides, so the two never keep step.
+In a doorway two robots cannot pass; one has to go back and aside. If the other robot is known by name and position
+the one whose name sorts later goes; otherwise, and when the other does not move, chance decides, so the two never
+keep step.
 """
 
 import math

@@ -32,7 +32,8 @@ def number_parameter(name: str, default: float, least: float = 0.0) -> float:
 
 
 def options() -> SlamOptions:
-    return SlamOptions(**{f.name: number_parameter(f.name, f.default) for f in fields(SlamOptions)})
+    defaults = SlamOptions()
+    return SlamOptions(**{f.name: number_parameter(f.name, getattr(defaults, f.name)) for f in fields(defaults)})
 
 
 class SlamNode:
@@ -116,7 +117,9 @@ class SlamNode:
         self._transformed_at = stamp.to_sec()
         pose = self._slam.map_to_odometry()
         self._broadcaster.sendTransform(
-            ros_io.transform_message(pose, self._frames["map_frame"], self._frames["odom_frame"], stamp + self._tolerance)
+            ros_io.transform_message(
+                pose, self._frames["map_frame"], self._frames["odom_frame"], stamp + self._tolerance
+            )
         )
 
     def _publish_map(self, stamp: rospy.Time) -> None:

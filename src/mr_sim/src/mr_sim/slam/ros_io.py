@@ -7,6 +7,7 @@ import rospy
 from geometry_msgs.msg import Quaternion, TransformStamped
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from rospy.numpy_msg import numpy_msg
+from sensor_msgs.msg import LaserScan as LaserScanMessage
 
 from mr_sim.slam.engine import LaserScan, OccupancyMap
 from mr_sim.slam.pose import Pose
@@ -27,7 +28,7 @@ def transform_pose(message: TransformStamped) -> Pose:
     return translation.x, translation.y, yaw_of(message.transform.rotation)
 
 
-def scan_value(message: object, mount: Pose) -> LaserScan:
+def scan_value(message: LaserScanMessage, mount: Pose) -> LaserScan:
     return LaserScan(
         np.asarray(message.ranges, dtype=np.float32),
         message.angle_min,

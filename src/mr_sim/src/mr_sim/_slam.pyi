@@ -1,0 +1,33 @@
+"""Core of the SLAM engine (src/cpp/slam). SI units, poses as (x, y, yaw)."""
+
+import numpy as np
+
+_Pose = tuple[float, float, float]
+
+class SlamOptions:
+    resolution: float
+    search_window: float
+    surface_deviation: float
+    match_distance: float
+    match_angle: float
+    insert_distance: float
+    insert_angle: float
+    surface_window: float
+    def __init__(self) -> None: ...
+
+class Slam:
+    def __init__(self, options: SlamOptions) -> None: ...
+    def process(
+        self,
+        ranges: np.ndarray,
+        odometry: _Pose,
+        mount: _Pose,
+        angle_min: float,
+        angle_increment: float,
+        range_min: float,
+        range_max: float,
+    ) -> tuple[_Pose, bool, bool, float]: ...
+    def pose_at(self, odometry: _Pose) -> _Pose: ...
+    def map_to_odometry(self) -> _Pose: ...
+    def occupancy(self) -> tuple[np.ndarray, int, int]: ...
+    def surfaces(self) -> np.ndarray: ...
