@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from closed_loop import ClosedLoop, Robot
 
+from mr_sim import _navigation
 from mr_sim.navigation.engine import Command, Navigator, Status
 from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, Scan, make_scan
 from mr_sim.navigation.stall import StallWatch
@@ -82,6 +83,28 @@ def test_gentle_start_and_cancel() -> None:
     assert max(np.diff(speeds)) < 0.1 + 1e-9 and speeds[-1] == pytest.approx(0.5)
     navigator.cancel()
     assert navigator.step(1.3, pose, EMPTY).status is Status.IDLE
+
+
+def may_drive(target: Tuple[float, float], obstacle: Tuple[float, float, float, float]) -> bool:
+    limits, footprint, horizon = _navigation.Limits(), _navigation.Footprint(), _navigation.Horizon()
+    horizon.duration = 0.2
+    return _navigation.is_clear((0.0, 0.0, 0.0), target, target, np.array([obstacle]), limits, footprint, horizon)
+
+
+def test_past_what_may_move_only_slowly() -> None:
+    """A robot drove by at full speed 1 cm from another that had come nearer, and touched it."""
+    beside = (0.1, 0.19 + 0.15, 0.1, 0.25)
+    assert may_drive((0.1, 0.0), beside)
+    assert not may_drive((0.5, 0.0), beside)
+    assert may_drive((0.5, 0.0), (0.1, 0.19 + 0.15, 0.05, 0.0)), "a wall does not come nearer"
+
+
+def test_within_touching_distance_no_nearer() -> None:
+    """Three millimetres nearer with every step, robots ended up touching."""
+    beside = (0.2, 0.19 + 0.01, 0.1, 0.25)
+    assert may_drive((0.0, 0.0), beside)
+    assert may_drive((0.0, -0.05), beside)
+    assert not may_drive((0.0, 0.05), beside)
 
 
 def test_a_new_goal_does_not_stop_the_robot() -> None:

@@ -34,10 +34,12 @@ Floats march_grid(const Floats& slowness, const std::vector<std::tuple<int, int,
 Pose to_pose(const Triple& pose) { return {std::get<0>(pose), std::get<1>(pose), std::get<2>(pose)}; }
 
 std::vector<Obstacle> to_obstacles(const Doubles& rows) {
-  if (rows.ndim() != 2 || rows.shape(1) != 3) throw std::invalid_argument("obstacles need the shape (n, 3)");
+  if (rows.ndim() != 2 || rows.shape(1) != 4) throw std::invalid_argument("obstacles need the shape (n, 4)");
   std::vector<Obstacle> obstacles;
   const auto view = rows.unchecked<2>();
-  for (py::ssize_t i = 0; i < rows.shape(0); ++i) obstacles.push_back({view(i, 0), view(i, 1), view(i, 2)});
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+    obstacles.push_back({view(i, 0), view(i, 1), view(i, 2), view(i, 3)});
+  }
   return obstacles;
 }
 
@@ -97,7 +99,7 @@ PYBIND11_MODULE(_navigation, module) {
   module.def(
       "clearance",
       [](const Triple& pose, const Doubles& obstacles, const Footprint& footprint) {
-        return clearance(to_pose(pose), to_obstacles(obstacles), footprint, false);
+        return clearance(to_pose(pose), 0.0, to_obstacles(obstacles), footprint).bare;
       },
       py::arg("pose"), py::arg("obstacles"), py::arg("footprint"));
 }

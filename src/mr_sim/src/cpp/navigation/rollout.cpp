@@ -7,7 +7,8 @@
 namespace mr_sim::navigation {
 namespace {
 
-constexpr double kHidden = 1e3;  // m, clearance where there is no obstacle
+constexpr double kHidden = 1e3;     // m, clearance where there is no obstacle
+constexpr double kTouching = 0.03;  // m to obstacles, less than which may be a touch: poses and points are inexact
 
 double approach(double value, double target, double change) {
   return value + std::clamp(target - value, -change, change);
@@ -56,11 +57,12 @@ struct Motion {
 };
 
 Motion follow(const Field* field, Pose pose, Velocity velocity, const Velocity& target,
-              const std::vector<Obstacle>& obstacles, double at_start, const Limits& limits, const Footprint& footprint,
-              const Horizon& horizon) {
+              const std::vector<Obstacle>& obstacles, const Clearance& at_start, const Limits& limits,
+              const Footprint& footprint, const Horizon& horizon) {
   Motion motion;
   // From inside a margin only ways that lead no deeper are open.
-  const double least = std::min(0.0, at_start - 0.003);
+  const double least = std::min(0.0, at_start.with_margins - 0.003);
+  const double least_bare = std::min(kTouching, at_start.bare);
   const int steps = static_cast<int>(std::lround(horizon.duration / horizon.step));
   for (int i = 1; i <= steps; ++i) {
     velocity.linear = approach(velocity.linear, target.linear, limits.linear_acceleration * horizon.step);
@@ -69,8 +71,9 @@ Motion follow(const Field* field, Pose pose, Velocity velocity, const Velocity& 
     pose.x += velocity.linear * horizon.step * std::cos(yaw);
     pose.y += velocity.linear * horizon.step * std::sin(yaw);
     pose.yaw += velocity.angular * horizon.step;
-    motion.clearance = std::min(motion.clearance, clearance(pose, obstacles, footprint, true));
-    if (motion.clearance < least) {
+    const Clearance now = clearance(pose, std::abs(target.linear), obstacles, footprint);
+    motion.clearance = std::min(motion.clearance, now.with_margins);
+    if (now.with_margins < least || now.bare < least_bare) {
       motion.valid = false;
       return motion;
     }
@@ -104,19 +107,20 @@ std::vector<double> speeds(const Limits& limits) {
 
 }  // namespace
 
-double clearance(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint,
-                 bool with_margin) {
+Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>& obstacles,
+                    const Footprint& footprint) {
   const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
-  double least = kHidden;
+  Clearance least{kHidden, kHidden};
   for (const Obstacle& obstacle : obstacles) {
     const double dx = obstacle.x - pose.x, dy = obstacle.y - pose.y;
     const double ahead = std::abs(c * dx + s * dy) - footprint.half_length;
     const double beside = std::abs(-s * dx + c * dy) - footprint.half_width;
-    const double margin = with_margin ? obstacle.margin : 0.0;
+    const double margin = obstacle.margin + obstacle.reaction_time * speed;
     const double inside = std::max(ahead, beside);
-    if (inside - margin >= least) continue;
+    if (inside - margin >= least.with_margins && inside >= least.bare) continue;
     const double distance = ahead > 0.0 && beside > 0.0 ? std::sqrt(ahead * ahead + beside * beside) : inside;
-    least = std::min(least, distance - margin);
+    least.bare = std::min(least.bare, distance);
+    least.with_margins = std::min(least.with_margins, distance - margin);
   }
   return least;
 }
@@ -125,7 +129,7 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
               const Limits& limits, const Footprint& footprint, const Horizon& horizon, double period) {
   constexpr int kTurns = 12;  // to each side
   Choice best{{0.0, 0.0}, {0.0, 0.0}, kUnreached, 0.0, false};
-  const double at_start = clearance(pose, obstacles, footprint, true);
+  const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
   for (const double linear : speeds(limits)) {
     for (int turn = -kTurns; turn <= kTurns; ++turn) {
       // Finer around straight ahead.
@@ -152,7 +156,7 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
 bool is_clear(const Pose& pose, const Velocity& velocity, const Velocity& target,
               const std::vector<Obstacle>& obstacles, const Limits& limits, const Footprint& footprint,
               const Horizon& horizon) {
-  const double at_start = clearance(pose, obstacles, footprint, true);
+  const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
   return follow(nullptr, pose, velocity, target, obstacles, at_start, limits, footprint, horizon).valid;
 }
 

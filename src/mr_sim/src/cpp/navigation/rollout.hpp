@@ -16,8 +16,9 @@ struct Velocity {
 };
 
 struct Obstacle {
-  double x, y;    // m, frame of the poses
-  double margin;  // m, how far the footprint has to stay away
+  double x, y;           // m, frame of the poses
+  double margin;         // m, how far the footprint has to stay away
+  double reaction_time;  // s, by which the margin grows with speed: what moves comes nearer meanwhile
 };
 
 struct Limits {
@@ -49,14 +50,17 @@ struct Choice {
   Velocity velocity;  // to command now
   Velocity target;    // what the motion ramps to
   double time;        // s to the goal by this motion
-  double clearance;   // m, least distance of the footprint from obstacles on the way
+  double clearance;   // m, least distance of the footprint from obstacles on the way, less their margins
   bool found;
 };
 
-// Distance of the rectangle at `pose` from the nearest obstacle, negative inside; `margin` of that obstacle is
-// subtracted when `with_margin`.
-double clearance(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint,
-                 bool with_margin);
+// Least distance of a rectangle from obstacles, m, negative inside.
+struct Clearance {
+  double bare, with_margins;
+};
+
+// `speed`: for which the margins are taken, m/s.
+Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>& obstacles, const Footprint& footprint);
 
 Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
               const Limits& limits, const Footprint& footprint, const Horizon& horizon, double period);

@@ -97,7 +97,7 @@ class Navigator:
         self._held_up = HeldUp(name, self.options.yield_patience, self._random)
         self._footprint = _footprint(self.options)
         self._hits = np.empty((0, 2))  # of the latest scan, map frame
-        self._walls_near = np.empty((0, 3))
+        self._walls_near = np.empty((0, 4))
         self._walls_from: Optional[Tuple[float, float]] = None
 
     # --- inputs -------------------------------------------------------------------------------------------------------
@@ -400,16 +400,17 @@ class Navigator:
         return points[np.hypot(points[:, 0] - pose[0], points[:, 1] - pose[1]) > self.options.inscribed_radius]
 
     def _obstacles(self, pose: Pose, scan: Scan) -> np.ndarray:
-        """What the next motion must not touch: rows (x, y, margin) in the map frame."""
+        """What the next motion must not touch: rows (x, y, margin, reaction time) in the map frame."""
         assert self._costs is not None
         options = self.options
         near = scan.points[np.hypot(scan.points[:, 0], scan.points[:, 1]) < NEAR]
         hits = to_map(near, pose)
         known = near_walls(hits, self._costs.wall_distance, self._costs.grid)
-        seen = np.column_stack([hits, np.where(known, options.obstacle_margin, options.moving_margin)])
+        moves = [options.moving_margin, options.moving_reaction_time]
+        seen = np.column_stack([hits, np.where(known[:, None], [options.obstacle_margin, 0.0], moves)])
         remembered = self._memory.points
         remembered = remembered[np.hypot(remembered[:, 0] - pose[0], remembered[:, 1] - pose[1]) < NEAR]
-        moving = np.column_stack([remembered, np.full(len(remembered), options.moving_margin)])
+        moving = np.column_stack([remembered, np.tile(moves, (len(remembered), 1))])
         rows = np.concatenate([seen, moving, self._walls(pose)])
         _, first = np.unique(np.floor(rows[:, :2] / POINT_SPACING).astype(np.int64), axis=0, return_index=True)
         return rows[first]
@@ -428,7 +429,7 @@ class Navigator:
         rows, columns = np.nonzero(window > 50)
         x = grid.origin[0] + (columns + left + 0.5) * grid.resolution
         y = grid.origin[1] + (rows + top + 0.5) * grid.resolution
-        self._walls_near = np.column_stack([x, y, np.full(len(x), WALL_MARGIN)])
+        self._walls_near = np.column_stack([x, y, np.tile([WALL_MARGIN, 0.0], (len(x), 1))])
         return self._walls_near
 
     def _choose(self, way: Plan, pose: Pose, obstacles: np.ndarray, reverse: float) -> Tuple[bool, float, float]:

@@ -22,6 +22,7 @@ class NavigationOptions:
     footprint_width: float = 0.38
     obstacle_margin: float = 0.05  # m between footprint and what the laser sees
     moving_margin: float = 0.1  # m between footprint and what the map does not know, which may move
+    moving_reaction_time: float = 0.25  # s of driving by which that margin grows
     inflation_radius: float = 0.6  # m from walls within which paths cost more
     xy_goal_tolerance: float = 0.15  # m
     yaw_goal_tolerance: float = 6.3  # rad; pi or more = any heading
