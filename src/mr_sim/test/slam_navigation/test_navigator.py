@@ -5,9 +5,9 @@ from typing import Callable, List, Tuple
 
 import numpy as np
 import pytest
-from closed_loop import ClosedLoop, Robot
 
 from mr_sim import _navigation
+from mr_sim.closed_loop import ClosedLoop, Robot
 from mr_sim.navigation.engine import Command, Navigator, Status
 from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, Scan, make_scan
 from mr_sim.navigation.stall import StallWatch

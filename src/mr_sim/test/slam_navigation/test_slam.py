@@ -5,8 +5,8 @@ from typing import Callable, List, Tuple
 
 import numpy as np
 import pytest
-from closed_loop import ClosedLoop, Robot
 
+from mr_sim.closed_loop import ClosedLoop, Robot
 from mr_sim.slam.engine import LaserScan, OdometryHistory, Slam, SlamError, SlamOptions
 from mr_sim.slam.pose import Pose
 

@@ -1,0 +1,106 @@
+"""World, SLAM and navigation engines closed to a loop in one process and in virtual time."""
+
+import math
+import time
+from dataclasses import dataclass, field
+from typing import Callable, Dict, List, Optional, Tuple
+
+import numpy as np
+
+from mr_sim.navigation.engine import Command, Navigator, Status
+from mr_sim.navigation.options import Grid, NavigationOptions, make_scan
+from mr_sim.slam.engine import LaserScan, Slam
+from mr_sim.slam.pose import Pose, compose, inverse, normalized
+from mr_sim.world import World
+from mr_sim.world_model import load_world
+from mr_sim.worlds import find_world
+
+MAP_PERIOD = 2.0  # s between maps handed to navigation
+
+
+@dataclass
+class Robot:
+    index: int
+    start: Pose
+    slam: Slam
+    navigator: Navigator
+    drift: List[float] = field(default_factory=list)
+    turn_drift: List[float] = field(default_factory=list)
+    distance: float = 0.0
+    contacts: int = 0
+    touched: List[Tuple[float, Pose, str]] = field(default_factory=list)
+    command: Optional[Command] = None
+    results: List[Tuple[float, str]] = field(default_factory=list)
+    cpu: Dict[str, float] = field(default_factory=lambda: {"slam": 0.0, "navigation": 0.0})
+    map_at: float = -math.inf
+    grid: Optional[Grid] = None
+
+    def local(self, pose: Pose) -> Pose:
+        """A pose of the world in the robot's map frame."""
+        return compose(inverse(self.start), pose)
+
+
+class ClosedLoop:
+    """Steps the world; scans go to SLAM, its pose and map to navigation, the commands back."""
+
+    def __init__(self, world: str, robots: int, seed: int, options: Optional[NavigationOptions] = None) -> None:
+        self.world = World(load_world(find_world(world)), robots=robots, seed=seed)
+        self.robots = [
+            Robot(i, self.world.pose(i), Slam(), Navigator(options, name, seed))
+            for i, name in enumerate(self.world.names)
+        ]
+        self.on_scan: Optional[Callable[[Robot, Pose], None]] = None
+        self.share_positions = True
+
+    def run(self, until: float, stop: Callable[[], bool] = lambda: False) -> None:
+        while self.world.time < until and not stop():
+            self.world.step()
+            states = self.world.states()
+            for robot, state in zip(self.robots, states):
+                robot.distance += math.hypot(state["velocity_x"], state["velocity_y"]) * self.world.interval
+                if state["contact"]:
+                    robot.contacts += 1
+                    robot.touched.append(
+                        (
+                            self.world.time,
+                            robot.local((state["x"], state["y"], state["yaw"])),
+                            robot.navigator.mode.value,
+                        )
+                    )
+            for scan in self.world.due_scans():
+                self._control(self.robots[scan.robot], states[scan.robot], scan.ranges)
+
+    def _control(self, robot: Robot, state: np.ndarray, ranges: np.ndarray) -> None:
+        ranger = self.world.robots[robot.index].rangers[0]
+        now = self.world.time
+        odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
+        begun = time.process_time()
+        geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, ranger.mount)
+        pose = robot.slam.process(LaserScan(ranges, *geometry), odometry).pose
+        if now - robot.map_at >= MAP_PERIOD:
+            robot.map_at = now
+            map_ = robot.slam.map()
+            robot.grid = Grid(map_.cells, map_.resolution, map_.origin)
+        robot.cpu["slam"] += time.process_time() - begun
+        truth = robot.local((float(state["x"]), float(state["y"]), float(state["yaw"])))
+        robot.drift.append(math.dist(pose[:2], truth[:2]))
+        robot.turn_drift.append(abs(normalized(pose[2] - truth[2])))
+        if self.on_scan is not None:
+            self.on_scan(robot, pose)
+        begun = time.process_time()
+        if robot.map_at == now and robot.grid is not None:
+            robot.navigator.set_map(robot.grid)
+            if self.share_positions:
+                robot.navigator.set_others(self._positions(robot), now)
+        robot.command = robot.navigator.step(now, pose, make_scan(ranges, *geometry))
+        robot.cpu["navigation"] += time.process_time() - begun
+        if robot.command.status in (Status.SUCCEEDED, Status.ABORTED):
+            robot.results.append((now, robot.command.text or "succeeded"))
+        self.world.command(robot.index, robot.command.linear, robot.command.angular)
+
+    def _positions(self, robot: Robot) -> Dict[str, Tuple[float, float]]:
+        return {
+            other.navigator.name: robot.local(self.world.pose(other.index))[:2]
+            for other in self.robots
+            if other is not robot
+        }
