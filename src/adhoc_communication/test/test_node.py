@@ -217,6 +217,13 @@ class Delivery(unittest.TestCase):
             call("alice", "send_string", dst_robot="bob", topic="/anywhere/else", data="x")
             self.assertEqual(listener.wait_for()[0].data, "x")
 
+    def test_waiting_subscriber_gets_the_first_messages_of_a_new_topic(self):
+        texts = [str(number) for number in range(20)]
+        with Listener("/bob/new_topic", msg.RecvString) as listener:
+            for text in texts:
+                call("alice", "send_string", dst_robot="bob", topic="new_topic", data=text)
+            self.assertEqual([message.data for message in listener.wait_for(len(texts))], texts)
+
     def test_late_subscriber_gets_the_last_message(self):
         for data in ("first", "last"):
             call("alice", "send_string", dst_robot="bob", topic="late", data=data)

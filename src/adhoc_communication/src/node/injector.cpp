@@ -1,9 +1,12 @@
 #include "node/injector.hpp"
 
 #include <ros/console.h>
+#include <ros/master.h>
 #include <ros/names.h>
+#include <ros/this_node.h>
 #include <topic_tools/shape_shifter.h>
 
+#include <chrono>
 #include <utility>
 
 namespace adhoc_communication {
@@ -14,6 +17,29 @@ constexpr std::size_t kMaxReportedTopics = 256;
 constexpr std::size_t kMaxQueuedPackets = 1000;
 constexpr std::size_t kMaxQueuedOctets = 100'000'000;
 constexpr std::uint32_t kPublisherQueue = 100;
+constexpr std::chrono::milliseconds kConnectionPeriod{5};
+constexpr std::chrono::seconds kLongestConnection{1};
+
+/// Nodes that subscribe to a topic, as the master knows them.
+std::uint32_t subscribers_of(const std::string& topic) {
+  XmlRpc::XmlRpcValue request, response, state;
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", request, response, state, false)) return 0;
+  XmlRpc::XmlRpcValue& topics = state[1];
+  for (int i = 0; i < topics.size(); ++i) {
+    if (static_cast<std::string>(topics[i][0]) == topic) return static_cast<std::uint32_t>(topics[i][1].size());
+  }
+  return 0;
+}
+
+/// Subscribers take some time to connect to a new topic, and what is published before is lost to them.
+void wait_for_subscribers(const ros::Publisher& publisher) {
+  const auto deadline = std::chrono::steady_clock::now() + kLongestConnection;
+  const std::uint32_t expected = subscribers_of(publisher.getTopic());
+  while (publisher.getNumSubscribers() < expected && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(kConnectionPeriod);
+  }
+}
 
 }  // namespace
 
@@ -104,6 +130,7 @@ Injector::Topic& Injector::topic_for(const std::string& name, const SerializedMe
   options.latch = true;
   const ros::Publisher publisher = node_.advertise(options);
   if (!publisher) throw PayloadError("topic '" + name + "' cannot be advertised as " + message.type);
+  wait_for_subscribers(publisher);
   return topics_.emplace(name, Topic{message.type, message.md5sum, publisher}).first->second;
 }
 
