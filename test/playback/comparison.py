@@ -19,6 +19,12 @@ def stored(bag: Path) -> Dict[str, List[Dict[str, Any]]]:
     return messages
 
 
+def order(bag: Path) -> List[str]:
+    """The topics (without leading slash) of all messages of a bag in their order."""
+    with AnyReader([bag]) as reader:
+        return [connection.topic.lstrip("/") for connection, _, _ in reader.messages()]
+
+
 def plain(value: Any) -> Any:
     """A message of rospy or rosbags as nested dictionaries, lists, strings and numbers."""
     if dataclasses.is_dataclass(value):

@@ -54,9 +54,9 @@ def played(bag: str, *arguments: str) -> Iterator[None]:
         process.wait()
 
 
-def messages_taken(node: str) -> Dict[str, int]:
+def messages_received(node: str) -> Dict[str, int]:
     """How many messages a node (resolved name) has received so far, by topic."""
-    _, _, address = rosgraph.Master(rospy.get_name()).lookupNode(node)
+    address = rosgraph.Master(rospy.get_name()).lookupNode(node)
     _, _, (_, received, _) = ServerProxy(address).getBusStats(rospy.get_name())
     return {topic: sum(connection[2] for connection in connections) for topic, connections in received}
 

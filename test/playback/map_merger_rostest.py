@@ -87,5 +87,5 @@ def differences_of_points(transform: Dict[str, Any]) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    rospy.init_node("test_map_merger")
+    rospy.init_node("map_merger_rostest")
     rostest.rosrun("mr_test", "playback_map_merger", MapMerger, sys.argv)

@@ -73,5 +73,5 @@ class AdhocCommunication(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("test_adhoc_communication")
+    rospy.init_node("adhoc_communication_rostest")
     rostest.rosrun("mr_test", "playback_adhoc_communication", AdhocCommunication, sys.argv)
