@@ -123,8 +123,8 @@ class Explorer(unittest.TestCase):
         lines += differences(expected["frontiers"], frontiers[:1], PLACE_TOLERANCE_M, "frontiers")
         sent = {kind(auction): plain(auction) for auction in reversed(self.around.auctions.entries)}
         for auction in expected["auction"]:
-            which = kind(ExpAuction(**auction))
-            lines += differences(auction, sent.get(which), BID_TOLERANCE, "{0} {1}".format(*which))
+            what, auction_id = kind(ExpAuction(**auction))
+            lines += differences(auction, sent.get((what, auction_id)), BID_TOLERANCE, f"{what} {auction_id}")
         goal, observed = expected["move_base/goal"][-1], plain(self.around.goals.entries[-1])
         poses = (message["goal"]["target_pose"]["pose"] for message in (goal, observed))
         return lines + list(differences(*poses, PLACE_TOLERANCE_M, "goal"))

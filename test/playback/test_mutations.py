@@ -65,13 +65,6 @@ MUTATIONS = {
         "                available.append(Bid(bid.elements, offered))\n            available = available[1:]\n",
         "available_clusters: expected a list of",
     ),
-    "bid of robot_1 dropped": Mutation(
-        "explorer",
-        "auction.py",
-        "        for bid in reply.available:\n",
-        "        for bid in sorted(reply.available, key=lambda bid: bid.bid)[1:]:\n",
-        "goal.position",
-    ),
     "bid dropped from a start": Mutation(
         "explorer",
         "agent.py",
