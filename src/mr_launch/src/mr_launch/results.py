@@ -82,7 +82,8 @@ def draw(plan: Plan, outcome: Outcome, grids: dict[str, Grid], robots: dict[str,
     best = max(known, key=lambda robot: int((grids[robot.name].cells >= 0).sum()))
     times = [robot["time"] for robot in robots.values()]
     done = f"explored in {max(times):.0f} s" if all(time is not None for time in times) else "not finished"
-    title = f"{Path(plan.world).stem}: {len(plan.robots)} robots, {done}; global map of {best.name}"
+    count = f"{len(plan.robots)} robot{'s' * (len(plan.robots) != 1)}"
+    title = f"{Path(plan.world).stem}: {count}, {done}; global map of {best.name}"
     start = outcome.start if robots else 0.0
     draw_mission(grids[best.name], best.start, truth.tracks, title, Path(plan.out) / "team.png", start)
 

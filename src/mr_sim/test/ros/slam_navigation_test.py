@@ -72,7 +72,9 @@ class SlamNavigationTest(unittest.TestCase):
         self.assertEqual(state, GoalStatus.ABORTED)
         self.assertIn("orientation", text)
 
-        self.client.send_goal(goal(*start))
+        active = queue.Queue()
+        self.client.send_goal(goal(*start), active_cb=lambda: active.put(True))
+        active.get(timeout=PATIENCE.to_sec())  # goals and cancellations travel on different topics
         self.client.cancel_goal()
         self.assertTrue(self.client.wait_for_result(PATIENCE))
         self.assertEqual(self.client.get_state(), GoalStatus.PREEMPTED)

@@ -98,7 +98,8 @@ void GridMap::add_hit(const Beam& beam, const Pose& robot) {
   const Point end = robot * beam.end;
   const Cell cell = cell_of(end);
   CellState& state = this->state(cell);
-  if (state.hit_in != scan_number_) {
+  const bool first = state.hit_in != scan_number_;
+  if (first) {
     state.hit_in = scan_number_;
     change_odds(cell, options_.occupied_step);
   }
@@ -113,6 +114,7 @@ void GridMap::add_hit(const Beam& beam, const Pose& robot) {
     surface = Surface{};
   }
   surface.hits = std::min(surface.hits + 1.0F, kMemory);
+  if (first || surface.scans == 0.0F) surface.scans += 1.0F;
   const float share = 1.0F / surface.hits;
   surface.x += share * (static_cast<float>(end.x) - surface.x);
   surface.y += share * (static_cast<float>(end.y) - surface.y);

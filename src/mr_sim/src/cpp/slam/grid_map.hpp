@@ -19,6 +19,7 @@ struct Surface {
   float x = 0.0F, y = 0.0F;                // m, map frame
   float normal_x = 0.0F, normal_y = 0.0F;  // towards the side it was seen from
   float hits = 0.0F;                       // 0: no surface
+  float scans = 0.0F;                      // in which it was hit: few for what moves
 };
 
 struct GridOptions {

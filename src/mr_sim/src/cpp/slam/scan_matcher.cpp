@@ -12,8 +12,10 @@ constexpr double kOnSurface = 0.05;   // m
 constexpr double kTangential = 0.08;  // m, a surface reaches this far beside its mean
 constexpr int kNeighbours = 2;        // cells around a surface that make up its line
 constexpr double kMatureHits = 20.0;  // of a line, for its full weight
+constexpr double kMatureScans = 5.0;  // same; what was hit in one scan only, such as a robot that drives, has no weight
 constexpr double kAgreement = 16.0;   // squared deviations within which scan and odometry agree
 constexpr double kSameSide = 0.7;     // cosine
+constexpr double kTrust = 0.5;        // of odometry's deviation where scan and odometry agree
 
 // Whether a hit is used must not depend on its own noise: asking how far it lies from the last one would prefer, on
 // each wall, hits that err in the direction of the sweep, and turn the robot a little with every match.
@@ -33,7 +35,8 @@ std::vector<const Beam*> choose_beams(const Scan& scan) {
 
 struct Line {
   Point through, normal;  // m; unit vector
-  double weight = 0.0;    // 0: nothing there
+  double weight = 0.0;
+  bool found = false;
 };
 
 bool same_side(const Surface& surface, const Point& normal) {
@@ -66,12 +69,13 @@ Line line_near(const GridMap& map, const Point& point, const Point& normal, doub
   if (center == nullptr) return {};
   const Cell cell = map.cell_of({center->x, center->y});
   Line line;
-  double hits = 0.0;
+  double hits = 0.0, scans = 0.0;
   for (int y = cell.y - kNeighbours; y <= cell.y + kNeighbours; ++y) {
     for (int x = cell.x - kNeighbours; x <= cell.x + kNeighbours; ++x) {
       const Surface* surface = map.surface({x, y});
       if (surface == nullptr || !same_side(*surface, normal)) continue;
       hits += surface->hits;
+      scans += surface->hits * surface->scans;
       line.through.x += surface->hits * surface->x;
       line.through.y += surface->hits * surface->y;
       line.normal.x += surface->hits * surface->normal_x;
@@ -81,7 +85,9 @@ Line line_near(const GridMap& map, const Point& point, const Point& normal, doub
   const double length = std::hypot(line.normal.x, line.normal.y);
   line.through = {line.through.x / hits, line.through.y / hits};
   line.normal = {line.normal.x / length, line.normal.y / length};
-  line.weight = std::min(1.0, hits / kMatureHits);
+  const double maturity = std::clamp((scans / hits - 1.0) / (kMatureScans - 1.0), 0.0, 1.0);
+  line.weight = maturity * std::min(1.0, hits / kMatureHits);
+  line.found = true;
   return line;
 }
 
@@ -111,7 +117,7 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
       const Point arm = turn * beam->end, normal = turn * beam->normal;
       const Point point{pose.x + arm.x, pose.y + arm.y};
       const Line line = line_near(map, point, normal, reach);
-      if (line.weight == 0.0) {
+      if (!line.found) {
         cost += options.reach * options.reach;
         continue;
       }
@@ -193,11 +199,16 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
     if (better(found, best)) best = found;
   }
   if (best.share < options.poor_share) return {expected, best.share, false};
-  if (!agree(best.pose, expected, deviation)) return {best.pose, best.share, true};
   // Neighbouring hits err together (walls on cell borders, corners), so where the wheels do not slip odometry is
-  // worth more beside the scan than independent hits would leave it; this keeps headings from creeping.
-  best = refine(map, beams, best.pose, expected, deviation, options.joint_deviation, options);
-  return {best.pose, best.share, true};
+  // worth more beside the scan than independent hits would leave it; this keeps headings from creeping. And where walls
+  // fix no position along them, a robot that drives ahead must not carry this one with it: odometry is overruled only
+  // where it explains the scan worse.
+  const bool agreed = agree(best.pose, expected, deviation);
+  const Pose trusted{kTrust * deviation.x, kTrust * deviation.y, deviation.yaw};
+  const Fit joint =
+      refine(map, beams, agreed ? best.pose : expected, expected, trusted, options.joint_deviation, options);
+  if (!agreed && better(best, joint)) return {best.pose, best.share, true};
+  return {joint.pose, joint.share, joint.share >= options.poor_share};
 }
 
 }  // namespace mr_sim::slam
