@@ -107,6 +107,15 @@ def test_within_touching_distance_no_nearer() -> None:
     assert not may_drive((0.0, 0.05), beside)
 
 
+def test_thinning_keeps_the_nearest_point() -> None:
+    """A corner was taken for 4 cm farther away than it was, and touched."""
+    navigator = Navigator()
+    navigator.set_map(Grid(np.zeros((40, 40), np.int8), 0.05, (-1.0, -1.0)))
+    points = np.array([[0.599, 0.0], [0.571, 0.0], [0.585, 0.0]])
+    scan = Scan(points, np.full(3, 0.6), 0.0, 0.01, 8.0, (0.0, 0.0, 0.0))
+    assert navigator._obstacles((0.0, 0.0, 0.0), scan)[:, 0].min() == pytest.approx(0.571)
+
+
 def test_a_new_goal_does_not_stop_the_robot() -> None:
     navigator = Navigator()
     navigator.set_map(room())

@@ -412,6 +412,8 @@ class Navigator:
         remembered = remembered[np.hypot(remembered[:, 0] - pose[0], remembered[:, 1] - pose[1]) < NEAR]
         moving = np.column_stack([remembered, np.tile(moves, (len(remembered), 1))])
         rows = np.concatenate([seen, moving, self._walls(pose)])
+        # Of each small square the nearest counts, so that thinning makes no room that is not there.
+        rows = rows[np.argsort(np.hypot(rows[:, 0] - pose[0], rows[:, 1] - pose[1]), kind="stable")]
         _, first = np.unique(np.floor(rows[:, :2] / POINT_SPACING).astype(np.int64), axis=0, return_index=True)
         return rows[first]
 
