@@ -12,7 +12,7 @@ import rosgraph
 import rospy
 
 FOLDER = Path(__file__).resolve().parent
-DEADLINE_S = 20.0
+DEADLINE_S = 30.0
 
 
 class Collection:

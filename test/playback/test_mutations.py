@@ -15,7 +15,7 @@ import pytest
 import rosbag
 
 FOLDER = Path(__file__).resolve().parent
-LIMIT_S = 90
+LIMIT_S = 120
 DIFFERS = "differs from the stored expectation"
 
 
