@@ -1,7 +1,8 @@
 """The agent of one robot: local map, messages and time in, effects out. It knows no ROS, clock, thread or socket."""
 
 import math
-from typing import Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
+from collections import deque
+from typing import Deque, Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
@@ -27,6 +28,7 @@ from .messages import Anchor, Boot, Payload, Position, Request, Tile
 from .options import Options
 from .peer import HeardPose, Peer, Retry, Track
 from .registration import Limits, Prior, Registration, Verdict
+from .sighting import LONGEST_LAG_S, LONGEST_MAP_LAG_S, Sighting, View, view_of
 from .transform import Transform, rotation_between
 
 MOST_ROBOTS = 64
@@ -37,6 +39,8 @@ SHORTEST_PUBLISH_S = 1.0
 """New local maps are passed on at once, but not more often than this."""
 POSITION_AGE_S = 30.0
 MOST_MARKERS = 500
+MOST_POSES = 32
+"""Own poses of the last seconds that are kept."""
 
 
 class NoTransform(LookupError):
@@ -91,6 +95,9 @@ class Agent:
         self._base: Optional[str] = None
         self._own_pose: Optional[Transform] = None
         self._own_track = Track()
+        self._own_poses: Deque[Tuple[float, Transform]] = deque(maxlen=MOST_POSES)
+        self._view: Optional[View] = None
+        self._view_time = -math.inf
         self._layers: Dict[str, Tuple[tuple, Optional[fusion.Layer]]] = {}
         self._cache = LandmarkCache()
         self._registering = False
@@ -123,12 +130,13 @@ class Agent:
         except GridError as error:
             self._warn(f"local map ignored: {error}")
             return
-        self._set_local(grid)
+        self._set_local(grid, now)
 
     def on_local_pose(self, pose: Transform, now: float) -> None:
         """The robot's pose in its map frame."""
         self._own_pose = pose
         self._own_track.add(pose.x, pose.y)
+        self._own_poses.append((now, pose))
 
     def on_robot(self, name: str, now: float, returned: bool = False) -> None:
         """A robot is there. `returned`: the radio announced it anew (new_robot), so what was sent last may be lost."""
@@ -156,7 +164,7 @@ class Agent:
             self._note(f"{peer.name} restarted: its former map and transform are dropped")
         peer.retry.progress()
         self._changed_foreign = True
-        self._adopt_base(peer)
+        self._adopt_base(peer, now)
 
     def on_tile(self, tile: Tile, now: float) -> None:
         """Map cells of another robot arrived."""
@@ -171,7 +179,7 @@ class Agent:
         peer.retry.progress()
         if changed:
             self._changed_foreign = True
-            self._adopt_base(peer)
+            self._adopt_base(peer, now)
 
     def on_request(self, request: Request, now: float) -> None:
         """A robot asks for updates: none listed = everything, first one -1 = ignore (contract 2.4)."""
@@ -191,6 +199,7 @@ class Agent:
             return
         peer.position = HeardPose(position.pose, now)
         peer.track.add(position.pose.x, position.pose.y)
+        self._look_for(peer, now)
 
     def on_sent(self, send: Send, delivered: bool, now: float) -> None:
         """The host finished a Send."""
@@ -385,7 +394,7 @@ class Agent:
 
     # Base station
 
-    def _adopt_base(self, peer: Peer) -> None:
+    def _adopt_base(self, peer: Peer, now: float) -> None:
         if self._options.has_local_map:
             return
         if self._base is None:
@@ -393,7 +402,7 @@ class Agent:
             self._note(f"base station: the map of {peer.name} is the reference")
         grid = peer.map.grid()
         if self._base == peer.name and grid is not None:
-            self._set_local(grid)
+            self._set_local(grid, now)
 
     def _transforms_with_base(self) -> Dict[str, Transform]:
         transforms = self.transforms()
@@ -401,10 +410,34 @@ class Agent:
             transforms[self._base] = Transform()
         return transforms
 
-    def _set_local(self, grid: Grid) -> None:
+    def _set_local(self, grid: Grid, now: float) -> None:
         self._local = grid
         self._local_version += 1
         self._changed_local = True
+        self._view, self._view_time = None, now
+        for peer in self._peers.values():
+            self._look_for(peer, now)
+
+    # Sightings
+
+    def _look_for(self, peer: Peer, now: float) -> None:
+        """Keeps what the local map shows while it is known where the other robot is."""
+        position = peer.position
+        if position is None or peer.alignment.transform is not None or self._local is None:
+            return
+        if now - min(position.heard, self._view_time) <= LONGEST_LAG_S:
+            self._view = self._view or view_of(self._local)
+            peer.seen.add(Sighting(self._view, position.pose.x, position.pose.y))
+
+    def _look_through(self, peer: Peer, grid: Grid, now: float) -> None:
+        """Keeps what the other robot's map shows together with the places where the own robot was just before."""
+        if peer.viewed == peer.map.version or peer.alignment.transform is not None:
+            return
+        peer.viewed = peer.map.version
+        view = view_of(grid)
+        for time, pose in self._own_poses:
+            if 0.0 <= now - time <= LONGEST_MAP_LAG_S:
+                peer.saw.add(Sighting(view, pose.x, pose.y))
 
     # Registration
 
@@ -417,6 +450,7 @@ class Agent:
             grid = peer.map.grid()
             if grid is None or peer.name == self._base:
                 continue
+            self._look_through(peer, grid, now)
             period: float = self._options.seconds_pub_timer
             if peer.alignment.transform is not None:
                 period = self._options.seconds_recompute_transform
@@ -448,6 +482,8 @@ class Agent:
             self._cache,
             self._own_track.points(),
             peer.track.points(),
+            peer.seen.all(),
+            peer.saw.all(),
         )
 
     def _prior(self, robot: str) -> Optional[Prior]:

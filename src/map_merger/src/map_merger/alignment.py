@@ -27,14 +27,13 @@ from .registration import (
     judge,
 )
 from .search import same_place
+from .sighting import Sighting, robot_seen
 from .surface import Landmarks, landmarks_of, without_places
 from .transform import Transform, rotation_between
 
 SHORTEST_GROWTH_M = 3.0
 SHORTEST_GROWTH = 1.15
 """The shared walls must have grown by so many metres, and by this factor, before a second look confirms a candidate."""
-CONFIRMED_WALL_M = 20.0
-"""And without a prior this much must be shared: more than the walls of one usual room, of which there may be copies."""
 SURVEY_GROWTH = 1.4
 """Or both maps together by this factor, without a contradiction and without a rival having come up."""
 _ROBOT_REACH_M = 0.35
@@ -97,6 +96,9 @@ class Job:
     target_track: np.ndarray = field(default_factory=nowhere)
     source_track: np.ndarray = field(default_factory=nowhere)
     """Where the robots of both maps have been, each (n, 2) in metres in the frame of its own map."""
+    seen: Tuple[Sighting, ...] = ()
+    saw: Tuple[Sighting, ...] = ()
+    """What the target's maps showed where the source's robot was, and the other way round."""
 
     def run(self) -> Registration:
         """The outcome; for a followed transform the verdict says whether it may be kept."""
@@ -106,6 +108,12 @@ class Job:
         source = without_places(source, self.source_track, _ROBOT_REACH_M)
         if self.current is not None:
             return self._follow(target, source, self.current)
+        result = self._searched(target, source)
+        if result.accepted and result.transform is not None:
+            return result._replace(met=self._met(result.transform))
+        return result
+
+    def _searched(self, target: Landmarks, source: Landmarks) -> Registration:
         result = self._search(target, source)
         if not self.team:
             return result
@@ -122,6 +130,11 @@ class Job:
         criteria = registration.DEFAULT_CRITERIA if self.prior is None else PRIOR_CRITERIA
         method = features.register if self.method == "features" else registration.register
         return method(target, source, criteria, self.limits, self.prior)
+
+    def _met(self, transform: Transform) -> bool:
+        return robot_seen(self.target.grid, self.seen, self.source_track, transform) or robot_seen(
+            self.source.grid, self.saw, self.target_track, transform.inverse()
+        )
 
     def _follow(self, target: Landmarks, source: Landmarks, current: Transform) -> Registration:
         better, evidence = follow(target, source, current)
@@ -141,6 +154,14 @@ class Job:
             return fused(self.target.grid, [layer for layer in layers if layer is not None])
 
         return without_places(self.cache.of(key, merge), self.target_track, _ROBOT_REACH_M)
+
+
+def outcome_of(job: Job) -> Tuple[Registration, Optional[Exception]]:
+    """Runs a job in the host's thread. A fault is an outcome too: the next job must find its thread alive."""
+    try:
+        return job.run(), None
+    except Exception as fault:
+        return Registration(Verdict.FAILED), fault
 
 
 class Alignment:
@@ -193,7 +214,7 @@ class Alignment:
             if result.verdict in (Verdict.CONTRADICTED, Verdict.AMBIGUOUS, Verdict.CONTRADICTS_TEAM):
                 self._candidate = None
             return ""
-        if not (judge(result.evidence, STRONG_CRITERIA) is Verdict.ACCEPTED or self._confirms(result)):
+        if not (result.met or judge(result.evidence, STRONG_CRITERIA) is Verdict.ACCEPTED or self._confirms(result)):
             if not self._agrees(result):
                 self._candidate = result
             return ""
@@ -214,7 +235,7 @@ class Alignment:
         before = self._candidate
         if before is None or not self._agrees(result):
             return False
-        if result.evidence.matched < CONFIRMED_WALL_M and not result.prior:
+        if not result.prior:
             return False
         matched = before.evidence.matched
         if result.evidence.matched >= max(matched + SHORTEST_GROWTH_M, matched * SHORTEST_GROWTH):

@@ -19,7 +19,18 @@ from .grid import Grid, cell_centres, values_at
 from .refine import FINE_REACH, refined
 from .registration import KEEP_CRITERIA, Registration, Verdict, follow, judge
 from .surface import Landmarks, landmarks_of
-from .synthetic import FloorPlan, Pair, Survey, Surveyor, office_plan, pair_of
+from .synthetic import (
+    FloorPlan,
+    Pair,
+    Survey,
+    Surveyor,
+    bare_rooms_plan,
+    long_corridor_plan,
+    office_plan,
+    pair_of,
+    symmetric_plan,
+    turned_copies_plan,
+)
 from .transform import Transform, displacement, rotation_between
 
 STAGES = (0.4, 0.6, 0.8, 1.0)
@@ -44,7 +55,9 @@ class Scenario:
     range_noise: float = 0.01
     same_heading: bool = False
     overlapping: bool = True
-    """False: in this family only "wrong = 0" is asked, since rooms repeat."""
+    """False: in this family only "wrong = 0" is asked, since rooms repeat or the maps need not overlap."""
+    at_a_copy: bool = False
+    """The source starts where it sees an exact copy of what the target sees: the hardest case of repeated rooms."""
 
 
 class Outcome(NamedTuple):
@@ -70,6 +83,9 @@ def scenarios(plan: Optional[FloorPlan] = None) -> List[Scenario]:
     def copies(random: np.random.Generator) -> FloorPlan:
         return office_plan(random, same=True)
 
+    def alias(name: str, plan: Callable[[np.random.Generator], FloorPlan], **changes: float) -> Scenario:
+        return Scenario(name, plan, math.inf, overlapping=False, at_a_copy=True, **changes)  # type: ignore[arg-type]
+
     return [
         Scenario("side by side, same heading", office, 1.5, same_heading=True, longest_path=20.0),
         Scenario("near, any heading", office, 5.0),
@@ -79,6 +95,13 @@ def scenarios(plan: Optional[FloorPlan] = None) -> List[Scenario]:
         Scenario("identical rooms, near", copies, 5.0, overlapping=False),
         Scenario("identical rooms, anywhere", copies, math.inf, overlapping=False),
         Scenario("identical rooms, anywhere, drift", copies, math.inf, drift=0.08, smudges=4, overlapping=False),
+        alias("identical rooms, at a copy", copies),
+        alias("identical rooms, at a copy, drift", copies, drift=0.08, smudges=4, range_noise=0.03),
+        alias("turned copies, at a copy", turned_copies_plan),
+        alias("bare equal rooms, at a copy", bare_rooms_plan),
+        alias("symmetric building, at the image", symmetric_plan),
+        alias("long bare corridor, at a copy", long_corridor_plan),
+        Scenario("long bare corridor, anywhere", long_corridor_plan, math.inf, overlapping=False),
     ]
 
 
@@ -99,9 +122,20 @@ def draw_pair(scenario: Scenario, seed: int) -> Pair:
     if math.isfinite(scenario.distance):
         shift = random.uniform(-scenario.distance, scenario.distance, 2)
         place = (float(target.path[0, 0] + shift[0]), float(target.path[0, 1] + shift[1]))
+    if scenario.at_a_copy:
+        place = _place_of_a_copy(random, surveyor.plan, target.path[0, :2])
     survey = replace(survey, path_length=float(random.uniform(1.0, scenario.longest_path)))
     source = surveyor.explore(random, survey, start=place, yaw=heading if scenario.same_heading else None)
     return pair_of(target, source)
+
+
+def _place_of_a_copy(random: np.random.Generator, plan: FloorPlan, place: np.ndarray) -> Tuple[float, float]:
+    """Another place of the building that looks the same; the place itself if there is none."""
+    motions = [motion for alias in plan.aliases for motion in (alias, alias.inverse())]
+    places = [motion.apply(place[None])[0] for motion in motions]
+    copies = [each for each in places if plan.holds(each)] or [place]
+    x, y = copies[int(random.integers(len(copies)))]
+    return float(x), float(y)
 
 
 def measure(pair: Pair, seed: int, register: Register) -> Outcome:

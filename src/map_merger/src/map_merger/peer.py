@@ -7,6 +7,7 @@ import numpy as np
 
 from .alignment import Alignment
 from .exchange import PeerMap
+from .sighting import Views
 from .transform import Transform
 
 TRACK_SPACING_M = 0.1
@@ -71,6 +72,12 @@ class Peer:
         self.alignment = Alignment()
         self.track = Track()
         self.position: Optional[HeardPose] = None
+        self.seen = Views()
+        """What own maps showed where the robot was."""
+        self.saw = Views()
+        """What the robot's map showed where the own robot was."""
+        self.viewed = -1
+        """Version of the robot's map that was looked at last."""
         self.present = True
         self.answering = False
         self.generation = 0
@@ -81,4 +88,5 @@ class Peer:
         self.alignment.forget()
         self.track = Track()
         self.position = None
+        self.seen, self.saw, self.viewed = Views(), Views(), -1
         self.generation += 1

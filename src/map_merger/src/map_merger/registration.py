@@ -34,8 +34,8 @@ class Criteria:
 DEFAULT_CRITERIA = Criteria()
 PRIOR_CRITERIA = Criteria(matched=6.0, minor=1.5, plausible=0.6)
 """With a prior most rivals are excluded beforehand."""
-STRONG_CRITERIA = Criteria(matched=26.0, minor=7.0, conflict=0.04)
-"""Enough to be believed at first sight."""
+STRONG_CRITERIA = Criteria(matched=40.0, minor=10.0, conflict=0.03)
+"""Enough to be believed without a prior or a meeting: more than the walls of two rooms, which may have copies."""
 KEEP_CRITERIA = Criteria(matched=4.0, minor=1.0, conflict=0.2, explained=0.3)
 """What an accepted transform must go on showing."""
 PLAUSIBLE_CONFLICT = 0.08
@@ -69,6 +69,7 @@ class Verdict(Enum):
     AMBIGUOUS = "another transform fits nearly as well"
     CONTRADICTS_TEAM = "walls in free space of the merged map of the others"
     BEYOND_LIMITS = "beyond max_trans_robots or max_rotation_robots"
+    FAILED = "registration failed"
 
 
 class Registration(NamedTuple):
@@ -82,6 +83,8 @@ class Registration(NamedTuple):
     """Metres of wall in both maps together, shared or not."""
     prior: bool = False
     """True if a rough transform was given beforehand."""
+    met: bool = False
+    """True if one of the robots was seen by the other where the transform says it was (sighting)."""
 
     @property
     def accepted(self) -> bool:
