@@ -120,7 +120,7 @@ class Explorer(unittest.TestCase):
         self.assertTrue(self.around.goals.wait_for(lambda sent: len(sent) > goals), "no goal after the auctions")
         lines: List[str] = []
         frontiers = [plain(message) for message in self.around.frontiers.entries]
-        lines += differences(expected["frontiers"], frontiers[:1], PLACE_TOLERANCE_M, "frontiers")
+        lines += differences(expected["frontiers"][:1], frontiers[:1], PLACE_TOLERANCE_M, "frontiers")
         sent = {kind(auction): plain(auction) for auction in reversed(self.around.auctions.entries)}
         for auction in expected["auction"]:
             what, auction_id = kind(ExpAuction(**auction))
