@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test build dependencies lint bench bench-adhoc bench-merge bench-explore bench-sim clean
+.PHONY: demo test build dependencies lint sanitize bench bench-adhoc bench-merge bench-explore bench-sim clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -35,6 +35,13 @@ bench-sim: build
 
 lint: dependencies
 	@$(ENVIRONMENT) tools/lint
+
+# The tests of the protocol engine under AddressSanitizer and UndefinedBehaviorSanitizer.
+sanitize: dependencies
+	@PATH=/usr/bin:$$PATH cmake -S . -B build/sanitized -G Ninja -DPYTHON_EXECUTABLE=/usr/bin/python3 -DADHOC_SANITIZE=ON \
+	  -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCATKIN_WHITELIST_PACKAGES=adhoc_communication > build/sanitized.log
+	@cmake --build build/sanitized --target adhoc_communication_engine_test >> build/sanitized.log
+	@build/sanitized/devel/lib/adhoc_communication/adhoc_communication_engine_test --gtest_brief=1
 
 clean:
 	rm -rf build
