@@ -1,23 +1,19 @@
 """Messages of the robot node from what the world says. The only module of the world side that knows ROS types."""
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import Quaternion, TransformStamped
+from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
 from mr_sim import protocol
+from mr_sim.ros_poses import quaternion
 
 # Serialised from the array's memory instead of a list of 541 Python floats.
 ArrayLaserScan = numpy_msg(LaserScan)
-
-
-def quaternion(yaw: float) -> Quaternion:
-    return Quaternion(0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
 
 
 def odometry_message(frame: str, child: str) -> Odometry:

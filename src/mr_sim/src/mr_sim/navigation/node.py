@@ -18,6 +18,7 @@ from sensor_msgs.msg import LaserScan
 from mr_sim.navigation import ros_io
 from mr_sim.navigation.engine import Navigator, Status
 from mr_sim.navigation.options import NavigationError, NavigationOptions, Pose
+from mr_sim.ros_poses import transform_pose
 from mr_sim.slam.pose import compose
 
 FRAMES = {"map_frame": "map", "base_frame": "base_footprint"}
@@ -126,7 +127,7 @@ class MoveBaseNode:
             raise NavigationError(
                 f"goal is given in frame {frame}, which has no transform to the map: {error}"
             ) from None
-        return compose(ros_io.transform_pose(message), goal)
+        return compose(transform_pose(message), goal)
 
     # --- control ------------------------------------------------------------------------------------------------------
 
@@ -171,7 +172,7 @@ class MoveBaseNode:
         except tf2_ros.TransformException as error:
             rospy.logwarn_throttle(10.0, f"pose of the robot is unknown: {error}")
             return None
-        return ros_io.transform_pose(message) if now - message.header.stamp.to_sec() < POSE_AGE else None
+        return transform_pose(message) if now - message.header.stamp.to_sec() < POSE_AGE else None
 
     def _scan_value(self, now: float) -> Any:
         message = self._scan
@@ -184,7 +185,7 @@ class MoveBaseNode:
             except tf2_ros.TransformException as error:
                 rospy.logwarn_throttle(10.0, f"place of the laser is unknown: {error}")
                 return None
-            self._mounts[frame] = ros_io.transform_pose(transform)
+            self._mounts[frame] = transform_pose(transform)
         return ros_io.scan_value(message, self._mounts[frame])
 
     def _stop(self) -> None:

@@ -5,24 +5,12 @@ from typing import Any, List, Sequence, Tuple
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped
+from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseFeedback
 from nav_msgs.msg import Path
 
 from mr_sim.navigation.options import Grid, NavigationError, Pose, Scan, make_scan
-
-
-def yaw_of(q: Quaternion) -> float:
-    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
-
-
-def quaternion(yaw: float) -> Quaternion:
-    return Quaternion(0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
-
-
-def transform_pose(message: TransformStamped) -> Pose:
-    translation = message.transform.translation
-    return translation.x, translation.y, yaw_of(message.transform.rotation)
+from mr_sim.ros_poses import quaternion, yaw_of
 
 
 def goal_value(message: PoseStamped) -> Pose:

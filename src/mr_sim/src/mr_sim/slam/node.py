@@ -11,6 +11,7 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
+from mr_sim.ros_poses import transform_pose, yaw_of
 from mr_sim.slam import ros_io
 from mr_sim.slam.engine import OdometryHistory, Slam, SlamError, SlamOptions
 from mr_sim.slam.pose import Pose
@@ -73,7 +74,7 @@ class SlamNode:
     def _on_odometry(self, message: Odometry) -> None:
         pose = message.pose.pose
         stamp = message.header.stamp
-        self._odometry.add(stamp.to_sec(), (pose.position.x, pose.position.y, ros_io.yaw_of(pose.orientation)))
+        self._odometry.add(stamp.to_sec(), (pose.position.x, pose.position.y, yaw_of(pose.orientation)))
         if self._pending is not None:
             scan, self._pending = self._pending, None
             self._on_scan(scan)
@@ -108,7 +109,7 @@ class SlamNode:
         except tf2_ros.TransformException as error:
             rospy.logwarn_throttle(10.0, f"no transform from {self._frames['base_frame']} to the laser yet: {error}")
             return None
-        self._mounts[frame] = ros_io.transform_pose(message)
+        self._mounts[frame] = transform_pose(message)
         self._listener.unregister()
         self._listener = None
         return self._mounts[frame]

@@ -1,31 +1,17 @@
 """ROS messages to and from the SLAM engine's values."""
 
-import math
-
 import numpy as np
 import rospy
-from geometry_msgs.msg import Quaternion, TransformStamped
+from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan as LaserScanMessage
 
+from mr_sim.ros_poses import quaternion
 from mr_sim.slam.engine import LaserScan, OccupancyMap
 from mr_sim.slam.pose import Pose
 
 ArrayOccupancyGrid = numpy_msg(OccupancyGrid)
-
-
-def yaw_of(q: Quaternion) -> float:
-    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
-
-
-def quaternion(yaw: float) -> Quaternion:
-    return Quaternion(0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
-
-
-def transform_pose(message: TransformStamped) -> Pose:
-    translation = message.transform.translation
-    return translation.x, translation.y, yaw_of(message.transform.rotation)
 
 
 def scan_value(message: LaserScanMessage, mount: Pose) -> LaserScan:

@@ -1,0 +1,20 @@
+"""Planar poses in ROS messages."""
+
+import math
+from typing import Tuple
+
+from geometry_msgs.msg import Quaternion, TransformStamped
+
+
+def yaw_of(q: Quaternion) -> float:
+    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+
+
+def quaternion(yaw: float) -> Quaternion:
+    return Quaternion(0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
+
+
+def transform_pose(message: TransformStamped) -> Tuple[float, float, float]:
+    """(x, y, yaw)."""
+    translation = message.transform.translation
+    return translation.x, translation.y, yaw_of(message.transform.rotation)
