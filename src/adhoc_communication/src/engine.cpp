@@ -24,6 +24,7 @@ std::vector<std::string> Engine::neighbors() const { return implementation_->nei
 std::vector<std::string> Engine::robots() const { return implementation_->robots(); }
 const Statistics& Engine::statistics() const { return implementation_->statistics(); }
 const std::string& Engine::robot_name() const { return implementation_->robot_name(); }
+void Engine::set_keys(std::vector<TeamKey> keys) { implementation_->set_keys(std::move(keys)); }
 std::vector<RouteState> Engine::routes() const {
   std::vector<RouteState> result;
   for (const auto& [destination, route] : implementation_->router().table().routes()) {

@@ -1,4 +1,7 @@
 // Frames in and out.
+#include <algorithm>
+#include <stdexcept>
+
 #include "engine_implementation.hpp"
 
 namespace adhoc_communication {
@@ -25,7 +28,7 @@ Engine::Implementation::Link& Engine::Implementation::link(const MacAddress& nei
 void Engine::Implementation::transmit(FrameType type, std::uint8_t flags, const MacAddress& next_hop,
                                       std::uint32_t link_sequence, std::uint64_t counter, const Bytes& body, Time now) {
   const wire::FrameHeader header{type, flags, self_.address, self_.boot_id, counter, next_hop, link_sequence};
-  Frame frame{next_hop, self_.address, wire::seal_openly(header, body)};
+  Frame frame{next_hop, self_.address, guard_.close(header, body)};
   ++statistics_.frames_sent;
   statistics_.bytes_sent += frame.bytes.size() + wire::kEthernetHeaderSize;
   air_.transmitted(counter, frame.bytes.size(), now);
@@ -37,23 +40,53 @@ void Engine::Implementation::receive(const Frame& frame, Time now) {
   if (frame.destination != wire::kEverybody && frame.destination != self_.address) return;
   ++statistics_.frames_received;
   statistics_.bytes_received += frame.bytes.size() + wire::kEthernetHeaderSize;
-  std::optional<wire::Reader> reader = wire::open(frame.bytes);
-  if (!reader) return malformed();
-  const std::optional<wire::FrameHeader> header = wire::read_header(*reader);
-  if (!header || header->sender != frame.source) return malformed();
-  const bool for_all = header->next_hop == wire::kEverybody;
-  if (header->sender == self_.address || (!for_all && header->next_hop != self_.address)) return;
-  if (directory_.is_former(header->sender, wire::boot_tag(header->boot_id))) return;
-  if (lost_artificially(header->type) || !hear(*header, now)) return;
+  const std::optional<security::OpenedFrame> opened = guard_.open(frame, now);
+  if (!opened) return;
+  const wire::FrameHeader& header = opened->header;
+  const wire::BootTag boot = wire::boot_tag(header.boot_id);
+  if (directory_.is_former(header.sender, boot)) return;
+  if (lost_artificially(header.type)) return;
+  if (!guard_.proven(header) && !proves_itself(*opened, now)) return;
+  if (!hear(header, now)) return;
 
-  if (!for_all && (header->flags & wire::kWantsAcknowledgment) != 0) {
-    Link& from = link(header->sender);
-    const wire::BootTag boot = wire::boot_tag(header->boot_id);
+  if (header.next_hop != wire::kEverybody && (header.flags & wire::kWantsAcknowledgment) != 0) {
+    Link& from = link(header.sender);
     if (!from.receiver || from.receiver->boot() != boot) from.receiver.emplace(boot);
-    const bool at_once = (header->flags & wire::kAcknowledgeNow) != 0;
-    if (!from.receiver->take(header->link_sequence, header->counter, at_once, now)) return;
+    const bool at_once = (header.flags & wire::kAcknowledgeNow) != 0;
+    if (!from.receiver->take(header.link_sequence, header.counter, at_once, now)) return;
   }
-  dispatch(*header, *reader, now);
+  dispatch(header, opened->body, now);
+}
+
+/// A run is believed to be alive now once a beacon of it names this robot's boot id; until then this robot only says
+/// that it hears it.
+bool Engine::Implementation::proves_itself(const security::OpenedFrame& opened, Time now) {
+  const wire::FrameHeader& header = opened.header;
+  const auto beacon = header.type == FrameType::kBeacon ? wire::read_beacon(opened.body) : std::nullopt;
+  const bool echo = beacon && std::any_of(beacon->heard.begin(), beacon->heard.end(), [&](const auto& heard) {
+                      return heard.address == self_.address && heard.boot == self_.boot;
+                    });
+  if (echo) {
+    guard_.prove(header);
+    return true;
+  }
+  ++statistics_.frames_dropped.unproven;
+  if (beacon && neighbors_.candidate(header.sender, wire::boot_tag(header.boot_id), now)) greet(now);
+  return false;
+}
+
+/// Newcomers are greeted soon, so that both sides know at once that the link works both ways.
+void Engine::Implementation::greet(Time now) {
+  const Time earliest = last_beacon_ < Time(0) ? now : last_beacon_ + std::chrono::milliseconds(50);
+  beacon_due_ = std::min(beacon_due_, std::max(earliest, now + random_.delay(std::chrono::milliseconds(10))));
+}
+
+void Engine::Implementation::set_keys(std::vector<TeamKey> keys) {
+  if (keys.empty() == guard_.seals()) {
+    throw std::invalid_argument(guard_.seals() ? "a sealed team cannot be left without a key"
+                                               : "an open team cannot be given a key while it works");
+  }
+  guard_.set_keys(std::move(keys));
 }
 
 /// Enters the sender into the table of neighbours; false if there is no room for it.
@@ -61,11 +94,7 @@ bool Engine::Implementation::hear(const wire::FrameHeader& header, Time now) {
   const wire::BootTag boot = wire::boot_tag(header.boot_id);
   const routing::Neighbor* before = neighbors_.find(header.sender);
   const bool restarted = before != nullptr && before->boot != boot;
-  if (before == nullptr || restarted) {
-    // Newcomers are greeted soon, so that both sides know at once that the link works both ways.
-    const Time earliest = last_beacon_ < Time(0) ? now : last_beacon_ + std::chrono::milliseconds(50);
-    beacon_due_ = std::min(beacon_due_, std::max(earliest, now + random_.delay(std::chrono::milliseconds(10))));
-  }
+  if (before == nullptr || restarted) greet(now);
   if (restarted) link_lost(header.sender, now);
   if (neighbors_.heard(header.sender, boot, now) == nullptr) return false;
   if (const auto found = links_.find(header.sender); found != links_.end()) found->second.sender.heard(now);

@@ -16,6 +16,7 @@
 #include "outbox.hpp"
 #include "random.hpp"
 #include "routing/router.hpp"
+#include "security/frame_guard.hpp"
 #include "transport/air_clock.hpp"
 #include "transport/broadcast.hpp"
 #include "transport/flood.hpp"
@@ -51,6 +52,7 @@ class Engine::Implementation : private Outbox {
   const Statistics& statistics() const { return statistics_; }
   const std::string& robot_name() const { return self_.name; }
   const routing::Router& router() const { return router_; }
+  void set_keys(std::vector<TeamKey> keys);
 
  private:
   /// The hop to one neighbour.
@@ -90,7 +92,9 @@ class Engine::Implementation : private Outbox {
   void dispatch(const wire::FrameHeader& header, wire::Reader body, Time now);
   bool hear(const wire::FrameHeader& header, Time now);
   bool lost_artificially(wire::FrameType type);
-  void malformed() { ++statistics_.frames_dropped_malformed; }
+  void malformed() { ++statistics_.frames_dropped.malformed; }
+  bool proves_itself(const security::OpenedFrame& opened, Time now);
+  void greet(Time now);
   Link& link(const MacAddress& neighbor);
 
   // engine_beacons.cpp: presence.
@@ -149,6 +153,8 @@ class Engine::Implementation : private Outbox {
 
   EngineOptions options_;
   Identity self_;
+  Statistics statistics_;
+  security::FrameGuard guard_;
   Random random_;
   routing::Timings timings_;
   routing::Neighbors neighbors_;
@@ -182,7 +188,6 @@ class Engine::Implementation : private Outbox {
   StreamKey last_stream_served_;
   std::vector<Frame> out_;
   std::deque<Event> events_;
-  Statistics statistics_;
 };
 
 }  // namespace adhoc_communication

@@ -26,6 +26,7 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
                                        Time now)
     : options_(validated(std::move(options))),
       self_{options_.robot_name, address, boot_id, wire::boot_tag(boot_id)},
+      guard_(self_, options_.keys, statistics_.frames_dropped),
       random_(seed),
       timings_(routing::robot_timings()),
       neighbors_(timings_),

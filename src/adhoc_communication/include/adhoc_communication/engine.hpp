@@ -42,6 +42,10 @@ class Engine {
   void leave_group(const std::string& group, Time now);
   GroupState group_state(const std::string& group) const;
 
+  /// Changes the keys while frames flow: the first one seals, all of them open. Throws std::invalid_argument when that
+  /// would turn sealing on or off.
+  void set_keys(std::vector<TeamKey> keys);
+
   std::vector<std::string> neighbors() const;  ///< direct neighbours
   std::vector<std::string> robots() const;     ///< all known robots, also over several hops
   const Statistics& statistics() const;

@@ -4,6 +4,9 @@
 #include <chrono>
 #include <cstddef>
 #include <string>
+#include <vector>
+
+#include "adhoc_communication/types.hpp"
 
 namespace adhoc_communication {
 
@@ -24,6 +27,7 @@ struct EngineOptions {
   bool recursive_mc_ack = false;
   double loss_ratio = 0.0;                ///< artificial loss of received data and acknowledgment frames, 0..1
   bool join_groups_automatically = true;  ///< join mc_<robot> on learning of the robot
+  std::vector<TeamKey> keys;              ///< the first seals, all of them open; none: frames are open
 };
 
 /// Throws std::invalid_argument with one sentence that names the option, its value and the allowed range.

@@ -17,6 +17,8 @@ using Bytes = std::vector<std::uint8_t>;
 using MacAddress = std::array<std::uint8_t, 6>;
 /// Drawn by the host at each start (getrandom on a robot), so that a restarted robot is told from its former self.
 using BootId = std::array<std::uint8_t, 16>;
+/// Secret shared by all robots of a team.
+using TeamKey = std::array<std::uint8_t, 32>;
 
 /// What a link carries: everything behind the Ethernet header, and the two addresses of that header.
 struct Frame {
@@ -105,12 +107,23 @@ struct RouteState {
   std::vector<MacAddress> precursors;
 };
 
+/// Frames that were not believed, by reason.
+struct FramesDropped {
+  std::uint64_t malformed = 0;  ///< too short, altered, of another version, of unknown type
+  std::uint64_t unsealed = 0;   ///< open, although this robot has a team key
+  std::uint64_t no_key = 0;     ///< sealed, although this robot has no team key
+  std::uint64_t forged = 0;     ///< no key of the team opens it
+  std::uint64_t replayed = 0;   ///< heard before
+  std::uint64_t reflected = 0;  ///< own frames thrown back
+  std::uint64_t unproven = 0;   ///< of a run that has not shown yet that it is alive now
+};
+
 struct Statistics {
   std::uint64_t frames_sent = 0;
   std::uint64_t bytes_sent = 0;
   std::uint64_t frames_received = 0;
   std::uint64_t bytes_received = 0;
-  std::uint64_t frames_dropped_malformed = 0;
+  FramesDropped frames_dropped;
   std::uint64_t packets_sent = 0;
   std::uint64_t packets_failed = 0;
   std::vector<std::uint64_t> packets_received_by_hops;  ///< index 0: one hop

@@ -210,4 +210,11 @@ Statistics EngineHost::statistics() {
   return ask<Statistics>([this] { return engine_.statistics(); });
 }
 
+void EngineHost::set_keys(std::vector<TeamKey> keys) {
+  ask<bool>([this, keys = std::move(keys)] {
+    engine_.set_keys(keys);
+    return true;
+  });
+}
+
 }  // namespace adhoc_communication

@@ -56,6 +56,9 @@ class EngineHost {
   std::vector<std::string> robots();
   Statistics statistics();
 
+  /// The first one seals, all of them open.
+  void set_keys(std::vector<TeamKey> keys);
+
  private:
   using Command = std::function<void(Time now)>;
   using Waiter = std::shared_ptr<std::promise<Outcome>>;

@@ -53,7 +53,8 @@ std::string local_topic(const std::string& prefix, const std::string& topic) {
   return first == std::string::npos ? prefix : prefix + topic.substr(first);
 }
 
-Injector::Injector(ros::NodeHandle node, std::string prefix) : node_(std::move(node)), prefix_(std::move(prefix)) {
+Injector::Injector(ros::NodeHandle node, std::string prefix, TopicFilter filter)
+    : node_(std::move(node)), prefix_(std::move(prefix)), filter_(std::move(filter)) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -105,6 +106,9 @@ void Injector::run() {
 
 void Injector::publish(const PacketReceived& packet) {
   const std::string name = local_topic(prefix_, packet.topic);
+  if (const std::string full_name = node_.resolveName(name); !filter_.admits(full_name)) {
+    throw PayloadError("other robots may not publish '" + full_name + "' here (parameters inject_allow, inject_deny)");
+  }
   const SerializedMessage message = decode(packet);
   const Topic& topic = topic_for(name, message);
   topic_tools::ShapeShifter shape;

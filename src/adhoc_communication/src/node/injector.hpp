@@ -15,6 +15,7 @@
 
 #include "adhoc_communication/types.hpp"
 #include "node/payload.hpp"
+#include "node/topic_filter.hpp"
 
 namespace adhoc_communication {
 
@@ -23,7 +24,7 @@ namespace adhoc_communication {
 class Injector {
  public:
   /// `prefix` is put before every topic: /<self>/ in simulation mode, else empty.
-  Injector(ros::NodeHandle node, std::string prefix);
+  Injector(ros::NodeHandle node, std::string prefix, TopicFilter filter);
   ~Injector();
 
   /// Takes over a packet without waiting. When the queue is full the packet is dropped, counted and reported.
@@ -45,6 +46,7 @@ class Injector {
 
   ros::NodeHandle node_;
   const std::string prefix_;
+  const TopicFilter filter_;
   std::map<std::string, Topic> topics_;
   std::set<std::string> reported_topics_;
 

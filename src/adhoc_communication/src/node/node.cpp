@@ -13,6 +13,7 @@ namespace adhoc_communication {
 namespace {
 
 constexpr double kStatusInterval = 1.0;   // s
+constexpr double kKeyFileInterval = 0.5;  // s
 constexpr double kTimeForResponse = 0.1;  // s, in which the answer of shut_down reaches its caller
 
 /// The link first, because it fails most: only then does the rest of the node come into being.
@@ -28,6 +29,14 @@ std::unique_ptr<Link> open_link_for(NodeOptions& options) {
   return link;
 }
 
+void read_keys_for(NodeOptions& options) {
+  if (options.key_file.empty()) {
+    ROS_WARN("Frames are neither encrypted nor authenticated: parameter ~key_file is not set");
+    return;
+  }
+  options.engine.keys = read_key_file(options.key_file);
+}
+
 }  // namespace
 
 Node::Node(const NodeOptions& options)
@@ -35,10 +44,11 @@ Node::Node(const NodeOptions& options)
       name_prefix_(options.simulation_mode ? "/" + options.engine.robot_name + "/" : ""),
       service_prefix_(name_prefix_ + "adhoc_communication/"),
       log_(options.log_path, options.engine.robot_name) {
+  read_keys_for(options_);
   auto link = open_link_for(options_);
   ROS_INFO("%s on interface %s with address %s", options_.engine.robot_name.c_str(), options_.interface.c_str(),
            to_text(link->address()).c_str());
-  injector_ = std::make_unique<Injector>(node_, name_prefix_);
+  injector_ = std::make_unique<Injector>(node_, name_prefix_, topic_filter());
   discovery_ = std::make_unique<Discovery>(node_, service_prefix_ + options_.topic_new_robot,
                                            service_prefix_ + options_.topic_remove_robot);
   ReceiveFilter filter(options_.engine.robot_name, options_.sim_robot_macs, options_.channel,
@@ -48,6 +58,9 @@ Node::Node(const NodeOptions& options)
   services_ = std::make_unique<Services>(node_, service_prefix_, *host_, log_, [this] { shut_down(); });
   status_ = node_.advertise<Status>(service_prefix_ + "status", 1, true);
   status_timer_ = node_.createWallTimer(ros::WallDuration(kStatusInterval), &Node::publish_status, this);
+  if (options_.key_file.empty()) return;
+  key_file_.emplace(options_.key_file);
+  key_timer_ = node_.createWallTimer(ros::WallDuration(kKeyFileInterval), &Node::reread_keys, this);
 }
 
 Node::~Node() {
@@ -60,6 +73,24 @@ HostCallbacks Node::callbacks() {
           [this](const std::string& robot) { discovery_->announce(robot); },
           [this](const std::string& robot) { discovery_->announce_loss(robot); },
           [this](const std::string& text) { ROS_WARN("Interface %s: %s", options_.interface.c_str(), text.c_str()); }};
+}
+
+/// What this node publishes itself, other robots may not.
+TopicFilter Node::topic_filter() const {
+  TopicFilter filter(options_.inject_allow, options_.inject_deny);
+  filter.deny(node_.resolveName(name_prefix_ + "adhoc_communication") + "/*");
+  return filter;
+}
+
+/// A file that cannot be used leaves the keys as they are.
+void Node::reread_keys(const ros::WallTimerEvent&) {
+  if (!key_file_->changed()) return;
+  try {
+    host_->set_keys(read_key_file(options_.key_file));
+    ROS_INFO("The keys of '%s' are in use", options_.key_file.c_str());
+  } catch (const std::invalid_argument& error) {
+    ROS_ERROR("The keys stay as they were: %s", error.what());
+  }
 }
 
 void Node::follow_ground_truth() {

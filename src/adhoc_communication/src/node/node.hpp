@@ -7,6 +7,7 @@
 #include <ros/wall_timer.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "node/discovery.hpp"
 #include "node/engine_host.hpp"
 #include "node/injector.hpp"
+#include "node/key_file.hpp"
 #include "node/options.hpp"
 #include "node/service_log.hpp"
 #include "node/services.hpp"
@@ -31,6 +33,8 @@ class Node {
   void follow_ground_truth();
   void publish_status(const ros::WallTimerEvent&);
   void shut_down();
+  TopicFilter topic_filter() const;
+  void reread_keys(const ros::WallTimerEvent&);
 
   NodeOptions options_;
   const std::string name_prefix_;     ///< /<self>/ in simulation mode, else empty
@@ -45,6 +49,8 @@ class Node {
   ros::Publisher status_;
   ros::WallTimer status_timer_;
   ros::WallTimer shut_down_timer_;
+  std::optional<FileWatch> key_file_;
+  ros::WallTimer key_timer_;
   std::vector<ros::Subscriber> ground_truth_;
 };
 

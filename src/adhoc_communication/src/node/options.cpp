@@ -142,6 +142,7 @@ void check(const NodeOptions& options) {
   if (!is_topic_element(options.topic_remove_robot)) {
     refuse("topic_remove_robot", "'" + options.topic_remove_robot + "'", "is not a topic name");
   }
+  if (options.require_key && options.key_file.empty()) refuse("require_key", "true", "needs ~key_file");
   validate(options.engine);
 }
 
@@ -234,6 +235,14 @@ std::vector<Parameter> make_parameters() {
           "log_path", [](NodeOptions & o) -> auto& { return o.log_path; }),
       stored(
           "join_groups_automatically", [](NodeOptions & o) -> auto& { return o.engine.join_groups_automatically; }),
+      stored(
+          "key_file", [](NodeOptions & o) -> auto& { return o.key_file; }),
+      stored(
+          "require_key", [](NodeOptions & o) -> auto& { return o.require_key; }),
+      stored(
+          "inject_allow", [](NodeOptions & o) -> auto& { return o.inject_allow; }),
+      stored(
+          "inject_deny", [](NodeOptions & o) -> auto& { return o.inject_deny; }),
       without_effect("enable_cooperative_relaying", "bool", "true", relaying_reason),
       without_effect("tx_power", "string", "", "the channel model and wireless interfaces take p_tx"),
       without_effect("use_sim_time", "bool", "false", "the protocol runs on the steady clock, never on ROS time"),

@@ -27,6 +27,10 @@ struct NodeOptions {
   std::string topic_remove_robot = "remove_robot";
   std::map<MacAddress, std::string> sim_robot_macs;
   std::string log_path;
+  std::string key_file;
+  bool require_key = false;
+  std::string inject_allow = "*";
+  std::string inject_deny = "/rosout /rosout_agg /clock /tf /tf_static";
 };
 
 struct Parameter {

@@ -4,6 +4,14 @@
 
 namespace adhoc_communication::routing {
 
+bool Neighbors::candidate(const MacAddress& address, wire::BootTag boot, Time now) {
+  const std::pair key(address, boot);
+  const bool listed = candidates_.count(key) != 0;
+  if (!listed && candidates_.size() >= kMostNeighbors) return false;
+  candidates_[key] = now;
+  return !listed;
+}
+
 Neighbor* Neighbors::heard(const MacAddress& address, wire::BootTag boot, Time now) {
   auto found = neighbors_.find(address);
   if (found == neighbors_.end()) {
@@ -17,6 +25,7 @@ Neighbor* Neighbors::heard(const MacAddress& address, wire::BootTag boot, Time n
     neighbor.boot = boot;
   }
   neighbor.last_heard = now;
+  candidates_.erase({address, boot});
   return &neighbor;
 }
 
@@ -61,6 +70,7 @@ std::vector<wire::HeardNeighbor> Neighbors::heard_list(std::size_t most, Time no
     if (now - neighbor.last_heard < timings_.neighbor_timeout)
       recent.push_back({neighbor.last_heard, {address, neighbor.boot}});
   }
+  for (const auto& [run, last_heard] : candidates_) recent.push_back({last_heard, {run.first, run.second}});
   if (recent.size() > most) {
     std::stable_sort(recent.begin(), recent.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     recent.resize(most);
@@ -79,6 +89,9 @@ bool Neighbors::all_hear(const MacAddress& robot, Time now) const {
 }
 
 std::vector<MacAddress> Neighbors::remove_silent(Time timeout, Time now) {
+  for (auto iterator = candidates_.begin(); iterator != candidates_.end();) {
+    iterator = now - iterator->second < timings_.neighbor_timeout ? std::next(iterator) : candidates_.erase(iterator);
+  }
   std::vector<MacAddress> removed;
   for (auto iterator = neighbors_.begin(); iterator != neighbors_.end();) {
     if (now - iterator->second.last_heard < timeout) {

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "routing/timings.hpp"
@@ -25,6 +26,9 @@ class Neighbors {
 
   explicit Neighbors(const Timings& timings) : timings_(timings) {}
 
+  /// A robot heard that has not proved yet that it is alive now: it is only listed in beacons. False when it was listed
+  /// already, or there is no room.
+  bool candidate(const MacAddress& address, wire::BootTag boot, Time now);
   /// Any frame. Null when the table is full.
   Neighbor* heard(const MacAddress& address, wire::BootTag boot, Time now);
   void beacon(const MacAddress& address, const wire::Beacon& beacon, const wire::HeardNeighbor& self, Time now);
@@ -50,6 +54,7 @@ class Neighbors {
  private:
   const Timings& timings_;
   std::map<MacAddress, Neighbor> neighbors_;
+  std::map<std::pair<MacAddress, wire::BootTag>, Time> candidates_;  ///< when they were heard last
 };
 
 }  // namespace adhoc_communication::routing

@@ -46,7 +46,7 @@ std::optional<FrameHeader> read_header(Reader& reader) {
   }
   header.type = static_cast<FrameType>(type);
   header.flags = reader.u8();
-  if ((header.flags & ~(kWantsAcknowledgment | kAcknowledgeNow)) != 0) return std::nullopt;
+  if ((header.flags & ~(kSealed | kWantsAcknowledgment | kAcknowledgeNow)) != 0) return std::nullopt;
   header.sender = reader.address();
   header.boot_id = reader.octets<16>();
   header.counter = reader.u64();
@@ -56,7 +56,7 @@ std::optional<FrameHeader> read_header(Reader& reader) {
   return header;
 }
 
-Bytes seal_openly(const FrameHeader& header, const Bytes& body) {
+Bytes close_openly(const FrameHeader& header, const Bytes& body) {
   Bytes frame;
   frame.reserve(kHeaderSize + body.size() + kChecksumSize);
   Writer writer(frame);
@@ -66,11 +66,11 @@ Bytes seal_openly(const FrameHeader& header, const Bytes& body) {
   return frame;
 }
 
-std::optional<Reader> open(const Bytes& frame) {
+std::optional<Reader> open_body(const Bytes& frame) {
   if (frame.size() < kHeaderSize + kChecksumSize) return std::nullopt;
   const std::size_t size = frame.size() - kChecksumSize;
   if (Reader(frame.data() + size, kChecksumSize).u32() != checksum(frame.data(), size)) return std::nullopt;
-  return Reader(frame.data(), size);
+  return Reader(frame.data() + kHeaderSize, size - kHeaderSize);
 }
 
 }  // namespace adhoc_communication::wire

@@ -27,7 +27,7 @@ enum class FrameType : std::uint8_t {
 };
 
 enum HeaderFlags : std::uint8_t {
-  kSealed = 0x01,               ///< an authentication tag follows the body; not spoken by this version
+  kSealed = 0x01,               ///< the body is encrypted and a tag follows it
   kWantsAcknowledgment = 0x02,  ///< link_sequence is meaningful, the next hop acknowledges
   kAcknowledgeNow = 0x04,       ///< do not wait for more frames before acknowledging
 };
@@ -48,8 +48,8 @@ void write(Writer& writer, const FrameHeader& header);
 std::optional<FrameHeader> read_header(Reader& reader);
 
 /// An open frame as it goes on the air.
-Bytes seal_openly(const FrameHeader& header, const Bytes& body);
-/// The reader over header and body, if the checksum is right.
-std::optional<Reader> open(const Bytes& frame);
+Bytes close_openly(const FrameHeader& header, const Bytes& body);
+/// The reader over the body of an open frame, if the checksum is right.
+std::optional<Reader> open_body(const Bytes& frame);
 
 }  // namespace adhoc_communication::wire

@@ -45,7 +45,7 @@ class Team {
     PacketReceived packet;
     Time at;
   };
-  /// What each robot has received and been told since its start.
+  /// What each robot has received and been told, restarts included.
   std::vector<Received>& received(std::size_t robot) { return robots_.at(robot).received; }
   std::vector<std::pair<Time, std::string>>& presence(std::size_t robot) { return robots_.at(robot).presence; }
   std::vector<GroupChangeFinished>& group_changes(std::size_t robot) { return robots_.at(robot).group_changes; }

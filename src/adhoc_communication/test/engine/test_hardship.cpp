@@ -240,13 +240,13 @@ TEST(Hardship, A1_9_HostileFramesChangeNothingForOthers) {
     header.counter = random.next();
     header.next_hop = random.next() % 2 == 0 ? Team::address(0) : wire::kEverybody;
     header.link_sequence = static_cast<std::uint32_t>(random.next());
-    Frame frame{header.next_hop, header.sender, wire::seal_openly(header, noise(random.next() % 120, random.next()))};
+    Frame frame{header.next_hop, header.sender, wire::close_openly(header, noise(random.next() % 120, random.next()))};
     if (i % 5 == 0) frame.bytes.resize(random.next() % (frame.bytes.size() + 1));
     if (i % 7 == 0 && !frame.bytes.empty()) frame.bytes[random.next() % frame.bytes.size()] ^= 0x10;
     team.engine(0).receive(frame, team.now());
     if (i % 50 == 0) team.run_for(1ms);
   }
-  EXPECT_GT(team.engine(0).statistics().frames_dropped_malformed, 10'000u);
+  EXPECT_GT(team.engine(0).statistics().frames_dropped.malformed, 10'000u);
   EXPECT_LE(team.engine(0).routes().size(), 1024u);
   team.run_for(10s);
   const Bytes payload = noise(50'000);

@@ -92,6 +92,10 @@ TEST(Options, EachParameterReachesItsOption) {
   EXPECT_DOUBLE_EQ(read(with("loss_ratio", 0.25)).engine.loss_ratio, 0.25);
   EXPECT_EQ(read(with("nack_threshold", 5)).engine.nack_threshold, 5);
   EXPECT_EQ(read(with("log_path", "/tmp")).log_path, "/tmp");
+  EXPECT_EQ(read(with("key_file", "/etc/team.key")).key_file, "/etc/team.key");
+  EXPECT_EQ(read(with("inject_allow", "/map_*")).inject_allow, "/map_*");
+  EXPECT_EQ(read(with("inject_deny", "/cmd_vel")).inject_deny, "/cmd_vel");
+  EXPECT_NE(refusal_of(with("require_key", true)).find("key_file"), std::string::npos);
   EXPECT_FALSE(read(with("join_groups_automatically", false)).engine.join_groups_automatically);
 }
 

@@ -1,0 +1,101 @@
+#include "security/frame_guard.hpp"
+
+#include <algorithm>
+
+namespace adhoc_communication::security {
+
+FrameGuard::FrameGuard(const Identity& self, std::vector<TeamKey> keys, FramesDropped& dropped)
+    : self_(self), dropped_(dropped) {
+  set_keys(std::move(keys));
+}
+
+void FrameGuard::set_keys(std::vector<TeamKey> keys) {
+  keys_ = std::move(keys);
+  if (seals()) own_key_ = derive_session_key(keys_.front(), self_.address, self_.boot_id);
+  for (auto& [run, session] : sessions_) session.key.reset();
+}
+
+Bytes FrameGuard::close(wire::FrameHeader header, const Bytes& body) const {
+  if (!seals()) return wire::close_openly(header, body);
+  header.flags |= wire::kSealed;
+  return seal(own_key_, header, body);
+}
+
+std::optional<OpenedFrame> FrameGuard::drop(std::uint64_t& counter) const {
+  ++counter;
+  return std::nullopt;
+}
+
+/// The cheap questions first: frames for others cost no cryptography.
+std::optional<OpenedFrame> FrameGuard::open(const Frame& frame, Time now) {
+  if (frame.destination != wire::kEverybody && frame.destination != self_.address) return std::nullopt;
+  wire::Reader reader(frame.bytes);
+  const std::optional<wire::FrameHeader> header = wire::read_header(reader);
+  if (!header || header->sender != frame.source) return drop(dropped_.malformed);
+  if (header->next_hop != wire::kEverybody && header->next_hop != self_.address) return std::nullopt;
+  if (header->sender == self_.address) return drop(dropped_.reflected);
+  const bool sealed = (header->flags & wire::kSealed) != 0;
+  if (sealed != seals()) return drop(sealed ? dropped_.no_key : dropped_.unsealed);
+  if (sealed) return open_sealed(*header, frame, now);
+  const std::optional<wire::Reader> body = wire::open_body(frame.bytes);
+  if (!body) return drop(dropped_.malformed);
+  return OpenedFrame{*header, {}, *body};
+}
+
+std::optional<OpenedFrame> FrameGuard::open_sealed(const wire::FrameHeader& header, const Frame& frame, Time now) {
+  if (frame.bytes.size() < wire::kHeaderSize + wire::kTagSize) return drop(dropped_.malformed);
+  const RunOfRobot run{header.sender, header.boot_id};
+  const auto known = sessions_.find(run);
+  const bool seen = known != sessions_.end() ? known->second.window.seen(header.counter) : header.counter == 0;
+  if (seen) return drop(dropped_.replayed);
+  std::optional<Bytes> body;
+  std::optional<SessionKey> key;
+  if (known != sessions_.end() && known->second.key) {
+    key = known->second.key;
+    body = unseal(*key, frame.bytes, header.counter);
+  }
+  if (!body) {
+    auto found = unseal_with_any_key(header, frame.bytes);
+    if (!found) return drop(dropped_.forged);
+    body = std::move(found->first);
+    key = found->second;
+  }
+  Session& session = known != sessions_.end() ? known->second : session_of(run);
+  session.key = key;
+  session.window.take(header.counter);
+  session.last_frame = now;
+  OpenedFrame opened{header, std::move(*body), wire::Reader(nullptr, 0)};
+  opened.body = wire::Reader(opened.plain);
+  return opened;
+}
+
+std::optional<std::pair<Bytes, SessionKey>> FrameGuard::unseal_with_any_key(const wire::FrameHeader& header,
+                                                                            const Bytes& frame) const {
+  for (const TeamKey& team_key : keys_) {
+    const SessionKey key = derive_session_key(team_key, header.sender, header.boot_id);
+    if (std::optional<Bytes> body = unseal(key, frame, header.counter)) return std::pair(std::move(*body), key);
+  }
+  return std::nullopt;
+}
+
+FrameGuard::Session& FrameGuard::session_of(const RunOfRobot& run) {
+  if (sessions_.size() >= kMostSessions) {
+    sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(), [](const auto& a, const auto& b) {
+      return std::pair(a.second.proven, a.second.last_frame) < std::pair(b.second.proven, b.second.last_frame);
+    }));
+  }
+  return sessions_[run];
+}
+
+bool FrameGuard::proven(const wire::FrameHeader& header) const {
+  if (!seals()) return true;
+  const auto session = sessions_.find({header.sender, header.boot_id});
+  return session != sessions_.end() && session->second.proven;
+}
+
+void FrameGuard::prove(const wire::FrameHeader& header) {
+  const auto session = sessions_.find({header.sender, header.boot_id});
+  if (session != sessions_.end()) session->second.proven = true;
+}
+
+}  // namespace adhoc_communication::security
