@@ -15,6 +15,7 @@ NEEDED = {  # arguments without a default
     "team_robot.launch": [
         "robot_name:=robot_0",
         "interface:=radio0",
+        "key_file:=/x",
         "world_socket:=/x",
         "report_socket:=/x",
         "start_pose:=0 0 0",
