@@ -3,6 +3,8 @@ option(ADHOC_SANITIZE "Build the protocol engine with AddressSanitizer and Undef
 
 find_path(ZSTD_INCLUDE_DIR zstd.h REQUIRED)
 find_library(ZSTD_LIBRARY zstd REQUIRED)
+find_path(ISAL_INCLUDE_DIR isa-l/erasure_code.h REQUIRED)
+find_library(ISAL_LIBRARY isal REQUIRED)
 find_path(SODIUM_INCLUDE_DIR sodium.h REQUIRED)
 find_library(SODIUM_LIBRARY sodium REQUIRED)
 
@@ -21,8 +23,8 @@ set_target_properties(adhoc_engine PROPERTIES POSITION_INDEPENDENT_CODE ON)
 target_compile_features(adhoc_engine PUBLIC cxx_std_17)
 target_compile_options(adhoc_engine PRIVATE -Wall -Wextra -Werror)
 target_include_directories(adhoc_engine PUBLIC ${ADHOC_ENGINE_DIR}/include ${ADHOC_ENGINE_DIR}/src
-                           PRIVATE ${ZSTD_INCLUDE_DIR} ${SODIUM_INCLUDE_DIR})
-target_link_libraries(adhoc_engine PUBLIC ${ZSTD_LIBRARY} ${SODIUM_LIBRARY})
+                           PRIVATE ${ISAL_INCLUDE_DIR} ${SODIUM_INCLUDE_DIR} ${ZSTD_INCLUDE_DIR})
+target_link_libraries(adhoc_engine PUBLIC ${ISAL_LIBRARY} ${SODIUM_LIBRARY} ${ZSTD_LIBRARY})
 if(ADHOC_SANITIZE)
   target_compile_options(adhoc_engine PUBLIC -fsanitize=address,undefined -fno-sanitize-recover=undefined)
   target_link_libraries(adhoc_engine PUBLIC -fsanitize=address,undefined)

@@ -33,7 +33,7 @@ bool Engine::Implementation::pump_priority(std::uint8_t priority, Time now) {
     if (finished) finish(*finished, true, {}, now);
     return true;
   }
-  return pump_streams(priority, now);
+  return pump_groups(priority, now) || pump_streams(priority, now);
 }
 
 /// Repetitions and frames of others, one neighbour after the other.
@@ -57,6 +57,13 @@ bool Engine::Implementation::pump_links(std::uint8_t priority, Time now) {
     return true;
   }
   return false;
+}
+
+bool Engine::Implementation::pump_groups(std::uint8_t priority, Time now) {
+  if (air_.ready_at() > now || !distributor_.has_frame(priority)) return false;
+  const multicast::GroupFrame frame = distributor_.next_frame(priority, now);
+  transmit(FrameType::kGroupData, 0, frame.destination, 0, next_counter_++, frame.body, now);
+  return true;
 }
 
 /// Own packets, one destination after the other.
@@ -116,8 +123,8 @@ bool Engine::Implementation::something_to_send() const {
       if (link.sender.has_waiting(priority) && link.sender.may_start()) return true;
     }
   }
-  for (const auto& broadcasts : broadcasts_) {
-    if (broadcasts.has_segment()) return true;
+  for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
+    if (broadcasts_[priority].has_segment() || distributor_.has_frame(priority)) return true;
   }
   return std::any_of(streams_.begin(), streams_.end(), [&](const auto& item) {
     const Stream& stream = item.second;
