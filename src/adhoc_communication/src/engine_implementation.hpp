@@ -192,6 +192,8 @@ class Engine::Implementation : private Outbox {
   SendId next_send_id_ = 1;
   std::uint32_t next_flood_id_ = 0;
   std::uint64_t next_counter_ = 1;
+  std::uint64_t last_group_counter_ = 0;
+  int group_pair_ = 0;  ///< counts frames to groups; 0 and 1 are a pair
   Time now_{0};
   Time beacon_due_{0};
   Time last_beacon_{-1};

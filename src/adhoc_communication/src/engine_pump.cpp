@@ -59,10 +59,14 @@ bool Engine::Implementation::pump_links(std::uint8_t priority, Time now) {
   return false;
 }
 
+/// As on a link, of some frames a second follows the first without a gap, which measures the air.
 bool Engine::Implementation::pump_groups(std::uint8_t priority, Time now) {
-  if (air_.ready_at() > now || !distributor_.has_frame(priority)) return false;
-  const multicast::GroupFrame frame = distributor_.next_frame(priority, now);
-  transmit(FrameType::kGroupData, 0, frame.destination, 0, next_counter_++, frame.body, now);
+  const bool follows = next_counter_ == last_group_counter_ + 1 && group_pair_ == 1;
+  if ((air_.ready_at() > now && !follows) || !distributor_.has_frame(priority)) return false;
+  const multicast::GroupFrame frame = distributor_.next_frame(priority, follows, now);
+  last_group_counter_ = next_counter_++;
+  group_pair_ = (group_pair_ + 1) % (air_.calibrated() ? kPairInterval : 2);
+  transmit(FrameType::kGroupData, 0, frame.destination, 0, last_group_counter_, frame.body, now);
   return true;
 }
 

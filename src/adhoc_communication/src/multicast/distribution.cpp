@@ -100,6 +100,11 @@ void Distribution::close_round(Time now) {
   ++round_;
 }
 
+std::uint16_t Distribution::question_round() {
+  timing_ = false;  // which question is answered is not known any more (Karn)
+  return round_++;
+}
+
 bool Distribution::reported(const MacAddress& from, const wire::GroupReport& report, bool covers_all, Time now) {
   const auto found = children_.find(from);
   if (found == children_.end()) return false;
@@ -193,7 +198,9 @@ std::vector<MacAddress> Distribution::stuck(Time now) const {
   std::vector<MacAddress> result;
   if (!packet_.complete()) return result;
   for (const auto& [address, child] : children_) {
-    if (!child.done && now - child.progress >= kNoProgress) result.push_back(address);
+    const bool waits =
+        std::all_of(child.missing.begin(), child.missing.end(), [](auto missing) { return missing == 0; });
+    if (!child.done && now - child.progress >= (waits ? kNoEnd : kNoProgress)) result.push_back(address);
   }
   return result;
 }

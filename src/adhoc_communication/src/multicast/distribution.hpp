@@ -23,6 +23,7 @@ class Distribution {
   static constexpr int kFramesPerQuestion = 48;
   static constexpr Time kSubtreePatience = std::chrono::milliseconds(250);  ///< between questions to a child that waits
   static constexpr Time kNoProgress = std::chrono::seconds(10);
+  static constexpr Time kNoEnd = std::chrono::seconds(30);
 
   /// `first_parity`: where in the parity symbols to begin, so that neighbours that both send differ.
   Distribution(const GroupPacket& packet, transport::RoundTrip& round_trip, std::uint8_t first_parity, Time now);
@@ -43,13 +44,13 @@ class Distribution {
   /// The next frame; has_frame() holds.
   Outgoing next(Time now);
   /// The round of a question without frame; such a question follows all frames sent.
-  std::uint16_t question_round() { return round_++; }
+  std::uint16_t question_round();
 
   /// The answer of a child. True when all behind it have the packet.
   bool reported(const MacAddress& child, const wire::GroupReport& report, bool covers_all, Time now);
   /// Plans repairs whose answers are in or overdue. Returns the children to ask by themselves.
   std::vector<MacAddress> poll(Time now);
-  /// Children that have made no progress for kNoProgress.
+  /// Children without progress: for kNoProgress, or kNoEnd where only those behind them miss something.
   std::vector<MacAddress> stuck(Time now) const;
   Time next_deadline() const;
 

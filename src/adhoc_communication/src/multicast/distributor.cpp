@@ -104,12 +104,19 @@ void Distributor::erase_transfer(GroupStream& stream, std::map<std::uint32_t, Tr
 void Distributor::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Time now) {
   if (is_root(data.root)) return;
   Tree* tree = find_tree(data.root, data.root_boot);
-  if (tree == nullptr || !tree->upstream) return;
+  const bool question = data.octets.empty();
+  if (tree == nullptr || !tree->upstream || (question && tree->upstream != from)) {
+    if (question) disown(from, data);
+    return;
+  }
   tree->last_used = now;
   Branch& branch = branches_[data.root];
   const bool from_upstream = tree->upstream == from;
   if (from_upstream) {
-    branch.spacing = counter == branch.last_counter + 1 ? now - branch.last_arrival : Time(0);
+    if (data.follows && counter == branch.last_counter + 1) {
+      branch.measured_counter = counter;
+      branch.spacing = now - branch.last_arrival;
+    }
     branch.last_counter = counter;
     branch.last_arrival = now;
   }
@@ -117,12 +124,12 @@ void Distributor::on_data(const MacAddress& from, std::uint64_t counter, const w
   Transfer* transfer = transfer_for(data.root, *tree, data, now);
   if (transfer == nullptr) return;
   transfer->last_news = now;
-  if (!data.octets.empty() && transfer->packet->take(data.block, data.symbol, data.octets)) {
+  if (!question && transfer->packet->take(data.block, data.symbol, data.octets)) {
     deliver(data.root, branch.streams[data.stream]);
   }
   if (!from_upstream || !data.report) return;
   transfer->round = std::max(transfer->round, data.round);
-  if (data.octets.empty()) return report(data.root, *tree, data.stream, data.packet, *transfer, true);
+  if (question) return report(data.root, *tree, data.stream, data.packet, *transfer, true);
   transfer->report_due = now + random_.delay(kReportJitter);
 }
 
@@ -207,18 +214,29 @@ void Distributor::take_copy(const MacAddress& root, wire::BootTag boot, std::uin
 void Distributor::on_report(const MacAddress& from, const wire::GroupReport& report, Time now) {
   Tree* tree = find_tree(report.root, report.root_boot);
   if (tree == nullptr) return;
-  if (report.newest_counter != 0) air_.acknowledged(report.newest_counter, Time(report.spacing_ns), now);
+  if (report.measured_counter != 0) air_.acknowledged(report.measured_counter, Time(report.spacing_ns), now);
   GroupStream& stream = branches_[report.root].streams[report.stream];
   const auto found = stream.transfers.find(report.packet);
   if (found == stream.transfers.end()) return;
   Transfer& transfer = found->second;
   const bool covers_all = report.epoch == tree->epoch && report.coverage == tree->coverage(from);
+  if (!covers_all && tree->children.count(from) != 0) activate_again(report.root, *tree, from, now);
   if (!transfer.to_children->reported(from, report, covers_all, now)) return;
   if (!is_root(report.root)) return tell_complete(report.root, *tree, report.stream, report.packet, transfer);
   for (const MacAddress& member : tree->children[from]) {
     branches_[self_.address].refusals.erase(member);
     finish_member(transfer, {transfer.id, member, true, false, {}});
   }
+}
+
+/// A question about a tree to which this robot does not belong in that way: the other one has to be told.
+void Distributor::disown(const MacAddress& from, const wire::GroupData& question) {
+  wire::GroupReport report;
+  report.root = question.root;
+  report.root_boot = question.root_boot;
+  report.stream = question.stream;
+  report.packet = question.packet;
+  outbox_.unicast(from, FrameType::kGroupReport, to_bytes(report));
 }
 
 /// Once this robot and all behind it have the packet, upstream hears of it reliably.
@@ -247,7 +265,7 @@ void Distributor::report(const MacAddress& root, const Tree& tree, std::uint8_t 
   report.round = transfer.round;
   report.complete = transfer.packet->complete() && transfer.to_children->done() && tree.unrouted.empty();
   report.coverage = tree.own_coverage(self_.address);
-  report.newest_counter = branch.last_counter;
+  report.measured_counter = branch.measured_counter;
   report.spacing_ns = static_cast<std::uint32_t>(std::min<Time::rep>(branch.spacing.count(), UINT32_MAX));
   while (report.first_block < blocks.size() && blocks[report.first_block].complete()) ++report.first_block;
   for (std::size_t block = report.first_block; block < blocks.size(); ++block) {
@@ -282,17 +300,8 @@ void Distributor::serve(const MacAddress& root, Tree& tree, std::uint8_t stream,
   if (transfer.report_due && *transfer.report_due <= now) report(root, tree, stream, number, transfer, false);
   const std::vector<MacAddress> silent = transfer.to_children->poll(now);
   if (silent.empty()) return;
-  std::set<MacAddress> stuck;
-  for (const MacAddress& child : transfer.to_children->stuck(now)) {
-    const auto& members = tree.children[child];
-    stuck.insert(members.begin(), members.end());
-  }
-  if (!stuck.empty() && is_root(root)) {
-    for (const MacAddress& member : stuck) {
-      finish_member(transfer, {transfer.id, member, false, true, {}});
-    }
-    return;
-  }
+  const std::vector<MacAddress> stuck = transfer.to_children->stuck(now);
+  if (!stuck.empty()) return give_up(root, tree, stuck, now);
   const std::uint16_t round = transfer.to_children->question_round();
   for (const MacAddress& child : silent) {
     wire::GroupData question = header(root, tree, stream, number, transfer);
@@ -331,7 +340,7 @@ bool Distributor::has_frame(std::uint8_t priority) const {
   });
 }
 
-GroupFrame Distributor::next_frame(std::uint8_t priority, Time now) {
+GroupFrame Distributor::next_frame(std::uint8_t priority, bool follows, Time now) {
   auto iterator = branches_.upper_bound(last_root_served_);
   for (std::size_t visited = 0; visited < branches_.size(); ++visited, ++iterator) {
     if (iterator == branches_.end()) iterator = branches_.begin();
@@ -343,6 +352,7 @@ GroupFrame Distributor::next_frame(std::uint8_t priority, Time now) {
       const Distribution::Outgoing outgoing = transfer.to_children->next(now);
       wire::GroupData data = header(root, tree, priority, number, transfer);
       data.report = outgoing.question;
+      data.follows = follows;
       data.round = outgoing.round;
       data.block = static_cast<std::uint16_t>(outgoing.block);
       data.symbol = static_cast<std::uint8_t>(outgoing.symbol);

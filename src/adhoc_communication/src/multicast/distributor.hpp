@@ -50,6 +50,7 @@ class Distributor {
   static constexpr Time kIdleTree = std::chrono::seconds(60);
   static constexpr Time kIdleTransfer = std::chrono::seconds(20);
   static constexpr Time kReportJitter = std::chrono::milliseconds(1);
+  static constexpr Time kActivationInterval = std::chrono::milliseconds(50);
   static constexpr int kMostRefusals = 2;  ///< of a member, before it is served by itself
 
   Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random, transport::AirClock& air,
@@ -83,7 +84,7 @@ class Distributor {
   Time next_deadline() const;
   bool has_frame(std::uint8_t priority) const;
   /// has_frame() holds.
-  GroupFrame next_frame(std::uint8_t priority, Time now);
+  GroupFrame next_frame(std::uint8_t priority, bool follows, Time now);
   /// Forgets what has been idle.
   void expire(Time now);
 
@@ -94,9 +95,12 @@ class Distributor {
   struct Branch {
     Streams streams;
     std::map<MacAddress, int> refusals;
+    std::map<MacAddress, Time> activated_again;
     bool build_anew = false;
-    std::uint64_t last_counter = 0;  ///< of the frames from upstream, to learn their rhythm
+    // The rhythm of the frames from upstream.
+    std::uint64_t last_counter = 0;
     Time last_arrival{0};
+    std::uint64_t measured_counter = 0;
     Time spacing{0};
     transport::RoundTrip round_trip{std::chrono::milliseconds(30), std::chrono::milliseconds(10),
                                     std::chrono::milliseconds(200)};
@@ -109,7 +113,9 @@ class Distributor {
   void build_anew(Time now);
   std::set<MacAddress> attach(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members, Time now);
   void attach_routed(Time now);
+  void activate_again(const MacAddress& root, const Tree& tree, const MacAddress& child, Time now);
   void activate(const MacAddress& root, const Tree& tree, const std::set<MacAddress>& children);
+  void give_up(const MacAddress& root, Tree& tree, const std::vector<MacAddress>& children, Time now);
   void refuse(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members, Time now);
   void refused_at_root(const std::set<MacAddress>& members, const std::string& reason, bool final, Time now);
   void children_changed(const MacAddress& root, bool anew, Time now);
@@ -122,6 +128,7 @@ class Distributor {
   void deliver(const MacAddress& root, GroupStream& stream);
   void tell_complete(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
                      Transfer& transfer);
+  void disown(const MacAddress& from, const wire::GroupData& question);
   void report(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number, Transfer& transfer,
               bool reliably);
   void serve(const MacAddress& root, Tree& tree, std::uint8_t stream, std::uint32_t number, Transfer& transfer,

@@ -92,6 +92,14 @@ void Distributor::activate(const MacAddress& root, const Tree& tree, const std::
   }
 }
 
+/// A child that knows another tree has missed an activation, or its refusal was lost.
+void Distributor::activate_again(const MacAddress& root, const Tree& tree, const MacAddress& child, Time now) {
+  Time& last = branches_.at(root).activated_again[child];
+  if (now - last < kActivationInterval) return;
+  last = now;
+  activate(root, tree, {child});
+}
+
 void Distributor::on_activation(const MacAddress& from, const wire::GroupActivation& activation, Time now) {
   if (is_root(activation.root)) return;
   Tree& tree = tree_of(activation.root, activation.root_boot, now);
@@ -155,9 +163,13 @@ void Distributor::on_refusal(const MacAddress& from, const wire::GroupRefusal& r
 }
 
 void Distributor::link_lost(const MacAddress& neighbor, Time now) {
-  for (auto& [root, tree] : trees_) {
-    if (tree.upstream == neighbor) tree.upstream.reset();
-    const auto child = tree.children.find(neighbor);
+  for (auto& [root, tree] : trees_) give_up(root, tree, {neighbor}, now);
+}
+
+/// These children are of no use: what is behind them goes back upstream.
+void Distributor::give_up(const MacAddress& root, Tree& tree, const std::vector<MacAddress>& children, Time now) {
+  for (const MacAddress& address : children) {
+    const auto child = tree.children.find(address);
     if (child == tree.children.end()) continue;
     const std::set<MacAddress> members = std::move(child->second);
     tree.children.erase(child);

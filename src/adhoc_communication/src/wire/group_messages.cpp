@@ -6,6 +6,7 @@ namespace {
 
 constexpr std::uint8_t kStreamMask = 0x03;
 constexpr std::uint8_t kReportFlag = 0x80;
+constexpr std::uint8_t kFollowsFlag = 0x40;
 constexpr std::uint8_t kCompleteFlag = 0x80;
 
 template <typename Message>
@@ -44,7 +45,8 @@ std::optional<GroupRefusal> read_group_refusal(Reader reader) {
 void write(Writer& writer, const GroupData& data) {
   writer.octets(data.root);
   writer.u64(data.root_boot);
-  writer.u8(static_cast<std::uint8_t>(data.stream | (data.report ? kReportFlag : 0)));
+  writer.u8(
+      static_cast<std::uint8_t>(data.stream | (data.report ? kReportFlag : 0) | (data.follows ? kFollowsFlag : 0)));
   writer.u8(data.hops);
   writer.u16(data.round);
   writer.u32(data.packet);
@@ -63,6 +65,7 @@ std::optional<GroupData> read_group_data(Reader reader) {
   const std::uint8_t stream = reader.u8();
   data.stream = stream & kStreamMask;
   data.report = (stream & kReportFlag) != 0;
+  data.follows = (stream & kFollowsFlag) != 0;
   data.hops = reader.u8();
   data.round = reader.u16();
   data.packet = reader.u32();
@@ -72,7 +75,7 @@ std::optional<GroupData> read_group_data(Reader reader) {
   data.block = reader.u16();
   data.symbol = reader.u8();
   data.octets = reader.rest();
-  if (!reader.ok() || (stream & ~(kStreamMask | kReportFlag)) != 0) return std::nullopt;
+  if (!reader.ok() || (stream & ~(kStreamMask | kReportFlag | kFollowsFlag)) != 0) return std::nullopt;
   if (data.hops == 0 || data.hops > kFarthestHop || data.total == 0 || data.segment_size == 0) return std::nullopt;
   if (data.octets.size() > data.segment_size || (data.octets.empty() && !data.report)) return std::nullopt;
   return data;
@@ -85,7 +88,7 @@ void write(Writer& writer, const GroupReport& report) {
   writer.u32(report.packet);
   writer.u32(report.epoch);
   writer.u16(report.round);
-  writer.u64(report.newest_counter);
+  writer.u64(report.measured_counter);
   writer.u32(report.spacing_ns);
   writer.u32(report.coverage);
   writer.u16(report.first_block);
@@ -102,7 +105,7 @@ std::optional<GroupReport> read_group_report(Reader reader) {
   report.packet = reader.u32();
   report.epoch = reader.u32();
   report.round = reader.u16();
-  report.newest_counter = reader.u64();
+  report.measured_counter = reader.u64();
   report.spacing_ns = reader.u32();
   report.coverage = reader.u32();
   report.first_block = reader.u16();

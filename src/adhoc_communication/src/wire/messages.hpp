@@ -170,6 +170,7 @@ struct GroupData {
   BootTag root_boot = 0;
   std::uint8_t stream = 0;         ///< priority; order is kept within a stream
   bool report = false;             ///< the receiver answers with a report
+  bool follows = false;            ///< handed to the radio together with the frame before: measures the air
   std::uint8_t hops = 1;           ///< counting the one it travels now
   std::uint16_t round = 0;         ///< of the sender of this frame; reports repeat it
   std::uint32_t packet = 0;        ///< number of the packet in its stream
@@ -189,13 +190,13 @@ struct GroupReport {
   std::uint8_t stream = 0;
   std::uint32_t packet = 0;
   std::uint32_t epoch = 0;
-  std::uint16_t round = 0;           ///< greatest one heard
-  bool complete = false;             ///< the robot and all behind it have the packet
-  std::uint64_t newest_counter = 0;  ///< of the frames from upstream
-  std::uint32_t spacing_ns = 0;      ///< between its arrival and that of the frame sent just before; 0 unknown
-  std::uint32_t coverage = 0;        ///< which members that is: exclusive or of their digests
-  std::uint16_t first_block = 0;     ///< all blocks before are complete
-  Bytes missing;                     ///< symbols missing of the blocks from there on, of blocks up to 3 frames as bits
+  std::uint16_t round = 0;             ///< greatest one heard
+  bool complete = false;               ///< the robot and all behind it have the packet
+  std::uint64_t measured_counter = 0;  ///< of a frame from upstream that followed directly; 0 none
+  std::uint32_t spacing_ns = 0;        ///< between its arrival and that of the frame before
+  std::uint32_t coverage = 0;          ///< which members that is: exclusive or of their digests
+  std::uint16_t first_block = 0;       ///< all blocks before are complete
+  Bytes missing;  ///< symbols missing of the blocks from there on, of blocks up to 3 frames as bits
 };
 constexpr std::size_t kMostBlocksOfReport = 16;
 
