@@ -40,7 +40,7 @@ class Plan:
     robots: list[RobotPlan]
     out: str
     isolation: str
-    programs: dict[str, str] = field(default_factory=dict)  # name -> path, see tools.PROGRAMS
+    programs: dict[str, str] = field(default_factory=dict)  # name -> path, see programs.PROGRAMS
     private: str = ""  # folder for sockets
 
     def robot_folder(self, robot: RobotPlan) -> Path:
