@@ -51,6 +51,9 @@ void Engine::Implementation::maintain(Time now) {
     link_lost(neighbor, now);
     links_.erase(neighbor);
   }
+  for (auto link = links_.begin(); link != links_.end();) {
+    link = neighbors_.find(link->first) == nullptr ? links_.erase(link) : std::next(link);
+  }
   for (auto& [neighbor, link] : links_) neighbors_.set_loss(neighbor, link.sender.loss());
   directory_.expire(now);
   router_.expire(now);
@@ -58,7 +61,7 @@ void Engine::Implementation::maintain(Time now) {
   for (auto& [source, receiver] : receivers_) receiver->expire(now);
   expire_waiting_sends(now);
   distributor_.expire(now);
-  join_due_groups(now);
+  settle_memberships(now);
 }
 
 void Engine::Implementation::announce_changes(Time now) {
@@ -66,11 +69,12 @@ void Engine::Implementation::announce_changes(Time now) {
     const std::string group = multicast::group_of(change.robot);
     if (change.appeared) {
       report(RobotAppeared{change.robot});
-      if (options_.join_groups_automatically) start_join(group, now);
+      member_returned(change.robot, now);
+      if (options_.join_groups_automatically || groups_.memberships.count(group) != 0) start_join(group, now);
       continue;
     }
     report(RobotLost{change.robot});
-    remove_member(change.robot, change.robot + " was lost", now);
+    member_lost(change.robot, now);
     const auto membership = groups_.memberships.find(group);
     if (membership != groups_.memberships.end()) membership->second.joined = false;
   }

@@ -1,4 +1,6 @@
 // Membership of groups.
+#include <algorithm>
+
 #include "engine_implementation.hpp"
 #include "texts.hpp"
 
@@ -9,7 +11,7 @@ using transport::PacketKind;
 SendId Engine::Implementation::send_control(const std::string& destination, PacketKind kind, const std::string& group,
                                             Bytes payload, Purpose purpose, Time now) {
   const transport::Image image = transport::encode({kind, 0, group, {}, std::move(payload)});
-  return start_unicast(destination, image, Priority::kControl, {purpose, destination, group, 0, 0}, now);
+  return start_unicast(destination, image, Priority::kControl, {purpose, destination, group, 0, 0, {}}, now);
 }
 
 void Engine::Implementation::join_group(const std::string& group, Time now) {
@@ -38,10 +40,13 @@ void Engine::Implementation::leave_group(const std::string& group, Time now) {
   if (found == groups_.memberships.end() || !found->second.wanted) {
     return report(GroupChangeFinished{group, false, false, "this robot is not a member of " + group});
   }
+  if (found->second.asked_by_host) {
+    report(GroupChangeFinished{group, true, false, group + " was left before it was joined"});
+  }
   // Left at once for this robot; the root hears of it as soon as it can be reached.
   found->second = multicast::Membership{};
   found->second.wanted = false;
-  send_control(*multicast::root_of(group), PacketKind::kGroupLeave, group, {}, Purpose::kLeave, now);
+  start_leave(group, now);
   report(GroupChangeFinished{group, false, true, {}});
 }
 
@@ -53,24 +58,39 @@ void Engine::Implementation::start_join(const std::string& group, Time now) {
   send_control(*multicast::root_of(group), PacketKind::kGroupJoin, group, {}, Purpose::kJoin, now);
 }
 
-/// Joins that failed are tried again while the root is known.
-void Engine::Implementation::join_due_groups(Time now) {
-  if (!options_.join_groups_automatically) return;
+/// Joins and leaves that have not reached the root are tried again while it is known.
+void Engine::Implementation::settle_memberships(Time now) {
   for (auto& [group, membership] : groups_.memberships) {
-    if (membership.joined || membership.joining || !membership.wanted || membership.retry_at > now) continue;
+    const bool settled = membership.wanted ? membership.joined || membership.joining : membership.leaving;
+    if (settled || membership.retry_at > now) continue;
     const auto address = directory_.address_of(*multicast::root_of(group));
-    if (address && directory_.find(*address)->announced) start_join(group, now);
+    if (!address || !directory_.find(*address)->announced) continue;
+    if (membership.wanted) {
+      start_join(group, now);
+    } else {
+      start_leave(group, now);
+    }
   }
+}
+
+void Engine::Implementation::start_leave(const std::string& group, Time now) {
+  groups_.memberships[group].leaving = true;
+  send_control(*multicast::root_of(group), PacketKind::kGroupLeave, group, {}, Purpose::kLeave, now);
 }
 
 void Engine::Implementation::finish_membership(const Sending& sending, bool delivered, const std::string& reason,
                                                Time now) {
   const auto found = groups_.memberships.find(sending.group);
-  if (sending.purpose == Purpose::kLeave || found == groups_.memberships.end()) return;
+  if (found == groups_.memberships.end()) return;
   multicast::Membership& membership = found->second;
+  membership.retry_at = now + multicast::Groups::kRetry;
+  if (sending.purpose == Purpose::kLeave) {
+    membership.leaving = false;
+    if (delivered && !membership.wanted) groups_.memberships.erase(found);
+    return;
+  }
   membership.joining = false;
   membership.joined = delivered && membership.wanted;
-  membership.retry_at = now + multicast::Groups::kRetry;
   if (!std::exchange(membership.asked_by_host, false)) return;
   report(GroupChangeFinished{sending.group, true, delivered,
                              delivered ? "" : "cannot join " + sending.group + ": " + reason});
@@ -83,6 +103,7 @@ void Engine::Implementation::on_group_packet(const std::string& source, const tr
       if (own) admit_member(source, now);
       return;
     case PacketKind::kGroupLeave:
+      if (own) groups_.absent.erase(source);
       if (own) remove_member(source, source + " has left the group", now);
       return;
     case PacketKind::kGroupMembersRequest:
@@ -106,11 +127,31 @@ void Engine::Implementation::admit_member(const std::string& name, Time now) {
   const bool known = groups_.members.count(name) != 0;
   if (!known && groups_.members.size() >= multicast::Groups::kMostMembers) return;
   groups_.members[name];
+  groups_.absent.erase(name);
   if (known) return;
   const std::deque<multicast::HeldPacket> held = groups_.held;
   for (const multicast::HeldPacket& packet : held) {
     if (now - packet.sent < multicast::Groups::kHeld) send_copy(name, packet, Purpose::kCatchUp, 0, now);
   }
+}
+
+/// A member that falls silent stays one as long as it runs: it need not have noticed.
+void Engine::Implementation::member_lost(const std::string& name, Time now) {
+  if (groups_.members.count(name) == 0) return;
+  const auto address = directory_.address_of(name);
+  if (address && groups_.absent.size() < multicast::Groups::kMostMembers) {
+    groups_.absent[name] = directory_.find(*address)->boot;
+  }
+  remove_member(name, name + " was lost", now);
+}
+
+void Engine::Implementation::member_returned(const std::string& name, Time now) {
+  const auto absent = groups_.absent.find(name);
+  if (absent == groups_.absent.end()) return;
+  const auto address = directory_.address_of(name);
+  const bool same_run = address && directory_.find(*address)->boot == absent->second;
+  groups_.absent.erase(absent);
+  if (same_run) admit_member(name, now);
 }
 
 void Engine::Implementation::remove_member(const std::string& name, const std::string& reason, Time now) {
@@ -123,11 +164,14 @@ void Engine::Implementation::send_copy(const std::string& name, const multicast:
   if (const auto member = groups_.members.find(name); member != groups_.members.end()) ++member->second.copies;
   const transport::Image image = transport::encode(
       {PacketKind::kGroupCopy, 0, multicast::group_of(self_.name), {}, multicast::encode_copy(packet)});
-  start_unicast(name, image, static_cast<Priority>(packet.stream), {purpose, name, {}, parent, 0}, now);
+  distributor_.copy_started(packet.stream, packet.number);
+  Sending sending{purpose, name, {}, parent, 0, std::pair(packet.stream, packet.number)};
+  start_unicast(name, image, static_cast<Priority>(packet.stream), std::move(sending), now);
 }
 
-void Engine::Implementation::copy_finished(const std::string& name) {
-  const auto member = groups_.members.find(name);
+void Engine::Implementation::copy_finished(const Sending& copy) {
+  if (copy.copy) distributor_.copy_finished(copy.copy->first, copy.copy->second);
+  const auto member = groups_.members.find(copy.destination);
   if (member != groups_.members.end() && member->second.copies > 0) --member->second.copies;
 }
 
@@ -142,7 +186,7 @@ void Engine::Implementation::on_copy(const std::string& source, const transport:
 void Engine::Implementation::finish_group_members(Time now) {
   for (const multicast::MemberEnd& end : distributor_.take_ends()) {
     const routing::Robot* robot = directory_.find(end.member);
-    const std::string name = robot != nullptr ? robot->name : "a robot that is gone";
+    const std::string name = name_of(end.member);
     const auto fan_out = groups_.fan_outs.find(end.id);
     if (end.by_copy && robot != nullptr && fan_out != groups_.fan_outs.end()) {
       send_copy(name, multicast::HeldPacket(fan_out->second.packet), Purpose::kFanOut, end.id, now);
@@ -177,22 +221,41 @@ void Engine::Implementation::on_members(const std::string& group, const std::vec
   for (const multicast::WaitingSend& send : waiting) fan_out(send.id, others, send.image, send.priority, now);
 }
 
-void Engine::Implementation::expire_waiting_sends(Time now) {
-  for (auto iterator = groups_.waiting.begin(); iterator != groups_.waiting.end();) {
-    const std::string group = iterator->first;
-    if (iterator->second.front().give_up > now) {
-      ++iterator;
-      continue;
-    }
-    const std::vector<multicast::WaitingSend> waiting = std::move(iterator->second);
-    iterator = groups_.waiting.erase(iterator);
-    for (const multicast::WaitingSend& send : waiting) {
-      finish(send.id, false,
-             *multicast::root_of(group) + " did not name the members of " + group + " within " +
-                 seconds_text(multicast::Groups::kMembersPatience),
-             now);
-    }
+void Engine::Implementation::request_members(const std::string& group, Time now) {
+  send_control(*multicast::root_of(group), PacketKind::kGroupMembersRequest, group, {}, Purpose::kMembersRequest, now);
+}
+
+void Engine::Implementation::fail_waiting_sends(const std::string& group, const std::string& reason, Time now) {
+  const auto waiting = groups_.waiting.extract(group);
+  if (!waiting) return;
+  for (const multicast::WaitingSend& send : waiting.mapped()) {
+    finish(send.id, false, "cannot learn the members of " + group + ": " + reason, now);
   }
+}
+
+/// Each send has its own patience; for those that came later the root is asked again.
+void Engine::Implementation::expire_waiting_sends(Time now) {
+  std::vector<SendId> expired;
+  std::vector<std::string> to_ask;
+  for (auto& [group, waiting] : groups_.waiting) {
+    const std::size_t before = expired.size();
+    for (const multicast::WaitingSend& send : waiting) {
+      if (send.give_up <= now) expired.push_back(send.id);
+    }
+    if (expired.size() == before) continue;
+    waiting.erase(std::remove_if(waiting.begin(), waiting.end(), [&](const auto& send) { return send.give_up <= now; }),
+                  waiting.end());
+    if (!waiting.empty()) to_ask.push_back(group);
+  }
+  for (auto iterator = groups_.waiting.begin(); iterator != groups_.waiting.end();) {
+    iterator = iterator->second.empty() ? groups_.waiting.erase(iterator) : std::next(iterator);
+  }
+  for (const SendId id : expired) {
+    finish(id, false,
+           "the root of the group did not name its members within " + seconds_text(multicast::Groups::kMembersPatience),
+           now);
+  }
+  for (const std::string& group : to_ask) request_members(group, now);
 }
 
 GroupState Engine::Implementation::group_state(const std::string& group) const {
@@ -203,21 +266,33 @@ GroupState Engine::Implementation::group_state(const std::string& group) const {
     for (const auto& [name, member] : groups_.members) state.downlinks.push_back(name);
     return state;
   }
-  const auto found = groups_.memberships.find(group);
-  if (!root || found == groups_.memberships.end() || !found->second.wanted) return state;
-  state.known = true;
-  state.member = found->second.joined || found->second.joining;
-  state.joining = found->second.joining;
-  state.activated = state.connected = found->second.joined;
+  if (!root) return state;
   const auto address = directory_.address_of(*root);
-  const routing::Route* route = address ? router_.route_to(*address, now_) : nullptr;
-  if (route != nullptr) {
-    const routing::Robot* next = directory_.find(route->next_hop);
-    const std::string hops = std::to_string(route->hops);
-    state.route_uplink =
-        "Next hop:" + (next == nullptr ? *root : next->name) + " RD:" + hops + " HOBS:" + hops + " CH:" + hops;
+  const auto tree = address ? distributor_.trees().find(*address) : distributor_.trees().end();
+  const bool on_tree = tree != distributor_.trees().end() && tree->second.upstream;
+  const auto found = groups_.memberships.find(group);
+  const bool wanted = found != groups_.memberships.end() && found->second.wanted;
+  if (!wanted && !on_tree) return state;
+  state.known = true;
+  if (wanted) {
+    state.member = found->second.joined || found->second.joining;
+    state.joining = found->second.joining;
   }
+  state.activated = state.connected = on_tree || (wanted && found->second.joined);
+  const routing::Route* route = address ? router_.route_to(*address, now_) : nullptr;
+  if (on_tree) {
+    for (const auto& [child, members] : tree->second.children) state.downlinks.push_back(name_of(child));
+  }
+  if (!on_tree && route == nullptr) return state;
+  const std::string hops = std::to_string(route == nullptr ? 1 : route->hops);
+  state.route_uplink = "Next hop:" + name_of(on_tree ? *tree->second.upstream : route->next_hop) + " RD:" + hops +
+                       " HOBS:" + hops + " CH:" + hops;
   return state;
+}
+
+std::string Engine::Implementation::name_of(const MacAddress& robot) const {
+  const routing::Robot* known = directory_.find(robot);
+  return known == nullptr ? "a robot without name" : known->name;
 }
 
 }  // namespace adhoc_communication

@@ -70,7 +70,7 @@ class Engine::Implementation : private Outbox {
   };
   using StreamKey = std::pair<std::string, std::uint8_t>;
 
-  enum class Purpose { kHost, kFanOut, kCatchUp, kJoin, kLeave, kInternal };
+  enum class Purpose { kHost, kFanOut, kCatchUp, kJoin, kLeave, kMembersRequest, kInternal };
   /// A packet not finished yet.
   struct Sending {
     Purpose purpose = Purpose::kHost;
@@ -78,6 +78,7 @@ class Engine::Implementation : private Outbox {
     std::string group;  ///< that is joined or left
     SendId parent = 0;  ///< of kFanOut: the group send
     std::size_t octets = 0;
+    std::optional<std::pair<std::uint8_t, std::uint32_t>> copy;  ///< stream and number, of a copy of a group packet
   };
 
   void touch(Time now) {
@@ -146,18 +147,24 @@ class Engine::Implementation : private Outbox {
   void report(Event event);
 
   // engine_groups.cpp: membership.
-  void join_due_groups(Time now);
+  void settle_memberships(Time now);
+  void start_leave(const std::string& group, Time now);
+  void member_lost(const std::string& member, Time now);
+  void member_returned(const std::string& member, Time now);
+  std::string name_of(const MacAddress& robot) const;
   void start_join(const std::string& group, Time now);
   void finish_membership(const Sending& sending, bool delivered, const std::string& reason, Time now);
   void on_group_packet(const std::string& source, const transport::Packet& packet, Time now);
   void answer_members_request(const std::string& source, const std::string& group, Time now);
   void on_members(const std::string& group, const std::vector<std::string>& members, Time now);
+  void request_members(const std::string& group, Time now);
+  void fail_waiting_sends(const std::string& group, const std::string& reason, Time now);
   void expire_waiting_sends(Time now);
   void admit_member(const std::string& member, Time now);
   void remove_member(const std::string& member, const std::string& reason, Time now);
   void send_copy(const std::string& member, const multicast::HeldPacket& packet, Purpose purpose, SendId parent,
                  Time now);
-  void copy_finished(const std::string& member);
+  void copy_finished(const Sending& copy);
   void on_copy(const std::string& source, const transport::Packet& packet, Time now);
   void finish_group_members(Time now);
   void take_group_packets(Time now);

@@ -8,6 +8,12 @@ namespace adhoc_communication {
 
 using transport::Image;
 
+namespace {
+
+constexpr Time kLongestAirQueue = std::chrono::milliseconds(100);  ///< floods are refused beyond
+
+}  // namespace
+
 std::string Engine::Implementation::refusal(const SendRequest& request) const {
   if (request.destination == self_.name) return "the destination " + request.destination + " is this robot itself";
   if (request.destination.size() > 255) return "the destination's name is longer than 255 octets";
@@ -43,7 +49,7 @@ SendId Engine::Implementation::send(SendRequest request, Time now) {
   packet.payload = std::move(request.payload);
   if (to_group) packet.group = request.destination;
   const Image image = transport::encode(packet);
-  Sending sending{Purpose::kHost, request.destination, {}, 0, image->size()};
+  Sending sending{Purpose::kHost, request.destination, {}, 0, image->size(), {}};
   ++host_sends_;
   octets_waiting_ += image->size();
   if (!to_group && !request.destination.empty()) {
@@ -63,6 +69,8 @@ SendId Engine::Implementation::send(SendRequest request, Time now) {
 SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
   touch(now);
   if (request.topic.empty()) return refuse("the topic is empty");
+  if (air_.ready_at() > now + kLongestAirQueue)
+    return refuse("the radio is busy with earlier broadcasts; try again later");
   wire::Flood flood;
   flood.source = self_.address;
   flood.source_boot = self_.boot;
@@ -86,6 +94,7 @@ SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
 
 SendId Engine::Implementation::start_unicast(const std::string& destination, Image image, Priority priority,
                                              Sending sending, Time now) {
+  touch(now);
   const SendId id = next_send_id_++;
   sendings_.emplace(id, std::move(sending));
   if (streams_.size() >= kMostStreams) {
@@ -115,8 +124,7 @@ void Engine::Implementation::start_group_send(SendId id, const std::string& grou
   auto& waiting = groups_.waiting[group];
   waiting.push_back({id, std::move(image), priority, now + multicast::Groups::kMembersPatience});
   if (waiting.size() > 1) return;
-  send_control(*multicast::root_of(group), transport::PacketKind::kGroupMembersRequest, group, {}, Purpose::kInternal,
-               now);
+  request_members(group, now);
 }
 
 /// Along the tree, but for members that are being sent packets by themselves.
@@ -146,7 +154,7 @@ void Engine::Implementation::fan_out(SendId id, const std::vector<std::string>& 
   if (members.empty()) return finish(id, true, {}, now);
   groups_.fan_outs[id].open = members.size();
   for (const std::string& member : members) {
-    start_unicast(member, image, priority, {Purpose::kFanOut, member, {}, id, 0}, now);
+    start_unicast(member, image, priority, {Purpose::kFanOut, member, {}, id, 0, {}}, now);
   }
 }
 
@@ -162,10 +170,13 @@ void Engine::Implementation::finish(SendId id, bool delivered, const std::string
       ++(delivered ? statistics_.packets_sent : statistics_.packets_failed);
       return report(SendFinished{id, delivered, reason});
     case Purpose::kFanOut:
-      copy_finished(sending.destination);
+      copy_finished(sending);
       return finish_fan_out_part(sending.parent, sending.destination, delivered, reason, now);
     case Purpose::kCatchUp:
-      return copy_finished(sending.destination);
+      return copy_finished(sending);
+    case Purpose::kMembersRequest:
+      if (!delivered) fail_waiting_sends(sending.group, reason, now);
+      return;
     case Purpose::kJoin:
     case Purpose::kLeave:
       return finish_membership(sending, delivered, reason, now);

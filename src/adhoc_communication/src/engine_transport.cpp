@@ -38,7 +38,7 @@ void Engine::Implementation::on_transport_acknowledgment(const MacAddress& from,
   const routing::Robot* robot = directory_.find(acknowledgment.source);
   if (robot == nullptr) return;
   const auto stream = streams_.find({robot->name, acknowledgment.stream});
-  if (stream == streams_.end()) return;
+  if (stream == streams_.end() || stream->second.address != acknowledgment.source) return;
   for (const SendId id : stream->second.sender.acknowledged(acknowledgment, now)) finish(id, true, {}, now);
 }
 
@@ -79,6 +79,10 @@ void Engine::Implementation::deliver_packet(const std::string& source, const Byt
   std::optional<transport::Packet> packet = transport::decode(image, options_.max_packet_size);
   if (!packet) return malformed();
   if (packet->kind != transport::PacketKind::kUser) return on_group_packet(source, *packet, now);
+  if (const auto left = groups_.memberships.find(packet->group);
+      left != groups_.memberships.end() && !left->second.wanted) {
+    return;
+  }
   auto& by_hops = statistics_.packets_received_by_hops;
   if (by_hops.size() < hops) by_hops.resize(hops);
   ++by_hops[hops - 1];
@@ -121,7 +125,11 @@ void Engine::Implementation::acknowledge_streams(Time now) {
 
 void Engine::Implementation::serve_streams(Time now) {
   for (auto iterator = streams_.begin(); iterator != streams_.end(); ++iterator) {
-    if (!iterator->second.sender.idle()) serve_stream(iterator->first, iterator->second, now);
+    if (iterator->second.sender.idle()) {
+      iterator->second.next_hop.reset();
+    } else {
+      serve_stream(iterator->first, iterator->second, now);
+    }
   }
 }
 
@@ -153,7 +161,7 @@ void Engine::Implementation::fail_unreachable(Time now) {
     const std::string reason = failure.elapsed > Time(0)
                                    ? "no route to " + name + " after " + seconds_text(failure.elapsed)
                                    : "no route to " + name + ": too many searches at once";
-    distributor_.unreachable(failure.target.address, reason, now);
+    distributor_.unreachable(failure.target.address, reason);
     for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
       const auto stream = streams_.find({name, priority});
       if (stream == streams_.end()) continue;

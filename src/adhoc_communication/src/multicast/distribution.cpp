@@ -4,22 +4,26 @@
 
 namespace adhoc_communication::multicast {
 
-Distribution::Distribution(const GroupPacket& packet, transport::RoundTrip& round_trip, std::uint8_t first_parity, Time)
+Distribution::Distribution(const GroupPacket& packet, transport::RoundTrip& round_trip, std::uint8_t first_parity)
     : packet_(packet), round_trip_(round_trip), first_parity_(first_parity), sent_(packet.blocks().size()) {}
 
-void Distribution::set_children(const std::set<MacAddress>& children, bool anew, Time now) {
+void Distribution::set_children(const std::map<MacAddress, std::uint32_t>& children, bool anew, Time now) {
   for (auto iterator = children_.begin(); iterator != children_.end();) {
     const bool stays = !anew && children.count(iterator->first) != 0;
     iterator = stays ? std::next(iterator) : children_.erase(iterator);
   }
-  for (const MacAddress& address : children) {
-    if (children_.count(address) != 0) continue;
+  for (const auto& [address, coverage] : children) {
+    const bool known = children_.count(address) != 0;
     Child& child = children_[address];
-    child.missing.assign(sent_.size(), kUnknown);
-    child.known_in.assign(sent_.size(), 0);
+    if (known && child.coverage == coverage) continue;
+    child.coverage = coverage;
+    child.done = false;
     child.progress = now;
     child.asked = now;
     child.question_wait = round_trip_.timeout();
+    if (known) continue;
+    child.missing.assign(sent_.size(), kUnknown);
+    child.known_in.assign(sent_.size(), 0);
   }
 }
 
@@ -93,7 +97,6 @@ void Distribution::close_round(Time now) {
   asked_ = now;
   timing_ = true;
   for (auto& [address, child] : children_) {
-    child.answered = false;
     child.asked = now;
     child.question_wait = round_trip_.timeout();
   }
@@ -113,7 +116,6 @@ bool Distribution::reported(const MacAddress& from, const wire::GroupReport& rep
   if (report.round + 1 == round_) {
     if (timing_ && asked_) round_trip_.sample(now - *asked_);
     timing_ = false;
-    child.answered = true;
     child.asked = now;
     child.question_wait = kSubtreePatience;
   }

@@ -8,7 +8,6 @@
 #include <bitset>
 #include <map>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "multicast/group_packet.hpp"
@@ -26,10 +25,11 @@ class Distribution {
   static constexpr Time kNoEnd = std::chrono::seconds(30);
 
   /// `first_parity`: where in the parity symbols to begin, so that neighbours that both send differ.
-  Distribution(const GroupPacket& packet, transport::RoundTrip& round_trip, std::uint8_t first_parity, Time now);
+  Distribution(const GroupPacket& packet, transport::RoundTrip& round_trip, std::uint8_t first_parity);
 
   /// Children that are new, or all of them when the tree was built anew, may have any part of the packet.
-  void set_children(const std::set<MacAddress>& children, bool anew, Time now);
+  /// With each child the coverage of the members behind it; a child whose members have changed has to report anew.
+  void set_children(const std::map<MacAddress, std::uint32_t>& children, bool anew, Time now);
   bool done() const;
   /// The one child that still misses something, if it is one only.
   std::optional<MacAddress> only_open_child() const;
@@ -58,8 +58,8 @@ class Distribution {
   struct Child {
     std::vector<std::uint8_t> missing;    ///< by block; kUnknown at first
     std::vector<std::uint16_t> known_in;  ///< by block: round that `missing` counts
+    std::uint32_t coverage = 0;
     bool done = false;
-    bool answered = false;  ///< since the last question
     Time asked{0};
     Time progress{0};
     Time question_wait{0};  ///< until it is asked by itself

@@ -54,8 +54,8 @@ std::uint32_t Distributor::start(SendId id, Priority priority, transport::Image 
   Transfer& transfer = stream.transfers[number];
   transfer.packet = std::make_unique<GroupPacket>(*image, segment_size_);
   transfer.to_children =
-      std::make_unique<Distribution>(*transfer.packet, branches_[self_.address].round_trip, first_parity_, now);
-  transfer.to_children->set_children(tree.child_addresses(), true, now);
+      std::make_unique<Distribution>(*transfer.packet, branches_[self_.address].round_trip, first_parity_);
+  transfer.to_children->set_children(tree.coverages(), true, now);
   transfer.hops = 0;
   transfer.id = id;
   transfer.image = std::move(image);
@@ -120,7 +120,7 @@ void Distributor::on_data(const MacAddress& from, std::uint64_t counter, const w
     branch.last_counter = counter;
     branch.last_arrival = now;
   }
-  pass_over(data.root, branch.streams[data.stream], data.base, now);
+  if (from_upstream) pass_over(data.root, branch.streams[data.stream], data.base);
   Transfer* transfer = transfer_for(data.root, *tree, data, now);
   if (transfer == nullptr) return;
   transfer->last_news = now;
@@ -151,8 +151,8 @@ Transfer* Distributor::transfer_for(const MacAddress& root, Tree& tree, const wi
   if (stream.transfers.size() >= kMostTransfers || !budget_.take(data.total)) return nullptr;
   Transfer& transfer = stream.transfers[data.packet];
   transfer.packet = std::make_unique<GroupPacket>(data.total, data.segment_size);
-  transfer.to_children = std::make_unique<Distribution>(*transfer.packet, branch.round_trip, first_parity_, now);
-  transfer.to_children->set_children(tree.child_addresses(), true, now);
+  transfer.to_children = std::make_unique<Distribution>(*transfer.packet, branch.round_trip, first_parity_);
+  transfer.to_children->set_children(tree.coverages(), true, now);
   transfer.hops = data.hops;
   for (const auto& [child, members] : tree.children) {
     for (const MacAddress& member : members) router_.used(root, member, *tree.upstream, now);
@@ -161,7 +161,7 @@ Transfer* Distributor::transfer_for(const MacAddress& root, Tree& tree, const wi
 }
 
 /// The root has finished the packets before `base`: with what did not get here by then it has given up.
-void Distributor::pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base, Time) {
+void Distributor::pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base) {
   if (!stream.started || !before(stream.base, base)) return;
   stream.base = base;
   while (before(stream.next, base)) {
@@ -202,7 +202,7 @@ void Distributor::take_copy(const MacAddress& root, wire::BootTag boot, std::uin
   }
   if (before(number, stream.next)) return;
   // Copies come in order: all before this one have come, or never will.
-  pass_over(root, stream, number, now);
+  pass_over(root, stream, number);
   if (before(number, stream.next)) return;
   arrived_.push_back({root, image, 1});
   const auto found = stream.transfers.find(number);
@@ -214,13 +214,14 @@ void Distributor::take_copy(const MacAddress& root, wire::BootTag boot, std::uin
 void Distributor::on_report(const MacAddress& from, const wire::GroupReport& report, Time now) {
   Tree* tree = find_tree(report.root, report.root_boot);
   if (tree == nullptr) return;
+  if (tree->children.count(from) == 0) return;
   if (report.measured_counter != 0) air_.acknowledged(report.measured_counter, Time(report.spacing_ns), now);
   GroupStream& stream = branches_[report.root].streams[report.stream];
   const auto found = stream.transfers.find(report.packet);
   if (found == stream.transfers.end()) return;
   Transfer& transfer = found->second;
   const bool covers_all = report.epoch == tree->epoch && report.coverage == tree->coverage(from);
-  if (!covers_all && tree->children.count(from) != 0) activate_again(report.root, *tree, from, now);
+  if (!covers_all) activate_again(report.root, *tree, from, now);
   if (!transfer.to_children->reported(from, report, covers_all, now)) return;
   if (!is_root(report.root)) return tell_complete(report.root, *tree, report.stream, report.packet, transfer);
   for (const MacAddress& member : tree->children[from]) {
@@ -320,16 +321,27 @@ wire::GroupData Distributor::header(const MacAddress& root, const Tree& tree, st
   data.hops = static_cast<std::uint8_t>(std::min<int>(transfer.hops + 1, wire::kFarthestHop));
   data.packet = number;
   const GroupStream& packets = branches_.at(root).streams[stream];
-  data.base = !is_root(root) ? packets.base : packets.transfers.empty() ? packets.next : oldest(packets);
+  data.base = is_root(root) ? oldest_open(packets) : packets.base;
   data.total = transfer.packet->total();
   data.segment_size = transfer.packet->segment_size();
   return data;
 }
 
-std::uint32_t Distributor::oldest(const GroupStream& stream) {
-  const auto found = std::min_element(stream.transfers.begin(), stream.transfers.end(),
-                                      [](const auto& a, const auto& b) { return before(a.first, b.first); });
-  return found->first;
+/// At the root: the first packet that the tree or a copy still has to bring to somebody.
+std::uint32_t Distributor::oldest_open(const GroupStream& stream) {
+  std::uint32_t oldest = stream.next;
+  for (const auto& [number, transfer] : stream.transfers) oldest = before(number, oldest) ? number : oldest;
+  for (const std::uint32_t number : stream.copies) oldest = before(number, oldest) ? number : oldest;
+  return oldest;
+}
+
+void Distributor::copy_started(std::uint8_t stream, std::uint32_t number) {
+  branches_[self_.address].streams[stream].copies.insert(number);
+}
+
+void Distributor::copy_finished(std::uint8_t stream, std::uint32_t number) {
+  auto& copies = branches_[self_.address].streams[stream].copies;
+  if (const auto found = copies.find(number); found != copies.end()) copies.erase(found);
 }
 
 bool Distributor::has_frame(std::uint8_t priority) const {

@@ -63,6 +63,9 @@ class Distributor {
                       Time now);
   /// The member has left or is lost.
   void drop_member(const MacAddress& member, const std::string& reason, Time now);
+  /// A packet goes to a member by itself: until that has ended, members are not told to pass it over.
+  void copy_started(std::uint8_t stream, std::uint32_t number);
+  void copy_finished(std::uint8_t stream, std::uint32_t number);
   std::vector<MemberEnd> take_ends() { return std::exchange(ends_, {}); }
 
   // At every robot.
@@ -78,7 +81,7 @@ class Distributor {
   /// The neighbour is gone, or has restarted.
   void link_lost(const MacAddress& neighbor, Time now);
   /// A search for a route has failed.
-  void unreachable(const MacAddress& member, const std::string& reason, Time now);
+  void unreachable(const MacAddress& member, const std::string& reason);
 
   void poll(Time now);
   Time next_deadline() const;
@@ -115,16 +118,17 @@ class Distributor {
   void attach_routed(Time now);
   void activate_again(const MacAddress& root, const Tree& tree, const MacAddress& child, Time now);
   void activate(const MacAddress& root, const Tree& tree, const std::set<MacAddress>& children);
+  static void forget_rhythm(Branch& branch);
   void give_up(const MacAddress& root, Tree& tree, const std::vector<MacAddress>& children, Time now);
-  void refuse(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members, Time now);
-  void refused_at_root(const std::set<MacAddress>& members, const std::string& reason, bool final, Time now);
+  void refuse(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members);
+  void refused_at_root(const std::set<MacAddress>& members, const std::string& reason, bool final);
   void children_changed(const MacAddress& root, bool anew, Time now);
   bool is_root(const MacAddress& root) const { return root == self_.address; }
 
   // distributor.cpp
   Transfer* transfer_for(const MacAddress& root, Tree& tree, const wire::GroupData& data, Time now);
   void erase_transfer(GroupStream& stream, std::map<std::uint32_t, Transfer>::iterator transfer);
-  void pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base, Time now);
+  void pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base);
   void deliver(const MacAddress& root, GroupStream& stream);
   void tell_complete(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
                      Transfer& transfer);
@@ -135,7 +139,7 @@ class Distributor {
              Time now);
   wire::GroupData header(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
                          const Transfer& transfer) const;
-  static std::uint32_t oldest(const GroupStream& stream);
+  static std::uint32_t oldest_open(const GroupStream& stream);
   void finish_member(Transfer& transfer, const MemberEnd& end);
   void remove_finished();
 

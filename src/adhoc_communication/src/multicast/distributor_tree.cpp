@@ -66,10 +66,14 @@ void Distributor::attach_routed(Time now) {
   for (auto& [root, tree] : trees_) {
     std::set<MacAddress> routed;
     for (const MacAddress& member : tree.unrouted) {
-      if (router_.route_to(member, now) != nullptr) routed.insert(member);
+      if (router_.route_to(member, now) != nullptr) {
+        routed.insert(member);
+      } else {
+        router_.search({member, {}}, now);
+      }
     }
     if (routed.empty()) continue;
-    refuse(root, tree, attach(root, tree, routed, now), now);
+    refuse(root, tree, attach(root, tree, routed, now));
     std::set<MacAddress> concerned;
     for (const auto& [child, members] : tree.children) {
       const bool concerns = std::any_of(routed.begin(), routed.end(), [&, &behind = members](const MacAddress& member) {
@@ -113,6 +117,7 @@ void Distributor::on_activation(const MacAddress& from, const wire::GroupActivat
     return;
   }
   const std::map<MacAddress, std::set<MacAddress>> before = std::exchange(tree.children, {});
+  if (tree.upstream != from) forget_rhythm(branches_[activation.root]);
   tree.epoch = activation.epoch;
   tree.upstream = from;
   tree.unrouted.clear();
@@ -126,7 +131,7 @@ void Distributor::on_activation(const MacAddress& from, const wire::GroupActivat
       }
     }
   }
-  refuse(activation.root, tree, attach(activation.root, tree, members, now), now);
+  refuse(activation.root, tree, attach(activation.root, tree, members, now));
   std::set<MacAddress> changed;
   for (const auto& [child, behind] : tree.children) {
     const auto found = before.find(child);
@@ -139,10 +144,19 @@ void Distributor::on_activation(const MacAddress& from, const wire::GroupActivat
   children_changed(activation.root, anew, now);
 }
 
+/// Counters and rounds of the former upstream neighbour mean nothing to a new one.
+void Distributor::forget_rhythm(Branch& branch) {
+  branch.last_counter = 0;
+  branch.measured_counter = 0;
+  for (GroupStream& stream : branch.streams) {
+    for (auto& [number, transfer] : stream.transfers) transfer.round = 0;
+  }
+}
+
 /// Gives members back to whoever entrusted them to this robot.
-void Distributor::refuse(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members, Time now) {
+void Distributor::refuse(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members) {
   if (members.empty()) return;
-  if (is_root(root)) return refused_at_root(members, "the tree does not reach it", false, now);
+  if (is_root(root)) return refused_at_root(members, "the tree does not reach it", false);
   if (!tree.upstream) return;
   outbox_.unicast(*tree.upstream, FrameType::kGroupRefusal,
                   to_bytes(wire::GroupRefusal{root, tree.boot, tree.epoch, {members.begin(), members.end()}}));
@@ -158,7 +172,7 @@ void Distributor::on_refusal(const MacAddress& from, const wire::GroupRefusal& r
     if (child->second.erase(member) != 0) refused.insert(member);
   }
   if (child->second.empty()) tree->children.erase(child);
-  refuse(refusal.root, *tree, refused, now);
+  refuse(refusal.root, *tree, refused);
   children_changed(refusal.root, false, now);
 }
 
@@ -173,25 +187,25 @@ void Distributor::give_up(const MacAddress& root, Tree& tree, const std::vector<
     if (child == tree.children.end()) continue;
     const std::set<MacAddress> members = std::move(child->second);
     tree.children.erase(child);
-    refuse(root, tree, members, now);
+    refuse(root, tree, members);
     children_changed(root, false, now);
   }
 }
 
-void Distributor::unreachable(const MacAddress& member, const std::string& reason, Time now) {
+void Distributor::unreachable(const MacAddress& member, const std::string& reason) {
   for (auto& [root, tree] : trees_) {
     if (tree.unrouted.count(member) == 0) continue;
     tree.unrouted.erase(member);
     if (is_root(root)) {
-      refused_at_root({member}, reason, true, now);
+      refused_at_root({member}, reason, true);
     } else {
-      refuse(root, tree, {member}, now);
+      refuse(root, tree, {member});
     }
   }
 }
 
 /// Once is bad luck, and a new tree gets there; a member refused again is served by itself.
-void Distributor::refused_at_root(const std::set<MacAddress>& members, const std::string& reason, bool final, Time) {
+void Distributor::refused_at_root(const std::set<MacAddress>& members, const std::string& reason, bool final) {
   Branch& branch = branches_[self_.address];
   for (const MacAddress& member : members) {
     const bool by_copy = !final && ++branch.refusals[member] >= kMostRefusals;
@@ -229,7 +243,7 @@ void Distributor::build_anew(Time now) {
 
 void Distributor::children_changed(const MacAddress& root, bool anew, Time now) {
   const Tree& tree = trees_.at(root);
-  const std::set<MacAddress> children = tree.child_addresses();
+  const std::map<MacAddress, std::uint32_t> children = tree.coverages();
   for (GroupStream& stream : branches_.at(root).streams) {
     for (auto& [number, transfer] : stream.transfers) transfer.to_children->set_children(children, anew, now);
   }

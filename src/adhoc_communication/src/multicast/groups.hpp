@@ -13,6 +13,7 @@
 
 #include "adhoc_communication/types.hpp"
 #include "transport/packet_image.hpp"
+#include "wire/messages.hpp"
 
 namespace adhoc_communication::multicast {
 
@@ -26,6 +27,7 @@ struct Membership {
   bool joined = false;
   bool joining = false;        ///< a join is on its way to the root
   bool asked_by_host = false;  ///< the end of the change has to be reported
+  bool leaving = false;        ///< a leave is on its way to the root
   bool wanted = true;          ///< false once the host has left
   Time retry_at{0};            ///< when to ask again after a failure
 };
@@ -59,7 +61,7 @@ struct Member {
 };
 
 struct Groups {
-  static constexpr std::size_t kMostMembers = 1024;
+  static constexpr std::size_t kMostMembers = wire::kMostMembersOfActivation;
   static constexpr std::size_t kMostGroups = 1024;
   static constexpr Time kHeld = std::chrono::seconds(5);
   static constexpr std::size_t kMostHeldOctets = 4'000'000;
@@ -67,7 +69,8 @@ struct Groups {
   static constexpr Time kRetry = std::chrono::seconds(2);
   static constexpr Time kMembersPatience = std::chrono::seconds(5);
 
-  std::map<std::string, Member> members;  ///< of the own group, without this robot
+  std::map<std::string, Member> members;        ///< of the own group, without this robot
+  std::map<std::string, wire::BootTag> absent;  ///< members that fell silent, and their run
   std::deque<HeldPacket> held;
   std::map<std::string, Membership> memberships;  ///< by group, of other robots' groups
   std::map<SendId, FanOut> fan_outs;

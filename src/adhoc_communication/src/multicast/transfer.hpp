@@ -30,8 +30,9 @@ struct Transfer {
 /// Packets of one priority from one root. Delivered in order; a packet that the root has given up is passed over.
 struct GroupStream {
   bool started = false;
-  std::uint32_t next = 0;  ///< at the root: number of the next packet; elsewhere: next one to deliver
-  std::uint32_t base = 0;  ///< packets before are finished at the root
+  std::uint32_t next = 0;               ///< at the root: number of the next packet; elsewhere: next one to deliver
+  std::uint32_t base = 0;               ///< packets before are finished at the root
+  std::multiset<std::uint32_t> copies;  ///< at the root: numbers on their way to members by themselves
   std::map<std::uint32_t, Transfer> transfers;
 };
 

@@ -18,6 +18,12 @@ std::set<MacAddress> Tree::child_addresses() const {
   return addresses;
 }
 
+std::map<MacAddress, std::uint32_t> Tree::coverages() const {
+  std::map<MacAddress, std::uint32_t> result;
+  for (const auto& [child, members] : children) result[child] = coverage(child);
+  return result;
+}
+
 std::uint32_t Tree::coverage(const MacAddress& child) const {
   std::uint32_t sum = 0;
   if (const auto found = children.find(child); found != children.end()) {

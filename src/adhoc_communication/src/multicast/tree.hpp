@@ -27,6 +27,8 @@ struct Tree {
   Time last_used{0};
 
   std::set<MacAddress> child_addresses() const;
+  /// The children, each with the digest of the members behind it.
+  std::map<MacAddress, std::uint32_t> coverages() const;
   /// Digest of the members behind one child.
   std::uint32_t coverage(const MacAddress& child) const;
   /// Digest of all members that this robot has taken over.

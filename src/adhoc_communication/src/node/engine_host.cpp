@@ -121,7 +121,7 @@ void EngineHost::report(const SendFinished& end) {
 }
 
 void EngineHost::report(const GroupChangeFinished& end) {
-  const auto [first, last] = group_changes_.equal_range(end.group);
+  const auto [first, last] = group_changes_.equal_range({end.group, end.joined});
   for (auto waiter = first; waiter != last; ++waiter) waiter->second->set_value({end.succeeded, end.reason});
   group_changes_.erase(first, last);
 }
@@ -172,14 +172,14 @@ Outcome EngineHost::broadcast(BroadcastRequest request) {
 
 Outcome EngineHost::join_group(const std::string& group) {
   return wait_for([this, &group](Time now, Waiter waiter) {
-    group_changes_.emplace(group, std::move(waiter));
+    group_changes_.emplace(std::pair(group, true), std::move(waiter));
     engine_.join_group(group, now);
   });
 }
 
 Outcome EngineHost::leave_group(const std::string& group) {
   return wait_for([this, &group](Time now, Waiter waiter) {
-    group_changes_.emplace(group, std::move(waiter));
+    group_changes_.emplace(std::pair(group, false), std::move(waiter));
     engine_.leave_group(group, now);
   });
 }
@@ -188,7 +188,14 @@ template <typename Value>
 Value EngineHost::ask(std::function<Value()> question) {
   const auto answer = std::make_shared<std::promise<Value>>();
   auto future = answer->get_future();
-  if (!post([question = std::move(question), answer](Time) { answer->set_value(question()); })) {
+  const auto reply = [question = std::move(question), answer](Time) {
+    try {
+      answer->set_value(question());
+    } catch (...) {
+      answer->set_exception(std::current_exception());
+    }
+  };
+  if (!post(reply)) {
     throw std::runtime_error(kShutsDown);
   }
   return future.get();

@@ -88,7 +88,7 @@ class EngineHost {
   Engine engine_;
   FileDescriptor wake_up_;
   std::map<SendId, Waiter> sends_;
-  std::multimap<std::string, Waiter> group_changes_;
+  std::multimap<std::pair<std::string, bool>, Waiter> group_changes_;  ///< by group and whether it is to be joined
   bool link_was_up_ = true;
   Time next_tending_{0};
 

@@ -44,6 +44,7 @@ Node::Node(const NodeOptions& options)
       name_prefix_(options.simulation_mode ? "/" + options.engine.robot_name + "/" : ""),
       service_prefix_(name_prefix_ + "adhoc_communication/"),
       log_(options.log_path, options.engine.robot_name) {
+  if (!options_.key_file.empty()) key_file_.emplace(options_.key_file);  // before reading: no change goes unnoticed
   read_keys_for(options_);
   auto link = open_link_for(options_);
   ROS_INFO("%s on interface %s with address %s", options_.engine.robot_name.c_str(), options_.interface.c_str(),
@@ -58,8 +59,7 @@ Node::Node(const NodeOptions& options)
   services_ = std::make_unique<Services>(node_, service_prefix_, *host_, log_, [this] { shut_down(); });
   status_ = node_.advertise<Status>(service_prefix_ + "status", 1, true);
   status_timer_ = node_.createWallTimer(ros::WallDuration(kStatusInterval), &Node::publish_status, this);
-  if (options_.key_file.empty()) return;
-  key_file_.emplace(options_.key_file);
+  if (!key_file_) return;
   key_timer_ = node_.createWallTimer(ros::WallDuration(kKeyFileInterval), &Node::reread_keys, this);
 }
 
@@ -123,6 +123,7 @@ void Node::publish_status(const ros::WallTimerEvent&) {
 }
 
 void Node::shut_down() {
+  if (shutting_down_.exchange(true)) return;
   ROS_INFO("Shutting down as asked by service shut_down");
   shut_down_timer_ = node_.createWallTimer(
       ros::WallDuration(kTimeForResponse), [](const ros::WallTimerEvent&) { ros::requestShutdown(); }, true);

@@ -6,6 +6,7 @@
 #include <ros/subscriber.h>
 #include <ros/wall_timer.h>
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -48,6 +49,7 @@ class Node {
   std::unique_ptr<Services> services_;
   ros::Publisher status_;
   ros::WallTimer status_timer_;
+  std::atomic<bool> shutting_down_{false};
   ros::WallTimer shut_down_timer_;
   std::optional<FileWatch> key_file_;
   ros::WallTimer key_timer_;

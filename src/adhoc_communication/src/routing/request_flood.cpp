@@ -27,6 +27,7 @@ void RequestFlood::originate(const wire::RouteRequest& request, const MacAddress
 }
 
 void RequestFlood::forward(const wire::RouteRequest& request, double loss_of_arrival, Time now) {
+  if (pending_.size() >= kMostPending) return;
   const Time penalty(static_cast<Time::rep>(loss_of_arrival * static_cast<double>(kLossPenalty.count())));
   pending_.push_back({now + random_.delay(kJitter) + penalty, false, request});
 }

@@ -19,6 +19,7 @@ namespace adhoc_communication::routing {
 class RequestFlood {
  public:
   static constexpr std::size_t kMostRequests = 1024;
+  static constexpr std::size_t kMostPending = 256;      ///< further requests are not passed on
   static constexpr std::size_t kMostConfirmations = 6;  ///< unicast copies of one request
   static constexpr Time kConfirm = std::chrono::milliseconds(15);
   static constexpr Time kJitter = std::chrono::milliseconds(2);

@@ -9,6 +9,7 @@ namespace adhoc_communication::routing {
 namespace {
 
 constexpr std::size_t kMostFormerBoots = 8;
+constexpr Time kHeardRecently = std::chrono::seconds(2);
 constexpr Time kForget = std::chrono::seconds(60);  ///< how long a lost robot's runs are remembered
 
 }  // namespace
@@ -30,6 +31,9 @@ void RobotDirectory::life_sign(const MacAddress& address, const std::string& nam
     if (alive == known->alive && hops < known->hops) robots_[address].hops = hops;
     return;
   }
+  // Hearsay of another run does not count against a robot that is heard directly.
+  const bool heard_itself = known != nullptr && known->hops == 1 && now - known->last_news < kHeardRecently;
+  if (hops > 1 && !same_run && heard_itself) return;
   Robot* robot = admit(address, name, boot, now);
   if (robot == nullptr) return;
   if (robot->alive != alive) robot->spreads_left = kSpreads;

@@ -69,7 +69,7 @@ bool RouteDiscovery::advance(Search& search, Time now) {
 }
 
 Time RouteDiscovery::next_deadline() const {
-  Time next = failures_.empty() ? Time::max() : Time::min();
+  Time next = failures_.empty() ? Time::max() : Time(0);
   for (const auto& [unused, search] : searches_) next = std::min(next, search.due);
   return next;
 }

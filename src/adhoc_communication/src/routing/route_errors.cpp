@@ -4,8 +4,8 @@
 namespace adhoc_communication::routing {
 namespace {
 
-constexpr std::size_t kMostDestinations = 100;  ///< in one frame
-constexpr std::size_t kMostUnicasts = 4;        ///< more precursors than this get one broadcast
+constexpr std::size_t kMostDestinations = 30;  ///< in one frame, so that it fits the smallest MTU allowed
+constexpr std::size_t kMostUnicasts = 4;       ///< more precursors than this get one broadcast
 
 }  // namespace
 

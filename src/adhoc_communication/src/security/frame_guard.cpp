@@ -1,6 +1,9 @@
 #include "security/frame_guard.hpp"
 
+#include <sodium.h>
+
 #include <algorithm>
+#include <stdexcept>
 
 namespace adhoc_communication::security {
 
@@ -10,6 +13,7 @@ FrameGuard::FrameGuard(const Identity& self, std::vector<TeamKey> keys, FramesDr
 }
 
 void FrameGuard::set_keys(std::vector<TeamKey> keys) {
+  if (!keys.empty() && sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
   keys_ = std::move(keys);
   if (seals()) own_key_ = derive_session_key(keys_.front(), self_.address, self_.boot_id);
   for (auto& [run, session] : sessions_) session.key.reset();

@@ -102,6 +102,7 @@ void HopSender::expire(Time now) {
     iterator = unresolved_.erase(iterator);
     transmission_lost(transmission, true);
   }
+  if (in_flight_.empty()) waiting_since_.reset();  // given up: nothing is outstanding any more
 }
 
 void HopSender::transmission_lost(const Transmission& transmission, bool by_timer) {

@@ -98,6 +98,62 @@ TEST(Groups, RestartedRootGetsItsMembersBack) {
   EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks.size(), 2u);
 }
 
+/// The root has lost the member, but the member has heard the root all the time and does not join anew.
+TEST(Groups, AMemberLostByTheRootAloneStaysAMember) {
+  Team team;
+  team.add_line(2);
+  team.run_for(3s);
+  team.medium().set_one_way_loss(1, 0, 1.0);
+  team.run_for(7s);
+  ASSERT_TRUE(team.engine(0).group_state("mc_robot_0").downlinks.empty());
+  team.medium().set_one_way_loss(1, 0, std::nullopt);
+  team.run_for(2s);
+  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks, std::vector<std::string>{"robot_1"});
+  ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", text("again"))));
+  EXPECT_EQ(team.received(1).size(), 1u);
+}
+
+TEST(Groups, AnExplicitJoinOutlivesARestartOfTheRoot) {
+  EngineOptions options;
+  options.join_groups_automatically = false;
+  Team team;
+  team.add_line(2, options);
+  team.run_for(1s);
+  team.engine(1).join_group("mc_robot_0", team.now());
+  team.run_for(1s);
+  team.restart(0);
+  team.run_for(5s);
+  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks, std::vector<std::string>{"robot_1"});
+}
+
+TEST(Groups, ALeaveOutOfReachArrivesLater) {
+  Team team;
+  team.add_line(2);
+  team.run_for(3s);
+  team.medium().set_link_loss(0, 1, 1.0);
+  team.engine(1).leave_group("mc_robot_0", team.now());
+  team.run_for(3s);
+  team.medium().set_link_loss(0, 1, std::nullopt);
+  team.run_for(5s);
+  EXPECT_TRUE(team.engine(0).group_state("mc_robot_0").downlinks.empty());
+  ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", text("x"))));
+  EXPECT_TRUE(team.received(1).empty());
+}
+
+TEST(Groups, LeavingEndsAJoinThatIsStillWaiting) {
+  EngineOptions options;
+  options.join_groups_automatically = false;
+  Team team;
+  team.add(options);
+  team.engine(0).join_group("mc_robot_8", team.now());
+  team.engine(0).leave_group("mc_robot_8", team.now());
+  team.run_for(10ms);
+  ASSERT_EQ(team.group_changes(0).size(), 2u);
+  EXPECT_TRUE(team.group_changes(0)[0].joined);
+  EXPECT_FALSE(team.group_changes(0)[0].succeeded);
+  EXPECT_TRUE(team.group_changes(0)[1].succeeded);
+}
+
 TEST(Broadcast, OneHopIsSegmentedAndReportedAsSuccess) {
   Team team;
   team.add_line(3);

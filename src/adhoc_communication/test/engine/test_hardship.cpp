@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "team.hpp"
+#include "transport/hop_sender.hpp"
 #include "wire/frame_header.hpp"
 #include "wire/messages.hpp"
 
@@ -12,6 +13,14 @@ using namespace std::chrono_literals;
 
 bool finish(Team& team, std::size_t robot, SendId id, Time patience = 30s) {
   return team.run_until_done([&] { return team.finished(robot, id) != nullptr; }, patience);
+}
+
+/// A frame given up is left to the end-to-end repetition; with nothing outstanding silence means nothing.
+TEST(HopSender, AGivenUpFrameDoesNotKillTheLink) {
+  transport::HopSender sender(1, 0);
+  sender.start({wire::FrameType::kData, text("x"), 0}, 1, 0ms);
+  sender.expire(100ms);
+  EXPECT_FALSE(sender.dead(10s));
 }
 
 TEST(Hardship, BoundaryLengthsArrive) {
