@@ -174,8 +174,9 @@ void read_one(const std::string& name, const XmlRpcValue& value, OptionsRead& re
 }
 
 std::vector<Parameter> make_parameters() {
-  const std::string no_tree_reason =
-      "a packet for a group goes to each member by itself and is acknowledged by it, so there is no multicast tree";
+  const std::string rebuild_reason = "a broken branch always makes the root build the tree anew";
+  const std::string recursive_reason = "a robot always acknowledges a group packet when all behind it have it";
+  const std::string nack_reason = "members report what they miss of group packets of every size";
   const std::string relaying_reason =
       "the hop-by-hop resends and the routes found anew do what cooperative relaying was meant for";
   return {
@@ -222,13 +223,13 @@ std::vector<Parameter> make_parameters() {
       stored(
           "topic_remove_robot", [](NodeOptions & o) -> auto& { return o.topic_remove_robot; }),
       checked_without_effect(
-          "rebuild_mc_tree", no_tree_reason, [](NodeOptions & o) -> auto& { return o.engine.rebuild_mc_tree; }),
+          "rebuild_mc_tree", rebuild_reason, [](NodeOptions & o) -> auto& { return o.engine.rebuild_mc_tree; }),
       checked_without_effect(
-          "recursive_mc_ack", no_tree_reason, [](NodeOptions & o) -> auto& { return o.engine.recursive_mc_ack; }),
+          "recursive_mc_ack", recursive_reason, [](NodeOptions & o) -> auto& { return o.engine.recursive_mc_ack; }),
       stored(
           "loss_ratio", [](NodeOptions & o) -> auto& { return o.engine.loss_ratio; }),
       checked_without_effect(
-          "nack_threshold", no_tree_reason, [](NodeOptions & o) -> auto& { return o.engine.nack_threshold; }),
+          "nack_threshold", nack_reason, [](NodeOptions & o) -> auto& { return o.engine.nack_threshold; }),
       parsed<std::string>("sim_robot_macs", "",
                           [](NodeOptions& o, const std::string& text) { o.sim_robot_macs = parse_robot_macs(text); }),
       stored(
