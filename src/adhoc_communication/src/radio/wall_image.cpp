@@ -48,7 +48,7 @@ void read_wall_image(const std::string& path, Walls& walls) {
   if (!file) refuse(path, std::string("cannot be read: ") + std::strerror(errno));
   char magic[2] = {};
   if (!file.read(magic, sizeof magic) || magic[0] != 'P' || magic[1] != '5') {
-    refuse(path, "is not a binary PGM image; make one with \"convert IMAGE -depth 8 walls.pgm\"");
+    refuse(path, "is not a binary PGM image (P5); ImageMagick makes one with \"convert IMAGE -depth 8 walls.pgm\"");
   }
   walls.width = number(file, path, "width", kLongestSide);
   const std::size_t height = number(file, path, "height", kLongestSide);
