@@ -85,7 +85,6 @@ Time Medium::air_time(const Frame& frame) const {
 
 Medium::FlightKey Medium::launch(Node sender, const Frame& frame, Time end) {
   NodeState& state = nodes_[sender];
-  state.busy_until = end;
   for (Counters* counters : {&state.counters, &counters_}) {
     ++counters->frames;
     counters->octets += frame.bytes.size();
@@ -191,8 +190,6 @@ void Medium::count(Node sender, std::uint64_t Counters::*counter) {
   ++(counters_.*counter);
   ++(nodes_[sender].counters.*counter);
 }
-
-Time Medium::free_at(Node node) const { return options().shared ? shared_busy_until_ : nodes_.at(node).busy_until; }
 
 bool Medium::addressed(const Frame& frame, const NodeState& node) const {
   return frame.destination == wire::kEverybody || !node.address || *node.address == frame.destination;

@@ -66,8 +66,6 @@ class Medium {
   std::optional<Time> next_delivery() const;
   /// What has arrived until `now`, in order.
   std::vector<Delivery> deliveries(Time now);
-  /// When the air is free for a further frame of this node.
-  Time free_at(Node node) const;
 
   const Counters& counters() const { return counters_; }
   const Counters& counters(Node node) const { return nodes_.at(node).counters; }
