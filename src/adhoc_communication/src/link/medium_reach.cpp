@@ -7,6 +7,8 @@
 namespace adhoc_communication {
 namespace {
 
+constexpr double kMargin = 1.001;  // for rounding
+
 double weakest_power(const MediumOptions& options) {
   return options.path_loss ? options.path_loss->p_thres : received_power(PathLoss(), options.range);
 }
@@ -79,22 +81,26 @@ bool Reach::is_plain() const { return !options_.path_loss && !shadowing_.exists(
 
 double Reach::farthest() const {
   if (is_plain()) return options_.range;
-  return distance_of_power(path_loss_, threshold_ - shadowing_.best());
+  return kMargin * distance_of_power(path_loss_, threshold_ - shadowing_.best());
 }
 
 double Reach::power_between(const Place& a, const Place& b) const {
   if (!a.position || !b.position) return received_power(path_loss_, 0.0);
-  const double power = received_power(path_loss_, distance_between(*a.position, *b.position)) -
-                       shadowing_.between(a.shadowing, b.shadowing);
+  return power_at(distance_between(*a.position, *b.position), a, b);
+}
+
+double Reach::power_at(double distance, const Place& a, const Place& b) const {
+  const double power = received_power(path_loss_, distance) - shadowing_.between(a.shadowing, b.shadowing);
   if (power < threshold_ || options_.walls.cells.empty()) return power;  // walls only make it weaker
   return power - options_.wall_attenuation * walls_between(options_.walls, *a.position, *b.position);
 }
 
 std::optional<double> Reach::power_if_in_range(const Place& a, const Place& b) const {
-  const bool by_distance = is_plain() && a.position && b.position;
-  if (by_distance && distance_between(*a.position, *b.position) > options_.range) return std::nullopt;
-  const double power = power_between(a, b);
-  if (!by_distance && power < threshold_) return std::nullopt;
+  if (!a.position || !b.position) return received_power(path_loss_, 0.0);
+  const double distance = distance_between(*a.position, *b.position);
+  if (distance > farthest_) return std::nullopt;
+  const double power = power_at(distance, a, b);
+  if (!is_plain() && power < threshold_) return std::nullopt;
   return power;
 }
 
@@ -103,7 +109,6 @@ bool Reach::in_range(Node a, Node b) const { return power_if_in_range(places_.at
 bool Reach::may_meet(Node a, Node b) const {
   const auto& here = places_.at(a).position;
   const auto& there = places_.at(b).position;
-  constexpr double kMargin = 1.001;  // for rounding
   return !here || !there || !link_loss_.empty() || distance_between(*here, *there) <= 2.0 * kMargin * farthest_;
 }
 
@@ -132,11 +137,11 @@ void Reach::find_hearers(Node sender, std::vector<Hearer>& hearers) {
     candidates_.resize(places_.size());
     std::iota(candidates_.begin(), candidates_.end(), 0);
   }
-  std::sort(candidates_.begin(), candidates_.end());
   for (const Node node : candidates_) {
     if (node == sender || options_.loss >= 1.0) continue;
     if (const auto power = power_if_in_range(here, places_[node])) hearers.push_back({node, options_.loss, *power});
   }
+  std::sort(hearers.begin(), hearers.end(), [](const Hearer& a, const Hearer& b) { return a.node < b.node; });
   apply_link_losses(sender, hearers);
 }
 

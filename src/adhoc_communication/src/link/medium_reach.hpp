@@ -57,6 +57,7 @@ class Reach {
   bool is_plain() const;  ///< nothing counts but the distance
   double farthest() const;
   double power_between(const Place& a, const Place& b) const;
+  double power_at(double distance, const Place& a, const Place& b) const;
   std::optional<double> power_if_in_range(const Place& a, const Place& b) const;
   void make_grid();
   void find_hearers(Node sender, std::vector<Hearer>& hearers);
@@ -65,7 +66,7 @@ class Reach {
   MediumOptions options_;
   PathLoss path_loss_;
   double threshold_ = 0.0;  ///< weakest power received, dBm
-  double farthest_ = 0.0;   ///< metres at which a frame may be received, walls apart
+  double farthest_ = 0.0;   ///< metres beyond which no frame is received
   Shadowing shadowing_;
   std::vector<Place> places_;
   std::vector<Node> unplaced_;

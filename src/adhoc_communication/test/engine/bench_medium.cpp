@@ -58,17 +58,16 @@ Result measure(const std::string& what, const MediumOptions& options, double ran
     frames.push_back(broadcast_from(node));
   }
   const std::clock_t start = std::clock();
-  for (Time now{0}; now < Time(static_cast<Time::rep>(seconds * 1e9)); now += kSpacing) {
-    for (std::size_t node = 0; node < nodes; ++node) {
-      if (now % kMovement == Time{0}) {
-        const Position position = robots[node].at(now);
-        medium.set_position(node, position.x, position.y);
-      }
-      medium.transmit(node, frames[node], now);
+  const Time end(static_cast<Time::rep>(seconds * 1e9));
+  const Time spacing = kSpacing / static_cast<Time::rep>(nodes);
+  std::size_t node = 0;
+  for (Time now{0}; now < end; now += spacing, node = (node + 1) % nodes) {
+    if (now % kMovement < kSpacing) {
+      const Position position = robots[node].at(now);
+      medium.set_position(node, position.x, position.y);
     }
-    while (medium.next_delivery() && *medium.next_delivery() < now + kSpacing) {
-      medium.deliveries(*medium.next_delivery());
-    }
+    medium.transmit(node, frames[node], now);
+    while (medium.next_delivery() && *medium.next_delivery() <= now) medium.deliveries(*medium.next_delivery());
   }
   const Medium::Counters& counters = medium.counters();
   const double pairs = static_cast<double>(counters.delivered + counters.lost + counters.collided + counters.unheard);
