@@ -23,6 +23,7 @@ bench: bench-adhoc bench-merge bench-explore bench-sim
 bench-adhoc: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun adhoc_communication bench_namespaces --out out/bench/adhoc.json
 	@$(ENVIRONMENT) rosrun adhoc_communication bench_engine --json out/bench/adhoc_engine.json
+	@$(ENVIRONMENT) rosrun adhoc_communication bench_medium --json out/bench/adhoc_medium.json
 
 bench-merge: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun map_merger bench_registration --out out/bench/merge.json

@@ -49,3 +49,10 @@ target_link_libraries(bench_engine adhoc_engine_team)
 if(COMMAND catkin_package)
   install(TARGETS bench_engine RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 endif()
+
+# The simulated radio alone.
+add_executable(bench_medium ${ADHOC_ENGINE_DIR}/test/engine/bench_medium.cpp)
+target_link_libraries(bench_medium adhoc_engine)
+if(COMMAND catkin_package)
+  install(TARGETS bench_medium RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+endif()

@@ -185,13 +185,19 @@ class Team:
     """Robots with a radio between their namespaces. Use as a context manager.
 
     :param links: pairs of names that hear each other; None for everybody.
+    :param radio_options: further words of the radio's command line.
+    :param positions: name -> (x, y) in metres, known to the radio before the nodes start.
     """
 
-    def __init__(self, names, loss=0.0, links=None, seed=1, interface="radio0", node_parameters=None):
+    def __init__(
+        self, names, loss=0.0, links=None, seed=1, interface="radio0", node_parameters=None, radio_options=(),
+        positions=None,
+    ):  # fmt: skip
         self._folder = tempfile.TemporaryDirectory(prefix="adhoc-test-")
         self.folder = Path(self._folder.name)
         self.robots = {name: Robot(name, self.folder) for name in names}
         self._loss, self._links, self._seed = loss, links, seed
+        self._radio_options, self._positions = list(radio_options), positions or {}
         self._interface = interface
         self._parameters = {"num_e2e_retrans": 10, **(node_parameters or {})}
         self._radio = None
@@ -238,11 +244,14 @@ class Team:
     def _start_radio(self):
         control = self.folder / "control"
         command = [program("radio"), "--loss", str(self._loss), "--seed", str(self._seed), "--control", str(control)]
+        command += self._radio_options
         for index, name in enumerate(self.robots):
             command += ["--interface", f"{name}=air{index}"]
         self._radio = subprocess.Popen(command, stdout=subprocess.PIPE, preexec_fn=die_with_parent, text=True)
         assert self._radio.stdout.readline().startswith("radio ready")
         self.radio_control = RadioControl(control)
+        for name, (x, y) in self._positions.items():
+            self.radio_control.send(f"position {name} {x} {y}")
         names = list(self.robots)
         for i, a in enumerate(names):
             for b in names[i + 1 :]:

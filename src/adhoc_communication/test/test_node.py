@@ -338,6 +338,14 @@ class Documentation(unittest.TestCase):
         expected = [tuple(line.split("\t")[:3]) for line in listed]
         self.assertEqual(sorted(table_of_parameters()), sorted(expected))
 
+    def test_option_table_of_the_radio(self):
+        """Each option of the help that has a default stands in the table of the README with the same one."""
+        command = ["rosrun", "adhoc_communication", "radio", "--help"]
+        listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+        words = [line.split() for line in listed if line.startswith("  --")]
+        defaults = {option: default for option, default, *_ in words if not default.isupper()}
+        self.assertEqual(table_of_radio_options(), {**defaults, "--walls": "none"})
+
 
 def table_of_parameters():
     """(name, type, default) of every row of the tables below the heading Parameters of README.md."""
@@ -345,6 +353,18 @@ def table_of_parameters():
     lines = [line for line in text.splitlines() if line.startswith("| `")]
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     return [(row[0].strip("`"), row[1], row[2].strip("`")) for row in rows]
+
+
+def table_of_radio_options():
+    """Option -> default of the table below the heading The radio daemon of README.md; a row may hold several."""
+    text = (PACKAGE / "README.md").read_text().split("## The radio daemon", 1)[1].split("\n## ", 1)[0]
+    options = {}
+    for row in (line.split("|") for line in text.splitlines() if line.startswith("| `")):
+        names = [name.strip(" `") for name in row[1].split(",")]
+        defaults = row[2].strip().split(", ")
+        assert len(names) == len(defaults), row
+        options.update(zip(names, defaults))
+    return options
 
 
 class LaunchFiles(unittest.TestCase):

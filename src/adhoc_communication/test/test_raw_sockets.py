@@ -19,6 +19,11 @@ CHAIN_OF_THREE = [("robot_0", "robot_1"), ("robot_1", "robot_2")]
 #: robot_0 reaches robot_3 through robot_1 or robot_2.
 DIAMOND = [("robot_0", "robot_1"), ("robot_0", "robot_2"), ("robot_1", "robot_3"), ("robot_2", "robot_3")]
 
+AROUND_THE_WALL = {"robot_0": (-5, 0), "robot_1": (0, 15), "robot_2": (5, 0)}
+#: 10 m long, of an image of 1 x 10 pixels.
+WALL = ["--walls-resolution", "1", "--walls-origin", "-0.5,-5", "--wall-attenuation", "30"]
+ONE_CHANNEL = ["--contention", "true", "--bit-rate", "6e6", "--p-tx", "10"]  # range 19.9 m
+
 
 def text_in(message):
     """`data` of a serialised RecvString."""
@@ -81,6 +86,25 @@ class ThreeMasters(unittest.TestCase):
             expect_map(self, team["robot_0"], team["robot_2"])
             hops = team["robot_2"].agent.ask(do="status")
             self.assertNotIn("robot_0", hops["neighbors"])
+
+
+class OneChannelAndAWall(unittest.TestCase):
+    """robot_0 and robot_2 are 10 m apart, a wall between them; robot_1 sees both past its end. All share 6 Mbit/s."""
+
+    def test_map_goes_around_the_wall(self):
+        with tempfile.NamedTemporaryFile(suffix=".pgm") as image:
+            image.write(b"P5 1 10 255\n" + bytes(10))
+            image.flush()
+            options = ["--walls", image.name, *WALL, *ONE_CHANNEL]
+            with Team(list(AROUND_THE_WALL), radio_options=options, positions=AROUND_THE_WALL) as team:
+                team.wait_for_robots()
+                team.wait_for_neighbors("robot_0", {"robot_1"})
+                team.wait_for_neighbors("robot_2", {"robot_1"})
+                expect_map(self, team["robot_0"], team["robot_2"], cells=200)
+                team.radio_control.send("position robot_1 0 500")
+                team.wait_for_neighbors("robot_0", set())
+                team.radio_control.send("position robot_0 0 495")
+                team.wait_for_neighbors("robot_0", {"robot_1"})
 
 
 class FourMasters(unittest.TestCase):

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "wire/frame_header.hpp"
 
@@ -9,16 +10,18 @@ namespace adhoc_communication {
 namespace {
 
 constexpr Time kLongestReordering = std::chrono::milliseconds(5);
+constexpr double kFarthest = 1e9;  // metres
 
 }  // namespace
 
-Medium::Medium(const MediumOptions& options, std::uint64_t seed) : options_(options), random_(seed) {}
+Medium::Medium(const MediumOptions& options, std::uint64_t seed) : random_(seed), reach_(validated(options), seed) {}
 
 Medium::Node Medium::add_node(const std::string& name, std::optional<MacAddress> address) {
   NodeState node;
   node.name = name;
   node.address = address;
   nodes_.push_back(std::move(node));
+  reach_.add_node();
   return nodes_.size() - 1;
 }
 
@@ -29,7 +32,12 @@ std::optional<Medium::Node> Medium::find(const std::string& name) const {
   return std::nullopt;
 }
 
-void Medium::set_position(Node node, double x, double y) { nodes_.at(node).position = std::pair(x, y); }
+void Medium::set_position(Node node, double x, double y) {
+  if (!(std::abs(x) <= kFarthest && std::abs(y) <= kFarthest)) {
+    throw std::invalid_argument("the position of " + name(node) + " is not within 1e9 m of the origin");
+  }
+  reach_.set_position(node, {x, y});
+}
 
 void Medium::set_link_loss(Node a, Node b, std::optional<double> probability) {
   set_one_way_loss(a, b, probability);
@@ -37,11 +45,7 @@ void Medium::set_link_loss(Node a, Node b, std::optional<double> probability) {
 }
 
 void Medium::set_one_way_loss(Node from, Node to, std::optional<double> probability) {
-  if (probability) {
-    link_loss_[{from, to}] = *probability;
-  } else {
-    link_loss_.erase({from, to});
-  }
+  reach_.set_link_loss(from, to, probability);
 }
 
 void Medium::set_up(Node node, bool up, Time now) {
@@ -50,6 +54,10 @@ void Medium::set_up(Node node, bool up, Time now) {
     ++state.life;
     state.queued = 0;
     state.busy_until = now;
+    state.waiting.clear();
+    if (state.attempt) attempts_.erase({*state.attempt, node});
+    state.attempt.reset();
+    channel_.silence(node, now);
   }
   state.up = up;
 }
@@ -57,85 +65,130 @@ void Medium::set_up(Node node, bool up, Time now) {
 void Medium::transmit(Node node, const Frame& frame, Time now) {
   NodeState& state = nodes_.at(node);
   state.address = frame.source;
-  if (!state.up || state.queued >= options_.queue_limit) {
-    ++state.counters.discarded;
-    ++counters_.discarded;
+  if (!state.up || state.queued >= options().queue_limit) return count(node, &Counters::discarded);
+  ++state.queued;
+  if (options().contention) {
+    const bool is_idle = state.queued == 1;
+    state.waiting.push_back(frame);
+    if (is_idle) back_off(node, now);
     return;
   }
-  const Time octets_time(static_cast<Time::rep>(8e9 * static_cast<double>(frame.bytes.size()) / options_.bit_rate));
-  const Time air_time = octets_time + options_.frame_overhead;
-  Time& busy_until = options_.shared ? shared_busy_until_ : state.busy_until;
-  busy_until = std::max(busy_until, now) + air_time;
-  state.busy_until = busy_until;
-  ++state.queued;
+  Time& busy_until = options().shared ? shared_busy_until_ : state.busy_until;
+  busy_until = std::max(busy_until, now) + air_time(frame);
+  launch(node, frame, busy_until);
+}
+
+Time Medium::air_time(const Frame& frame) const {
+  const double octets = static_cast<double>(frame.bytes.size());
+  return Time(static_cast<Time::rep>(8e9 * octets / options().bit_rate)) + options().frame_overhead;
+}
+
+Medium::FlightKey Medium::launch(Node sender, const Frame& frame, Time end) {
+  NodeState& state = nodes_[sender];
   for (Counters* counters : {&state.counters, &counters_}) {
     ++counters->frames;
     counters->octets += frame.bytes.size();
-    counters->air_time += air_time;
+    counters->air_time += air_time(frame);
   }
-  flights_.emplace(std::pair(busy_until, next_flight_++), Flight{node, state.life, frame});
+  const FlightKey key(end, next_flight_++);
+  flights_.emplace(key, Flight{sender, state.life, frame, true, {}});
+  return key;
+}
+
+void Medium::back_off(Node node, Time idle_from) {
+  const auto slots = static_cast<Time::rep>(random_.next() % options().slots);
+  nodes_[node].attempt = idle_from + slots * options().slot;
+  attempts_.emplace(*nodes_[node].attempt, node);
+}
+
+void Medium::attempt(Node node, Time at) {
+  NodeState& state = nodes_[node];
+  attempts_.erase({at, node});
+  state.attempt.reset();
+  const Time idle_from = channel_.sensed_until(node, at, reach_);
+  if (idle_from > at) return back_off(node, idle_from);
+  const Time end = at + air_time(state.waiting.front());
+  const FlightKey key = launch(node, state.waiting.front(), end);
+  state.waiting.pop_front();
+  channel_.begin(key.second, node, at, end, reach_);
 }
 
 std::optional<Time> Medium::next_delivery() const {
-  if (flights_.empty()) return std::nullopt;
-  return flights_.begin()->first.first;
+  std::optional<Time> next;
+  if (!flights_.empty()) next = flights_.begin()->first.first;
+  if (!attempts_.empty()) next = std::min(next.value_or(Time::max()), attempts_.begin()->first);
+  return next;
 }
 
 std::vector<Medium::Delivery> Medium::deliveries(Time now) {
   std::vector<Delivery> out;
-  while (!flights_.empty() && flights_.begin()->first.first <= now) {
-    const Time at = flights_.begin()->first.first;
-    const Flight flight = std::move(flights_.begin()->second);
-    flights_.erase(flights_.begin());
-    arrive(flight, at, out);
+  for (auto next = next_delivery(); next && *next <= now; next = next_delivery()) {
+    const bool is_landing = !flights_.empty() && flights_.begin()->first.first == *next;
+    if (is_landing) {
+      land(*next, out);
+    } else {
+      attempt(attempts_.begin()->second, *next);
+    }
   }
   return out;
 }
 
-void Medium::arrive(const Flight& flight, Time at, std::vector<Delivery>& out) {
+void Medium::land(Time at, std::vector<Delivery>& out) {
+  const std::uint64_t id = flights_.begin()->first.second;
+  Flight flight = std::move(flights_.begin()->second);
+  flights_.erase(flights_.begin());
+  if (options().contention && flight.first) flight.overlapping = channel_.end(id);
+  if (flight.life == nodes_[flight.sender].life) arrive(flight, at, out);
+}
+
+void Medium::arrive(Flight& flight, Time at, std::vector<Delivery>& out) {
   NodeState& sender = nodes_[flight.sender];
-  if (flight.life != sender.life) return;
   if (flight.first) {
     --sender.queued;
-    const auto again = [&](Time delay) {
-      flights_.emplace(std::pair(at + delay, next_flight_++), Flight{flight.sender, flight.life, flight.frame, false});
-    };
-    if (options_.duplication > 0 && random_.chance(options_.duplication)) {
-      again(random_.delay(kLongestReordering));
-    }
-    if (options_.reordering > 0 && random_.chance(options_.reordering)) {
-      again(random_.delay(kLongestReordering));
-      return;
-    }
+    if (!sender.waiting.empty()) back_off(flight.sender, at);
+    if (repeat_or_delay(flight, at)) return;
   }
-  for (Node node = 0; node < nodes_.size(); ++node) {
-    if (node == flight.sender || !nodes_[node].up || !addressed(flight.frame, nodes_[node])) continue;
-    const double loss = loss_between(flight.sender, node);
-    if (loss >= 1.0) continue;
-    if (loss > 0.0 && random_.chance(loss)) {
-      ++counters_.lost;
-      ++sender.counters.lost;
+  for (const Hearer& hearer : reach_.hearers(flight.sender)) {
+    const NodeState& receiver = nodes_[hearer.node];
+    if (!receiver.up || !addressed(flight.frame, receiver) || !survives(flight, hearer)) continue;
+    if (hearer.loss > 0.0 && random_.chance(hearer.loss)) {
+      count(flight.sender, &Counters::lost);
       continue;
     }
-    ++counters_.delivered;
-    ++sender.counters.delivered;
-    out.push_back({node, flight.frame});
-    if (options_.corruption > 0 && random_.chance(options_.corruption)) corrupt(out.back().frame.bytes);
+    count(flight.sender, &Counters::delivered);
+    out.push_back({hearer.node, flight.frame});
+    if (options().corruption > 0 && random_.chance(options().corruption)) corrupt(out.back().frame.bytes);
   }
 }
 
-Time Medium::free_at(Node node) const { return options_.shared ? shared_busy_until_ : nodes_.at(node).busy_until; }
-
-bool Medium::in_range(Node a, Node b) const {
-  const auto& p = nodes_.at(a).position;
-  const auto& q = nodes_.at(b).position;
-  return !p || !q || std::hypot(p->first - q->first, p->second - q->second) <= options_.range;
+bool Medium::repeat_or_delay(const Flight& flight, Time at) {
+  const auto again = [&](Time delay) {
+    const FlightKey key(at + delay, next_flight_++);
+    flights_.emplace(key, Flight{flight.sender, flight.life, flight.frame, false, flight.overlapping});
+  };
+  if (options().duplication > 0 && random_.chance(options().duplication)) again(random_.delay(kLongestReordering));
+  if (options().reordering <= 0 || !random_.chance(options().reordering)) return false;
+  again(random_.delay(kLongestReordering));
+  return true;
 }
 
-double Medium::loss_between(Node from, Node to) const {
-  const auto link = link_loss_.find({from, to});
-  if (link != link_loss_.end()) return link->second;
-  return in_range(from, to) ? options_.loss : 1.0;
+bool Medium::survives(const Flight& flight, const Hearer& receiver) {
+  for (const Node other : flight.overlapping) {
+    if (other == receiver.node) {
+      count(flight.sender, &Counters::unheard);
+      return false;
+    }
+    const Hearer* disturbed = reach_.hearer(other, receiver.node);
+    if (disturbed == nullptr || receiver.power - disturbed->power >= options().capture) continue;
+    count(flight.sender, &Counters::collided);
+    return false;
+  }
+  return true;
+}
+
+void Medium::count(Node sender, std::uint64_t Counters::*counter) {
+  ++(counters_.*counter);
+  ++(nodes_[sender].counters.*counter);
 }
 
 bool Medium::addressed(const Frame& frame, const NodeState& node) const {

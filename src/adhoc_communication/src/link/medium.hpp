@@ -1,7 +1,8 @@
-// A radio in the memory of one process: range, loss, air time. No clock, no socket; time is an argument.
+// A radio in the memory of one process: reach, loss, air time. No clock, no socket; time is an argument.
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -10,24 +11,15 @@
 #include <vector>
 
 #include "adhoc_communication/types.hpp"
+#include "link/medium_contention.hpp"
+#include "link/medium_options.hpp"
+#include "link/medium_reach.hpp"
 #include "random.hpp"
 
 namespace adhoc_communication {
 
-struct MediumOptions {
-  double range = 10.0;                                  ///< metres; robots farther apart do not hear each other
-  double loss = 0.0;                                    ///< probability per frame and receiver
-  double bit_rate = 50e6;                               ///< bit/s for the octets behind the Ethernet header
-  Time frame_overhead = std::chrono::microseconds(50);  ///< air time of a frame besides its octets
-  bool shared = false;             ///< all nodes take turns on one channel; otherwise each has its own to send on
-  std::size_t queue_limit = 1000;  ///< frames of a node waiting for the air; further ones are lost
-  double duplication = 0.0;        ///< probability that a frame arrives twice
-  double reordering = 0.0;         ///< probability that a frame arrives up to 5 ms late
-  double corruption = 0.0;         ///< probability that one octet of a frame is altered
-};
-
 /// Frames of a node go out one after another. A frame reaches, at the end of its air time, the nodes in range that it
-/// is addressed to. A node whose position is unknown is in range of everybody.
+/// is addressed to. A node whose position is unknown is in range of everybody. docs/medium.md tells the whole model.
 class Medium {
  public:
   using Node = std::size_t;
@@ -42,10 +34,13 @@ class Medium {
     std::uint64_t octets = 0;
     std::uint64_t delivered = 0;
     std::uint64_t lost = 0;       ///< by chance
+    std::uint64_t collided = 0;   ///< destroyed at a receiver by another frame
+    std::uint64_t unheard = 0;    ///< the receiver was sending itself
     std::uint64_t discarded = 0;  ///< queue full, or the sender was down
     Time air_time{0};
   };
 
+  /// Throws std::invalid_argument with one sentence.
   Medium(const MediumOptions& options, std::uint64_t seed);
 
   /// The address may be left out: it is learned from the first frame the node sends.
@@ -54,9 +49,11 @@ class Medium {
   const std::string& name(Node node) const { return nodes_.at(node).name; }
   std::size_t node_count() const { return nodes_.size(); }
 
+  /// Throws std::invalid_argument beyond 1e9 m.
   void set_position(Node node, double x, double y);
-  void set_range(double metres) { options_.range = metres; }
-  void set_loss(double probability) { options_.loss = probability; }
+  /// Without effect if path_loss decides.
+  void set_range(double metres) { reach_.set_range(metres); }
+  void set_loss(double probability) { reach_.set_loss(probability); }
   /// Both directions; 1 cuts the link, nothing gives it back to the model of distance and common loss.
   void set_link_loss(Node a, Node b, std::optional<double> probability);
   /// Only frames from `from` to `to`.
@@ -65,45 +62,56 @@ class Medium {
   void set_up(Node node, bool up, Time now);
 
   void transmit(Node node, const Frame& frame, Time now);
-  /// When the next frame arrives somewhere.
+  /// When something happens next: deliveries() is due then, though nothing may arrive.
   std::optional<Time> next_delivery() const;
   /// What has arrived until `now`, in order.
   std::vector<Delivery> deliveries(Time now);
-  /// When the air is free for a further frame of this node.
-  Time free_at(Node node) const;
 
   const Counters& counters() const { return counters_; }
   const Counters& counters(Node node) const { return nodes_.at(node).counters; }
-  bool in_range(Node a, Node b) const;
+  bool in_range(Node a, Node b) const { return reach_.in_range(a, b); }
+  const MediumOptions& options() const { return reach_.options(); }
 
  private:
   struct NodeState {
     std::string name;
     std::optional<MacAddress> address;
-    std::optional<std::pair<double, double>> position;
     bool up = true;
     std::uint64_t life = 0;  ///< changes whenever the node goes down
     Time busy_until{0};
     std::size_t queued = 0;
+    std::deque<Frame> waiting;    ///< for a free channel, where it is contended for
+    std::optional<Time> attempt;  ///< when the node tries to send the first of them
     Counters counters;
   };
   struct Flight {
     Node sender;
     std::uint64_t life;
     Frame frame;
-    bool first = true;  ///< false for the late or second copy that reordering and duplication make
+    bool first = true;              ///< false for the late or second copy that reordering and duplication make
+    std::vector<Node> overlapping;  ///< senders of frames that were on the air at the same time, if it is contended for
   };
 
-  double loss_between(Node from, Node to) const;
+  using FlightKey = std::pair<Time, std::uint64_t>;  ///< end of air time, order of transmission
+
+  Time air_time(const Frame& frame) const;
+  FlightKey launch(Node sender, const Frame& frame, Time end);
+  void back_off(Node node, Time idle_from);
+  void attempt(Node node, Time at);
+  void land(Time at, std::vector<Delivery>& out);
+  void arrive(Flight& flight, Time at, std::vector<Delivery>& out);
+  bool repeat_or_delay(const Flight& flight, Time at);  ///< true if the frame itself arrives later
+  bool survives(const Flight& flight, const Hearer& receiver);
+  void count(Node sender, std::uint64_t Counters::*counter);
   bool addressed(const Frame& frame, const NodeState& node) const;
-  void arrive(const Flight& flight, Time at, std::vector<Delivery>& out);
   void corrupt(Bytes& bytes);
 
-  MediumOptions options_;
   Random random_;
+  Reach reach_;
+  ContendedChannel channel_;
   std::vector<NodeState> nodes_;
-  std::map<std::pair<Node, Node>, double> link_loss_;
-  std::map<std::pair<Time, std::uint64_t>, Flight> flights_;  ///< by end of air time and order of transmission
+  std::map<FlightKey, Flight> flights_;
+  std::set<std::pair<Time, Node>> attempts_;
   std::uint64_t next_flight_ = 0;
   Time shared_busy_until_{0};
   Counters counters_;

@@ -1,9 +1,9 @@
 #include "node/channel_model.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include "link/mac_address.hpp"
+#include "link/medium_path_loss.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -12,14 +12,13 @@ constexpr std::size_t kMaxUnnamedSenders = 64;
 
 }  // namespace
 
-double distance_between(const Position& a, const Position& b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
-double received_power(const ChannelModel& model, double distance) {
-  return model.p_tx - (model.l_0_model + 10.0 * model.n_model * std::log10(distance));
-}
-
 bool is_received(const ChannelModel& model, double distance) {
-  return distance <= 0.0 || model.p_thres <= received_power(model, distance);
+  PathLoss path_loss;
+  path_loss.p_tx = model.p_tx;
+  path_loss.p_thres = model.p_thres;
+  path_loss.l_0_model = model.l_0_model;
+  path_loss.n_model = model.n_model;
+  return received_power(path_loss, distance) >= path_loss.p_thres;
 }
 
 void PositionTable::set(const std::string& robot, Position position) {

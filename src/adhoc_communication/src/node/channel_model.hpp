@@ -8,26 +8,17 @@
 #include <string>
 
 #include "adhoc_communication/types.hpp"
+#include "link/medium_position.hpp"
 
 namespace adhoc_communication {
 
+/// Parameters of the contract, which are whole numbers; the defaults are those of PathLoss.
 struct ChannelModel {
   int p_thres = -75;   ///< weakest power received, dBm
   int p_tx = 15;       ///< transmit power, dBm
   int n_model = 4;     ///< path loss exponent
   int l_0_model = 33;  ///< path loss at 1 m, dB
 };
-
-/// Planar position in the world, metres.
-struct Position {
-  double x = 0.0;
-  double y = 0.0;
-};
-
-double distance_between(const Position& a, const Position& b);
-
-/// p_tx - (l_0_model + 10 n_model log10(d)), dBm at a distance of d metres.
-double received_power(const ChannelModel& model, double distance);
 
 bool is_received(const ChannelModel& model, double distance);
 

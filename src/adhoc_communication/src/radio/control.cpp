@@ -1,12 +1,15 @@
 #include "radio/control.hpp"
 
+#include <cmath>
 #include <sstream>
 
 namespace adhoc_communication {
 namespace {
 
 constexpr std::size_t kMaxNodes = 1000;
+constexpr double kFarthest = 1e9;  // metres
 
+bool is_coordinate(double value) { return std::abs(value) <= kFarthest; }
 bool is_probability(double value) { return value >= 0.0 && value <= 1.0; }
 
 std::string refuse(const std::string& line) {
@@ -17,6 +20,7 @@ std::string refuse(const std::string& line) {
 void write_counters(std::ostream& out, const Medium::Counters& counters) {
   out << "\"frames\": " << counters.frames << ", \"bytes\": " << counters.octets
       << ", \"delivered\": " << counters.delivered << ", \"lost\": " << counters.lost
+      << ", \"collided\": " << counters.collided << ", \"unheard\": " << counters.unheard
       << ", \"discarded\": " << counters.discarded
       << ", \"air_time\": " << std::chrono::duration<double>(counters.air_time).count();
 }
@@ -40,7 +44,10 @@ std::string carry_out(const std::string& line, Medium& medium, Time now) {
   std::string command, name, other;
   double x = 0.0, y = 0.0;
   words >> command;
-  if (command == "position" && words >> name >> x >> y && is_at_end(words)) {
+  if (command == "range" && medium.options().path_loss) {
+    return "command '" + line + "' has no effect: path loss decides who hears whom";
+  }
+  if (command == "position" && words >> name >> x >> y && is_at_end(words) && is_coordinate(x) && is_coordinate(y)) {
     medium.set_position(node_named(medium, name), x, y);
   } else if (command == "loss" && words >> x && is_at_end(words) && is_probability(x)) {
     medium.set_loss(x);

@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
     }
     run(options);
   } catch (const std::invalid_argument& error) {
-    std::cerr << "radio: " << error.what() << '\n' << adhoc_communication::kRadioUsage;
+    std::cerr << "radio: " << error.what() << "\n(radio --help lists the options)\n";
     return 2;
   } catch (const std::exception& error) {
     std::cerr << "radio: " << error.what() << '\n';

@@ -3,26 +3,57 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
+#include <set>
 #include <stdexcept>
+
+#include "radio/wall_image.hpp"
 
 namespace adhoc_communication {
 
 const char* const kRadioUsage =
-    "usage: radio [--interface ROBOT=INTERFACE]... [--hub PATH] [--range METRES] [--loss P] [--bit-rate BIT/S]\n"
-    "             [--shared true|false] [--seed N] [--control PATH] [--statistics FILE]\n"
-    "Carries frames between the robots of one computer as a radio would: range, loss and air time.\n"
-    "--shared true: all robots take turns on one channel; otherwise each sends when it likes.\n"
-    "Control socket (SOCK_SEQPACKET), one command per line: position NAME X Y | loss P | range R | link A B P |\n"
-    "down NAME | up NAME | statistics\n";
+    "usage: radio [--interface ROBOT=INTERFACE]... [--hub PATH] [OPTION VALUE]...\n"
+    "Carries frames between the robots of one computer as a radio would. Options, with their defaults:\n"
+    "\n"
+    "who hears whom\n"
+    "  --range 10               metres; not together with the next four\n"
+    "  --p-tx 15                log-distance path loss, if any of these four is given: transmit power, dBm\n"
+    "  --p-thres -75            weakest power received, dBm\n"
+    "  --l-0-model 33           path loss at 1 m, dB\n"
+    "  --n-model 4              path loss exponent\n"
+    "  --walls FILE             binary PGM image (P5), dark is wall\n"
+    "  --walls-resolution 0.05  metres per pixel\n"
+    "  --walls-origin 0,0       X,Y of its lower left corner, metres\n"
+    "  --wall-attenuation 10    dB for each wall crossed\n"
+    "  --shadowing 0            standard deviation, dB\n"
+    "  --shadowing-distance 5   metres over which it changes\n"
+    "  --loss 0                 of each frame on each link, 0 to 1\n"
+    "air time\n"
+    "  --bit-rate 50e6          bit/s\n"
+    "  --shared false           true: all robots take turns on one channel; otherwise each sends when it likes\n"
+    "  --contention false       true: one channel with carrier sense, half duplex and collisions\n"
+    "  --capture 10             dB by which a frame has to be stronger than another to survive it\n"
+    "  --rtf 1                  real-time factor of the simulation: the bit rate is as much higher\n"
+    "operation\n"
+    "  --seed 1                 of everything random\n"
+    "  --control PATH           socket (SOCK_SEQPACKET) for commands, one per line: position NAME X Y | loss P |\n"
+    "                           range R | link A B P | down NAME | up NAME | statistics\n"
+    "  --statistics FILE        counters as JSON, written at the end\n";
 
 namespace {
+
+std::string brief(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
 
 double number(const std::string& option, const std::string& text, double low, double high) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   if (text.empty() || *end != '\0' || !std::isfinite(value) || value < low || value > high) {
-    throw std::invalid_argument(option + " " + text + ": a number from " + std::to_string(low) + " to " +
-                                std::to_string(high) + " is needed");
+    throw std::invalid_argument(option + " " + text + ": a number from " + brief(low) + " to " + brief(high) +
+                                " is needed");
   }
   return value;
 }
@@ -41,6 +72,12 @@ bool truth(const std::string& option, const std::string& text) {
   return text == "true";
 }
 
+Position position(const std::string& option, const std::string& text) {
+  const auto comma = text.find(',');
+  if (comma == std::string::npos) throw std::invalid_argument(option + " " + text + ": the form X,Y is needed");
+  return {number(option, text.substr(0, comma), -1e9, 1e9), number(option, text.substr(comma + 1), -1e9, 1e9)};
+}
+
 void add_interface(RadioOptions& options, const std::string& text) {
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
@@ -51,48 +88,150 @@ void add_interface(RadioOptions& options, const std::string& text) {
   }
 }
 
-void set(RadioOptions& options, const std::string& option, const std::string& value) {
-  if (option == "--interface") {
-    add_interface(options, value);
-  } else if (option == "--hub") {
-    options.hub = value;
-  } else if (option == "--range") {
-    options.range = number(option, value, 0.0, 1e9);
-  } else if (option == "--loss") {
-    options.loss = number(option, value, 0.0, 1.0);
-  } else if (option == "--bit-rate") {
-    options.bit_rate = number(option, value, 1e3, 1e12);
-  } else if (option == "--shared") {
-    options.shared = truth(option, value);
-  } else if (option == "--seed") {
-    options.seed = whole_number(option, value);
-  } else if (option == "--control") {
-    options.control = value;
-  } else if (option == "--statistics") {
-    options.statistics = value;
-  } else {
-    throw std::invalid_argument("option " + option + " is unknown");
+struct CommandLine {
+  RadioOptions options;
+  PathLoss path_loss;
+  std::string wall_image;
+  std::set<std::string> given;  ///< names of options
+
+  bool has_any(const std::set<std::string>& names) const {
+    for (const std::string& name : names) {
+      if (given.count(name) != 0) return true;
+    }
+    return false;
   }
+};
+
+using Setter = std::function<void(CommandLine&, const std::string& option, const std::string& value)>;
+
+/// Stores a number from `low` to `high` where `place` says.
+template <typename Place>
+Setter numeric(Place place, double low, double high) {
+  return [place, low, high](CommandLine& line, const std::string& option, const std::string& value) {
+    place(line) = number(option, value, low, high);
+  };
+}
+
+template <typename Place>
+Setter textual(Place place) {
+  return [place](CommandLine& line, const std::string&, const std::string& value) { place(line) = value; };
+}
+
+template <typename Place>
+Setter logical(Place place) {
+  return [place](CommandLine& line, const std::string& option, const std::string& value) {
+    place(line) = truth(option, value);
+  };
+}
+
+const std::set<std::string> kPathLossOptions = {"--p-tx", "--p-thres", "--l-0-model", "--n-model"};
+const std::set<std::string> kWallOptions = {"--walls-resolution", "--walls-origin", "--wall-attenuation"};
+
+const std::map<std::string, Setter>& setters() {
+  using Line = CommandLine;
+  const Setter add = [](Line& line, const std::string&, const std::string& value) {
+    add_interface(line.options, value);
+  };
+  const Setter set_origin = [](Line& line, const std::string& option, const std::string& value) {
+    line.options.medium.walls.origin = position(option, value);
+  };
+  const Setter set_seed = [](Line& line, const std::string& option, const std::string& value) {
+    line.options.seed = whole_number(option, value);
+  };
+  static const std::map<std::string, Setter> table = {
+      {"--interface", add},
+      {"--hub", textual([](Line & l) -> auto& { return l.options.hub; })},
+      {"--range", numeric(
+                      [](Line & l) -> auto& { return l.options.medium.range; }, 0.0, 1e9)},
+      {"--p-tx", numeric(
+                     [](Line & l) -> auto& { return l.path_loss.p_tx; }, -100, 100)},
+      {"--p-thres", numeric(
+                        [](Line & l) -> auto& { return l.path_loss.p_thres; }, -200, 100)},
+      {"--l-0-model", numeric(
+                          [](Line & l) -> auto& { return l.path_loss.l_0_model; }, 0, 200)},
+      {"--n-model", numeric(
+                        [](Line & l) -> auto& { return l.path_loss.n_model; }, 0, 20)},
+      {"--walls", textual([](Line & l) -> auto& { return l.wall_image; })},
+      {"--walls-resolution", numeric(
+                                 [](Line & l) -> auto& { return l.options.medium.walls.resolution; }, 0.001, 1000)},
+      {"--walls-origin", set_origin},
+      {"--wall-attenuation", numeric(
+                                 [](Line & l) -> auto& { return l.options.medium.wall_attenuation; }, 0, 1000)},
+      {"--shadowing", numeric(
+                          [](Line & l) -> auto& { return l.options.medium.shadowing.deviation; }, 0, 50)},
+      {"--shadowing-distance", numeric(
+                                   [](Line & l) -> auto& { return l.options.medium.shadowing.distance; }, 0.01, 1e6)},
+      {"--loss", numeric(
+                     [](Line & l) -> auto& { return l.options.medium.loss; }, 0.0, 1.0)},
+      {"--bit-rate", numeric(
+                         [](Line & l) -> auto& { return l.options.medium.bit_rate; }, 1e3, 1e12)},
+      {"--shared", logical([](Line & l) -> auto& { return l.options.medium.shared; })},
+      {"--contention", logical([](Line & l) -> auto& { return l.options.medium.contention; })},
+      {"--capture", numeric(
+                        [](Line & l) -> auto& { return l.options.medium.capture; }, 0, 200)},
+      {"--rtf", numeric(
+                    [](Line & l) -> auto& { return l.options.rtf; }, 0.001, 1000)},
+      {"--seed", set_seed},
+      {"--control", textual([](Line & l) -> auto& { return l.options.control; })},
+      {"--statistics", textual([](Line & l) -> auto& { return l.options.statistics; })},
+  };
+  return table;
+}
+
+void set(CommandLine& line, const std::string& option, const std::string& value) {
+  const auto setter = setters().find(option);
+  if (setter == setters().end()) throw std::invalid_argument("option " + option + " is unknown");
+  setter->second(line, option, value);
+  line.given.insert(option);
+}
+
+void check_combination(const CommandLine& line) {
+  if (line.options.interfaces.empty() && line.options.hub.empty()) {
+    throw std::invalid_argument("nothing to connect: give --interface ROBOT=INTERFACE or --hub PATH");
+  }
+  if (line.has_any({"--range"}) && line.has_any(kPathLossOptions)) {
+    throw std::invalid_argument(
+        "--range and the path loss (--p-tx, --p-thres, --l-0-model, --n-model) both decide who "
+        "hears whom: give one of them");
+  }
+  if (line.wall_image.empty() && line.has_any(kWallOptions)) {
+    throw std::invalid_argument("options of walls were given, but no --walls FILE");
+  }
+  if (line.options.medium.shared && line.options.medium.contention) {
+    throw std::invalid_argument("--shared true and --contention true exclude each other");
+  }
+}
+
+RadioOptions completed(CommandLine line) {
+  check_combination(line);
+  if (line.has_any(kPathLossOptions)) line.options.medium.path_loss = line.path_loss;
+  if (!line.wall_image.empty()) read_wall_image(line.wall_image, line.options.medium.walls);
+  return line.options;
 }
 
 }  // namespace
 
 RadioOptions parse_radio_options(int argc, char** argv) {
-  RadioOptions options;
+  CommandLine line;
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     if (option.compare(0, 2, "__") == 0) continue;  // roslaunch adds __name:=... and __log:=...
     if (option == "--help" || option == "-h") {
-      options.help = true;
-      return options;
+      line.options.help = true;
+      return line.options;
     }
     if (i + 1 == argc) throw std::invalid_argument("option " + option + " needs a value");
-    set(options, option, argv[++i]);
+    set(line, option, argv[++i]);
   }
-  if (options.interfaces.empty() && options.hub.empty()) {
-    throw std::invalid_argument("nothing to connect: give --interface ROBOT=INTERFACE or --hub PATH");
-  }
-  return options;
+  return completed(std::move(line));
+}
+
+MediumOptions in_real_time(MediumOptions medium, double rtf) {
+  const auto scaled = [rtf](Time time) { return Time(std::llround(static_cast<double>(time.count()) / rtf)); };
+  medium.bit_rate *= rtf;
+  medium.frame_overhead = scaled(medium.frame_overhead);
+  medium.slot = scaled(medium.slot);
+  return medium;
 }
 
 }  // namespace adhoc_communication

@@ -20,19 +20,10 @@ constexpr std::size_t kMaxClients = 1000;
 
 Time steady_now() { return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now().time_since_epoch()); }
 
-MediumOptions medium_options(const RadioOptions& options) {
-  MediumOptions medium;
-  medium.range = options.range;
-  medium.loss = options.loss;
-  medium.bit_rate = options.bit_rate;
-  medium.shared = options.shared;
-  return medium;
-}
-
 }  // namespace
 
 Radio::Radio(const RadioOptions& options)
-    : medium_(medium_options(options), options.seed),
+    : medium_(in_real_time(options.medium, options.rtf), options.seed),
       epoll_(epoll_create1(EPOLL_CLOEXEC)),
       timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)) {
   for (const auto& [robot, interface] : options.interfaces) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "link/mac_address.hpp"
+#include "link/medium_path_loss.hpp"
 #include "node/channel_model.hpp"
 
 namespace adhoc_communication {
@@ -36,6 +37,13 @@ TEST(ChannelModel, EveryParameterMovesTheRange) {
   ChannelModel stronger;
   stronger.p_tx += 1;
   EXPECT_TRUE(is_received(stronger, edge + 0.2));
+}
+
+TEST(ChannelModel, HasTheDefaultsOfTheSimulatedRadio) {
+  EXPECT_EQ(ChannelModel().p_tx, PathLoss().p_tx);
+  EXPECT_EQ(ChannelModel().p_thres, PathLoss().p_thres);
+  EXPECT_EQ(ChannelModel().l_0_model, PathLoss().l_0_model);
+  EXPECT_EQ(ChannelModel().n_model, PathLoss().n_model);
 }
 
 TEST(ChannelModel, RobotsInTheSamePlaceHearEachOther) { EXPECT_TRUE(is_received(ChannelModel(), 0.0)); }

@@ -71,15 +71,54 @@ TEST_F(RadioControl, WrongCommandsAreRefusedWhole) {
   EXPECT_TRUE(arrives());
 }
 
+TEST_F(RadioControl, PositionsBeyondAllMeasureAreRefused) {
+  EXPECT_NE(carry_out("position a 1e10 0"), "");
+  EXPECT_NE(carry_out("position a 0 -1e300"), "");
+}
+
+TEST(RadioControlByPathLoss, RangeIsRefusedBecauseItWouldDoNothing) {
+  MediumOptions options;
+  options.path_loss = PathLoss();
+  Medium medium(options, 1);
+  EXPECT_NE(carry_out("range 15", medium, Time{0}).find("path loss decides"), std::string::npos);
+}
+
+TEST(RadioControlStatistics, NameEveryCounter) {
+  Medium medium(MediumOptions(), 1);
+  medium.add_node("a");
+  const std::string json = statistics_json(medium);
+  for (const char* name : {"frames", "bytes", "delivered", "lost", "collided", "unheard", "discarded", "air_time"}) {
+    EXPECT_NE(json.find("\"" + std::string(name) + "\": 0"), std::string::npos) << name;
+  }
+}
+
 TEST(RadioOptions, AreRead) {
   const RadioOptions options = parse({"--interface", "robot_0=air0", "--range", "5", "--loss", "0.1", "--bit-rate",
                                       "1e6", "--seed", "9", "--shared", "true", "__name:=radio"});
   EXPECT_EQ(options.interfaces.at("robot_0"), "air0");
-  EXPECT_DOUBLE_EQ(options.range, 5.0);
-  EXPECT_DOUBLE_EQ(options.loss, 0.1);
-  EXPECT_DOUBLE_EQ(options.bit_rate, 1e6);
+  EXPECT_DOUBLE_EQ(options.medium.range, 5.0);
+  EXPECT_DOUBLE_EQ(options.medium.loss, 0.1);
+  EXPECT_DOUBLE_EQ(options.medium.bit_rate, 1e6);
   EXPECT_EQ(options.seed, 9u);
-  EXPECT_TRUE(options.shared);
+  EXPECT_TRUE(options.medium.shared);
+  EXPECT_FALSE(options.medium.path_loss);
+}
+
+TEST(RadioOptions, OfTheModelAreRead) {
+  const RadioOptions options = parse({"--hub", "x", "--p-tx", "1", "--shadowing", "4", "--shadowing-distance", "2.5",
+                                      "--contention", "true", "--capture", "6", "--rtf", "2"});
+  ASSERT_TRUE(options.medium.path_loss);
+  EXPECT_DOUBLE_EQ(options.medium.path_loss->p_tx, 1.0);
+  EXPECT_DOUBLE_EQ(options.medium.path_loss->p_thres, -75.0);
+  EXPECT_DOUBLE_EQ(options.medium.shadowing.deviation, 4.0);
+  EXPECT_DOUBLE_EQ(options.medium.shadowing.distance, 2.5);
+  EXPECT_TRUE(options.medium.contention);
+  EXPECT_DOUBLE_EQ(options.medium.capture, 6.0);
+  EXPECT_DOUBLE_EQ(options.rtf, 2.0);
+  const RadioOptions all = parse({"--hub", "x", "--p-thres", "-80", "--l-0-model", "40", "--n-model", "2.5"});
+  EXPECT_DOUBLE_EQ(all.medium.path_loss->p_thres, -80.0);
+  EXPECT_DOUBLE_EQ(all.medium.path_loss->l_0_model, 40.0);
+  EXPECT_DOUBLE_EQ(all.medium.path_loss->n_model, 2.5);
 }
 
 TEST(RadioOptions, WrongOnesAreRefused) {
@@ -91,8 +130,50 @@ TEST(RadioOptions, WrongOnesAreRefused) {
                                                        {"--what", "1"},
                                                        {"--interface", "a=x", "--interface", "a=y"},
                                                        {"--hub", "x", "--seed", "-1"},
-                                                       {"--hub", "x", "--shared", "1"}};
+                                                       {"--hub", "x", "--shared", "1"},
+                                                       {"--hub", "x", "--range", "5", "--p-tx", "1"},
+                                                       {"--hub", "x", "--shared", "true", "--contention", "true"},
+                                                       {"--hub", "x", "--walls", "/nowhere/walls.pgm"},
+                                                       {"--hub", "x", "--walls-resolution", "0.1"},
+                                                       {"--hub", "x", "--walls-origin", "1"},
+                                                       {"--hub", "x", "--rtf", "0"},
+                                                       {"--hub", "x", "--n-model", "-1"},
+                                                       {"--hub", "x", "--shadowing-distance", "0"}};
   for (const auto& words : wrong) EXPECT_THROW(parse(words), std::invalid_argument);
+}
+
+TEST(RadioOptions, HelpShowsEveryDefaultAsItIs) {
+  const std::string usage = kRadioUsage;
+  const MediumOptions medium;
+  const PathLoss path_loss;
+  const std::vector<std::pair<std::string, double>> defaults = {{"--range", medium.range},
+                                                                {"--p-tx", path_loss.p_tx},
+                                                                {"--p-thres", path_loss.p_thres},
+                                                                {"--l-0-model", path_loss.l_0_model},
+                                                                {"--n-model", path_loss.n_model},
+                                                                {"--walls-resolution", medium.walls.resolution},
+                                                                {"--wall-attenuation", medium.wall_attenuation},
+                                                                {"--shadowing", medium.shadowing.deviation},
+                                                                {"--shadowing-distance", medium.shadowing.distance},
+                                                                {"--loss", medium.loss},
+                                                                {"--bit-rate", medium.bit_rate},
+                                                                {"--capture", medium.capture},
+                                                                {"--rtf", RadioOptions().rtf}};
+  for (const auto& [option, value] : defaults) {
+    const auto place = usage.find("  " + option + " ");
+    ASSERT_NE(place, std::string::npos) << option;
+    EXPECT_DOUBLE_EQ(std::stod(usage.substr(place + 3 + option.size())), value) << option;
+  }
+}
+
+TEST(RadioOptions, ASimulationAtTwiceTheSpeedHasFramesOfHalfTheLength) {
+  MediumOptions medium;
+  medium.bit_rate = 6e6;
+  const MediumOptions real = in_real_time(medium, 2.0);
+  EXPECT_DOUBLE_EQ(real.bit_rate, 12e6);
+  EXPECT_EQ(2 * real.frame_overhead, medium.frame_overhead);
+  EXPECT_EQ(2 * real.slot, medium.slot);
+  EXPECT_DOUBLE_EQ(in_real_time(medium, 0.5).bit_rate, 3e6);
 }
 
 }  // namespace

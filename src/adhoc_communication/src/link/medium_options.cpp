@@ -1,0 +1,30 @@
+#include "link/medium_options.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace adhoc_communication {
+namespace {
+
+void require(bool condition, const std::string& sentence) {
+  if (!condition) throw std::invalid_argument(sentence);
+}
+
+}  // namespace
+
+const MediumOptions& validated(const MediumOptions& options) {
+  require(options.bit_rate > 0.0, "the bit rate of the medium is not above zero");
+  require(!options.shared || !options.contention, "the medium is either shared in turns or contended for, not both");
+  require(options.slots > 0, "the medium needs at least one back-off slot");
+  require(options.wall_attenuation >= 0.0, "the attenuation of a wall is below zero");
+  require(options.shadowing.deviation >= 0.0, "the standard deviation of the shadowing is below zero");
+  require(options.shadowing.distance > 0.0, "the distance of the shadowing is not above zero");
+  require(!options.path_loss || options.path_loss->n_model >= 0.0, "the path loss exponent is below zero");
+  const Walls& walls = options.walls;
+  if (walls.cells.empty()) return options;
+  require(walls.width > 0 && walls.cells.size() % walls.width == 0, "the rows of the wall raster differ in length");
+  require(walls.resolution > 0.0, "the resolution of the wall raster is not above zero");
+  return options;
+}
+
+}  // namespace adhoc_communication
