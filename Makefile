@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test build dependencies lint sanitize bench bench-adhoc bench-merge bench-explore bench-sim clean
+.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-merge bench-explore bench-sim clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -43,6 +43,17 @@ sanitize: dependencies
 	  -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCATKIN_WHITELIST_PACKAGES=adhoc_communication > build/sanitized.log
 	@cmake --build build/sanitized --target adhoc_communication_engine_test >> build/sanitized.log
 	@build/sanitized/devel/lib/adhoc_communication/adhoc_communication_engine_test --gtest_brief=1
+
+# Fuzzes the protocol engine: FUZZ_SECONDS for each target. What it learns stays in build/fuzz.
+FUZZ_SECONDS ?= 600
+fuzz: dependencies
+	@PATH=/usr/bin:$$PATH src/adhoc_communication/test/fuzz/run_fuzz.py --build build/fuzz --seconds $(FUZZ_SECONDS)
+
+# Random teams on the simulated radio, one for each seed, all promises checked after every event.
+SCENARIOS ?= 1000
+scenarios: build
+	@cmake --build build --target engine_scenarios > build/scenarios.log
+	@build/devel/lib/adhoc_communication/engine_scenarios --count $(SCENARIOS)
 
 clean:
 	rm -rf build

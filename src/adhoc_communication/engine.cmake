@@ -35,11 +35,22 @@ add_library(adhoc_engine_team STATIC EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/test/e
 target_include_directories(adhoc_engine_team PUBLIC ${ADHOC_ENGINE_DIR}/test/engine)
 target_link_libraries(adhoc_engine_team PUBLIC adhoc_engine)
 
+# Random scenarios with the engine's promises checked after every event.
+file(GLOB ADHOC_SCENARIO_SOURCES CONFIGURE_DEPENDS ${ADHOC_ENGINE_DIR}/test/engine/scenarios/*.cpp)
+list(REMOVE_ITEM ADHOC_SCENARIO_SOURCES ${ADHOC_ENGINE_DIR}/test/engine/scenarios/engine_scenarios.cpp)
+add_library(adhoc_engine_scenarios STATIC EXCLUDE_FROM_ALL ${ADHOC_SCENARIO_SOURCES})
+target_compile_options(adhoc_engine_scenarios PRIVATE -Wall -Wextra -Werror)
+target_include_directories(adhoc_engine_scenarios PUBLIC ${ADHOC_ENGINE_DIR}/test/engine/scenarios)
+target_link_libraries(adhoc_engine_scenarios PUBLIC adhoc_engine_team)
+add_executable(engine_scenarios EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/test/engine/scenarios/engine_scenarios.cpp)
+target_compile_options(engine_scenarios PRIVATE -Wall -Wextra -Werror)
+target_link_libraries(engine_scenarios adhoc_engine_scenarios)
+
 if(CATKIN_ENABLE_TESTING)
   file(GLOB ADHOC_ENGINE_TESTS CONFIGURE_DEPENDS ${ADHOC_ENGINE_DIR}/test/engine/test_*.cpp)
   catkin_add_gtest(${PROJECT_NAME}_engine_test ${ADHOC_ENGINE_TESTS} TIMEOUT 300)
   if(TARGET ${PROJECT_NAME}_engine_test)
-    target_link_libraries(${PROJECT_NAME}_engine_test adhoc_engine_team gtest_main)
+    target_link_libraries(${PROJECT_NAME}_engine_test adhoc_engine_scenarios gtest_main)
   endif()
 endif()
 

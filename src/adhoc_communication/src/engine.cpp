@@ -25,6 +25,7 @@ std::vector<std::string> Engine::robots() const { return implementation_->robots
 const Statistics& Engine::statistics() const { return implementation_->statistics(); }
 const std::string& Engine::robot_name() const { return implementation_->robot_name(); }
 void Engine::set_keys(std::vector<TeamKey> keys) { implementation_->set_keys(std::move(keys)); }
+std::vector<TableFill> Engine::tables() const { return implementation_->tables(); }
 std::vector<RouteState> Engine::routes() const {
   std::vector<RouteState> result;
   for (const auto& [destination, route] : implementation_->router().table().routes()) {
@@ -35,7 +36,8 @@ std::vector<RouteState> Engine::routes() const {
                       route.sequence_valid,
                       route.valid,
                       route.expires,
-                      {route.precursors.begin(), route.precursors.end()}});
+                      {route.precursors.begin(), route.precursors.end()},
+                      route.boot});
   }
   return result;
 }

@@ -13,6 +13,7 @@ void Engine::Implementation::broadcast(FrameType type, Bytes body) {
 }
 
 void Engine::Implementation::unicast(const MacAddress& neighbor, FrameType type, Bytes body) {
+  if (neighbors_.find(neighbor) == nullptr) return;  // gone; a link to it would never be removed
   link(neighbor).sender.enqueue({type, std::move(body), static_cast<std::uint8_t>(Priority::kControl)});
 }
 

@@ -34,7 +34,9 @@ class Engine::Implementation : private Outbox {
   static constexpr std::size_t kMostSends = 256;              ///< packets of the host not finished yet
   static constexpr std::size_t kMostSendOctets = 64'000'000;  ///< of these packets, as they go on the air
   static constexpr std::size_t kMostStreams = 1024;           ///< robots and priorities; idle ones make room
-  static constexpr std::size_t kMostEvents = 4096;            ///< the oldest received packet is dropped beyond
+  static constexpr std::size_t kMostReceivers =
+      1024;  ///< robots whose packets are put together; the one idle longest makes room
+  static constexpr std::size_t kMostEvents = 4096;  ///< the oldest received packet is dropped beyond
 
   Implementation(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now);
 
@@ -54,6 +56,7 @@ class Engine::Implementation : private Outbox {
   const std::string& robot_name() const { return self_.name; }
   const routing::Router& router() const { return router_; }
   void set_keys(std::vector<TeamKey> keys);
+  std::vector<TableFill> tables() const;
 
  private:
   /// The hop to one neighbour.

@@ -9,13 +9,6 @@ namespace adhoc_communication {
 using transport::HopSender;
 using wire::FrameType;
 
-namespace {
-
-constexpr std::size_t kMostReceivers =
-    1024;  ///< robots whose packets are put together; the one idle longest makes room
-
-}  // namespace
-
 void Engine::Implementation::on_data(const MacAddress& from, wire::Data data, Time now) {
   if (data.source == self_.address || directory_.is_former(data.source, data.source_boot)) return;
   directory_.traffic(data.source, data.source_boot, now);

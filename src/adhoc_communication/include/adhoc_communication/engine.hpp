@@ -51,6 +51,7 @@ class Engine {
   const Statistics& statistics() const;
   const std::string& robot_name() const;
   std::vector<RouteState> routes() const;  ///< the routing table, for diagnosis and tests
+  std::vector<TableFill> tables() const;   ///< everything that grows, with its bound
 
  private:
   class Implementation;

@@ -105,6 +105,14 @@ struct RouteState {
   bool valid = false;
   Time expires{0};
   std::vector<MacAddress> precursors;
+  std::uint64_t boot = 0;  ///< first eight octets of the destination's boot id, of the run that the number belongs to
+};
+
+/// How full a table or queue of the engine is.
+struct TableFill {
+  const char* table;
+  std::size_t size = 0;
+  std::size_t most = 0;
 };
 
 /// Frames that were not believed, by reason.

@@ -49,6 +49,7 @@ class Neighbors {
   std::vector<MacAddress> newly_silent(Time now);
 
   const std::map<MacAddress, Neighbor>& all() const { return neighbors_; }
+  std::size_t candidates() const { return candidates_.size(); }
   void set_loss(const MacAddress& address, double loss);
 
  private:

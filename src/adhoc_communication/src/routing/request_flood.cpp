@@ -14,7 +14,7 @@ bool RequestFlood::first_time(const wire::RouteRequest& request, const MacAddres
         return a.second.forgotten < b.second.forgotten;
       }));
     }
-    seen_[key] = Seen{now + timings_.path_discovery_time(), {}};
+    seen_[key] = Seen{now + std::max(timings_.path_discovery_time(), kShortestMemory), {}};
     found = seen_.find(key);
   }
   found->second.holders.insert(from);
@@ -50,7 +50,9 @@ void RequestFlood::poll(const Neighbors& neighbors, Time now) {
 }
 
 void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) {
-  const std::set<MacAddress>& holders = seen_[{request.originator, request.id}].holders;
+  const auto seen = seen_.find({request.originator, request.id});
+  if (seen == seen_.end()) return;  // it had to make room
+  const std::set<MacAddress>& holders = seen->second.holders;
   std::size_t copies = 0;
   for (const MacAddress& neighbor : neighbors.all_two_way(now)) {
     if (copies == kMostConfirmations) return;

@@ -21,6 +21,9 @@ class RequestFlood {
   static constexpr std::size_t kMostRequests = 1024;
   static constexpr std::size_t kMostPending = 256;      ///< further requests are not passed on
   static constexpr std::size_t kMostConfirmations = 6;  ///< unicast copies of one request
+  /// PATH_DISCOVERY_TIME counts on NODE_TRAVERSAL_TIME for each hop. On a crowded channel copies are under way for
+  /// seconds, and a request that was forgotten meanwhile would be flooded anew, again and again.
+  static constexpr Time kShortestMemory = std::chrono::seconds(10);
   static constexpr Time kConfirm = std::chrono::milliseconds(15);
   static constexpr Time kJitter = std::chrono::milliseconds(2);
   static constexpr Time kLossPenalty = std::chrono::milliseconds(20);
@@ -38,6 +41,7 @@ class RequestFlood {
 
   void poll(const Neighbors& neighbors, Time now);
   Time next_deadline() const;
+  std::size_t remembered() const { return seen_.size(); }
 
  private:
   using Key = std::pair<MacAddress, std::uint32_t>;

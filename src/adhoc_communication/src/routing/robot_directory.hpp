@@ -48,6 +48,7 @@ class RobotDirectory {
   const Robot* find(const MacAddress& address) const;
   std::optional<MacAddress> address_of(const std::string& name) const;
   std::vector<std::string> names() const;
+  std::size_t size() const { return robots_.size(); }
 
   /// The next rumours to spread, at most `most`; each call counts as one beacon. `wanted` says whether a robot is worth
   /// a rumour.

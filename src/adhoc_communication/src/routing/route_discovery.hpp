@@ -45,6 +45,7 @@ class RouteDiscovery {
   std::vector<Step> poll(Time now);
   std::vector<DiscoveryFailure> take_failures() { return std::exchange(failures_, {}); }
   Time next_deadline() const;
+  std::size_t searches() const { return searches_.size(); }
   bool searching(const Target& target) const { return searches_.count(key(target)) != 0; }
 
  private:

@@ -14,6 +14,10 @@ void Router::on_reply(const MacAddress& from, wire::RouteReply reply, Time now) 
   routes_.heard_directly(from, neighbors_.find(from)->boot, std::nullopt, now + timings_.neighbor_timeout);
   if (reply.destination == self_.address) return;  // no route to oneself
   if (directory_.is_former(reply.destination, reply.destination_boot)) return;
+  // Runs have no order: an answer from somebody's old table must not displace a run that is known to live.
+  const Robot* robot = directory_.find(reply.destination);
+  const bool other_run = robot != nullptr && robot->announced && robot->boot != reply.destination_boot;
+  if (other_run && reply.destination != from) return;
   ++reply.hop_count;
   const Time life = std::chrono::milliseconds(std::min(reply.lifetime_ms, kLongestLifetime_ms));
   const bool updated = routes_.update(

@@ -72,7 +72,7 @@ bool Router::answer_from_table(const wire::RouteRequest& request, const MacAddre
   if (route == nullptr || !route->sequence_valid || route->next_hop == to) return false;
   if (!request.unknown_sequence_number && is_newer(request.destination_sequence, route->sequence)) return false;
   const Robot* robot = directory_.find(route->destination);
-  if (robot == nullptr) return false;
+  if (robot == nullptr || robot->boot != route->boot) return false;  // a route to a former run is no news
 
   wire::RouteReply reply;
   reply.hop_count = route->hops;

@@ -25,6 +25,8 @@ class Router {
 
   std::uint32_t own_sequence() const { return own_sequence_; }
   const RouteTable& table() const { return routes_; }
+  std::size_t searches() const { return discovery_.searches(); }
+  std::size_t requests_remembered() const { return flood_.remembered(); }
   const Route* route_to(const MacAddress& destination, Time now) const { return routes_.usable(destination, now); }
 
   /// Section 6.3: data is due and there is no route.

@@ -16,7 +16,8 @@ namespace adhoc_communication::transport {
 class BroadcastSender {
  public:
   void add(SendId id, Image image, std::uint16_t segment_size) {
-    queue_.push_back({id, next_number_++, std::move(image), segment_size, 0});
+    // Receivers tell packets by their number alone, so it has to be unique among all priorities.
+    queue_.push_back({id, static_cast<std::uint32_t>(id), std::move(image), segment_size, 0});
   }
   bool has_segment() const { return !queue_.empty(); }
   /// The next segment, and the packet if this was its last one.
@@ -30,7 +31,6 @@ class BroadcastSender {
     std::uint16_t segment_size;
     std::uint32_t next_index;
   };
-  std::uint32_t next_number_ = 0;
   std::deque<Outgoing> queue_;
 };
 
@@ -46,6 +46,7 @@ class BroadcastReceiver {
   /// The packet that this segment completes.
   std::optional<Bytes> take(const MacAddress& sender, wire::BootTag boot, const wire::BroadcastData& data, Time now);
   void expire(Time now);
+  std::size_t packets() const { return assemblies_.size(); }
 
  private:
   using Key = std::tuple<MacAddress, wire::BootTag, std::uint32_t>;

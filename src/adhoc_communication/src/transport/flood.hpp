@@ -25,6 +25,7 @@ class FloodRelay {
   bool take(const wire::Flood& flood, Time now);
   void poll(Time now);
   Time next_deadline() const;
+  std::size_t remembered() const { return seen_.size(); }
 
  private:
   using Key = std::tuple<MacAddress, wire::BootTag, std::uint32_t>;

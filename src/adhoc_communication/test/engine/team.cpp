@@ -30,9 +30,8 @@ void Team::boot(std::size_t robot) {
   Robot& entry = robots_[robot];
   ++entry.boots;
   Random random(seed_ * 1'000'003 + robot * 1009 + static_cast<std::uint64_t>(entry.boots));
-  BootId boot_id;
-  for (std::uint8_t& octet : boot_id) octet = static_cast<std::uint8_t>(random.next());
-  entry.engine = std::make_unique<Engine>(entry.options, address(robot), boot_id, random.next(), now_);
+  for (std::uint8_t& octet : entry.boot_id) octet = static_cast<std::uint8_t>(random.next());
+  entry.engine = std::make_unique<Engine>(entry.options, address(robot), entry.boot_id, random.next(), now_);
 }
 
 void Team::kill(std::size_t robot) {
@@ -44,6 +43,12 @@ void Team::restart(std::size_t robot) {
   kill(robot);
   medium_.set_up(robots_[robot].node, true, now_);
   boot(robot);
+}
+
+void Team::set_keys(std::size_t robot, const std::vector<TeamKey>& keys) {
+  Robot& entry = robots_[robot];
+  entry.options.keys = keys;
+  if (entry.engine) entry.engine->set_keys(keys);
 }
 
 SendId Team::send(std::size_t robot, const std::string& destination, Bytes payload, Priority priority,
@@ -78,6 +83,7 @@ bool Team::run_until(Time end, const std::function<bool()>& done) {
       const auto robot = by_node_.find(delivery.node);
       if (robot == by_node_.end() || !robots_[robot->second].engine) continue;
       robots_[robot->second].engine->receive(delivery.frame, now_);
+      if (after_step) after_step(robot->second);
       serve(robot->second);
     }
   }
@@ -86,7 +92,7 @@ bool Team::run_until(Time end, const std::function<bool()>& done) {
 void Team::serve(std::size_t robot) {
   Robot& entry = robots_[robot];
   if (!entry.engine || entry.engine->next_deadline() > now_) {
-    if (entry.engine) take_events(entry);
+    if (entry.engine) take_events(robot);
     return;
   }
   ++polls_;
@@ -95,11 +101,14 @@ void Team::serve(std::size_t robot) {
     if (on_transmission) on_transmission(robot, frame);
     medium_.transmit(entry.node, frame, now_);
   }
-  take_events(entry);
+  take_events(robot);
+  if (after_step) after_step(robot);
 }
 
-void Team::take_events(Robot& entry) {
+void Team::take_events(std::size_t robot) {
+  Robot& entry = robots_[robot];
   while (std::optional<Event> event = entry.engine->next_event()) {
+    if (on_event) on_event(robot, *event);
     if (auto* received = std::get_if<PacketReceived>(&*event)) entry.received.push_back({std::move(*received), now_});
     if (auto* finished = std::get_if<SendFinished>(&*event)) entry.finished[finished->id] = {*finished, now_};
     if (auto* appeared = std::get_if<RobotAppeared>(&*event)) entry.presence.emplace_back(now_, "+" + appeared->robot);

@@ -26,7 +26,15 @@ class Team {
   void kill(std::size_t robot);
   void restart(std::size_t robot);
 
+  /// New keys for a robot, also for its later runs.
+  void set_keys(std::size_t robot, const std::vector<TeamKey>& keys);
+
   Engine& engine(std::size_t robot) { return *robots_.at(robot).engine; }
+  std::size_t size() const { return robots_.size(); }
+  bool alive(std::size_t robot) const { return robots_.at(robot).engine != nullptr; }
+  /// How often the robot was started, and the identity of its latest run.
+  int boots(std::size_t robot) const { return robots_.at(robot).boots; }
+  const BootId& boot_id(std::size_t robot) const { return robots_.at(robot).boot_id; }
   Medium& medium() { return medium_; }
   Time now() const { return now_; }
   static MacAddress address(std::size_t robot);
@@ -55,6 +63,10 @@ class Team {
   std::function<void(Medium::Node, const Frame&)> on_frame;
   /// Called for every frame that a robot puts on the air.
   std::function<void(std::size_t, const Frame&)> on_transmission;
+  /// Called for every event that a robot reports.
+  std::function<void(std::size_t, const Event&)> on_event;
+  /// Called whenever an engine has taken a frame, or was polled.
+  std::function<void(std::size_t)> after_step;
   std::uint64_t polls() const { return polls_; }
   /// Changes with every frame on the air and its time.
   std::uint64_t trace_hash() const { return trace_hash_; }
@@ -65,6 +77,7 @@ class Team {
     Medium::Node node;
     std::unique_ptr<Engine> engine;
     int boots = 0;
+    BootId boot_id{};
     std::vector<Received> received;
     std::vector<std::pair<Time, std::string>> presence;
     std::vector<GroupChangeFinished> group_changes;
@@ -74,7 +87,7 @@ class Team {
   bool run_until(Time end, const std::function<bool()>& done);
   void boot(std::size_t robot);
   void serve(std::size_t robot);
-  void take_events(Robot& robot);
+  void take_events(std::size_t robot);
   void hash(const Frame& frame);
 
   Medium medium_;

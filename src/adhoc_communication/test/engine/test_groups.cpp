@@ -184,5 +184,19 @@ TEST(Flood, ReachesAsFarAsItsHopLimit) {
   EXPECT_FALSE(team.finished(0, large)->delivered);
 }
 
+/// The first broadcasts of each priority carried the same number, and receivers took the second for a repetition.
+TEST(Groups, BroadcastsOfDifferentPrioritiesAreToldApart) {
+  Team team;
+  team.add_line(2);
+  team.run_for(500ms);
+  team.send(0, "", noise(20'000, 1), Priority::kBulk);
+  team.run_for(1ms);
+  team.send(0, "", noise(20'000, 2), Priority::kControl);
+  team.run_for(100ms);
+  ASSERT_EQ(team.received(1).size(), 2u);
+  EXPECT_EQ(team.received(1)[0].packet.payload, noise(20'000, 2));
+  EXPECT_EQ(team.received(1)[1].packet.payload, noise(20'000, 1));
+}
+
 }  // namespace
 }  // namespace adhoc_communication

@@ -1,0 +1,34 @@
+// How full everything is that grows with what the air and the host bring.
+#include <algorithm>
+
+#include "engine_implementation.hpp"
+
+namespace adhoc_communication {
+
+std::vector<TableFill> Engine::Implementation::tables() const {
+  std::size_t precursors = 0;
+  for (const auto& [destination, route] : router_.table().routes()) {
+    precursors = std::max(precursors, route.precursors.size());
+  }
+  return {
+      {"neighbours", neighbors_.all().size(), routing::Neighbors::kMostNeighbors},
+      {"links", links_.size(), routing::Neighbors::kMostNeighbors},
+      {"runs not proven", neighbors_.candidates(), routing::Neighbors::kMostNeighbors},
+      {"robots", directory_.size(), routing::RobotDirectory::kMostRobots},
+      {"routes", router_.table().size(), routing::RouteTable::kMostRoutes},
+      {"precursors of a route", precursors, routing::RouteTable::kMostPrecursors},
+      {"searches", router_.searches(), routing::RouteDiscovery::kMostSearches},
+      {"requests remembered", router_.requests_remembered(), routing::RequestFlood::kMostRequests},
+      {"floods remembered", flood_.remembered(), transport::FloodRelay::kMostSeen},
+      {"streams", streams_.size(), kMostStreams},
+      {"sources", receivers_.size(), kMostReceivers},
+      {"broadcasts put together", broadcast_receiver_.packets(), transport::BroadcastReceiver::kMostPackets},
+      {"sends", host_sends_, kMostSends},
+      {"octets of sends", octets_waiting_, kMostSendOctets + options_.max_packet_size},
+      {"members", groups_.members.size(), multicast::Groups::kMostMembers},
+      {"groups", groups_.memberships.size(), multicast::Groups::kMostGroups},
+      {"runs with keys", guard_.sessions(), security::FrameGuard::kMostSessions},
+  };
+}
+
+}  // namespace adhoc_communication

@@ -1,0 +1,98 @@
+// Random scenarios from consecutive seeds. A broken promise ends the program with the seed, the way to see it again,
+// and the events before it.
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "scenario_run.hpp"
+
+namespace {
+
+using adhoc_communication::Outcome;
+using adhoc_communication::RunOptions;
+using adhoc_communication::Scenario;
+
+constexpr char kUsage[] =
+    "engine_scenarios [--seed N] [--count N] [--events N] [--trace] [--keep-going]\n"
+    "  --seed N      first seed (1)\n"
+    "  --count N     scenarios to play, one per seed (1)\n"
+    "  --events N    end each scenario after so many events\n"
+    "  --trace       print every event\n"
+    "  --keep-going  play the other seeds, too, after a broken promise\n";
+
+struct Arguments {
+  std::uint64_t seed = 1;
+  std::uint64_t count = 1;
+  bool keep_going = false;
+  RunOptions run;
+};
+
+[[noreturn]] void refuse(const std::string& why) {
+  std::fprintf(stderr, "engine_scenarios: %s\n%s", why.c_str(), kUsage);
+  std::exit(2);
+}
+
+std::uint64_t number(const std::string& option, const char* text) {
+  char* end = nullptr;
+  const std::uint64_t value = text == nullptr ? 0 : std::strtoull(text, &end, 10);
+  if (text == nullptr || *text == '\0' || *end != '\0') refuse(option + " needs a number");
+  return value;
+}
+
+Arguments parse(int argc, char** argv) {
+  Arguments arguments;
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    if (option == "--seed") {
+      arguments.seed = number(option, argv[++i]);
+    } else if (option == "--count") {
+      arguments.count = number(option, argv[++i]);
+    } else if (option == "--events") {
+      arguments.run.most_events = number(option, argv[++i]);
+    } else if (option == "--trace") {
+      arguments.run.trace = true;
+    } else if (option == "--keep-going") {
+      arguments.keep_going = true;
+    } else if (option == "--help") {
+      std::printf("%s", kUsage);
+      std::exit(0);
+    } else {
+      refuse("unknown option '" + option + "'");
+    }
+  }
+  return arguments;
+}
+
+void report(const Scenario& scenario, const Outcome& outcome) {
+  std::printf("%sseed %llu (%s), event %llu: %s\nsee it again: engine_scenarios --seed %llu --trace\n",
+              outcome.tail.c_str(), static_cast<unsigned long long>(scenario.seed), describe(scenario).c_str(),
+              static_cast<unsigned long long>(outcome.events), outcome.violation.c_str(),
+              static_cast<unsigned long long>(scenario.seed));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const Arguments arguments = parse(argc, argv);
+  const auto start = std::chrono::steady_clock::now();
+  std::uint64_t events = 0, sends = 0, deliveries = 0, played = 0, violations = 0;
+  for (; played < arguments.count && (violations == 0 || arguments.keep_going); ++played) {
+    const Scenario scenario = adhoc_communication::make_scenario(arguments.seed + played);
+    const Outcome outcome = adhoc_communication::run(scenario, arguments.run);
+    events += outcome.events;
+    sends += outcome.sends;
+    deliveries += outcome.deliveries;
+    if (outcome.violation.empty()) continue;
+    ++violations;
+    report(scenario, outcome);
+    std::fflush(stdout);
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  std::printf("%llu seeds, %llu events (%.0f /s), %llu sends, %llu deliveries, %llu violations\n",
+              static_cast<unsigned long long>(played), static_cast<unsigned long long>(events),
+              static_cast<double>(events) / seconds, static_cast<unsigned long long>(sends),
+              static_cast<unsigned long long>(deliveries), static_cast<unsigned long long>(violations));
+  return violations == 0 ? 0 : 1;
+}

@@ -1,0 +1,135 @@
+// A fixed set of random scenarios; `engine_scenarios --count 1000` plays more.
+#include <gtest/gtest.h>
+
+#include "delivery_invariants.hpp"
+#include "route_invariants.hpp"
+#include "scenario_run.hpp"
+#include "team.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+
+class Scenarios : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(Scenarios, KeepEveryPromise) {
+  const Outcome outcome = run(make_scenario(GetParam()));
+  EXPECT_EQ(outcome.violation, "") << outcome.tail << "see it again: engine_scenarios --seed " << GetParam()
+                                   << " --trace";
+  EXPECT_GT(outcome.deliveries, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Scenarios, testing::Range<std::uint64_t>(1, 20));
+/// Once ended with: freshness that decreases, and packets that a relay swallowed, because routes to former runs of a
+/// robot were given out as news and displaced its present run.
+INSTANTIATE_TEST_SUITE_P(FormerRunsGivenOutAsNews, Scenarios, testing::Values(224, 237));
+
+TEST(Scenarios, AreTheSameForTheSameSeed) {
+  EXPECT_EQ(run(make_scenario(3)).trace_hash, run(make_scenario(3)).trace_hash);
+  EXPECT_NE(run(make_scenario(3)).trace_hash, run(make_scenario(4)).trace_hash);
+}
+
+BootId boot_id(std::uint8_t first) { return {first}; }
+
+RouteState route(std::size_t destination, std::size_t next_hop, std::uint8_t hops, std::uint32_t sequence,
+                 std::uint64_t boot = std::uint64_t{3} << 56) {
+  return {Team::address(destination), Team::address(next_hop), hops, sequence, true, true, 10s, {}, boot};
+}
+
+/// Robots 0 to 2, whose runs are 1 to 3.
+RouteInvariants three_robots() {
+  RouteInvariants invariants(3);
+  for (std::uint8_t robot = 0; robot < 3; ++robot) invariants.booted(robot, boot_id(robot + 1));
+  return invariants;
+}
+
+TEST(RouteInvariants, SeeALoop) {
+  RouteInvariants invariants = three_robots();
+  invariants.changed(0, {route(2, 1, 2, 5)}, 1s);
+  EXPECT_THROW(invariants.changed(1, {route(2, 0, 1, 6)}, 1s), Violation);
+  EXPECT_NO_THROW(three_robots().changed(1, {route(2, 0, 1, 6)}, 1s));
+}
+
+TEST(RouteInvariants, SeeFreshnessDecrease) {
+  RouteInvariants invariants = three_robots();
+  invariants.changed(0, {route(2, 1, 2, 5)}, 1s);
+  EXPECT_NO_THROW(invariants.changed(1, {route(2, 2, 1, 5)}, 1s));
+  EXPECT_THROW(invariants.changed(0, {route(2, 1, 2, 6)}, 1s), Violation);
+}
+
+TEST(RouteInvariants, SeeNumbersGoBack) {
+  RouteInvariants invariants = three_robots();
+  invariants.changed(0, {route(2, 2, 1, 5)}, 1s);
+  EXPECT_THROW(invariants.changed(0, {route(2, 2, 1, 4)}, 1s), Violation);
+  invariants.booted(2, boot_id(4));
+  EXPECT_NO_THROW(invariants.changed(0, {route(2, 2, 1, 1, std::uint64_t{4} << 56)}, 1s));
+  EXPECT_THROW(invariants.changed(0, {route(2, 2, 1, 9)}, 1s), Violation);
+}
+
+/// One packet from robot 0 to robot 1 is under way, under send id 1.
+struct OnePacket {
+  OnePacket() : invariants(3) {
+    for (std::size_t robot = 0; robot < 3; ++robot) invariants.booted(robot);
+    Action action;
+    action.kind = Action::Kind::kUnicast;
+    action.other = 1;
+    action.size = 3;
+    const SendRequest request = invariants.request(action, 0s);
+    packet = {"robot_0", "", request.topic, request.payload_type, request.payload, 1};
+    invariants.accepted(1, {});
+  }
+  DeliveryInvariants invariants;
+  PacketReceived packet;
+};
+
+TEST(DeliveryInvariants, SeeWhatIsAlteredDoubledOrMisled) {
+  OnePacket one;
+  PacketReceived altered = one.packet;
+  altered.payload[1] ^= 1;
+  EXPECT_THROW(one.invariants.received(1, altered), Violation);
+  EXPECT_THROW(one.invariants.received(2, one.packet), Violation);
+  one.invariants.received(1, one.packet);
+  EXPECT_THROW(one.invariants.received(1, one.packet), Violation);
+}
+
+TEST(DeliveryInvariants, SeeSendsThatEndWronglyOrNot) {
+  EXPECT_THROW(OnePacket().invariants.finished(0, {1, true, ""}), Violation) << "not delivered";
+  EXPECT_THROW(OnePacket().invariants.check_patience(61s), Violation);
+  EXPECT_THROW(OnePacket().invariants.finished(0, {1, false, ""}), Violation) << "no reason";
+  OnePacket one;
+  one.invariants.finished(0, {1, false, "no route"});
+  EXPECT_THROW(one.invariants.finished(0, {1, false, "no route"}), Violation) << "twice";
+  EXPECT_NO_THROW(one.invariants.check_patience(61s));
+}
+
+TEST(DeliveryInvariants, SeeAMemberLeftOut) {
+  for (const bool member_stays : {true, false}) {
+    DeliveryInvariants invariants(3);
+    for (std::size_t robot = 0; robot < 3; ++robot) invariants.booted(robot);
+    Action action;
+    action.kind = Action::Kind::kGroup;
+    invariants.request(action, 0s);
+    invariants.accepted(1, {1});
+    invariants.members(0, member_stays ? std::set<std::size_t>{1, 2} : std::set<std::size_t>{2});
+    if (member_stays) {
+      EXPECT_THROW(invariants.finished(0, {1, true, ""}), Violation);
+    } else {
+      EXPECT_NO_THROW(invariants.finished(0, {1, true, ""}));
+    }
+  }
+}
+
+TEST(DeliveryInvariants, SeeDisorder) {
+  OnePacket one;
+  Action action;
+  action.kind = Action::Kind::kUnicast;
+  action.other = 1;
+  const SendRequest request = one.invariants.request(action, 0s);
+  one.invariants.accepted(2, {});
+  one.invariants.received(1, {"robot_0", "", request.topic, request.payload_type, request.payload, 1});
+  EXPECT_THROW(one.invariants.received(1, one.packet), Violation);
+}
+
+}  // namespace
+}  // namespace adhoc_communication
