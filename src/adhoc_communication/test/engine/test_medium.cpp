@@ -267,6 +267,12 @@ TEST(MediumReach, WithoutChangesNobodyIsForgotten) {
   EXPECT_EQ(hearers_of(medium, 0, 2s), std::vector<Node>{1});
   add_at(medium, {{2, 0}});
   EXPECT_EQ(hearers_of(medium, 0, 3s), (std::vector<Node>{1, 2}));
+  medium.set_loss(1.0);
+  EXPECT_EQ(hearers_of(medium, 0, 4s), std::vector<Node>{});
+  medium.set_loss(0.0);
+  EXPECT_EQ(hearers_of(medium, 0, 5s), (std::vector<Node>{1, 2}));
+  medium.set_range(1.5);
+  EXPECT_EQ(hearers_of(medium, 0, 6s), std::vector<Node>{1});
 }
 
 /// Drawn like a map: the last row is the lowest, '#' is a wall. Cells of 1 m from the origin.
@@ -310,12 +316,30 @@ TEST(MediumWalls, OriginAndResolutionPlaceThem) {
   EXPECT_EQ(walls_between(walls, {10.0, 20.05}, {10.09, 20.05}), 0);
 }
 
-TEST(MediumWalls, AreTheSameBothWaysAndAsSampled) {
+Walls scattered(Random& random) {
   Walls walls;
   walls.width = 30;
   walls.resolution = 1.0;
-  Random random(11);
   for (int i = 0; i < 30 * 30; ++i) walls.cells.push_back(random.chance(0.2));
+  return walls;
+}
+
+TEST(MediumWalls, AreTheSameBothWaysThroughCornersOfCells) {
+  Random random(11);
+  const Walls walls = scattered(random);
+  const auto corner = [&random] {
+    const auto x = static_cast<double>(random.next() % 30);
+    return Position{x, static_cast<double>(random.next() % 30)};
+  };
+  for (int i = 0; i < 1000; ++i) {
+    const Position a = corner(), b = corner();
+    ASSERT_EQ(walls_between(walls, a, b), walls_between(walls, b, a)) << i;
+  }
+}
+
+TEST(MediumWalls, AreTheSameBothWaysAndAsSampled) {
+  Random random(11);
+  const Walls walls = scattered(random);
   const auto place = [&random] {
     const double x = random.uniform() * 40 - 5;
     return Position{x, random.uniform() * 40 - 5};
