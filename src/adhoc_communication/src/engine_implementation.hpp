@@ -54,6 +54,12 @@ class Engine::Implementation : private Outbox {
   const routing::Router& router() const { return router_; }
   void set_keys(std::vector<TeamKey> keys);
 
+  // engine_introspection.cpp: what a host may look at.
+  std::vector<LinkState> links() const;
+  QueueState queues() const;
+  std::vector<std::string> groups() const;
+  std::optional<std::string> name_of(const MacAddress& robot) const;
+
  private:
   /// The hop to one neighbour.
   struct Link {

@@ -52,6 +52,12 @@ class Engine {
   const std::string& robot_name() const;
   std::vector<RouteState> routes() const;  ///< the routing table, for diagnosis and tests
 
+  // Introspection: engine_introspection.cpp.
+  std::vector<LinkState> links() const;                         ///< one per neighbour
+  QueueState queues() const;                                    ///< what waits, and how much of it
+  std::vector<std::string> groups() const;                      ///< the own group and those joined or being joined
+  std::optional<std::string> name_of(const MacAddress&) const;  ///< of a robot known
+
  private:
   class Implementation;
   std::unique_ptr<Implementation> implementation_;

@@ -34,6 +34,23 @@ struct HostCallbacks {
   std::function<void(const std::string& text)> on_warning;
 };
 
+/// Of a send that nobody waits for; called once, from the thread of the engine unless the host has stopped.
+using Ending = std::function<void(const Outcome&)>;
+
+/// What there is to see of the engine and its link at one moment.
+struct Snapshot {
+  Statistics statistics;
+  std::vector<std::string> robots;
+  std::vector<std::string> neighbors;
+  std::vector<LinkState> links;
+  std::vector<RouteState> routes;
+  std::map<MacAddress, std::string> names;  ///< of the robots in `routes`, as far as known
+  std::map<std::string, GroupState> groups;
+  QueueState queues;
+  bool link_up = false;
+  Time now{0};
+};
+
 class EngineHost {
  public:
   EngineHost(const EngineOptions& options, std::unique_ptr<Link> link, ReceiveFilter filter, HostCallbacks callbacks);
@@ -50,18 +67,19 @@ class EngineHost {
   Outcome join_group(const std::string& group);
   Outcome leave_group(const std::string& group);
 
+  /// Does not wait; callable from any thread, also from that of the engine.
+  void send(SendRequest request, Ending ending);
+
   // Answered within one turn of the engine's loop.
   GroupState group_state(const std::string& group);
   std::vector<std::string> neighbors();
-  std::vector<std::string> robots();
-  Statistics statistics();
+  Snapshot snapshot();
 
   /// The first one seals, all of them open.
   void set_keys(std::vector<TeamKey> keys);
 
  private:
   using Command = std::function<void(Time now)>;
-  using Waiter = std::shared_ptr<std::promise<Outcome>>;
 
   void run();
   void wait_for_work();
@@ -75,20 +93,21 @@ class EngineHost {
   void report(const RobotAppeared& event);
   void report(const RobotLost& event);
   void report(const GroupChangeFinished& end);
-  void fail_all_waiters();
+  void end_all_waits();
+  Snapshot look() const;
 
   bool post(Command command);
   template <typename Value>
   Value ask(std::function<Value()> question);
-  Outcome wait_for(const std::function<void(Time, Waiter)>& begin);
+  Outcome wait_for(const std::function<void(Time, Ending)>& begin);
 
   std::unique_ptr<Link> link_;
   ReceiveFilter filter_;
   HostCallbacks callbacks_;
   Engine engine_;
   FileDescriptor wake_up_;
-  std::map<SendId, Waiter> sends_;
-  std::multimap<std::string, Waiter> group_changes_;
+  std::map<SendId, Ending> sends_;
+  std::multimap<std::string, Ending> group_changes_;
   bool link_was_up_ = true;
   Time next_tending_{0};
 
