@@ -107,7 +107,7 @@ class Diagnostics(unittest.TestCase):
         self.assertIn("cannot be published", parts["publishing"].message)
 
 
-class FullDisk(unittest.TestCase):
+class WithFullDisk(unittest.TestCase):  # the last by name, because it adds a robot
     def test_full_disk_stops_nothing_and_is_seen(self):
         """A node whose logs and capture are /dev/full works, and says what it loses."""
         folder = Path(rospy.get_param("~folder") + "_full")

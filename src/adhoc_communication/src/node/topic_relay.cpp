@@ -13,7 +13,7 @@
 namespace adhoc_communication {
 namespace {
 
-constexpr std::uint32_t kSubscriberQueue = 16;
+constexpr std::uint32_t kSubscriberQueue = 256;     // emptied at once: what has to wait, waits in the table
 const char* const kDefinitionTopic = "definition";  // nobody publishes it, but a packet needs a topic
 constexpr int kMostAnswers = 16;                    ///< definitions on their way to those who asked
 
@@ -43,6 +43,7 @@ void TopicRelay::stop() {
     stopping_ = true;
   }
   changed_.notify_all();
+  arrivals_.stop();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -55,9 +56,12 @@ void TopicRelay::add(RelayEntry entry) {
     id = table_.add(std::move(entry));
   }
   // Outside the lock: roscpp may deliver a message while it subscribes.
-  const boost::function<void(const ros::MessageEvent<topic_tools::ShapeShifter const>&)> callback =
-      [this, id](const ros::MessageEvent<topic_tools::ShapeShifter const>& event) { take(id, event); };
-  const ros::Subscriber subscriber = node_.subscribe<topic_tools::ShapeShifter>(topic, kSubscriberQueue, callback);
+  using Event = ros::MessageEvent<topic_tools::ShapeShifter const>;
+  ros::SubscribeOptions options;
+  options.initByFullCallbackType<const Event&>(topic, kSubscriberQueue,
+                                               [this, id](const Event& event) { take(id, event); });
+  options.callback_queue = &arrivals_;
+  const ros::Subscriber subscriber = node_.subscribe(options);
   const std::lock_guard<std::mutex> lock(mutex_);
   subscribers_[id] = subscriber;
 }

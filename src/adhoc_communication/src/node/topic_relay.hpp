@@ -15,6 +15,7 @@
 
 #include "node/engine_host.hpp"
 #include "node/relay_table.hpp"
+#include "node/service_pool.hpp"
 
 namespace topic_tools {
 class ShapeShifter;
@@ -64,6 +65,7 @@ class TopicRelay {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   RelayTable table_;
+  ServicePool arrivals_{1};  ///< a thread of its own, so that no other callback of the node makes messages wait
   std::map<RelayTable::Id, ros::Subscriber> subscribers_;
   bool stopping_ = false;
   std::thread thread_;
