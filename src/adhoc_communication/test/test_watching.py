@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 """Diagnostics, network state, logs on a full disk, capture, adhoc_top."""
 
+import importlib.machinery
+import importlib.util
+import io
 import os
 import shutil
 import struct
@@ -107,6 +110,41 @@ class Diagnostics(unittest.TestCase):
         self.assertIn("cannot be published", parts["publishing"].message)
 
 
+class WithOwnRadio(unittest.TestCase):
+    def test_interface_that_goes_down_is_an_error_until_it_is_back(self):
+        hub = rospy.get_param("~folder") + "_hub"
+        ended = []
+
+        def start(*command):
+            process = subprocess.Popen(["rosrun", "adhoc_communication", *command], stdout=subprocess.PIPE)
+            ended.append(process)
+            return process
+
+        def start_radio():
+            radio = start("radio", "--hub", hub)
+            self.assertTrue(radio.stdout.readline().startswith(b"radio ready"))
+            return radio
+
+        try:
+            radio = start_radio()
+            names = ["__ns:=/erin", "__name:=adhoc_communication", "_robot_name:=erin"]
+            start("adhoc_communication", *names, f"_interface:=hub:{hub}")
+            wait_for_state("erin", lambda state: state.interface_up)
+            radio.terminate()
+            radio.wait(timeout=20)
+            wait_for_state("erin", lambda state: not state.interface_up)
+            parts = diagnostics("erin", lambda parts: parts["interface"].level == DiagnosticStatus.ERROR)
+            self.assertEqual(f"hub:{hub} is down", parts["interface"].message)
+            start_radio()
+            wait_for_state("erin", lambda state: state.interface_up)
+            diagnostics("erin", lambda parts: parts["interface"].level == DiagnosticStatus.OK)
+        finally:
+            for process in ended:
+                process.terminate()
+                process.wait(timeout=20)
+                process.stdout.close()
+
+
 class WithFullDisk(unittest.TestCase):  # the last by name, because it adds a robot
     def test_full_disk_stops_nothing_and_is_seen(self):
         """A node whose logs and capture are /dev/full works, and says what it loses."""
@@ -168,6 +206,14 @@ class Capture(unittest.TestCase):
         self.assertIn(("alice", DATA), seen)
 
 
+def load_adhoc_top():
+    path = Path(__file__).resolve().parents[1] / "scripts" / "adhoc_top"
+    loader = importlib.machinery.SourceFileLoader("adhoc_top", str(path))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("adhoc_top", loader))
+    loader.exec_module(module)
+    return module
+
+
 class Top(unittest.TestCase):
     def run_top(self, *arguments, **environment):
         command = ["rosrun", "adhoc_communication", "adhoc_top", *arguments]
@@ -183,6 +229,36 @@ class Top(unittest.TestCase):
         self.assertIn("OPEN", result.stdout)
         for word in ("neighbour", "destination", "mc_alice", "relayed topic", "/alice/plan"):
             self.assertIn(word, result.stdout)
+
+    def test_live_view_goes_on(self):
+        """Plain lines where there is no terminal, one view after the other."""
+        command = ["rosrun", "adhoc_communication", "adhoc_top", "--interval", "0.1"]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        try:
+            views = 0
+            while views < 3:
+                line = process.stdout.readline()
+                self.assertTrue(line, "adhoc_top has ended")
+                views += line.startswith("alice on hub:")
+        finally:
+            process.terminate()
+            process.wait(timeout=20)
+            process.stdout.close()
+
+    def test_view_of_a_terminal(self):
+        """The tables of rich hold the same facts as the plain lines."""
+        try:
+            import rich.console
+        except ImportError:
+            self.skipTest("rich is not installed")
+        top = load_adhoc_top()
+        view = top.View(["/alice/adhoc_communication/network_state"])
+        self.assertTrue(top.wait_for_states(view, PATIENCE))
+        console = rich.console.Console(width=200, record=True, file=io.StringIO())
+        console.print(top.rich_view(view.sections()))
+        text = console.export_text()
+        for word in ("alice on hub:", "neighbour", "bob", "destination", "mc_alice", "relayed topic"):
+            self.assertIn(word, text)
 
     def test_one_topic(self):
         result = self.run_top("--once", "/bob/adhoc_communication/network_state")
