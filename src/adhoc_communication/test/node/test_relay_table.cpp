@@ -220,6 +220,18 @@ TEST(RelayTable, RateCarriesTheNewestWhenItsTimeHasCome) {
   EXPECT_EQ(only_report(table).dropped, 0u) << "what the rate leaves out is no loss";
 }
 
+TEST(RelayTable, ReplacedMessagesGiveTheirRoomBack) {
+  RelayTable table("self");
+  RelayEntry entry = to("bob");
+  entry.rate = 1.0;
+  const auto id = table.add(entry);
+  table.robot_appeared("bob", 0s);
+  const auto large = message(std::string(RelayTable::kMostOctets / 2, 'x'));
+  for (int i = 0; i < 10; ++i) table.offer(id, large, 0s);
+  EXPECT_EQ(only_report(table).waiting, 1u);
+  EXPECT_EQ(only_report(table).dropped, 0u);
+}
+
 TEST(RelayTable, NothingIsSentToRobotsThatAreAway) {
   RelayTable table("self");
   const auto id = table.add(to("bob"));
