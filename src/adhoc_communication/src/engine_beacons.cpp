@@ -57,6 +57,7 @@ void Engine::Implementation::maintain(Time now) {
   broadcast_receiver_.expire(now);
   for (auto& [source, receiver] : receivers_) receiver->expire(now);
   expire_waiting_sends(now);
+  distributor_.expire(now);
   join_due_groups(now);
 }
 
@@ -69,7 +70,7 @@ void Engine::Implementation::announce_changes(Time now) {
       continue;
     }
     report(RobotLost{change.robot});
-    groups_.members.erase(change.robot);
+    remove_member(change.robot, change.robot + " was lost", now);
     const auto membership = groups_.memberships.find(group);
     if (membership != groups_.memberships.end()) membership->second.joined = false;
   }
@@ -79,6 +80,7 @@ void Engine::Implementation::announce_changes(Time now) {
 void Engine::Implementation::link_lost(const MacAddress& neighbor, Time now) {
   if (const auto found = links_.find(neighbor); found != links_.end()) found->second.sender.clear();
   router_.link_broken(neighbor, now);
+  distributor_.link_lost(neighbor, now);
 }
 
 }  // namespace adhoc_communication

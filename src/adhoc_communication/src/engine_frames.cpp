@@ -16,6 +16,10 @@ void Engine::Implementation::unicast(const MacAddress& neighbor, FrameType type,
   link(neighbor).sender.enqueue({type, std::move(body), static_cast<std::uint8_t>(Priority::kControl)});
 }
 
+void Engine::Implementation::unicast_once(const MacAddress& neighbor, FrameType type, Bytes body) {
+  transmit(type, 0, neighbor, 0, next_counter_++, body, now_);
+}
+
 Engine::Implementation::Link& Engine::Implementation::link(const MacAddress& neighbor) {
   const auto found = links_.find(neighbor);
   if (found != links_.end()) return found->second;
@@ -105,7 +109,7 @@ bool Engine::Implementation::lost_artificially(FrameType type) {
   if (options_.loss_ratio <= 0.0) return false;
   const bool concerned = type == FrameType::kData || type == FrameType::kTransportAcknowledgment ||
                          type == FrameType::kHopAcknowledgment || type == FrameType::kBroadcastData ||
-                         type == FrameType::kFlood;
+                         type == FrameType::kFlood || type == FrameType::kGroupData || type == FrameType::kGroupReport;
   return concerned && random_.chance(options_.loss_ratio);
 }
 
@@ -140,6 +144,16 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
       return with(wire::read_broadcast_data(body), [&](auto data) { on_broadcast_data(header, data, now); });
     case FrameType::kFlood:
       return with(wire::read_flood(body), [&](auto flood) { on_flood(flood, now); });
+    case FrameType::kGroupActivation:
+      return with(wire::read_group_activation(body),
+                  [&](auto activation) { distributor_.on_activation(from, activation, now); });
+    case FrameType::kGroupRefusal:
+      return with(wire::read_group_refusal(body), [&](auto refusal) { distributor_.on_refusal(from, refusal, now); });
+    case FrameType::kGroupData:
+      return with(wire::read_group_data(body),
+                  [&](auto data) { distributor_.on_data(from, header.counter, data, now); });
+    case FrameType::kGroupReport:
+      return with(wire::read_group_report(body), [&](auto report) { distributor_.on_report(from, report, now); });
   }
 }
 

@@ -80,10 +80,10 @@ void Engine::Implementation::on_group_packet(const std::string& source, const tr
   const bool own = packet.group == multicast::group_of(self_.name);
   switch (packet.kind) {
     case PacketKind::kGroupJoin:
-      if (own && groups_.members.size() < multicast::Groups::kMostMembers) groups_.members.insert(source);
+      if (own) admit_member(source, now);
       return;
     case PacketKind::kGroupLeave:
-      if (own) groups_.members.erase(source);
+      if (own) remove_member(source, source + " has left the group", now);
       return;
     case PacketKind::kGroupMembersRequest:
       if (own) answer_members_request(source, packet.group, now);
@@ -93,14 +93,75 @@ void Engine::Implementation::on_group_packet(const std::string& source, const tr
       if (const auto members = multicast::decode_members(packet.payload))
         return on_members(packet.group, *members, now);
       return malformed();
+    case PacketKind::kGroupCopy:
+      return on_copy(source, packet, now);
     case PacketKind::kUser:
       return;
   }
 }
 
+/// A member that comes late or comes back is first sent what is still held, by itself; the tree takes it in once it
+/// has caught up, so that packets stay in order.
+void Engine::Implementation::admit_member(const std::string& name, Time now) {
+  const bool known = groups_.members.count(name) != 0;
+  if (!known && groups_.members.size() >= multicast::Groups::kMostMembers) return;
+  groups_.members[name];
+  if (known) return;
+  const std::deque<multicast::HeldPacket> held = groups_.held;
+  for (const multicast::HeldPacket& packet : held) {
+    if (now - packet.sent < multicast::Groups::kHeld) send_copy(name, packet, Purpose::kCatchUp, 0, now);
+  }
+}
+
+void Engine::Implementation::remove_member(const std::string& name, const std::string& reason, Time now) {
+  if (groups_.members.erase(name) == 0) return;
+  if (const auto address = directory_.address_of(name)) distributor_.drop_member(*address, reason, now);
+}
+
+void Engine::Implementation::send_copy(const std::string& name, const multicast::HeldPacket& packet, Purpose purpose,
+                                       SendId parent, Time now) {
+  if (const auto member = groups_.members.find(name); member != groups_.members.end()) ++member->second.copies;
+  const transport::Image image = transport::encode(
+      {PacketKind::kGroupCopy, 0, multicast::group_of(self_.name), {}, multicast::encode_copy(packet)});
+  start_unicast(name, image, static_cast<Priority>(packet.stream), {purpose, name, {}, parent, 0}, now);
+}
+
+void Engine::Implementation::copy_finished(const std::string& name) {
+  const auto member = groups_.members.find(name);
+  if (member != groups_.members.end() && member->second.copies > 0) --member->second.copies;
+}
+
+void Engine::Implementation::on_copy(const std::string& source, const transport::Packet& packet, Time now) {
+  const auto copy = multicast::decode_copy(packet.payload);
+  const auto address = directory_.address_of(source);
+  if (!copy || !address || packet.group != multicast::group_of(source)) return malformed();
+  distributor_.take_copy(*address, directory_.find(*address)->boot, copy->stream, copy->number, copy->image, now);
+}
+
+/// What became of packets of the own group at its members.
+void Engine::Implementation::finish_group_members(Time now) {
+  for (const multicast::MemberEnd& end : distributor_.take_ends()) {
+    const routing::Robot* robot = directory_.find(end.member);
+    const std::string name = robot != nullptr ? robot->name : "a robot that is gone";
+    const auto fan_out = groups_.fan_outs.find(end.id);
+    if (end.by_copy && robot != nullptr && fan_out != groups_.fan_outs.end()) {
+      send_copy(name, multicast::HeldPacket(fan_out->second.packet), Purpose::kFanOut, end.id, now);
+    } else {
+      finish_fan_out_part(end.id, name, end.delivered, end.reason, now);
+    }
+  }
+}
+
+void Engine::Implementation::take_group_packets(Time now) {
+  for (const multicast::Arrived& arrived : distributor_.take_arrived()) {
+    const routing::Robot* robot = directory_.find(arrived.root);
+    if (robot != nullptr) deliver_packet(std::string(robot->name), arrived.image, arrived.hops, now);
+  }
+}
+
 void Engine::Implementation::answer_members_request(const std::string& source, const std::string& group, Time now) {
-  std::set<std::string> members = groups_.members;
-  members.insert(self_.name);
+  std::set<std::string> members{self_.name};
+  for (const auto& [name, member] : groups_.members) members.insert(name);
   send_control(source, PacketKind::kGroupMembers, group, multicast::encode_members(members), Purpose::kInternal, now);
 }
 
@@ -139,7 +200,7 @@ GroupState Engine::Implementation::group_state(const std::string& group) const {
   const auto root = multicast::root_of(group);
   if (root && *root == self_.name) {
     state.known = state.member = state.activated = state.connected = state.root = true;
-    state.downlinks.assign(groups_.members.begin(), groups_.members.end());
+    for (const auto& [name, member] : groups_.members) state.downlinks.push_back(name);
     return state;
   }
   const auto found = groups_.memberships.find(group);

@@ -12,6 +12,7 @@
 
 #include "adhoc_communication/engine.hpp"
 #include "identity.hpp"
+#include "multicast/distributor.hpp"
 #include "multicast/groups.hpp"
 #include "outbox.hpp"
 #include "random.hpp"
@@ -75,13 +76,13 @@ class Engine::Implementation : private Outbox {
   };
   using StreamKey = std::pair<std::string, std::uint8_t>;
 
-  enum class Purpose { kHost, kFanOut, kJoin, kLeave, kInternal };
+  enum class Purpose { kHost, kFanOut, kCatchUp, kJoin, kLeave, kInternal };
   /// A packet not finished yet.
   struct Sending {
     Purpose purpose = Purpose::kHost;
     std::string destination;
     std::string group;  ///< that is joined or left
-    SendId parent = 0;  ///< of kFanOut
+    SendId parent = 0;  ///< of kFanOut: the group send
     std::size_t octets = 0;
   };
 
@@ -93,6 +94,7 @@ class Engine::Implementation : private Outbox {
   // engine_frames.cpp: frames in and out.
   void broadcast(wire::FrameType type, Bytes body) override;
   void unicast(const MacAddress& neighbor, wire::FrameType type, Bytes body) override;
+  void unicast_once(const MacAddress& neighbor, wire::FrameType type, Bytes body) override;
   void transmit(wire::FrameType type, std::uint8_t flags, const MacAddress& next_hop, std::uint32_t link_sequence,
                 std::uint64_t counter, const Bytes& body, Time now);
   void dispatch(const wire::FrameHeader& header, wire::Reader body, Time now);
@@ -127,6 +129,7 @@ class Engine::Implementation : private Outbox {
   void pump(Time now);
   bool pump_priority(std::uint8_t priority, Time now);
   bool pump_links(std::uint8_t priority, Time now);
+  bool pump_groups(std::uint8_t priority, Time now);
   bool pump_streams(std::uint8_t priority, Time now);
   bool air_allows(const Link& link, Time now) const;
   void send_on(const MacAddress& neighbor, Link& link, const transport::HopSender::Outgoing& outgoing,
@@ -140,10 +143,12 @@ class Engine::Implementation : private Outbox {
   SendId start_unicast(const std::string& destination, transport::Image image, Priority priority, Sending sending,
                        Time now);
   void start_group_send(SendId id, const std::string& group, transport::Image image, Priority priority, Time now);
+  void send_to_own_group(SendId id, const transport::Image& image, Priority priority, Time now);
   void fan_out(SendId id, const std::vector<std::string>& members, const transport::Image& image, Priority priority,
                Time now);
   void finish(SendId id, bool delivered, const std::string& reason, Time now);
-  void finish_fan_out_part(const Sending& part, bool delivered, const std::string& reason, Time now);
+  void finish_fan_out_part(SendId parent, const std::string& member, bool delivered, const std::string& reason,
+                           Time now);
   void report(Event event);
 
   // engine_groups.cpp: membership.
@@ -154,6 +159,14 @@ class Engine::Implementation : private Outbox {
   void answer_members_request(const std::string& source, const std::string& group, Time now);
   void on_members(const std::string& group, const std::vector<std::string>& members, Time now);
   void expire_waiting_sends(Time now);
+  void admit_member(const std::string& member, Time now);
+  void remove_member(const std::string& member, const std::string& reason, Time now);
+  void send_copy(const std::string& member, const multicast::HeldPacket& packet, Purpose purpose, SendId parent,
+                 Time now);
+  void copy_finished(const std::string& member);
+  void on_copy(const std::string& source, const transport::Packet& packet, Time now);
+  void finish_group_members(Time now);
+  void take_group_packets(Time now);
   SendId send_control(const std::string& destination, transport::PacketKind kind, const std::string& group,
                       Bytes payload, Purpose purpose, Time now);
 
@@ -176,6 +189,7 @@ class Engine::Implementation : private Outbox {
   std::array<transport::BroadcastSender, transport::kPriorities> broadcasts_;
   transport::BroadcastReceiver broadcast_receiver_;
   transport::FloodRelay flood_;
+  multicast::Distributor distributor_;
   multicast::Groups groups_;
 
   std::map<SendId, Sending> sendings_;
@@ -184,6 +198,8 @@ class Engine::Implementation : private Outbox {
   SendId next_send_id_ = 1;
   std::uint32_t next_flood_id_ = 0;
   std::uint64_t next_counter_ = 1;
+  std::uint64_t last_group_counter_ = 0;
+  int group_pair_ = 0;  ///< counts frames to groups; 0 and 1 are a pair
   Time now_{0};
   Time beacon_due_{0};
   Time last_beacon_{-1};

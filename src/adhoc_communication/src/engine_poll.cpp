@@ -37,6 +37,8 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       budget_(4 * options_.max_packet_size),
       broadcast_receiver_(options_.max_packet_size, budget_),
       flood_(*this, random_),
+      distributor_(self_, router_, *this, random_, air_, budget_, options_.max_packet_size,
+                   static_cast<std::uint16_t>(room(options_, wire::kGroupDataHeaderSize))),
       now_(now),
       beacon_due_(now),
       started_(now) {}
@@ -60,6 +62,9 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   acknowledge_streams(now);
   router_.poll(now);
   fail_unreachable(now);
+  distributor_.poll(now);
+  finish_group_members(now);
+  take_group_packets(now);
   flood_.poll(now);
   for (auto& [neighbor, link] : links_) {
     if (!link.receiver || link.receiver->due() > now) continue;
@@ -73,7 +78,7 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
 
 Time Engine::Implementation::next_deadline() const {
   if (touched_) return now_;
-  Time next = std::min({beacon_due_, router_.next_deadline(), flood_.next_deadline()});
+  Time next = std::min({beacon_due_, router_.next_deadline(), flood_.next_deadline(), distributor_.next_deadline()});
   for (const auto& [neighbor, link] : links_) {
     next = std::min(next, link.sender.next_deadline());
     if (link.receiver) next = std::min(next, link.receiver->due());

@@ -33,7 +33,7 @@ bool Engine::Implementation::pump_priority(std::uint8_t priority, Time now) {
     if (finished) finish(*finished, true, {}, now);
     return true;
   }
-  return pump_streams(priority, now);
+  return pump_groups(priority, now) || pump_streams(priority, now);
 }
 
 /// Repetitions and frames of others, one neighbour after the other.
@@ -57,6 +57,17 @@ bool Engine::Implementation::pump_links(std::uint8_t priority, Time now) {
     return true;
   }
   return false;
+}
+
+/// As on a link, of some frames a second follows the first without a gap, which measures the air.
+bool Engine::Implementation::pump_groups(std::uint8_t priority, Time now) {
+  const bool follows = next_counter_ == last_group_counter_ + 1 && group_pair_ == 1;
+  if ((air_.ready_at() > now && !follows) || !distributor_.has_frame(priority)) return false;
+  const multicast::GroupFrame frame = distributor_.next_frame(priority, follows, now);
+  last_group_counter_ = next_counter_++;
+  group_pair_ = (group_pair_ + 1) % (air_.calibrated() ? kPairInterval : 2);
+  transmit(FrameType::kGroupData, 0, frame.destination, 0, last_group_counter_, frame.body, now);
+  return true;
 }
 
 /// Own packets, one destination after the other.
@@ -116,8 +127,8 @@ bool Engine::Implementation::something_to_send() const {
       if (link.sender.has_waiting(priority) && link.sender.may_start()) return true;
     }
   }
-  for (const auto& broadcasts : broadcasts_) {
-    if (broadcasts.has_segment()) return true;
+  for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
+    if (broadcasts_[priority].has_segment() || distributor_.has_frame(priority)) return true;
   }
   return std::any_of(streams_.begin(), streams_.end(), [&](const auto& item) {
     const Stream& stream = item.second;

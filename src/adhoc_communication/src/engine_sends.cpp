@@ -13,7 +13,8 @@ std::string Engine::Implementation::refusal(const SendRequest& request) const {
   if (request.destination.size() > 255) return "the destination's name is longer than 255 octets";
   if (request.topic.empty()) return "the topic is empty";
   if (request.topic.size() > 65535) return "the topic is longer than 65535 octets";
-  const std::size_t size = transport::image_size(request.destination, request.topic, request.payload.size());
+  std::size_t size = transport::image_size(request.destination, request.topic, request.payload.size());
+  if (multicast::root_of(request.destination)) size += transport::image_size(request.destination, {}, 5);  // as a copy
   if (size > options_.max_packet_size) {
     return "packet of " + size_text(size) + " exceeds max_packet_size of " + size_text(options_.max_packet_size);
   }
@@ -105,8 +106,7 @@ SendId Engine::Implementation::start_unicast(const std::string& destination, Ima
 void Engine::Implementation::start_group_send(SendId id, const std::string& group, Image image, Priority priority,
                                               Time now) {
   if (group == multicast::group_of(self_.name)) {
-    const std::vector<std::string> members(groups_.members.begin(), groups_.members.end());
-    return fan_out(id, members, image, priority, now);
+    return send_to_own_group(id, image, priority, now);
   }
   const auto membership = groups_.memberships.find(group);
   if (membership == groups_.memberships.end() || !membership->second.joined) {
@@ -117,6 +117,28 @@ void Engine::Implementation::start_group_send(SendId id, const std::string& grou
   if (waiting.size() > 1) return;
   send_control(*multicast::root_of(group), transport::PacketKind::kGroupMembersRequest, group, {}, Purpose::kInternal,
                now);
+}
+
+/// Along the tree, but for members that are being sent packets by themselves.
+void Engine::Implementation::send_to_own_group(SendId id, const Image& image, Priority priority, Time now) {
+  std::set<MacAddress> on_tree;
+  std::vector<std::string> by_themselves;
+  for (const auto& [name, member] : groups_.members) {
+    const auto address = directory_.address_of(name);
+    if (member.copies == 0 && address) {
+      on_tree.insert(*address);
+    } else {
+      by_themselves.push_back(name);
+    }
+  }
+  const std::uint32_t number = distributor_.start(id, priority, image, on_tree, now);
+  const multicast::HeldPacket packet{static_cast<std::uint8_t>(priority), number, image, now};
+  multicast::hold(groups_.held, packet, now);
+  if (groups_.members.empty()) return finish(id, true, {}, now);
+  multicast::FanOut& fan_out = groups_.fan_outs[id];
+  fan_out.open = groups_.members.size();
+  fan_out.packet = packet;
+  for (const std::string& name : by_themselves) send_copy(name, packet, Purpose::kFanOut, id, now);
 }
 
 void Engine::Implementation::fan_out(SendId id, const std::vector<std::string>& members, const Image& image,
@@ -140,7 +162,10 @@ void Engine::Implementation::finish(SendId id, bool delivered, const std::string
       ++(delivered ? statistics_.packets_sent : statistics_.packets_failed);
       return report(SendFinished{id, delivered, reason});
     case Purpose::kFanOut:
-      return finish_fan_out_part(sending, delivered, reason, now);
+      copy_finished(sending.destination);
+      return finish_fan_out_part(sending.parent, sending.destination, delivered, reason, now);
+    case Purpose::kCatchUp:
+      return copy_finished(sending.destination);
     case Purpose::kJoin:
     case Purpose::kLeave:
       return finish_membership(sending, delivered, reason, now);
@@ -149,18 +174,18 @@ void Engine::Implementation::finish(SendId id, bool delivered, const std::string
   }
 }
 
-void Engine::Implementation::finish_fan_out_part(const Sending& part, bool delivered, const std::string& reason,
-                                                 Time now) {
-  const auto found = groups_.fan_outs.find(part.parent);
+void Engine::Implementation::finish_fan_out_part(SendId parent, const std::string& member, bool delivered,
+                                                 const std::string& reason, Time now) {
+  const auto found = groups_.fan_outs.find(parent);
   if (found == groups_.fan_outs.end()) return;
-  if (!delivered) found->second.failures.push_back(part.destination + " (" + reason + ")");
+  if (!delivered) found->second.failures.push_back(member + " (" + reason + ")");
   if (--found->second.open > 0) return;
   const std::vector<std::string> failures = std::move(found->second.failures);
   groups_.fan_outs.erase(found);
-  if (failures.empty()) return finish(part.parent, true, {}, now);
+  if (failures.empty()) return finish(parent, true, {}, now);
   std::string names;
   for (const std::string& failure : failures) names += (names.empty() ? "" : ", ") + failure;
-  finish(part.parent, false, "not delivered to " + names, now);
+  finish(parent, false, "not delivered to " + names, now);
 }
 
 void Engine::Implementation::report(Event event) {

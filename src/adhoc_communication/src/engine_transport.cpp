@@ -153,6 +153,7 @@ void Engine::Implementation::fail_unreachable(Time now) {
     const std::string reason = failure.elapsed > Time(0)
                                    ? "no route to " + name + " after " + seconds_text(failure.elapsed)
                                    : "no route to " + name + ": too many searches at once";
+    distributor_.unreachable(failure.target.address, reason, now);
     for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
       const auto stream = streams_.find({name, priority});
       if (stream == streams_.end()) continue;

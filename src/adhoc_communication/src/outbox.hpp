@@ -10,6 +10,8 @@ class Outbox {
   virtual ~Outbox() = default;
   /// To everybody in range, once, unacknowledged.
   virtual void broadcast(wire::FrameType type, Bytes body) = 0;
+  /// To a neighbour, once, unacknowledged.
+  virtual void unicast_once(const MacAddress& neighbor, wire::FrameType type, Bytes body) = 0;
   /// To a neighbour, repeated until acknowledged, ahead of all packets.
   virtual void unicast(const MacAddress& neighbor, wire::FrameType type, Bytes body) = 0;
 };

@@ -81,6 +81,10 @@ def died():
     )
 
 
+def team_key():
+    Path(sys.argv[3]).touch()
+
+
 def monitor(values):
     link = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     link.connect(values["report_socket"])
@@ -114,4 +118,4 @@ def monitor(values):
 
 
 if __name__ == "__main__":
-    {"radio": radio, "world": world, "roslaunch": roslaunch}[sys.argv[1]]()
+    {"radio": radio, "team_key": team_key, "world": world, "roslaunch": roslaunch}[sys.argv[1]]()

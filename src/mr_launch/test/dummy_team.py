@@ -34,7 +34,7 @@ def main():
         robots=[RobotPlan(name, index, 11461 + index, (1.0, 1.0 + index, 0.0)) for index, name in enumerate(names)],
         out=str(out),
         isolation=isolation,
-        programs={name: program(tools, name) for name in ("radio", "world", "roslaunch")},
+        programs={name: program(tools, name) for name in ("radio", "team_key", "world", "roslaunch")},
     )
     make_output_folder(plan)
     return run_team(plan)

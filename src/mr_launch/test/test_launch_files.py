@@ -15,6 +15,7 @@ NEEDED = {  # arguments without a default
     "team_robot.launch": [
         "robot_name:=robot_0",
         "interface:=radio0",
+        "key_file:=/x",
         "world_socket:=/x",
         "report_socket:=/x",
         "start_pose:=0 0 0",
@@ -35,11 +36,31 @@ def test_loads(path):
     assert "/" in roslaunch("--nodes", path.name)
 
 
-@pytest.mark.parametrize(("simulated", "slam"), [("false", "mrpt"), ("true", "mrpt"), ("true", "gmapping")])
-def test_nodes_of_a_robot(simulated, slam):
-    nodes = set(roslaunch("--nodes", "robot.launch", f"simulated:={simulated}", f"slam:={slam}").split())
-    core = {"/adhoc_communication", "/map_merger", "/explorer"}
-    assert nodes == (core | {"/robot", "/slam", "/move_base"} if simulated == "true" else core)
+@pytest.mark.parametrize(
+    ("arguments", "more"),
+    [
+        ([], {"/slam", "/move_base"}),
+        (["slam:=gmapping", "navigation:=move_base"], {"/slam", "/move_base"}),
+        (["slam:=none", "navigation:=none"], set()),
+        (["simulated:=true"], {"/slam", "/move_base", "/robot"}),
+    ],
+)
+def test_nodes_of_a_robot(arguments, more):
+    nodes = set(roslaunch("--nodes", "robot.launch", *arguments).split())
+    assert nodes == {"/adhoc_communication", "/map_merger", "/explorer"} | more
+
+
+def test_every_node_knows_the_robots_name():
+    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", "robot_name:=anna", "simulated:=true"))
+    for node in ("adhoc_communication", "map_merger", "explorer", "move_base", "robot"):
+        assert parameters[f"/{node}/robot_name"] == "anna", node
+
+
+def test_without_a_name_each_node_takes_the_computers():
+    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch"))
+    assert {parameters.get(f"/{node}/robot_name", "") for node in ("adhoc_communication", "explorer", "move_base")} == {
+        ""
+    }
 
 
 def test_recorder_is_there_only_with_a_file():

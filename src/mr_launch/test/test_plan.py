@@ -10,6 +10,7 @@ from mr_launch.arguments import parse_arguments
 from mr_launch.plan import (
     Plan,
     RobotPlan,
+    key_command,
     launch_command,
     link_commands,
     radio_command,
@@ -21,7 +22,7 @@ ROBOTS = [
     RobotPlan("robot_0", 0, 11311, (1.0, 2.0, 0.5)),
     RobotPlan("a_robot_with_a_long_name", 1, 11311, (1.0, 3.0, 0.0)),
 ]
-PROGRAMS = {"radio": "/bin/radio", "world": "/bin/world", "roslaunch": "/bin/roslaunch"}
+PROGRAMS = {"radio": "/bin/radio", "team_key": "/bin/team_key", "world": "/bin/world", "roslaunch": "/bin/roslaunch"}
 
 
 def plan(kind=isolation.NAMESPACES, *arguments):
@@ -83,6 +84,7 @@ def test_robot_gets_its_interface(kind, interface):
     arguments = launch_arguments(launch_command(plan(kind), ROBOTS[0]))
     assert arguments["interface"] == interface
     assert arguments["autostart"] == "false"
+    assert key_command(plan(kind)) == ["/bin/team_key", "create", arguments["key_file"]]
     assert arguments["bag"] == "/o/robot_0/robot_0.bag"
 
 

@@ -1,5 +1,6 @@
 #include "multicast/groups.hpp"
 
+#include "transport/hop_sender.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::multicast {
@@ -8,6 +9,34 @@ std::optional<std::string> root_of(const std::string& group) {
   const std::string prefix = kPrefix;
   if (group.size() <= prefix.size() || group.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
   return group.substr(prefix.size());
+}
+
+void hold(std::deque<HeldPacket>& held, HeldPacket packet, Time now) {
+  held.push_back(std::move(packet));
+  std::size_t octets = 0;
+  for (const HeldPacket& kept : held) octets += kept.image->size();
+  while (!held.empty() && (now - held.front().sent >= Groups::kHeld || held.size() > Groups::kMostHeld ||
+                           octets > Groups::kMostHeldOctets)) {
+    octets -= held.front().image->size();
+    held.pop_front();
+  }
+}
+
+Bytes encode_copy(const HeldPacket& packet) {
+  Bytes payload;
+  wire::Writer writer(payload);
+  writer.u8(packet.stream);
+  writer.u32(packet.number);
+  writer.octets(*packet.image);
+  return payload;
+}
+
+std::optional<Copy> decode_copy(const Bytes& payload) {
+  wire::Reader reader(payload);
+  Copy copy{reader.u8(), reader.u32(), {}};
+  copy.image = reader.rest();
+  if (!reader.ok() || copy.stream >= transport::kPriorities || copy.image.empty()) return std::nullopt;
+  return copy;
 }
 
 Bytes encode_members(const std::set<std::string>& members) {

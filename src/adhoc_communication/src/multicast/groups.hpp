@@ -1,9 +1,10 @@
 // Groups mc_<robot>: who belongs to the own one, which ones this robot belongs to.
 //
-// The robot a group is named after is its root and the only one that knows its members. A packet for the group is one
-// reliable unicast per member; a member that is not the root asks the root for the members first.
+// The robot a group is named after is its root and the only one that knows its members. Its packets go along a tree; a
+// member that is not the root asks the root for the members and sends one reliable unicast to each.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -37,23 +38,53 @@ struct WaitingSend {
   Time give_up{0};
 };
 
+/// A packet of the own group, kept for members that come late or come back.
+struct HeldPacket {
+  std::uint8_t stream = 0;
+  std::uint32_t number = 0;
+  transport::Image image;
+  Time sent{0};
+};
+
 /// A packet on its way to several members.
 struct FanOut {
   std::size_t open = 0;
   std::vector<std::string> failures;  ///< one sentence for each member not reached
+  HeldPacket packet;                  ///< of the own group
+};
+
+/// How a member of the own group is served.
+struct Member {
+  std::size_t copies = 0;  ///< packets on their way to it by themselves; while there are any, the tree leaves it out
 };
 
 struct Groups {
   static constexpr std::size_t kMostMembers = 1024;
   static constexpr std::size_t kMostGroups = 1024;
+  static constexpr Time kHeld = std::chrono::seconds(5);
+  static constexpr std::size_t kMostHeldOctets = 4'000'000;
+  static constexpr std::size_t kMostHeld = 256;
   static constexpr Time kRetry = std::chrono::seconds(2);
   static constexpr Time kMembersPatience = std::chrono::seconds(5);
 
-  std::set<std::string> members;                  ///< of the own group, without this robot
+  std::map<std::string, Member> members;  ///< of the own group, without this robot
+  std::deque<HeldPacket> held;
   std::map<std::string, Membership> memberships;  ///< by group, of other robots' groups
   std::map<SendId, FanOut> fan_outs;
   std::map<std::string, std::vector<WaitingSend>> waiting;  ///< by group
 };
+
+/// Notes a packet, and forgets those that are too old or too many.
+void hold(std::deque<HeldPacket>& held, HeldPacket packet, Time now);
+
+/// The payload of a packet of kind kGroupCopy.
+Bytes encode_copy(const HeldPacket& packet);
+struct Copy {
+  std::uint8_t stream;
+  std::uint32_t number;
+  Bytes image;
+};
+std::optional<Copy> decode_copy(const Bytes& payload);
 
 Bytes encode_members(const std::set<std::string>& members);
 /// Nothing if malformed.

@@ -18,7 +18,8 @@ SessionKey derive_session_key(const TeamKey& team_key, const MacAddress& sender,
 /// header | encrypted body | tag. The header stays readable and is authenticated.
 Bytes seal(const SessionKey& key, const wire::FrameHeader& header, const Bytes& body);
 
-/// The body, if header and body are what a holder of the key sealed. `frame` has at least kHeaderSize + kTagSize octets.
+/// The body, if header and body are what a holder of the key sealed. `frame` has at least kHeaderSize + kTagSize
+/// octets.
 std::optional<Bytes> unseal(const SessionKey& key, const Bytes& frame, std::uint64_t counter);
 
 }  // namespace adhoc_communication::security

@@ -63,7 +63,7 @@ std::optional<Packet> decode(const Bytes& image, std::size_t largest) {
   const std::size_t size = reader.u32();
   Bytes body = reader.rest();
   if (!reader.ok() || (flags & ~kCompressed) != 0 || size > largest) return std::nullopt;
-  if (kind > static_cast<std::uint8_t>(PacketKind::kGroupMembers)) return std::nullopt;
+  if (kind > static_cast<std::uint8_t>(PacketKind::kGroupCopy)) return std::nullopt;
   packet.kind = static_cast<PacketKind>(kind);
   if ((flags & kCompressed) != 0) {
     std::optional<Bytes> payload = decompress(body, size);

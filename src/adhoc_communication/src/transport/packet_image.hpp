@@ -15,6 +15,7 @@ enum class PacketKind : std::uint8_t {
   kGroupLeave = 2,
   kGroupMembersRequest = 3,
   kGroupMembers = 4,
+  kGroupCopy = 5,  ///< a packet for the group, sent to this member by itself
 };
 
 struct Packet {

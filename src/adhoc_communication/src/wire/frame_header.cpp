@@ -41,7 +41,8 @@ std::optional<FrameHeader> read_header(Reader& reader) {
   if (reader.u8() != kVersion) return std::nullopt;
   FrameHeader header;
   const std::uint8_t type = reader.u8();
-  if (type < static_cast<std::uint8_t>(FrameType::kBeacon) || type > static_cast<std::uint8_t>(FrameType::kFlood)) {
+  if (type < static_cast<std::uint8_t>(FrameType::kBeacon) ||
+      type > static_cast<std::uint8_t>(FrameType::kGroupReport)) {
     return std::nullopt;
   }
   header.type = static_cast<FrameType>(type);

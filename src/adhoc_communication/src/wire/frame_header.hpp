@@ -24,6 +24,10 @@ enum class FrameType : std::uint8_t {
   kTransportAcknowledgment = 7,
   kBroadcastData = 8,
   kFlood = 9,
+  kGroupActivation = 10,
+  kGroupRefusal = 11,
+  kGroupData = 12,
+  kGroupReport = 13,
 };
 
 enum HeaderFlags : std::uint8_t {

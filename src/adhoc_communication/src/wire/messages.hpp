@@ -147,6 +147,59 @@ struct Flood {
   Bytes image;
 };
 
+/// The tree of a group grows by this message from the root towards the members (MACT of MAODV).
+struct GroupActivation {
+  MacAddress root{};
+  BootTag root_boot = 0;
+  std::uint32_t epoch = 0;          ///< raised by the root whenever it builds the tree anew
+  std::vector<MacAddress> members;  ///< to be reached through the receiver, itself perhaps among them; none: pruned
+};
+constexpr std::size_t kMostMembersOfActivation = 200;
+
+/// Members that the sender cannot reach, told to its upstream neighbour.
+struct GroupRefusal {
+  MacAddress root{};
+  BootTag root_boot = 0;
+  std::uint32_t epoch = 0;
+  std::vector<MacAddress> members;
+};
+
+/// One symbol of one block of a group packet; without octets a question for the state of the packet.
+struct GroupData {
+  MacAddress root{};
+  BootTag root_boot = 0;
+  std::uint8_t stream = 0;         ///< priority; order is kept within a stream
+  bool report = false;             ///< the receiver answers with a report
+  bool follows = false;            ///< handed to the radio together with the frame before: measures the air
+  std::uint8_t hops = 1;           ///< counting the one it travels now
+  std::uint16_t round = 0;         ///< of the sender of this frame; reports repeat it
+  std::uint32_t packet = 0;        ///< number of the packet in its stream
+  std::uint32_t base = 0;          ///< packets before this one are finished at the root
+  std::uint32_t total = 0;         ///< octets of the whole packet image
+  std::uint16_t segment_size = 0;  ///< octets of a symbol; the last frame of the packet may be shorter
+  std::uint16_t block = 0;
+  std::uint8_t symbol = 0;  ///< frames of the block first, then parity
+  Bytes octets;
+};
+constexpr std::size_t kGroupDataHeaderSize = 37;
+
+/// What a robot and those behind it have of a group packet, told to the upstream neighbour.
+struct GroupReport {
+  MacAddress root{};
+  BootTag root_boot = 0;
+  std::uint8_t stream = 0;
+  std::uint32_t packet = 0;
+  std::uint32_t epoch = 0;
+  std::uint16_t round = 0;             ///< greatest one heard
+  bool complete = false;               ///< the robot and all behind it have the packet
+  std::uint64_t measured_counter = 0;  ///< of a frame from upstream that followed directly; 0 none
+  std::uint32_t spacing_ns = 0;        ///< between its arrival and that of the frame before
+  std::uint32_t coverage = 0;          ///< which members that is: exclusive or of their digests
+  std::uint16_t first_block = 0;       ///< all blocks before are complete
+  Bytes missing;  ///< symbols missing of the blocks from there on, of blocks up to 3 frames as bits
+};
+constexpr std::size_t kMostBlocksOfReport = 16;
+
 void write(Writer& writer, const Beacon& beacon);
 void write(Writer& writer, const RouteRequest& request);
 void write(Writer& writer, const RouteReply& reply);
@@ -156,6 +209,10 @@ void write(Writer& writer, const Data& data);
 void write(Writer& writer, const TransportAcknowledgment& acknowledgment);
 void write(Writer& writer, const BroadcastData& data);
 void write(Writer& writer, const Flood& flood);
+void write(Writer& writer, const GroupActivation& activation);
+void write(Writer& writer, const GroupRefusal& refusal);
+void write(Writer& writer, const GroupData& data);
+void write(Writer& writer, const GroupReport& report);
 
 template <typename Message>
 Bytes to_bytes(const Message& message) {
@@ -174,5 +231,9 @@ std::optional<Data> read_data(Reader reader);
 std::optional<TransportAcknowledgment> read_transport_acknowledgment(Reader reader);
 std::optional<BroadcastData> read_broadcast_data(Reader reader);
 std::optional<Flood> read_flood(Reader reader);
+std::optional<GroupActivation> read_group_activation(Reader reader);
+std::optional<GroupRefusal> read_group_refusal(Reader reader);
+std::optional<GroupData> read_group_data(Reader reader);
+std::optional<GroupReport> read_group_report(Reader reader);
 
 }  // namespace adhoc_communication::wire

@@ -111,7 +111,7 @@ TEST(Wire, HeaderRefusesOtherVersionsTypesAndFlags) {
   EXPECT_TRUE(readable(bytes, 0, kVersion));
   EXPECT_FALSE(readable(bytes, 0, kVersion + 1));
   EXPECT_FALSE(readable(bytes, 1, 0));
-  EXPECT_FALSE(readable(bytes, 1, 10));
+  EXPECT_FALSE(readable(bytes, 1, 14));
   EXPECT_FALSE(readable(bytes, 2, 0x80));
 }
 

@@ -10,7 +10,8 @@ TEST(TopicFilter, ByDefaultOnlyWhatWouldTakeTheRobotOverIsRefused) {
   const NodeOptions defaults;
   const TopicFilter filter(defaults.inject_allow, defaults.inject_deny);
   for (const char* topic : {"/rosout", "/clock", "/tf", "/tf_static"}) EXPECT_FALSE(filter.admits(topic)) << topic;
-  for (const char* topic : {"/map_other", "/auction", "/tf_other", "/ns/tf"}) EXPECT_TRUE(filter.admits(topic)) << topic;
+  for (const char* topic : {"/map_other", "/auction", "/tf_other", "/ns/tf"})
+    EXPECT_TRUE(filter.admits(topic)) << topic;
 }
 
 TEST(TopicFilter, AllowsOnlyWhatIsNamed) {

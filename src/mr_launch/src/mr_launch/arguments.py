@@ -8,18 +8,9 @@ import time
 from dataclasses import asdict, dataclass
 from typing import Any, NoReturn, Sequence
 
+from explorer.options import STRATEGIES
 from mr_launch.errors import UserError
 
-STRATEGIES = {
-    0: "nearest frontier by path length",
-    1: "auction in the paper's form",
-    2: "furthest frontier",
-    3: "nearest frontier, straight line",
-    4: "random frontier",
-    5: "nearest cluster with negotiation",
-    6: "random cluster with negotiation",
-    7: "the best one there is",
-}
 LIMITS = {  # option: (lowest, highest, unit)
     "range": (0.1, 10000.0, "m"),
     "loss": (0.0, 0.95, ""),
@@ -78,7 +69,12 @@ def make_parser() -> argparse.ArgumentParser:
     add("--rtf", type=float, default=1.0, metavar="F", help="real-time factor, 0 = as fast as it goes (default: 1.0)")
     add("--seed", type=int, default=1, metavar="N", help="seed of world and radio (default: %(default)s)")
     add("--duration", type=float, default=900.0, metavar="S", help="limit in s of simulation time (default: 900)")
-    add("--out", default="", metavar="DIR", help="output folder (default: out/<time>, out/latest points to it)")
+    add(
+        "--out",
+        default="",
+        metavar="DIR",
+        help="output folder (default: out/<time>); out/latest points to the newest one there",
+    )
     strategies = "; ".join(f"{number}: {text}" for number, text in STRATEGIES.items())
     add("--strategy", type=int, default=7, metavar="N", help=f"frontier selection: {strategies} (default: 7)")
     add("--slam", choices=("mrpt", "gmapping"), default="mrpt", help="local SLAM (default: %(default)s)")

@@ -17,6 +17,7 @@ from mr_launch.programs import find_programs, free_ports
 from mr_launch.world import check_start, find_world, robots_of
 
 BAD_CALL = 2
+INTERRUPTED = 130
 
 
 def team(arguments: Sequence[str]) -> int:
@@ -27,6 +28,9 @@ def team(arguments: Sequence[str]) -> int:
     except UserError as error:
         print(f"team: {error}", file=sys.stderr)
         return BAD_CALL
+    except KeyboardInterrupt:
+        print("team: interrupted, nothing was started", file=sys.stderr)
+        return INTERRUPTED
     return run_team(plan)
 
 
@@ -49,7 +53,7 @@ def make_plan(options: Options) -> Plan:
 
 
 def make_output_folder(plan: Plan) -> None:
-    """The output folder, empty, and ``latest`` beside it if its name was not given by the user."""
+    """The output folder, empty, and ``latest`` beside it when it stands in ``out``."""
     out = Path(plan.out)
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise UserError(f"--out {out} exists and is not an empty folder")

@@ -40,7 +40,7 @@ class Plan:
     robots: list[RobotPlan]
     out: str
     isolation: str
-    programs: dict[str, str] = field(default_factory=dict)  # name -> path, see tools.PROGRAMS
+    programs: dict[str, str] = field(default_factory=dict)  # name -> path, see programs.PROGRAMS
     private: str = ""  # folder for sockets
 
     def robot_folder(self, robot: RobotPlan) -> Path:
@@ -118,6 +118,15 @@ def truth_command(plan: Plan) -> list[str]:
     return ["nice", *python, plan.world, str(len(plan.robots)), plan.socket(TRUTH_FILE)]
 
 
+def key_command(plan: Plan) -> list[str]:
+    """Makes the key with which the robots of this team seal their frames."""
+    return [plan.programs["team_key"], "create", key_file(plan)]
+
+
+def key_file(plan: Plan) -> str:
+    return plan.socket("team.key")
+
+
 def initial_poses(plan: Plan) -> str:
     """Start poses of the whole team for map_merger, as YAML: x, y in m and yaw in rad, in the world frame."""
     return json.dumps({robot.name: [round(value, 6) for value in robot.start] for robot in plan.robots})
@@ -130,6 +139,7 @@ def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
     arguments = {
         "robot_name": robot.name,
         "interface": interface,
+        "key_file": key_file(plan),
         "simulated": "true",
         "world_socket": plan.socket("world"),
         "slam": options.slam,

@@ -11,7 +11,7 @@ from typing import Mapping, Sequence
 
 
 class Child:
-    """One started program. Its output goes to ``log``; with ``may_finish`` its end is no failure."""
+    """One started program. Its output goes to ``log``; with ``may_finish`` a good end is no failure."""
 
     def __init__(self, name: str, process: subprocess.Popen[bytes], log: Path, may_finish: bool) -> None:
         self.name = name
@@ -22,7 +22,8 @@ class Child:
     @property
     def failed(self) -> bool:
         """It ended although the mission needs it."""
-        return self.process.poll() is not None and not self.may_finish
+        code = self.process.poll()
+        return code is not None and not (self.may_finish and code == 0)
 
     def describe_end(self) -> str:
         code = self.process.returncode

@@ -10,6 +10,7 @@ from mr_launch.isolation import search_path
 
 PROGRAMS = {  # name in Plan.programs: (package, executable)
     "radio": ("adhoc_communication", "radio"),
+    "team_key": ("adhoc_communication", "team_key"),
     "world": ("mr_sim", "world"),
 }
 NODES = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import subprocess
 import time
 from pathlib import Path
 from typing import Callable
@@ -15,6 +16,7 @@ from mr_launch.network import hold_namespace, lay_cable, switch_ipv6_off
 from mr_launch.nodes import NodeWatch
 from mr_launch.plan import (
     Plan,
+    key_command,
     launch_command,
     namespace_prefix,
     radio_command,
@@ -47,8 +49,9 @@ class Team:
         self._died_with_parent = [] if self._own_namespaces else ["setpriv", "--pdeathsig", "TERM", "--"]
 
     def start(self, stopped: Callable[[], bool]) -> None:
-        """Namespaces, radio, world, robots, in the order in which they need each other."""
+        """Namespaces, key, radio, world, robots, in the order in which they need each other."""
         self._make_network()
+        self._make_key()
         self._start_radio(stopped)
         self._start("reference", truth_command(self.plan), {}, may_finish=True)
         self._start("world", world_command(self.plan), {})
@@ -59,6 +62,11 @@ class Team:
             self.launches[robot.name] = child
             self._watches[robot.name] = NodeWatch(child.log)
         self._write_state()
+
+    def _make_key(self) -> None:
+        made = subprocess.run(key_command(self.plan), capture_output=True, text=True, check=False)
+        if made.returncode != 0:
+            raise TeamFailure(f"no team key: {made.stderr.strip()}")
 
     def failures(self) -> list[str]:
         """What ended although it should run: one line each, with the log file."""

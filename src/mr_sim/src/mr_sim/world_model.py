@@ -18,7 +18,8 @@ WORLD_WORDS = frozenset({"resolution", "interval_sim", "speedup", "quit_time", "
 MODEL_WORDS = frozenset(
     {"name", "pose", "size", "origin", "bitmap", "boundary", "obstacle_return", "ranger_return", "laser_return"}
 )
-POSITION_WORDS = MODEL_WORDS | {
+PART_WORDS = MODEL_WORDS - {"bitmap", "boundary"}  # of a model that is part of a robot's body
+POSITION_WORDS = PART_WORDS | {
     "drive", "localization", "localization_origin", "odom_error", "velocity_bounds", "update_interval",
 }  # fmt: skip
 RANGER_WORDS = frozenset(
@@ -271,8 +272,6 @@ class _Builder:
 
     def _add_robot(self, block: Block, parent: Pose) -> None:
         reader = _Reader(block, POSITION_WORDS)
-        if reader.has("bitmap"):
-            raise reader.fail("bitmap", "is not supported for a position model; use block or size")
         if reader.text("drive", "diff") != "diff":
             raise reader.fail("drive", f'"{reader.text("drive", "")}" is not supported, only "diff"')
         localization = reader.text("localization", "gps")
@@ -309,12 +308,20 @@ class _Builder:
         footprint = list(_move(_body(reader, size), reader.pose("origin")))
         for child in reader.block.children:
             if child.kind == "model":
-                part = _Reader(child, MODEL_WORDS)
+                part = _Reader(child, PART_WORDS)
+                _refuse_children(child, "a part of a robot's body")
                 if part.flag("obstacle_return", True):
                     footprint.extend(_move(_body(part, part.size()), compose(part.pose(), part.pose("origin"))))
             elif child.kind not in ("block", "ranger", "laser", *IGNORED_KINDS):
                 raise WorldFileError(child.place, f'"{child.word}" inside a position model is not supported')
         return tuple(footprint)
+
+
+def _refuse_children(block: Block, where: str, known: Sequence[str] = ()) -> None:
+    """A block that would have no effect is a mistake that its author should hear of."""
+    for child in block.children:
+        if child.kind not in ("block", *known, *IGNORED_KINDS):
+            raise WorldFileError(child.place, f'"{child.word}" inside {where} is not supported')
 
 
 def _rangers(block: Block) -> list[RangerDescription]:
@@ -326,9 +333,9 @@ def _rangers(block: Block) -> list[RangerDescription]:
         return []
     reader = _Reader(block, RANGER_WORDS)
     sensors = [child for child in block.children if child.kind == "sensor"]
-    for child in block.children:
-        if child.kind not in ("sensor", "block", *IGNORED_KINDS):
-            raise WorldFileError(child.place, f'"{child.word}" inside a ranger is not supported')
+    _refuse_children(block, "a ranger", ("sensor",))
+    for sensor in sensors:
+        _refuse_children(sensor, "a sensor")
     if not sensors:
         return [_sensor(reader, reader, reader.pose())]
     for word in ("range", "range_min", "range_max", "fov", "samples"):

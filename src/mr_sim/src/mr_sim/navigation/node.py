@@ -1,5 +1,6 @@
 """The move_base node: parameters, topics, tf and the action of the navigation engine."""
 
+import socket
 import sys
 import threading
 from dataclasses import fields
@@ -42,9 +43,9 @@ def options() -> NavigationOptions:
 
 
 def robot_name() -> str:
-    """Parameter ~robot_name, else robot_name of a parent namespace, else the host's name."""
+    """Parameter ~robot_name, else robot_name of a parent namespace, else the namespace, else the computer's name."""
     found = rospy.search_param("robot_name")
-    return str(rospy.get_param(found)) if found else rospy.get_namespace().strip("/") or "robot"
+    return str(rospy.get_param(found)) if found else rospy.get_namespace().strip("/") or socket.gethostname()
 
 
 class MoveBaseNode:

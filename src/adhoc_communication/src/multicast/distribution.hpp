@@ -1,0 +1,103 @@
+// One group packet on its way from this robot to its children in the tree: what is sent next, who still misses what.
+//
+// Frames go out once; then the children are asked, and as many fresh parity symbols follow as the one that misses most
+// needs, until all have all (of blocks up to 3 frames: the missing frames themselves). Each question closes a round,
+// so that an answer is known to count everything sent before.
+#pragma once
+
+#include <bitset>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "multicast/group_packet.hpp"
+#include "transport/round_trip.hpp"
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::multicast {
+
+class Distribution {
+ public:
+  static constexpr std::size_t kWindow = 4;  ///< blocks on their way at once
+  static constexpr int kFramesPerQuestion = 48;
+  static constexpr Time kSubtreePatience = std::chrono::milliseconds(250);  ///< between questions to a child that waits
+  static constexpr Time kNoProgress = std::chrono::seconds(10);
+  static constexpr Time kNoEnd = std::chrono::seconds(30);
+
+  /// `first_parity`: where in the parity symbols to begin, so that neighbours that both send differ.
+  Distribution(const GroupPacket& packet, transport::RoundTrip& round_trip, std::uint8_t first_parity, Time now);
+
+  /// Children that are new, or all of them when the tree was built anew, may have any part of the packet.
+  void set_children(const std::set<MacAddress>& children, bool anew, Time now);
+  bool done() const;
+  /// The one child that still misses something, if it is one only.
+  std::optional<MacAddress> only_open_child() const;
+
+  struct Outgoing {
+    std::size_t block;
+    int symbol;
+    bool question;
+    std::uint16_t round;
+  };
+  bool has_frame() const { return !repairs_.empty() || next_unsent().has_value(); }
+  /// The next frame; has_frame() holds.
+  Outgoing next(Time now);
+  /// The round of a question without frame; such a question follows all frames sent.
+  std::uint16_t question_round();
+
+  /// The answer of a child. True when all behind it have the packet.
+  bool reported(const MacAddress& child, const wire::GroupReport& report, bool covers_all, Time now);
+  /// Plans repairs whose answers are in or overdue. Returns the children to ask by themselves.
+  std::vector<MacAddress> poll(Time now);
+  /// Children without progress: for kNoProgress, or kNoEnd where only those behind them miss something.
+  std::vector<MacAddress> stuck(Time now) const;
+  Time next_deadline() const;
+
+ private:
+  struct Child {
+    std::vector<std::uint8_t> missing;    ///< by block; kUnknown at first
+    std::vector<std::uint16_t> known_in;  ///< by block: round that `missing` counts
+    bool done = false;
+    bool answered = false;  ///< since the last question
+    Time asked{0};
+    Time progress{0};
+    Time question_wait{0};  ///< until it is asked by itself
+  };
+  struct Sent {
+    std::bitset<kMostFramesOfBlock> frames;
+    bool all = false;
+    std::uint16_t round = 0;  ///< of the newest symbol
+    int next_parity = 0;
+    std::size_t repairs_planned = 0;
+  };
+  struct Place {
+    std::size_t block;
+    int symbol;
+  };
+  static constexpr std::uint8_t kUnknown = 0xff;
+
+  std::optional<Place> next_unsent() const;
+  bool open(std::size_t block) const;
+  std::size_t window_end() const;
+  bool knows(const Child& child, std::size_t block) const;
+  void close_round(Time now);
+  bool nothing_to_come() const;
+  void plan_repairs(std::size_t block, bool overdue);
+  void repeat_frames(std::size_t block, std::uint8_t missing);
+  void fresh_parity(std::size_t block, int count);
+  bool overdue(Time now) const { return asked_ && now >= *asked_ + round_trip_.timeout(); }
+
+  const GroupPacket& packet_;
+  transport::RoundTrip& round_trip_;
+  std::uint8_t first_parity_;
+  std::map<MacAddress, Child> children_;
+  std::vector<Sent> sent_;
+  std::vector<Place> repairs_;  ///< in reverse order
+  std::uint16_t round_ = 1;
+  int since_question_ = 0;
+  std::optional<Time> asked_;  ///< when the last round was closed
+  bool timing_ = false;        ///< the next answer to it measures the round trip
+};
+
+}  // namespace adhoc_communication::multicast

@@ -1,0 +1,158 @@
+// Packets for groups, along the trees of their roots: started at the root, passed on, put together, acknowledged.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "identity.hpp"
+#include "multicast/transfer.hpp"
+#include "multicast/tree.hpp"
+#include "outbox.hpp"
+#include "random.hpp"
+#include "routing/router.hpp"
+#include "transport/air_clock.hpp"
+#include "transport/stream_receiver.hpp"
+
+namespace adhoc_communication::multicast {
+
+/// A packet that has arrived for this robot.
+struct Arrived {
+  MacAddress root{};
+  Bytes image;
+  std::uint8_t hops = 1;
+};
+
+/// What became of a packet at one member.
+struct MemberEnd {
+  SendId id = 0;
+  MacAddress member{};
+  bool delivered = false;
+  bool by_copy = false;  ///< the tree does not get it there: it has to be sent to this member by itself
+  std::string reason;
+};
+
+/// A frame for all children, or for the only one that still misses something.
+struct GroupFrame {
+  MacAddress destination{};
+  Bytes body;
+};
+
+class Distributor {
+ public:
+  static constexpr std::size_t kMostTrees = 1024;     ///< the one idle longest makes room
+  static constexpr std::size_t kMostTransfers = 256;  ///< of one root and priority; further ones are not taken yet
+  static constexpr Time kIdleTree = std::chrono::seconds(60);
+  static constexpr Time kIdleTransfer = std::chrono::seconds(20);
+  static constexpr Time kReportJitter = std::chrono::milliseconds(1);
+  static constexpr Time kActivationInterval = std::chrono::milliseconds(50);
+  static constexpr int kMostRefusals = 2;  ///< of a member, before it is served by itself
+
+  Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random, transport::AirClock& air,
+              transport::AssemblyBudget& budget, std::size_t largest_packet, std::uint16_t segment_size);
+  ~Distributor();
+
+  // At the root.
+  /// Sends to `members` along the tree and returns the number of the packet; one MemberEnd follows for each.
+  std::uint32_t start(SendId id, Priority priority, transport::Image image, const std::set<MacAddress>& members,
+                      Time now);
+  /// The member has left or is lost.
+  void drop_member(const MacAddress& member, const std::string& reason, Time now);
+  std::vector<MemberEnd> take_ends() { return std::exchange(ends_, {}); }
+
+  // At every robot.
+  void on_activation(const MacAddress& from, const wire::GroupActivation& activation, Time now);
+  void on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal, Time now);
+  void on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Time now);
+  void on_report(const MacAddress& from, const wire::GroupReport& report, Time now);
+  /// A packet that came to this member by itself.
+  void take_copy(const MacAddress& root, wire::BootTag boot, std::uint8_t stream, std::uint32_t number,
+                 const Bytes& image, Time now);
+  std::vector<Arrived> take_arrived() { return std::exchange(arrived_, {}); }
+
+  /// The neighbour is gone, or has restarted.
+  void link_lost(const MacAddress& neighbor, Time now);
+  /// A search for a route has failed.
+  void unreachable(const MacAddress& member, const std::string& reason, Time now);
+
+  void poll(Time now);
+  Time next_deadline() const;
+  bool has_frame(std::uint8_t priority) const;
+  /// has_frame() holds.
+  GroupFrame next_frame(std::uint8_t priority, bool follows, Time now);
+  /// Forgets what has been idle.
+  void expire(Time now);
+
+  const std::map<MacAddress, Tree>& trees() const { return trees_; }
+
+ private:
+  using Streams = std::array<GroupStream, transport::kPriorities>;
+  struct Branch {
+    Streams streams;
+    std::map<MacAddress, int> refusals;
+    std::map<MacAddress, Time> activated_again;
+    bool build_anew = false;
+    // The rhythm of the frames from upstream.
+    std::uint64_t last_counter = 0;
+    Time last_arrival{0};
+    std::uint64_t measured_counter = 0;
+    Time spacing{0};
+    transport::RoundTrip round_trip{std::chrono::milliseconds(30), std::chrono::milliseconds(10),
+                                    std::chrono::milliseconds(200)};
+  };
+
+  // distributor_tree.cpp
+  Tree& tree_of(const MacAddress& root, wire::BootTag boot, Time now);
+  Tree* find_tree(const MacAddress& root, wire::BootTag boot);
+  void forget_tree(const MacAddress& root);
+  void build_anew(Time now);
+  std::set<MacAddress> attach(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members, Time now);
+  void attach_routed(Time now);
+  void activate_again(const MacAddress& root, const Tree& tree, const MacAddress& child, Time now);
+  void activate(const MacAddress& root, const Tree& tree, const std::set<MacAddress>& children);
+  void give_up(const MacAddress& root, Tree& tree, const std::vector<MacAddress>& children, Time now);
+  void refuse(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members, Time now);
+  void refused_at_root(const std::set<MacAddress>& members, const std::string& reason, bool final, Time now);
+  void children_changed(const MacAddress& root, bool anew, Time now);
+  bool is_root(const MacAddress& root) const { return root == self_.address; }
+
+  // distributor.cpp
+  Transfer* transfer_for(const MacAddress& root, Tree& tree, const wire::GroupData& data, Time now);
+  void erase_transfer(GroupStream& stream, std::map<std::uint32_t, Transfer>::iterator transfer);
+  void pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base, Time now);
+  void deliver(const MacAddress& root, GroupStream& stream);
+  void tell_complete(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
+                     Transfer& transfer);
+  void disown(const MacAddress& from, const wire::GroupData& question);
+  void report(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number, Transfer& transfer,
+              bool reliably);
+  void serve(const MacAddress& root, Tree& tree, std::uint8_t stream, std::uint32_t number, Transfer& transfer,
+             Time now);
+  wire::GroupData header(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
+                         const Transfer& transfer) const;
+  static std::uint32_t oldest(const GroupStream& stream);
+  void finish_member(Transfer& transfer, const MemberEnd& end);
+  void remove_finished();
+
+  const Identity& self_;
+  routing::Router& router_;
+  Outbox& outbox_;
+  Random& random_;
+  transport::AirClock& air_;
+  transport::AssemblyBudget& budget_;
+  std::size_t largest_packet_;
+  std::uint16_t segment_size_;
+  std::uint8_t first_parity_;
+  std::map<MacAddress, Tree> trees_;
+  std::map<MacAddress, Branch> branches_;  ///< of the same roots
+  MacAddress last_root_served_{};
+  std::vector<MemberEnd> ends_;
+  std::vector<Arrived> arrived_;
+};
+
+}  // namespace adhoc_communication::multicast

@@ -1,0 +1,238 @@
+// How trees grow, lose branches and are built anew.
+#include <algorithm>
+
+#include "multicast/distributor.hpp"
+#include "routing/sequence_number.hpp"
+
+namespace adhoc_communication::multicast {
+
+using wire::FrameType;
+
+Tree* Distributor::find_tree(const MacAddress& root, wire::BootTag boot) {
+  const auto found = trees_.find(root);
+  return found != trees_.end() && found->second.boot == boot ? &found->second : nullptr;
+}
+
+/// The tree of this run of the root; that of a former run is forgotten.
+Tree& Distributor::tree_of(const MacAddress& root, wire::BootTag boot, Time now) {
+  if (Tree* tree = find_tree(root, boot)) return *tree;
+  forget_tree(root);
+  if (trees_.size() >= kMostTrees) {
+    const auto oldest = std::min_element(trees_.begin(), trees_.end(), [this](const auto& a, const auto& b) {
+      return std::pair(is_root(a.first), a.second.last_used) < std::pair(is_root(b.first), b.second.last_used);
+    });
+    forget_tree(MacAddress(oldest->first));
+  }
+  Tree& tree = trees_[root];
+  tree.boot = boot;
+  tree.last_used = now;
+  branches_[root];
+  return tree;
+}
+
+void Distributor::forget_tree(const MacAddress& root) {
+  const auto branch = branches_.find(root);
+  if (branch == branches_.end()) return;
+  for (GroupStream& stream : branch->second.streams) {
+    while (!stream.transfers.empty()) erase_transfer(stream, stream.transfers.begin());
+  }
+  branches_.erase(branch);
+  trees_.erase(root);
+}
+
+/// Gives the members to the next hops of their routes; returns those that lead back to where they came from.
+std::set<MacAddress> Distributor::attach(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members,
+                                         Time now) {
+  std::set<MacAddress> refused;
+  for (const MacAddress& member : members) {
+    const routing::Route* route = router_.route_to(member, now);
+    if (route == nullptr) {
+      tree.unrouted.insert(member);
+      router_.search({member, {}}, now);
+    } else if (tree.upstream && route->next_hop == *tree.upstream) {
+      tree.unrouted.erase(member);
+      refused.insert(member);
+    } else {
+      tree.unrouted.erase(member);
+      tree.children[route->next_hop].insert(member);
+      router_.used(root, member, tree.upstream.value_or(self_.address), now);
+    }
+  }
+  return refused;
+}
+
+/// Members whose routes have been found meanwhile.
+void Distributor::attach_routed(Time now) {
+  for (auto& [root, tree] : trees_) {
+    std::set<MacAddress> routed;
+    for (const MacAddress& member : tree.unrouted) {
+      if (router_.route_to(member, now) != nullptr) routed.insert(member);
+    }
+    if (routed.empty()) continue;
+    refuse(root, tree, attach(root, tree, routed, now), now);
+    std::set<MacAddress> concerned;
+    for (const auto& [child, members] : tree.children) {
+      const bool concerns = std::any_of(routed.begin(), routed.end(), [&, &behind = members](const MacAddress& member) {
+        return behind.count(member) != 0;
+      });
+      if (concerns) concerned.insert(child);
+    }
+    activate(root, tree, concerned);
+    children_changed(root, false, now);
+  }
+}
+
+void Distributor::activate(const MacAddress& root, const Tree& tree, const std::set<MacAddress>& children) {
+  for (const MacAddress& child : children) {
+    wire::GroupActivation activation{root, tree.boot, tree.epoch, {}};
+    if (const auto found = tree.children.find(child); found != tree.children.end()) {
+      activation.members.assign(found->second.begin(), found->second.end());
+    }
+    outbox_.unicast(child, FrameType::kGroupActivation, to_bytes(activation));
+  }
+}
+
+/// A child that knows another tree has missed an activation, or its refusal was lost.
+void Distributor::activate_again(const MacAddress& root, const Tree& tree, const MacAddress& child, Time now) {
+  Time& last = branches_.at(root).activated_again[child];
+  if (now - last < kActivationInterval) return;
+  last = now;
+  activate(root, tree, {child});
+}
+
+void Distributor::on_activation(const MacAddress& from, const wire::GroupActivation& activation, Time now) {
+  if (is_root(activation.root)) return;
+  Tree& tree = tree_of(activation.root, activation.root_boot, now);
+  tree.last_used = now;
+  const bool anew = tree.epoch == 0 || routing::is_newer(activation.epoch, tree.epoch);
+  if (!anew && (activation.epoch != tree.epoch || tree.upstream != from)) {
+    if (activation.members.empty()) return;
+    outbox_.unicast(
+        from, FrameType::kGroupRefusal,
+        to_bytes(wire::GroupRefusal{activation.root, activation.root_boot, activation.epoch, activation.members}));
+    return;
+  }
+  const std::map<MacAddress, std::set<MacAddress>> before = std::exchange(tree.children, {});
+  tree.epoch = activation.epoch;
+  tree.upstream = from;
+  tree.unrouted.clear();
+  std::set<MacAddress> members(activation.members.begin(), activation.members.end());
+  tree.member = members.erase(self_.address) != 0;
+  if (!anew) {
+    // Who was attached stays where it is.
+    for (const auto& [child, behind] : before) {
+      for (const MacAddress& member : behind) {
+        if (members.erase(member) != 0) tree.children[child].insert(member);
+      }
+    }
+  }
+  refuse(activation.root, tree, attach(activation.root, tree, members, now), now);
+  std::set<MacAddress> changed;
+  for (const auto& [child, behind] : tree.children) {
+    const auto found = before.find(child);
+    if (anew || found == before.end() || found->second != behind) changed.insert(child);
+  }
+  for (const auto& [child, behind] : before) {
+    if (!anew && tree.children.count(child) == 0) changed.insert(child);  // pruned
+  }
+  activate(activation.root, tree, changed);
+  children_changed(activation.root, anew, now);
+}
+
+/// Gives members back to whoever entrusted them to this robot.
+void Distributor::refuse(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members, Time now) {
+  if (members.empty()) return;
+  if (is_root(root)) return refused_at_root(members, "the tree does not reach it", false, now);
+  if (!tree.upstream) return;
+  outbox_.unicast(*tree.upstream, FrameType::kGroupRefusal,
+                  to_bytes(wire::GroupRefusal{root, tree.boot, tree.epoch, {members.begin(), members.end()}}));
+}
+
+void Distributor::on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal, Time now) {
+  Tree* tree = find_tree(refusal.root, refusal.root_boot);
+  if (tree == nullptr || refusal.epoch != tree->epoch) return;
+  const auto child = tree->children.find(from);
+  if (child == tree->children.end()) return;
+  std::set<MacAddress> refused;
+  for (const MacAddress& member : refusal.members) {
+    if (child->second.erase(member) != 0) refused.insert(member);
+  }
+  if (child->second.empty()) tree->children.erase(child);
+  refuse(refusal.root, *tree, refused, now);
+  children_changed(refusal.root, false, now);
+}
+
+void Distributor::link_lost(const MacAddress& neighbor, Time now) {
+  for (auto& [root, tree] : trees_) give_up(root, tree, {neighbor}, now);
+}
+
+/// These children are of no use: what is behind them goes back upstream.
+void Distributor::give_up(const MacAddress& root, Tree& tree, const std::vector<MacAddress>& children, Time now) {
+  for (const MacAddress& address : children) {
+    const auto child = tree.children.find(address);
+    if (child == tree.children.end()) continue;
+    const std::set<MacAddress> members = std::move(child->second);
+    tree.children.erase(child);
+    refuse(root, tree, members, now);
+    children_changed(root, false, now);
+  }
+}
+
+void Distributor::unreachable(const MacAddress& member, const std::string& reason, Time now) {
+  for (auto& [root, tree] : trees_) {
+    if (tree.unrouted.count(member) == 0) continue;
+    tree.unrouted.erase(member);
+    if (is_root(root)) {
+      refused_at_root({member}, reason, true, now);
+    } else {
+      refuse(root, tree, {member}, now);
+    }
+  }
+}
+
+/// Once is bad luck, and a new tree gets there; a member refused again is served by itself.
+void Distributor::refused_at_root(const std::set<MacAddress>& members, const std::string& reason, bool final, Time) {
+  Branch& branch = branches_[self_.address];
+  for (const MacAddress& member : members) {
+    const bool by_copy = !final && ++branch.refusals[member] >= kMostRefusals;
+    if (!final && !by_copy) {
+      branch.build_anew = true;
+      continue;
+    }
+    branch.refusals.erase(member);
+    for (GroupStream& stream : branch.streams) {
+      for (auto& [number, transfer] : stream.transfers) {
+        finish_member(transfer, {transfer.id, member, false, by_copy, reason});
+      }
+    }
+  }
+}
+
+/// A new epoch, with all members that a packet still has to reach.
+void Distributor::build_anew(Time now) {
+  const auto own = trees_.find(self_.address);
+  if (own == trees_.end() || !branches_[self_.address].build_anew) return;
+  branches_[self_.address].build_anew = false;
+  Tree& tree = own->second;
+  std::set<MacAddress> members;
+  for (const auto& [child, behind] : tree.children) members.insert(behind.begin(), behind.end());
+  for (const GroupStream& stream : branches_[self_.address].streams) {
+    for (const auto& [number, transfer] : stream.transfers) members.insert(transfer.open.begin(), transfer.open.end());
+  }
+  ++tree.epoch;
+  tree.children.clear();
+  tree.unrouted.clear();
+  attach(self_.address, tree, members, now);
+  activate(self_.address, tree, tree.child_addresses());
+  children_changed(self_.address, true, now);
+}
+
+void Distributor::children_changed(const MacAddress& root, bool anew, Time now) {
+  const Tree& tree = trees_.at(root);
+  const std::set<MacAddress> children = tree.child_addresses();
+  for (GroupStream& stream : branches_.at(root).streams) {
+    for (auto& [number, transfer] : stream.transfers) transfer.to_children->set_children(children, anew, now);
+  }
+}
+
+}  // namespace adhoc_communication::multicast

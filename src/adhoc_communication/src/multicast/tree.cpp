@@ -1,0 +1,51 @@
+#include "multicast/tree.hpp"
+
+#include <algorithm>
+
+namespace adhoc_communication::multicast {
+
+std::uint32_t digest(const MacAddress& member) {
+  std::uint64_t value = 0;
+  for (const std::uint8_t octet : member) value = value << 8 | octet;
+  value = (value ^ value >> 30) * 0xbf58476d1ce4e5b9u;
+  value = (value ^ value >> 27) * 0x94d049bb133111ebu;
+  return static_cast<std::uint32_t>(value ^ value >> 31);
+}
+
+std::set<MacAddress> Tree::child_addresses() const {
+  std::set<MacAddress> addresses;
+  for (const auto& [child, members] : children) addresses.insert(child);
+  return addresses;
+}
+
+std::uint32_t Tree::coverage(const MacAddress& child) const {
+  std::uint32_t sum = 0;
+  if (const auto found = children.find(child); found != children.end()) {
+    for (const MacAddress& address : found->second) sum ^= digest(address);
+  }
+  return sum;
+}
+
+std::uint32_t Tree::own_coverage(const MacAddress& self) const {
+  std::uint32_t sum = member ? digest(self) : 0;
+  for (const auto& [child, members] : children) sum ^= coverage(child);
+  for (const MacAddress& address : unrouted) sum ^= digest(address);
+  return sum;
+}
+
+bool Tree::holds(const MacAddress& address) const {
+  if (unrouted.count(address) != 0) return true;
+  return std::any_of(children.begin(), children.end(),
+                     [&](const auto& child) { return child.second.count(address) != 0; });
+}
+
+std::optional<MacAddress> Tree::remove(const MacAddress& address) {
+  unrouted.erase(address);
+  for (auto iterator = children.begin(); iterator != children.end(); ++iterator) {
+    if (iterator->second.erase(address) == 0) continue;
+    return iterator->first;
+  }
+  return std::nullopt;
+}
+
+}  // namespace adhoc_communication::multicast

@@ -1,0 +1,39 @@
+// This robot's place in the tree of one root: who is above, who is below, and which members are reached through whom.
+//
+// The root hands every member to the next hop of its unicast route, which does the same (MACT of MAODV, as part of a
+// source-rooted tree). Within one epoch a robot accepts one upstream neighbour and no other, so the enabled links form
+// a tree at any instant; what cannot be attached is refused, and the root builds the tree anew with a greater epoch.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::multicast {
+
+/// Exclusive or of these tells two sets of members apart.
+std::uint32_t digest(const MacAddress& member);
+
+struct Tree {
+  wire::BootTag boot = 0;
+  std::uint32_t epoch = 0;
+  std::optional<MacAddress> upstream;
+  bool member = false;                                  ///< this robot itself belongs to the group
+  std::map<MacAddress, std::set<MacAddress>> children;  ///< members by the neighbour through which they are reached
+  std::set<MacAddress> unrouted;                        ///< members without route so far
+  Time last_used{0};
+
+  std::set<MacAddress> child_addresses() const;
+  /// Digest of the members behind one child.
+  std::uint32_t coverage(const MacAddress& child) const;
+  /// Digest of all members that this robot has taken over.
+  std::uint32_t own_coverage(const MacAddress& self) const;
+  bool holds(const MacAddress& member) const;
+  /// Takes the member away from whoever has it. Returns the child that had it.
+  std::optional<MacAddress> remove(const MacAddress& member);
+};
+
+}  // namespace adhoc_communication::multicast
