@@ -48,6 +48,11 @@ wire::Data data_segment(std::uint32_t index, Bytes octets) {
   return {kAlice, 0xa1, kCarol, 1, true, 2, 9, 8, index, size * (index + 1u), size, std::move(octets)};
 }
 
+wire::GroupData group_data(Bytes octets, std::uint8_t symbol) {
+  const auto size = static_cast<std::uint16_t>(image().size());
+  return {kAlice, 0xa1, 2, true, false, 1, 5, 31, 30, size, size, 0, symbol, std::move(octets)};
+}
+
 void write_samples(const std::string& path) {
   Sample sample(path);
   sample.add(FrameType::kBeacon, wire::Beacon{5, 6, "alice", {{kBob, 0xb1}}, {{kCarol, 0xc1, 3, 2, "carol"}}});
@@ -64,6 +69,13 @@ void write_samples(const std::string& path) {
   sample.add(FrameType::kBroadcastData, wire::BroadcastData{3, 0, static_cast<std::uint32_t>(image().size()),
                                                             static_cast<std::uint16_t>(image().size()), image()});
   sample.add(FrameType::kFlood, wire::Flood{kAlice, 0xa1, 4, 1, 3, "alice", image()});
+  sample.add(FrameType::kGroupActivation, wire::GroupActivation{kAlice, 0xa1, 7, {kBob, kCarol}});
+  sample.add(FrameType::kGroupRefusal, wire::GroupRefusal{kAlice, 0xa1, 7, {kCarol}});
+  sample.add(FrameType::kGroupData, group_data(image(), 0));
+  sample.add(FrameType::kGroupData, group_data({9, 9, 9}, 130));
+  sample.add(FrameType::kGroupData, group_data({}, 0));
+  sample.add(FrameType::kGroupReport,
+             wire::GroupReport{kAlice, 0xa1, 2, 31, 7, 5, true, 98, 1300, 0xc0ffee, 4, {3, 0}});
 
   Bytes sealed;
   wire::Writer writer(sealed);

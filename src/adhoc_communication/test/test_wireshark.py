@@ -21,7 +21,7 @@ def test_syntax():
 
 
 @pytest.fixture(scope="module")
-def frames(tmp_path_factory):
+def all_frames(tmp_path_factory):
     """The fields of each sample frame by their names, in the order of the capture."""
     if shutil.which("tshark") is None:
         pytest.skip("tshark is not installed")
@@ -32,6 +32,18 @@ def frames(tmp_path_factory):
     assert result.returncode == 0, result.stderr
     assert "Lua" not in result.stderr, result.stderr
     return [packet["_source"]["layers"] for packet in json.loads(result.stdout)]
+
+
+@pytest.fixture
+def frames(all_frames):
+    """Those that are whole and open: one of each type at least."""
+    return all_frames[:-3]
+
+
+@pytest.fixture
+def odd_frames(all_frames):
+    """A sealed, an altered and a cut one."""
+    return all_frames[-3:]
 
 
 def values(node, name):
@@ -56,8 +68,8 @@ ALICE, BOB, CAROL = (f"02:00:00:00:00:0{number}" for number in (1, 2, 3))
 
 
 def test_every_frame_has_header_and_right_checksum(frames):
-    assert len(frames) == 13
-    for number, frame in enumerate(frames[:10], start=1):
+    assert {int(values(frame, "adhoc.type")[0]) for frame in frames} == set(range(1, 14))
+    for number, frame in enumerate(frames, start=1):
         expect(frame, version=1, sender=ALICE, counter=number, next_hop=BOB, link_sequence=77, checksum_good=1)
         assert "adhoc.malformed" not in json.dumps(frame)
 
@@ -106,12 +118,26 @@ def test_broadcast_data_and_flood(frames):
     expect(frames[9], type=9, hop_count=1, hop_limit=3, source_name="alice", image__topic="greeting")
 
 
-def test_sealed_frame_stays_closed(frames):
-    expect(frames[10], type=6, flags__sealed=1, image__topic=[], source=[])
-    assert len(values(frames[10], "adhoc.tag")[0].split(":")) == 16
-    assert len(values(frames[10], "adhoc.sealed_body")[0].split(":")) == 14
+def test_group_tree(frames):
+    expect(frames[10], type=10, root=ALICE, epoch=7, member=[BOB, CAROL])
+    expect(frames[11], type=11, root=ALICE, epoch=7, member=CAROL)
 
 
-def test_altered_and_cut_frames_are_marked(frames):
-    expect(frames[11], checksum_good=0)
-    assert "Malformed" in json.dumps(frames[12])
+def test_group_data_and_report(frames):
+    expect(frames[12], type=12, priority=2, stream__report=1, stream__follows=0, round=5, packet=31, base=30)
+    expect(frames[12], block=0, symbol=0, image__topic="greeting")
+    expect(frames[13], symbol=130, image__topic=[], segment="09:09:09")
+    expect(frames[14], segment=[], image__topic=[])
+    expect(frames[15], type=13, stream__complete=1, epoch=7, measured_counter=98, spacing=1300, first_block=4)
+    expect(frames[15], missing=[3, 0], coverage="0x00c0ffee")
+
+
+def test_sealed_frame_stays_closed(odd_frames):
+    expect(odd_frames[0], type=6, flags__sealed=1, image__topic=[], source=[])
+    assert len(values(odd_frames[0], "adhoc.tag")[0].split(":")) == 16
+    assert len(values(odd_frames[0], "adhoc.sealed_body")[0].split(":")) == 14
+
+
+def test_altered_and_cut_frames_are_marked(odd_frames):
+    expect(odd_frames[1], checksum_good=0)
+    assert "Malformed" in json.dumps(odd_frames[2])

@@ -16,11 +16,13 @@ local SEALED, WANTS_ACKNOWLEDGMENT, ACKNOWLEDGE_NOW = 0x01, 0x02, 0x04
 
 local TYPES = {
   [1] = "Beacon", [2] = "Route request", [3] = "Route reply", [4] = "Route error", [5] = "Hop acknowledgment",
-  [6] = "Data", [7] = "Transport acknowledgment", [8] = "Broadcast data", [9] = "Flood",
+  [6] = "Data", [7] = "Transport acknowledgment", [8] = "Broadcast data", [9] = "Flood", [10] = "Group activation",
+  [11] = "Group refusal", [12] = "Group data", [13] = "Group report",
 }
 local PRIORITIES = { [0] = "control", [1] = "position", [2] = "normal", [3] = "bulk" }
 local PACKET_KINDS = {
   [0] = "user", [1] = "group join", [2] = "group leave", [3] = "group members request", [4] = "group members",
+  [5] = "group copy",
 }
 local PAYLOAD_TYPES = {
   [0x41] = "string (A)", [0x4D] = "map (M)", [0x50] = "position (P)", [0x70] = "point (p)", [0x55] = "map update (U)",
@@ -108,6 +110,22 @@ local f = {
   first_missing = ProtoField.uint32("adhoc.first_missing", "First missing segment"),
   bitmap_size = ProtoField.uint8("adhoc.bitmap_size", "Octets of the bitmap"),
   bitmap = ProtoField.bytes("adhoc.bitmap", "Received behind it (least significant bit first)"),
+
+  root = ProtoField.ether("adhoc.root", "Root"),
+  root_boot = ProtoField.bytes("adhoc.root_boot", "Boot tag of the root"),
+  epoch = ProtoField.uint32("adhoc.epoch", "Epoch"),
+  member_count = ProtoField.uint8("adhoc.member_count", "Members"),
+  member = ProtoField.ether("adhoc.member", "Member"),
+  group_report = ProtoField.bool("adhoc.stream.report", "Asks for a report", 8, YES_NO, 0x80),
+  group_follows = ProtoField.bool("adhoc.stream.follows", "Follows the frame before without a gap", 8, YES_NO, 0x40),
+  group_complete = ProtoField.bool("adhoc.stream.complete", "Complete", 8, YES_NO, 0x80),
+  round = ProtoField.uint16("adhoc.round", "Round"),
+  block = ProtoField.uint16("adhoc.block", "Block"),
+  symbol = ProtoField.uint8("adhoc.symbol", "Symbol"),
+  measured_counter = ProtoField.uint64("adhoc.measured_counter", "Measured counter"),
+  coverage = ProtoField.uint32("adhoc.coverage", "Coverage", base.HEX),
+  first_block = ProtoField.uint16("adhoc.first_block", "First open block"),
+  missing = ProtoField.uint8("adhoc.missing", "Missing of a block"),
 
   image_flags = ProtoField.uint8("adhoc.image.flags", "Flags", base.HEX),
   image_compressed = ProtoField.bool("adhoc.image.compressed", "Compressed (zstd)", 8, YES_NO, 0x01),
@@ -339,8 +357,52 @@ local function flood(cursor, tree)
   return string.format("from %s, %d of %d hops %s", source, hops, limit, topic)
 end
 
+-- The body of group activation and group refusal.
+local function group_branch(cursor, tree)
+  cursor:add(tree, f.root, 6)
+  cursor:add(tree, f.root_boot, 8)
+  local epoch = cursor:number(tree, f.epoch, 4)
+  local count = cursor:number(tree, f.member_count, 1)
+  for _ = 1, count do cursor:add(tree, f.member, 6) end
+  return string.format("epoch %d, %d members", epoch, count)
+end
+
+local function group_data(cursor, tree)
+  cursor:add(tree, f.root, 6)
+  cursor:add(tree, f.root_boot, 8)
+  cursor:flags(tree, f.stream, { f.priority, f.group_report, f.group_follows })
+  local hops = cursor:number(tree, f.hops, 1)
+  local round = cursor:number(tree, f.round, 2)
+  local packet = cursor:number(tree, f.packet, 4)
+  cursor:add(tree, f.base, 4)
+  local total = cursor:number(tree, f.total, 4)
+  cursor:add(tree, f.segment_size, 2)
+  local block = cursor:number(tree, f.block, 2)
+  local symbol = cursor:number(tree, f.symbol, 1)
+  if cursor:left() == 0 then return string.format("packet %d, question of round %d", packet, round) end
+  local topic = segment(cursor, tree, block + symbol, total)
+  return string.format("packet %d, block %d, symbol %d, hop %d %s", packet, block, symbol, hops, topic)
+end
+
+local function group_report(cursor, tree)
+  cursor:add(tree, f.root, 6)
+  cursor:add(tree, f.root_boot, 8)
+  local stream = cursor:flags(tree, f.stream, { f.priority, f.group_complete })
+  local packet = cursor:number(tree, f.packet, 4)
+  cursor:add(tree, f.epoch, 4)
+  local round = cursor:number(tree, f.round, 2)
+  cursor:add(tree, f.measured_counter, 8)
+  cursor:add(tree, f.spacing, 4)
+  cursor:add(tree, f.coverage, 4)
+  cursor:add(tree, f.first_block, 2)
+  local open = cursor:left()
+  for _ = 1, open do cursor:add(tree, f.missing, 1) end
+  local state = bit.band(stream, 0x80) ~= 0 and "complete" or open .. " open blocks"
+  return string.format("packet %d, round %d, %s", packet, round, state)
+end
+
 local BODIES = { beacon, route_request, route_reply, route_error, hop_acknowledgment, data, transport_acknowledgment,
-                 broadcast_data, flood }
+                 broadcast_data, flood, group_branch, group_branch, group_data, group_report }
 
 -- CRC-32 of IEEE 802.3, reflected.
 local function crc32(octets)

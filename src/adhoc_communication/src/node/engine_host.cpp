@@ -63,7 +63,7 @@ void EngineHost::run() {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (stopping_) break;
   }
-  end_all_waits();
+  fail_all_waiters();
 }
 
 void EngineHost::wait_for_work() {
@@ -134,10 +134,10 @@ void EngineHost::tend_link(Time now) {
   callbacks_.on_warning(link_was_up_ ? "the interface is up again" : "the interface is down; waiting for its return");
 }
 
-void EngineHost::end_all_waits() {
+void EngineHost::fail_all_waiters() {
   run_commands(steady_now());  // those accepted before the end: they get their answer too
-  for (auto& [id, ending] : sends_) ending({false, kShutsDown});
-  for (auto& [group, ending] : group_changes_) ending({false, kShutsDown});
+  for (auto& [id, waiter] : sends_) waiter({false, kShutsDown});
+  for (auto& [group, waiter] : group_changes_) waiter({false, kShutsDown});
   sends_.clear();
   group_changes_.clear();
 }
@@ -150,43 +150,43 @@ bool EngineHost::post(Command command) {
   return true;
 }
 
-Outcome EngineHost::wait_for(const std::function<void(Time, Ending)>& begin) {
-  const auto waiter = std::make_shared<std::promise<Outcome>>();
-  auto outcome = waiter->get_future();
-  const Ending ending = [waiter](const Outcome& end) { waiter->set_value(end); };
-  if (!post([&begin, ending](Time now) { begin(now, ending); })) return {false, kShutsDown};
+Outcome EngineHost::wait_for(const std::function<void(Time, Waiter)>& begin) {
+  const auto promise = std::make_shared<std::promise<Outcome>>();
+  auto outcome = promise->get_future();
+  const auto waiter = [promise](const Outcome& end) { promise->set_value(end); };
+  if (!post([&begin, waiter](Time now) { begin(now, waiter); })) return {false, kShutsDown};
   return outcome.get();
 }
 
 Outcome EngineHost::send(SendRequest request) {
-  return wait_for([this, &request](Time now, Ending ending) {
-    sends_.emplace(engine_.send(std::move(request), now), std::move(ending));
+  return wait_for([this, &request](Time now, Waiter waiter) {
+    sends_.emplace(engine_.send(std::move(request), now), std::move(waiter));
   });
 }
 
-void EngineHost::send(SendRequest request, Ending ending) {
+void EngineHost::send(SendRequest request, Waiter waiter) {
   const auto shared = std::make_shared<SendRequest>(std::move(request));  // commands can be copied
   const bool posted =
-      post([this, shared, ending](Time now) { sends_.emplace(engine_.send(std::move(*shared), now), ending); });
-  if (!posted) ending({false, kShutsDown});
+      post([this, shared, waiter](Time now) { sends_.emplace(engine_.send(std::move(*shared), now), waiter); });
+  if (!posted) waiter({false, kShutsDown});
 }
 
 Outcome EngineHost::broadcast(BroadcastRequest request) {
-  return wait_for([this, &request](Time now, Ending ending) {
-    sends_.emplace(engine_.broadcast(std::move(request), now), std::move(ending));
+  return wait_for([this, &request](Time now, Waiter waiter) {
+    sends_.emplace(engine_.broadcast(std::move(request), now), std::move(waiter));
   });
 }
 
 Outcome EngineHost::join_group(const std::string& group) {
-  return wait_for([this, &group](Time now, Ending ending) {
-    group_changes_.emplace(group, std::move(ending));
+  return wait_for([this, &group](Time now, Waiter waiter) {
+    group_changes_.emplace(group, std::move(waiter));
     engine_.join_group(group, now);
   });
 }
 
 Outcome EngineHost::leave_group(const std::string& group) {
-  return wait_for([this, &group](Time now, Ending ending) {
-    group_changes_.emplace(group, std::move(ending));
+  return wait_for([this, &group](Time now, Waiter waiter) {
+    group_changes_.emplace(group, std::move(waiter));
     engine_.leave_group(group, now);
   });
 }

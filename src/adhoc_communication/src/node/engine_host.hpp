@@ -34,8 +34,8 @@ struct HostCallbacks {
   std::function<void(const std::string& text)> on_warning;
 };
 
-/// Of a send that nobody waits for; called once, from the thread of the engine unless the host has stopped.
-using Ending = std::function<void(const Outcome&)>;
+/// Is told once how something ended, by the thread of the engine unless the host has stopped; returns at once.
+using Waiter = std::function<void(const Outcome&)>;
 
 /// What there is to see of the engine and its link at one moment.
 struct Snapshot {
@@ -68,7 +68,7 @@ class EngineHost {
   Outcome leave_group(const std::string& group);
 
   /// Does not wait; callable from any thread, also from that of the engine.
-  void send(SendRequest request, Ending ending);
+  void send(SendRequest request, Waiter waiter);
 
   // Answered within one turn of the engine's loop.
   GroupState group_state(const std::string& group);
@@ -93,21 +93,21 @@ class EngineHost {
   void report(const RobotAppeared& event);
   void report(const RobotLost& event);
   void report(const GroupChangeFinished& end);
-  void end_all_waits();
+  void fail_all_waiters();
   Snapshot look() const;
 
   bool post(Command command);
   template <typename Value>
   Value ask(std::function<Value()> question);
-  Outcome wait_for(const std::function<void(Time, Ending)>& begin);
+  Outcome wait_for(const std::function<void(Time, Waiter)>& begin);
 
   std::unique_ptr<Link> link_;
   ReceiveFilter filter_;
   HostCallbacks callbacks_;
   Engine engine_;
   FileDescriptor wake_up_;
-  std::map<SendId, Ending> sends_;
-  std::multimap<std::string, Ending> group_changes_;
+  std::map<SendId, Waiter> sends_;
+  std::multimap<std::string, Waiter> group_changes_;
   bool link_was_up_ = true;
   Time next_tending_{0};
 

@@ -87,7 +87,7 @@ std::unique_ptr<Link> Node::captured(std::unique_ptr<Link> link) {
 
 void Node::carry_relays() {
   for (const RelayEntry& entry : options_.relays) relay_->add(entry);
-  relay_->start([this](SendRequest request, Ending ending) { host_->send(std::move(request), std::move(ending)); });
+  relay_->start([this](SendRequest request, Waiter waiter) { host_->send(std::move(request), std::move(waiter)); });
 }
 
 void Node::take(PacketReceived packet) {
