@@ -58,6 +58,12 @@ class Engine::Implementation : private Outbox {
   void set_keys(std::vector<TeamKey> keys);
   std::vector<TableFill> tables() const;
 
+  // engine_introspection.cpp: what a host may look at.
+  std::vector<LinkState> links() const;
+  QueueState queues() const;
+  std::vector<std::string> groups() const;
+  std::optional<std::string> name_of(const MacAddress& robot) const;
+
  private:
   /// The hop to one neighbour.
   struct Link {

@@ -53,6 +53,12 @@ class Engine {
   std::vector<RouteState> routes() const;  ///< the routing table, for diagnosis and tests
   std::vector<TableFill> tables() const;   ///< everything that grows, with its bound
 
+  // Introspection: engine_introspection.cpp.
+  std::vector<LinkState> links() const;                         ///< one per neighbour
+  QueueState queues() const;                                    ///< what waits, and how much of it
+  std::vector<std::string> groups() const;                      ///< the own group and those joined or being joined
+  std::optional<std::string> name_of(const MacAddress&) const;  ///< of a robot known
+
  private:
   class Implementation;
   std::unique_ptr<Implementation> implementation_;

@@ -126,6 +126,25 @@ struct FramesDropped {
   std::uint64_t unproven = 0;   ///< of a run that has not shown yet that it is alive now
 };
 
+/// The hop to one neighbour, as it stands now.
+struct LinkState {
+  MacAddress address{};
+  std::string name;            ///< empty until the neighbour has said it
+  bool two_way = false;        ///< frames pass in both directions, so the link carries routes
+  double loss = 0.0;           ///< of frames to the neighbour, 0..1
+  std::size_t waiting = 0;     ///< frames that are to go to it
+  std::size_t in_flight = 0;   ///< transmissions whose fate is open
+  std::uint64_t given_up = 0;  ///< frames left to the end-to-end repetition
+  Time silent_for{0};          ///< since the last frame from it
+};
+
+/// What waits inside the engine.
+struct QueueState {
+  std::size_t packets = 0;  ///< of the host, not finished yet
+  std::size_t octets = 0;   ///< of these packets
+  std::size_t events = 0;   ///< not fetched by the host yet
+};
+
 struct Statistics {
   std::uint64_t frames_sent = 0;
   std::uint64_t bytes_sent = 0;

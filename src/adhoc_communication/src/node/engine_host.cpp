@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "link/mac_address.hpp"
+#include "node/steady_now.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -17,8 +18,6 @@ namespace {
 constexpr int kFramesPerTurn = 64;  ///< so that commands and timers are served while frames pour in
 constexpr Time kTendingInterval = std::chrono::seconds(1);
 const char* const kShutsDown = "the node is shutting down";
-
-Time steady_now() { return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now().time_since_epoch()); }
 
 template <typename Value>
 Value drawn_from_system() {
@@ -117,12 +116,12 @@ void EngineHost::report(const RobotLost& event) { callbacks_.on_robot_lost(event
 
 void EngineHost::report(const SendFinished& end) {
   const auto waiter = sends_.extract(end.id);
-  if (waiter) waiter.mapped()->set_value({end.delivered, end.reason});
+  if (waiter) waiter.mapped()({end.delivered, end.reason});
 }
 
 void EngineHost::report(const GroupChangeFinished& end) {
   const auto [first, last] = group_changes_.equal_range({end.group, end.joined});
-  for (auto waiter = first; waiter != last; ++waiter) waiter->second->set_value({end.succeeded, end.reason});
+  for (auto waiter = first; waiter != last; ++waiter) waiter->second({end.succeeded, end.reason});
   group_changes_.erase(first, last);
 }
 
@@ -137,8 +136,8 @@ void EngineHost::tend_link(Time now) {
 
 void EngineHost::fail_all_waiters() {
   run_commands(steady_now());  // those accepted before the end: they get their answer too
-  for (auto& [id, waiter] : sends_) waiter->set_value({false, kShutsDown});
-  for (auto& [group, waiter] : group_changes_) waiter->set_value({false, kShutsDown});
+  for (auto& [id, waiter] : sends_) waiter({false, kShutsDown});
+  for (auto& [group, waiter] : group_changes_) waiter({false, kShutsDown});
   sends_.clear();
   group_changes_.clear();
 }
@@ -152,8 +151,9 @@ bool EngineHost::post(Command command) {
 }
 
 Outcome EngineHost::wait_for(const std::function<void(Time, Waiter)>& begin) {
-  const auto waiter = std::make_shared<std::promise<Outcome>>();
-  auto outcome = waiter->get_future();
+  const auto promise = std::make_shared<std::promise<Outcome>>();
+  auto outcome = promise->get_future();
+  const auto waiter = [promise](const Outcome& end) { promise->set_value(end); };
   if (!post([&begin, waiter](Time now) { begin(now, waiter); })) return {false, kShutsDown};
   return outcome.get();
 }
@@ -162,6 +162,13 @@ Outcome EngineHost::send(SendRequest request) {
   return wait_for([this, &request](Time now, Waiter waiter) {
     sends_.emplace(engine_.send(std::move(request), now), std::move(waiter));
   });
+}
+
+void EngineHost::send(SendRequest request, Waiter waiter) {
+  const auto shared = std::make_shared<SendRequest>(std::move(request));  // commands can be copied
+  const bool posted =
+      post([this, shared, waiter](Time now) { sends_.emplace(engine_.send(std::move(*shared), now), waiter); });
+  if (!posted) waiter({false, kShutsDown});
 }
 
 Outcome EngineHost::broadcast(BroadcastRequest request) {
@@ -209,12 +216,27 @@ std::vector<std::string> EngineHost::neighbors() {
   return ask<std::vector<std::string>>([this] { return engine_.neighbors(); });
 }
 
-std::vector<std::string> EngineHost::robots() {
-  return ask<std::vector<std::string>>([this] { return engine_.robots(); });
+Snapshot EngineHost::look() const {
+  Snapshot snapshot;
+  snapshot.statistics = engine_.statistics();
+  snapshot.robots = engine_.robots();
+  snapshot.neighbors = engine_.neighbors();
+  snapshot.links = engine_.links();
+  snapshot.routes = engine_.routes();
+  for (const RouteState& route : snapshot.routes) {
+    for (const MacAddress& address : {route.destination, route.next_hop}) {
+      if (const auto name = engine_.name_of(address)) snapshot.names[address] = *name;
+    }
+  }
+  for (const std::string& group : engine_.groups()) snapshot.groups[group] = engine_.group_state(group);
+  snapshot.queues = engine_.queues();
+  snapshot.link_up = link_->is_up();
+  snapshot.now = steady_now();
+  return snapshot;
 }
 
-Statistics EngineHost::statistics() {
-  return ask<Statistics>([this] { return engine_.statistics(); });
+Snapshot EngineHost::snapshot() {
+  return ask<Snapshot>([this] { return look(); });
 }
 
 void EngineHost::set_keys(std::vector<TeamKey> keys) {

@@ -34,6 +34,23 @@ struct HostCallbacks {
   std::function<void(const std::string& text)> on_warning;
 };
 
+/// Is told once how something ended, by the thread of the engine unless the host has stopped; returns at once.
+using Waiter = std::function<void(const Outcome&)>;
+
+/// What there is to see of the engine and its link at one moment.
+struct Snapshot {
+  Statistics statistics;
+  std::vector<std::string> robots;
+  std::vector<std::string> neighbors;
+  std::vector<LinkState> links;
+  std::vector<RouteState> routes;
+  std::map<MacAddress, std::string> names;  ///< of the robots in `routes`, as far as known
+  std::map<std::string, GroupState> groups;
+  QueueState queues;
+  bool link_up = false;
+  Time now{0};
+};
+
 class EngineHost {
  public:
   EngineHost(const EngineOptions& options, std::unique_ptr<Link> link, ReceiveFilter filter, HostCallbacks callbacks);
@@ -50,18 +67,19 @@ class EngineHost {
   Outcome join_group(const std::string& group);
   Outcome leave_group(const std::string& group);
 
+  /// Does not wait; callable from any thread, also from that of the engine.
+  void send(SendRequest request, Waiter waiter);
+
   // Answered within one turn of the engine's loop.
   GroupState group_state(const std::string& group);
   std::vector<std::string> neighbors();
-  std::vector<std::string> robots();
-  Statistics statistics();
+  Snapshot snapshot();
 
   /// The first one seals, all of them open.
   void set_keys(std::vector<TeamKey> keys);
 
  private:
   using Command = std::function<void(Time now)>;
-  using Waiter = std::shared_ptr<std::promise<Outcome>>;
 
   void run();
   void wait_for_work();
@@ -76,6 +94,7 @@ class EngineHost {
   void report(const RobotLost& event);
   void report(const GroupChangeFinished& end);
   void fail_all_waiters();
+  Snapshot look() const;
 
   bool post(Command command);
   template <typename Value>

@@ -9,6 +9,8 @@
 #include <chrono>
 #include <utility>
 
+#include "node/steady_now.hpp"
+
 namespace adhoc_communication {
 namespace {
 
@@ -53,8 +55,11 @@ std::string local_topic(const std::string& prefix, const std::string& topic) {
   return first == std::string::npos ? prefix : prefix + topic.substr(first);
 }
 
-Injector::Injector(ros::NodeHandle node, std::string prefix, TopicFilter filter)
-    : node_(std::move(node)), prefix_(std::move(prefix)), filter_(std::move(filter)) {
+Injector::Injector(ros::NodeHandle node, std::string prefix, TopicFilter filter, AskForDefinition ask_for_definition)
+    : node_(std::move(node)),
+      prefix_(std::move(prefix)),
+      filter_(std::move(filter)),
+      ask_for_definition_(std::move(ask_for_definition)) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -81,9 +86,9 @@ void Injector::inject(PacketReceived packet) {
   arrived_.notify_one();
 }
 
-std::uint64_t Injector::dropped() const {
+Injector::Report Injector::report() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return dropped_;
+  return {queue_.size(), queued_octets_, dropped_};
 }
 
 void Injector::run() {
@@ -96,7 +101,7 @@ void Injector::run() {
     queued_octets_ -= packet.payload.size();
     lock.unlock();
     try {
-      publish(packet);
+      take(packet);
     } catch (const std::exception& error) {
       drop(packet, error.what());
     }
@@ -104,13 +109,53 @@ void Injector::run() {
   }
 }
 
-void Injector::publish(const PacketReceived& packet) {
-  const std::string name = local_topic(prefix_, packet.topic);
-  if (const std::string full_name = node_.resolveName(name); !filter_.admits(full_name)) {
+void Injector::take(const PacketReceived& packet) {
+  definitions_.expire(steady_now());
+  const bool is_definition = packet.payload_type == static_cast<std::uint8_t>(PayloadType::kDefinition);
+  if (!is_definition) check_topic(packet.topic);
+  SerializedMessage message = decode(packet);
+  // Unasked definitions are not kept: nobody can fill the memory with them.
+  if (is_definition && definitions_.awaits({message.type, message.md5sum})) learn_definition(message);
+  if (!is_definition && complete(message, packet)) publish(packet.topic, message);
+  count_dropped(definitions_.take_dropped());
+}
+
+void Injector::check_topic(const std::string& topic) const {
+  const std::string full_name = node_.resolveName(local_topic(prefix_, topic));
+  if (!filter_.admits(full_name)) {
     throw PayloadError("other robots may not publish '" + full_name + "' here (parameters inject_allow, inject_deny)");
   }
-  const SerializedMessage message = decode(packet);
-  const Topic& topic = topic_for(name, message);
+}
+
+void Injector::learn_definition(const SerializedMessage& message) {
+  for (const PacketReceived& waited : definitions_.learn({message.type, message.md5sum}, message.definition)) {
+    try {
+      SerializedMessage complete = decode(waited);
+      complete.definition = message.definition;
+      publish(waited.topic, complete);
+    } catch (const std::exception& error) {
+      drop(waited, error.what());
+    }
+  }
+}
+
+bool Injector::complete(SerializedMessage& message, const PacketReceived& packet) {
+  const TypeName type{message.type, message.md5sum};
+  if (packet.payload_type == static_cast<std::uint8_t>(PayloadType::kAnyMessage)) {
+    if (!message.definition.empty()) learn_definition(message);
+    return true;
+  }
+  if (packet.payload_type != static_cast<std::uint8_t>(PayloadType::kMessageByType)) return true;
+  if (const std::string* definition = definitions_.find(type)) {
+    message.definition = *definition;
+    return true;
+  }
+  if (definitions_.hold(packet, type, steady_now())) ask_for_definition_(packet.source, type);
+  return false;
+}
+
+void Injector::publish(const std::string& topic_name, const SerializedMessage& message) {
+  const Topic& topic = topic_for(local_topic(prefix_, topic_name), message);
   topic_tools::ShapeShifter shape;
   shape.morph(message.md5sum, message.type, message.definition, "1");
   ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),  // an input stream only reads
@@ -138,11 +183,13 @@ Injector::Topic& Injector::topic_for(const std::string& name, const SerializedMe
   return topics_.emplace(name, Topic{message.type, message.md5sum, publisher}).first->second;
 }
 
+void Injector::count_dropped(std::uint64_t packets) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  dropped_ += packets;
+}
+
 void Injector::drop(const PacketReceived& packet, const std::string& reason) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    ++dropped_;
-  }
+  count_dropped(1);
   if (reported_topics_.size() >= kMaxReportedTopics || !reported_topics_.insert(packet.topic).second) return;
   ROS_ERROR("A packet of %zu octets from %s for topic '%s' is not published: %s (reported once per topic)",
             packet.payload.size(), packet.source.c_str(), packet.topic.c_str(), reason.c_str());

@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <set>
@@ -14,23 +15,33 @@
 #include <thread>
 
 #include "adhoc_communication/types.hpp"
+#include "node/definitions.hpp"
 #include "node/payload.hpp"
 #include "node/topic_filter.hpp"
 
 namespace adhoc_communication {
 
 /// Publishes in a thread of its own, because advertising asks the ROS master and must not hold up the engine.
-/// Topics are latched. What cannot be published is counted and reported once per topic.
+/// Topics are latched. A message whose definition is not known yet waits for it. What cannot be published is counted
+/// and reported once per topic.
 class Injector {
  public:
+  /// Asks a robot for the definition of a type, without waiting.
+  using AskForDefinition = std::function<void(const std::string& robot, const TypeName& type)>;
+
   /// `prefix` is put before every topic: /<self>/ in simulation mode, else empty.
-  Injector(ros::NodeHandle node, std::string prefix, TopicFilter filter);
+  Injector(ros::NodeHandle node, std::string prefix, TopicFilter filter, AskForDefinition ask_for_definition);
   ~Injector();
 
   /// Takes over a packet without waiting. When the queue is full the packet is dropped, counted and reported.
   void inject(PacketReceived packet);
 
-  std::uint64_t dropped() const;
+  struct Report {
+    std::size_t waiting = 0;    ///< packets
+    std::size_t octets = 0;     ///< of these
+    std::uint64_t dropped = 0;  ///< so far
+  };
+  Report report() const;
 
  private:
   struct Topic {
@@ -40,13 +51,21 @@ class Injector {
   };
 
   void run();
-  void publish(const PacketReceived& packet);
+  void take(const PacketReceived& packet);
+  void check_topic(const std::string& topic) const;
+  void learn_definition(const SerializedMessage& message);
+  /// False when the message has to wait for its definition.
+  bool complete(SerializedMessage& message, const PacketReceived& packet);
+  void publish(const std::string& topic, const SerializedMessage& message);
   Topic& topic_for(const std::string& name, const SerializedMessage& message);
   void drop(const PacketReceived& packet, const std::string& reason);
+  void count_dropped(std::uint64_t packets);
 
   ros::NodeHandle node_;
   const std::string prefix_;
   const TopicFilter filter_;
+  const AskForDefinition ask_for_definition_;
+  Definitions definitions_;
   std::map<std::string, Topic> topics_;
   std::set<std::string> reported_topics_;
 

@@ -4,7 +4,6 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/console.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "link/mac_address.hpp"
@@ -12,8 +11,9 @@
 namespace adhoc_communication {
 namespace {
 
-constexpr double kStatusInterval = 1.0;   // s
+constexpr double kStateInterval = 1.0;    // s
 constexpr double kKeyFileInterval = 0.5;  // s
+constexpr std::uint64_t kMegabyte = 1'000'000;
 constexpr double kTimeForResponse = 0.1;  // s, in which the answer of shut_down reaches its caller
 
 /// The link first, because it fails most: only then does the rest of the node come into being.
@@ -43,35 +43,71 @@ Node::Node(const NodeOptions& options)
     : options_(options),
       name_prefix_(options.simulation_mode ? "/" + options.engine.robot_name + "/" : ""),
       service_prefix_(name_prefix_ + "adhoc_communication/"),
-      log_(options.log_path, options.engine.robot_name) {
+      log_(options.log_path, options.engine.robot_name),
+      network_logs_(options.log_path, options.engine.robot_name) {
   if (!options_.key_file.empty()) key_file_.emplace(options_.key_file);  // before reading: no change goes unnoticed
   read_keys_for(options_);
-  auto link = open_link_for(options_);
+  auto link = captured(open_link_for(options_));
+  address_ = link->address();
   ROS_INFO("%s on interface %s with address %s", options_.engine.robot_name.c_str(), options_.interface.c_str(),
-           to_text(link->address()).c_str());
-  injector_ = std::make_unique<Injector>(node_, name_prefix_, topic_filter());
+           to_text(address_).c_str());
+  injector_ =
+      std::make_unique<Injector>(node_, name_prefix_, topic_filter(),
+                                 [this](const std::string& robot, const TypeName& type) { relay_->ask(robot, type); });
+  relay_ = std::make_unique<TopicRelay>(node_, name_prefix_, options_.engine.robot_name);
   discovery_ = std::make_unique<Discovery>(node_, service_prefix_ + options_.topic_new_robot,
                                            service_prefix_ + options_.topic_remove_robot);
   ReceiveFilter filter(options_.engine.robot_name, options_.sim_robot_macs, options_.channel,
                        options_.simulation_mode ? &positions_ : nullptr);
   if (options_.simulation_mode) follow_ground_truth();
   host_ = std::make_unique<EngineHost>(options_.engine, std::move(link), std::move(filter), callbacks());
-  services_ = std::make_unique<Services>(node_, service_prefix_, *host_, log_, [this] { shut_down(); });
-  status_ = node_.advertise<Status>(service_prefix_ + "status", 1, true);
-  status_timer_ = node_.createWallTimer(ros::WallDuration(kStatusInterval), &Node::publish_status, this);
+  carry_relays();
+  services_ = std::make_unique<Services>(node_, service_prefix_, *host_, *relay_, log_, [this] { shut_down(); });
+  status_publisher_ = node_.advertise<Status>(service_prefix_ + "status", 1, true);
+  network_state_publisher_ = node_.advertise<NetworkState>(service_prefix_ + "network_state", 1, true);
+  diagnostics_publisher_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
+  state_timer_ = node_.createWallTimer(ros::WallDuration(kStateInterval), &Node::tell_state, this);
   if (!key_file_) return;
   key_timer_ = node_.createWallTimer(ros::WallDuration(kKeyFileInterval), &Node::reread_keys, this);
 }
 
 Node::~Node() {
+  relay_->stop();
   host_->stop();  // calls that wait end here, so that the services can stop
   services_->stop();
+  injector_.reset();  // its thread asks robots for definitions, by the host
+}
+
+std::unique_ptr<Link> Node::captured(std::unique_ptr<Link> link) {
+  if (options_.capture_file.empty()) return link;
+  capture_ = std::make_shared<CaptureFile>(options_.capture_file,
+                                           static_cast<std::uint64_t>(options_.capture_size) * kMegabyte);
+  return std::make_unique<CaptureLink>(std::move(link), capture_);
+}
+
+void Node::carry_relays() {
+  for (const RelayEntry& entry : options_.relays) relay_->add(entry);
+  relay_->start([this](SendRequest request, Waiter waiter) { host_->send(std::move(request), std::move(waiter)); });
+}
+
+void Node::take(PacketReceived packet) {
+  if (packet.payload_type == static_cast<std::uint8_t>(PayloadType::kDefinitionRequest)) {
+    relay_->answer(packet);
+  } else {
+    injector_->inject(std::move(packet));
+  }
 }
 
 HostCallbacks Node::callbacks() {
-  return {[this](PacketReceived packet) { injector_->inject(std::move(packet)); },
-          [this](const std::string& robot) { discovery_->announce(robot); },
-          [this](const std::string& robot) { discovery_->announce_loss(robot); },
+  return {[this](PacketReceived packet) { take(std::move(packet)); },
+          [this](const std::string& robot) {
+            discovery_->announce(robot);
+            relay_->robot_appeared(robot);
+          },
+          [this](const std::string& robot) {
+            discovery_->announce_loss(robot);
+            relay_->robot_lost(robot);
+          },
           [this](const std::string& text) { ROS_WARN("Interface %s: %s", options_.interface.c_str(), text.c_str()); }};
 }
 
@@ -104,22 +140,30 @@ void Node::follow_ground_truth() {
   }
 }
 
-void Node::publish_status(const ros::WallTimerEvent&) {
-  const Statistics statistics = host_->statistics();
-  Status status;
-  status.stamp = ros::Time::now();
-  status.robot_name = options_.engine.robot_name;
-  status.interface = options_.interface;
-  status.neighbors = host_->neighbors();
-  status.robots = host_->robots();
-  status.frames_sent = statistics.frames_sent;
-  status.bytes_sent = statistics.bytes_sent;
-  status.frames_received = statistics.frames_received;
-  status.bytes_received = statistics.bytes_received;
-  status.packets_sent = statistics.packets_sent;
-  status.packets_failed = statistics.packets_failed;
-  status.packets_received_by_hops = statistics.packets_received_by_hops;
-  status_.publish(status);
+NodeState Node::state() const {
+  NodeState state;
+  state.stamp = ros::Time::now();
+  state.robot_name = options_.engine.robot_name;
+  state.interface = options_.interface;
+  state.address = address_;
+  state.sealed = !options_.engine.keys.empty();
+  state.relays = relay_->reports();
+  state.injector = injector_->report();
+  state.log_rows_lost = log_.rows_lost() + network_logs_.rows_lost();
+  if (capture_) state.frames_not_captured = capture_->frames_lost();
+  return state;
+}
+
+void Node::tell_state(const ros::WallTimerEvent&) {
+  const Snapshot snapshot = host_->snapshot();
+  const NodeState own = state();
+  const NetworkState network = network_state_message(snapshot, own);
+  status_publisher_.publish(status_message(snapshot, own));
+  network_state_publisher_.publish(network);
+  diagnostics_publisher_.publish(diagnostics_.report(network));
+  network_logs_.add(network, unix_milliseconds());
+  const auto group = snapshot.groups.find("mc_" + options_.engine.robot_name);
+  if (group != snapshot.groups.end()) relay_->group_members(group->second.downlinks);
 }
 
 void Node::shut_down() {

@@ -12,14 +12,19 @@
 #include <string>
 #include <vector>
 
+#include "link/capture_link.hpp"
 #include "node/channel_model.hpp"
+#include "node/diagnostics.hpp"
 #include "node/discovery.hpp"
 #include "node/engine_host.hpp"
 #include "node/injector.hpp"
 #include "node/key_file.hpp"
+#include "node/network_logs.hpp"
+#include "node/network_state.hpp"
 #include "node/options.hpp"
 #include "node/service_log.hpp"
 #include "node/services.hpp"
+#include "node/topic_relay.hpp"
 
 namespace adhoc_communication {
 
@@ -31,8 +36,12 @@ class Node {
 
  private:
   HostCallbacks callbacks();
+  std::unique_ptr<Link> captured(std::unique_ptr<Link> link);
+  void take(PacketReceived packet);
   void follow_ground_truth();
-  void publish_status(const ros::WallTimerEvent&);
+  void carry_relays();
+  void tell_state(const ros::WallTimerEvent&);
+  NodeState state() const;
   void shut_down();
   TopicFilter topic_filter() const;
   void reread_keys(const ros::WallTimerEvent&);
@@ -43,12 +52,19 @@ class Node {
   ros::NodeHandle node_;
   PositionTable positions_;
   ServiceLog log_;
+  NetworkLogs network_logs_;
+  Diagnostics diagnostics_;
+  MacAddress address_{};
+  std::shared_ptr<CaptureFile> capture_;
   std::unique_ptr<Injector> injector_;
   std::unique_ptr<Discovery> discovery_;
+  std::unique_ptr<TopicRelay> relay_;
   std::unique_ptr<EngineHost> host_;
   std::unique_ptr<Services> services_;
-  ros::Publisher status_;
-  ros::WallTimer status_timer_;
+  ros::Publisher status_publisher_;
+  ros::Publisher network_state_publisher_;
+  ros::Publisher diagnostics_publisher_;
+  ros::WallTimer state_timer_;
   std::atomic<bool> shutting_down_{false};
   ros::WallTimer shut_down_timer_;
   std::optional<FileWatch> key_file_;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "link/mac_address.hpp"
+#include "node/relay_options.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -122,6 +123,16 @@ void require_range(const std::string& name, int value, int low, int high) {
   refuse(name, std::to_string(value), "is outside " + std::to_string(low) + " .. " + std::to_string(high));
 }
 
+/// As the node will take them later.
+void check_relays(const NodeOptions& options) {
+  RelayTable table(options.engine.robot_name);
+  try {
+    for (const RelayEntry& entry : options.relays) table.add(entry);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("parameter ~relay: " + std::string(error.what()));
+  }
+}
+
 void check(const NodeOptions& options) {
   const std::string& name = options.engine.robot_name;
   if (!is_robot_name(name)) {
@@ -136,6 +147,7 @@ void check(const NodeOptions& options) {
   require_range("p_tx", options.channel.p_tx, -100, 100);
   require_range("n_model", options.channel.n_model, 0, 20);
   require_range("l_0_model", options.channel.l_0_model, 0, 200);
+  require_range("capture_size", options.capture_size, 0, 1'000'000);
   if (!is_topic_element(options.topic_new_robot)) {
     refuse("topic_new_robot", "'" + options.topic_new_robot + "'", "is not a topic name");
   }
@@ -143,6 +155,7 @@ void check(const NodeOptions& options) {
     refuse("topic_remove_robot", "'" + options.topic_remove_robot + "'", "is not a topic name");
   }
   if (options.require_key && options.key_file.empty()) refuse("require_key", "true", "needs ~key_file");
+  check_relays(options);
   validate(options.engine);
 }
 
@@ -244,6 +257,11 @@ std::vector<Parameter> make_parameters() {
           "inject_allow", [](NodeOptions & o) -> auto& { return o.inject_allow; }),
       stored(
           "inject_deny", [](NodeOptions & o) -> auto& { return o.inject_deny; }),
+      {"relay", "list", "[]", "", [](NodeOptions& o, const XmlRpcValue& value) { o.relays = parse_relays(value); }},
+      stored(
+          "capture_file", [](NodeOptions & o) -> auto& { return o.capture_file; }),
+      stored(
+          "capture_size", [](NodeOptions & o) -> auto& { return o.capture_size; }),
       without_effect("enable_cooperative_relaying", "bool", "true", relaying_reason),
       without_effect("tx_power", "string", "", "the channel model and wireless interfaces take p_tx"),
       without_effect("use_sim_time", "bool", "false", "the protocol runs on the steady clock, never on ROS time"),

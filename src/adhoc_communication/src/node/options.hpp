@@ -9,6 +9,7 @@
 
 #include "adhoc_communication/options.hpp"
 #include "node/channel_model.hpp"
+#include "node/relay_table.hpp"
 
 namespace XmlRpc {
 class XmlRpcValue;
@@ -27,15 +28,18 @@ struct NodeOptions {
   std::string topic_remove_robot = "remove_robot";
   std::map<MacAddress, std::string> sim_robot_macs;
   std::string log_path;
+  std::string capture_file;
+  int capture_size = 100;  ///< MB
   std::string key_file;
   bool require_key = false;
   std::string inject_allow = "*";
   std::string inject_deny = "/rosout /rosout_agg /clock /tf /tf_static";
+  std::vector<RelayEntry> relays;
 };
 
 struct Parameter {
   std::string name;
-  std::string type;            ///< string, int, double or bool
+  std::string type;            ///< string, int, double, bool or list
   std::string default_value;   ///< as text
   std::string without_effect;  ///< why setting it changes nothing; empty for all others
   /// Throws std::invalid_argument when the value does not fit the type.

@@ -15,6 +15,7 @@
 #include <ros/message_traits.h>
 
 #include <regex>
+#include <vector>
 
 #include "node/checked_stream.hpp"
 
@@ -63,6 +64,16 @@ SerializedMessage decode_any_message(const PacketReceived& packet) {
   return message;
 }
 
+SerializedMessage decode_message_by_type(const PacketReceived& packet) {
+  SerializedMessage message;
+  CheckedStream stream(packet.payload.data(), packet.payload.size());
+  stream.next(message.type);
+  stream.next(message.md5sum);
+  check_type(message.type, message.md5sum);
+  message.bytes.assign(stream.getData(), stream.getData() + stream.getLength());
+  return message;
+}
+
 SerializedMessage decode_by_type(const PacketReceived& packet) {
   switch (static_cast<PayloadType>(packet.payload_type)) {
     case PayloadType::kString:
@@ -90,9 +101,24 @@ SerializedMessage decode_by_type(const PacketReceived& packet) {
     case PayloadType::kRobotUpdate:
       return decode_as<CMgrRobotUpdate>(packet);
     case PayloadType::kAnyMessage:
+    case PayloadType::kDefinition:
       return decode_any_message(packet);
+    case PayloadType::kMessageByType:
+    case PayloadType::kDefinitionRequest:
+      return decode_message_by_type(packet);
   }
   throw PayloadError("has the unknown payload type " + std::to_string(packet.payload_type));
+}
+
+/// Texts as ROS serialises them, then the octets.
+Bytes with_texts(const std::vector<const std::string*>& texts, const Bytes& octets) {
+  ros::serialization::LStream length;
+  for (const std::string* text : texts) length.next(*text);
+  Bytes bytes(length.getLength());
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  for (const std::string* text : texts) stream.next(*text);
+  bytes.insert(bytes.end(), octets.begin(), octets.end());
+  return bytes;
 }
 
 }  // namespace
@@ -110,18 +136,11 @@ void check_type(const std::string& type, const std::string& md5sum) {
 }
 
 Bytes encode_any_message(const SerializedMessage& message) {
-  const auto header = [&message](auto& stream) {
-    stream.next(message.type);
-    stream.next(message.md5sum);
-    stream.next(message.definition);
-  };
-  ros::serialization::LStream length;
-  header(length);
-  Bytes bytes(length.getLength());
-  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-  header(stream);
-  bytes.insert(bytes.end(), message.bytes.begin(), message.bytes.end());
-  return bytes;
+  return with_texts({&message.type, &message.md5sum, &message.definition}, message.bytes);
+}
+
+Bytes encode_message_by_type(const SerializedMessage& message) {
+  return with_texts({&message.type, &message.md5sum}, message.bytes);
 }
 
 SerializedMessage decode(const PacketReceived& packet) {

@@ -5,6 +5,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
 #include "adhoc_communication/types.hpp"
 
@@ -24,7 +25,18 @@ enum class PayloadType : std::uint8_t {
   kTwist = 'T',
   kQuaternion = 'Q',
   kRobotUpdate = 'R',
-  kAnyMessage = 'X',
+  kAnyMessage = 'X',         ///< with its definition
+  kMessageByType = 'x',      ///< without: the receiver has been sent the definition before, or asks for it
+  kDefinition = 'D',         ///< a definition alone
+  kDefinitionRequest = 'd',  ///< asks for it
+};
+
+/// What identifies a definition.
+struct TypeName {
+  std::string type;
+  std::string md5sum;
+  bool operator==(const TypeName& other) const { return type == other.type && md5sum == other.md5sum; }
+  bool operator<(const TypeName& other) const { return std::tie(type, md5sum) < std::tie(other.type, other.md5sum); }
 };
 
 /// A message ready to be published, whatever its type.
@@ -48,8 +60,10 @@ Bytes serialize(const Message& message) {
   return bytes;
 }
 
-/// The payload of kAnyMessage.
+/// The payload of kAnyMessage; without bytes, that of kDefinition.
 Bytes encode_any_message(const SerializedMessage& message);
+/// The payload of kMessageByType; without bytes, that of kDefinitionRequest.
+Bytes encode_message_by_type(const SerializedMessage& message);
 
 /// The message to publish for a packet: checked to the last octet, src_robot set to the true sender where the type has
 /// it. Throws PayloadError with one sentence when the bytes are not what the payload type says.

@@ -1,25 +1,23 @@
 // services.csv of the contract: one row per service call.
 #pragma once
 
-#include <fstream>
-#include <mutex>
 #include <string>
+
+#include "node/csv_file.hpp"
 
 namespace adhoc_communication {
 
 class ServiceLog {
  public:
-  /// Writes to <log_path>/adhoc_communication/<robot>/services.csv; an empty path means no log. Throws
-  /// std::invalid_argument when the file cannot be made.
   ServiceLog(const std::string& log_path, const std::string& robot);
 
-  /// Times in Unix milliseconds, size in octets. A full disk loses rows, nothing else.
+  /// Times in Unix milliseconds, size in octets.
   void add(const std::string& service, long long time_call, long long time_result, std::size_t data_size,
            bool succeeded);
+  std::uint64_t rows_lost() const { return file_.rows_lost(); }
 
  private:
-  std::mutex mutex_;
-  std::ofstream file_;
+  CsvFile file_;
 };
 
 }  // namespace adhoc_communication

@@ -5,6 +5,7 @@
 #include <adhoc_communication/ChangeMCMembership.h>
 #include <adhoc_communication/GetGroupState.h>
 #include <adhoc_communication/GetNeighbors.h>
+#include <adhoc_communication/Relay.h>
 #include <adhoc_communication/SendCMgrRobotUpdate.h>
 #include <adhoc_communication/SendExpAuction.h>
 #include <adhoc_communication/SendExpCluster.h>
@@ -20,11 +21,12 @@
 #include <adhoc_communication/SendTwist.h>
 #include <adhoc_communication/ShutDown.h>
 
-#include <chrono>
 #include <stdexcept>
 #include <utility>
 
 #include "node/injector.hpp"
+#include "node/network_state.hpp"
+#include "node/relay_options.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -33,11 +35,6 @@ constexpr std::size_t kMaxSendThreads = 64;
 constexpr int kMaxWaitingCalls = 60;  ///< fewer than threads, so that one call too many is refused at once
 constexpr std::size_t kMaxQueryThreads = 4;
 constexpr std::size_t kBulkSize = 50'000;  ///< octets from which a message of any type yields to others
-
-long long unix_milliseconds() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-}
 
 Bytes bytes_of_text(const std::string& text) {
   if (text.empty()) throw PayloadError("data is empty: there is nothing to send");
@@ -62,11 +59,12 @@ class WaitingCall {
 
 }  // namespace
 
-Services::Services(ros::NodeHandle& node, const std::string& prefix, EngineHost& host, ServiceLog& log,
-                   std::function<void()> shut_down)
-    : prefix_(prefix), host_(host), log_(log), sends_(kMaxSendThreads), queries_(kMaxQueryThreads) {
+Services::Services(ros::NodeHandle& node, const std::string& prefix, EngineHost& host, TopicRelay& relay,
+                   ServiceLog& log, std::function<void()> shut_down)
+    : prefix_(prefix), host_(host), relay_(relay), log_(log), sends_(kMaxSendThreads), queries_(kMaxQueryThreads) {
   advertise_sends(node);
   advertise_broadcasts(node);
+  advertise_relay(node);
   advertise_queries(node, std::move(shut_down));
 }
 
@@ -143,6 +141,20 @@ void Services::advertise_broadcasts(ros::NodeHandle& node) {
     response.status =
         broadcast("broadcast_robot_update", {request.topic, static_cast<std::uint8_t>(PayloadType::kRobotUpdate),
                                              serialize(request.update), request.hop_limit});
+  });
+}
+
+void Services::advertise_relay(ros::NodeHandle& node) {
+  advertise<Relay>(node, queries_, "relay", [this](auto& request, auto& response) {
+    if (request.action == Relay::Request::ADD) {
+      relay_.add({request.topic, request.destination, parse_priority(request.priority), request.rate,
+                  request.latched != 0, request.remote_topic});
+    } else if (request.action == Relay::Request::REMOVE) {
+      relay_.remove(request.topic, request.destination, request.remote_topic);
+    } else if (request.action != Relay::Request::LIST) {
+      throw std::invalid_argument("action " + std::to_string(request.action) + " is none of 0 list, 1 add, 2 remove");
+    }
+    for (const RelayReport& report : relay_.reports()) response.relays.push_back(relayed_topic_message(report));
   });
 }
 

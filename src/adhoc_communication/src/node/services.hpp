@@ -13,6 +13,7 @@
 #include "node/payload.hpp"
 #include "node/service_log.hpp"
 #include "node/service_pool.hpp"
+#include "node/topic_relay.hpp"
 
 namespace adhoc_communication {
 
@@ -21,7 +22,7 @@ namespace adhoc_communication {
 class Services {
  public:
   /// `prefix` is what precedes the short names of the services.
-  Services(ros::NodeHandle& node, const std::string& prefix, EngineHost& host, ServiceLog& log,
+  Services(ros::NodeHandle& node, const std::string& prefix, EngineHost& host, TopicRelay& relay, ServiceLog& log,
            std::function<void()> shut_down);
   ~Services();
 
@@ -40,6 +41,7 @@ class Services {
                       Member member);
   void advertise_sends(ros::NodeHandle& node);
   void advertise_broadcasts(ros::NodeHandle& node);
+  void advertise_relay(ros::NodeHandle& node);
   void advertise_queries(ros::NodeHandle& node, std::function<void()> shut_down);
 
   std::uint8_t send(const std::string& service, SendRequest request);
@@ -49,6 +51,7 @@ class Services {
 
   const std::string prefix_;
   EngineHost& host_;
+  TopicRelay& relay_;
   ServiceLog& log_;
   std::atomic<int> waiting_calls_{0};
   ServicePool sends_;    ///< calls that wait for the radio

@@ -95,6 +95,7 @@ TEST(Bounds, A5_2_RequestsAreRememberedLongerThanCopiesAreUnderWay) {
   struct Nowhere : Outbox {
     void broadcast(wire::FrameType, Bytes) override {}
     void unicast(const MacAddress&, wire::FrameType, Bytes) override {}
+    void unicast_once(const MacAddress&, wire::FrameType, Bytes) override {}
   } nowhere;
   const routing::Timings timings = routing::robot_timings();
   Random random(1);

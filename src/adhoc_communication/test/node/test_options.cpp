@@ -148,6 +148,61 @@ TEST(Options, BadRobotMacsAreRefused) {
   }
 }
 
+XmlRpcValue relay_of(const std::string& topic, const std::string& destination) {
+  XmlRpcValue entry;
+  entry["topic"] = topic;
+  entry["destination"] = destination;
+  return entry;
+}
+
+/// ~relay with this one entry.
+XmlRpcValue with_relay(const XmlRpcValue& entry) {
+  XmlRpcValue values;
+  values["relay"][0] = entry;
+  return values;
+}
+
+TEST(Options, RelaysAreRead) {
+  XmlRpcValue values = with_relay(relay_of("scan", "bob"));
+  values["relay"][1] = relay_of("/map", "mc_marley");
+  values["relay"][1]["remote_topic"] = "marley/map";
+  values["relay"][1]["priority"] = "bulk";
+  values["relay"][1]["rate"] = 2;
+  values["relay"][1]["latched"] = true;
+  const auto relays = read(values).relays;
+  ASSERT_EQ(relays.size(), 2u);
+  EXPECT_EQ(relays[0].topic, "scan");
+  EXPECT_EQ(relays[0].destination, "bob");
+  EXPECT_EQ(relays[0].priority, Priority::kNormal);
+  EXPECT_EQ(relays[0].rate, 0.0);
+  EXPECT_FALSE(relays[0].latched);
+  EXPECT_EQ(relays[1].remote_topic, "marley/map");
+  EXPECT_EQ(relays[1].priority, Priority::kBulk);
+  EXPECT_EQ(relays[1].rate, 2.0);
+  EXPECT_TRUE(relays[1].latched);
+}
+
+std::string refusal_of_relay(const std::string& field, const XmlRpcValue& value) {
+  XmlRpcValue entry = relay_of("scan", "bob");
+  entry[field] = value;
+  return refusal_of(with_relay(entry));
+}
+
+TEST(Options, BadRelaysAreRefusedWithTheField) {
+  EXPECT_NE(refusal_of(with("relay", "scan")).find("is not a list"), std::string::npos);
+  EXPECT_NE(refusal_of(with_relay(XmlRpcValue("scan"))).find("struct with topic and destination"), std::string::npos);
+  EXPECT_NE(refusal_of_relay("topic", "not a topic").find("topic 'not a topic' is not a valid"), std::string::npos);
+  EXPECT_NE(refusal_of_relay("topic", 1).find("has a topic that is not a string"), std::string::npos);
+  EXPECT_NE(refusal_of_relay("remote_topic", "~own").find("topic '~own' is not a valid"), std::string::npos);
+  EXPECT_NE(refusal_of_relay("priority", "urgent").find("priority 'urgent'"), std::string::npos);
+  EXPECT_NE(refusal_of_relay("rate", "fast").find("has a rate that is not a number"), std::string::npos);
+  EXPECT_NE(refusal_of_relay("rate", -1.0).find("rate outside"), std::string::npos);
+  EXPECT_NE(refusal_of_relay("latched", 1).find("has a latched that is not true or false"), std::string::npos);
+  EXPECT_NE(refusal_of_relay("lached", true).find("unknown field 'lached'"), std::string::npos);
+  EXPECT_NE(refusal_of_relay("destination", "marley").find("goes to this robot itself"), std::string::npos);
+  EXPECT_NE(refusal_of(with("capture_size", -1)).find("capture_size"), std::string::npos);
+}
+
 TEST(Options, WithoutEffectAndUnknownWarnOnce) {
   XmlRpcValue values = with("enable_cooperative_relaying", false);
   values["beacon_intervall"] = 100;

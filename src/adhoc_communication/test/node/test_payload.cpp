@@ -109,6 +109,21 @@ TEST(Payload, AnyMessageKeepsTypeDefinitionAndBytes) {
   EXPECT_EQ(received.bytes, sent.bytes);
 }
 
+TEST(Payload, MessageWithoutDefinitionKeepsTypeAndBytes) {
+  const SerializedMessage sent{"std_msgs/UInt8", "7c8164229e7d2c17eb95e9231617fdee", "uint8 data\n", {42}};
+  const Bytes payload = encode_message_by_type(sent);
+  EXPECT_LT(payload.size(), encode_any_message(sent).size());
+  const auto received = decode(packet(PayloadType::kMessageByType, payload));
+  EXPECT_EQ(received.type, sent.type);
+  EXPECT_EQ(received.md5sum, sent.md5sum);
+  EXPECT_EQ(received.definition, "");
+  EXPECT_EQ(received.bytes, sent.bytes);
+  for (std::size_t size = 0; size < payload.size() - sent.bytes.size(); ++size) {
+    const Bytes cut(payload.begin(), payload.begin() + static_cast<long>(size));
+    EXPECT_THROW(decode(packet(PayloadType::kMessageByType, cut)), PayloadError) << size;
+  }
+}
+
 TEST(Payload, TypeAndChecksumHaveToLookLikeSuch) {
   const std::string md5sum = "7c8164229e7d2c17eb95e9231617fdee";
   EXPECT_NO_THROW(check_type("std_msgs/UInt8", md5sum));

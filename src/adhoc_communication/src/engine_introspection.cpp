@@ -1,0 +1,47 @@
+// What hosts may look at, for status, diagnostics and tests. Nothing here changes the engine.
+#include "engine_implementation.hpp"
+
+namespace adhoc_communication {
+
+std::vector<LinkState> Engine::links() const { return implementation_->links(); }
+QueueState Engine::queues() const { return implementation_->queues(); }
+std::vector<std::string> Engine::groups() const { return implementation_->groups(); }
+std::optional<std::string> Engine::name_of(const MacAddress& robot) const { return implementation_->name_of(robot); }
+
+std::vector<LinkState> Engine::Implementation::links() const {
+  std::vector<LinkState> result;
+  for (const auto& [address, neighbor] : neighbors_.all()) {
+    LinkState state;
+    state.address = address;
+    state.name = name_of(address).value_or("");
+    state.two_way = neighbors_.two_way(address, now_);
+    state.silent_for = now_ - neighbor.last_heard;
+    if (const auto link = links_.find(address); link != links_.end()) {
+      state.loss = link->second.sender.loss();
+      state.waiting = link->second.sender.waiting();
+      state.in_flight = link->second.sender.unresolved();
+      state.given_up = link->second.sender.given_up();
+    }
+    result.push_back(std::move(state));
+  }
+  return result;
+}
+
+QueueState Engine::Implementation::queues() const { return {host_sends_, octets_waiting_, events_.size()}; }
+
+std::vector<std::string> Engine::Implementation::groups() const {
+  std::vector<std::string> result{multicast::group_of(self_.name)};
+  for (const auto& [group, membership] : groups_.memberships) {
+    if (membership.joined || membership.joining) result.push_back(group);
+  }
+  return result;
+}
+
+std::optional<std::string> Engine::Implementation::name_of(const MacAddress& robot) const {
+  if (robot == self_.address) return self_.name;
+  const routing::Robot* known = directory_.find(robot);
+  if (known == nullptr) return std::nullopt;
+  return known->name;
+}
+
+}  // namespace adhoc_communication

@@ -1,0 +1,39 @@
+// A log file of the contract: a header line, then a row at a time.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+#include "link/file_descriptor.hpp"
+
+namespace adhoc_communication {
+
+/// A row that the disk does not take is lost as a whole and counted; the next one is tried again. Callable from any
+/// thread.
+class CsvFile {
+ public:
+  /// Writes to <log_path>/adhoc_communication/<robot>/<name>; an empty log_path means no log. Throws
+  /// std::invalid_argument when the file cannot be made for another reason than a full disk.
+  CsvFile(const std::string& log_path, const std::string& robot, const std::string& name, std::string header);
+
+  /// Without the end of the line.
+  void add(const std::string& row);
+  std::uint64_t rows_lost() const;
+
+ private:
+  bool begin_file();
+  bool append(const std::string& line);
+
+  std::string path_;
+  std::string header_;
+  mutable std::mutex mutex_;
+  FileDescriptor file_;
+  std::int64_t size_ = 0;
+  std::uint64_t rows_lost_ = 0;
+};
+
+/// Unix time, as in all logs of the contract.
+long long unix_milliseconds();
+
+}  // namespace adhoc_communication

@@ -1,0 +1,64 @@
+// Message definitions received from other robots, and messages that wait for theirs. No ROS, no thread, no clock.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <list>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "adhoc_communication/types.hpp"
+#include "node/payload.hpp"
+
+namespace adhoc_communication {
+
+/// A definition is identified by type and MD5 sum, whoever sent it; the first one received counts.
+class Definitions {
+ public:
+  static constexpr std::size_t kMostDefinitions = 256;        ///< the one received first makes room
+  static constexpr std::size_t kMostOctets = 8'000'000;       ///< of all definitions, likewise
+  static constexpr std::size_t kMostHeld = 64;                ///< messages that wait; the oldest is dropped
+  static constexpr std::size_t kMostHeldOctets = 32'000'000;  ///< likewise
+  static constexpr Time kPatience = std::chrono::seconds(10);
+  static constexpr Time kAskAgain = std::chrono::seconds(1);
+
+  /// Null when it is not known.
+  const std::string* find(const TypeName& type) const;
+
+  /// Keeps a definition and returns the messages that have waited for it, in order.
+  std::vector<PacketReceived> learn(const TypeName& type, const std::string& definition);
+
+  /// Keeps a message until its definition is learnt. True when its sender has to be asked for the definition now.
+  bool hold(PacketReceived packet, const TypeName& type, Time now);
+  bool awaits(const TypeName& type) const { return asked_.count(type) != 0; }
+
+  /// Drops messages that have waited too long.
+  void expire(Time now);
+  /// Messages dropped since the last call.
+  std::uint64_t take_dropped();
+
+ private:
+  struct Known {
+    TypeName type;
+    std::string definition;
+  };
+  struct Held {
+    PacketReceived packet;
+    TypeName type;
+    Time since;
+  };
+
+  void drop_oldest();
+  void forget_unawaited();
+
+  std::list<Known> known_;
+  std::map<TypeName, std::list<Known>::iterator> by_type_;
+  std::size_t octets_ = 0;
+  std::deque<Held> held_;
+  std::size_t held_octets_ = 0;
+  std::map<TypeName, Time> asked_;  ///< for types of held messages, when their definition was asked for last
+  std::uint64_t dropped_ = 0;
+};
+
+}  // namespace adhoc_communication

@@ -1,0 +1,96 @@
+#include "node/relay_options.hpp"
+
+#include <xmlrpcpp/XmlRpcValue.h>
+
+#include <array>
+#include <stdexcept>
+
+#include "node/injector.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+const std::array<const char*, 4> kPriorities = {"control", "position", "normal", "bulk"};
+
+std::string text_field(XmlRpcValue& value, const std::string& name) {
+  if (value.getType() != XmlRpcValue::TypeString)
+    throw std::invalid_argument("has a " + name + " that is not a string");
+  return static_cast<std::string>(value);
+}
+
+double number_field(XmlRpcValue& value, const std::string& name) {
+  if (value.getType() == XmlRpcValue::TypeInt) return static_cast<int>(value);
+  if (value.getType() != XmlRpcValue::TypeDouble) {
+    throw std::invalid_argument("has a " + name + " that is not a number");
+  }
+  return static_cast<double>(value);
+}
+
+bool flag_field(XmlRpcValue& value, const std::string& name) {
+  if (value.getType() != XmlRpcValue::TypeBoolean) {
+    throw std::invalid_argument("has a " + name + " that is not true or false");
+  }
+  return static_cast<bool>(value);
+}
+
+void set_field(RelayEntry& entry, const std::string& name, XmlRpcValue& value) {
+  if (name == "topic") {
+    entry.topic = text_field(value, name);
+  } else if (name == "destination") {
+    entry.destination = text_field(value, name);
+  } else if (name == "remote_topic") {
+    entry.remote_topic = text_field(value, name);
+  } else if (name == "priority") {
+    entry.priority = parse_priority(text_field(value, name));
+  } else if (name == "rate") {
+    entry.rate = number_field(value, name);
+  } else if (name == "latched") {
+    entry.latched = flag_field(value, name);
+  } else {
+    throw std::invalid_argument("has the unknown field '" + name +
+                                "' (known: topic, destination, remote_topic, priority, rate, latched)");
+  }
+}
+
+RelayEntry parse_relay(XmlRpcValue& value) {
+  if (value.getType() != XmlRpcValue::TypeStruct || !value.hasMember("topic") || !value.hasMember("destination")) {
+    throw std::invalid_argument("has an element that is not a struct with topic and destination");
+  }
+  RelayEntry entry;
+  for (auto& [name, field] : value) set_field(entry, name, field);
+  check_topics(entry);
+  return entry;
+}
+
+}  // namespace
+
+Priority parse_priority(const std::string& text) {
+  if (text.empty()) return Priority::kNormal;
+  for (std::size_t i = 0; i < kPriorities.size(); ++i) {
+    if (text == kPriorities[i]) return static_cast<Priority>(i);
+  }
+  throw std::invalid_argument("has the priority '" + text + "', which is none of control, position, normal, bulk");
+}
+
+std::string to_text(Priority priority) { return kPriorities.at(static_cast<std::size_t>(priority)); }
+
+void check_topics(const RelayEntry& entry) {
+  try {
+    local_topic("", entry.topic);
+    if (!entry.remote_topic.empty()) local_topic("", entry.remote_topic);
+  } catch (const PayloadError& error) {
+    throw std::invalid_argument("names a " + std::string(error.what()));
+  }
+}
+
+std::vector<RelayEntry> parse_relays(const XmlRpcValue& value) {
+  XmlRpcValue list(value);  // XmlRpcValue has no const iteration
+  if (list.getType() != XmlRpcValue::TypeArray) throw std::invalid_argument("is not a list");
+  std::vector<RelayEntry> entries;
+  for (int i = 0; i < list.size(); ++i) entries.push_back(parse_relay(list[i]));
+  return entries;
+}
+
+}  // namespace adhoc_communication

@@ -1,0 +1,131 @@
+// Which local topics are carried to which robots: what waits, what is sent next, who knows which definition. No ROS, no
+// thread, no clock.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adhoc_communication/types.hpp"
+#include "node/payload.hpp"
+
+namespace adhoc_communication {
+
+/// One local topic carried to one destination.
+struct RelayEntry {
+  std::string topic;
+  std::string destination;  ///< robot, mc_<robot>, or empty for a one-hop broadcast
+  Priority priority = Priority::kNormal;
+  double rate = 0.0;         ///< messages per second at most; 0: every message
+  bool latched = false;      ///< the last message is sent to a destination that appears
+  std::string remote_topic;  ///< as the receiver publishes it; empty: `topic`
+};
+
+/// A relay and what it has done.
+struct RelayReport {
+  RelayEntry entry;
+  std::string type;  ///< of the last message; empty before the first one
+  std::size_t waiting = 0;
+  std::size_t octets = 0;       ///< of the waiting messages
+  std::uint64_t delivered = 0;  ///< for a broadcast: sent
+  std::uint64_t dropped = 0;    ///< never sent: newer ones pushed them out, or the destination was not there
+  std::uint64_t failed = 0;     ///< sent without success
+  std::string last_failure;
+};
+
+/// A message's definition goes to each destination once; messages behind it name their type only. Who lacks the
+/// definition asks for it (answer()). Each relay keeps its own order and drops its oldest message when it is slower
+/// than its topic.
+class RelayTable {
+ public:
+  using Id = std::uint64_t;
+  using Message = std::shared_ptr<const SerializedMessage>;
+
+  static constexpr std::size_t kMostRelays = 64;
+  static constexpr std::size_t kMostWaiting = 16;         ///< messages of one relay
+  static constexpr std::size_t kMostOctets = 64'000'000;  ///< of all waiting and latched messages
+  static constexpr std::size_t kMostInFlight = 4;         ///< messages of one relay
+  static constexpr std::size_t kMostKnown = 4096;         ///< pairs of destination and type
+  static constexpr Time kRetry = std::chrono::seconds(1);
+
+  explicit RelayTable(std::string own_name) : own_name_(std::move(own_name)) {}
+
+  /// Throws std::invalid_argument with one sentence for an entry that cannot work, is there already, or is too many.
+  Id add(RelayEntry entry);
+  /// Every relay of that topic and destination; an empty remote topic stands for any. Returns those removed.
+  std::vector<Id> remove(const std::string& topic, const std::string& destination, const std::string& remote_topic);
+  std::vector<RelayReport> reports() const;
+
+  void offer(Id id, Message message, Time now);
+  void robot_appeared(const std::string& robot, Time now);
+  void robot_lost(const std::string& robot);
+  /// Who belongs to the own group now; newcomers are sent what is latched.
+  void group_members(const std::vector<std::string>& members, Time now);
+
+  struct Transfer {
+    std::uint64_t number = 0;
+    SendRequest request;
+  };
+  /// The next message to send; each has to be reported with finished().
+  std::optional<Transfer> next(Time now);
+  void finished(std::uint64_t number, bool delivered, const std::string& reason, Time now);
+  /// When next() may have something by the passing of time alone; Time::max() if never.
+  Time next_deadline() const;
+
+  /// The message whose definition a robot asks for, if a relay carries that type.
+  Message answer(const TypeName& type) const;
+
+ private:
+  struct Waiting {
+    Message message;
+    std::string destination;
+  };
+  struct Relay {
+    RelayEntry entry;
+    std::deque<Waiting> waiting;
+    Message last;
+    std::size_t in_flight = 0;
+    Time due{0};
+    std::uint64_t delivered = 0;
+    std::uint64_t dropped = 0;
+    std::uint64_t failed = 0;
+    std::string last_failure;
+  };
+  using Lesson = std::pair<std::string, TypeName>;  ///< a destination and a type
+  struct InFlight {
+    Id relay = 0;
+    Waiting message;
+    bool teaches = false;
+  };
+
+  void check(const RelayEntry& entry) const;
+  bool present(const std::string& destination) const;
+  bool ready(const Relay& relay) const;
+  bool make_room(Relay& relay, std::size_t octets);
+  void drop_oldest(Relay& relay);
+  void enqueue(Relay& relay, Waiting message);
+  void enqueue_last(Relay& relay, const std::string& destination, Time now);
+  void remember_last(Relay& relay, Message message);
+  Transfer start(Id id, Relay& relay, Time now);
+  void forget(const std::string& destination);
+
+  const std::string own_name_;
+  std::map<Id, Relay> relays_;
+  std::set<std::string> robots_;
+  std::set<std::string> members_;
+  std::set<Lesson> known_;
+  std::map<Lesson, std::uint64_t> teaching_;  ///< the transfer that carries the definition
+  std::map<std::uint64_t, InFlight> in_flight_;
+  std::size_t octets_ = 0;
+  Id next_id_ = 1;
+  Id last_served_ = 0;
+  std::uint64_t next_number_ = 1;
+};
+
+}  // namespace adhoc_communication

@@ -1,0 +1,170 @@
+#include "node/topic_relay.hpp"
+
+#include <ros/this_node.h>
+#include <topic_tools/shape_shifter.h>
+
+#include <chrono>
+#include <utility>
+
+#include "node/injector.hpp"
+#include "node/relay_options.hpp"
+#include "node/steady_now.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+constexpr std::uint32_t kSubscriberQueue = 256;     // emptied at once: what has to wait, waits in the table
+const char* const kDefinitionTopic = "definition";  // nobody publishes it, but a packet needs a topic
+constexpr int kMostAnswers = 16;                    ///< definitions on their way to those who asked
+
+SerializedMessage serialized(const topic_tools::ShapeShifter& shape) {
+  SerializedMessage message{shape.getDataType(), shape.getMD5Sum(), shape.getMessageDefinition(), Bytes(shape.size())};
+  ros::serialization::OStream stream(message.bytes.data(), static_cast<std::uint32_t>(message.bytes.size()));
+  shape.write(stream);
+  return message;
+}
+
+}  // namespace
+
+TopicRelay::TopicRelay(ros::NodeHandle node, std::string prefix, const std::string& own_name)
+    : node_(std::move(node)), prefix_(std::move(prefix)), table_(own_name) {}
+
+void TopicRelay::start(Send send) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    send_ = std::move(send);
+  }
+  thread_ = std::thread([this] { run(); });
+}
+
+void TopicRelay::stop() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  arrivals_.stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void TopicRelay::add(RelayEntry entry) {
+  check_topics(entry);
+  const std::string topic = local_topic(prefix_, entry.topic);
+  RelayTable::Id id = 0;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    id = table_.add(std::move(entry));
+  }
+  // Outside the lock: roscpp may deliver a message while it subscribes.
+  using Event = ros::MessageEvent<topic_tools::ShapeShifter const>;
+  ros::SubscribeOptions options;
+  options.initByFullCallbackType<const Event&>(topic, kSubscriberQueue,
+                                               [this, id](const Event& event) { take(id, event); });
+  options.callback_queue = &arrivals_;
+  const ros::Subscriber subscriber = node_.subscribe(options);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  subscribers_[id] = subscriber;
+}
+
+void TopicRelay::remove(const std::string& topic, const std::string& destination, const std::string& remote_topic) {
+  std::vector<ros::Subscriber> ended;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (const RelayTable::Id id : table_.remove(topic, destination, remote_topic)) {
+      ended.push_back(subscribers_[id]);
+      subscribers_.erase(id);
+    }
+  }
+  if (ended.empty()) throw std::invalid_argument("no relay of '" + topic + "' to '" + destination + "' exists");
+}
+
+std::vector<RelayReport> TopicRelay::reports() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return table_.reports();
+}
+
+void TopicRelay::take(RelayTable::Id id, const ros::MessageEvent<topic_tools::ShapeShifter const>& event) {
+  if (event.getPublisherName() == ros::this_node::getName()) return;
+  auto message = std::make_shared<const SerializedMessage>(serialized(*event.getConstMessage()));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  table_.offer(id, std::move(message), steady_now());
+  changed_.notify_one();
+}
+
+void TopicRelay::robot_appeared(const std::string& robot) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  table_.robot_appeared(robot, steady_now());
+  changed_.notify_one();
+}
+
+void TopicRelay::robot_lost(const std::string& robot) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  table_.robot_lost(robot);
+}
+
+void TopicRelay::group_members(const std::vector<std::string>& members) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  table_.group_members(members, steady_now());
+  changed_.notify_one();
+}
+
+/// A request that does not arrive is made again with the next message of that type.
+void TopicRelay::ask(const std::string& robot, const TypeName& type) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (stopping_ || !send_) return;
+  }
+  const SerializedMessage request{type.type, type.md5sum, {}, {}};
+  send_({robot, kDefinitionTopic, static_cast<std::uint8_t>(PayloadType::kDefinitionRequest),
+         encode_message_by_type(request), Priority::kNormal},
+        [](const Outcome&) {});
+}
+
+void TopicRelay::answer(const PacketReceived& request) {
+  SerializedMessage asked;
+  try {
+    asked = decode(request);
+  } catch (const PayloadError&) {
+    return;
+  }
+  RelayTable::Message known;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    known = table_.answer({asked.type, asked.md5sum});
+    if (!known || stopping_ || !send_ || answers_under_way_ >= kMostAnswers) return;
+  }
+  asked.definition = known->definition;
+  asked.bytes.clear();
+  ++answers_under_way_;
+  send_({request.source, request.topic, static_cast<std::uint8_t>(PayloadType::kDefinition), encode_any_message(asked),
+         Priority::kNormal},
+        [this](const Outcome&) { --answers_under_way_; });
+}
+
+void TopicRelay::send(RelayTable::Transfer transfer) {
+  send_(std::move(transfer.request), [this, number = transfer.number](const Outcome& outcome) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    table_.finished(number, outcome.succeeded, outcome.reason, steady_now());
+    changed_.notify_one();
+  });
+}
+
+void TopicRelay::run() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!stopping_) {
+    if (auto transfer = table_.next(steady_now())) {
+      lock.unlock();
+      send(std::move(*transfer));
+      lock.lock();
+      continue;
+    }
+    const Time deadline = table_.next_deadline();
+    if (deadline == Time::max()) {
+      changed_.wait(lock);
+    } else {
+      changed_.wait_until(lock, std::chrono::steady_clock::time_point(deadline));
+    }
+  }
+}
+
+}  // namespace adhoc_communication

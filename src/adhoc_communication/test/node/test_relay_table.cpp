@@ -1,0 +1,376 @@
+// What is carried when, with which definition; nothing of ROS, time is a number.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "node/relay_table.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::string kMd5sum(32, 'a');
+
+RelayTable::Message message(const std::string& octets, const std::string& type = "pkg/Type") {
+  return std::make_shared<SerializedMessage>(
+      SerializedMessage{type, kMd5sum, "float64 x", Bytes(octets.begin(), octets.end())});
+}
+
+RelayEntry to(const std::string& destination, const std::string& topic = "scan") {
+  RelayEntry entry;
+  entry.topic = topic;
+  entry.destination = destination;
+  return entry;
+}
+
+char type_of(const RelayTable::Transfer& transfer) { return static_cast<char>(transfer.request.payload_type); }
+
+/// The message in a transfer, with or without its definition.
+SerializedMessage content(const RelayTable::Transfer& transfer) {
+  PacketReceived packet;
+  packet.payload_type = transfer.request.payload_type;
+  packet.payload = transfer.request.payload;
+  return decode(packet);
+}
+
+std::string octets(const RelayTable::Transfer& transfer) {
+  const SerializedMessage sent = content(transfer);
+  return {sent.bytes.begin(), sent.bytes.end()};
+}
+
+/// Everything that can be sent now, each delivered at once.
+std::vector<std::string> deliver_all(RelayTable& table, Time now) {
+  std::vector<std::string> sent;
+  while (const auto transfer = table.next(now)) {
+    sent.push_back(octets(*transfer));
+    table.finished(transfer->number, true, "", now);
+  }
+  return sent;
+}
+
+RelayReport only_report(const RelayTable& table) {
+  const auto reports = table.reports();
+  EXPECT_EQ(reports.size(), 1u);
+  return reports.at(0);
+}
+
+TEST(RelayTable, DefinitionGoesOncePerDestinationAndType) {
+  RelayTable table("self");
+  const auto id = table.add(to("bob"));
+  table.robot_appeared("bob", 0s);
+  table.offer(id, message("1"), 0s);
+  const auto first = table.next(0s);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(type_of(*first), 'X');
+  EXPECT_EQ(content(*first).definition, "float64 x");
+  table.offer(id, message("2"), 0s);
+  EXPECT_FALSE(table.next(0s)) << "sent while it is open whether bob has the definition";
+  table.finished(first->number, true, "", 1s);
+  const auto second = table.next(1s);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(type_of(*second), 'x');
+  EXPECT_EQ(content(*second).definition, "");
+  EXPECT_EQ(octets(*second), "2");
+  table.offer(id, message("3", "pkg/Other"), 1s);
+  EXPECT_EQ(type_of(*table.next(1s)), 'X');
+}
+
+TEST(RelayTable, RelaysOfOneTypeShareTheLesson) {
+  RelayTable table("self");
+  const auto a = table.add(to("bob", "a"));
+  const auto b = table.add(to("bob", "b"));
+  table.robot_appeared("bob", 0s);
+  table.offer(a, message("1"), 0s);
+  table.offer(b, message("2"), 0s);
+  const auto first = table.next(0s);
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(table.next(0s));
+  table.finished(first->number, true, "", 0s);
+  EXPECT_EQ(type_of(*table.next(0s)), 'x');
+}
+
+TEST(RelayTable, DefinitionGoesAgainAfterAFailureALossAndARestart) {
+  RelayTable table("self");
+  const auto id = table.add(to("bob"));
+  table.robot_appeared("bob", 0s);
+  table.offer(id, message("1"), 0s);
+  const auto failed = table.next(0s);
+  table.finished(failed->number, false, "no route", 1s);
+  table.offer(id, message("2"), 1s);
+  const auto taught = table.next(1s);
+  EXPECT_EQ(type_of(*taught), 'X');
+  table.finished(taught->number, true, "", 1s);
+  table.robot_lost("bob");
+  table.robot_appeared("bob", 2s);
+  table.offer(id, message("3"), 2s);
+  EXPECT_EQ(type_of(*table.next(2s)), 'X');
+}
+
+TEST(RelayTable, DeliveryToAFormerRunTeachesNothing) {
+  RelayTable table("self");
+  const auto id = table.add(to("bob"));
+  table.robot_appeared("bob", 0s);
+  table.offer(id, message("1"), 0s);
+  const auto transfer = table.next(0s);
+  table.robot_lost("bob");
+  table.robot_appeared("bob", 0s);
+  table.finished(transfer->number, true, "", 0s);
+  table.offer(id, message("2"), 0s);
+  EXPECT_EQ(type_of(*table.next(0s)), 'X');
+}
+
+TEST(RelayTable, BroadcastCarriesItsDefinitionAlways) {
+  RelayTable table("self");
+  const auto id = table.add(to(""));
+  for (int i = 0; i < 3; ++i) {
+    table.offer(id, message("1"), 0s);
+    const auto transfer = table.next(0s);
+    ASSERT_TRUE(transfer);
+    EXPECT_EQ(type_of(*transfer), 'X');
+    table.finished(transfer->number, true, "", 0s);
+  }
+}
+
+TEST(RelayTable, SlowRelayDropsTheOldestAndCounts) {
+  RelayTable table("self");
+  const auto id = table.add(to("bob"));
+  table.robot_appeared("bob", 0s);
+  const int count = static_cast<int>(RelayTable::kMostWaiting) + 4;
+  for (int i = 0; i < count; ++i) table.offer(id, message(std::to_string(i)), 0s);
+  EXPECT_EQ(only_report(table).waiting, RelayTable::kMostWaiting);
+  EXPECT_EQ(only_report(table).dropped, 4u);
+  const auto sent = deliver_all(table, 0s);
+  ASSERT_EQ(sent.size(), RelayTable::kMostWaiting);
+  EXPECT_EQ(sent.front(), "4");
+  EXPECT_EQ(sent.back(), std::to_string(count - 1));
+  EXPECT_EQ(only_report(table).delivered, RelayTable::kMostWaiting);
+}
+
+TEST(RelayTable, OctetsAreBoundedOverAllRelays) {
+  RelayTable table("self");
+  std::vector<RelayTable::Id> ids;
+  for (const char* topic : {"a", "b", "c", "d", "e", "f", "g", "h"}) {
+    RelayEntry entry = to("bob", topic);
+    entry.latched = true;
+    ids.push_back(table.add(entry));
+  }
+  table.robot_appeared("bob", 0s);
+  const auto large = message(std::string(3'000'000, 'x'));
+  for (int round = 0; round < 10; ++round) {
+    for (const auto id : ids) table.offer(id, large, 0s);
+    std::size_t waiting = 0;
+    for (const auto& report : table.reports()) waiting += report.octets;
+    ASSERT_LE(waiting, RelayTable::kMostOctets);
+  }
+  std::uint64_t dropped = 0;
+  for (const auto& report : table.reports()) dropped += report.dropped;
+  EXPECT_GT(dropped, 0u);
+  EXPECT_FALSE(deliver_all(table, 0s).empty());
+  // All room is given back: as much fits again.
+  for (const auto& report : table.reports()) table.remove(report.entry.topic, "bob", "");
+  const auto again = table.add(to("bob", "again"));
+  table.offer(again, message(std::string(RelayTable::kMostOctets, 'x')), 1s);
+  EXPECT_EQ(only_report(table).waiting, 1u);
+}
+
+TEST(RelayTable, AtMostFourOfARelayAreOnTheWay) {
+  RelayTable table("self");
+  const auto id = table.add(to("bob"));
+  table.robot_appeared("bob", 0s);
+  table.offer(id, message("taught"), 0s);
+  deliver_all(table, 0s);
+  for (int i = 0; i < 10; ++i) table.offer(id, message("m"), 0s);
+  int started = 0;
+  while (table.next(0s)) ++started;
+  EXPECT_EQ(started, static_cast<int>(RelayTable::kMostInFlight));
+}
+
+TEST(RelayTable, OneRelayDoesNotStarveAnother) {
+  RelayTable table("self");
+  const auto a = table.add(to("bob", "a"));
+  const auto b = table.add(to("carol", "b"));
+  table.robot_appeared("bob", 0s);
+  table.robot_appeared("carol", 0s);
+  for (int i = 0; i < 5; ++i) {
+    table.offer(a, message("a"), 0s);
+    table.offer(b, message("b"), 0s);
+  }
+  const auto sent = deliver_all(table, 0s);
+  EXPECT_EQ(std::vector<std::string>(sent.begin(), sent.begin() + 4), (std::vector<std::string>{"a", "b", "a", "b"}));
+}
+
+TEST(RelayTable, RateCarriesTheNewestWhenItsTimeHasCome) {
+  RelayTable table("self");
+  RelayEntry entry = to("bob");
+  entry.rate = 2.0;
+  const auto id = table.add(entry);
+  table.robot_appeared("bob", 0s);
+  std::vector<std::string> sent;
+  for (int tick = 0; tick < 100; ++tick) {
+    const Time now = tick * 10ms;
+    table.offer(id, message(std::to_string(tick)), now);
+    for (const auto& octets : deliver_all(table, now)) sent.push_back(octets);
+  }
+  EXPECT_EQ(table.next_deadline(), 1s);
+  for (const auto& octets : deliver_all(table, 1s)) sent.push_back(octets);
+  EXPECT_EQ(sent, (std::vector<std::string>{"0", "50", "99"}));
+  EXPECT_EQ(only_report(table).dropped, 0u) << "what the rate leaves out is no loss";
+}
+
+TEST(RelayTable, ReplacedMessagesGiveTheirRoomBack) {
+  RelayTable table("self");
+  RelayEntry entry = to("bob");
+  entry.rate = 1.0;
+  const auto id = table.add(entry);
+  table.robot_appeared("bob", 0s);
+  const auto large = message(std::string(RelayTable::kMostOctets / 2, 'x'));
+  for (int i = 0; i < 10; ++i) table.offer(id, large, 0s);
+  EXPECT_EQ(only_report(table).waiting, 1u);
+  EXPECT_EQ(only_report(table).dropped, 0u);
+}
+
+TEST(RelayTable, NothingIsSentToRobotsThatAreAway) {
+  RelayTable table("self");
+  const auto id = table.add(to("bob"));
+  table.offer(id, message("1"), 0s);
+  EXPECT_FALSE(table.next(0s));
+  EXPECT_EQ(only_report(table).dropped, 1u);
+  table.robot_appeared("bob", 1s);
+  EXPECT_FALSE(table.next(1s));
+  table.offer(id, message("2"), 1s);
+  EXPECT_EQ(deliver_all(table, 1s), std::vector<std::string>{"2"});
+  table.offer(id, message("3"), 1s);
+  table.robot_lost("bob");
+  EXPECT_FALSE(table.next(2s));
+  EXPECT_EQ(only_report(table).dropped, 2u);
+}
+
+TEST(RelayTable, LatchedMessageGoesToADestinationThatAppears) {
+  RelayTable table("self");
+  RelayEntry entry = to("bob");
+  entry.latched = true;
+  const auto id = table.add(entry);
+  table.offer(id, message("old"), 0s);
+  table.offer(id, message("last"), 0s);
+  EXPECT_EQ(only_report(table).dropped, 0u);
+  table.robot_appeared("carol", 1s);
+  EXPECT_FALSE(table.next(1s));
+  table.robot_appeared("bob", 1s);
+  EXPECT_EQ(deliver_all(table, 1s), std::vector<std::string>{"last"});
+  table.robot_lost("bob");
+  table.robot_appeared("bob", 2s);
+  EXPECT_EQ(deliver_all(table, 2s), std::vector<std::string>{"last"});
+}
+
+TEST(RelayTable, LatchedMessageIsTriedAgainUntilItArrivesOrIsOutdated) {
+  RelayTable table("self");
+  RelayEntry entry = to("bob");
+  entry.latched = true;
+  const auto id = table.add(entry);
+  table.robot_appeared("bob", 0s);
+  table.offer(id, message("1"), 0s);
+  auto transfer = table.next(0s);
+  table.finished(transfer->number, false, "no route", 0s);
+  EXPECT_EQ(only_report(table).last_failure, "no route");
+  EXPECT_FALSE(table.next(0s));
+  EXPECT_EQ(table.next_deadline(), RelayTable::kRetry);
+  transfer = table.next(RelayTable::kRetry);
+  ASSERT_TRUE(transfer);
+  table.offer(id, message("2"), RelayTable::kRetry);
+  table.finished(transfer->number, false, "no route", RelayTable::kRetry);
+  EXPECT_EQ(deliver_all(table, 10s), std::vector<std::string>{"2"});
+}
+
+TEST(RelayTable, LatchedMessageOfTheOwnGroupGoesToEachNewMemberAlone) {
+  RelayTable table("self");
+  RelayEntry entry = to("mc_self");
+  entry.latched = true;
+  const auto id = table.add(entry);
+  table.offer(id, message("map"), 0s);
+  const auto to_group = table.next(0s);
+  ASSERT_TRUE(to_group);
+  EXPECT_EQ(to_group->request.destination, "mc_self");
+  table.finished(to_group->number, true, "", 0s);
+  table.group_members({"bob"}, 1s);
+  const auto to_bob = table.next(1s);
+  ASSERT_TRUE(to_bob);
+  EXPECT_EQ(to_bob->request.destination, "bob");
+  table.finished(to_bob->number, true, "", 1s);
+  table.group_members({"bob"}, 2s);
+  EXPECT_FALSE(table.next(2s));
+  table.group_members({}, 3s);
+  table.group_members({"bob"}, 4s);
+  EXPECT_TRUE(table.next(4s)) << "a member that has been away";
+}
+
+TEST(RelayTable, RequestHasTopicPriorityAndDestinationOfItsEntry) {
+  RelayTable table("self");
+  RelayEntry entry = to("bob");
+  entry.remote_topic = "/alice/scan";
+  entry.priority = Priority::kPosition;
+  const auto id = table.add(entry);
+  table.robot_appeared("bob", 0s);
+  table.offer(id, message("1"), 0s);
+  const auto transfer = table.next(0s);
+  ASSERT_TRUE(transfer);
+  EXPECT_EQ(transfer->request.topic, "/alice/scan");
+  EXPECT_EQ(transfer->request.priority, Priority::kPosition);
+  EXPECT_EQ(transfer->request.destination, "bob");
+}
+
+TEST(RelayTable, AnswersWhoLacksADefinition) {
+  RelayTable table("self");
+  const auto id = table.add(to("bob"));
+  EXPECT_EQ(table.answer({"pkg/Type", kMd5sum}), nullptr);
+  table.offer(id, message("1"), 0s);
+  ASSERT_NE(table.answer({"pkg/Type", kMd5sum}), nullptr);
+  EXPECT_EQ(table.answer({"pkg/Type", kMd5sum})->definition, "float64 x");
+  EXPECT_EQ(table.answer({"pkg/Type", std::string(32, 'b')}), nullptr);
+  EXPECT_EQ(table.answer({"pkg/Other", kMd5sum}), nullptr);
+}
+
+std::string refusal(RelayTable& table, const RelayEntry& entry) {
+  try {
+    table.add(entry);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RelayTable, RefusesWithASentence) {
+  RelayTable table("self");
+  EXPECT_EQ(refusal(table, to("self")), "relay of 'scan' to 'self' goes to this robot itself");
+  RelayEntry fast = to("bob");
+  for (const double rate : {-1.0, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
+    fast.rate = rate;
+    EXPECT_EQ(refusal(table, fast), "relay of 'scan' to 'bob' has a rate outside 0 .. 1000 messages per second");
+  }
+  EXPECT_EQ(refusal(table, to("bob")), "");
+  EXPECT_EQ(refusal(table, to("bob")), "relay of 'scan' to 'bob' exists already: remove it first to change it");
+  for (std::size_t i = 1; i < RelayTable::kMostRelays; ++i) EXPECT_EQ(refusal(table, to("r" + std::to_string(i))), "");
+  EXPECT_EQ(refusal(table, to("one_more")), "relay of 'scan' to 'one_more' would be one more than the 64 allowed");
+}
+
+TEST(RelayTable, RemovedRelayIsForgottenEvenWithAMessageOnItsWay) {
+  RelayTable table("self");
+  const auto id = table.add(to("bob"));
+  table.robot_appeared("bob", 0s);
+  table.offer(id, message("1"), 0s);
+  const auto transfer = table.next(0s);
+  table.offer(id, message("2"), 0s);
+  EXPECT_TRUE(table.remove("scan", "carol", "").empty());
+  EXPECT_TRUE(table.remove("scan", "bob", "other").empty());
+  EXPECT_EQ(table.remove("scan", "bob", ""), std::vector<RelayTable::Id>{id});
+  table.finished(transfer->number, true, "", 1s);
+  table.offer(id, message("3"), 1s);
+  EXPECT_FALSE(table.next(1s));
+  EXPECT_TRUE(table.reports().empty());
+  EXPECT_EQ(table.next_deadline(), Time::max());
+}
+
+}  // namespace
+}  // namespace adhoc_communication
