@@ -8,6 +8,12 @@ namespace adhoc_communication {
 
 using transport::PacketKind;
 
+namespace {
+
+const std::string kUnknown = "an unknown robot";
+
+}  // namespace
+
 SendId Engine::Implementation::send_control(const std::string& destination, PacketKind kind, const std::string& group,
                                             Bytes payload, Purpose purpose, Time now) {
   const transport::Image image = transport::encode({kind, 0, group, {}, std::move(payload)});
@@ -186,7 +192,7 @@ void Engine::Implementation::on_copy(const std::string& source, const transport:
 void Engine::Implementation::finish_group_members(Time now) {
   for (const multicast::MemberEnd& end : distributor_.take_ends()) {
     const routing::Robot* robot = directory_.find(end.member);
-    const std::string name = name_of(end.member);
+    const std::string name = name_of(end.member).value_or(kUnknown);
     const auto fan_out = groups_.fan_outs.find(end.id);
     if (end.by_copy && robot != nullptr && fan_out != groups_.fan_outs.end()) {
       send_copy(name, multicast::HeldPacket(fan_out->second.packet), Purpose::kFanOut, end.id, now);
@@ -281,18 +287,14 @@ GroupState Engine::Implementation::group_state(const std::string& group) const {
   state.activated = state.connected = on_tree || (wanted && found->second.joined);
   const routing::Route* route = address ? router_.route_to(*address, now_) : nullptr;
   if (on_tree) {
-    for (const auto& [child, members] : tree->second.children) state.downlinks.push_back(name_of(child));
+    for (const auto& [child, members] : tree->second.children)
+      state.downlinks.push_back(name_of(child).value_or(kUnknown));
   }
   if (!on_tree && route == nullptr) return state;
   const std::string hops = std::to_string(route == nullptr ? 1 : route->hops);
-  state.route_uplink = "Next hop:" + name_of(on_tree ? *tree->second.upstream : route->next_hop) + " RD:" + hops +
-                       " HOBS:" + hops + " CH:" + hops;
+  state.route_uplink = "Next hop:" + name_of(on_tree ? *tree->second.upstream : route->next_hop).value_or(kUnknown) +
+                       " RD:" + hops + " HOBS:" + hops + " CH:" + hops;
   return state;
-}
-
-std::string Engine::Implementation::name_of(const MacAddress& robot) const {
-  const routing::Robot* known = directory_.find(robot);
-  return known == nullptr ? "a robot without name" : known->name;
 }
 
 }  // namespace adhoc_communication

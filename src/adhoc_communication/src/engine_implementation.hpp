@@ -160,7 +160,6 @@ class Engine::Implementation : private Outbox {
   void start_leave(const std::string& group, Time now);
   void member_lost(const std::string& member, Time now);
   void member_returned(const std::string& member, Time now);
-  std::string name_of(const MacAddress& robot) const;
   void start_join(const std::string& group, Time now);
   void finish_membership(const Sending& sending, bool delivered, const std::string& reason, Time now);
   void on_group_packet(const std::string& source, const transport::Packet& packet, Time now);
