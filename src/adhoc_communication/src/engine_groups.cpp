@@ -205,7 +205,10 @@ void Engine::Implementation::finish_group_members(Time now) {
 void Engine::Implementation::take_group_packets(Time now) {
   for (const multicast::Arrived& arrived : distributor_.take_arrived()) {
     const routing::Robot* robot = directory_.find(arrived.root);
-    if (robot != nullptr) deliver_packet(std::string(robot->name), arrived.image, arrived.hops, now);
+    const auto membership =
+        robot == nullptr ? groups_.memberships.end() : groups_.memberships.find(multicast::group_of(robot->name));
+    if (membership != groups_.memberships.end())
+      deliver_packet(std::string(robot->name), arrived.image, arrived.hops, now);
   }
 }
 

@@ -185,7 +185,7 @@ void Distributor::deliver(const MacAddress& root, GroupStream& stream) {
   for (;;) {
     const auto found = stream.transfers.find(stream.next);
     if (found == stream.transfers.end() || !found->second.packet->complete()) return;
-    if (trees_.at(root).member) arrived_.push_back({root, found->second.packet->image(), found->second.hops});
+    arrived_.push_back({root, found->second.packet->image(), found->second.hops});
     ++stream.next;
   }
 }
@@ -240,11 +240,18 @@ void Distributor::disown(const MacAddress& from, const wire::GroupData& question
   outbox_.unicast(from, FrameType::kGroupReport, to_bytes(report));
 }
 
+/// This robot has not only got the packet but delivered it in its turn, and so have all behind it.
+bool Distributor::settled(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
+                          const Transfer& transfer) const {
+  return transfer.packet->complete() && before(number, branches_.at(root).streams[stream].next) &&
+         transfer.to_children->done() && tree.unrouted.empty();
+}
+
 /// Once this robot and all behind it have the packet, upstream hears of it reliably.
 void Distributor::tell_complete(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
                                 Transfer& transfer) {
   if (is_root(root) || !tree.upstream) return;
-  if (!transfer.packet->complete() || !transfer.to_children->done() || !tree.unrouted.empty()) return;
+  if (!settled(root, tree, stream, number, transfer)) return;
   const std::pair state(tree.epoch, tree.own_coverage(self_.address));
   if (transfer.told == state) return;
   transfer.told = state;
@@ -264,7 +271,7 @@ void Distributor::report(const MacAddress& root, const Tree& tree, std::uint8_t 
   report.packet = number;
   report.epoch = tree.epoch;
   report.round = transfer.round;
-  report.complete = transfer.packet->complete() && transfer.to_children->done() && tree.unrouted.empty();
+  report.complete = settled(root, tree, stream, number, transfer);
   report.coverage = tree.own_coverage(self_.address);
   report.measured_counter = branch.measured_counter;
   report.spacing_ns = static_cast<std::uint32_t>(std::min<Time::rep>(branch.spacing.count(), UINT32_MAX));

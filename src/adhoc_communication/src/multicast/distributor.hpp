@@ -21,7 +21,7 @@
 
 namespace adhoc_communication::multicast {
 
-/// A packet that has arrived for this robot.
+/// A packet that has arrived here, be it to be passed on only: a member may get its packets as a relay of others.
 struct Arrived {
   MacAddress root{};
   Bytes image;
@@ -130,6 +130,8 @@ class Distributor {
   void erase_transfer(GroupStream& stream, std::map<std::uint32_t, Transfer>::iterator transfer);
   void pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base);
   void deliver(const MacAddress& root, GroupStream& stream);
+  bool settled(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
+               const Transfer& transfer) const;
   void tell_complete(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
                      Transfer& transfer);
   void disown(const MacAddress& from, const wire::GroupData& question);
