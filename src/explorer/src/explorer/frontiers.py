@@ -190,10 +190,6 @@ class ForeignFrontiers:
     def remove(self, key: Key) -> None:
         self._points.get(key[0], {}).pop(key[1], None)
 
-    def forget(self, robot: str) -> None:
-        self._points.pop(robot, None)
-        self._transforms.pop(robot, None)
-
     def set_transform(self, robot: str, transform: Optional[np.ndarray]) -> None:
         """`transform`: (2, 3) array from the robot's map frame to the own one in metres; None: not known."""
         if transform is None:

@@ -95,7 +95,6 @@ class TravelGrid:
         allowed = free & (self.clearance >= radius)
         self.factor = self._factor_for(int(np.count_nonzero(allowed)), cell)
         self.info = self._coarse_info()
-        self.fine_allowed = allowed
         coarse_clearance = self._pool(np.where(allowed, self.clearance, -1.0))
         self.traversable = coarse_clearance >= 0
         self.coarse_clearance = coarse_clearance
