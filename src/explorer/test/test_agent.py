@@ -505,6 +505,19 @@ def test_a_claimed_cluster_is_left_alone_and_released(strategy: int) -> None:
         assert bench.goals(), release
 
 
+@pytest.mark.parametrize("strategy", [1, 7])
+def test_no_auction_after_auction_while_all_clusters_are_claimed(strategy: int) -> None:
+    """An idle robot flooded the air: answers at once closed its auction, and in the same moment it opened the next."""
+    bench = claimed_right(strategy)
+    answered = set()
+    for _ in range(200):
+        for auction in [a for a in bench.auctions() if a.start and a.auction_id not in answered]:
+            answered.add(auction.auction_id)
+            bench.agent.on_auction(reply(auction, "robot_1", [0.5] * len(auction.requested)), bench.now)
+        bench.run(0.02, step=0.02)
+    assert not bench.goals() and 2 <= len(answered) <= 5, "four seconds, one auction each second"
+
+
 def test_two_robots_that_chose_the_same_cluster_settle_it() -> None:
     """The lower bid keeps it; with equal bids the lesser name."""
     for bid, keeps in ((0.0, False), (500.0, True)):

@@ -575,9 +575,11 @@ class ExplorerAgent:
         current = self._current(ready)
         if current is not None:
             self._drive_in(current, now)
-        elif self._auction is None and ready:
-            self._need_cluster(ready, now)
-        elif not ready and self._goal_is_over(now):
+        elif ready:
+            # When every cluster is claimed an auction leads to nothing, however often it is held.
+            if self._auction is None and now - self._auction_time >= RETRY_PERIOD:
+                self._need_cluster(ready, now)
+        elif self._goal_is_over(now):
             self._drop_goal()
 
     def _select_negotiated(self, ready: List[Cluster], now: float) -> None:
