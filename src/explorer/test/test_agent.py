@@ -43,8 +43,8 @@ def corridor(left: bool = True, right: bool = True) -> Any:
 class Bench:
     """An agent with a clock: keeps the effects, accepts goals, does not move by itself."""
 
-    def __init__(self, strategy: int = 7, **options: Any) -> None:
-        self.agent = ExplorerAgent(Options(frontier_selection=strategy, robot_name="robot_0", **options))
+    def __init__(self, strategy: int = 7, robot_name: str = "robot_0", **options: Any) -> None:
+        self.agent = ExplorerAgent(Options(frontier_selection=strategy, robot_name=robot_name, **options))
         self.now = 100.0
         self.effects: List[Any] = []
         self.pose = Pose(0.5, 0.0, 0.0)
@@ -334,6 +334,17 @@ def test_home_is_tried_five_times() -> None:
     assert bench.agent.state == State.FINISHED and "away from home" in bench.agent.text
 
 
+@pytest.mark.parametrize("log_path, masks", [("", []), ("/somewhere", [12, 3])])
+def test_maps_are_logged_only_where_logs_are_written(log_path: str, masks: List[int]) -> None:
+    """Without a log path map_merger refused the call, and the node warned of it every 30 s."""
+    bench = Bench(7, log_path=log_path).map(corridor())
+    bench.run(10.4)
+    bench.map(closed())
+    bench.run(8.0)
+    assert bench.agent.finished_at is not None
+    assert [effect.mask for effect in bench.effects if isinstance(effect, LogOutput)] == masks
+
+
 def test_stays_where_it_is_if_so_wished() -> None:
     bench = Bench(7, return_home=False).map(closed())
     bench.place(3.0, 0.0)
@@ -577,6 +588,34 @@ def test_negotiated_clusters_are_left_to_the_other() -> None:
     assert chosen_side(bench) == -1.0
     chosen = [e for e in bench.effects if isinstance(e, SendFrontiers) and e.topic == "negotiation_list"]
     assert len(chosen) == 1 and all(e.x < 0 for e in chosen[0].elements)
+
+
+def test_a_negotiated_cluster_stays_with_the_robot_that_explores_it() -> None:
+    """The choice was told once: after `claim_timeout` another robot took the cluster while the first was in it."""
+    first = Bench(5, progress_timeout=1000.0).map(corridor(left=False)).join("robot_1", position=(-3.0, 0.0))
+    first.run(1.0)
+    second = Bench(5, "robot_1", claim_timeout=30.0).map(corridor(left=False)).join("robot_0", position=(0.5, 0.0))
+    told = 0
+    for _ in range(120):
+        lists = [e for e in first.effects if isinstance(e, SendFrontiers) and e.topic == "negotiation_list"]
+        for message in lists[told:]:
+            second.agent.on_negotiation_list(message.elements, second.now)
+        told = len(lists)
+        first.run(1.0)
+        second.run(1.0)
+    assert first.goals() and not second.goals()
+    assert told <= 120 / 8 + 2, "confirmed now and then, not all the time"
+
+
+def test_a_negotiated_cluster_that_was_given_up_is_no_longer_claimed() -> None:
+    bench = Bench(5, number_unreachable_for_cluster=1, finish_delay=600.0)
+    bench.map(corridor(left=False)).join("robot_1", position=(-3.0, 0.0))
+    bench.run(1.0)
+    assert bench.agent.goal is not None
+    bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "no way", bench.now)
+    bench.run(2.0)
+    lists = [e for e in bench.run(20.0) if isinstance(e, SendFrontiers) and e.topic == "negotiation_list"]
+    assert bench.agent.unreachable_count() > 0 and not lists
 
 
 def test_traces_of_a_robot_in_the_only_door_do_not_end_the_mission() -> None:

@@ -45,7 +45,7 @@ from explorer.travel import CostField, TravelGrid
 from explorer.views import Views, sees
 
 COORDINATED = (1, 7)
-BY_CLUSTER = (1, 5, 6, 7)
+NEGOTIATED = (5, 6)
 
 REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
 REPLAN_DISTANCE = 0.3  # m of motion that makes them old
@@ -57,6 +57,7 @@ PATIENCE = 4.0  # s after which a cluster that nobody claims is taken by a robot
 RETRY_PERIOD = 1.0  # s between two auctions while the robot waits
 TRANSFORM_PERIOD = 5.0  # s after which a transform is asked for again
 LOG_PERIOD = 10.0  # s, contract 3.8
+LOG_MAPS, LOG_MAPS_AT_END = 12, 3  # masks of map_merger's logOutput, contract 3.2
 ARRIVED_DISTANCE = 0.45  # m, the goal is close enough to look
 LOOK_TIME = 1.5  # s that the map needs to show what was looked at
 TOLD_TIME = 8.0  # s that the merged map needs to show what another robot has explored
@@ -540,7 +541,7 @@ class ExplorerAgent:
             self._select_continuous(ready, now)
         elif strategy == 1:
             self._select_auctioned(ready, now)
-        elif strategy in BY_CLUSTER:
+        elif strategy in NEGOTIATED:
             self._select_negotiated(ready, now)
         else:
             self._select_frontier(now)
@@ -597,11 +598,15 @@ class ExplorerAgent:
             current = next((cluster for cluster in order if not self._is_announced(cluster, now)), None)
             if current is not None:
                 self._cluster = current.number
-                self._outbox.append(SendFrontiers("negotiation_list", self._elements(current.members)))
+                self._announce_negotiated(current, now)
         if current is not None:
             self._drive_in(current, now)
         elif self._goal_is_over(now):
             self._drop_goal()
+
+    def _announce_negotiated(self, cluster: Cluster, now: float) -> None:
+        self._confirm_time = now
+        self._outbox.append(SendFrontiers("negotiation_list", self._elements(cluster.members)))
 
     def _is_announced(self, cluster: Cluster, now: float) -> bool:
         """Contract 3.6: refused if 10 % of its elements are in a received list and none of it is in the own."""
@@ -873,9 +878,15 @@ class ExplorerAgent:
 
     def _confirm_claim(self, now: float) -> None:
         """Tells the others when the own cluster is another one than they know, and now and then that it still is."""
-        if self.options.frontier_selection not in COORDINATED or not self.team.known() or self._auction is not None:
+        if not self.team.known() or self._auction is not None:
             return
         own = next((c for c in self.clusters.clusters if c.number == self._cluster), None)
+        if self.options.frontier_selection in COORDINATED:
+            self._confirm_auctioned(own, now)
+        elif own is not None and own.reachable and now - self._confirm_time >= CONFIRM_PERIOD:
+            self._announce_negotiated(own, now)
+
+    def _confirm_auctioned(self, own: Optional[Cluster], now: float) -> None:
         elements = set(elements_of(own, self.name)) if own is not None else set()
         kept = len(elements & set(self._claimed))
         changed = (kept * 2 < len(elements)) or (not elements and bool(self._claimed))
@@ -987,7 +998,7 @@ class ExplorerAgent:
             self._announce(now, self._auction_counter)
         self._note(f"exploration finished after {now - self.started_at:.1f} s")
         self._write_exploration_log(now, complete=True)
-        self._outbox.append(LogOutput(3))
+        self._log_maps(LOG_MAPS_AT_END)
         self._return_home(now)
 
     def _return_home(self, now: float) -> None:
@@ -1066,7 +1077,12 @@ class ExplorerAgent:
         }
         self._outbox.append(WriteLog("periodical.log", logs.periodical_line(values), append=True))
         self._write_exploration_log(now, complete=False)
-        self._outbox.append(LogOutput(12))
+        self._log_maps(LOG_MAPS)
+
+    def _log_maps(self, mask: int) -> None:
+        """Without log files here there are none of map_merger either: it refuses the call, which is no failure."""
+        if self.options.log_path:
+            self._outbox.append(LogOutput(mask))
 
     def _write_exploration_log(self, now: float, complete: bool) -> None:
         assert self.started_at is not None
