@@ -41,12 +41,13 @@ def corridor(left: bool = True, right: bool = True) -> Any:
 
 
 class Bench:
-    """An agent with a clock: keeps the effects, accepts goals, does not move by itself."""
+    """An agent with a clock: keeps the effects, accepts goals unless it is deaf, does not move by itself."""
 
     def __init__(self, strategy: int = 7, robot_name: str = "robot_0", **options: Any) -> None:
         self.agent = ExplorerAgent(Options(frontier_selection=strategy, robot_name=robot_name, **options))
         self.now = 100.0
         self.effects: List[Any] = []
+        self.deaf = False
         self.pose = Pose(0.5, 0.0, 0.0)
         self.agent.start(self.now)
 
@@ -67,7 +68,7 @@ class Bench:
     def tick(self) -> List[Any]:
         effects = self.agent.tick(self.now)
         for effect in effects:
-            if isinstance(effect, SetGoal):
+            if isinstance(effect, SetGoal) and not self.deaf:
                 self.agent.on_goal_accepted(effect.goal_id, self.now)
         self.effects += effects
         return effects
@@ -215,6 +216,30 @@ def test_goal_that_is_not_accepted_is_sent_again() -> None:
     assert again[0].goal_id != first[0].goal_id
 
 
+def test_goals_that_are_never_accepted_fail_in_the_end() -> None:
+    """They were sent again for ever: the robot held its cluster and counted no failure."""
+    bench = Bench(7, wait_for_planner_result=2, number_unreachable_for_cluster=1).map(corridor(left=False))
+    bench.deaf = True
+    bench.run(9.8)
+    assert len(bench.goals()) == 5 and bench.agent.counters.goals_failed == 0
+    bench.run(1.0)
+    assert bench.agent.counters.goals_failed == 1 and any(isinstance(e, CancelGoal) for e in bench.effects)
+    bench.run(60.0)
+    assert bench.agent.state == State.FINISHED
+
+
+def test_goals_that_are_replaced_before_they_are_accepted_do_not_fail() -> None:
+    """A slow move_base accepts each goal, but only when the next one is on its way."""
+    bench = Bench(7, wait_for_planner_result=1).map(corridor())
+    bench.deaf = True
+    for side in range(60):
+        bench.map(corridor(left=side % 2 == 0, right=side % 2 == 1))
+        bench.run(0.4)
+        for goal in bench.goals()[:-1]:
+            bench.agent.on_goal_accepted(goal.goal_id, bench.now)
+    assert len(bench.goals()) > 40 and bench.agent.counters.goals_failed == 0
+
+
 def test_no_progress_fails_the_goal() -> None:
     bench = Bench(3, progress_timeout=10.0).map(corridor())
     bench.run(9.0)
@@ -343,6 +368,17 @@ def test_maps_are_logged_only_where_logs_are_written(log_path: str, masks: List[
     bench.run(8.0)
     assert bench.agent.finished_at is not None
     assert [effect.mask for effect in bench.effects if isinstance(effect, LogOutput)] == masks
+
+
+def test_home_is_tried_five_times_when_no_goal_is_accepted() -> None:
+    """The way home never ended: the state stayed RETURNING."""
+    bench = Bench(7, home_pose=(3.0, 0.0, 0.0), wait_for_planner_result=1).map(closed())
+    bench.deaf = True
+    bench.run(7.0)
+    assert bench.agent.state == State.RETURNING
+    bench.run(60.0)
+    assert bench.agent.state == State.FINISHED and "away from home" in bench.agent.text
+    assert len(bench.goals()) == 5 * 5
 
 
 def test_stays_where_it_is_if_so_wished() -> None:

@@ -68,6 +68,7 @@ WORTH_A_LOOK = 4  # frontier points without a viewpoint that are worth a closer 
 CLOSER_LOOKS = 20  # such looks in a mission
 LOOKS = 2  # times a frontier is looked at before it counts as visited
 REVIVALS = 3  # times a frontier that was given up is tried anew
+GOAL_TRIES = 5  # times a goal is sent before it counts as failed because move_base does not accept it
 HOME_ATTEMPTS = 5  # contract 3.3
 HOME_DISTANCE = 0.4  # m
 
@@ -132,6 +133,7 @@ class ExplorerAgent:
         self._random = np.random.default_rng(options.seed)
         self._outbox: List[Effect] = []
         self._goal_counter = 0
+        self._awaited_since = -math.inf  # since when move_base has accepted none of the goals sent
         self._auction: Optional[OpenAuction] = None
         self._auction_counter = first_auction_id(self.name, options.robot_number, options.simulation)
         self._foreign_auctions: Dict[str, float] = {}
@@ -258,6 +260,7 @@ class ExplorerAgent:
             self._take_claim(auction, now)
 
     def on_goal_accepted(self, goal_id: int, now: float) -> None:
+        self._awaited_since = now
         if self.goal is not None and self.goal.goal_id == goal_id:
             self.goal.accepted = True
 
@@ -438,8 +441,7 @@ class ExplorerAgent:
         if goal is None or pose is None:
             return
         if not goal.accepted and now - goal.sent > self.options.wait_for_planner_result:
-            self._note("move_base does not accept the goal; it is sent again", warning=True)
-            self._send_goal(goal.pose, now, goal.frontier, goal.cluster)
+            self._send_again(goal, now)
             return
         if math.hypot(pose.x - goal.progress_place[0], pose.y - goal.progress_place[1]) > 0.3:
             goal.progress_place, goal.progress_time = (pose.x, pose.y), now
@@ -450,6 +452,15 @@ class ExplorerAgent:
         elif goal.frontier is not None and _apart(pose, goal.pose) <= ARRIVED_DISTANCE:
             self._look(goal, now)
             self._dirty = True
+
+    def _send_again(self, goal: Goal, now: float) -> None:
+        if now - self._awaited_since <= GOAL_TRIES * self.options.wait_for_planner_result:
+            self._note("move_base does not accept the goal; it is sent again", warning=True)
+            self._send_goal(goal.pose, now, goal.frontier, goal.cluster)
+            return
+        self._drop_goal()
+        self._fail(goal, f"move_base has not accepted it in {GOAL_TRIES} tries", now)
+        self._dirty = True
 
     def _target_ready(self, goal: Goal, now: float) -> bool:
         frontier = self.frontiers.frontiers.get(goal.frontier) if goal.frontier is not None else None
@@ -522,6 +533,8 @@ class ExplorerAgent:
 
     def _send_goal(self, pose: Pose, now: float, frontier: Optional[int], cluster: Optional[int]) -> None:
         assert self.pose is not None
+        if self.goal is None or self.goal.accepted:
+            self._awaited_since = now
         self._goal_counter += 1
         self.counters.goals += 1
         place = (self.pose.x, self.pose.y)
