@@ -16,6 +16,7 @@ from explorer.messages import (
     Bid,
     CancelGoal,
     LogOutput,
+    Note,
     Pose,
     SendAuction,
     SendFrontiers,
@@ -264,8 +265,9 @@ def test_results_of_former_goals_and_of_others_are_harmless() -> None:
 def test_bad_poses_are_ignored() -> None:
     bench = Bench(3).map(corridor())
     bench.run(1.0)
-    bench.agent.on_pose(Pose(float("nan"), 0.0, 0.0), bench.now)
-    assert bench.agent.pose == bench.pose
+    for pose in (Pose(float("nan"), 0.0, 0.0), Pose(0.0, 1e308, 0.0), Pose(0.0, 0.0, float("inf"))):
+        bench.agent.on_pose(pose, bench.now)
+        assert bench.agent.pose == bench.pose
 
 
 # ---- the end --------------------------------------------------------------------------------------------------------
@@ -591,6 +593,49 @@ def test_forged_and_huge_messages_are_bounded() -> None:
     bench.run(1.0)
     assert len(bench.agent.team.known()) <= 100
     assert bench.agent.foreign.count() == 0
+
+
+IMPOSSIBLE = [1e308, -1.7e308, 3e5, float("inf"), float("nan")]
+
+
+def complaints(bench: Bench) -> List[str]:
+    return [effect.text for effect in bench.effects if isinstance(effect, Note) and effect.warning]
+
+
+@pytest.mark.parametrize("value", IMPOSSIBLE)
+def test_positions_that_cannot_be_do_not_end_the_node(value: float) -> None:
+    """Finite but huge ones ended it: they have no cell."""
+    bench = Bench(7).map(corridor()).join("robot_1", "robot_2", position=(-3.0, 0.0))
+    for _ in range(20):
+        bench.agent.on_positions({"robot_1": (value, 0.0), "robot_2": (0.5, -value)}, bench.now)
+        bench.map(corridor())
+        bench.run(0.4)
+    assert bench.goals() and bench.agent.team.positions(bench.now)["robot_1"] == (-3.0, 0.0)
+    assert len(complaints(bench)) == 1 and "robot_1, robot_2" in complaints(bench)[0]
+
+
+@pytest.mark.parametrize("value", IMPOSSIBLE)
+@pytest.mark.parametrize("strategy", [1, 5, 7])
+def test_frontiers_and_transforms_that_cannot_be_do_not_end_the_node(strategy: int, value: float) -> None:
+    bench = Bench(strategy).map(corridor()).join("robot_1", "robot_2", position=(-3.0, 0.0))
+    bench.agent.on_transform("robot_2", np.array([[1.0, 0.0, value], [0.0, 1.0, 0.0]]), bench.now)
+    for robot, x in (("robot_1", value), ("robot_2", 3.9)):
+        elements = [Element(robot, number, x, 0.1 * number) for number in range(5)]
+        claim = Auction(robot, 10001, True, finished=True, occupied=tuple(e.key for e in elements))
+        bench.agent.on_frontiers(elements, bench.now)
+        bench.agent.on_visited_frontiers(elements[:1], bench.now)
+        bench.agent.on_negotiation_list(elements, bench.now)
+        bench.agent.on_auction(claim, bench.now)
+    bench.run(2.0)
+    assert bench.goals() and len(complaints(bench)) == 2
+
+
+@pytest.mark.parametrize("value", IMPOSSIBLE)
+def test_bids_that_cannot_be_do_not_end_the_node(value: float) -> None:
+    bench, start = opened(7)
+    bench.agent.on_auction(reply(start, "robot_1", [value, 1.0]), bench.now)
+    bench.run(2.0)
+    assert bench.goals()
 
 
 def test_only_new_frontiers_are_sent() -> None:

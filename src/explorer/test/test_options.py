@@ -72,6 +72,7 @@ def test_every_parameter_arrives() -> None:
         ({"wait_for_planner_result": 0}, "~wait_for_planner_result"),
         ({"home_pose": [1, 2]}, "x, y, yaw"),
         ({"home_pose": [1, 2, "north"]}, "x, y, yaw"),
+        ({"home_pose": [1e308, 2, 0]}, "within 100000 m"),
         ({"robot_name": "a b"}, "robot name 'a b'"),
         ({"robot_prefix": "/robot_1"}, "must carry the robot's number"),
         ({"robot_prefix": "/robot_1", "move_base_frame": "/robot_2/map"}, "belongs to robot_2"),

@@ -21,7 +21,7 @@ from explorer.assignment import cost_matrix, squared_euclidean
 from explorer.auction import OpenAuction, closing_message, elements_of, first_auction_id, reply_message
 from explorer.clusters import Cluster, ClusterStore, match, places_of, share_listed
 from explorer.frontiers import Element, ForeignFrontiers, Frontier, FrontierStore, Key, frontier_cells
-from explorer.grid import OccupancyMap
+from explorer.grid import FARTHEST, OccupancyMap, is_place
 from explorer.messages import (
     FAILED,
     REACHED,
@@ -132,6 +132,7 @@ class ExplorerAgent:
         self.revision = 0
         self._random = np.random.default_rng(options.seed)
         self._outbox: List[Effect] = []
+        self._complaints: Set[str] = set()
         self._goal_counter = 0
         self._awaited_since = -math.inf  # since when move_base has accepted none of the goals sent
         self._auction: Optional[OpenAuction] = None
@@ -194,7 +195,8 @@ class ExplorerAgent:
 
     def on_pose(self, pose: Pose, now: float) -> None:
         """Pose of the robot in its map frame."""
-        if not all(math.isfinite(value) for value in (pose.x, pose.y, pose.yaw)):
+        if not is_place(pose.x, pose.y, pose.yaw):
+            self._complain("poses", f"({pose.x:g}, {pose.y:g}, {pose.yaw:g}): check tf")
             return
         if self.pose is not None:
             step = math.hypot(pose.x - self.pose.x, pose.y - self.pose.y)
@@ -208,7 +210,11 @@ class ExplorerAgent:
 
     def on_positions(self, positions: Mapping[str, Tuple[float, float]], now: float) -> None:
         """Positions of other robots in metres in the own map frame (map_merger's `all_positions`)."""
-        self.team.set_positions({name: place for name, place in positions.items() if name != self.name}, now)
+        usable = {name: place for name, place in positions.items() if is_place(*place)}
+        strange = sorted(set(positions) - set(usable))
+        if strange:
+            self._complain("positions", f"of {', '.join(strange[:5])}: check map_merger there")
+        self.team.set_positions({name: place for name, place in usable.items() if name != self.name}, now)
 
     def on_robots(self, names: Sequence[str], now: float) -> None:
         """All robots that the radio reaches now."""
@@ -221,18 +227,18 @@ class ExplorerAgent:
 
     def on_transform(self, robot: str, transform: Optional[np.ndarray], now: float) -> None:
         """(2, 3) transform from a robot's map frame to the own one, or None while there is none."""
+        if transform is not None and not is_place(*transform.ravel()):
+            self._complain("transforms", f"from the frame of {robot}: check map_merger")
+            transform = None
         self.foreign.set_transform(robot, transform)
 
     def on_frontiers(self, elements: Sequence[Element], now: float) -> None:
-        for element in elements:
-            if self._is_foreign(element):
-                self.foreign.add(element)
+        for element in self._foreign_ones(elements):
+            self.foreign.add(element)
 
     def on_visited_frontiers(self, elements: Sequence[Element], now: float) -> None:
         """Points that another robot has explored: own points there are not goals until the map had time to show it."""
-        for element in elements:
-            if not self._is_foreign(element):
-                continue
+        for element in self._foreign_ones(elements):
             self.foreign.remove(element.key)
             place = self.foreign.to_own_frame(element)
             if place is not None:
@@ -241,7 +247,7 @@ class ExplorerAgent:
 
     def on_negotiation_list(self, elements: Sequence[Element], now: float) -> None:
         """The cluster that another robot has chosen (strategies 5 and 6)."""
-        chosen = [element for element in elements if self._is_foreign(element)]
+        chosen = self._foreign_ones(elements[:5000])
         self.on_frontiers(chosen, now)
         for robot in sorted({element.detected_by for element in chosen}):
             self.team.heard(robot)
@@ -931,13 +937,15 @@ class ExplorerAgent:
     def _elements(self, frontiers: Sequence[Frontier]) -> Tuple[Element, ...]:
         return tuple(Element(self.name, f.number, f.x, f.y) for f in frontiers)
 
-    def _is_foreign(self, element: Element) -> bool:
-        return (
-            element.detected_by != self.name
-            and self.team.peer(element.detected_by) is not None
-            and math.isfinite(element.x)
-            and math.isfinite(element.y)
-        )
+    def _foreign_ones(self, elements: Sequence[Element]) -> List[Element]:
+        """Those of robots that are known, at places that can be."""
+        usable = []
+        for element in elements:
+            if not is_place(element.x, element.y):
+                self._complain("frontiers", f"of {element.detected_by}: check its explorer")
+            elif element.detected_by != self.name and self.team.peer(element.detected_by) is not None:
+                usable.append(element)
+        return usable
 
     def _ask_transforms(self, now: float) -> None:
         for robot in self.foreign.robots():
@@ -1054,6 +1062,12 @@ class ExplorerAgent:
 
     def _note(self, text: str, warning: bool = False) -> None:
         self._outbox.append(Note(text, warning))
+
+    def _complain(self, what: str, text: str) -> None:
+        """One line for each kind of input with coordinates that cannot be, however often it comes."""
+        if what not in self._complaints:
+            self._complaints.add(what)
+            self._note(f"{what} that are no numbers or farther than {FARTHEST:g} m are ignored, {text}", warning=True)
 
     def exploration_time(self, now: float) -> float:
         """Seconds from the start of the mission, fixed once finished (T_r)."""

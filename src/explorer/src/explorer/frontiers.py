@@ -7,7 +7,7 @@ from typing import Dict, List, Optional, Tuple
 import cv2
 import numpy as np
 
-from explorer.grid import OccupancyMap
+from explorer.grid import OccupancyMap, is_place
 
 # Half edge in metres of the box in which two frontier points count as one (contract 3.4).
 THINNING_DISTANCE = 0.2
@@ -230,7 +230,7 @@ def rigid_transform(points: np.ndarray, images: np.ndarray) -> Optional[np.ndarr
     """(2, 3) rotation and translation that maps (n, 2) points to their (n, 2) images in least squares (Kabsch);
     None if the images are not a rigid copy of the points within 5 % of their spread."""
     points, images = np.asarray(points, dtype=float), np.asarray(images, dtype=float)
-    if len(points) < 2 or not np.isfinite(images).all():
+    if len(points) < 2 or not is_place(*images.ravel()):
         return None
     a, b = points - points.mean(axis=0), images - images.mean(axis=0)
     angle = math.atan2(float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()), float((a * b).sum()))

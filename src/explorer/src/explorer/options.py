@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from explorer.errors import ParameterError
+from explorer.grid import FARTHEST, is_place
 
 STRATEGIES = {
     0: "nearest frontier by travel path",
@@ -186,9 +187,12 @@ def _checked(parameter: Parameter, value: Any) -> Any:
 
 
 def _pose(values: Sequence[Any]) -> Tuple[float, ...]:
-    numbers = all(isinstance(value, (int, float)) and math.isfinite(value) for value in values)
+    numbers = all(isinstance(value, (int, float)) and is_place(value) for value in values)
     if len(values) not in (0, 3) or not numbers:
-        raise ParameterError(f"parameter ~home_pose is {list(values)!r}, it must be empty or [x, y, yaw] in m and rad")
+        raise ParameterError(
+            f"parameter ~home_pose is {list(values)!r}, it must be empty or [x, y, yaw] in m and rad,"
+            f" within {FARTHEST:g} m"
+        )
     return tuple(float(value) for value in values)
 
 
