@@ -390,12 +390,59 @@ def test_stays_where_it_is_if_so_wished() -> None:
     assert bench.agent.state == State.FINISHED and not bench.goals()
 
 
-def test_time_that_goes_back_is_survived() -> None:
-    bench = Bench(7).map(corridor())
-    bench.run(2.0)
+@pytest.mark.parametrize("strategy", [1, 5, 7])
+@pytest.mark.parametrize("back_to", [1.0, 150.0], ids=["before the start", "after the start"])
+def test_a_clock_that_is_set_back_starts_the_mission_anew(strategy: int, back_to: float) -> None:
+    """Only the start was noted anew: sharing, auctions, logs and the end waited until the old time had come again."""
+    bench = Bench(strategy, log_path="/somewhere").map(corridor()).join("robot_1", position=(-3.0, 0.0))
+    for _ in range(100):
+        bench.run(1.0)
+        bench.agent.on_positions({"robot_1": (-3.0, 0.0)}, bench.now)
+    sent = [e for e in bench.effects if isinstance(e, SendFrontiers) and e.topic == "frontiers"]
+    assert bench.now > 199.0
+    bench.now = back_to
+    bench.effects.clear()
+    bench.run(12.0)
+    assert 11.0 <= bench.agent.exploration_time(bench.now) <= 12.0
+    kinds = [type(effect) for effect in bench.effects]
+    assert kinds.index(CancelGoal) < kinds.index(SetGoal), "the old goal is given up, there is a new one"
+    assert WriteLog in kinds and LogOutput(12) in bench.effects
+    assert any(auction.start for auction in bench.auctions()) == (strategy != 5)
+    shared = {e.topic: e.elements for e in bench.effects if isinstance(e, SendFrontiers)}
+    old = {element.number for message in sent for element in message.elements}
+    assert {element.number for element in shared["visited_frontiers"]} == old, "the others forget the old points"
+    assert not old & {element.number for element in shared["frontiers"]}
+    bench.map(closed())
+    bench.run(8.0)
+    assert bench.agent.finished_at is not None
+
+
+def test_a_finished_mission_starts_anew_when_the_clock_is_set_back() -> None:
+    bench = Bench(7).map(closed())
+    bench.run(8.0)
+    assert bench.agent.state == State.FINISHED
     bench.now = 1.0
-    bench.run(2.0)
-    assert bench.agent.exploration_time(bench.now) <= 2.0
+    bench.map(corridor())
+    bench.run(1.0)
+    assert bench.agent.finished_at is None and bench.agent.state == State.EXPLORING and bench.goals()
+
+
+def test_claims_of_the_time_before_a_clock_was_set_back_do_not_hold() -> None:
+    bench = claimed_right(7)
+    bench.run(1.0)
+    assert not bench.goals()
+    bench.now = 1.0
+    bench.run(1.5)
+    assert bench.goals()
+
+
+def test_a_clock_that_is_set_back_a_little_changes_nothing() -> None:
+    bench = Bench(7).map(corridor())
+    bench.run(5.0)
+    bench.now -= 0.9
+    bench.run(5.0)
+    assert 9.0 <= bench.agent.exploration_time(bench.now) <= 9.2
+    assert not complaints(bench) and len(bench.goals()) == 1
 
 
 # ---- auctions -------------------------------------------------------------------------------------------------------

@@ -56,6 +56,7 @@ REASSIGN_PERIOD = 5.0  # s between two auctions while the robot drives (strategy
 PATIENCE = 4.0  # s after which a cluster that nobody claims is taken by a robot that has none
 RETRY_PERIOD = 1.0  # s between two auctions while the robot waits
 TRANSFORM_PERIOD = 5.0  # s after which a transform is asked for again
+CLOCK_TOLERANCE = 1.0  # s by which the clock may be set back without consequences
 LOG_PERIOD = 10.0  # s, contract 3.8
 LOG_MAPS, LOG_MAPS_AT_END = 12, 3  # masks of map_merger's logOutput, contract 3.2
 ARRIVED_DISTANCE = 0.45  # m, the goal is close enough to look
@@ -114,18 +115,11 @@ class ExplorerAgent:
     def __init__(self, options: Options) -> None:
         self.options = options
         self.name = options.robot_name
-        self.state = State.STARTING
-        self.text = "waits for the start"
-        self.counters = Counters()
         self.home: Optional[Pose] = Pose(*options.home_pose) if options.home_pose else None
-        self.started_at: Optional[float] = None
-        self.finished_at: Optional[float] = None
         first = options.robot_number * 10000 if options.simulation else 0
         self.frontiers = FrontierStore(first_number=first)
         self.clusters = ClusterStore(first_number=options.robot_number * 10000)
         self.foreign = ForeignFrontiers()
-        self.team = Team(self.name, options.claim_timeout)
-        self.goal: Optional[Goal] = None
         self.pose: Optional[Pose] = None
         self.map: Optional[OccupancyMap] = None
         self.grid: Optional[TravelGrid] = None
@@ -133,10 +127,22 @@ class ExplorerAgent:
         self._random = np.random.default_rng(options.seed)
         self._outbox: List[Effect] = []
         self._complaints: Set[str] = set()
+        self._ticked = -math.inf
         self._goal_counter = 0
+        self._auction_counter = first_auction_id(self.name, options.robot_number, options.simulation)
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """All that belongs to one mission, with all times."""
+        self.state = State.STARTING
+        self.text = "waits for the start"
+        self.counters = Counters()
+        self.started_at: Optional[float] = None
+        self.finished_at: Optional[float] = None
+        self.team = Team(self.name, self.options.claim_timeout)
+        self.goal: Optional[Goal] = None
         self._awaited_since = -math.inf  # since when move_base has accepted none of the goals sent
         self._auction: Optional[OpenAuction] = None
-        self._auction_counter = first_auction_id(self.name, options.robot_number, options.simulation)
         self._foreign_auctions: Dict[str, float] = {}
         self._cluster: Optional[int] = None
         self._cluster_failures: Dict[int, int] = {}
@@ -294,9 +300,10 @@ class ExplorerAgent:
     def tick(self, now: float) -> List[Effect]:
         """What there is to do now. Cheap when nothing has changed; call it some 5 times a second and after each
         auction message."""
-        if self.started_at is not None and now < self.started_at:
-            self._note(f"time went back by {self.started_at - now:.1f} s; the mission starts anew", warning=True)
-            self.started_at = now
+        if now < self._ticked - CLOCK_TOLERANCE:
+            self._note(f"time went back by {self._ticked - now:.1f} s; the mission starts anew", warning=True)
+            self._start_anew(now)
+        self._ticked = now
         if self.started_at is None:
             self._be(State.STARTING, "waits for the start")
         elif self.map is None or self.pose is None:
@@ -308,6 +315,23 @@ class ExplorerAgent:
         self._periodical_log(now)
         effects, self._outbox = self._outbox, []
         return effects
+
+    def _start_anew(self, now: float) -> None:
+        """All times noted so far lie in the future. What has none stays: map, pose, home and the robots that are there.
+        Numbers that they know are not given again."""
+        self._drop_goal()
+        started, known = self.started_at is not None, self.team.known()
+        sent = {frontier.number: frontier for frontier in self.frontiers.ordered() if frontier.number in self._sent}
+        self.frontiers.clear()
+        self._prepare()
+        self._vanished = sent
+        self.on_robots(known, now)
+        if self.map is not None:
+            self.on_global_map(self.map, now)
+        if self.pose is not None:
+            self.on_pose(self.pose, now)
+        if started:
+            self.start(now)
 
     def _explore(self, now: float) -> None:
         self._perceive(now)

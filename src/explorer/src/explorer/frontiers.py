@@ -116,6 +116,11 @@ class FrontierStore:
         new = self._add_uncovered(occupancy, cells)
         return new, gone
 
+    def clear(self) -> None:
+        """Forgets all points and verdicts; new points get new numbers."""
+        self.frontiers.clear()
+        self._spots.clear()
+
     def ordered(self) -> List[Frontier]:
         return [self.frontiers[number] for number in sorted(self.frontiers)]
 
