@@ -94,6 +94,14 @@ def test_identity() -> None:
     assert options.load({}, host_name="joy").group == "mc_joy"
 
 
+def test_robots_in_simulation_is_logged() -> None:
+    assert options.summary(options.load({}, None)).endswith("robots in simulation: 1")
+    assert options.summary(options.load({}, 7)).endswith("robots in simulation: 7")
+    for value in (-1, "two", 2.5):
+        with pytest.raises(ParameterError, match="parameter robots_in_simulation is "):
+            options.load({}, value)
+
+
 def test_auction_numbers() -> None:
     assert first_auction_id("robot_3", 3, simulation=True) == 30000
     joy, bob = first_auction_id("joy", 0, simulation=False), first_auction_id("bob", 0, simulation=False)
