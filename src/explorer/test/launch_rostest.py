@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
-"""rostest: exploration.launch starts the node in simulation mode; bad parameters end it with one clear message."""
+"""rostest: exploration.launch starts the node in simulation mode; parameters arrive; bad ones end it with one clear
+message."""
 
 import subprocess
 import sys
+import threading
 import unittest
+from typing import List
 
 import rosnode
 import rospy
@@ -20,6 +23,28 @@ class TestLaunch(unittest.TestCase):
         topics = {name for name, _ in rospy.get_published_topics()}
         self.assertIn("/frontierPoints", topics)
         self.assertIn("/cluster_grid_19", topics)
+
+    def test_robots_in_simulation_is_relative_and_logged(self) -> None:
+        rospy.set_param("/robots_in_simulation", 1)
+        rospy.set_param("/robot_0/robots_in_simulation", 7)
+        node = subprocess.Popen(
+            ["rosrun", "explorer", "explorer", "__ns:=/robot_0", "__name:=counted"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+        )
+        watchdog = threading.Timer(30.0, node.kill)
+        watchdog.start()
+        lines: List[str] = []
+        try:
+            for line in node.stdout:
+                lines.append(line.decode())
+                if "robots in simulation" in lines[-1]:
+                    break
+            self.assertIn("robots in simulation: 7", "".join(lines))
+        finally:
+            watchdog.cancel()
+            node.kill()
+            node.wait()
 
     def test_out_of_range_is_one_message_and_exit_code(self) -> None:
         cases = (

@@ -16,6 +16,7 @@ from explorer.messages import (
     Bid,
     CancelGoal,
     LogOutput,
+    Note,
     Pose,
     SendAuction,
     SendFrontiers,
@@ -41,12 +42,13 @@ def corridor(left: bool = True, right: bool = True) -> Any:
 
 
 class Bench:
-    """An agent with a clock: keeps the effects, accepts goals, does not move by itself."""
+    """An agent with a clock: keeps the effects, accepts goals unless it is deaf, does not move by itself."""
 
-    def __init__(self, strategy: int = 7, **options: Any) -> None:
-        self.agent = ExplorerAgent(Options(frontier_selection=strategy, robot_name="robot_0", **options))
+    def __init__(self, strategy: int = 7, robot_name: str = "robot_0", **options: Any) -> None:
+        self.agent = ExplorerAgent(Options(frontier_selection=strategy, robot_name=robot_name, **options))
         self.now = 100.0
         self.effects: List[Any] = []
+        self.deaf = False
         self.pose = Pose(0.5, 0.0, 0.0)
         self.agent.start(self.now)
 
@@ -67,7 +69,7 @@ class Bench:
     def tick(self) -> List[Any]:
         effects = self.agent.tick(self.now)
         for effect in effects:
-            if isinstance(effect, SetGoal):
+            if isinstance(effect, SetGoal) and not self.deaf:
                 self.agent.on_goal_accepted(effect.goal_id, self.now)
         self.effects += effects
         return effects
@@ -215,6 +217,30 @@ def test_goal_that_is_not_accepted_is_sent_again() -> None:
     assert again[0].goal_id != first[0].goal_id
 
 
+def test_goals_that_are_never_accepted_fail_in_the_end() -> None:
+    """They were sent again for ever: the robot held its cluster and counted no failure."""
+    bench = Bench(7, wait_for_planner_result=2, number_unreachable_for_cluster=1).map(corridor(left=False))
+    bench.deaf = True
+    bench.run(9.8)
+    assert len(bench.goals()) == 5 and bench.agent.counters.goals_failed == 0
+    bench.run(1.0)
+    assert bench.agent.counters.goals_failed == 1 and any(isinstance(e, CancelGoal) for e in bench.effects)
+    bench.run(60.0)
+    assert bench.agent.state == State.FINISHED
+
+
+def test_goals_that_are_replaced_before_they_are_accepted_do_not_fail() -> None:
+    """A slow move_base accepts each goal, but only when the next one is on its way."""
+    bench = Bench(7, wait_for_planner_result=1).map(corridor())
+    bench.deaf = True
+    for side in range(60):
+        bench.map(corridor(left=side % 2 == 0, right=side % 2 == 1))
+        bench.run(0.4)
+        for goal in bench.goals()[:-1]:
+            bench.agent.on_goal_accepted(goal.goal_id, bench.now)
+    assert len(bench.goals()) > 40 and bench.agent.counters.goals_failed == 0
+
+
 def test_no_progress_fails_the_goal() -> None:
     bench = Bench(3, progress_timeout=10.0).map(corridor())
     bench.run(9.0)
@@ -239,8 +265,9 @@ def test_results_of_former_goals_and_of_others_are_harmless() -> None:
 def test_bad_poses_are_ignored() -> None:
     bench = Bench(3).map(corridor())
     bench.run(1.0)
-    bench.agent.on_pose(Pose(float("nan"), 0.0, 0.0), bench.now)
-    assert bench.agent.pose == bench.pose
+    for pose in (Pose(float("nan"), 0.0, 0.0), Pose(0.0, 1e308, 0.0), Pose(0.0, 0.0, float("inf"))):
+        bench.agent.on_pose(pose, bench.now)
+        assert bench.agent.pose == bench.pose
 
 
 # ---- the end --------------------------------------------------------------------------------------------------------
@@ -334,6 +361,28 @@ def test_home_is_tried_five_times() -> None:
     assert bench.agent.state == State.FINISHED and "away from home" in bench.agent.text
 
 
+@pytest.mark.parametrize("log_path, masks", [("", []), ("/somewhere", [12, 3])])
+def test_maps_are_logged_only_where_logs_are_written(log_path: str, masks: List[int]) -> None:
+    """Without a log path map_merger refused the call, and the node warned of it every 30 s."""
+    bench = Bench(7, log_path=log_path).map(corridor())
+    bench.run(10.4)
+    bench.map(closed())
+    bench.run(8.0)
+    assert bench.agent.finished_at is not None
+    assert [effect.mask for effect in bench.effects if isinstance(effect, LogOutput)] == masks
+
+
+def test_home_is_tried_five_times_when_no_goal_is_accepted() -> None:
+    """The way home never ended: the state stayed RETURNING."""
+    bench = Bench(7, home_pose=(3.0, 0.0, 0.0), wait_for_planner_result=1).map(closed())
+    bench.deaf = True
+    bench.run(7.0)
+    assert bench.agent.state == State.RETURNING
+    bench.run(60.0)
+    assert bench.agent.state == State.FINISHED and "away from home" in bench.agent.text
+    assert len(bench.goals()) == 5 * 5
+
+
 def test_stays_where_it_is_if_so_wished() -> None:
     bench = Bench(7, return_home=False).map(closed())
     bench.place(3.0, 0.0)
@@ -341,12 +390,59 @@ def test_stays_where_it_is_if_so_wished() -> None:
     assert bench.agent.state == State.FINISHED and not bench.goals()
 
 
-def test_time_that_goes_back_is_survived() -> None:
-    bench = Bench(7).map(corridor())
-    bench.run(2.0)
+@pytest.mark.parametrize("strategy", [1, 5, 7])
+@pytest.mark.parametrize("back_to", [1.0, 150.0], ids=["before the start", "after the start"])
+def test_a_clock_that_is_set_back_starts_the_mission_anew(strategy: int, back_to: float) -> None:
+    """Only the start was noted anew: sharing, auctions, logs and the end waited until the old time had come again."""
+    bench = Bench(strategy, log_path="/somewhere").map(corridor()).join("robot_1", position=(-3.0, 0.0))
+    for _ in range(100):
+        bench.run(1.0)
+        bench.agent.on_positions({"robot_1": (-3.0, 0.0)}, bench.now)
+    sent = [e for e in bench.effects if isinstance(e, SendFrontiers) and e.topic == "frontiers"]
+    assert bench.now > 199.0
+    bench.now = back_to
+    bench.effects.clear()
+    bench.run(12.0)
+    assert 11.0 <= bench.agent.exploration_time(bench.now) <= 12.0
+    kinds = [type(effect) for effect in bench.effects]
+    assert kinds.index(CancelGoal) < kinds.index(SetGoal), "the old goal is given up, there is a new one"
+    assert WriteLog in kinds and LogOutput(12) in bench.effects
+    assert any(auction.start for auction in bench.auctions()) == (strategy != 5)
+    shared = {e.topic: e.elements for e in bench.effects if isinstance(e, SendFrontiers)}
+    old = {element.number for message in sent for element in message.elements}
+    assert {element.number for element in shared["visited_frontiers"]} == old, "the others forget the old points"
+    assert not old & {element.number for element in shared["frontiers"]}
+    bench.map(closed())
+    bench.run(8.0)
+    assert bench.agent.finished_at is not None
+
+
+def test_a_finished_mission_starts_anew_when_the_clock_is_set_back() -> None:
+    bench = Bench(7).map(closed())
+    bench.run(8.0)
+    assert bench.agent.state == State.FINISHED
     bench.now = 1.0
-    bench.run(2.0)
-    assert bench.agent.exploration_time(bench.now) <= 2.0
+    bench.map(corridor())
+    bench.run(1.0)
+    assert bench.agent.finished_at is None and bench.agent.state == State.EXPLORING and bench.goals()
+
+
+def test_claims_of_the_time_before_a_clock_was_set_back_do_not_hold() -> None:
+    bench = claimed_right(7)
+    bench.run(1.0)
+    assert not bench.goals()
+    bench.now = 1.0
+    bench.run(1.5)
+    assert bench.goals()
+
+
+def test_a_clock_that_is_set_back_a_little_changes_nothing() -> None:
+    bench = Bench(7).map(corridor())
+    bench.run(5.0)
+    bench.now -= 0.9
+    bench.run(5.0)
+    assert 9.0 <= bench.agent.exploration_time(bench.now) <= 9.2
+    assert not complaints(bench) and len(bench.goals()) == 1
 
 
 # ---- auctions -------------------------------------------------------------------------------------------------------
@@ -505,6 +601,19 @@ def test_a_claimed_cluster_is_left_alone_and_released(strategy: int) -> None:
         assert bench.goals(), release
 
 
+@pytest.mark.parametrize("strategy", [1, 7])
+def test_no_auction_after_auction_while_all_clusters_are_claimed(strategy: int) -> None:
+    """An idle robot flooded the air: answers at once closed its auction, and in the same moment it opened the next."""
+    bench = claimed_right(strategy)
+    answered = set()
+    for _ in range(200):
+        for auction in [a for a in bench.auctions() if a.start and a.auction_id not in answered]:
+            answered.add(auction.auction_id)
+            bench.agent.on_auction(reply(auction, "robot_1", [0.5] * len(auction.requested)), bench.now)
+        bench.run(0.02, step=0.02)
+    assert not bench.goals() and 2 <= len(answered) <= 5, "four seconds, one auction each second"
+
+
 def test_two_robots_that_chose_the_same_cluster_settle_it() -> None:
     """The lower bid keeps it; with equal bids the lesser name."""
     for bid, keeps in ((0.0, False), (500.0, True)):
@@ -531,6 +640,49 @@ def test_forged_and_huge_messages_are_bounded() -> None:
     bench.run(1.0)
     assert len(bench.agent.team.known()) <= 100
     assert bench.agent.foreign.count() == 0
+
+
+IMPOSSIBLE = [1e308, -1.7e308, 3e5, float("inf"), float("nan")]
+
+
+def complaints(bench: Bench) -> List[str]:
+    return [effect.text for effect in bench.effects if isinstance(effect, Note) and effect.warning]
+
+
+@pytest.mark.parametrize("value", IMPOSSIBLE)
+def test_positions_that_cannot_be_do_not_end_the_node(value: float) -> None:
+    """Finite but huge ones ended it: they have no cell."""
+    bench = Bench(7).map(corridor()).join("robot_1", "robot_2", position=(-3.0, 0.0))
+    for _ in range(20):
+        bench.agent.on_positions({"robot_1": (value, 0.0), "robot_2": (0.5, -value)}, bench.now)
+        bench.map(corridor())
+        bench.run(0.4)
+    assert bench.goals() and bench.agent.team.positions(bench.now)["robot_1"] == (-3.0, 0.0)
+    assert len(complaints(bench)) == 1 and "robot_1, robot_2" in complaints(bench)[0]
+
+
+@pytest.mark.parametrize("value", IMPOSSIBLE)
+@pytest.mark.parametrize("strategy", [1, 5, 7])
+def test_frontiers_and_transforms_that_cannot_be_do_not_end_the_node(strategy: int, value: float) -> None:
+    bench = Bench(strategy).map(corridor()).join("robot_1", "robot_2", position=(-3.0, 0.0))
+    bench.agent.on_transform("robot_2", np.array([[1.0, 0.0, value], [0.0, 1.0, 0.0]]), bench.now)
+    for robot, x in (("robot_1", value), ("robot_2", 3.9)):
+        elements = [Element(robot, number, x, 0.1 * number) for number in range(5)]
+        claim = Auction(robot, 10001, True, finished=True, occupied=tuple(e.key for e in elements))
+        bench.agent.on_frontiers(elements, bench.now)
+        bench.agent.on_visited_frontiers(elements[:1], bench.now)
+        bench.agent.on_negotiation_list(elements, bench.now)
+        bench.agent.on_auction(claim, bench.now)
+    bench.run(2.0)
+    assert bench.goals() and len(complaints(bench)) == 2
+
+
+@pytest.mark.parametrize("value", IMPOSSIBLE)
+def test_bids_that_cannot_be_do_not_end_the_node(value: float) -> None:
+    bench, start = opened(7)
+    bench.agent.on_auction(reply(start, "robot_1", [value, 1.0]), bench.now)
+    bench.run(2.0)
+    assert bench.goals()
 
 
 def test_only_new_frontiers_are_sent() -> None:
@@ -564,6 +716,34 @@ def test_negotiated_clusters_are_left_to_the_other() -> None:
     assert chosen_side(bench) == -1.0
     chosen = [e for e in bench.effects if isinstance(e, SendFrontiers) and e.topic == "negotiation_list"]
     assert len(chosen) == 1 and all(e.x < 0 for e in chosen[0].elements)
+
+
+def test_a_negotiated_cluster_stays_with_the_robot_that_explores_it() -> None:
+    """The choice was told once: after `claim_timeout` another robot took the cluster while the first was in it."""
+    first = Bench(5, progress_timeout=1000.0).map(corridor(left=False)).join("robot_1", position=(-3.0, 0.0))
+    first.run(1.0)
+    second = Bench(5, "robot_1", claim_timeout=30.0).map(corridor(left=False)).join("robot_0", position=(0.5, 0.0))
+    told = 0
+    for _ in range(120):
+        lists = [e for e in first.effects if isinstance(e, SendFrontiers) and e.topic == "negotiation_list"]
+        for message in lists[told:]:
+            second.agent.on_negotiation_list(message.elements, second.now)
+        told = len(lists)
+        first.run(1.0)
+        second.run(1.0)
+    assert first.goals() and not second.goals()
+    assert told <= 120 / 8 + 2, "confirmed now and then, not all the time"
+
+
+def test_a_negotiated_cluster_that_was_given_up_is_no_longer_claimed() -> None:
+    bench = Bench(5, number_unreachable_for_cluster=1, finish_delay=600.0)
+    bench.map(corridor(left=False)).join("robot_1", position=(-3.0, 0.0))
+    bench.run(1.0)
+    assert bench.agent.goal is not None
+    bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "no way", bench.now)
+    bench.run(2.0)
+    lists = [e for e in bench.run(20.0) if isinstance(e, SendFrontiers) and e.topic == "negotiation_list"]
+    assert bench.agent.unreachable_count() > 0 and not lists
 
 
 def test_traces_of_a_robot_in_the_only_door_do_not_end_the_mission() -> None:

@@ -29,6 +29,8 @@ def test_cell_and_centre_are_inverse(resolution: float, x: float, y: float, row:
         (GridInfo(0.1, 0, 0, 0, 0), (0, 0), "0 x 0 cells"),
         (GridInfo(0.1, 3, 2, 0, 0), (3, 2), "3 x 2"),
         (GridInfo(0.1, 2, 2, math.inf, 0), (2, 2), "origin"),
+        (GridInfo(0.1, 2, 2, 0, -1e300), (2, 2), "origin"),
+        (GridInfo(1e-300, 2, 2, 0, 0), (2, 2), "resolution is 1e-300"),
     ],
 )
 def test_bad_maps_are_refused_with_the_culprit(info: GridInfo, shape: tuple, culprit: str) -> None:

@@ -72,6 +72,7 @@ def test_every_parameter_arrives() -> None:
         ({"wait_for_planner_result": 0}, "~wait_for_planner_result"),
         ({"home_pose": [1, 2]}, "x, y, yaw"),
         ({"home_pose": [1, 2, "north"]}, "x, y, yaw"),
+        ({"home_pose": [1e308, 2, 0]}, "within 100000 m"),
         ({"robot_name": "a b"}, "robot name 'a b'"),
         ({"robot_prefix": "/robot_1"}, "must carry the robot's number"),
         ({"robot_prefix": "/robot_1", "move_base_frame": "/robot_2/map"}, "belongs to robot_2"),
@@ -91,6 +92,14 @@ def test_identity() -> None:
     real = options.load({"robot_name": "marley"}, host_name="joy")
     assert (real.robot_name, real.robot_number, real.group, real.simulation) == ("marley", 0, "mc_marley", False)
     assert options.load({}, host_name="joy").group == "mc_joy"
+
+
+def test_robots_in_simulation_is_logged() -> None:
+    assert options.summary(options.load({}, None)).endswith("robots in simulation: 1")
+    assert options.summary(options.load({}, 7)).endswith("robots in simulation: 7")
+    for value in (-1, "two", 2.5):
+        with pytest.raises(ParameterError, match="parameter robots_in_simulation is "):
+            options.load({}, value)
 
 
 def test_auction_numbers() -> None:

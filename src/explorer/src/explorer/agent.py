@@ -21,7 +21,7 @@ from explorer.assignment import cost_matrix, squared_euclidean
 from explorer.auction import OpenAuction, closing_message, elements_of, first_auction_id, reply_message
 from explorer.clusters import Cluster, ClusterStore, match, places_of, share_listed
 from explorer.frontiers import Element, ForeignFrontiers, Frontier, FrontierStore, Key, frontier_cells
-from explorer.grid import OccupancyMap
+from explorer.grid import FARTHEST, OccupancyMap, is_place
 from explorer.messages import (
     FAILED,
     REACHED,
@@ -45,7 +45,7 @@ from explorer.travel import CostField, TravelGrid
 from explorer.views import Views, sees
 
 COORDINATED = (1, 7)
-BY_CLUSTER = (1, 5, 6, 7)
+NEGOTIATED = (5, 6)
 
 REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
 REPLAN_DISTANCE = 0.3  # m of motion that makes them old
@@ -56,7 +56,9 @@ REASSIGN_PERIOD = 5.0  # s between two auctions while the robot drives (strategy
 PATIENCE = 4.0  # s after which a cluster that nobody claims is taken by a robot that has none
 RETRY_PERIOD = 1.0  # s between two auctions while the robot waits
 TRANSFORM_PERIOD = 5.0  # s after which a transform is asked for again
+CLOCK_TOLERANCE = 1.0  # s by which the clock may be set back without consequences
 LOG_PERIOD = 10.0  # s, contract 3.8
+LOG_MAPS, LOG_MAPS_AT_END = 12, 3  # masks of map_merger's logOutput, contract 3.2
 ARRIVED_DISTANCE = 0.45  # m, the goal is close enough to look
 LOOK_TIME = 1.5  # s that the map needs to show what was looked at
 TOLD_TIME = 8.0  # s that the merged map needs to show what another robot has explored
@@ -67,6 +69,7 @@ WORTH_A_LOOK = 4  # frontier points without a viewpoint that are worth a closer 
 CLOSER_LOOKS = 20  # such looks in a mission
 LOOKS = 2  # times a frontier is looked at before it counts as visited
 REVIVALS = 3  # times a frontier that was given up is tried anew
+GOAL_TRIES = 5  # times a goal is sent before it counts as failed because move_base does not accept it
 HOME_ATTEMPTS = 5  # contract 3.3
 HOME_DISTANCE = 0.4  # m
 
@@ -112,27 +115,34 @@ class ExplorerAgent:
     def __init__(self, options: Options) -> None:
         self.options = options
         self.name = options.robot_name
-        self.state = State.STARTING
-        self.text = "waits for the start"
-        self.counters = Counters()
         self.home: Optional[Pose] = Pose(*options.home_pose) if options.home_pose else None
-        self.started_at: Optional[float] = None
-        self.finished_at: Optional[float] = None
         first = options.robot_number * 10000 if options.simulation else 0
         self.frontiers = FrontierStore(first_number=first)
         self.clusters = ClusterStore(first_number=options.robot_number * 10000)
         self.foreign = ForeignFrontiers()
-        self.team = Team(self.name, options.claim_timeout)
-        self.goal: Optional[Goal] = None
         self.pose: Optional[Pose] = None
         self.map: Optional[OccupancyMap] = None
         self.grid: Optional[TravelGrid] = None
         self.revision = 0
         self._random = np.random.default_rng(options.seed)
         self._outbox: List[Effect] = []
+        self._complaints: Set[str] = set()
+        self._ticked = -math.inf
         self._goal_counter = 0
-        self._auction: Optional[OpenAuction] = None
         self._auction_counter = first_auction_id(self.name, options.robot_number, options.simulation)
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """All that belongs to one mission, with all times."""
+        self.state = State.STARTING
+        self.text = "waits for the start"
+        self.counters = Counters()
+        self.started_at: Optional[float] = None
+        self.finished_at: Optional[float] = None
+        self.team = Team(self.name, self.options.claim_timeout)
+        self.goal: Optional[Goal] = None
+        self._awaited_since = -math.inf  # since when move_base has accepted none of the goals sent
+        self._auction: Optional[OpenAuction] = None
         self._foreign_auctions: Dict[str, float] = {}
         self._cluster: Optional[int] = None
         self._cluster_failures: Dict[int, int] = {}
@@ -191,7 +201,8 @@ class ExplorerAgent:
 
     def on_pose(self, pose: Pose, now: float) -> None:
         """Pose of the robot in its map frame."""
-        if not all(math.isfinite(value) for value in (pose.x, pose.y, pose.yaw)):
+        if not is_place(pose.x, pose.y, pose.yaw):
+            self._complain("poses", f"({pose.x:g}, {pose.y:g}, {pose.yaw:g}): check tf")
             return
         if self.pose is not None:
             step = math.hypot(pose.x - self.pose.x, pose.y - self.pose.y)
@@ -205,7 +216,11 @@ class ExplorerAgent:
 
     def on_positions(self, positions: Mapping[str, Tuple[float, float]], now: float) -> None:
         """Positions of other robots in metres in the own map frame (map_merger's `all_positions`)."""
-        self.team.set_positions({name: place for name, place in positions.items() if name != self.name}, now)
+        usable = {name: place for name, place in positions.items() if is_place(*place)}
+        strange = sorted(set(positions) - set(usable))
+        if strange:
+            self._complain("positions", f"of {', '.join(strange[:5])}: check map_merger there")
+        self.team.set_positions({name: place for name, place in usable.items() if name != self.name}, now)
 
     def on_robots(self, names: Sequence[str], now: float) -> None:
         """All robots that the radio reaches now."""
@@ -218,18 +233,18 @@ class ExplorerAgent:
 
     def on_transform(self, robot: str, transform: Optional[np.ndarray], now: float) -> None:
         """(2, 3) transform from a robot's map frame to the own one, or None while there is none."""
+        if transform is not None and not is_place(*transform.ravel()):
+            self._complain("transforms", f"from the frame of {robot}: check map_merger")
+            transform = None
         self.foreign.set_transform(robot, transform)
 
     def on_frontiers(self, elements: Sequence[Element], now: float) -> None:
-        for element in elements:
-            if self._is_foreign(element):
-                self.foreign.add(element)
+        for element in self._foreign_ones(elements):
+            self.foreign.add(element)
 
     def on_visited_frontiers(self, elements: Sequence[Element], now: float) -> None:
         """Points that another robot has explored: own points there are not goals until the map had time to show it."""
-        for element in elements:
-            if not self._is_foreign(element):
-                continue
+        for element in self._foreign_ones(elements):
             self.foreign.remove(element.key)
             place = self.foreign.to_own_frame(element)
             if place is not None:
@@ -238,7 +253,7 @@ class ExplorerAgent:
 
     def on_negotiation_list(self, elements: Sequence[Element], now: float) -> None:
         """The cluster that another robot has chosen (strategies 5 and 6)."""
-        chosen = [element for element in elements if self._is_foreign(element)]
+        chosen = self._foreign_ones(elements[:5000])
         self.on_frontiers(chosen, now)
         for robot in sorted({element.detected_by for element in chosen}):
             self.team.heard(robot)
@@ -257,6 +272,7 @@ class ExplorerAgent:
             self._take_claim(auction, now)
 
     def on_goal_accepted(self, goal_id: int, now: float) -> None:
+        self._awaited_since = now
         if self.goal is not None and self.goal.goal_id == goal_id:
             self.goal.accepted = True
 
@@ -284,9 +300,10 @@ class ExplorerAgent:
     def tick(self, now: float) -> List[Effect]:
         """What there is to do now. Cheap when nothing has changed; call it some 5 times a second and after each
         auction message."""
-        if self.started_at is not None and now < self.started_at:
-            self._note(f"time went back by {self.started_at - now:.1f} s; the mission starts anew", warning=True)
-            self.started_at = now
+        if now < self._ticked - CLOCK_TOLERANCE:
+            self._note(f"time went back by {self._ticked - now:.1f} s; the mission starts anew", warning=True)
+            self._start_anew(now)
+        self._ticked = now
         if self.started_at is None:
             self._be(State.STARTING, "waits for the start")
         elif self.map is None or self.pose is None:
@@ -298,6 +315,23 @@ class ExplorerAgent:
         self._periodical_log(now)
         effects, self._outbox = self._outbox, []
         return effects
+
+    def _start_anew(self, now: float) -> None:
+        """All times noted so far lie in the future. What has none stays: map, pose, home and the robots that are there.
+        Numbers that they know are not given again."""
+        self._drop_goal()
+        started, known = self.started_at is not None, self.team.known()
+        sent = {frontier.number: frontier for frontier in self.frontiers.ordered() if frontier.number in self._sent}
+        self.frontiers.clear()
+        self._prepare()
+        self._vanished = sent
+        self.on_robots(known, now)
+        if self.map is not None:
+            self.on_global_map(self.map, now)
+        if self.pose is not None:
+            self.on_pose(self.pose, now)
+        if started:
+            self.start(now)
 
     def _explore(self, now: float) -> None:
         self._perceive(now)
@@ -437,8 +471,7 @@ class ExplorerAgent:
         if goal is None or pose is None:
             return
         if not goal.accepted and now - goal.sent > self.options.wait_for_planner_result:
-            self._note("move_base does not accept the goal; it is sent again", warning=True)
-            self._send_goal(goal.pose, now, goal.frontier, goal.cluster)
+            self._send_again(goal, now)
             return
         if math.hypot(pose.x - goal.progress_place[0], pose.y - goal.progress_place[1]) > 0.3:
             goal.progress_place, goal.progress_time = (pose.x, pose.y), now
@@ -449,6 +482,15 @@ class ExplorerAgent:
         elif goal.frontier is not None and _apart(pose, goal.pose) <= ARRIVED_DISTANCE:
             self._look(goal, now)
             self._dirty = True
+
+    def _send_again(self, goal: Goal, now: float) -> None:
+        if now - self._awaited_since <= GOAL_TRIES * self.options.wait_for_planner_result:
+            self._note("move_base does not accept the goal; it is sent again", warning=True)
+            self._send_goal(goal.pose, now, goal.frontier, goal.cluster)
+            return
+        self._drop_goal()
+        self._fail(goal, f"move_base has not accepted it in {GOAL_TRIES} tries", now)
+        self._dirty = True
 
     def _target_ready(self, goal: Goal, now: float) -> bool:
         frontier = self.frontiers.frontiers.get(goal.frontier) if goal.frontier is not None else None
@@ -521,6 +563,8 @@ class ExplorerAgent:
 
     def _send_goal(self, pose: Pose, now: float, frontier: Optional[int], cluster: Optional[int]) -> None:
         assert self.pose is not None
+        if self.goal is None or self.goal.accepted:
+            self._awaited_since = now
         self._goal_counter += 1
         self.counters.goals += 1
         place = (self.pose.x, self.pose.y)
@@ -540,7 +584,7 @@ class ExplorerAgent:
             self._select_continuous(ready, now)
         elif strategy == 1:
             self._select_auctioned(ready, now)
-        elif strategy in BY_CLUSTER:
+        elif strategy in NEGOTIATED:
             self._select_negotiated(ready, now)
         else:
             self._select_frontier(now)
@@ -575,9 +619,11 @@ class ExplorerAgent:
         current = self._current(ready)
         if current is not None:
             self._drive_in(current, now)
-        elif self._auction is None and ready:
-            self._need_cluster(ready, now)
-        elif not ready and self._goal_is_over(now):
+        elif ready:
+            # When every cluster is claimed an auction leads to nothing, however often it is held.
+            if self._auction is None and now - self._auction_time >= RETRY_PERIOD:
+                self._need_cluster(ready, now)
+        elif self._goal_is_over(now):
             self._drop_goal()
 
     def _select_negotiated(self, ready: List[Cluster], now: float) -> None:
@@ -595,11 +641,15 @@ class ExplorerAgent:
             current = next((cluster for cluster in order if not self._is_announced(cluster, now)), None)
             if current is not None:
                 self._cluster = current.number
-                self._outbox.append(SendFrontiers("negotiation_list", self._elements(current.members)))
+                self._announce_negotiated(current, now)
         if current is not None:
             self._drive_in(current, now)
         elif self._goal_is_over(now):
             self._drop_goal()
+
+    def _announce_negotiated(self, cluster: Cluster, now: float) -> None:
+        self._confirm_time = now
+        self._outbox.append(SendFrontiers("negotiation_list", self._elements(cluster.members)))
 
     def _is_announced(self, cluster: Cluster, now: float) -> bool:
         """Contract 3.6: refused if 10 % of its elements are in a received list and none of it is in the own."""
@@ -871,9 +921,15 @@ class ExplorerAgent:
 
     def _confirm_claim(self, now: float) -> None:
         """Tells the others when the own cluster is another one than they know, and now and then that it still is."""
-        if self.options.frontier_selection not in COORDINATED or not self.team.known() or self._auction is not None:
+        if not self.team.known() or self._auction is not None:
             return
         own = next((c for c in self.clusters.clusters if c.number == self._cluster), None)
+        if self.options.frontier_selection in COORDINATED:
+            self._confirm_auctioned(own, now)
+        elif own is not None and own.reachable and now - self._confirm_time >= CONFIRM_PERIOD:
+            self._announce_negotiated(own, now)
+
+    def _confirm_auctioned(self, own: Optional[Cluster], now: float) -> None:
         elements = set(elements_of(own, self.name)) if own is not None else set()
         kept = len(elements & set(self._claimed))
         changed = (kept * 2 < len(elements)) or (not elements and bool(self._claimed))
@@ -905,13 +961,15 @@ class ExplorerAgent:
     def _elements(self, frontiers: Sequence[Frontier]) -> Tuple[Element, ...]:
         return tuple(Element(self.name, f.number, f.x, f.y) for f in frontiers)
 
-    def _is_foreign(self, element: Element) -> bool:
-        return (
-            element.detected_by != self.name
-            and self.team.peer(element.detected_by) is not None
-            and math.isfinite(element.x)
-            and math.isfinite(element.y)
-        )
+    def _foreign_ones(self, elements: Sequence[Element]) -> List[Element]:
+        """Those of robots that are known, at places that can be."""
+        usable = []
+        for element in elements:
+            if not is_place(element.x, element.y):
+                self._complain("frontiers", f"of {element.detected_by}: check its explorer")
+            elif element.detected_by != self.name and self.team.peer(element.detected_by) is not None:
+                usable.append(element)
+        return usable
 
     def _ask_transforms(self, now: float) -> None:
         for robot in self.foreign.robots():
@@ -985,7 +1043,7 @@ class ExplorerAgent:
             self._announce(now, self._auction_counter)
         self._note(f"exploration finished after {now - self.started_at:.1f} s")
         self._write_exploration_log(now, complete=True)
-        self._outbox.append(LogOutput(3))
+        self._log_maps(LOG_MAPS_AT_END)
         self._return_home(now)
 
     def _return_home(self, now: float) -> None:
@@ -1029,6 +1087,12 @@ class ExplorerAgent:
     def _note(self, text: str, warning: bool = False) -> None:
         self._outbox.append(Note(text, warning))
 
+    def _complain(self, what: str, text: str) -> None:
+        """One line for each kind of input with coordinates that cannot be, however often it comes."""
+        if what not in self._complaints:
+            self._complaints.add(what)
+            self._note(f"{what} that are no numbers or farther than {FARTHEST:g} m are ignored, {text}", warning=True)
+
     def exploration_time(self, now: float) -> float:
         """Seconds from the start of the mission, fixed once finished (T_r)."""
         if self.started_at is None:
@@ -1064,7 +1128,12 @@ class ExplorerAgent:
         }
         self._outbox.append(WriteLog("periodical.log", logs.periodical_line(values), append=True))
         self._write_exploration_log(now, complete=False)
-        self._outbox.append(LogOutput(12))
+        self._log_maps(LOG_MAPS)
+
+    def _log_maps(self, mask: int) -> None:
+        """Without log files here there are none of map_merger either: it refuses the call, which is no failure."""
+        if self.options.log_path:
+            self._outbox.append(LogOutput(mask))
 
     def _write_exploration_log(self, now: float, complete: bool) -> None:
         assert self.started_at is not None

@@ -1,7 +1,7 @@
 """One auction of this robot's clusters, from the start message to the closing one (contract 3.7)."""
 
 import zlib
-from typing import Dict, List, Sequence, Set, Tuple
+from typing import Dict, Sequence, Set, Tuple
 
 from explorer.clusters import Cluster
 from explorer.frontiers import Key
@@ -31,10 +31,8 @@ class OpenAuction:
         self._own_name = own_name
         self._awaited = set(bidders)
         self._rows: Dict[Tuple[Key, ...], int] = {}
-        self.offered: List[int] = []
         for cluster in clusters:
             self._rows[elements_of(cluster, own_name)] = cluster.number
-            self.offered.append(cluster.number)
 
     def start_message(self, own_bids: Dict[int, float]) -> Auction:
         """The original leaves the auctioneer's bids unset; told along, they settle overlapping auctions."""

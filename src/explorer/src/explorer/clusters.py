@@ -40,7 +40,6 @@ class Cluster:
     members: List[Frontier]
     cost: float = math.inf
     viewpoint: Optional[Tuple[float, float]] = None
-    look_at: Tuple[float, float] = (0.0, 0.0)
     target: Optional[int] = None
     gain: float = 0.0
     views: Dict[int, Tuple[float, float, float]] = field(default_factory=dict)

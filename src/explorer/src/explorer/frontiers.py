@@ -7,7 +7,7 @@ from typing import Dict, List, Optional, Tuple
 import cv2
 import numpy as np
 
-from explorer.grid import OccupancyMap
+from explorer.grid import OccupancyMap, is_place
 
 # Half edge in metres of the box in which two frontier points count as one (contract 3.4).
 THINNING_DISTANCE = 0.2
@@ -116,6 +116,11 @@ class FrontierStore:
         new = self._add_uncovered(occupancy, cells)
         return new, gone
 
+    def clear(self) -> None:
+        """Forgets all points and verdicts; new points get new numbers."""
+        self.frontiers.clear()
+        self._spots.clear()
+
     def ordered(self) -> List[Frontier]:
         return [self.frontiers[number] for number in sorted(self.frontiers)]
 
@@ -190,10 +195,6 @@ class ForeignFrontiers:
     def remove(self, key: Key) -> None:
         self._points.get(key[0], {}).pop(key[1], None)
 
-    def forget(self, robot: str) -> None:
-        self._points.pop(robot, None)
-        self._transforms.pop(robot, None)
-
     def set_transform(self, robot: str, transform: Optional[np.ndarray]) -> None:
         """`transform`: (2, 3) array from the robot's map frame to the own one in metres; None: not known."""
         if transform is None:
@@ -234,7 +235,7 @@ def rigid_transform(points: np.ndarray, images: np.ndarray) -> Optional[np.ndarr
     """(2, 3) rotation and translation that maps (n, 2) points to their (n, 2) images in least squares (Kabsch);
     None if the images are not a rigid copy of the points within 5 % of their spread."""
     points, images = np.asarray(points, dtype=float), np.asarray(images, dtype=float)
-    if len(points) < 2 or not np.isfinite(images).all():
+    if len(points) < 2 or not is_place(*images.ravel()):
         return None
     a, b = points - points.mean(axis=0), images - images.mean(axis=0)
     angle = math.atan2(float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()), float((a * b).sum()))

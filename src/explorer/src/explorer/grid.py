@@ -12,6 +12,17 @@ FREE = 0
 OCCUPIED = 100
 UNKNOWN = -1
 
+# Farther than this from the origin of its frame, in metres, nothing is: larger coordinates are mistakes or forged, and
+# arithmetic on cells and places goes wrong with them.
+FARTHEST = 1e5
+
+FINEST, COARSEST = 1e-3, 1e2  # edge lengths in metres of the cells of a map
+
+
+def is_place(*coordinates: float) -> bool:
+    """True if coordinates in metres are numbers of a usable size."""
+    return all(abs(value) <= FARTHEST for value in coordinates)
+
 
 @dataclass(frozen=True)
 class GridInfo:
@@ -67,10 +78,10 @@ class OccupancyMap:
 
     def __post_init__(self) -> None:
         info = self.info
-        if not (math.isfinite(info.resolution) and info.resolution > 0):
-            raise MapError(f"map resolution is {info.resolution} m; it must be positive")
-        if not (math.isfinite(info.origin_x) and math.isfinite(info.origin_y)):
-            raise MapError(f"map origin is ({info.origin_x}, {info.origin_y}); it must be finite")
+        if not FINEST <= info.resolution <= COARSEST:
+            raise MapError(f"map resolution is {info.resolution} m; it must be from {FINEST:g} to {COARSEST:g}")
+        if not is_place(info.origin_x, info.origin_y):
+            raise MapError(f"map origin is ({info.origin_x}, {info.origin_y}); it must be within {FARTHEST:g} m")
         if info.width < 1 or info.height < 1:
             raise MapError(f"map has {info.width} x {info.height} cells; it needs at least one")
         if self.cells.shape != (info.height, info.width):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from explorer.errors import ParameterError
+from explorer.grid import FARTHEST, is_place
 
 STRATEGIES = {
     0: "nearest frontier by travel path",
@@ -22,7 +23,7 @@ STRATEGIES = {
 
 @dataclass(frozen=True)
 class Parameter:
-    """One private parameter: `accepts` tells whether a value of the right type is in range, `range_text` says so."""
+    """One parameter: `accepts` tells whether a value of the right type is in range, `range_text` says so."""
 
     name: str
     type: type
@@ -30,6 +31,11 @@ class Parameter:
     meaning: str
     range_text: str = ""
     accepts: Optional[Callable[[Any], bool]] = None
+    private: bool = True
+
+    @property
+    def shown(self) -> str:
+        return f"~{self.name}" if self.private else self.name
 
 
 def _between(low: float, high: float) -> Dict[str, Any]:
@@ -64,6 +70,11 @@ PARAMETERS: Tuple[Parameter, ...] = (
     Parameter("return_home", bool, True, "drive to the home pose at the end"),
     Parameter("home_pose", list, [], "x, y, yaw in m and rad; empty: the pose at the start"),
     Parameter("seed", int, 0, "of the random choices of strategies 4 and 6", **_between(0, 2**31 - 1)),
+)
+
+# Relative, of all robots under one master. Logged, as in the original.
+ROBOTS_IN_SIMULATION = Parameter(
+    "robots_in_simulation", int, 1, "number of robots, logged", **_between(0, 100000), private=False
 )
 
 # Parameters of the original that are accepted without an effect, with the reason; they warn once when set.
@@ -135,11 +146,17 @@ def load(given: Mapping[str, Any], robots_in_simulation: Any = 1, host_name: Opt
     for parameter in PARAMETERS:
         values[parameter.name.replace("/", "_")] = _checked(parameter, _lookup(given, parameter.name))
     values["home_pose"] = _pose(values["home_pose"])
-    values["robots_in_simulation"] = _checked(
-        Parameter("robots_in_simulation", int, 1, "", **_between(0, 100000)), robots_in_simulation
-    )
+    values["robots_in_simulation"] = _checked(ROBOTS_IN_SIMULATION, robots_in_simulation)
     _identify(values, host_name if host_name is not None else socket.gethostname())
     return Options(**values)
+
+
+def summary(options: Options) -> str:
+    """The line at the start of the node."""
+    return (
+        f"robot {options.robot_name}, strategy {options.frontier_selection}: {STRATEGIES[options.frontier_selection]};"
+        f" robots in simulation: {options.robots_in_simulation}"
+    )
 
 
 def warnings(given: Mapping[str, Any]) -> List[str]:
@@ -171,7 +188,7 @@ def _checked(parameter: Parameter, value: Any) -> Any:
         value = float(value)
     if not isinstance(value, parameter.type) or (parameter.type is int and isinstance(value, bool)):
         raise ParameterError(
-            f"parameter ~{parameter.name} is {value!r}, it must be of type {parameter.type.__name__}"
+            f"parameter {parameter.shown} is {value!r}, it must be of type {parameter.type.__name__}"
             f" (default {parameter.default!r})"
         )
     if parameter.accepts is not None and not parameter.accepts(value):
@@ -179,16 +196,19 @@ def _checked(parameter: Parameter, value: Any) -> Any:
         if parameter.name == "frontier_selection":
             hint = ": " + "; ".join(f"{number} {text}" for number, text in STRATEGIES.items())
         raise ParameterError(
-            f"parameter ~{parameter.name} is {value!r}, out of range {parameter.range_text}"
+            f"parameter {parameter.shown} is {value!r}, out of range {parameter.range_text}"
             f" (default {parameter.default!r}){hint}"
         )
     return value
 
 
 def _pose(values: Sequence[Any]) -> Tuple[float, ...]:
-    numbers = all(isinstance(value, (int, float)) and math.isfinite(value) for value in values)
+    numbers = all(isinstance(value, (int, float)) and is_place(value) for value in values)
     if len(values) not in (0, 3) or not numbers:
-        raise ParameterError(f"parameter ~home_pose is {list(values)!r}, it must be empty or [x, y, yaw] in m and rad")
+        raise ParameterError(
+            f"parameter ~home_pose is {list(values)!r}, it must be empty or [x, y, yaw] in m and rad,"
+            f" within {FARTHEST:g} m"
+        )
     return tuple(float(value) for value in values)
 
 

@@ -67,7 +67,11 @@ def named_point(robot: str, point: Tuple[float, float]) -> MmPoint:
 
 
 class Wire:
-    """Frontiers and auctions to and from messages, by the identity rules of simulation and real robots."""
+    """Frontiers and auctions to and from messages, by the identity rules of simulation and real robots.
+
+    The name of the detecting robot always goes along. Only where it is missing in simulation, as in messages of the
+    original, does the number count: it is ambiguous once a robot has used up its block of 10000.
+    """
 
     def __init__(self, options: Options) -> None:
         self._simulation = options.simulation
@@ -86,17 +90,16 @@ class Wire:
         message = ExpFrontier()
         for element in elements:
             out = ExpFrontierElement(id=element.number, x_coordinate=element.x, y_coordinate=element.y)
+            out.detected_by_robot_str = element.detected_by
             if self._simulation:
                 out.detected_by_robot = number_of(element.detected_by)
-            else:
-                out.detected_by_robot_str = element.detected_by
             message.frontier_element.append(out)
         return message
 
     def auction_from(self, message: ExpAuction) -> Auction:
         robot = message.robot_name.strip("/")
         return Auction(
-            robot=f"robot_{robot}" if robot.isdigit() else robot,
+            robot=f"robot_{robot}" if self._simulation and robot.isdigit() else robot,
             auction_id=int(message.auction_id),
             status=bool(message.auction_status_message),
             start=bool(message.start_auction),
@@ -111,7 +114,9 @@ class Wire:
             auction_status_message=auction.status,
             start_auction=auction.start,
             auction_finished=auction.finished,
-            occupied_ids=[ExpAuctionElement(*self._key_to(key)) for key in auction.occupied],
+            occupied_ids=[
+                ExpAuctionElement(id=number, detected_by_robot_str=robot) for robot, number in auction.occupied
+            ],
             requested_clusters=[self._bid_to(bid) for bid in auction.requested],
             auction_id=auction.auction_id,
             robot_name=str(number_of(auction.robot)) if self._simulation else auction.robot,
@@ -124,15 +129,13 @@ class Wire:
             robot = f"robot_{element.id // 10000}"
         return (robot, int(element.id))
 
-    def _key_to(self, key: Key) -> Tuple[int, str]:
-        return (key[1], "" if self._simulation else key[0])
-
     def _bid_from(self, cluster: ExpCluster) -> Bid:
         bid = float(cluster.bid) if math.isfinite(cluster.bid) else -1.0
         return Bid(tuple(self._key_from(element) for element in cluster.ids_contained), bid)
 
     def _bid_to(self, bid: Bid) -> ExpCluster:
-        return ExpCluster([ExpClusterElement(*self._key_to(key)) for key in bid.elements], bid.bid)
+        elements = [ExpClusterElement(id=number, detected_by_robot_str=robot) for robot, number in bid.elements]
+        return ExpCluster(elements, bid.bid)
 
 
 def goal_to(pose: Pose, frame: str, stamp: rospy.Time) -> MoveBaseGoal:

@@ -74,7 +74,7 @@ class Team:
     def set_positions(self, positions: Mapping[str, Position], now: float) -> None:
         for name, position in sorted(positions.items()):
             peer = self.peer(name)
-            if peer is not None and all(math.isfinite(value) for value in position):
+            if peer is not None:
                 peer.position, peer.position_time = (float(position[0]), float(position[1])), now
 
     def heard(self, name: str) -> None:

@@ -13,6 +13,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from explorer.grid import GridInfo, OccupancyMap
+from explorer.traces import robot_traces
 
 # Nodes of the graph beyond which the next coarser grid is taken: bounds the time of one field to about 80 ms.
 MAXIMUM_NODES = 80_000
@@ -80,22 +81,19 @@ class TravelGrid:
         radius: float,
         comfort: float,
         robots: Sequence[Tuple[float, float]] = (),
-        robot_radius: float = 0.45,
         cell: float = 0.1,
     ) -> None:
         """`cell`: edge length in metres of the coarse cells, more where the map is too large. `robots`: positions of
-        the other robots in metres; what stands there in the map is taken for the robot itself, seen by the laser, and
-        not for a part of the building."""
+        the other robots in metres; the small isolated obstacles that the map shows there are taken for the robots."""
         self.fine = occupancy.info
-        free = occupancy.free.copy()
-        occupied = occupancy.occupied.copy()
-        self._forget_robots(free, occupied, robots, robot_radius)
+        robot = robot_traces(occupancy.occupied, occupancy.info, robots)
+        free = occupancy.free | robot
+        occupied = occupancy.occupied & ~robot
         self.occupied = occupied
         self.clearance = self._distance_to(occupied)
         allowed = free & (self.clearance >= radius)
         self.factor = self._factor_for(int(np.count_nonzero(allowed)), cell)
         self.info = self._coarse_info()
-        self.fine_allowed = allowed
         coarse_clearance = self._pool(np.where(allowed, self.clearance, -1.0))
         self.traversable = coarse_clearance >= 0
         self.coarse_clearance = coarse_clearance
@@ -170,20 +168,6 @@ class TravelGrid:
         if not occupied.any():
             return np.full(occupied.shape, 1e3, dtype=np.float32)
         return cv2.distanceTransform((~occupied).astype(np.uint8), cv2.DIST_L2, 5) * self.fine.resolution
-
-    def _forget_robots(
-        self, free: np.ndarray, occupied: np.ndarray, robots: Sequence[Tuple[float, float]], radius: float
-    ) -> None:
-        if not robots:
-            return
-        mask = np.zeros(free.shape, dtype=np.uint8)
-        for x, y in robots:
-            row, col = self.fine.cell_of(x, y)
-            if self.fine.contains(row, col):
-                cv2.circle(mask, (col, row), round(radius / self.fine.resolution), 1, thickness=-1)
-        hidden = (mask > 0) & occupied
-        occupied[hidden] = False
-        free[hidden] = True
 
     def _factor_for(self, fine_nodes: int, cell: float) -> int:
         factor = max(1, round(cell / self.fine.resolution))

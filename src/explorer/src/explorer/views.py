@@ -58,7 +58,7 @@ class Views:
         return result
 
     def assess(self, cluster: Cluster, active: Sequence[Frontier]) -> None:
-        """Sets cost, viewpoint, target, look_at and gain of a cluster from those of its members that are goals."""
+        """Sets cost, viewpoint, target and gain of a cluster from those of its members that are goals."""
         cluster.cost, cluster.viewpoint, cluster.target = math.inf, None, None
         points = np.array([(member.x, member.y) for member in active], dtype=float).reshape(-1, 2)
         views = self.of(points)
@@ -76,7 +76,6 @@ class Views:
         )[2]
         x, y, _ = cluster.views[best.number]
         cluster.cost, cluster.viewpoint, cluster.target = least, (x, y), best.number
-        cluster.look_at = (best.x, best.y)
 
     def gain(self, x: float, y: float) -> float:
         """Unknown area in square metres in the square around a point."""

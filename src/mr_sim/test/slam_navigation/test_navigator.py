@@ -61,6 +61,9 @@ def test_missing_input_is_named() -> None:
     "call",
     [
         lambda n: n.set_goal((math.nan, 0.0, 0.0), 0.0),
+        lambda n: n.set_goal((0.0, 1e308, 0.0), 0.0),
+        lambda n: n.set_map(Grid(np.zeros((4, 4), np.int8), 0.05, (1e308, 0))),
+        lambda n: n.set_map(Grid(np.zeros((4, 4), np.int8), 1e-300, (0, 0))),
         lambda n: n.set_map(Grid(np.zeros((0, 4), np.int8), 0.05, (0, 0))),
     ],
 )
@@ -69,6 +72,17 @@ def test_bad_input_is_refused(call: Callable[[Navigator], None]) -> None:
         call(Navigator())
     with pytest.raises(NavigationError, match="max_linear_velocity"):
         NavigationOptions(max_linear_velocity=-1.0)
+
+
+@pytest.mark.parametrize("value", [1e308, -1e308, 3e5, math.inf, math.nan])
+def test_positions_that_cannot_be_are_ignored(value: float) -> None:
+    """A finite but huge position of another robot has no cell: with it every later map was refused by a traceback."""
+    navigator = Navigator(name="robot_0")
+    assert navigator.set_others({"robot_1": (value, 0.0), "robot_2": (1.0, 1.0)}, 0.0) == ["robot_1"]
+    navigator.set_map(room())
+    assert navigator.set_others({"robot_1": (0.0, value), "robot_0": (0.0, 0.0)}, 1.0) == ["robot_1"]
+    navigator.set_goal((3.0, 2.0, 0.0), 1.0)
+    assert navigator.step(1.1, (0.6, 2.0, 0.0), EMPTY).status is Status.ACTIVE
 
 
 def test_gentle_start_and_cancel() -> None:

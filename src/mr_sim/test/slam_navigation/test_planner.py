@@ -2,15 +2,16 @@
 
 import heapq
 import math
-from typing import Optional, Tuple
+from typing import List, Optional, Tuple
 
+import cv2
 import numpy as np
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from mr_sim import _navigation
 from mr_sim.navigation.options import Grid, NavigationOptions
-from mr_sim.navigation.planner import CostMap, path, plan
+from mr_sim.navigation.planner import ROBOT_EXTENT, ROBOT_REACH, CostMap, path, plan, without_robots
 
 OPTIONS = NavigationOptions()
 SIZE = 60  # cells
@@ -111,3 +112,53 @@ def test_unknown_is_no_ground_unless_allowed() -> None:
     start, goal = (0.5, 1.5, 0.0), (2.5, 1.5)
     assert plan(CostMap(grid, OPTIONS), np.empty((0, 2)), start, goal, 0.3) is None
     assert plan(CostMap(grid, NavigationOptions(allow_unknown=True)), np.empty((0, 2)), start, goal, 0.3) is not None
+
+
+def two_rooms() -> np.ndarray:
+    """6 m x 4 m, a wall without a door at x = 3."""
+    cells = np.zeros((80, 120), np.int8)
+    cells[[0, -1]] = cells[:, [0, -1]] = 100
+    cells[:, 60:62] = 100
+    return cells
+
+
+def test_a_robot_beside_a_wall_makes_no_hole_in_it() -> None:
+    """Robots 0.3 m from a wall opened a hole of half a metre: ways led through the wall."""
+    grid = Grid(two_rooms(), 0.05, (0.0, 0.0))
+    for x in (2.7, 2.95, 3.4):
+        seen = without_robots(grid, [(x, 2.0)])
+        assert (seen.cells == grid.cells).all()
+        assert plan(CostMap(seen, OPTIONS), np.empty((0, 2)), (1.5, 2.0, 0.0), (4.5, 2.0), 0.5) is None
+
+
+def test_what_a_laser_saw_of_a_robot_is_forgotten() -> None:
+    cells = two_rooms()
+    cells[30:50, 60:62] = 0
+    door = cells.copy()
+    cells[36:44, 57:66] = 100
+    grid = Grid(cells, 0.05, (0.0, 0.0))
+    assert plan(CostMap(grid, OPTIONS), np.empty((0, 2)), (1.5, 2.0, 0.0), (4.5, 2.0), 0.5) is None
+    assert (without_robots(grid, [(3.2, 2.1)]).cells == door).all()
+    assert (without_robots(grid, [(4.0, 2.0)]).cells == cells).all()
+    assert (grid.cells == cells).all(), "the map itself stays as it is"
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 59), st.integers(0, 59), st.integers(1, 12), st.integers(1, 12)), max_size=12),
+    st.lists(st.tuples(st.floats(-1.5, 4.5), st.floats(-1.5, 4.5)), max_size=3),
+)
+def test_the_rule_holds_wherever_a_robot_is(
+    boxes: List[Tuple[int, int, int, int]], positions: List[Tuple[float, float]]
+) -> None:
+    cells = np.zeros((SIZE, SIZE), np.int8)
+    for row, column, height, width in boxes:
+        cells[row : row + height, column : column + width] = 100
+    grid = Grid(cells, 0.05, (0.3, -0.2))
+    count, labels = cv2.connectedComponents((cells > 50).astype(np.uint8), connectivity=8)
+    expected = cells.copy()
+    for label in range(1, count):
+        found = np.argwhere(labels == label)
+        small = (np.ptp(found, axis=0).max() + 1) * 0.05 <= ROBOT_EXTENT + 1e-9
+        if small and any(math.dist(grid.center(*found.mean(axis=0)), p) <= ROBOT_REACH for p in positions):
+            expected[labels == label] = 0
+    assert (without_robots(grid, positions).cells == expected).all()

@@ -15,7 +15,18 @@ import numpy as np
 
 from mr_sim import _navigation
 from mr_sim.navigation.obstacles import ObstacleMemory, near_walls
-from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, Pose, Scan, to_map
+from mr_sim.navigation.options import (
+    COARSEST,
+    FARTHEST,
+    FINEST,
+    Grid,
+    NavigationError,
+    NavigationOptions,
+    Pose,
+    Scan,
+    is_place,
+    to_map,
+)
 from mr_sim.navigation.planner import CostMap, Plan, path, plan, without_robots
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.navigation.yielding import HeldUp, find_retreat, nearest_blocker
@@ -106,17 +117,23 @@ class Navigator:
         """Raises NavigationError for a grid that is no map."""
         if grid.cells.ndim != 2 or 0 in grid.cells.shape:
             raise NavigationError(f"map has no cells: shape {grid.cells.shape}")
-        if not (np.isfinite(grid.resolution) and grid.resolution > 0.0 and np.isfinite(grid.origin).all()):
-            raise NavigationError("map needs a positive resolution and a finite origin")
+        if not (FINEST <= grid.resolution <= COARSEST and is_place(*grid.origin)):
+            raise NavigationError(
+                f"map needs a resolution from {FINEST:g} to {COARSEST:g} m, not {grid.resolution:g}, "
+                f"and an origin within {FARTHEST:g} m, not ({grid.origin[0]:g}, {grid.origin[1]:g})"
+            )
         self._grid = grid
         self._rebuild_costs()
 
-    def set_others(self, positions: Mapping[str, Tuple[float, float]], now: float) -> None:
-        """Where the other robots say they are, map frame. A hint: nothing depends on it being there or right."""
-        self._others = {name: position for name, position in positions.items() if name != self.name}
+    def set_others(self, positions: Mapping[str, Tuple[float, float]], now: float) -> List[str]:
+        """Where the other robots say they are, map frame. A hint: nothing depends on it being there or right. Returns
+        the names of those whose position cannot be and is ignored."""
+        usable = {name: position for name, position in positions.items() if is_place(*position)}
+        self._others = {name: position for name, position in usable.items() if name != self.name}
         self._others_at = now
         if self._grid is not None:
             self._rebuild_costs()
+        return sorted(set(positions) - set(usable))
 
     def _rebuild_costs(self) -> None:
         """Robots that stood still long enough to enter the map are no walls: they are taken out where they report."""
@@ -126,8 +143,10 @@ class Navigator:
 
     def set_goal(self, goal: Pose, now: float) -> None:
         """A new goal replaces the old one; a moving robot goes on without stopping."""
-        if not np.isfinite(goal).all():
-            raise NavigationError(f"goal ({goal[0]}, {goal[1]}, {goal[2]}) is not finite")
+        if not is_place(*goal):
+            raise NavigationError(
+                f"goal ({goal[0]:g}, {goal[1]:g}, {goal[2]:g}) is not within {FARTHEST:g} m of the map"
+            )
         self._goal = _Goal(goal, now, now)
         self._planned_at = -math.inf
         self.plan = None

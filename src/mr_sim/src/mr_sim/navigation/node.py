@@ -88,7 +88,11 @@ class MoveBaseNode:
     def _on_others(self, message: MmListOfPoints) -> None:
         positions = {point.src_robot: (point.x, point.y) for point in message.positions}
         with self._lock:
-            self._navigator.set_others(positions, rospy.get_time())
+            ignored = self._navigator.set_others(positions, rospy.get_time())
+        if ignored:
+            rospy.logwarn_throttle(
+                60.0, f"{TOPICS['others']}: positions of {', '.join(ignored[:5])} cannot be, ignored"
+            )
 
     def _on_simple_goal(self, message: PoseStamped) -> None:
         goal = MoveBaseActionGoal()

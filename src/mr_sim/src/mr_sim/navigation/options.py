@@ -8,6 +8,15 @@ import numpy as np
 Pose = Tuple[float, float, float]  # x, y, yaw
 
 
+FARTHEST = 1e5  # m from the origin of the frame; arithmetic on cells goes wrong with larger coordinates
+FINEST, COARSEST = 1e-3, 1e2  # m, cells of a map
+
+
+def is_place(*coordinates: float) -> bool:
+    """Whether these are numbers of a size that coordinates in metres can have."""
+    return all(abs(value) <= FARTHEST for value in coordinates)
+
+
 class NavigationError(ValueError):
     """A parameter, map or goal that navigation cannot work with."""
 

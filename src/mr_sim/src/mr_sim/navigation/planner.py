@@ -15,7 +15,8 @@ ESCAPE_RADIUS = 0.45  # m around a robot that stands too near to a wall in which
 ESCAPE_COST = 25.0
 FIELD_MARGIN = 2.0  # m of cost to go beyond the robot that local control can use
 PATH_STEPS = 20000
-ROBOT_RADIUS = 0.4  # m around the reported position of a robot that its body may fill
+ROBOT_REACH = 0.45  # m from a robot's reported position to the middle of what the laser saw of it
+ROBOT_EXTENT = 0.8  # m; obstacles larger than this, with all that touches them, are walls, however near a robot is
 
 
 @dataclass(frozen=True)
@@ -82,19 +83,28 @@ class CostMap:
 
 
 def without_robots(grid: Grid, positions: List[Tuple[float, float]]) -> Grid:
-    """The grid with the ground under robots at these positions free."""
+    """The grid without the small isolated obstacles where robots stand. `explorer` has the same rule."""
     if not positions:
         return grid
     cells = grid.cells.copy()
-    reach = math.ceil(ROBOT_RADIUS / grid.resolution)
+    # An obstacle that is small and near enough lies wholly in the window, so one cut off at its edge is never taken.
+    reach = int((ROBOT_REACH + ROBOT_EXTENT) / grid.resolution) + 2
     for x, y in positions:
         row, column = grid.cell(x, y)
-        if not grid.contains(row, column):
-            continue
         top, left = max(0, row - reach), max(0, column - reach)
-        window = cells[top : row + reach + 1, left : column + reach + 1]
-        rows, columns = np.indices(window.shape)
-        window[(np.hypot(rows + top - row, columns + left - column) <= reach) & (window > 50)] = 0
+        window = cells[top : max(0, row + reach + 1), left : max(0, column + reach + 1)]
+        if not (window > 50).any():
+            continue
+        _, labels, statistics, middles = cv2.connectedComponentsWithStats(
+            (window > 50).astype(np.uint8), connectivity=8
+        )
+        extent = np.maximum(statistics[:, cv2.CC_STAT_WIDTH], statistics[:, cv2.CC_STAT_HEIGHT]) * grid.resolution
+        middles_x = grid.origin[0] + (middles[:, 0] + left + 0.5) * grid.resolution
+        middles_y = grid.origin[1] + (middles[:, 1] + top + 0.5) * grid.resolution
+        near = np.hypot(middles_x - x, middles_y - y) <= ROBOT_REACH
+        robots = near & (extent <= ROBOT_EXTENT + 1e-9)
+        robots[0] = False  # the ground between the obstacles
+        window[robots[labels]] = 0
     return Grid(cells, grid.resolution, grid.origin)
 
 

@@ -1,0 +1,66 @@
+"""What of a map is taken for another robot: small isolated obstacles only, wherever the robot says it is."""
+
+import math
+from typing import List, Tuple
+
+import cv2
+import numpy as np
+from conftest import map_of
+from hypothesis import given
+from hypothesis import strategies as st
+
+from explorer.traces import ROBOT_EXTENT, ROBOT_REACH, robot_traces
+from explorer.travel import TravelGrid
+
+
+def two_rooms(thickness: int = 2) -> np.ndarray:
+    """6 m x 4 m, cells of 0.05 m, a wall without a door from y = 0 to y = 4 at x = 3."""
+    cells = np.zeros((80, 120), dtype=np.int8)
+    cells[[0, -1]] = cells[:, [0, -1]] = 100
+    cells[:, 60 : 60 + thickness] = 100
+    return cells
+
+
+def test_a_robot_beside_a_wall_makes_no_hole_in_it() -> None:
+    """Robots 0.3 m from a wall opened a hole of half a metre: ways and lines of sight led through the wall."""
+    occupancy = map_of(two_rooms(), 0.05)
+    for x in (2.7, 2.95, 3.4):
+        grid = TravelGrid(occupancy, 0.25, 0.6, robots=[(x, 2.0)])
+        assert math.isinf(grid.field_from(1.5, 2.0).at(4.5, 2.0))
+        assert (grid.occupied == occupancy.occupied).all()
+
+
+def test_what_a_laser_saw_of_a_robot_is_forgotten() -> None:
+    cells = two_rooms()
+    cells[30:50, 60:62] = 0
+    cells[36:44, 57:66] = 100
+    occupancy = map_of(cells, 0.05)
+    assert math.isinf(TravelGrid(occupancy, 0.25, 0.6).field_from(1.5, 2.0).at(4.5, 2.0))
+    assert math.isfinite(TravelGrid(occupancy, 0.25, 0.6, robots=[(3.2, 2.1)]).field_from(1.5, 2.0).at(4.5, 2.0))
+    assert math.isinf(TravelGrid(occupancy, 0.25, 0.6, robots=[(4.0, 2.0)]).field_from(1.5, 2.0).at(4.5, 2.0))
+
+
+cells_and_places = st.tuples(
+    st.lists(st.tuples(st.integers(0, 59), st.integers(0, 59), st.integers(1, 12), st.integers(1, 12)), max_size=12),
+    st.lists(st.tuples(st.floats(-1.5, 4.5), st.floats(-1.5, 4.5)), max_size=3),
+)
+
+
+@given(cells_and_places)
+def test_the_rule_holds_wherever_a_robot_is(
+    given_: Tuple[List[Tuple[int, int, int, int]], List[Tuple[float, float]]],
+) -> None:
+    boxes, places = given_
+    cells = np.zeros((60, 60), dtype=np.int8)
+    for row, col, height, width in boxes:
+        cells[row : row + height, col : col + width] = 100
+    occupancy = map_of(cells, 0.05)
+    count, labels = cv2.connectedComponents((cells > 0).astype(np.uint8), connectivity=8)
+    expected = np.zeros_like(cells, dtype=bool)
+    for label in range(1, count):
+        found = np.argwhere(labels == label)
+        middle = occupancy.info.centres_of(found).mean(axis=0)
+        small = (np.ptp(found, axis=0).max() + 1) * 0.05 <= ROBOT_EXTENT + 1e-9
+        if small and any(math.dist(middle, place) <= ROBOT_REACH for place in places):
+            expected[labels == label] = True
+    assert (robot_traces(occupancy.occupied, occupancy.info, places) == expected).all()

@@ -1,0 +1,66 @@
+"""Frontiers and auctions through messages and back: who detected what, in simulation and on real robots."""
+
+import pkgutil
+
+import pytest
+
+import explorer
+
+# The generated messages lie in a folder of their own, and where ROS is not installed there are none.
+explorer.__path__ = pkgutil.extend_path(explorer.__path__, "explorer")
+for package in ("adhoc_communication.msg", "explorer.msg", "move_base_msgs.msg"):
+    pytest.importorskip(package, reason="the messages of ROS are not here")
+
+from explorer import ros_io  # noqa: E402
+from explorer.auction import OpenAuction, reply_message  # noqa: E402
+from explorer.clusters import Cluster  # noqa: E402
+from explorer.frontiers import Element, Frontier  # noqa: E402
+from explorer.messages import Auction, Bid  # noqa: E402
+from explorer.options import Options  # noqa: E402
+
+
+def wire(name: str, simulation: bool) -> ros_io.Wire:
+    return ros_io.Wire(Options(robot_name=name, robot_prefix=f"/{name}" if simulation else ""))
+
+
+SENDERS = [("robot_0", "robot_1", True), ("joy", "bob", False), ("7", "8", False), ("robot_3", "robot_4", False)]
+
+
+@pytest.mark.parametrize("sender, receiver, simulation", SENDERS)
+def test_points_keep_their_robot_however_many_there_are(sender: str, receiver: str, simulation: bool) -> None:
+    """In simulation the 10000th point of robot_0 was taken for one of robot_1."""
+    elements = [Element(sender, number, 1.0, 2.0) for number in (0, 9999, 10000, 123456)]
+    message = wire(sender, simulation).frontier_to(elements)
+    assert wire(receiver, simulation).elements_from(message) == elements
+    keys = tuple(element.key for element in elements)
+    auction = Auction(sender, 5, True, occupied=keys, requested=(Bid(keys, 2.5),), available=(Bid(keys, -1.0),))
+    assert wire(receiver, simulation).auction_from(wire(sender, simulation).auction_to(auction)) == auction
+
+
+@pytest.mark.parametrize("sender, receiver, simulation", SENDERS)
+def test_bids_find_their_cluster_however_high_its_numbers_are(sender: str, receiver: str, simulation: bool) -> None:
+    """Bids for such points were dropped, and the bidder was taken for one that has finished."""
+    cluster = Cluster(3, [Frontier(number, 0.1 * number, 0.0) for number in (9999, 10000, 20001)])
+    auction = OpenAuction(7, [cluster], sender, {receiver}, 1.0)
+    here, there = wire(sender, simulation), wire(receiver, simulation)
+    start = there.auction_from(here.auction_to(auction.start_message({3: 4.0})))
+    reply = reply_message(receiver, start.auction_id, [Bid(bid.elements, 6.5) for bid in start.requested])
+    assert auction.add(here.auction_from(there.auction_to(reply)))
+    assert auction.bids == {receiver: {3: 6.5}}
+
+
+def test_numbers_count_only_in_simulation_where_the_name_is_missing() -> None:
+    message = wire("robot_2", True).frontier_to([Element("robot_2", 20001, 0.0, 0.0)])
+    assert message.frontier_element[0].detected_by_robot == 2
+    message.frontier_element[0].detected_by_robot_str = ""
+    assert wire("robot_0", True).elements_from(message)[0].key == ("robot_2", 20001)
+    auction = wire("robot_2", True).auction_to(Auction("robot_2", 5, True, occupied=(("robot_2", 20001),)))
+    auction.occupied_ids[0].detected_by_robot_str = ""
+    assert auction.robot_name == "2"
+    decoded = wire("robot_0", True).auction_from(auction)
+    assert (decoded.robot, decoded.occupied) == ("robot_2", (("robot_2", 20001),))
+
+
+def test_a_real_robot_may_have_a_number_for_a_name() -> None:
+    """A robot named "7" became "robot_7", which nobody knew."""
+    assert wire("joy", False).auction_from(wire("7", False).auction_to(Auction("7", 1, True))).robot == "7"
