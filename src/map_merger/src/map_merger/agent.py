@@ -74,9 +74,6 @@ class _Timer:
         self._due = now + self.period
         return True
 
-    def deadline(self, now: float) -> float:
-        return now if self._due is None else self._due
-
 
 class Agent:
     """One robot's map merger. Every `on_...` call and `tick` takes the present time in seconds; then collect
@@ -266,18 +263,6 @@ class Agent:
         """What is to be done since the last call."""
         effects, self._effects = self._effects, []
         return effects
-
-    def next_deadline(self, now: float) -> float:
-        """When `tick` should be called next, seconds."""
-        timers = (
-            self._publish_timer,
-            self._send_timer,
-            self._position_timer,
-            self._anchor_timer,
-            self._transform_timer,
-            self._repair_timer,
-        )
-        return min(timer.deadline(now) for timer in timers)
 
     # What others ask
 
