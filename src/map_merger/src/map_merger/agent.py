@@ -159,6 +159,8 @@ class Agent:
         if peer.map.set_anchor(anchor):
             peer.restart()
             self._note(f"{peer.name} restarted: its former map and transform are dropped")
+            if peer.name == self._base:
+                self._forget_frame()
         peer.retry.progress()
         self._changed_foreign = True
         self._adopt_base(peer, now)
@@ -388,6 +390,12 @@ class Agent:
         grid = peer.map.grid()
         if self._base == peer.name and grid is not None:
             self._set_local(grid, now)
+
+    def _forget_frame(self) -> None:
+        """The reference robot has a new frame, so no transform into the former one and nothing drawn in it holds."""
+        for peer in self._peers.values():
+            peer.forget_transform()
+        self._local, self._global, self._view, self._layers = None, None, None, {}
 
     def _transforms_with_base(self) -> Dict[str, Transform]:
         transforms = self.transforms()

@@ -85,8 +85,12 @@ class Peer:
 
     def restart(self) -> None:
         """The robot's frame is a new one."""
-        self.alignment.forget()
+        self.forget_transform()
         self.track = Track()
         self.position = None
+
+    def forget_transform(self) -> None:
+        """The robot's frame or the own one is a new one: nothing that was found out between them holds."""
+        self.alignment.forget()
         self.seen, self.saw, self.viewed = Views(), Views(), -1
         self.generation += 1

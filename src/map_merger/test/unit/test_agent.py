@@ -258,6 +258,26 @@ def test_base_station_takes_the_first_map_as_reference_and_merges_the_others(map
     assert not team.sent(Tile, "base") and not team.sent(Position, "base")
 
 
+def test_when_its_reference_robot_restarts_the_base_station_drops_every_transform(maps):
+    """The maps of all others stayed where the former frame of the reference robot had put them: a wrong merge."""
+    team = team_of("robot_1", "robot_2")
+    team.agents["base"] = Agent(options("base", has_local_map=False), (1, 9))
+    for index in range(2):
+        team.agents[f"robot_{index + 1}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    base = team.agents["base"]
+    assert set(base.transforms()) == {"robot_2"}
+    team.agents["robot_1"] = Agent(options("robot_1"), (2, 0))
+    team.agents["robot_1"].on_local_map(square(), team.now)
+    base.on_anchor(Anchor("robot_1", square().info, (2, 0)), team.now)
+    assert base.transforms() == {} and base.local_map is None and base.global_map is None
+    team.run(10.0)
+    assert np.array_equal(team.maps["base"][-1].cells, square().cells)
+    team.agents["robot_1"].on_local_map(maps[2].grid, team.now)
+    team.run(30.0)
+    assert error_of(team, "base", "robot_2", maps, own=2, index=1) < 0.2
+
+
 def test_initial_poses_are_a_prior_and_not_a_fact(maps):
     truth = pair_of(maps[0], maps[1]).truth
     for offset, found in ((Transform(1.0, -1.0, 0.2), True), (Transform(9.0, 9.0, 2.0), False)):
