@@ -114,7 +114,7 @@ class Agent:
         self._anchor_timer = _Timer(options.seconds_meta_timer, options.seconds_meta_timer)
         self._transform_timer = _Timer(TRANSFORM_PERIOD_S)
         self._repair_timer = _Timer(1.0)
-        self._question_timer = _Timer(math.inf, NEIGHBOR_QUESTION_S)
+        self._question_timer = _Timer(NEIGHBOR_QUESTION_S, NEIGHBOR_QUESTION_S)
 
     # What comes in
 
@@ -418,7 +418,7 @@ class Agent:
         position = peer.position
         if position is None or peer.alignment.transform is not None or self._local is None:
             return
-        if now - min(position.heard, self._view_time) <= LONGEST_LAG_S:
+        if max(abs(now - position.heard), abs(now - self._view_time)) <= LONGEST_LAG_S:
             self._view = self._view or view_of(self._local)
             peer.seen.add(Sighting(self._view, position.pose.x, position.pose.y))
 
@@ -439,7 +439,7 @@ class Agent:
             return
         target = Versioned((self.name, self._local_version), self._local)
         cells = int((self._local.cells != UNKNOWN).sum()) if self._peers else 0
-        for peer in sorted(self._peers.values(), key=lambda peer: peer.alignment.last_started):
+        for peer in sorted(self._peers.values(), key=lambda peer: peer.alignment.started_before(now)):
             grid = peer.map.grid()
             if grid is None or peer.name == self._base:
                 continue
@@ -541,7 +541,7 @@ class Agent:
         longest = max(POSITION_AGE_S, 10.0 * self._options.seconds_send_position)
         for name, transform in sorted(self._transforms_with_base().items()):
             position = self._peers[name].position
-            if position is not None and now - position.heard <= longest:
+            if position is not None and abs(now - position.heard) <= longest:
                 yield Place(name, *transform.apply_point(position.pose.x, position.pose.y))
 
     def _broadcast(self) -> None:
