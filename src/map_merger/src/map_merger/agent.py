@@ -74,9 +74,6 @@ class _Timer:
         self._due = now + self.period
         return True
 
-    def deadline(self, now: float) -> float:
-        return now if self._due is None else self._due
-
 
 class Agent:
     """One robot's map merger. Every `on_...` call and `tick` takes the present time in seconds; then collect
@@ -117,7 +114,7 @@ class Agent:
         self._anchor_timer = _Timer(options.seconds_meta_timer, options.seconds_meta_timer)
         self._transform_timer = _Timer(TRANSFORM_PERIOD_S)
         self._repair_timer = _Timer(1.0)
-        self._question_timer = _Timer(math.inf, NEIGHBOR_QUESTION_S)
+        self._question_timer = _Timer(NEIGHBOR_QUESTION_S, NEIGHBOR_QUESTION_S)
 
     # What comes in
 
@@ -162,6 +159,8 @@ class Agent:
         if peer.map.set_anchor(anchor):
             peer.restart()
             self._note(f"{peer.name} restarted: its former map and transform are dropped")
+            if peer.name == self._base:
+                self._forget_frame()
         peer.retry.progress()
         self._changed_foreign = True
         self._adopt_base(peer, now)
@@ -266,18 +265,6 @@ class Agent:
         """What is to be done since the last call."""
         effects, self._effects = self._effects, []
         return effects
-
-    def next_deadline(self, now: float) -> float:
-        """When `tick` should be called next, seconds."""
-        timers = (
-            self._publish_timer,
-            self._send_timer,
-            self._position_timer,
-            self._anchor_timer,
-            self._transform_timer,
-            self._repair_timer,
-        )
-        return min(timer.deadline(now) for timer in timers)
 
     # What others ask
 
@@ -404,6 +391,12 @@ class Agent:
         if self._base == peer.name and grid is not None:
             self._set_local(grid, now)
 
+    def _forget_frame(self) -> None:
+        """The reference robot has a new frame, so no transform into the former one and nothing drawn in it holds."""
+        for peer in self._peers.values():
+            peer.forget_transform()
+        self._local, self._global, self._view, self._layers = None, None, None, {}
+
     def _transforms_with_base(self) -> Dict[str, Transform]:
         transforms = self.transforms()
         if self._base is not None:
@@ -425,7 +418,7 @@ class Agent:
         position = peer.position
         if position is None or peer.alignment.transform is not None or self._local is None:
             return
-        if now - min(position.heard, self._view_time) <= LONGEST_LAG_S:
+        if max(abs(now - position.heard), abs(now - self._view_time)) <= LONGEST_LAG_S:
             self._view = self._view or view_of(self._local)
             peer.seen.add(Sighting(self._view, position.pose.x, position.pose.y))
 
@@ -446,7 +439,7 @@ class Agent:
             return
         target = Versioned((self.name, self._local_version), self._local)
         cells = int((self._local.cells != UNKNOWN).sum()) if self._peers else 0
-        for peer in sorted(self._peers.values(), key=lambda peer: peer.alignment.last_started):
+        for peer in sorted(self._peers.values(), key=lambda peer: peer.alignment.started_before(now)):
             grid = peer.map.grid()
             if grid is None or peer.name == self._base:
                 continue
@@ -548,7 +541,7 @@ class Agent:
         longest = max(POSITION_AGE_S, 10.0 * self._options.seconds_send_position)
         for name, transform in sorted(self._transforms_with_base().items()):
             position = self._peers[name].position
-            if position is not None and now - position.heard <= longest:
+            if position is not None and abs(now - position.heard) <= longest:
                 yield Place(name, *transform.apply_point(position.pose.x, position.pose.y))
 
     def _broadcast(self) -> None:

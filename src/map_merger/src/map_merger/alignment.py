@@ -177,7 +177,7 @@ class Alignment:
         self._tried_cells = (0, 0)
         self._due = -math.inf
         self._wait = 0.0
-        self.last_started = -math.inf
+        self._last_started = -math.inf
 
     def forget(self) -> None:
         """The robot's frame is a new one: nothing that was known holds."""
@@ -185,7 +185,8 @@ class Alignment:
 
     def due(self, now: float, target: Versioned, source: Versioned, cells: Tuple[int, int]) -> bool:
         """True if a job is worth its time. `cells`: numbers of known cells of both maps."""
-        if now < self._due or (target.key, source.key) == self._tried:
+        waits = now < self._due <= now + self._wait  # A later time is one from before the clock jumped back.
+        if waits or (target.key, source.key) == self._tried:
             return False
         if self.transform is not None or self._candidate is not None:
             return True
@@ -200,7 +201,11 @@ class Alignment:
             else min(max(period, 1.3 * self._wait), max(period, _LONGEST_WAIT_S))
         )
         self._due = now + self._wait
-        self.last_started = now
+        self._last_started = now
+
+    def started_before(self, now: float) -> float:
+        """When the last job was started; minus infinity if none was, or the clock has jumped back since."""
+        return self._last_started if self._last_started <= now else -math.inf
 
     def finished(self, result: Registration) -> str:
         """Takes the outcome of a job. Returns a text if something changed that a person wants to know, else ''."""

@@ -6,7 +6,7 @@ Each tile that is sent to the group has a number of its own, so that the loss of
 from dataclasses import replace
 from typing import Dict, Iterable, List, Optional, Set, Tuple
 
-from .grid import UNKNOWN, Box, Canvas, Grid, GridError, GridInfo, bounding_box, full_box, offset_between, union_of
+from .grid import UNKNOWN, Box, Canvas, Grid, GridError, bounding_box, full_box, offset_between, union_of
 from .messages import NO_BOOT, Anchor, Boot, Tile
 
 MOST_BOXES = 4096
@@ -137,16 +137,6 @@ class PeerMap:
         self._snapshot: Optional[Grid] = None
         self.version = 0
         """Counts the changes of the map."""
-
-    @property
-    def anchored(self) -> bool:
-        """True if the anchor is known."""
-        return self._anchor is not None
-
-    @property
-    def geometry(self) -> Optional[GridInfo]:
-        """Corner and resolution of the anchor."""
-        return None if self._anchor is None else self._anchor.info
 
     def set_anchor(self, anchor: Anchor) -> bool:
         """Takes the anchor; True if it replaces another one: the robot restarted and its map starts anew."""

@@ -39,13 +39,13 @@ class Retry:
     """Spaces repeated requests: the pause doubles from `first` to `longest` seconds until there is progress."""
 
     def __init__(self, first: float, longest: float) -> None:
-        self._first, self._longest = first, longest
+        self._first, self._longest = first, max(first, longest)
         self._pause = first
         self._due = -math.inf
 
     def ready(self, now: float) -> bool:
-        """True once a pause has passed; starts the next, longer one."""
-        if now < self._due:
+        """True once a pause has passed or the clock has jumped back; starts the next, longer pause."""
+        if now < self._due <= now + self._longest:
             return False
         self._due = now + self._pause
         self._pause = min(2.0 * self._pause, self._longest)
@@ -85,8 +85,12 @@ class Peer:
 
     def restart(self) -> None:
         """The robot's frame is a new one."""
-        self.alignment.forget()
+        self.forget_transform()
         self.track = Track()
         self.position = None
+
+    def forget_transform(self) -> None:
+        """The robot's frame or the own one is a new one: nothing that was found out between them holds."""
+        self.alignment.forget()
         self.seen, self.saw, self.viewed = Views(), Views(), -1
         self.generation += 1

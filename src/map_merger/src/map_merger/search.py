@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from scipy import fft
 
-from .grid import GridInfo, cell_centres, cells_of
+from .grid import cell_centres
 from .surface import Landmarks
 from .transform import Transform, rotation_between, wrap_angle
 
@@ -193,8 +193,3 @@ def same_place(first: Transform, second: Transform, points: np.ndarray, distance
     """True if both transforms put the points (n, 2) within `distance` metres of each other on average."""
     moved = first.apply(points) - second.apply(points)
     return bool(np.hypot(moved[:, 0], moved[:, 1]).mean() <= distance)
-
-
-def overlap_points(target: GridInfo, points: np.ndarray) -> np.ndarray:
-    """Those of the points (n, 2) that are inside the target's grid."""
-    return points[cells_of(target, points)[2]]

@@ -7,6 +7,7 @@ import pytest
 from team import Team, options, survey, team_of
 
 from map_merger.agent import Agent, NoTransform
+from map_merger.alignment import Alignment, Versioned
 from map_merger.effects import Note, PublishMap, Send
 from map_merger.evidence import Evidence
 from map_merger.grid import UNKNOWN, Grid, GridInfo
@@ -258,6 +259,26 @@ def test_base_station_takes_the_first_map_as_reference_and_merges_the_others(map
     assert not team.sent(Tile, "base") and not team.sent(Position, "base")
 
 
+def test_when_its_reference_robot_restarts_the_base_station_drops_every_transform(maps):
+    """The maps of all others stayed where the former frame of the reference robot had put them: a wrong merge."""
+    team = team_of("robot_1", "robot_2")
+    team.agents["base"] = Agent(options("base", has_local_map=False), (1, 9))
+    for index in range(2):
+        team.agents[f"robot_{index + 1}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    base = team.agents["base"]
+    assert set(base.transforms()) == {"robot_2"}
+    team.agents["robot_1"] = Agent(options("robot_1"), (2, 0))
+    team.agents["robot_1"].on_local_map(square(), team.now)
+    base.on_anchor(Anchor("robot_1", square().info, (2, 0)), team.now)
+    assert base.transforms() == {} and base.local_map is None and base.global_map is None
+    team.run(10.0)
+    assert np.array_equal(team.maps["base"][-1].cells, square().cells)
+    team.agents["robot_1"].on_local_map(maps[2].grid, team.now)
+    team.run(30.0)
+    assert error_of(team, "base", "robot_2", maps, own=2, index=1) < 0.2
+
+
 def test_initial_poses_are_a_prior_and_not_a_fact(maps):
     truth = pair_of(maps[0], maps[1]).truth
     for offset, found in ((Transform(1.0, -1.0, 0.2), True), (Transform(9.0, 9.0, 2.0), False)):
@@ -406,3 +427,66 @@ def test_a_clock_that_jumps_back_does_not_stop_the_agent():
     team.run(10.0)
     assert team.maps["robot_0"][-1].cells.max() == 100
     assert len(team.sent(Tile)) == 2
+
+
+def test_after_the_clock_jumped_back_a_silent_robot_is_asked_again_within_half_a_minute():
+    """Requests waited for the time at which they had been due before the jump."""
+    team = team_of("robot_0")
+    agent = team.agents["robot_0"]
+    agent.on_robot("robot_1", team.now)
+    team.run(600.0)
+    team.now = 0.0
+    team.sends.clear()
+    team.run(31.0)
+    assert len(team.sent(Request, "robot_0", "robot_1")) in (1, 2)
+
+
+def test_after_the_clock_jumped_back_robots_are_merged(maps):
+    """Attempts to register waited for the time at which they had been due before the jump."""
+    team = team_of("robot_0", "robot_1")
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(square(), team.now)
+    team.run(600.0)
+    assert not team.agents["robot_0"].transforms()
+    team.now = 0.0
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    assert error_of(team, "robot_0", "robot_1", maps) < 0.2
+
+
+def test_after_the_clock_jumped_back_positions_from_before_are_neither_listed_nor_a_sighting(maps):
+    """A position heard at 600 s counted as fresh until the clock was there again."""
+    team = team_of("robot_0", "robot_1")
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    agent = team.agents["robot_0"]
+    agent.on_position(Position("robot_1", Transform()), team.now)
+    agent.on_position(Position("robot_2", Transform()), team.now)
+    before = agent._peers["robot_2"].seen.all()
+    team.run(2.0)
+    assert [place.robot for place in team.places["robot_0"]] == ["robot_1"]
+    team.now = 0.0
+    agent.on_local_map(maps[0].grid, team.now)
+    assert agent._peers["robot_2"].seen.all() == before
+    del team.agents["robot_1"]
+    team.run(3.0)
+    assert team.places["robot_0"] == ()
+
+
+def test_after_the_clock_jumped_back_within_the_first_seconds_the_neighbours_are_asked_all_the_same():
+    team = team_of("robot_0")
+    team.now = 1000.0
+    team.run(2.0)
+    team.now = 0.0
+    team.run(10.0)
+    assert team.asked == ["robot_0"]
+
+
+def test_a_peer_whose_job_was_started_before_the_clock_jumped_back_does_not_come_last():
+    alignment = Alignment()
+    map_ = Versioned("map", square())
+    alignment.started(600.0, map_, map_, (1, 1), 2.0)
+    assert alignment.started_before(600.0) == 600.0
+    assert alignment.started_before(5.0) == -math.inf
