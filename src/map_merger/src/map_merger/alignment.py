@@ -42,6 +42,7 @@ _SAME_DISTANCE = 0.4
 _SAME_ROTATION = math.radians(1.5)
 _STRIKES = 2
 _CACHED_MAPS = 24
+_CACHED_CELLS = 40_000_000
 _LONGEST_WAIT_S = 20.0
 
 
@@ -65,7 +66,7 @@ def nowhere() -> np.ndarray:
 
 
 class LandmarkCache:
-    """Landmarks of the most recently used maps. Used by one job at a time."""
+    """Landmarks of the most recently used maps, bounded in number and in cells. Used by one job at a time."""
 
     def __init__(self) -> None:
         self._known: OrderedDict[Hashable, Landmarks] = OrderedDict()
@@ -75,9 +76,12 @@ class LandmarkCache:
         if key not in self._known:
             self._known[key] = landmarks_of(grid())
         self._known.move_to_end(key)
-        while len(self._known) > _CACHED_MAPS:
+        while len(self._known) > _CACHED_MAPS or (len(self._known) > 1 and self._cells() > _CACHED_CELLS):
             self._known.popitem(last=False)
         return self._known[key]
+
+    def _cells(self) -> int:
+        return sum(landmarks.clear.size for landmarks in self._known.values())
 
 
 @dataclass(frozen=True, eq=False)

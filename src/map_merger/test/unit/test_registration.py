@@ -260,6 +260,14 @@ def job(target, source, team=(), current=None):
     )
 
 
+def test_the_cache_of_landmarks_is_bounded_in_cells(monkeypatch):
+    monkeypatch.setattr("map_merger.alignment._CACHED_CELLS", 2 * 32 * 32)
+    cache, drawn = LandmarkCache(), []
+    for key in (1, 2, 2, 1, 3, 1, 2):
+        cache.of(key, lambda key=key: drawn.append(key) or Grid(GridInfo(30, 30, 0.05), np.zeros((30, 30), np.int8)))
+    assert drawn == [1, 2, 3, 2]
+
+
 def test_a_robot_without_shared_walls_is_registered_through_another_one(chain):
     first, middle, last = chain
     assert not job(first.grid, last.grid).run().accepted
