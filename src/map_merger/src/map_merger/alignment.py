@@ -25,6 +25,7 @@ from .registration import (
     Verdict,
     follow,
     judge,
+    judge_kept,
 )
 from .search import same_place
 from .sighting import Sighting, robot_seen
@@ -143,12 +144,12 @@ class Job:
     def _follow(self, target: Landmarks, source: Landmarks, current: Transform) -> Registration:
         better, evidence = follow(target, source, current)
         if evidence.matched < KEEP_CRITERIA.matched and self.team:
-            merged = self._merged()
-            better, evidence = follow(merged, source, current)
+            target = self._merged()
+            better, evidence = follow(target, source, current)
         if not same_place(better, current, source.surface.points, 0.5):
             # A jump is not a refinement; the transform stays, and the evidence for it decides.
             better, evidence = current, compare(target, source, current)
-        return Registration(judge(evidence, KEEP_CRITERIA), better, evidence)
+        return Registration(judge_kept(evidence), better, evidence)
 
     def _merged(self) -> Landmarks:
         key = (self.target.key, tuple((member.map.key, member.transform) for member in self.team))
