@@ -22,16 +22,18 @@ from .effects import (
     SaveDebugImages,
     Send,
 )
-from .exchange import MapSender
+from .exchange import MOST_MAP_CELLS, MapSender
 from .grid import UNKNOWN, Grid, GridError, GridInfo, empty_grid
 from .messages import Anchor, Boot, Payload, Position, Request, Tile
 from .options import Options
 from .peer import HeardPose, Peer, Retry, Track
 from .registration import Limits, Prior, Registration, Verdict
 from .sighting import LONGEST_LAG_S, LONGEST_MAP_LAG_S, Sighting, View, view_of
-from .transform import Transform, rotation_between
+from .transform import FARTHEST_M, Transform, rotation_between
 
 MOST_ROBOTS = 64
+MOST_STORED_CELLS = 40_000_000
+"""Cells of the maps of all other robots together (200 MB); what goes beyond is not taken."""
 NEIGHBOR_QUESTION_S = 5.0
 """Seconds after the start at which the neighbours are asked for (contract 2.4)."""
 TRANSFORM_PERIOD_S = 0.5
@@ -103,7 +105,7 @@ class Agent:
         self._undelivered: Set[int] = set()
         self._announced = False
         self._resend = Retry(float(options.seconds_send_timer), 60.0)
-        self._refused_limits: Set[str] = set()
+        self._warned: Set[Tuple[str, str]] = set()
         self._sent_before: Optional[Grid] = None
         self._changed_local, self._changed_foreign = False, False
         self._asked_neighbors = False
@@ -156,7 +158,7 @@ class Agent:
         peer = self._peer(anchor.robot)
         if peer is None:
             return
-        if peer.map.set_anchor(anchor):
+        if peer.map.set_anchor(anchor, self._room_for(peer)):
             peer.restart()
             self._note(f"{peer.name} restarted: its former map and transform are dropped")
             if peer.name == self._base:
@@ -171,7 +173,7 @@ class Agent:
         if peer is None:
             return
         try:
-            changed = peer.map.add(tile)
+            changed = peer.map.add(tile, self._room_for(peer))
         except GridError as error:
             self._warn(f"map update of {peer.name} ignored: {error}")
             return
@@ -234,11 +236,12 @@ class Agent:
             )
         elif news == "revoked":
             self._warn(f"transform to {peer.name} revoked: {result.verdict.value}")
-        if result.verdict is Verdict.BEYOND_LIMITS and peer.name not in self._refused_limits:
-            self._refused_limits.add(peer.name)
-            self._warn(
+        if result.verdict is Verdict.BEYOND_LIMITS:
+            self._warn_once(
+                "limits",
+                peer.name,
                 f"transform to {peer.name} found ({_described(result.transform)}) but refused by max_trans_robots or "
-                f"max_rotation_robots; -1 lifts a limit"
+                f"max_rotation_robots; -1 lifts a limit",
             )
 
     # What goes out
@@ -292,8 +295,8 @@ class Agent:
 
     def transform_point(self, robot: str, x: float, y: float) -> Tuple[float, float]:
         """A point of the robot's map frame in the own one, metres. NoTransform while the transform is not known."""
-        if not (math.isfinite(x) and math.isfinite(y)):
-            raise NoTransform(f"point ({x}, {y}) is not finite")
+        if not (abs(x) <= FARTHEST_M and abs(y) <= FARTHEST_M):
+            raise NoTransform(f"point ({x:g}, {y:g}) is not finite or farther than {FARTHEST_M:g} m away")
         if robot in (self.name, self._base):
             return x, y
         if robot not in self._peers:
@@ -328,6 +331,11 @@ class Agent:
             self._note(f"{name} is new")
         return self._peers[name]
 
+    def _room_for(self, peer: Peer) -> int:
+        """Cells that the map of the robot may have."""
+        others = sum(other.map.stored for other in self._peers.values() if other is not peer)
+        return min(MOST_MAP_CELLS, MOST_STORED_CELLS - others)
+
     def _send(self, purpose: Purpose, destination: str, payloads: Iterable[Payload]) -> None:
         self._sends += 1
         self._effects.append(Send(self._sends, purpose, destination, tuple(payloads)))
@@ -340,7 +348,11 @@ class Agent:
         anchor = self._sender.anchor()
         if anchor is None or Purpose.CHANGES in self._outstanding:
             return
-        tiles = self._sender.changes()
+        try:
+            tiles = self._sender.changes()
+        except GridError as error:
+            self._warn_once("sending", self.name, f"local map not sent: {error}")
+            return
         if tiles and self._options.debug and self._local is not None:
             before = self._sent_before or empty_grid(self._local.info)
             self._effects.append(SaveDebugImages(self._local, before))
@@ -506,12 +518,18 @@ class Agent:
     def _fused(self, local: Grid) -> Grid:
         transforms = self.transforms()
         self._layers = {name: layer for name, layer in self._layers.items() if name in transforms}
-        layers = []
-        for name in sorted(transforms, key=lambda robot: -self._peers[robot].alignment.evidence.matched):
-            layer = self._layer(self._peers[name], transforms[name], local)
-            if layer is not None:
-                layers.append(layer)
-        return fusion.fused(local, layers)
+        order = sorted(transforms, key=lambda robot: -self._peers[robot].alignment.evidence.matched)
+        layers = {name: self._layer(self._peers[name], transforms[name], local) for name in order}
+        fitting = fusion.fitting(local, [layer for layer in layers.values() if layer is not None])
+        for name, layer in layers.items():
+            if self._peers[name].map.grid() is not None and not any(layer is each for each in fitting):
+                self._warn_once(
+                    "drawing",
+                    name,
+                    f"map of {name} not drawn: with it the global map would have more than "
+                    f"{fusion.MOST_GLOBAL_CELLS} cells",
+                )
+        return fusion.fused(local, fitting)
 
     def _layer(self, peer: Peer, transform: Transform, local: Grid) -> Optional[fusion.Layer]:
         grid = peer.map.grid()
@@ -554,6 +572,12 @@ class Agent:
 
     def _warn(self, text: str) -> None:
         self._effects.append(Note(text, warning=True))
+
+    def _warn_once(self, subject: str, robot: str, text: str) -> None:
+        """One warning for each subject and robot."""
+        if (subject, robot) not in self._warned:
+            self._warned.add((subject, robot))
+            self._warn(text)
 
 
 def _nearly(first: Transform, second: Transform) -> bool:

@@ -25,6 +25,7 @@ from .registration import (
     Verdict,
     follow,
     judge,
+    judge_kept,
 )
 from .search import same_place
 from .sighting import Sighting, robot_seen
@@ -42,6 +43,7 @@ _SAME_DISTANCE = 0.4
 _SAME_ROTATION = math.radians(1.5)
 _STRIKES = 2
 _CACHED_MAPS = 24
+_CACHED_CELLS = 40_000_000
 _LONGEST_WAIT_S = 20.0
 
 
@@ -65,7 +67,7 @@ def nowhere() -> np.ndarray:
 
 
 class LandmarkCache:
-    """Landmarks of the most recently used maps. Used by one job at a time."""
+    """Landmarks of the most recently used maps, bounded in number and in cells. Used by one job at a time."""
 
     def __init__(self) -> None:
         self._known: OrderedDict[Hashable, Landmarks] = OrderedDict()
@@ -75,9 +77,12 @@ class LandmarkCache:
         if key not in self._known:
             self._known[key] = landmarks_of(grid())
         self._known.move_to_end(key)
-        while len(self._known) > _CACHED_MAPS:
+        while len(self._known) > _CACHED_MAPS or (len(self._known) > 1 and self._cells() > _CACHED_CELLS):
             self._known.popitem(last=False)
         return self._known[key]
+
+    def _cells(self) -> int:
+        return sum(landmarks.clear.size for landmarks in self._known.values())
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,12 +144,12 @@ class Job:
     def _follow(self, target: Landmarks, source: Landmarks, current: Transform) -> Registration:
         better, evidence = follow(target, source, current)
         if evidence.matched < KEEP_CRITERIA.matched and self.team:
-            merged = self._merged()
-            better, evidence = follow(merged, source, current)
+            target = self._merged()
+            better, evidence = follow(target, source, current)
         if not same_place(better, current, source.surface.points, 0.5):
             # A jump is not a refinement; the transform stays, and the evidence for it decides.
             better, evidence = current, compare(target, source, current)
-        return Registration(judge(evidence, KEEP_CRITERIA), better, evidence)
+        return Registration(judge_kept(evidence), better, evidence)
 
     def _merged(self) -> Landmarks:
         key = (self.target.key, tuple((member.map.key, member.transform) for member in self.team))

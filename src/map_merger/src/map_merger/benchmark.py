@@ -17,7 +17,7 @@ from .alignment import Alignment
 from .evidence import compare
 from .grid import Grid, cell_centres, values_at
 from .refine import FINE_REACH, refined
-from .registration import KEEP_CRITERIA, Registration, Verdict, follow, judge
+from .registration import Registration, Verdict, follow, judge_kept
 from .surface import Landmarks, landmarks_of
 from .synthetic import (
     FloorPlan,
@@ -150,7 +150,7 @@ def measure(pair: Pair, seed: int, register: Register) -> Outcome:
             result = register(target, source)
         else:
             better, evidence = follow(target, source, alignment.transform)
-            result = Registration(judge(evidence, KEEP_CRITERIA), better, evidence)
+            result = Registration(judge_kept(evidence), better, evidence)
         seconds.append(time.process_time() - began)
         alignment.finished(result)
     truth = best_rigid_fit(target, source, pair.truth)

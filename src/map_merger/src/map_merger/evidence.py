@@ -19,7 +19,8 @@ class Evidence:
     matched: walls found in both. minor: matched length in the weaker direction (smaller eigenvalue of the normals'
     scatter). conflict: share of matched plus contradicted walls that lie in well observed free space of the other map
     (the larger of both directions). explained: share of one map's walls inside the known part of the other that are
-    matched (the smaller). error: root mean square distance of the matched walls in metres.
+    matched (the smaller). error: root mean square distance of the matched walls in metres. against: walls of one map in
+    well observed free space of the other (the larger).
     """
 
     matched: float = 0.0
@@ -27,6 +28,7 @@ class Evidence:
     conflict: float = 1.0
     explained: float = 0.0
     error: float = math.inf
+    against: float = 0.0
 
     @property
     def score(self) -> float:
@@ -58,6 +60,7 @@ def compare(target: Landmarks, source: Landmarks, transform: Transform) -> Evide
         conflict=max(forward.conflict, backward.conflict),
         explained=min(forward.explained, backward.explained),
         error=max(forward.error, backward.error),
+        against=max(forward.against, backward.against),
     )
 
 
@@ -86,19 +89,20 @@ def _one_way(target: Landmarks, moved: Surface, tolerance: float) -> Evidence:
         return Evidence()
     part = Surface(moved.points[inside], moved.normals[inside], moved.spacing, moved.solid[inside])
     index, matched = nearest(target.surface, part, tolerance)
+    contradicted = int((clear[inside] & ~matched & part.solid).sum())
     count = int(matched.sum())
     if count == 0:
-        return Evidence()
+        return Evidence(against=contradicted * moved.spacing)
     normals = part.normals[matched]
     scatter = normals.T @ normals
     residual = np.einsum(
         "ij,ij->i", part.points[matched] - target.surface.points[index[matched]], target.surface.normals[index[matched]]
     )
-    contradicted = int((clear[inside] & ~matched & part.solid).sum())
     return Evidence(
         matched=count * moved.spacing,
         minor=float(np.linalg.eigvalsh(scatter)[0]) * moved.spacing,
         conflict=contradicted / (contradicted + count),
         explained=count / inside.size,
         error=float(np.sqrt(np.mean(residual**2))),
+        against=contradicted * moved.spacing,
     )

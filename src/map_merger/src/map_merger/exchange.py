@@ -3,8 +3,10 @@
 Each tile that is sent to the group has a number of its own, so that the loss of any tile shows as a gap.
 """
 
+from collections import deque
+from contextlib import suppress
 from dataclasses import replace
-from typing import Dict, Iterable, List, Optional, Set, Tuple
+from typing import Deque, Dict, Iterable, List, Optional, Set, Tuple
 
 from .grid import UNKNOWN, Box, Canvas, Grid, GridError, bounding_box, full_box, offset_between, union_of
 from .messages import NO_BOOT, Anchor, Boot, Tile
@@ -15,8 +17,12 @@ MOST_TILES = 512
 """Tiles in one go; the tile edge is doubled until they suffice."""
 MOST_REQUESTED = 200
 """Numbers in one request; with more gaps everything is asked for."""
-MOST_WAITING_CELLS = 4_000_000
+MOST_MAP_CELLS = 8_000_000
+"""Cells of the known region of one map (140 m x 140 m of 0.05 m); larger ones are not exchanged."""
+MOST_WAITING_CELLS = 2_000_000
 """Cells of tiles that wait for their anchor."""
+MOST_WAITING_TILES = 512
+"""Tiles that wait for their anchor."""
 HIGHEST_NUMBER = 10_000_000
 """Larger update numbers can only be garbage."""
 FULL_MAP_MARGIN = 5
@@ -55,7 +61,10 @@ class MapSender:
         self._dirty = True
 
     def changes(self) -> List[Tile]:
-        """Tiles with what changed since the last call, each with its own number; none if nothing did."""
+        """Tiles with what changed since the last call, each with its own number; none if nothing did.
+
+        GridError if the map is larger than what others take.
+        """
         if self._canvas is None or self._local is None or not self._dirty:
             return []
         self._dirty = False
@@ -63,7 +72,7 @@ class MapSender:
         everything = full_box(self._local.info)
         before = self._canvas.read(everything.shifted(rows, columns))
         changed = (self._local.cells != UNKNOWN) & (self._local.cells != before)
-        self._canvas.write_known(rows, columns, self._local.cells)
+        self._canvas.write_known(rows, columns, self._local.cells, MOST_MAP_CELLS)
         tiles = []
         for part in self._cut(bounding_box(changed)):
             if changed[part.slices()].any():
@@ -130,7 +139,8 @@ class PeerMap:
         self._robot = robot
         self._anchor: Optional[Anchor] = None
         self._canvas: Optional[Canvas] = None
-        self._waiting: List[Tile] = []
+        self._waiting: Deque[Tile] = deque()
+        self._waiting_cells = 0
         self._complete = 0
         self._later: Set[int] = set()
         self._expected = 0
@@ -138,8 +148,16 @@ class PeerMap:
         self.version = 0
         """Counts the changes of the map."""
 
-    def set_anchor(self, anchor: Anchor) -> bool:
-        """Takes the anchor; True if it replaces another one: the robot restarted and its map starts anew."""
+    @property
+    def stored(self) -> int:
+        """Number of cells that take memory."""
+        return self._waiting_cells + (0 if self._canvas is None else self._canvas.stored)
+
+    def set_anchor(self, anchor: Anchor, room: int = MOST_MAP_CELLS) -> bool:
+        """Takes the anchor; True if it replaces another one: the robot restarted and its map starts anew.
+
+        `room`: cells that may be stored. Tiles that waited and cannot belong to this map are dropped.
+        """
         self._expected = max(self._expected, min(anchor.updates, HIGHEST_NUMBER))
         if self._anchor is not None and self._same_run(anchor):
             return False
@@ -149,19 +167,21 @@ class PeerMap:
         self._complete, self._expected = 0, min(anchor.updates, HIGHEST_NUMBER)
         self._later = set()
         self._changed()
-        waiting, self._waiting = self._waiting, []
+        waiting, self._waiting, self._waiting_cells = self._waiting, deque(), 0
         for tile in waiting:
             if tile.boot in (NO_BOOT, anchor.boot):
-                self.add(tile)
+                # One that does not fit is missing from now on; asked for again, it is reported when it comes.
+                with suppress(GridError):
+                    self.add(tile, room)
         return restarted
 
-    def add(self, tile: Tile) -> bool:
+    def add(self, tile: Tile, room: int = MOST_MAP_CELLS) -> bool:
         """Takes a tile; True if the map changed. A tile of a run whose anchor is unknown waits for it.
 
-        GridError if the tile cannot belong to this map.
+        `room`: cells that may be stored. GridError if the tile does not fit into it or cannot belong to this map.
         """
         if self._anchor is None or (tile.boot != NO_BOOT and tile.boot != self._anchor.boot):
-            self._wait(tile)
+            self._wait(tile, room)
             return False
         assert self._canvas is not None
         if abs(tile.resolution - self._anchor.info.resolution) > 1e-3 * self._anchor.info.resolution:
@@ -170,7 +190,7 @@ class PeerMap:
             )
         # An answer may overtake an update, or the other way round: of each cell the newest word counts.
         changed = not self._canvas.write_known(
-            tile.row, tile.column, tile.cells, min(tile.updates, HIGHEST_NUMBER)
+            tile.row, tile.column, tile.cells, room, min(tile.updates, HIGHEST_NUMBER)
         ).empty
         self._record(tile)
         if changed:
@@ -207,10 +227,13 @@ class PeerMap:
             return False
         return replace(known.info, width=0, height=0) == replace(anchor.info, width=0, height=0)
 
-    def _wait(self, tile: Tile) -> None:
+    def _wait(self, tile: Tile, room: int) -> None:
         self._waiting.append(tile)
-        while sum(waiting.cells.size for waiting in self._waiting) > MOST_WAITING_CELLS:
-            self._waiting.pop(0)
+        self._waiting_cells += tile.cells.size
+        while self._waiting and (
+            len(self._waiting) > MOST_WAITING_TILES or self._waiting_cells > MOST_WAITING_CELLS or self.stored > room
+        ):
+            self._waiting_cells -= self._waiting.popleft().cells.size
 
     def _record(self, tile: Tile) -> None:
         self._later.update(number for number in tile.numbers if self._complete <= number < HIGHEST_NUMBER)

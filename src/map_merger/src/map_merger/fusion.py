@@ -40,6 +40,8 @@ from .transform import Transform
 GROWTH_BLOCK = 20
 """The global map grows beyond the local one by whole blocks of cells, so that its size does not change with every
 refinement."""
+MOST_GLOBAL_CELLS = 16_000_000
+"""Others' maps may not make the global map larger than this (200 m x 200 m of 0.05 m)."""
 ROBOT_REACH = 0.45
 """Metres from a robot's centre within which an isolated obstacle is taken for the robot."""
 _SMUDGE_CELLS_M = 0.8
@@ -54,7 +56,8 @@ class Layer(NamedTuple):
 
 
 def resampled(foreign: Grid, transform: Transform, local: Grid) -> Optional[Layer]:
-    """The foreign map (transform: foreign frame -> local frame) on the local lattice; None if it knows nothing.
+    """The foreign map (transform: foreign frame -> local frame) on the local lattice; None if it knows nothing or
+    would have more than MOST_GLOBAL_CELLS there.
 
     Each local cell takes the value of the foreign cell under its centre, which keeps walls as thick as they are. Walls
     that hang together only at the corners of cells may break that way, so those links are drawn as well.
@@ -64,6 +67,8 @@ def resampled(foreign: Grid, transform: Transform, local: Grid) -> Optional[Laye
         return None
     part = cropped(foreign, known)
     box = box_around(local.info, transform.apply(corners(part.info)))
+    if box.area > MOST_GLOBAL_CELLS:
+        return None
     target = window(local.info, box)
     cells = _under_centres(part, transform, target)
     links = transform.apply(_corner_links(part))
@@ -123,15 +128,29 @@ def without_robots(grid: Grid, places: np.ndarray) -> Grid:
     return Grid(grid.info, cells)
 
 
-def fused(local: Grid, layers: Sequence[Layer]) -> Grid:
-    """The global map. Without layers it is the local map itself."""
-    layers = [layer for layer in layers if not layer.box.empty]
-    if not layers:
-        return local
+def fitting(local: Grid, layers: Sequence[Layer]) -> List[Layer]:
+    """The layers, in their order, without those that would make the global map too large."""
+    kept: List[Layer] = []
+    for layer in layers:
+        if _extent(local, [*kept, layer]).area <= max(MOST_GLOBAL_CELLS, full_box(local.info).area):
+            kept.append(layer)
+    return kept
+
+
+def _extent(local: Grid, layers: Sequence[Layer]) -> Box:
+    """The cells of the global map, counted from the local corner."""
     here = full_box(local.info)
     foreign = union_of(layer.box for layer in layers)
     # Only sides on which others know more grow, by whole blocks counted from the local corner.
-    outer = here.union(foreign.aligned(GROWTH_BLOCK)) if not here.contains(foreign) else here
+    return here if here.contains(foreign) else here.union(foreign.aligned(GROWTH_BLOCK))
+
+
+def fused(local: Grid, layers: Sequence[Layer]) -> Grid:
+    """The global map, with the layers that fit. Without layers it is the local map itself."""
+    layers = fitting(local, [layer for layer in layers if not layer.box.empty])
+    if not layers:
+        return local
+    outer = _extent(local, layers)
     result = cropped(local, outer)
     cells = result.cells.copy()
     for layer in layers:

@@ -20,6 +20,8 @@ OCCUPIED_FROM = 50
 
 MAX_CELLS = 64_000_000
 """Larger grids are refused: a forged size must not take the memory of the robot."""
+FINEST_M, COARSEST_M = 0.001, 10.0
+"""Cells of other sizes are refused."""
 
 
 class GridError(ValueError):
@@ -39,8 +41,10 @@ class GridInfo:
         values = (self.resolution, self.origin.x, self.origin.y, self.origin.yaw)
         if not all(math.isfinite(value) for value in values):
             raise GridError("resolution and origin of a grid must be finite numbers")
-        if self.resolution <= 0.0:
-            raise GridError(f"resolution of a grid must be above 0 m, not {self.resolution:g}")
+        if not FINEST_M <= self.resolution <= COARSEST_M:
+            raise GridError(
+                f"resolution of a grid must be {FINEST_M:g} m to {COARSEST_M:g} m, not {self.resolution:g} m"
+            )
         if self.width < 0 or self.height < 0 or self.width * self.height > MAX_CELLS:
             raise GridError(f"a grid of {self.width} x {self.height} cells is not accepted (at most {MAX_CELLS} cells)")
 
@@ -58,6 +62,11 @@ class Box:
     left: int
     bottom: int
     right: int
+
+    @property
+    def area(self) -> int:
+        """Number of cells."""
+        return self.shape[0] * self.shape[1]
 
     @property
     def empty(self) -> bool:
@@ -268,21 +277,21 @@ class Canvas:
         self._stamps = np.empty((0, 0), np.int32) if stamped else None
 
     @property
-    def box(self) -> Box:
-        """Cells that are stored."""
-        return self._box
+    def stored(self) -> int:
+        """Number of cells that take memory."""
+        return self._box.area
 
-    def write_known(self, top: int, left: int, cells: np.ndarray, stamp: int = 0) -> Box:
+    def write_known(self, top: int, left: int, cells: np.ndarray, most: int, stamp: int = 0) -> Box:
         """Writes the known cells at the offset; returns the box of cells whose value changed.
 
-        GridError if the store would exceed MAX_CELLS.
+        GridError if more than `most` cells would be stored.
         """
         known = bounding_box(cells != UNKNOWN)
         if known.empty:
             return EMPTY_BOX
         cells = cells[known.slices()]
         target = known.shifted(top, left)
-        self._reserve(target)
+        self._reserve(target, most)
         place = target.shifted(-self._box.top, -self._box.left).slices()
         view, written = self._cells[place], cells != UNKNOWN
         if self._stamps is not None:
@@ -312,15 +321,16 @@ class Canvas:
         box = self.known_box()
         return Grid(window(self.anchor, box), self.read(box))
 
-    def _reserve(self, target: Box) -> None:
+    def _reserve(self, target: Box, most: int) -> None:
         if self._box.contains(target):
             return
         # Whole blocks, so that a growing map is not copied for every new row.
         box = self._box.union(target.aligned(64))
-        rows, columns = box.shape
-        if rows * columns > MAX_CELLS:
+        if box.area > most:
+            rows, columns = box.shape
             raise GridError(
-                f"a tile at row {target.top}, column {target.left} would make the map {columns} x {rows} cells"
+                f"a tile at row {target.top}, column {target.left} would make the map {columns} x {rows} cells, and "
+                f"there is room for {most}"
             )
         self._cells = self._moved(self._cells, box, UNKNOWN)
         if self._stamps is not None:

@@ -38,6 +38,9 @@ STRONG_CRITERIA = Criteria(matched=40.0, minor=10.0, conflict=0.03)
 """Enough to be believed without a prior or a meeting: more than the walls of two rooms, which may have copies."""
 KEEP_CRITERIA = Criteria(matched=4.0, minor=1.0, conflict=0.2, explained=0.3)
 """What an accepted transform must go on showing."""
+REFUTING_WALL = 1.0
+"""So many metres in free space of the other map refute a transform even where hardly any wall is shared: the share of
+KEEP_CRITERIA, at the length of KEEP_CRITERIA."""
 PLAUSIBLE_CONFLICT = 0.08
 PLAUSIBLE_WALL = 6.0
 """A transform with no more contradictions and at least this much wall (m) could be true."""
@@ -103,6 +106,14 @@ def judge(evidence: Evidence, criteria: Criteria) -> Verdict:
     if evidence.explained < criteria.explained:
         return Verdict.UNEXPLAINED
     return Verdict.ACCEPTED
+
+
+def judge_kept(evidence: Evidence) -> Verdict:
+    """Verdict on a transform that is in force. A contradiction counts however little is left of the shared walls: the
+    frame of a robot that jumped or was set down elsewhere shares nothing with the former one."""
+    if evidence.against >= REFUTING_WALL and evidence.conflict > KEEP_CRITERIA.conflict:
+        return Verdict.CONTRADICTED
+    return judge(evidence, KEEP_CRITERIA)
 
 
 def register(

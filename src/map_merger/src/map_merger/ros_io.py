@@ -14,7 +14,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from .effects import Place
 from .grid import Grid, GridError, GridInfo, grid_of
 from .messages import Anchor, Boot, Position, Request, Tile
-from .transform import Transform
+from .transform import FARTHEST_M, Transform
 
 NumpyOccupancyGrid = numpy_msg(OccupancyGrid)
 NumpyMapUpdate = numpy_msg(MmMapUpdate)
@@ -25,12 +25,14 @@ class MessageError(ValueError):
 
 
 def transform_of_pose(pose: Pose) -> Transform:
-    """Planar part of a pose. MessageError if it is not finite or the quaternion is zero."""
+    """Planar part of a pose. MessageError if it is not finite, absurdly far away, or has next to no quaternion."""
     q = pose.orientation
     values = (pose.position.x, pose.position.y, q.x, q.y, q.z, q.w)
-    norm = math.sqrt(q.x**2 + q.y**2 + q.z**2 + q.w**2) if all(math.isfinite(value) for value in values) else math.nan
-    if math.isnan(norm) or (norm < 1e-6 and norm > 0.0):
-        raise MessageError("a pose with values that are not finite")
+    if not all(abs(value) <= FARTHEST_M for value in values):
+        raise MessageError(f"a pose with values that are not finite or above {FARTHEST_M:g}")
+    norm = math.sqrt(q.x**2 + q.y**2 + q.z**2 + q.w**2)
+    if 0.0 < norm < 1e-6:
+        raise MessageError("a pose with a quaternion of length 0")
     # Maps often leave the orientation of their origin at all zeros, meaning no rotation.
     yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y**2 + q.z**2)) if norm else 0.0
     return Transform(pose.position.x, pose.position.y, yaw)

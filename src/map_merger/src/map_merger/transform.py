@@ -6,6 +6,9 @@ from typing import Sequence, Tuple
 
 import numpy as np
 
+FARTHEST_M = 100_000.0
+"""Coordinates farther than this from a frame's origin can only be garbage."""
+
 
 def wrap_angle(angle: float) -> float:
     """The same angle in (-pi, pi]."""

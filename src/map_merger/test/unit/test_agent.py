@@ -219,8 +219,9 @@ def test_without_transform_no_position_is_listed_and_points_fail_with_the_reason
     assert team.places["robot_0"] == ()
     with pytest.raises(NoTransform, match="no transform to robot_1 yet"):
         team.agents["robot_0"].transform_point("robot_1", 0.0, 0.0)
-    with pytest.raises(NoTransform, match="finite"):
-        team.agents["robot_0"].transform_point("robot_1", math.nan, 0.0)
+    for x in (math.nan, math.inf, 1.7e308):
+        with pytest.raises(NoTransform, match="finite"):
+            team.agents["robot_0"].transform_point("robot_1", x, 0.0)
 
 
 def test_old_positions_are_not_listed(maps):
@@ -400,6 +401,56 @@ def test_a_local_map_with_another_resolution_is_reported_and_ignored():
     effects = agent.effects()
     assert any(isinstance(effect, Note) and "resolution" in effect.text for effect in effects)
     assert next(effect for effect in effects if isinstance(effect, PublishMap)).grid.info.resolution == 0.05
+
+
+def test_a_map_that_does_not_fit_into_the_global_one_is_left_out_with_one_warning(maps):
+    """Turned, a map of allowed size has a box beyond all bounds; drawing it raised out of tick and ended the node."""
+    team = team_of("robot_0", "robot_1")
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    far = Tile("robot_1", (), 0, 12000, np.zeros((1, 1), np.int8), 0.05, (1, 1))
+    for _ in range(2):
+        team.agents["robot_0"].on_tile(far, team.now)
+        team.agents["robot_0"].on_local_map(maps[0].grid, team.now)
+        team.run(5.0)
+    assert sum("not drawn" in note for note in team.notes["robot_0"]) == 1
+    assert np.array_equal(team.maps["robot_0"][-1].cells, maps[0].grid.cells)
+
+
+def test_waiting_tiles_that_do_not_fit_do_not_hide_a_restart(maps):
+    """An error of a tile that had waited came between the new map and the end of the transform of the old one."""
+    team = team_of("robot_0", "robot_1")
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    agent, boot = team.agents["robot_0"], (2, 0)
+    for column in (0, 500_000_000):
+        agent.on_tile(Tile("robot_1", (), 500_000_000, column, np.zeros((1, 1), np.int8), 0.05, boot), team.now)
+    agent.on_anchor(Anchor("robot_1", square().info, boot), team.now)
+    assert not agent.transforms()
+
+
+def test_all_maps_of_others_together_are_bounded(monkeypatch):
+    monkeypatch.setattr("map_merger.agent.MOST_STORED_CELLS", 3 * 64 * 64)
+    agent = Agent(options("robot_0"), (1, 0))
+    for number in range(1, 5):
+        robot = f"robot_{number}"
+        agent.on_anchor(Anchor(robot, square().info, (1, number)), 0.0)
+        agent.on_tile(Tile(robot, (0,), 0, 0, np.zeros((64, 64), np.int8), 0.05, (1, number)), 0.0)
+    (warning,) = [effect.text for effect in agent.effects() if isinstance(effect, Note) and effect.warning]
+    assert "robot_4" in warning and "room for 0" in warning
+
+
+def test_a_local_map_that_grows_too_large_to_be_sent_is_reported_once(monkeypatch):
+    """It raised out of tick and ended the node."""
+    monkeypatch.setattr("map_merger.exchange.MOST_MAP_CELLS", 64 * 64)
+    team = team_of("robot_0")
+    for size in (20, 100, 120):
+        team.agents["robot_0"].on_local_map(square(size), team.now)
+        team.run(6.0)
+    assert sum("local map not sent" in note for note in team.notes["robot_0"]) == 1
+    assert team.maps["robot_0"][-1].info.width == 120
 
 
 def test_the_number_of_robots_is_bounded():

@@ -145,6 +145,42 @@ def test_waiting_tiles_are_bounded(monkeypatch):
     assert peer.wanted() == (0, 1, 2)
 
 
+@pytest.mark.parametrize("size", [0, 1])
+def test_waiting_tiles_are_bounded_in_number(size):
+    """Tiles without cells grew the list for ever; a tile of one cell made each next one slower."""
+    peer = PeerMap("robot_0")
+    for number in range(2 * exchange.MOST_WAITING_TILES):
+        peer.add(Tile("robot_0", (number,), 0, number, np.zeros((size, size), np.int8), 0.05, BOOT))
+    assert len(peer._waiting) == exchange.MOST_WAITING_TILES
+    assert peer.stored == size * exchange.MOST_WAITING_TILES
+
+
+def test_a_waiting_tile_that_cannot_belong_to_the_map_is_dropped_and_the_others_are_drawn():
+    peer = PeerMap("robot_0")
+    for number, (column, resolution) in enumerate([(0, 0.1), (0, 0.05), (10**9, 0.05)]):
+        peer.add(Tile("robot_0", (number,), 10**9, column, np.zeros((2, 2), np.int8), resolution, BOOT))
+    assert not peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05), BOOT, 3))
+    assert peer.grid().info.shape == (2, 2)
+    assert peer.wanted() == (0, 2)
+
+
+def test_one_far_cell_does_not_cost_more_memory_than_one_map_may_have():
+    """A tile of one cell at (7900, 7900) took 300 MB."""
+    peer = PeerMap("robot_0")
+    peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05), BOOT))
+    peer.add(Tile("robot_0", (0,), 0, 0, np.zeros((1, 1), np.int8), 0.05, BOOT))
+    with pytest.raises(GridError, match="row 7900"):
+        peer.add(Tile("robot_0", (1,), 7900, 7900, np.zeros((1, 1), np.int8), 0.05, BOOT))
+    assert peer.stored == 64 * 64
+
+
+def test_waiting_tiles_count_for_the_room_of_a_map():
+    peer = PeerMap("robot_0")
+    for number in range(5):
+        peer.add(Tile("robot_0", (number,), 0, number * 10, np.zeros((10, 10), np.int8), 0.05, BOOT), 300)
+    assert peer.stored == 300
+
+
 def test_a_restarted_robot_replaces_its_map_even_with_the_same_corner():
     peer = PeerMap("robot_0")
     old = sender_with(grid_at(0, 0, np.zeros((10, 12))))

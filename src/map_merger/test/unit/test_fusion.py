@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from map_merger.fusion import fused, resampled, without_robots
-from map_merger.grid import FREE, OCCUPIED, UNKNOWN, Grid, GridInfo, offset_between
+from map_merger.fusion import Layer, fitting, fused, resampled, without_robots
+from map_merger.grid import FREE, OCCUPIED, UNKNOWN, Box, Grid, GridInfo, offset_between
 from map_merger.transform import Transform
 
 
@@ -122,6 +122,15 @@ def test_a_wall_that_falls_on_local_floor_does_not_open(shift):
     merged = merge(local, (foreign, Transform(0.0, shift, 0.0)))
     row, column = offset_between(local.info, merged.info)
     assert not reaches(merged, (row + 20, column + 30), (row + 55, column + 30))
+
+
+def test_layers_with_which_the_map_would_be_too_large_are_left_out():
+    local, near = room(), Layer(Box(0, 100, 40, 160), np.zeros((40, 60), np.int8))
+    far = Layer(Box(4000, 4000, 4001, 4001), np.zeros((1, 1), np.int8))
+    assert fitting(local, [far, near]) == [near]
+    assert fused(local, [far, near]).info.width == 160
+    assert resampled(room(400, 600), Transform(), room()) is not None
+    assert resampled(room(400, 600), Transform(), Grid(GridInfo(9, 9, 0.001), np.zeros((9, 9), np.int8))) is None
 
 
 def test_earlier_layers_win_over_later_ones():

@@ -95,7 +95,16 @@ def test_other_resolution_or_heading_is_refused():
 
 
 @pytest.mark.parametrize(
-    "width, height, resolution", [(1, 1, 0.0), (1, 1, -1.0), (1, 1, math.nan), (-1, 1, 1.0), (MAX_CELLS, 2, 1.0)]
+    "width, height, resolution",
+    [
+        (1, 1, 0.0),
+        (1, 1, -1.0),
+        (1, 1, 1e-9),
+        (1, 1, 1e300),
+        (1, 1, math.nan),
+        (-1, 1, 1.0),
+        (MAX_CELLS, 2, 1.0),
+    ],
 )
 def test_impossible_grids_are_refused(width, height, resolution):
     with pytest.raises(GridError):
@@ -152,7 +161,7 @@ def test_canvas_remembers_what_was_written_at_any_offset(writes):
     canvas = Canvas(GridInfo(0, 0, 0.05))
     reference = np.full((300, 300), UNKNOWN, np.int8)
     for box, value in writes:
-        changed = canvas.write_known(box.top, box.left, np.full(box.shape, value, np.int8))
+        changed = canvas.write_known(box.top, box.left, np.full(box.shape, value, np.int8), MAX_CELLS)
         view = reference[box.shifted(150, 150).slices()]
         assert changed.empty == bool((view == value).all())
         view[:] = value
@@ -163,8 +172,11 @@ def test_canvas_remembers_what_was_written_at_any_offset(writes):
 
 def test_canvas_skips_unknown_cells_and_refuses_absurd_offsets():
     canvas = Canvas(GridInfo(0, 0, 0.05))
-    canvas.write_known(0, 0, np.array([[5, -1]], np.int8))
-    assert canvas.write_known(0, 0, np.array([[-1, -1]], np.int8)).empty
+    canvas.write_known(0, 0, np.array([[5, -1]], np.int8), MAX_CELLS)
+    assert canvas.write_known(0, 0, np.array([[-1, -1]], np.int8), MAX_CELLS).empty
     assert canvas.read(Box(0, 0, 1, 2)).tolist() == [[5, -1]]
     with pytest.raises(GridError, match="row 2000000"):
-        canvas.write_known(2000000, 2000000, np.zeros((1, 1), np.int8))
+        canvas.write_known(2000000, 2000000, np.zeros((1, 1), np.int8), MAX_CELLS)
+    assert canvas.stored == 64 * 64
+    with pytest.raises(GridError, match="room for 8000"):
+        canvas.write_known(0, 64, np.zeros((1, 1), np.int8), 8000)

@@ -13,7 +13,16 @@ from map_merger.alignment import Alignment, Job, LandmarkCache, Member, Versione
 from map_merger.evidence import Evidence, compare
 from map_merger.grid import Grid, GridInfo, cells_of, empty_grid
 from map_merger.refine import FINE_REACH, refined
-from map_merger.registration import STRONG_CRITERIA, Limits, Prior, Registration, Verdict, follow, register
+from map_merger.registration import (
+    KEEP_CRITERIA,
+    STRONG_CRITERIA,
+    Limits,
+    Prior,
+    Registration,
+    Verdict,
+    follow,
+    register,
+)
 from map_merger.surface import landmarks_of
 from map_merger.synthetic import Survey, Surveyor, office_plan, pair_of
 from map_merger.transform import Transform, displacement, rotation_between
@@ -260,6 +269,14 @@ def job(target, source, team=(), current=None):
     )
 
 
+def test_the_cache_of_landmarks_is_bounded_in_cells(monkeypatch):
+    monkeypatch.setattr("map_merger.alignment._CACHED_CELLS", 2 * 32 * 32)
+    cache, drawn = LandmarkCache(), []
+    for key in (1, 2, 2, 1, 3, 1, 2):
+        cache.of(key, lambda key=key: drawn.append(key) or Grid(GridInfo(30, 30, 0.05), np.zeros((30, 30), np.int8)))
+    assert drawn == [1, 2, 3, 2]
+
+
 def test_a_robot_without_shared_walls_is_registered_through_another_one(chain):
     first, middle, last = chain
     assert not job(first.grid, last.grid).run().accepted
@@ -287,6 +304,26 @@ def test_a_followed_transform_is_corrected_a_little_and_never_jumps(overlapping)
     wrong = Transform(1.5, 1.0, 0.1).compose(overlapping.truth)
     result = job(target, source, current=wrong).run()
     assert result.verdict is not Verdict.ACCEPTED
+
+
+@pytest.mark.parametrize("team", [False, True])
+def test_a_followed_transform_is_revoked_when_walls_contradict_it_though_none_are_shared(overlapping, team):
+    """With less than 4 m of shared wall it stayed in force for good, whatever stood in free space."""
+    target, source = overlapping.target.grid, overlapping.source.grid
+    wrong = overlapping.truth.compose(Transform(0.0, 0.0, 0.8))
+    members = [Member(Versioned("other", target), Transform(0.02, 0.0, 0.0))] if team else []
+    alignment = Alignment()
+    assert alignment.finished(look(STRONG_CRITERIA.matched + 1.0, wrong)) == "accepted"
+    result = job(target, source, members, current=wrong).run()
+    assert result.evidence.matched < KEEP_CRITERIA.matched
+    assert alignment.finished(result) == ""
+    assert alignment.finished(job(target, source, members, current=wrong).run()) == "revoked"
+
+
+def test_maps_that_do_not_overlap_any_more_say_nothing_about_a_followed_transform(overlapping):
+    target, source = overlapping.target.grid, overlapping.source.grid
+    far = Transform(500.0, 0.0, 0.0)
+    assert job(target, source, current=far).run().verdict is Verdict.TOO_LITTLE_SHARED_WALL
 
 
 @pytest.mark.parametrize("size, contradicts", [(9, False), (30, True)])
