@@ -32,9 +32,11 @@ std::vector<RouteState> Engine::routes() const {
     result.push_back({destination,
                       route.next_hop,
                       route.hops,
+                      static_cast<double>(route.cost) / routing::kPerfectHop,
                       route.sequence,
                       route.sequence_valid,
                       route.valid,
+                      route.repairable,
                       route.expires,
                       {route.precursors.begin(), route.precursors.end()},
                       route.boot});

@@ -7,36 +7,73 @@ namespace adhoc_communication {
 namespace {
 
 constexpr Time kLifeSignInterval = std::chrono::seconds(1);
-constexpr std::size_t kBeaconFixedSize = 10 + 1 + wire::kLongestName;
-constexpr std::size_t kHeardSize = 14;
+constexpr std::size_t kBeaconFixedSize = 14 + 1 + wire::kLongestName + 6;
+constexpr std::size_t kHeardSize = 7;
+constexpr std::size_t kMostHeard = 24;  ///< in one beacon; with more, they take turns
 constexpr std::size_t kRumorSize = 20 + wire::kLongestName;
 constexpr std::size_t kMostRumors = 16;
+constexpr Time kIdleInterval = std::chrono::seconds(1);
+constexpr Time kQuiet = std::chrono::seconds(1);  ///< after this long without events beacons back off
 
 }  // namespace
 
 void Engine::Implementation::send_beacon(Time now) {
   const std::size_t room =
       static_cast<std::size_t>(std::min(options_.mtu, 1500)) - wire::kHeaderSize - wire::kTagSize - kBeaconFixedSize;
-  wire::Beacon beacon;
-  beacon.sequence_number = router_.own_sequence();
-  beacon.alive = 1 + static_cast<std::uint32_t>((now - started_) / kLifeSignInterval);
-  beacon.name = self_.name;
-  beacon.heard = neighbors_.heard_list(room * 2 / 3 / kHeardSize, now);
+  const Time interval = next_interval(now);
+  wire::Beacon beacon = plain_beacon(now);
+  beacon.number = ++beacons_sent_;
+  beacon.interval_ms = static_cast<std::uint32_t>(interval / std::chrono::milliseconds(1));
+  beacon.heard_count = static_cast<std::uint16_t>(neighbors_.heard_count(now));
+  beacon.heard = neighbors_.next_heard(kMostHeard, now);
   const std::size_t rumors = std::min(kMostRumors, (room - beacon.heard.size() * kHeardSize) / kRumorSize);
-  beacon.rumors =
-      directory_.take_rumors(rumors, [&](const MacAddress& robot) { return !neighbors_.all_hear(robot, now); });
+  beacon.rumors = directory_.take_rumors(
+      rumors, [&](const MacAddress& robot, wire::BootTag boot) { return !neighbors_.all_hear(robot, boot, now); });
   broadcast(wire::FrameType::kBeacon, to_bytes(beacon));
   last_beacon_ = now;
   // A tenth of randomness keeps the beacons of robots started together from meeting again and again.
-  const Time interval = options_.beacon_interval;
   beacon_due_ = now + interval * 19 / 20 + random_.delay(interval / 10);
+}
+
+wire::Beacon Engine::Implementation::plain_beacon(Time now) const {
+  wire::Beacon beacon;
+  beacon.sequence_number = router_.own_sequence();
+  beacon.alive = 1 + static_cast<std::uint32_t>((now - started_) / kLifeSignInterval);
+  beacon.number = beacons_sent_;
+  beacon.name = self_.name;
+  return beacon;
+}
+
+/// Twice the one before, up to kIdleInterval, while nothing happens.
+Time Engine::Implementation::next_interval(Time now) {
+  const Time shortest = options_.beacon_interval;
+  const bool quiet = now - last_happened_ >= kQuiet;
+  beacon_spacing_ = quiet ? std::min(2 * beacon_spacing_, std::max(shortest, kIdleInterval)) : shortest;
+  return beacon_spacing_;
+}
+
+/// Presence is told often again, at once if the next beacon is far.
+void Engine::Implementation::happened(Time now) {
+  last_happened_ = now;
+  if (beacon_spacing_ <= options_.beacon_interval) return;
+  beacon_spacing_ = options_.beacon_interval;
+  beacon_due_ = std::min(beacon_due_, now + random_.delay(options_.beacon_interval));
+}
+
+/// Asks a neighbour that has become quiet for an acknowledgment: a few beacons may just have been lost.
+void Engine::Implementation::probe(const MacAddress& neighbor, Time now) {
+  const auto known = links_.find(neighbor);
+  if (known != links_.end() && !known->second.sender.idle()) return;
+  wire::Beacon beacon = plain_beacon(now);
+  beacon.heard.push_back({wire::neighbor_tag(neighbors_.find(neighbor)->boot), 0});
+  unicast(neighbor, wire::FrameType::kBeacon, to_bytes(beacon));
 }
 
 void Engine::Implementation::on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon,
                                        Time now) {
-  neighbors_.beacon(from, beacon, {self_.address, self_.boot}, now);
+  neighbors_.beacon(from, beacon, wire::neighbor_tag(self_.boot), now);
   directory_.life_sign(from, beacon.name, boot, beacon.alive, 1, now);
-  if (neighbors_.two_way(from, now)) router_.on_hello(from, boot, beacon.sequence_number, now);
+  if (neighbors_.two_way(from, now)) router_.on_hello(from, beacon.sequence_number, now);
   for (const wire::Rumor& rumor : beacon.rumors) {
     if (rumor.address == self_.address) continue;
     directory_.life_sign(rumor.address, rumor.name, rumor.boot, rumor.alive, static_cast<std::uint8_t>(rumor.hops + 1),
@@ -46,7 +83,7 @@ void Engine::Implementation::on_beacon(const MacAddress& from, wire::BootTag boo
 
 /// What has to be looked at a few times a second; rides on the beacons, so that an idle engine has one timer.
 void Engine::Implementation::maintain(Time now) {
-  for (const MacAddress& neighbor : neighbors_.newly_silent(now)) router_.link_broken(neighbor, now);
+  for (const MacAddress& neighbor : neighbors_.newly_silent(now)) link_lost(neighbor, now);
   for (const MacAddress& neighbor : neighbors_.remove_silent(routing::RobotDirectory::kSilence, now)) {
     link_lost(neighbor, now);
     links_.erase(neighbor);
@@ -54,7 +91,8 @@ void Engine::Implementation::maintain(Time now) {
   for (auto link = links_.begin(); link != links_.end();) {
     link = neighbors_.find(link->first) == nullptr ? links_.erase(link) : std::next(link);
   }
-  for (auto& [neighbor, link] : links_) neighbors_.set_loss(neighbor, link.sender.loss());
+  for (auto& [neighbor, link] : links_) neighbors_.set_loss(neighbor, link.sender.loss(now));
+  for (const MacAddress& neighbor : neighbors_.doubtful(now)) probe(neighbor, now);
   directory_.expire(now);
   router_.expire(now);
   broadcast_receiver_.expire(now);
@@ -66,6 +104,7 @@ void Engine::Implementation::maintain(Time now) {
 
 void Engine::Implementation::announce_changes(Time now) {
   for (const routing::DirectoryChange& change : directory_.take_changes()) {
+    happened(now);
     const std::string group = multicast::group_of(change.robot);
     if (change.appeared) {
       report(RobotAppeared{change.robot});
@@ -78,13 +117,6 @@ void Engine::Implementation::announce_changes(Time now) {
     const auto membership = groups_.memberships.find(group);
     if (membership != groups_.memberships.end()) membership->second.joined = false;
   }
-}
-
-/// Frames to the neighbour go unanswered, it fell silent, or it has restarted.
-void Engine::Implementation::link_lost(const MacAddress& neighbor, Time now) {
-  if (const auto found = links_.find(neighbor); found != links_.end()) found->second.sender.clear();
-  router_.link_broken(neighbor, now);
-  distributor_.link_lost(neighbor, now);
 }
 
 }  // namespace adhoc_communication

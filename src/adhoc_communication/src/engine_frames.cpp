@@ -34,6 +34,7 @@ void Engine::Implementation::transmit(FrameType type, std::uint8_t flags, const 
                                       std::uint32_t link_sequence, std::uint64_t counter, const Bytes& body, Time now) {
   const wire::FrameHeader header{type, flags, self_.address, self_.boot_id, counter, next_hop, link_sequence};
   Frame frame{next_hop, self_.address, guard_.close(header, body)};
+  if (type != FrameType::kBeacon && type != FrameType::kHopAcknowledgment) happened(now);
   ++statistics_.frames_sent;
   statistics_.bytes_sent += frame.bytes.size() + wire::kEthernetHeaderSize;
   air_.transmitted(counter, frame.bytes.size(), now);
@@ -69,7 +70,7 @@ bool Engine::Implementation::proves_itself(const security::OpenedFrame& opened, 
   const wire::FrameHeader& header = opened.header;
   const auto beacon = header.type == FrameType::kBeacon ? wire::read_beacon(opened.body) : std::nullopt;
   const bool echo = beacon && std::any_of(beacon->heard.begin(), beacon->heard.end(), [&](const auto& heard) {
-                      return heard.address == self_.address && heard.boot == self_.boot;
+                      return heard.tag == wire::neighbor_tag(self_.boot);
                     });
   if (echo) {
     guard_.prove(header);
@@ -99,9 +100,13 @@ bool Engine::Implementation::hear(const wire::FrameHeader& header, Time now) {
   const wire::BootTag boot = wire::boot_tag(header.boot_id);
   const routing::Neighbor* before = neighbors_.find(header.sender);
   const bool restarted = before != nullptr && before->boot != boot;
-  if (before == nullptr || restarted) greet(now);
+  if (before == nullptr || restarted) {
+    happened(now);
+    greet(now);
+  }
   if (restarted) link_lost(header.sender, now);
   if (neighbors_.heard(header.sender, boot, now) == nullptr) return false;
+  directory_.traffic(header.sender, boot, now);
   if (const auto found = links_.find(header.sender); found != links_.end()) found->second.sender.heard(now);
   return true;
 }
@@ -128,11 +133,14 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
       return with(wire::read_route_request(body), [&](auto request) { router_.on_request(from, request, now); });
     case FrameType::kRouteReply:
       return with(wire::read_route_reply(body), [&](auto reply) { router_.on_reply(from, reply, now); });
+    case FrameType::kRouteReplyAcknowledgment:
+      return body.at_end() ? router_.on_reply_acknowledgment(from, now) : malformed();
     case FrameType::kRouteError:
       return with(wire::read_route_error(body), [&](auto error) { router_.on_error(from, error, now); });
     case FrameType::kHopAcknowledgment:
       return with(wire::read_hop_acknowledgment(body), [&](auto acknowledgment) {
         if (acknowledgment.boot != self_.boot) return;
+        neighbors_.acknowledged(from, now);
         air_.acknowledged(acknowledgment.newest_counter, Time(acknowledgment.spacing_ns), now);
         link(from).sender.acknowledged(acknowledgment, now);
       });

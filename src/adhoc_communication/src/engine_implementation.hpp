@@ -36,6 +36,7 @@ class Engine::Implementation : private Outbox {
   static constexpr std::size_t kMostStreams = 1024;           ///< robots and priorities; idle ones make room
   static constexpr std::size_t kMostReceivers =
       1024;  ///< robots whose packets are put together; the one idle longest makes room
+  static constexpr std::size_t kMostHeld = 512;     ///< frames of others that wait for a repair; further ones are lost
   static constexpr std::size_t kMostEvents = 4096;  ///< the oldest received packet is dropped beyond
 
   Implementation(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now);
@@ -111,10 +112,18 @@ class Engine::Implementation : private Outbox {
 
   // engine_beacons.cpp: presence.
   void send_beacon(Time now);
+  wire::Beacon plain_beacon(Time now) const;
+  Time next_interval(Time now);
+  void happened(Time now);
+  void probe(const MacAddress& neighbor, Time now);
   void on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon, Time now);
   void maintain(Time now);
   void announce_changes(Time now);
+
+  // engine_repair.cpp: what was under way over a link that is lost.
   void link_lost(const MacAddress& neighbor, Time now);
+  bool hold(const MacAddress& destination, transport::HopFrame frame);
+  void release_held(Time now);
 
   // engine_transport.cpp: packets.
   void on_data(const MacAddress& from, wire::Data data, Time now);
@@ -184,7 +193,6 @@ class Engine::Implementation : private Outbox {
   Statistics statistics_;
   security::FrameGuard guard_;
   Random random_;
-  routing::Timings timings_;
   routing::Neighbors neighbors_;
   routing::RobotDirectory directory_;
   routing::Router router_;
@@ -201,6 +209,9 @@ class Engine::Implementation : private Outbox {
   multicast::Distributor distributor_;
   multicast::Groups groups_;
 
+  std::map<MacAddress, std::vector<transport::HopFrame>> held_;  ///< by destination, while its route is repaired
+  std::size_t held_frames_ = 0;
+
   std::map<SendId, Sending> sendings_;
   std::size_t host_sends_ = 0;
   std::size_t octets_waiting_ = 0;
@@ -212,6 +223,9 @@ class Engine::Implementation : private Outbox {
   Time now_{0};
   Time beacon_due_{0};
   Time last_beacon_{-1};
+  Time beacon_spacing_;
+  Time last_happened_;
+  std::uint16_t beacons_sent_ = 0;
   Time started_{0};
   Time expected_poll_ = Time::max();
   bool touched_ = true;  ///< something came in since the last poll

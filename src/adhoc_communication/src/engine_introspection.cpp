@@ -16,8 +16,8 @@ std::vector<LinkState> Engine::Implementation::links() const {
     state.name = name_of(address).value_or("");
     state.two_way = neighbors_.two_way(address, now_);
     state.silent_for = now_ - neighbor.last_heard;
+    state.loss = neighbors_.loss(address);
     if (const auto link = links_.find(address); link != links_.end()) {
-      state.loss = link->second.sender.loss();
       state.waiting = link->second.sender.waiting();
       state.in_flight = link->second.sender.unresolved();
       state.given_up = link->second.sender.given_up();

@@ -28,9 +28,8 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       self_{options_.robot_name, address, boot_id, wire::boot_tag(boot_id)},
       guard_(self_, options_.keys, statistics_.frames_dropped),
       random_(seed),
-      timings_(routing::robot_timings()),
-      neighbors_(timings_),
-      router_(self_, options_, timings_, neighbors_, directory_, *this, random_),
+      neighbors_(options_.timings, options_.beacon_interval),
+      router_(self_, options_, neighbors_, directory_, *this, random_),
       segment_size_(room(options_, wire::kDataHeaderSize)),
       broadcast_segment_size_(room(options_, wire::kBroadcastDataHeaderSize)),
       air_(static_cast<std::size_t>(std::min(options_.max_frame_size, options_.mtu))),
@@ -41,6 +40,8 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
                    static_cast<std::uint16_t>(room(options_, wire::kGroupDataHeaderSize))),
       now_(now),
       beacon_due_(now),
+      beacon_spacing_(options_.beacon_interval),
+      last_happened_(now),
       started_(now) {}
 
 std::vector<Frame> Engine::Implementation::poll(Time now) {
@@ -62,6 +63,7 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   acknowledge_streams(now);
   router_.poll(now);
   fail_unreachable(now);
+  release_held(now);
   distributor_.poll(now);
   finish_group_members(now);
   take_group_packets(now);

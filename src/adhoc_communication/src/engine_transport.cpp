@@ -39,9 +39,15 @@ template <typename Message>
 void Engine::Implementation::forward(const MacAddress& from, Message message, FrameType type, std::uint8_t priority,
                                      Time now) {
   if (message.hops >= wire::kFarthestHop) return;
-  const routing::Route* route = router_.route_to(message.destination, now);
-  if (route == nullptr || route->next_hop == from) return router_.no_route_for(message.destination, from, now);
+  const MacAddress destination = message.destination;
+  const routing::Route* route = router_.route_to(destination, now);
   ++message.hops;
+  if (route == nullptr &&
+      (router_.repairing(destination) || router_.repair_late(destination, message.source, from, now))) {
+    hold(destination, {type, to_bytes(message), priority});
+    return;
+  }
+  if (route == nullptr || route->next_hop == from) return router_.no_route_for(destination, from, now);
   // A full queue loses the frame; the source repeats it when the destination misses it.
   link(route->next_hop).sender.enqueue({type, to_bytes(message), priority});
 }
@@ -145,7 +151,11 @@ void Engine::Implementation::serve_stream(const StreamKey& key, Stream& stream, 
 }
 
 void Engine::Implementation::fail_unreachable(Time now) {
-  for (const routing::DiscoveryFailure& failure : router_.take_failures()) {
+  for (const routing::DiscoveryFailure& failure : router_.take_failures(now)) {
+    if (failure.repair) {
+      touched_ = true;  // own packets may wait for that route, too
+      continue;
+    }
     if (const auto found = receivers_.find(failure.target.address); found != receivers_.end()) {
       for (std::size_t stream = 0; stream < transport::kPriorities; ++stream) found->second->forgo(stream);
     }

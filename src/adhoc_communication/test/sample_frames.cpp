@@ -23,6 +23,9 @@ class Sample {
 
   template <typename Message>
   void add(FrameType type, const Message& message, std::uint8_t flags = 0) {
+    add(type, to_bytes(message), flags);
+  }
+  void add(FrameType type, const Bytes& body, std::uint8_t flags = 0) {
     wire::FrameHeader header;
     header.type = type;
     header.flags = flags;
@@ -31,7 +34,7 @@ class Sample {
     header.counter = ++counter_;
     header.next_hop = kBob;
     header.link_sequence = 77;
-    write(wire::close_openly(header, to_bytes(message)));
+    write(wire::close_openly(header, body));
   }
   void write(Bytes octets) {
     file_.add({kBob, kAlice, std::move(octets)}, std::chrono::seconds(1'000'000'000) + std::chrono::nanoseconds(++at_));
@@ -55,10 +58,10 @@ wire::GroupData group_data(Bytes octets, std::uint8_t symbol) {
 
 void write_samples(const std::string& path) {
   Sample sample(path);
-  sample.add(FrameType::kBeacon, wire::Beacon{5, 6, "alice", {{kBob, 0xb1}}, {{kCarol, 0xc1, 3, 2, "carol"}}});
-  sample.add(FrameType::kRouteRequest, wire::RouteRequest{false, false, true, true, true, 1, 7, 42, kCarol, 10, "carol",
-                                                          kAlice, 11, 0xa1, "alice"});
-  sample.add(FrameType::kRouteReply, wire::RouteReply{false, true, 2, kCarol, 12, 0xc1, "carol", kAlice, 3000},
+  sample.add(FrameType::kBeacon, wire::Beacon{5, 6, 3, "alice", 2, {{0xb1, 51}}, {{kCarol, 0xc1, 3, 2, "carol"}}, 250});
+  sample.add(FrameType::kRouteRequest, wire::RouteRequest{false, false, true, true, true, 1, 7, 20, 42, kCarol, 10,
+                                                          "carol", kAlice, 11, 0xa1, "alice"});
+  sample.add(FrameType::kRouteReply, wire::RouteReply{false, true, 2, 36, kCarol, 12, 0xc1, "carol", kAlice, 3000},
              wire::kWantsAcknowledgment);
   sample.add(FrameType::kRouteError, wire::RouteError{false, true, {{kCarol, 13}, {kBob, 14}}});
   sample.add(FrameType::kHopAcknowledgment, wire::HopAcknowledgment{0xb1, 99, 1200, 55, 0xff});
@@ -76,6 +79,7 @@ void write_samples(const std::string& path) {
   sample.add(FrameType::kGroupData, group_data({}, 0));
   sample.add(FrameType::kGroupReport,
              wire::GroupReport{kAlice, 0xa1, 2, 31, 7, 5, true, 98, 1300, 0xc0ffee, 4, {3, 0}});
+  sample.add(FrameType::kRouteReplyAcknowledgment, Bytes{});
 
   Bytes sealed;
   wire::Writer writer(sealed);
@@ -85,7 +89,7 @@ void write_samples(const std::string& path) {
 
   wire::FrameHeader header;
   header.sender = kAlice;
-  Bytes altered = wire::close_openly(header, to_bytes(wire::Beacon{1, 1, "alice", {}, {}}));
+  Bytes altered = wire::close_openly(header, to_bytes(wire::Beacon{1, 1, 1, "alice", 0, {}, {}, 0}));
   altered.back() ^= 1;
   sample.write(altered);
   sample.write(Bytes(altered.begin(), altered.begin() + 20));

@@ -68,7 +68,7 @@ ALICE, BOB, CAROL = (f"02:00:00:00:00:0{number}" for number in (1, 2, 3))
 
 
 def test_every_frame_has_header_and_right_checksum(frames):
-    assert {int(values(frame, "adhoc.type")[0]) for frame in frames} == set(range(1, 14))
+    assert {int(values(frame, "adhoc.type")[0]) for frame in frames} == set(range(1, 15))
     for number, frame in enumerate(frames, start=1):
         expect(frame, version=1, sender=ALICE, counter=number, next_hop=BOB, link_sequence=77, checksum_good=1)
         assert "adhoc.malformed" not in json.dumps(frame)
@@ -79,11 +79,12 @@ def test_times_are_nanoseconds(frames):
 
 
 def test_beacon(frames):
-    expect(frames[0], type=1, sequence=5, alive=[6, 3], name=["alice", "carol"], heard=BOB, robot=CAROL, hops=2)
+    expect(frames[0], type=1, sequence=5, alive=[6, 3], name=["alice", "carol"], heard="00:00:00:00:00:b1", robot=CAROL, hops=2)
+    expect(frames[0], beacon_number=3, heard_count=2, named_count=1, loss=51, extension__type=1)
 
 
 def test_route_request(frames):
-    expect(frames[1], type=2, hop_count=1, hop_limit=7, id=42, destination=CAROL, destination_sequence=10)
+    expect(frames[1], type=2, hop_count=1, hop_limit=7, cost=20, id=42, destination=CAROL, destination_sequence=10)
     expect(frames[1], originator=ALICE, originator_sequence=11, destination_name="carol", originator_name="alice")
     expect(frames[1], request__gratuitous=1, request__repair=0, request__unknown_sequence=1)
 

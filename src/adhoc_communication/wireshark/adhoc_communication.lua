@@ -18,6 +18,7 @@ local TYPES = {
   [1] = "Beacon", [2] = "Route request", [3] = "Route reply", [4] = "Route error", [5] = "Hop acknowledgment",
   [6] = "Data", [7] = "Transport acknowledgment", [8] = "Broadcast data", [9] = "Flood", [10] = "Group activation",
   [11] = "Group refusal", [12] = "Group data", [13] = "Group report",
+  [14] = "Route reply acknowledgment",
 }
 local PRIORITIES = { [0] = "control", [1] = "position", [2] = "normal", [3] = "bulk" }
 local PACKET_KINDS = {
@@ -54,8 +55,11 @@ local f = {
   sequence = ProtoField.uint32("adhoc.sequence", "Sequence number"),
   alive = ProtoField.uint32("adhoc.alive", "Life sign"),
   name = ProtoField.string("adhoc.name", "Name"),
-  heard_count = ProtoField.uint8("adhoc.heard_count", "Neighbours heard"),
-  heard = ProtoField.ether("adhoc.heard", "Neighbour heard"),
+  beacon_number = ProtoField.uint16("adhoc.beacon_number", "Number of the beacon"),
+  heard_count = ProtoField.uint16("adhoc.heard_count", "Neighbours heard"),
+  named_count = ProtoField.uint8("adhoc.named_count", "Neighbours named here"),
+  heard = ProtoField.bytes("adhoc.heard", "Neighbour heard (beginning of its boot id)"),
+  loss = ProtoField.uint8("adhoc.loss", "Loss of its beacons (255ths)"),
   rumor_count = ProtoField.uint8("adhoc.rumor_count", "Rumours"),
   robot = ProtoField.ether("adhoc.robot", "Robot"),
   boot_tag = ProtoField.bytes("adhoc.boot_tag", "Boot tag"),
@@ -73,6 +77,7 @@ local f = {
   error_unknown = ProtoField.bool("adhoc.error.unknown_sequence", "Numbers unknown", 8, YES_NO, 0x40),
   hop_count = ProtoField.uint8("adhoc.hop_count", "Hop count"),
   hop_limit = ProtoField.uint8("adhoc.hop_limit", "Hop limit"),
+  cost = ProtoField.uint16("adhoc.cost", "Cost (sixteenths of a transmission)"),
   id = ProtoField.uint32("adhoc.id", "Id"),
   destination = ProtoField.ether("adhoc.destination", "Destination"),
   destination_sequence = ProtoField.uint32("adhoc.destination_sequence", "Destination sequence number"),
@@ -235,11 +240,13 @@ end
 local function beacon(cursor, tree)
   cursor:add(tree, f.sequence, 4)
   cursor:add(tree, f.alive, 4)
+  cursor:add(tree, f.beacon_number, 2)
   local name = cursor:text(tree, f.name, 1)
-  local heard = cursor:number(tree, f.heard_count, 1)
+  local all = cursor:number(tree, f.heard_count, 2)
+  local heard = cursor:number(tree, f.named_count, 1)
   for _ = 1, heard do
     local branch = tree:add(f.heard, cursor:take(6))
-    cursor:add(branch, f.boot_tag, 8)
+    cursor:add(branch, f.loss, 1)
   end
   local rumors = cursor:number(tree, f.rumor_count, 1)
   for _ = 1, rumors do
@@ -250,7 +257,7 @@ local function beacon(cursor, tree)
     cursor:text(branch, f.name, 1)
   end
   extensions(cursor, tree)
-  return string.format("%s, hears %d, %d rumours", name, heard, rumors)
+  return string.format("%s, hears %d, %d rumours", name, math.max(all, heard), rumors)
 end
 
 local function route_request(cursor, tree)
@@ -258,6 +265,7 @@ local function route_request(cursor, tree)
                                         f.request_destination_only, f.request_unknown })
   local hops = cursor:number(tree, f.hop_count, 1)
   local limit = cursor:number(tree, f.hop_limit, 1)
+  cursor:add(tree, f.cost, 2)
   cursor:add(tree, f.id, 4)
   cursor:add(tree, f.destination, 6)
   cursor:add(tree, f.destination_sequence, 4)
@@ -273,6 +281,7 @@ end
 local function route_reply(cursor, tree)
   cursor:flags(tree, f.routing_flags, { f.reply_repair, f.reply_acknowledgment })
   local hops = cursor:number(tree, f.hop_count, 1)
+  cursor:add(tree, f.cost, 2)
   cursor:add(tree, f.destination, 6)
   cursor:add(tree, f.destination_sequence, 4)
   cursor:add(tree, f.destination_boot, 8)
@@ -401,8 +410,10 @@ local function group_report(cursor, tree)
   return string.format("packet %d, round %d, %s", packet, round, state)
 end
 
+local function nothing() return "" end
+
 local BODIES = { beacon, route_request, route_reply, route_error, hop_acknowledgment, data, transport_acknowledgment,
-                 broadcast_data, flood, group_branch, group_branch, group_data, group_report }
+                 broadcast_data, flood, group_branch, group_branch, group_data, group_report, nothing }
 
 -- CRC-32 of IEEE 802.3, reflected.
 local function crc32(octets)

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "adhoc_communication/timings.hpp"
 #include "adhoc_communication/types.hpp"
 
 namespace adhoc_communication {
@@ -20,7 +21,8 @@ struct EngineOptions {
   int hop_limit_min = 0;      ///< hop limit of the first route request; 0 is unlimited
   int hop_limit_max = 0;      ///< the expanding ring ends here
   int hop_limit_increment = 3;
-  std::chrono::milliseconds beacon_interval{250};
+  std::chrono::milliseconds beacon_interval{250};  ///< HELLO_INTERVAL; while nothing happens, up to 1 s
+  Timings timings = robot_timings();
   std::size_t max_packet_size = 10'000'000;  ///< octets of payload and headers of one packet
   int nack_threshold = 10;
   bool rebuild_mc_tree = false;

@@ -100,9 +100,11 @@ struct RouteState {
   MacAddress destination{};
   MacAddress next_hop{};
   std::uint8_t hops = 0;
+  double cost = 0.0;  ///< transmissions that a frame is expected to need on the whole way
   std::uint32_t sequence = 0;
   bool sequence_valid = false;
   bool valid = false;
+  bool repairable = false;  ///< not valid because its next hop was lost here
   Time expires{0};
   std::vector<MacAddress> precursors;
   std::uint64_t boot = 0;  ///< first eight octets of the destination's boot id, of the run that the number belongs to

@@ -31,6 +31,7 @@ NetworkRoute route_message(const Snapshot& snapshot, const RouteState& route) {
   message.destination = name_or_address(snapshot, route.destination);
   message.next_hop = name_or_address(snapshot, route.next_hop);
   message.hops = route.hops;
+  message.cost = static_cast<float>(route.cost);
   message.valid = route.valid;
   message.expires_in = seconds(std::max(route.expires - snapshot.now, Time::zero()));
   message.sequence_number = route.sequence;

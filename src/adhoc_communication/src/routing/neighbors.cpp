@@ -3,13 +3,21 @@
 #include <algorithm>
 
 namespace adhoc_communication::routing {
+namespace {
+
+constexpr int kBeaconsThatMatter = 16;  ///< for the loss of a link
+constexpr int kBeaconsInDoubt = 2;
+constexpr Time kLongestInterval = std::chrono::seconds(10);
+constexpr int kMostMissed = 64;  ///< a greater gap says nothing about the link
+
+}  // namespace
 
 bool Neighbors::candidate(const MacAddress& address, wire::BootTag boot, Time now) {
   const std::pair key(address, boot);
-  const bool listed = candidates_.count(key) != 0;
-  if (!listed && candidates_.size() >= kMostNeighbors) return false;
+  const bool known = candidates_.count(key) != 0;
+  if (!known && candidates_.size() >= kMostNeighbors) return false;
   candidates_[key] = now;
-  return !listed;
+  return !known;
 }
 
 Neighbor* Neighbors::heard(const MacAddress& address, wire::BootTag boot, Time now) {
@@ -18,27 +26,55 @@ Neighbor* Neighbors::heard(const MacAddress& address, wire::BootTag boot, Time n
     if (neighbors_.size() >= kMostNeighbors) return nullptr;
     found = neighbors_.emplace(address, Neighbor{}).first;
     found->second.boot = boot;
+    found->second.interval = own_interval_;
   }
   Neighbor& neighbor = found->second;
   if (neighbor.boot != boot) {
     neighbor = Neighbor{};
     neighbor.boot = boot;
+    neighbor.interval = own_interval_;
   }
   neighbor.last_heard = now;
   candidates_.erase({address, boot});
   return &neighbor;
 }
 
-void Neighbors::beacon(const MacAddress& address, const wire::Beacon& beacon, const wire::HeardNeighbor& self,
-                       Time now) {
+void Neighbors::beacon(const MacAddress& address, const wire::Beacon& beacon, wire::NeighborTag self, Time now) {
   const auto found = neighbors_.find(address);
   if (found == neighbors_.end()) return;
   Neighbor& neighbor = found->second;
-  neighbor.hears.clear();
-  for (const wire::HeardNeighbor& heard : beacon.heard) {
-    neighbor.hears.push_back(heard.address);
-    if (heard.address == self.address && heard.boot == self.boot) neighbor.listed = now;
+  neighbor.interval = beacon.interval_ms == 0
+                          ? own_interval_
+                          : std::min<Time>(std::chrono::milliseconds(beacon.interval_ms), kLongestInterval);
+  if (beacon.heard_count != 0 && !beacon.heard.empty()) {
+    neighbor.beacons_per_list = static_cast<int>((beacon.heard_count + beacon.heard.size() - 1) / beacon.heard.size());
   }
+  count_beacon(neighbor, beacon.number);
+  if (neighbor.hears.size() > kMostNeighbors) neighbor.hears.clear();
+  for (const wire::HeardNeighbor& heard : beacon.heard) {
+    neighbor.hears[heard.tag] = now;
+    if (heard.tag != self) continue;
+    neighbor.listed = now;
+    neighbor.reported_loss = heard.loss / 255.0;
+  }
+}
+
+void Neighbors::count_beacon(Neighbor& neighbor, std::uint16_t number) {
+  const auto ahead = static_cast<std::uint16_t>(number - neighbor.last_beacon);
+  if (neighbor.beacons != 0 && ahead == 0) return;
+  const int missed = neighbor.beacons == 0 || ahead > kMostMissed ? 0 : ahead - 1;
+  neighbor.last_beacon = number;
+  for (int i = 0; i <= missed; ++i) {
+    neighbor.beacons = std::min(neighbor.beacons + 1, kBeaconsThatMatter);
+    neighbor.loss_from += ((i < missed ? 1.0 : 0.0) - neighbor.loss_from) / neighbor.beacons;
+  }
+}
+
+void Neighbors::acknowledged(const MacAddress& address, Time now) {
+  const auto found = neighbors_.find(address);
+  if (found == neighbors_.end()) return;
+  found->second.listed = now;
+  found->second.blacklisted_until = Time(0);
 }
 
 void Neighbors::link_failed(const MacAddress& address) {
@@ -46,55 +82,97 @@ void Neighbors::link_failed(const MacAddress& address) {
   if (found != neighbors_.end()) found->second.listed.reset();
 }
 
+void Neighbors::blacklist(const MacAddress& address, Time now) {
+  const auto found = neighbors_.find(address);
+  if (found != neighbors_.end()) found->second.blacklisted_until = now + timings_.blacklist_timeout();
+}
+
 const Neighbor* Neighbors::find(const MacAddress& address) const {
   const auto found = neighbors_.find(address);
   return found == neighbors_.end() ? nullptr : &found->second;
 }
 
+bool Neighbors::two_way(const Neighbor& neighbor, Time now) const {
+  return neighbor.listed && now - *neighbor.listed < patience(neighbor) * neighbor.beacons_per_list &&
+         neighbor.blacklisted_until <= now;
+}
+
 bool Neighbors::two_way(const MacAddress& address, Time now) const {
   const Neighbor* neighbor = find(address);
-  return neighbor != nullptr && neighbor->listed && now - *neighbor->listed < timings_.neighbor_timeout;
+  return neighbor != nullptr && two_way(*neighbor, now);
 }
 
 std::vector<MacAddress> Neighbors::all_two_way(Time now) const {
   std::vector<MacAddress> result;
   for (const auto& [address, neighbor] : neighbors_) {
-    if (two_way(address, now)) result.push_back(address);
+    if (two_way(neighbor, now)) result.push_back(address);
   }
   return result;
 }
 
-std::vector<wire::HeardNeighbor> Neighbors::heard_list(std::size_t most, Time now) const {
-  std::vector<std::pair<Time, wire::HeardNeighbor>> recent;
-  for (const auto& [address, neighbor] : neighbors_) {
-    if (now - neighbor.last_heard < timings_.neighbor_timeout)
-      recent.push_back({neighbor.last_heard, {address, neighbor.boot}});
-  }
-  for (const auto& [run, last_heard] : candidates_) recent.push_back({last_heard, {run.first, run.second}});
-  if (recent.size() > most) {
-    std::stable_sort(recent.begin(), recent.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-    recent.resize(most);
-  }
+Cost Neighbors::cost(const MacAddress& address) const { return link_cost(loss(address)); }
+
+double Neighbors::loss(const MacAddress& address) const {
+  const Neighbor* neighbor = find(address);
+  return neighbor == nullptr ? 0.0 : neighbor->seen_loss.value_or(neighbor->reported_loss);
+}
+
+Time Neighbors::patience(const MacAddress& address) const {
+  const Neighbor* neighbor = find(address);
+  return neighbor == nullptr ? timings_.allowed_hello_loss * own_interval_ : patience(*neighbor);
+}
+
+std::vector<wire::HeardNeighbor> Neighbors::next_heard(std::size_t most, Time now) {
   std::vector<wire::HeardNeighbor> result;
-  for (const auto& item : recent) result.push_back(item.second);
+  for (const auto& [run, last_heard] : candidates_) result.push_back({wire::neighbor_tag(run.second), 0});
+  std::vector<Neighbor*> waiting;
+  for (auto& [address, neighbor] : neighbors_) {
+    if (now - neighbor.last_heard < patience(neighbor)) waiting.push_back(&neighbor);
+  }
+  std::stable_sort(waiting.begin(), waiting.end(),
+                   [](const Neighbor* a, const Neighbor* b) { return a->named < b->named; });
+  for (Neighbor* neighbor : waiting) {
+    if (result.size() >= most) break;
+    neighbor->named = now;
+    result.push_back({wire::neighbor_tag(neighbor->boot), static_cast<std::uint8_t>(neighbor->loss_from * 255)});
+  }
+  if (result.size() > most) result.resize(most);
   return result;
 }
 
-bool Neighbors::all_hear(const MacAddress& robot, Time now) const {
+std::size_t Neighbors::heard_count(Time now) const {
+  const auto counts = [&](const auto& item) { return now - item.second.last_heard < patience(item.second); };
+  return candidates_.size() + static_cast<std::size_t>(std::count_if(neighbors_.begin(), neighbors_.end(), counts));
+}
+
+bool Neighbors::all_hear(const MacAddress& robot, wire::BootTag boot, Time now) const {
   return std::all_of(neighbors_.begin(), neighbors_.end(), [&](const auto& item) {
     const auto& [address, neighbor] = item;
-    if (address == robot || !two_way(address, now)) return true;
-    return std::find(neighbor.hears.begin(), neighbor.hears.end(), robot) != neighbor.hears.end();
+    if (address == robot || !two_way(neighbor, now)) return true;
+    const auto said = neighbor.hears.find(wire::neighbor_tag(boot));
+    return said != neighbor.hears.end() && now - said->second < patience(neighbor) * neighbor.beacons_per_list;
   });
+}
+
+std::vector<MacAddress> Neighbors::doubtful(Time now) const {
+  std::vector<MacAddress> result;
+  for (const auto& [address, neighbor] : neighbors_) {
+    if (!two_way(neighbor, now)) continue;
+    const bool silent = now - neighbor.last_heard > kBeaconsInDoubt * neighbor.interval;
+    const bool unlisted = now - *neighbor.listed > kBeaconsInDoubt * neighbor.interval * neighbor.beacons_per_list;
+    if (silent || unlisted) result.push_back(address);
+  }
+  return result;
 }
 
 std::vector<MacAddress> Neighbors::remove_silent(Time timeout, Time now) {
   for (auto iterator = candidates_.begin(); iterator != candidates_.end();) {
-    iterator = now - iterator->second < timings_.neighbor_timeout ? std::next(iterator) : candidates_.erase(iterator);
+    const bool waits = now - iterator->second < timings_.allowed_hello_loss * own_interval_;
+    iterator = waits ? std::next(iterator) : candidates_.erase(iterator);
   }
   std::vector<MacAddress> removed;
   for (auto iterator = neighbors_.begin(); iterator != neighbors_.end();) {
-    if (now - iterator->second.last_heard < timeout) {
+    if (now - iterator->second.last_heard < std::max(timeout, patience(iterator->second))) {
       ++iterator;
       continue;
     }
@@ -107,16 +185,16 @@ std::vector<MacAddress> Neighbors::remove_silent(Time timeout, Time now) {
 std::vector<MacAddress> Neighbors::newly_silent(Time now) {
   std::vector<MacAddress> silent;
   for (auto& [address, neighbor] : neighbors_) {
-    if (!neighbor.listed || now - *neighbor.listed < timings_.neighbor_timeout) continue;
+    if (!neighbor.listed || now - *neighbor.listed < patience(neighbor) * neighbor.beacons_per_list) continue;
     neighbor.listed.reset();
     silent.push_back(address);
   }
   return silent;
 }
 
-void Neighbors::set_loss(const MacAddress& address, double loss) {
+void Neighbors::set_loss(const MacAddress& address, std::optional<double> loss) {
   const auto found = neighbors_.find(address);
-  if (found != neighbors_.end()) found->second.loss = loss;
+  if (found != neighbors_.end()) found->second.seen_loss = loss;
 }
 
 }  // namespace adhoc_communication::routing

@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "routing/timings.hpp"
+#include "adhoc_communication/timings.hpp"
+#include "routing/link_cost.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::routing {
@@ -14,9 +15,17 @@ namespace adhoc_communication::routing {
 struct Neighbor {
   wire::BootTag boot = 0;
   Time last_heard{0};
-  std::optional<Time> listed;     ///< when it last said that it hears this robot
-  std::vector<MacAddress> hears;  ///< as of its last beacon
-  double loss = 0.0;              ///< estimate for frames to it, 0..1
+  Time interval{0};                         ///< of its beacons (RFC 3561 section 9.1)
+  int beacons_per_list = 1;                 ///< so many of its beacons name all that it hears
+  std::optional<Time> listed;               ///< when it last showed that it hears this robot
+  Time blacklisted_until{0};                ///< section 6.8: it did not acknowledge a reply
+  std::map<wire::NeighborTag, Time> hears;  ///< and when it said so
+  double reported_loss = 0.0;               ///< of frames to it, as its beacons say, 0..1
+  std::optional<double> seen_loss;          ///< of frames to it, as the hop ARQ sees it
+  double loss_from = 0.0;                   ///< of its beacons
+  std::uint16_t last_beacon = 0;
+  int beacons = 0;  ///< counted for loss_from, no more than matter
+  Time named{-1};   ///< when a beacon of this robot named it
 };
 
 /// At most kMostNeighbors; further robots are not taken in until one falls silent.
@@ -24,36 +33,56 @@ class Neighbors {
  public:
   static constexpr std::size_t kMostNeighbors = 250;
 
-  explicit Neighbors(const Timings& timings) : timings_(timings) {}
+  Neighbors(const Timings& timings, Time own_interval) : timings_(timings), own_interval_(own_interval) {}
 
-  /// A robot heard that has not proved yet that it is alive now: it is only listed in beacons. False when it was listed
+  /// A robot heard that has not proved yet that it is alive now: it is only named in beacons. False when it was known
   /// already, or there is no room.
   bool candidate(const MacAddress& address, wire::BootTag boot, Time now);
   /// Any frame. Null when the table is full.
   Neighbor* heard(const MacAddress& address, wire::BootTag boot, Time now);
-  void beacon(const MacAddress& address, const wire::Beacon& beacon, const wire::HeardNeighbor& self, Time now);
+  void beacon(const MacAddress& address, const wire::Beacon& beacon, wire::NeighborTag self, Time now);
+  /// It acknowledged a frame, so it hears this robot.
+  void acknowledged(const MacAddress& address, Time now);
   /// The link failed: frames over it go unanswered until the neighbour says anew that it hears this robot.
   void link_failed(const MacAddress& address);
+  /// Section 6.8: the link may work one way only. Until it acknowledges something, what it says does not count.
+  void blacklist(const MacAddress& address, Time now);
 
   const Neighbor* find(const MacAddress& address) const;
   /// Section 6.8: only links that work both ways carry routes.
   bool two_way(const MacAddress& address, Time now) const;
   std::vector<MacAddress> all_two_way(Time now) const;
-  /// Those to list in a beacon, at most `most`, the latest heard first when there are more.
-  std::vector<wire::HeardNeighbor> heard_list(std::size_t most, Time now) const;
-  /// Every neighbour whose link works both ways hears `robot` itself, or is it.
-  bool all_hear(const MacAddress& robot, Time now) const;
-  /// Removes and returns those silent for longer than `timeout`.
+  /// Of frames to the neighbour; to one that is not known, that of a perfect hop.
+  Cost cost(const MacAddress& address) const;
+  /// ALLOWED_HELLO_LOSS * HELLO_INTERVAL of the neighbour.
+  Time patience(const MacAddress& address) const;
+
+  /// Those to name in a beacon, at most `most`: newcomers first, then those named longest ago.
+  std::vector<wire::HeardNeighbor> next_heard(std::size_t most, Time now);
+  /// How many there are to name.
+  std::size_t heard_count(Time now) const;
+  /// Every neighbour whose link works both ways hears the robot itself, or is it.
+  bool all_hear(const MacAddress& robot, wire::BootTag boot, Time now) const;
+  /// Those that owe a sign of life for two of their beacons, and may only be out of luck.
+  std::vector<MacAddress> doubtful(Time now) const;
+  /// Removes and returns those silent for longer than `timeout`, and than they may be.
   std::vector<MacAddress> remove_silent(Time timeout, Time now);
-  /// Those whose silence has just ended their routes.
+  /// Those whose silence has just ended their routes (section 6.9).
   std::vector<MacAddress> newly_silent(Time now);
 
   const std::map<MacAddress, Neighbor>& all() const { return neighbors_; }
   std::size_t candidates() const { return candidates_.size(); }
-  void set_loss(const MacAddress& address, double loss);
+  /// As the hop ARQ sees it; nothing if it has not seen enough lately.
+  void set_loss(const MacAddress& address, std::optional<double> loss);
+  double loss(const MacAddress& address) const;
 
  private:
+  static void count_beacon(Neighbor& neighbor, std::uint16_t number);
+  Time patience(const Neighbor& neighbor) const { return timings_.allowed_hello_loss * neighbor.interval; }
+  bool two_way(const Neighbor& neighbor, Time now) const;
+
   const Timings& timings_;
+  Time own_interval_;
   std::map<MacAddress, Neighbor> neighbors_;
   std::map<std::pair<MacAddress, wire::BootTag>, Time> candidates_;  ///< when they were heard last
 };

@@ -14,7 +14,7 @@ bool RequestFlood::first_time(const wire::RouteRequest& request, const MacAddres
         return a.second.forgotten < b.second.forgotten;
       }));
     }
-    seen_[key] = Seen{now + std::max(timings_.path_discovery_time(), kShortestMemory), {}};
+    seen_[key] = Seen{now + timings_.path_discovery_time(), 0, {}};
     found = seen_.find(key);
   }
   found->second.holders.insert(from);
@@ -26,10 +26,20 @@ void RequestFlood::originate(const wire::RouteRequest& request, const MacAddress
   pending_.push_back({now, false, request});
 }
 
-void RequestFlood::forward(const wire::RouteRequest& request, double loss_of_arrival, Time now) {
-  if (pending_.size() >= kMostPending) return;
-  const Time penalty(static_cast<Time::rep>(loss_of_arrival * static_cast<double>(kLossPenalty.count())));
-  pending_.push_back({now + random_.delay(kJitter) + penalty, false, request});
+void RequestFlood::forward(const wire::RouteRequest& request, Cost link, Time now) {
+  const auto waiting = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& pending) {
+    return !pending.broadcast_done && pending.request.originator == request.originator &&
+           pending.request.id == request.id;
+  });
+  if (waiting != pending_.end()) {
+    waiting->request = request;
+    return;
+  }
+  const auto seen = seen_.find({request.originator, request.id});
+  if (seen == seen_.end() || seen->second.forwards >= kMostForwards || pending_.size() >= kMostPending) return;
+  ++seen->second.forwards;
+  const Time penalty = kPenalty * (link - kPerfectHop) / kPerfectHop;
+  pending_.push_back({now + random_.delay(kJitter) + std::min(penalty, kLongestPenalty), false, request});
 }
 
 void RequestFlood::poll(const Neighbors& neighbors, Time now) {
@@ -57,9 +67,19 @@ void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& n
   for (const MacAddress& neighbor : neighbors.all_two_way(now)) {
     if (copies == kMostConfirmations) return;
     if (neighbor == request.originator || holders.count(neighbor) != 0) continue;
+    if (well_supplied(*neighbors.find(neighbor), seen->second, neighbors)) continue;
     outbox_.unicast(neighbor, wire::FrameType::kRouteRequest, to_bytes(request));
     ++copies;
   }
+}
+
+/// The neighbour hears enough of those who have broadcast the request as well.
+bool RequestFlood::well_supplied(const Neighbor& neighbor, const Seen& seen, const Neighbors& neighbors) const {
+  const auto reaches = [&](const MacAddress& address) {
+    const Neighbor* holder = neighbors.find(address);
+    return holder != nullptr && neighbor.hears.count(wire::neighbor_tag(holder->boot)) != 0;
+  };
+  return std::count_if(seen.holders.begin(), seen.holders.end(), reaches) >= kEnoughCopies;
 }
 
 Time RequestFlood::next_deadline() const {

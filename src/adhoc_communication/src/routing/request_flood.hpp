@@ -1,7 +1,7 @@
 // RFC 3561 sections 6.3 and 6.5: which route requests were seen, and passing them on.
 //
 // A lost broadcast is the weak point of a flood. So whoever has broadcast a request listens; a neighbour that has not
-// been heard with it after kConfirm gets it once more as an acknowledged unicast.
+// been heard with it after kConfirm, and hears few who have it, gets it once more as an acknowledged unicast.
 #pragma once
 
 #include <map>
@@ -21,12 +21,12 @@ class RequestFlood {
   static constexpr std::size_t kMostRequests = 1024;
   static constexpr std::size_t kMostPending = 256;      ///< further requests are not passed on
   static constexpr std::size_t kMostConfirmations = 6;  ///< unicast copies of one request
-  /// PATH_DISCOVERY_TIME counts on NODE_TRAVERSAL_TIME for each hop. On a crowded channel copies are under way for
-  /// seconds, and a request that was forgotten meanwhile would be flooded anew, again and again.
-  static constexpr Time kShortestMemory = std::chrono::seconds(10);
-  static constexpr Time kConfirm = std::chrono::milliseconds(15);
+  static constexpr int kEnoughCopies = 2;               ///< besides the own one, within reach of a neighbour
+  static constexpr int kMostForwards = 2;               ///< of one request: once more when a cheaper copy came late
+  static constexpr Time kConfirm = std::chrono::milliseconds(25);
   static constexpr Time kJitter = std::chrono::milliseconds(2);
-  static constexpr Time kLossPenalty = std::chrono::milliseconds(20);
+  static constexpr Time kPenalty = std::chrono::milliseconds(15);  ///< for each transmission more than a perfect hop
+  static constexpr Time kLongestPenalty = std::chrono::milliseconds(20);
 
   RequestFlood(const Timings& timings, Outbox& outbox, Random& random)
       : timings_(timings), outbox_(outbox), random_(random) {}
@@ -36,8 +36,8 @@ class RequestFlood {
   /// Broadcasts an own request now.
   void originate(const wire::RouteRequest& request, const MacAddress& self, Time now);
   /// Broadcasts a request of another after a short random delay, longer when it came over a lossy link: so the copy
-  /// over clean links wins the race.
-  void forward(const wire::RouteRequest& request, double loss_of_arrival, Time now);
+  /// over clean links wins the race. A cheaper copy takes the place of one that waits.
+  void forward(const wire::RouteRequest& request, Cost link, Time now);
 
   void poll(const Neighbors& neighbors, Time now);
   Time next_deadline() const;
@@ -47,6 +47,7 @@ class RequestFlood {
   using Key = std::pair<MacAddress, std::uint32_t>;
   struct Seen {
     Time forgotten{0};
+    int forwards = 0;
     std::set<MacAddress> holders;
   };
   struct Pending {
@@ -56,6 +57,7 @@ class RequestFlood {
   };
 
   void confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now);
+  bool well_supplied(const Neighbor& neighbor, const Seen& seen, const Neighbors& neighbors) const;
 
   const Timings& timings_;
   Outbox& outbox_;

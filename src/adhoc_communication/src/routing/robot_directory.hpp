@@ -60,7 +60,7 @@ class RobotDirectory {
 
  private:
   Robot* admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now);
-  static Time patience(const Robot& robot) { return kSilence + (robot.hops - 1) * std::chrono::seconds(1); }
+  static Time patience(const Robot& robot) { return kSilence + (robot.hops - 1) * std::chrono::seconds(2); }
 
   std::map<MacAddress, Robot> robots_;
   std::vector<DirectoryChange> changes_;
@@ -76,7 +76,7 @@ std::vector<wire::Rumor> RobotDirectory::take_rumors(std::size_t most, Predicate
     auto& [address, robot] = *iterator++;
     if (robot.spreads_left <= 0 || !robot.announced || robot.hops >= wire::kFarthestHop) continue;
     --robot.spreads_left;
-    if (!wanted(address)) continue;
+    if (!wanted(address, robot.boot)) continue;
     rumors.push_back({address, robot.boot, robot.alive, robot.hops, robot.name});
     last_spread_ = address;
   }

@@ -4,28 +4,35 @@
 
 namespace adhoc_communication::routing {
 
-RouteDiscovery::RouteDiscovery(const Timings& timings, const EngineOptions& options)
-    : timings_(timings),
-      first_ring_(options.hop_limit_min == 0 ? timings.net_diameter
-                                             : std::min(options.hop_limit_min, timings.net_diameter)),
-      last_ring_(options.hop_limit_max == 0 ? timings.net_diameter
-                                            : std::min(options.hop_limit_max, timings.net_diameter)),
+RouteDiscovery::RouteDiscovery(const EngineOptions& options)
+    : timings_(options.timings),
+      first_ring_(options.hop_limit_min == 0 ? timings_.net_diameter
+                                             : std::min(options.hop_limit_min, timings_.net_diameter)),
+      last_ring_(options.hop_limit_max == 0 ? timings_.net_diameter
+                                            : std::min(options.hop_limit_max, timings_.net_diameter)),
       increment_(std::max(1, options.hop_limit_increment)),
       tries_per_ring_(options.num_rreq),
-      rate_limit_(timings.rate_limit) {
+      rate_limit_(timings_.request_rate_limit) {
   first_ring_ = std::min(first_ring_, last_ring_);
 }
 
 void RouteDiscovery::search(const Target& target, std::uint8_t last_hops, Time now) {
   if (searching(target)) return;
   if (searches_.size() >= kMostSearches) {
-    failures_.push_back({target, Time(0)});
+    failures_.push_back({target, Time(0), false});
     return;
   }
-  Search search{target, now, now, first_ring_, 0};
+  Search search{target, now, now, first_ring_};
   // Section 6.4: the ring for a lost route starts a little beyond its former length.
   if (last_hops > 0) search.hop_limit = std::clamp(last_hops + increment_, first_ring_, last_ring_);
   searches_.emplace(key(target), search);
+}
+
+bool RouteDiscovery::repair(const MacAddress& destination, int hop_limit, Time now) {
+  const Target target{destination, {}};
+  if (searching(target) || searches_.size() >= kMostSearches || rate_limit_.free_at(now) > now) return false;
+  searches_.emplace(key(target), Search{target, now, now, std::min(hop_limit, last_ring_), 0, true});
+  return true;
 }
 
 std::vector<RouteDiscovery::Step> RouteDiscovery::poll(Time now) {
@@ -35,11 +42,11 @@ std::vector<RouteDiscovery::Step> RouteDiscovery::poll(Time now) {
     if (search.due > now) {
       ++iterator;
     } else if (!advance(search, now)) {
-      failures_.push_back({search.target, now - search.started});
+      failures_.push_back({search.target, now - search.started, search.repair});
       iterator = searches_.erase(iterator);
     } else {
       if (search.due > now) {
-        steps.push_back({search.target, static_cast<std::uint8_t>(search.hop_limit)});
+        steps.push_back({search.target, static_cast<std::uint8_t>(search.hop_limit), search.repair});
       } else {
         search.due = rate_limit_.free_at(now);
       }
@@ -51,11 +58,12 @@ std::vector<RouteDiscovery::Step> RouteDiscovery::poll(Time now) {
 
 /// Takes the next try if the rate limit lets it, and sets when to look again. False when all tries are used up.
 bool RouteDiscovery::advance(Search& search, Time now) {
-  const bool last = is_last_ring(search.hop_limit);
+  if (search.repair && search.tries > 0) return false;
+  const bool last = !search.repair && is_last_ring(search.hop_limit);
   const int most_tries = tries_per_ring_ + (last ? timings_.request_retries : 0);
   if (search.tries >= most_tries) {
     if (last) return false;
-    search.hop_limit = std::min(search.hop_limit + increment_, last_ring_);
+    search.hop_limit = next_ring(search.hop_limit);
     search.tries = 0;
     return advance(search, now);
   }
@@ -66,6 +74,12 @@ bool RouteDiscovery::advance(Search& search, Time now) {
   ++search.tries;
   search.due = now + wait;
   return true;
+}
+
+/// Section 6.4.
+int RouteDiscovery::next_ring(int hop_limit) const {
+  const int next = hop_limit + increment_;
+  return next > timings_.ttl_threshold ? last_ring_ : std::min(next, last_ring_);
 }
 
 Time RouteDiscovery::next_deadline() const {

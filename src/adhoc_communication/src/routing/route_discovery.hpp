@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "adhoc_communication/options.hpp"
+#include "adhoc_communication/timings.hpp"
 #include "routing/rate_limit.hpp"
-#include "routing/timings.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::routing {
@@ -22,6 +22,7 @@ struct Target {
 struct DiscoveryFailure {
   Target target;
   Time elapsed{0};
+  bool repair = false;
 };
 
 /// At most kMostSearches at once; further ones fail at once.
@@ -32,12 +33,15 @@ class RouteDiscovery {
   struct Step {
     Target target;
     std::uint8_t hop_limit;
+    bool repair;
   };
 
-  RouteDiscovery(const Timings& timings, const EngineOptions& options);
+  explicit RouteDiscovery(const EngineOptions& options);
 
   /// Starts a search unless one is running. `last_hops`: length of the route that was lost, 0 if there was none.
   void search(const Target& target, std::uint8_t last_hops, Time now);
+  /// Section 6.12: one request, a little farther than the destination was. False unless that can be tried.
+  bool repair(const MacAddress& destination, int hop_limit, Time now);
   template <typename Predicate>
   void finish_if(Predicate found);
 
@@ -55,11 +59,13 @@ class RouteDiscovery {
     Time due{0};
     int hop_limit = 0;
     int tries = 0;  ///< at this hop limit
+    bool repair = false;
   };
   using Key = std::pair<MacAddress, std::string>;
 
   static Key key(const Target& target);
   bool advance(Search& search, Time now);
+  int next_ring(int hop_limit) const;
   bool is_last_ring(int hop_limit) const { return hop_limit >= last_ring_; }
 
   const Timings& timings_;

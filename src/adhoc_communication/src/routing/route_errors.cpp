@@ -1,4 +1,4 @@
-// RERR: telling those who rely on a route that it is gone (RFC 3561 section 6.11).
+// RERR: telling those who rely on a route that it is gone (RFC 3561 sections 6.11 and 6.12).
 #include "routing/router.hpp"
 
 namespace adhoc_communication::routing {
@@ -9,12 +9,18 @@ constexpr std::size_t kMostUnicasts = 4;       ///< more precursors than this ge
 
 }  // namespace
 
-void Router::link_broken(const MacAddress& neighbor, Time now) {
+void Router::link_broken(const MacAddress& neighbor, const DataInHand& in_hand, Time now) {
   neighbors_.link_failed(neighbor);
-  announce_broken(routes_.break_link(neighbor, now), neighbor, false, now);
+  std::vector<Route> lost;
+  for (Route& route : routes_.break_link(neighbor, now)) {
+    const auto data = in_hand.find(route.destination);
+    if (data == in_hand.end() || !start_repair(route, data->second, now)) lost.push_back(std::move(route));
+  }
+  announce_broken(lost, neighbor, false, now);
 }
 
 void Router::on_error(const MacAddress& from, const wire::RouteError& error, Time now) {
+  if (error.no_delete) return pass_on_repaired(from, error, now);
   announce_broken(routes_.break_destinations(error, from, now), from, error.unknown_sequence, now);
 }
 
@@ -46,13 +52,14 @@ void Router::announce_broken(const std::vector<Route>& broken, const MacAddress&
     error.unknown_sequence = unknown_sequence;
     error.destinations.assign(lost.begin() + static_cast<std::ptrdiff_t>(begin),
                               lost.begin() + static_cast<std::ptrdiff_t>(end));
-    if (concerned.size() > kMostUnicasts) {
-      outbox_.broadcast(wire::FrameType::kRouteError, to_bytes(error));
-      continue;
-    }
-    for (const MacAddress& precursor : concerned) {
-      outbox_.unicast(precursor, wire::FrameType::kRouteError, to_bytes(error));
-    }
+    send_error(error, concerned);
+  }
+}
+
+void Router::send_error(const wire::RouteError& error, const std::set<MacAddress>& concerned) {
+  if (concerned.size() > kMostUnicasts) return outbox_.broadcast(wire::FrameType::kRouteError, to_bytes(error));
+  for (const MacAddress& precursor : concerned) {
+    outbox_.unicast(precursor, wire::FrameType::kRouteError, to_bytes(error));
   }
 }
 

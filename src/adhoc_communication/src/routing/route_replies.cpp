@@ -1,4 +1,4 @@
-// RREP: taking and passing on (RFC 3561 section 6.7).
+// RREP: taking, passing on, and knowing that it arrived (RFC 3561 sections 6.7 and 6.8).
 #include "routing/router.hpp"
 
 namespace adhoc_communication::routing {
@@ -11,7 +11,8 @@ constexpr std::uint32_t kLongestLifetime_ms = 60'000;
 
 void Router::on_reply(const MacAddress& from, wire::RouteReply reply, Time now) {
   if (neighbors_.find(from) == nullptr) return;
-  routes_.heard_directly(from, neighbors_.find(from)->boot, std::nullopt, now + timings_.neighbor_timeout);
+  hear_directly(from, std::nullopt, now);
+  if (reply.acknowledgment_required) outbox_.unicast_once(from, wire::FrameType::kRouteReplyAcknowledgment, {});
   if (reply.destination == self_.address) return;  // no route to oneself
   if (directory_.is_former(reply.destination, reply.destination_boot)) return;
   // Runs have no order: an answer from somebody's old table must not displace a run that is known to live.
@@ -19,9 +20,10 @@ void Router::on_reply(const MacAddress& from, wire::RouteReply reply, Time now) 
   const bool other_run = robot != nullptr && robot->announced && robot->boot != reply.destination_boot;
   if (other_run && reply.destination != from) return;
   ++reply.hop_count;
+  reply.cost = sum(reply.cost, neighbors_.cost(from));
   const Time life = std::chrono::milliseconds(std::min(reply.lifetime_ms, kLongestLifetime_ms));
-  const bool updated = routes_.update(
-      {reply.destination, reply.destination_boot, reply.destination_sequence, reply.hop_count, from, now + life});
+  const bool updated = routes_.update({reply.destination, reply.destination_boot, reply.destination_sequence,
+                                       reply.hop_count, reply.cost, from, now + life});
   if (updated)
     directory_.learn(reply.destination, reply.destination_name, reply.destination_boot, reply.hop_count, now);
   if (reply.originator == self_.address) return finish_searches(now);
@@ -36,7 +38,7 @@ bool Router::worth_forwarding(const wire::RouteReply& reply, bool updated, const
   const auto key = std::pair(reply.originator, reply.destination);
   const auto last = forwarded_replies_.find(key);
   const bool repeated = last != forwarded_replies_.end() && last->second.sequence == reply.destination_sequence &&
-                        now - last->second.at < timings_.path_discovery_time();
+                        now - last->second.at < timings_.route_request_wait;
   if (repeated && !updated) return false;
   if (forwarded_replies_.size() >= kMostForwardedReplies) forwarded_replies_.clear();
   forwarded_replies_[key] = {reply.destination_sequence, now};
@@ -53,7 +55,30 @@ void Router::forward_reply(wire::RouteReply reply, Time now) {
   routes_.add_precursor(towards_destination, towards_originator);
   routes_.add_precursor(reply.originator, towards_destination);
   routes_.extend(reply.originator, now + timings_.active_route_timeout);
-  outbox_.unicast(towards_originator, wire::FrameType::kRouteReply, to_bytes(reply));
+  send_reply(towards_originator, std::move(reply), now);
+}
+
+/// Where hops acknowledge every frame, the link itself tells when a reply is lost. Where they do not, RREP-ACK does.
+void Router::send_reply(const MacAddress& to, wire::RouteReply reply, Time now) {
+  reply.acknowledgment_required = !hops_acknowledge_;
+  if (!hops_acknowledge_) awaited_acknowledgments_.emplace(to, now + timings_.next_hop_wait());
+  outbox_.unicast(to, wire::FrameType::kRouteReply, to_bytes(reply));
+}
+
+void Router::on_reply_acknowledgment(const MacAddress& from, Time now) {
+  awaited_acknowledgments_.erase(from);
+  neighbors_.acknowledged(from, now);
+}
+
+void Router::blacklist_silent(Time now) {
+  for (auto iterator = awaited_acknowledgments_.begin(); iterator != awaited_acknowledgments_.end();) {
+    if (iterator->second > now) {
+      ++iterator;
+      continue;
+    }
+    reply_lost(iterator->first, now);
+    iterator = awaited_acknowledgments_.erase(iterator);
+  }
 }
 
 }  // namespace adhoc_communication::routing

@@ -26,16 +26,18 @@ void Router::send_request(const RouteDiscovery::Step& step, Time now) {
 void Router::on_request(const MacAddress& from, wire::RouteRequest request, Time now) {
   // Section 6.8: a neighbour that does not hear this robot cannot carry the reply.
   if (!neighbors_.two_way(from, now)) return;
-  routes_.heard_directly(from, neighbors_.find(from)->boot, std::nullopt, now + timings_.neighbor_timeout);
+  hear_directly(from, std::nullopt, now);
   // Making routes of own requests can give loops (van Glabbeek et al., MSWiM 2013).
   if (request.originator == self_.address) return;
   if (directory_.is_former(request.originator, request.originator_boot)) return;
-  if (!flood_.first_time(request, from, now)) return;
-
+  const bool first = flood_.first_time(request, from, now);
   ++request.hop_count;
+  request.cost = sum(request.cost, neighbors_.cost(from));
   const Time reverse_life = 2 * timings_.net_traversal_time() - 2 * request.hop_count * timings_.node_traversal_time;
-  routes_.update({request.originator, request.originator_boot, request.originator_sequence, request.hop_count, from,
-                  now + reverse_life});
+  const bool better = routes_.update({request.originator, request.originator_boot, request.originator_sequence,
+                                      request.hop_count, request.cost, from, now + reverse_life});
+  // A later copy counts only if it came a cheaper way.
+  if (!first && !better) return;
   directory_.learn(request.originator, request.originator_name, request.originator_boot, request.hop_count, now);
   if (is_destination(request)) return answer_as_destination(request, from, now);
   if (!answer_from_table(request, from, now)) forward_request(std::move(request), from, now);
@@ -62,7 +64,7 @@ void Router::answer_as_destination(const wire::RouteRequest& request, const MacA
   reply.originator = request.originator;
   reply.lifetime_ms = static_cast<std::uint32_t>(timings_.my_route_timeout() / std::chrono::milliseconds(1));
   routes_.extend(request.originator, now + timings_.active_route_timeout);
-  outbox_.unicast(to, wire::FrameType::kRouteReply, to_bytes(reply));
+  send_reply(to, std::move(reply), now);
 }
 
 /// Section 6.6.2.
@@ -76,6 +78,7 @@ bool Router::answer_from_table(const wire::RouteRequest& request, const MacAddre
 
   wire::RouteReply reply;
   reply.hop_count = route->hops;
+  reply.cost = route->cost;
   reply.destination = route->destination;
   reply.destination_sequence = route->sequence;
   reply.destination_boot = route->boot;
@@ -85,7 +88,7 @@ bool Router::answer_from_table(const wire::RouteRequest& request, const MacAddre
   routes_.add_precursor(route->destination, to);
   routes_.add_precursor(request.originator, route->next_hop);
   routes_.extend(request.originator, now + timings_.active_route_timeout);
-  outbox_.unicast(to, wire::FrameType::kRouteReply, to_bytes(reply));
+  send_reply(to, std::move(reply), now);
   if (request.gratuitous) answer_gratuitously(request, *route, now);
   return true;
 }
@@ -96,13 +99,14 @@ void Router::answer_gratuitously(const wire::RouteRequest& request, const Route&
   if (back == nullptr) return;
   wire::RouteReply reply;
   reply.hop_count = back->hops;
+  reply.cost = back->cost;
   reply.destination = request.originator;
   reply.destination_sequence = request.originator_sequence;
   reply.destination_boot = request.originator_boot;
   reply.destination_name = request.originator_name;
   reply.originator = to_destination.destination;
   reply.lifetime_ms = static_cast<std::uint32_t>((back->expires - now) / std::chrono::milliseconds(1));
-  outbox_.unicast(to_destination.next_hop, wire::FrameType::kRouteReply, to_bytes(reply));
+  send_reply(to_destination.next_hop, std::move(reply), now);
 }
 
 void Router::forward_request(wire::RouteRequest request, const MacAddress& from, Time now) {
@@ -114,7 +118,7 @@ void Router::forward_request(wire::RouteRequest request, const MacAddress& from,
         request.unknown_sequence_number ? known->sequence : newest(request.destination_sequence, known->sequence);
     request.unknown_sequence_number = false;
   }
-  flood_.forward(request, neighbors_.find(from)->loss, now);
+  flood_.forward(request, neighbors_.cost(from), now);
 }
 
 }  // namespace adhoc_communication::routing

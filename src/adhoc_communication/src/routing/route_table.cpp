@@ -24,7 +24,7 @@ bool RouteTable::update(const RouteOffer& offer) {
   if (known && offer.sequence) {
     if (is_newer(route.sequence, *offer.sequence)) return false;
     const bool as_new = *offer.sequence == route.sequence;
-    if (as_new && route.valid && offer.hops >= route.hops) {
+    if (as_new && route.valid && offer.cost >= route.cost) {
       if (route.next_hop == offer.next_hop) route.expires = std::max(route.expires, offer.expires);
       return false;
     }
@@ -34,6 +34,7 @@ bool RouteTable::update(const RouteOffer& offer) {
   if (offer.sequence) route.sequence = *offer.sequence;
   route.sequence_valid = offer.sequence.has_value() || known;
   route.hops = offer.hops;
+  route.cost = offer.cost;
   route.next_hop = offer.next_hop;
   route.expires = route.valid ? std::max(route.expires, offer.expires) : offer.expires;
   route.valid = true;
@@ -41,15 +42,21 @@ bool RouteTable::update(const RouteOffer& offer) {
 }
 
 void RouteTable::heard_directly(const MacAddress& neighbor, wire::BootTag boot, std::optional<std::uint32_t> sequence,
-                                Time expires) {
+                                Cost cost, Time expires) {
+  const Route* known = find(neighbor);
+  const bool other_run = known != nullptr && known->boot != 0 && boot != known->boot;
+  const bool usable = known != nullptr && known->valid && !other_run;
+  const bool direct = usable && known->next_hop == neighbor;
+  if (!direct && !is_unbeatable(cost) && (!usable || known->cost <= cost)) return;
   Route& route = entry(neighbor);
-  const bool other_run = route.boot != 0 && boot != route.boot;
   if (other_run) route.sequence_valid = false;
   route.boot = boot;
+  const bool as_new = route.sequence_valid && (!sequence || !is_newer(*sequence, route.sequence));
   if (sequence) {
-    route.sequence = route.sequence_valid ? newest(route.sequence, *sequence) : *sequence;
+    route.sequence = as_new ? route.sequence : *sequence;
     route.sequence_valid = true;
   }
+  route.cost = direct && as_new ? std::min(route.cost, cost) : cost;
   route.expires = route.valid ? std::max(route.expires, expires) : expires;
   route.hops = 1;
   route.next_hop = neighbor;
@@ -73,6 +80,7 @@ std::vector<Route> RouteTable::break_link(const MacAddress& next_hop, Time now) 
     if (!route.valid || route.next_hop != next_hop) continue;
     if (route.sequence_valid) ++route.sequence;
     invalidate(route, now);
+    route.repairable = true;
     broken.push_back(route);
     route.precursors.clear();
   }
@@ -129,6 +137,7 @@ Route& RouteTable::entry(const MacAddress& destination) {
 
 void RouteTable::invalidate(Route& route, Time now) {
   route.valid = false;
+  route.repairable = false;
   route.expires = now + timings_.delete_period;
 }
 

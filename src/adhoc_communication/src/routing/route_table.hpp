@@ -1,4 +1,5 @@
-// RFC 3561 sections 2 and 6.2: routes, and the rule by which news replaces them.
+// RFC 3561 sections 2 and 6.2: routes, and the rule by which news replaces them. Where the RFC compares hop counts,
+// costs are compared.
 #pragma once
 
 #include <map>
@@ -6,7 +7,8 @@
 #include <set>
 #include <vector>
 
-#include "routing/timings.hpp"
+#include "adhoc_communication/timings.hpp"
+#include "routing/link_cost.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::routing {
@@ -17,7 +19,9 @@ struct Route {
   std::uint32_t sequence = 0;
   bool sequence_valid = false;
   bool valid = false;
+  bool repairable = false;  ///< not valid because its next hop was lost here (section 6.12)
   std::uint8_t hops = 0;
+  Cost cost = 0;
   MacAddress next_hop{};
   Time expires{0};  ///< valid: becomes invalid then; invalid: is deleted then
   std::set<MacAddress> precursors;
@@ -29,6 +33,7 @@ struct RouteOffer {
   wire::BootTag boot = 0;
   std::optional<std::uint32_t> sequence;
   std::uint8_t hops = 1;
+  Cost cost = kPerfectHop;
   MacAddress next_hop{};
   Time expires{0};
 };
@@ -45,11 +50,12 @@ class RouteTable {
   /// The valid route, or null.
   const Route* usable(const MacAddress& destination, Time now) const;
 
-  /// Section 6.2: takes the offer when it is newer, as new and shorter, or revives an entry without losing freshness.
+  /// Section 6.2: takes the offer when it is newer, as new and cheaper, or revives an entry without losing freshness.
   /// Tells whether the route was created or changed.
   bool update(const RouteOffer& offer);
-  /// The destination itself was heard: a route of one hop, which cannot be part of a loop whatever its number.
-  void heard_directly(const MacAddress& neighbor, wire::BootTag boot, std::optional<std::uint32_t> sequence,
+  /// The destination itself was heard: a route of one hop, which cannot be part of a loop whatever its number. Not over
+  /// a link so lossy that a way round may be cheaper, as long as none is known or that is cheaper indeed.
+  void heard_directly(const MacAddress& neighbor, wire::BootTag boot, std::optional<std::uint32_t> sequence, Cost cost,
                       Time expires);
   /// Lengthens a valid route's life (section 6.2), never shortens it.
   void extend(const MacAddress& destination, Time until);

@@ -4,26 +4,32 @@
 
 namespace adhoc_communication::routing {
 
-Router::Router(const Identity& self, const EngineOptions& options, const Timings& timings, Neighbors& neighbors,
-               RobotDirectory& directory, Outbox& outbox, Random& random)
+Router::Router(const Identity& self, const EngineOptions& options, Neighbors& neighbors, RobotDirectory& directory,
+               Outbox& outbox, Random& random)
     : self_(self),
-      timings_(timings),
+      timings_(options.timings),
       neighbors_(neighbors),
       directory_(directory),
       outbox_(outbox),
-      routes_(timings),
-      discovery_(timings, options),
-      flood_(timings, outbox, random),
-      error_limit_(timings.rate_limit) {}
+      routes_(options.timings),
+      discovery_(options),
+      flood_(options.timings, outbox, random),
+      error_limit_(options.timings.error_rate_limit),
+      hops_acknowledge_(options.num_link_retrans > 0) {}
 
 void Router::search(const Target& target, Time now) {
   const Route* former = routes_.find(target.address);
   discovery_.search(target, former == nullptr ? 0 : former->hops, now);
 }
 
-void Router::on_hello(const MacAddress& from, wire::BootTag boot, std::uint32_t sequence, Time now) {
-  routes_.heard_directly(from, boot, sequence, now + timings_.neighbor_timeout);
+void Router::on_hello(const MacAddress& from, std::uint32_t sequence, Time now) {
+  hear_directly(from, sequence, now);
   finish_searches(now);
+}
+
+void Router::hear_directly(const MacAddress& neighbor, std::optional<std::uint32_t> sequence, Time now) {
+  routes_.heard_directly(neighbor, neighbors_.find(neighbor)->boot, sequence, neighbors_.cost(neighbor),
+                         now + neighbors_.patience(neighbor));
 }
 
 void Router::used(const MacAddress& source, const MacAddress& destination, const MacAddress& previous_hop, Time now) {
@@ -39,9 +45,14 @@ void Router::poll(Time now) {
   finish_searches(now);
   for (const RouteDiscovery::Step& step : discovery_.poll(now)) send_request(step, now);
   flood_.poll(neighbors_, now);
+  blacklist_silent(now);
 }
 
-Time Router::next_deadline() const { return std::min(discovery_.next_deadline(), flood_.next_deadline()); }
+Time Router::next_deadline() const {
+  Time next = std::min(discovery_.next_deadline(), flood_.next_deadline());
+  for (const auto& [neighbor, until] : awaited_acknowledgments_) next = std::min(next, until);
+  return next;
+}
 
 void Router::finish_searches(Time now) {
   discovery_.finish_if([&](const Target& target) {
@@ -49,6 +60,14 @@ void Router::finish_searches(Time now) {
     const auto address = directory_.address_of(target.name);
     return address && routes_.usable(*address, now) != nullptr;
   });
+  for (auto iterator = repairs_.begin(); iterator != repairs_.end();) {
+    if (routes_.usable(iterator->first, now) == nullptr) {
+      ++iterator;
+      continue;
+    }
+    repair_succeeded(iterator->first, std::move(iterator->second), now);
+    iterator = repairs_.erase(iterator);
+  }
 }
 
 }  // namespace adhoc_communication::routing

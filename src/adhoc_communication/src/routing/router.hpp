@@ -11,6 +11,7 @@
 #include "random.hpp"
 #include "routing/neighbors.hpp"
 #include "routing/rate_limit.hpp"
+#include "routing/repairs.hpp"
 #include "routing/request_flood.hpp"
 #include "routing/robot_directory.hpp"
 #include "routing/route_discovery.hpp"
@@ -20,8 +21,8 @@ namespace adhoc_communication::routing {
 
 class Router {
  public:
-  Router(const Identity& self, const EngineOptions& options, const Timings& timings, Neighbors& neighbors,
-         RobotDirectory& directory, Outbox& outbox, Random& random);
+  Router(const Identity& self, const EngineOptions& options, Neighbors& neighbors, RobotDirectory& directory,
+         Outbox& outbox, Random& random);
 
   std::uint32_t own_sequence() const { return own_sequence_; }
   const RouteTable& table() const { return routes_; }
@@ -32,18 +33,27 @@ class Router {
   /// Section 6.3: data is due and there is no route.
   void search(const Target& target, Time now);
   bool searching(const Target& target) const { return discovery_.searching(target); }
-  std::vector<DiscoveryFailure> take_failures() { return discovery_.take_failures(); }
+  /// Searches that failed; of repairs, the precursors have been told already.
+  std::vector<DiscoveryFailure> take_failures(Time now);
 
   /// A beacon of a neighbour whose link works both ways (section 6.9).
-  void on_hello(const MacAddress& from, wire::BootTag boot, std::uint32_t sequence, Time now);
+  void on_hello(const MacAddress& from, std::uint32_t sequence, Time now);
   void on_request(const MacAddress& from, wire::RouteRequest request, Time now);
   void on_reply(const MacAddress& from, wire::RouteReply reply, Time now);
   void on_error(const MacAddress& from, const wire::RouteError& error, Time now);
+  void on_reply_acknowledgment(const MacAddress& from, Time now);
 
   /// Section 6.2: data between two robots passed through here.
   void used(const MacAddress& source, const MacAddress& destination, const MacAddress& previous_hop, Time now);
-  /// Section 6.11 case 1.
-  void link_broken(const MacAddress& neighbor, Time now);
+  /// Section 6.11 case 1. Routes with data in hand are repaired where that is possible.
+  void link_broken(const MacAddress& neighbor, const DataInHand& in_hand, Time now);
+  /// The data may wait for the route.
+  bool repairing(const MacAddress& destination) const { return repairs_.count(destination) != 0; }
+  /// Data came for a route that broke before: section 6.12 repairs it then.
+  bool repair_late(const MacAddress& destination, const MacAddress& originator, const MacAddress& previous_hop,
+                   Time now);
+  /// Section 6.8: the neighbour did not acknowledge a reply.
+  void reply_lost(const MacAddress& neighbor, Time now) { neighbors_.blacklist(neighbor, now); }
   /// Section 6.11 case 2: data from `previous_hop` cannot go on.
   void no_route_for(const MacAddress& destination, const MacAddress& previous_hop, Time now);
 
@@ -64,6 +74,14 @@ class Router {
   void forward_reply(wire::RouteReply reply, Time now);
   void announce_broken(const std::vector<Route>& broken, const MacAddress& except, bool unknown_sequence, Time now);
   void finish_searches(Time now);
+  void hear_directly(const MacAddress& neighbor, std::optional<std::uint32_t> sequence, Time now);
+  void send_reply(const MacAddress& to, wire::RouteReply reply, Time now);
+  void blacklist_silent(Time now);
+  void pass_on_repaired(const MacAddress& from, const wire::RouteError& error, Time now);
+  bool start_repair(const Route& broken, const MacAddress& originator, Time now);
+  void repair_succeeded(const MacAddress& destination, Repair repair, Time now);
+  void announce_failed_repair(const MacAddress& destination, Time now);
+  void send_error(const wire::RouteError& error, const std::set<MacAddress>& concerned);
 
   const Identity& self_;
   const Timings& timings_;
@@ -74,6 +92,9 @@ class Router {
   RouteDiscovery discovery_;
   RequestFlood flood_;
   RateLimit error_limit_;
+  Repairs repairs_;
+  bool hops_acknowledge_;
+  std::map<MacAddress, Time> awaited_acknowledgments_;  ///< RREP-ACK: until when, by neighbour
   std::uint32_t own_sequence_ = 0;
   std::uint32_t next_request_id_ = 0;
   struct Forwarded {

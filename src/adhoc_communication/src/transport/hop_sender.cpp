@@ -1,8 +1,16 @@
 #include "transport/hop_sender.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace adhoc_communication::transport {
+namespace {
+
+constexpr int kOutcomesThatMatter = 32;
+constexpr int kFewestOutcomes = 8;
+constexpr Time kOutcomesAge = std::chrono::seconds(10);
+
+}  // namespace
 
 bool HopSender::enqueue(HopFrame frame) {
   auto& queue = waiting_[frame.priority];
@@ -72,7 +80,9 @@ bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time
     unresolved_.pop_front();
     if (transmission.counter == acknowledgment.newest_counter) round_trip_.sample(now - transmission.sent);
     const bool lost = in_flight_.count(transmission.link_sequence) != 0;
-    loss_ += ((lost ? 1.0 : 0.0) - loss_) / 32;
+    outcomes_ = now - last_outcome_ < kOutcomesAge ? std::min(outcomes_ + 1, kOutcomesThatMatter) : 1;
+    last_outcome_ = now;
+    loss_ += ((lost ? 1.0 : 0.0) - loss_) / outcomes_;
     if (lost) transmission_lost(transmission, false);
     progress = true;
   }
@@ -131,6 +141,19 @@ void HopSender::clear() {
   in_flight_.clear();
   unresolved_.clear();
   waiting_since_.reset();
+}
+
+std::vector<HopFrame> HopSender::take_all() {
+  std::vector<HopFrame> frames;
+  for (auto& [link_sequence, flight] : in_flight_) frames.push_back(std::move(flight.frame));
+  for (auto& queue : waiting_) std::move(queue.begin(), queue.end(), std::back_inserter(frames));
+  clear();
+  return frames;
+}
+
+std::optional<double> HopSender::loss(Time now) const {
+  if (outcomes_ < kFewestOutcomes || now - last_outcome_ >= kOutcomesAge) return std::nullopt;
+  return loss_;
 }
 
 Time HopSender::next_deadline() const {

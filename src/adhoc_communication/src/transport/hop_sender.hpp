@@ -71,9 +71,12 @@ class HopSender {
   bool dead(Time now) const;
   /// Drops everything.
   void clear();
+  /// As clear(); what was not acknowledged, in the order in which it came.
+  std::vector<HopFrame> take_all();
 
   Time next_deadline() const;
-  double loss() const { return loss_; }
+  /// Of the latest transmissions; nothing when there were too few.
+  std::optional<double> loss(Time now) const;
   std::uint64_t given_up() const { return given_up_; }
 
  private:
@@ -106,6 +109,8 @@ class HopSender {
   Time silent_since_{0};
   Time last_progress_{0};
   double loss_ = 0.0;
+  int outcomes_ = 0;  ///< that loss_ rests on, no more than matter
+  Time last_outcome_{0};
   std::uint64_t given_up_ = 0;
 };
 

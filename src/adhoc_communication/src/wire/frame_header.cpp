@@ -42,7 +42,7 @@ std::optional<FrameHeader> read_header(Reader& reader) {
   FrameHeader header;
   const std::uint8_t type = reader.u8();
   if (type < static_cast<std::uint8_t>(FrameType::kBeacon) ||
-      type > static_cast<std::uint8_t>(FrameType::kGroupReport)) {
+      type > static_cast<std::uint8_t>(FrameType::kRouteReplyAcknowledgment)) {
     return std::nullopt;
   }
   header.type = static_cast<FrameType>(type);

@@ -28,6 +28,7 @@ enum class FrameType : std::uint8_t {
   kGroupRefusal = 11,
   kGroupData = 12,
   kGroupReport = 13,
+  kRouteReplyAcknowledgment = 14,
 };
 
 enum HeaderFlags : std::uint8_t {

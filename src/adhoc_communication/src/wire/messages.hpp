@@ -13,10 +13,14 @@ namespace adhoc_communication::wire {
 constexpr std::size_t kLongestName = 64;   ///< octets of a robot name
 constexpr std::uint8_t kFarthestHop = 35;  ///< RFC 3561 section 10, NET_DIAMETER
 
+/// The first 6 octets of the boot id of a neighbour: who it is, and that it lives now.
+using NeighborTag = std::uint64_t;
+constexpr NeighborTag neighbor_tag(BootTag boot) { return boot >> 16; }
+
 /// A neighbour the sender of a beacon hears, so that the neighbour knows the link works both ways.
 struct HeardNeighbor {
-  MacAddress address{};
-  BootTag boot = 0;
+  NeighborTag tag = 0;
+  std::uint8_t loss = 0;  ///< of that neighbour's beacons, in 255ths
 };
 
 /// What the sender of a beacon knows of a robot that not all of its neighbours hear themselves.
@@ -32,9 +36,12 @@ struct Rumor {
 struct Beacon {
   std::uint32_t sequence_number = 0;  ///< own AODV sequence number
   std::uint32_t alive = 0;
+  std::uint16_t number = 0;  ///< of the sender's broadcast beacons; shows which were missed
   std::string name;
-  std::vector<HeardNeighbor> heard;
+  std::uint16_t heard_count = 0;     ///< of neighbours that beacons name in turn; 0: says nothing about it
+  std::vector<HeardNeighbor> heard;  ///< those whose turn it is
   std::vector<Rumor> rumors;
+  std::uint32_t interval_ms = 0;  ///< until the next beacon (section 9.1); 0 not said
 };
 
 /// RFC 3561 section 5.1. The destination is known by name, by address, or both.
@@ -46,6 +53,7 @@ struct RouteRequest {
   bool unknown_sequence_number = false;
   std::uint8_t hop_count = 0;
   std::uint8_t hop_limit = 0;
+  std::uint16_t cost = 0;  ///< of the way from here back to the originator
   std::uint32_t id = 0;
   MacAddress destination{};  ///< all zero: asked for by name only
   std::uint32_t destination_sequence = 0;
@@ -61,6 +69,7 @@ struct RouteReply {
   bool repair = false;
   bool acknowledgment_required = false;
   std::uint8_t hop_count = 0;
+  std::uint16_t cost = 0;  ///< of the way from the sender to the destination
   MacAddress destination{};
   std::uint32_t destination_sequence = 0;
   BootTag destination_boot = 0;

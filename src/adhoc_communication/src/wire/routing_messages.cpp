@@ -6,14 +6,27 @@ namespace {
 
 bool is_name(const std::string& name) { return !name.empty() && name.size() <= kLongestName; }
 
+constexpr std::uint8_t kHelloInterval = 1;  ///< RFC 3561 section 9.1
+
 /// RFC 3561 section 9: extensions of types 1 to 127 are skipped when unknown, others discard the message.
-bool skip_extensions(Reader& reader) {
+/// `interval_ms`: set by a Hello Interval extension.
+bool read_extensions(Reader& reader, std::uint32_t& interval_ms) {
   while (reader.ok() && reader.left() > 0) {
     const std::uint8_t type = reader.u8();
     if (type == 0 || type > 127) return false;
-    reader.skip(reader.u8());
+    const std::uint8_t length = reader.u8();
+    if (type == kHelloInterval && length == 4) {
+      interval_ms = reader.u32();
+    } else {
+      reader.skip(length);
+    }
   }
   return reader.at_end();
+}
+
+bool skip_extensions(Reader& reader) {
+  std::uint32_t unused = 0;
+  return read_extensions(reader, unused);
 }
 
 }  // namespace
@@ -21,11 +34,14 @@ bool skip_extensions(Reader& reader) {
 void write(Writer& writer, const Beacon& beacon) {
   writer.u32(beacon.sequence_number);
   writer.u32(beacon.alive);
+  writer.u16(beacon.number);
   writer.text8(beacon.name);
+  writer.u16(beacon.heard_count);
   writer.u8(static_cast<std::uint8_t>(beacon.heard.size()));
   for (const HeardNeighbor& neighbor : beacon.heard) {
-    writer.octets(neighbor.address);
-    writer.u64(neighbor.boot);
+    writer.u32(static_cast<std::uint32_t>(neighbor.tag >> 16));
+    writer.u16(static_cast<std::uint16_t>(neighbor.tag));
+    writer.u8(neighbor.loss);
   }
   writer.u8(static_cast<std::uint8_t>(beacon.rumors.size()));
   for (const Rumor& rumor : beacon.rumors) {
@@ -35,22 +51,30 @@ void write(Writer& writer, const Beacon& beacon) {
     writer.u8(rumor.hops);
     writer.text8(rumor.name);
   }
+  if (beacon.interval_ms == 0) return;
+  writer.u8(kHelloInterval);
+  writer.u8(4);
+  writer.u32(beacon.interval_ms);
 }
 
 std::optional<Beacon> read_beacon(Reader reader) {
   Beacon beacon;
   beacon.sequence_number = reader.u32();
   beacon.alive = reader.u32();
+  beacon.number = reader.u16();
   beacon.name = reader.text8();
+  beacon.heard_count = reader.u16();
   for (int left = reader.u8(); left > 0 && reader.ok(); --left) {
-    beacon.heard.push_back({reader.address(), reader.u64()});
+    const NeighborTag upper = reader.u32();
+    const NeighborTag tag = upper << 16 | reader.u16();
+    beacon.heard.push_back({tag, reader.u8()});
   }
   for (int left = reader.u8(); left > 0 && reader.ok(); --left) {
     Rumor rumor{reader.address(), reader.u64(), reader.u32(), reader.u8(), reader.text8()};
     if (!is_name(rumor.name) || rumor.hops == 0 || rumor.hops > kFarthestHop) return std::nullopt;
     beacon.rumors.push_back(std::move(rumor));
   }
-  if (!skip_extensions(reader) || !is_name(beacon.name)) return std::nullopt;
+  if (!read_extensions(reader, beacon.interval_ms) || !is_name(beacon.name)) return std::nullopt;
   return beacon;
 }
 
@@ -60,6 +84,7 @@ void write(Writer& writer, const RouteRequest& request) {
   writer.u8(static_cast<std::uint8_t>(flags));
   writer.u8(request.hop_count);
   writer.u8(request.hop_limit);
+  writer.u16(request.cost);
   writer.u32(request.id);
   writer.octets(request.destination);
   writer.u32(request.destination_sequence);
@@ -80,6 +105,7 @@ std::optional<RouteRequest> read_route_request(Reader reader) {
   request.unknown_sequence_number = (flags & 0x08) != 0;
   request.hop_count = reader.u8();
   request.hop_limit = reader.u8();
+  request.cost = reader.u16();
   request.id = reader.u32();
   request.destination = reader.address();
   request.destination_sequence = reader.u32();
@@ -98,6 +124,7 @@ std::optional<RouteRequest> read_route_request(Reader reader) {
 void write(Writer& writer, const RouteReply& reply) {
   writer.u8(static_cast<std::uint8_t>((reply.repair ? 0x80 : 0) | (reply.acknowledgment_required ? 0x40 : 0)));
   writer.u8(reply.hop_count);
+  writer.u16(reply.cost);
   writer.octets(reply.destination);
   writer.u32(reply.destination_sequence);
   writer.u64(reply.destination_boot);
@@ -112,6 +139,7 @@ std::optional<RouteReply> read_route_reply(Reader reader) {
   reply.repair = (flags & 0x80) != 0;
   reply.acknowledgment_required = (flags & 0x40) != 0;
   reply.hop_count = reader.u8();
+  reply.cost = reader.u16();
   reply.destination = reader.address();
   reply.destination_sequence = reader.u32();
   reply.destination_boot = reader.u64();

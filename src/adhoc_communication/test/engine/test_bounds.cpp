@@ -34,7 +34,12 @@ void hear(Team& team, std::size_t number, wire::FrameType type, const Message& m
 }
 
 wire::Beacon beacon(Team& team, std::size_t number) {
-  return {1, 1, "stranger_" + std::to_string(number), {{Team::address(0), wire::boot_tag(team.boot_id(0))}}, {}};
+  wire::Beacon beacon;
+  beacon.alive = 1;
+  beacon.name = "stranger_" + std::to_string(number);
+  beacon.heard_count = 1;
+  beacon.heard.push_back({wire::neighbor_tag(wire::boot_tag(team.boot_id(0))), 0});
+  return beacon;
 }
 
 wire::RouteRequest request(std::size_t originator, std::uint32_t id, const std::string& destination) {
@@ -97,7 +102,7 @@ TEST(Bounds, A5_2_RequestsAreRememberedLongerThanCopiesAreUnderWay) {
     void unicast(const MacAddress&, wire::FrameType, Bytes) override {}
     void unicast_once(const MacAddress&, wire::FrameType, Bytes) override {}
   } nowhere;
-  const routing::Timings timings = routing::robot_timings();
+  const Timings timings = robot_timings();
   Random random(1);
   routing::RequestFlood flood(timings, nowhere, random);
   EXPECT_TRUE(flood.first_time(request(1, 7, "nobody"), stranger(2), 1s));

@@ -57,7 +57,7 @@ TEST(Presence, DeadFarRobotIsForgottenByAllInBoundedTime) {
   team.add_line(6);
   team.run_for(10s);
   team.kill(5);
-  team.run_for(12s);
+  team.run_for(16s);
   for (std::size_t robot = 0; robot < 5; ++robot) {
     EXPECT_EQ(team.presence(robot).back().second, "-robot_5") << "robot_" << robot;
     EXPECT_EQ(team.engine(robot).robots().size(), 4u);

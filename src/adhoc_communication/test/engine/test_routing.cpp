@@ -28,7 +28,7 @@ TEST(SequenceNumber, A2_2_ComparisonWraps) {
 }
 
 RouteOffer offer(std::optional<std::uint32_t> sequence, std::uint8_t hops, const MacAddress& via = kX) {
-  return {kD, 5, sequence, hops, via, 10s};
+  return {kD, 5, sequence, hops, static_cast<Cost>(hops * kPerfectHop), via, 10s};
 }
 
 TEST(RouteTable, A3_2_UpdatesOnlyNewerOrEqualAndShorter) {
@@ -89,7 +89,7 @@ TEST(RouteTable, A7_7_A7_8_ExpiryInvalidatesKeepsThenDeletes) {
 
 TEST(RouteTable, A2_8_HeardNeighborHasNoValidNumber) {
   RouteTable table(kTimings);
-  table.heard_directly(kX, 5, std::nullopt, 2s);
+  table.heard_directly(kX, 5, std::nullopt, kPerfectHop, 2s);
   EXPECT_FALSE(table.find(kX)->sequence_valid);
 }
 
@@ -104,7 +104,7 @@ TEST(RouteTable, C3_SizeIsBounded) {
 }
 
 std::vector<std::pair<Time, int>> requests(const EngineOptions& options, Time until, Time* failed = nullptr) {
-  RouteDiscovery discovery(kTimings, options);
+  RouteDiscovery discovery(options);
   discovery.search({kD, "robot_9"}, 0, 0ms);
   std::vector<std::pair<Time, int>> sent;
   for (Time now = 0ms; now <= until; now += 1ms) {
@@ -138,7 +138,8 @@ TEST(RouteDiscovery, A4_5_A4_6_ExpandingRing) {
 }
 
 TEST(RouteDiscovery, A4_9_RateIsLimited) {
-  RouteDiscovery discovery(kTimings, {});
+  const EngineOptions options;
+  RouteDiscovery discovery(options);
   for (std::uint8_t i = 0; i < 60; ++i) discovery.search({{2, 0, 0, 0, 1, i}, ""}, 0, 0ms);
   std::vector<Time> sent;
   for (Time now = 0ms; now < 20s; now += 1ms) {
@@ -169,7 +170,7 @@ TEST(Routing, A5_2_A5_8_EachRobotPassesARequestOnOnce) {
   std::map<std::pair<std::size_t, std::uint32_t>, int> broadcasts;
   team.on_transmission = [&](std::size_t robot, const Frame& frame) {
     if (frame.bytes[1] == 2 && frame.destination == wire::kEverybody)
-      ++broadcasts[{robot, frame.bytes[wire::kHeaderSize + 6]}];
+      ++broadcasts[{robot, frame.bytes[wire::kHeaderSize + 8]}];
   };
   team.send(0, "robot_9", text("x"));
   team.run_for(2s);

@@ -34,7 +34,16 @@ BootId boot_id(std::uint8_t first) { return {first}; }
 
 RouteState route(std::size_t destination, std::size_t next_hop, std::uint8_t hops, std::uint32_t sequence,
                  std::uint64_t boot = std::uint64_t{3} << 56) {
-  return {Team::address(destination), Team::address(next_hop), hops, sequence, true, true, 10s, {}, boot};
+  RouteState route;
+  route.destination = Team::address(destination);
+  route.next_hop = Team::address(next_hop);
+  route.hops = hops;
+  route.cost = hops;
+  route.sequence = sequence;
+  route.sequence_valid = route.valid = true;
+  route.expires = 10s;
+  route.boot = boot;
+  return route;
 }
 
 /// Robots 0 to 2, whose runs are 1 to 3.

@@ -17,6 +17,7 @@ RouteRequest request() {
   request.gratuitous = true;
   request.hop_count = 3;
   request.hop_limit = 9;
+  request.cost = 0x0110;
   request.id = 0x01020304;
   request.destination = kB;
   request.destination_sequence = 0x05060708;
@@ -37,15 +38,16 @@ void refuses_every_prefix(const Message& message, Read read) {
 
 TEST(Wire, A1_1_A1_2_RequestIsInNetworkByteOrder) {
   const Bytes bytes = to_bytes(request());
-  const Bytes expected = {0x20, 3, 9,   1,   2,   3,   4,   2,   0,   0,  0,    0,    2,    5,    6,    7,    8,
-                          2,    0, 0,   0,   0,   1,   9,   10,  11,  12, 0x11, 0x12, 0x13, 0x14, 0x15, 0x16, 0x17,
-                          0x18, 7, 'r', 'o', 'b', 'o', 't', '_', '2', 7,  'r',  'o',  'b',  'o',  't',  '_',  '1'};
+  const Bytes expected = {0x20, 3,    9,    1,    0x10, 1,    2,    3,    4,    2,   0,   0,   0,   0,
+                          2,    5,    6,    7,    8,    2,    0,    0,    0,    0,   1,   9,   10,  11,
+                          12,   0x11, 0x12, 0x13, 0x14, 0x15, 0x16, 0x17, 0x18, 7,   'r', 'o', 'b', 'o',
+                          't',  '_',  '2',  7,    'r',  'o',  'b',  'o',  't',  '_', '1'};
   EXPECT_EQ(bytes, expected);
   EXPECT_EQ(to_bytes(*read_route_request(Reader(bytes))), bytes);
 }
 
 TEST(Wire, A1_3_ReplyRoundTrip) {
-  const RouteReply reply{false, true, 2, kB, 0x01020304, 77, "robot_2", kA, 6000};
+  const RouteReply reply{false, true, 2, 0x0110, kB, 0x01020304, 77, "robot_2", kA, 6000};
   const Bytes bytes = to_bytes(reply);
   EXPECT_EQ(to_bytes(*read_route_reply(Reader(bytes))), bytes);
   refuses_every_prefix(reply, read_route_reply);
@@ -76,7 +78,7 @@ TEST(Wire, A1_7_ExtensionsAreSkippedOrRefused) {
 TEST(Wire, TruncatedMessagesAreRefused) {
   refuses_every_prefix(request(), read_route_request);
   refuses_every_prefix(HopAcknowledgment{1, 2, 3, 4, 5}, read_hop_acknowledgment);
-  Beacon beacon{1, 2, "robot_1", {{kA, 5}}, {{kB, 6, 7, 2, "robot_2"}}};
+  Beacon beacon{1, 2, 3, "robot_1", 4, {{5, 6}}, {{kB, 6, 7, 2, "robot_2"}}, 0};
   const Bytes bytes = to_bytes(beacon);
   for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(read_beacon(Reader(bytes.data(), size))) << size;
   TransportAcknowledgment acknowledgment{kA, 1, kB, 2, 3, 1, 9, {{9, 4, {0x0f, 0x80}}}};
@@ -111,7 +113,7 @@ TEST(Wire, HeaderRefusesOtherVersionsTypesAndFlags) {
   EXPECT_TRUE(readable(bytes, 0, kVersion));
   EXPECT_FALSE(readable(bytes, 0, kVersion + 1));
   EXPECT_FALSE(readable(bytes, 1, 0));
-  EXPECT_FALSE(readable(bytes, 1, 14));
+  EXPECT_FALSE(readable(bytes, 1, 15));
   EXPECT_FALSE(readable(bytes, 2, 0x80));
 }
 

@@ -49,7 +49,7 @@ RouteInvariants::Entry RouteInvariants::entry_of(const RouteState& route) const 
           route.valid,
           route.sequence_valid,
           next_hop < tables_.size() ? next_hop : kNobody,
-          route.hops,
+          route.cost,
           run == runs_.end() ? 0 : run->second,
           route.sequence,
           route.expires};
@@ -88,7 +88,7 @@ void RouteInvariants::check_loop(std::size_t robot, std::size_t destination, Tim
   }
 }
 
-/// A13.2: (number, -hops) never decreases from a robot to its next hop.
+/// A13.2: (number, -cost) grows from a robot to its next hop.
 void RouteInvariants::check_downhill(std::size_t robot, std::size_t destination, Time now) const {
   const Entry& here = tables_[robot][destination];
   if (!here.usable(now) || here.next_hop == kNobody || here.next_hop == destination) return;
@@ -97,7 +97,7 @@ void RouteInvariants::check_downhill(std::size_t robot, std::size_t destination,
   if (next.run != here.run) {
     if (next.run > here.run) return;
   } else if (routing::is_newer(next.sequence, here.sequence) ||
-             (next.sequence == here.sequence && next.hops <= here.hops)) {
+             (next.sequence == here.sequence && next.cost < here.cost)) {
     return;
   }
   throw Violation("A13.2: freshness decreases along a route to " + name(destination) + ": " + text(robot, destination) +
@@ -107,8 +107,8 @@ void RouteInvariants::check_downhill(std::size_t robot, std::size_t destination,
 std::string RouteInvariants::text(std::size_t robot, std::size_t destination) const {
   const Entry& entry = tables_[robot][destination];
   return name(robot) + " by way of " + name(entry.next_hop) + " (run " + std::to_string(entry.run) + ", number " +
-         (entry.sequence_valid ? std::to_string(entry.sequence) : "unknown") + ", " + std::to_string(entry.hops) +
-         " hops)";
+         (entry.sequence_valid ? std::to_string(entry.sequence) : "unknown") + ", " + "cost " +
+         std::to_string(entry.cost) + ")";
 }
 
 }  // namespace adhoc_communication

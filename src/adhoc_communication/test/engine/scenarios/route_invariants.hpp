@@ -29,7 +29,7 @@ class RouteInvariants {
     bool valid = false;
     bool sequence_valid = false;
     std::size_t next_hop = 0;
-    int hops = 0;
+    double cost = 0;
     int run = 0;  ///< of the destination; 0 unknown
     std::uint32_t sequence = 0;
     Time expires{0};

@@ -1,0 +1,74 @@
+// What was under way over a link that is lost: it waits for the repair of its route, or is left to the end-to-end
+// repetition.
+#include "engine_implementation.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+struct Way {
+  MacAddress source;
+  MacAddress destination;
+};
+
+/// Of a frame that travels further than to the next robot.
+std::optional<Way> way_of(const transport::HopFrame& frame) {
+  if (frame.type == wire::FrameType::kData) {
+    if (const auto data = wire::read_data(wire::Reader(frame.body))) return Way{data->source, data->destination};
+  }
+  if (frame.type == wire::FrameType::kTransportAcknowledgment) {
+    if (const auto acknowledgment = wire::read_transport_acknowledgment(wire::Reader(frame.body))) {
+      return Way{acknowledgment->source, acknowledgment->destination};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+/// Frames to the neighbour go unanswered, it fell silent, or it has restarted.
+void Engine::Implementation::link_lost(const MacAddress& neighbor, Time now) {
+  happened(now);
+  std::vector<transport::HopFrame> frames;
+  if (const auto found = links_.find(neighbor); found != links_.end()) frames = found->second.sender.take_all();
+  routing::DataInHand in_hand;
+  bool reply_lost = false;
+  for (const transport::HopFrame& frame : frames) {
+    reply_lost = reply_lost || frame.type == wire::FrameType::kRouteReply;
+    const std::optional<Way> way = way_of(frame);
+    if (way && way->source != self_.address) in_hand[way->destination] = way->source;
+  }
+  if (reply_lost) router_.reply_lost(neighbor, now);
+  router_.link_broken(neighbor, in_hand, now);
+  for (transport::HopFrame& frame : frames) {
+    const std::optional<Way> way = way_of(frame);
+    if (way && way->source != self_.address && router_.repairing(way->destination)) {
+      hold(way->destination, std::move(frame));
+    }
+  }
+  distributor_.link_lost(neighbor, now);
+}
+
+bool Engine::Implementation::hold(const MacAddress& destination, transport::HopFrame frame) {
+  if (held_frames_ >= kMostHeld) return false;
+  held_[destination].push_back(std::move(frame));
+  ++held_frames_;
+  return true;
+}
+
+/// The repair has succeeded or failed.
+void Engine::Implementation::release_held(Time now) {
+  for (auto iterator = held_.begin(); iterator != held_.end();) {
+    if (router_.repairing(iterator->first)) {
+      ++iterator;
+      continue;
+    }
+    const routing::Route* route = router_.route_to(iterator->first, now);
+    for (transport::HopFrame& frame : iterator->second) {
+      if (route != nullptr) link(route->next_hop).sender.enqueue(std::move(frame));
+    }
+    held_frames_ -= iterator->second.size();
+    iterator = held_.erase(iterator);
+  }
+}
+
+}  // namespace adhoc_communication
