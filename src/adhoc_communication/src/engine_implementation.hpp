@@ -60,6 +60,7 @@ class Engine::Implementation : private Outbox {
   std::vector<TableFill> tables() const;
 
   // engine_introspection.cpp: what a host may look at.
+  std::vector<TreeState> trees() const;
   std::vector<LinkState> links() const;
   QueueState queues() const;
   std::vector<std::string> groups() const;

@@ -4,6 +4,7 @@
 namespace adhoc_communication {
 
 std::vector<LinkState> Engine::links() const { return implementation_->links(); }
+std::vector<TreeState> Engine::trees() const { return implementation_->trees(); }
 QueueState Engine::queues() const { return implementation_->queues(); }
 std::vector<std::string> Engine::groups() const { return implementation_->groups(); }
 std::optional<std::string> Engine::name_of(const MacAddress& robot) const { return implementation_->name_of(robot); }
@@ -23,6 +24,15 @@ std::vector<LinkState> Engine::Implementation::links() const {
       state.given_up = link->second.sender.given_up();
     }
     result.push_back(std::move(state));
+  }
+  return result;
+}
+
+std::vector<TreeState> Engine::Implementation::trees() const {
+  std::vector<TreeState> result;
+  for (const auto& [root, tree] : distributor_.trees()) {
+    const std::set<MacAddress> children = tree.child_addresses();
+    result.push_back({root, tree.boot, tree.epoch, tree.upstream, {children.begin(), children.end()}});
   }
   return result;
 }

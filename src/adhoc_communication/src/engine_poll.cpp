@@ -29,7 +29,7 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       guard_(self_, options_.keys, statistics_.frames_dropped),
       random_(seed),
       neighbors_(options_.timings, options_.beacon_interval),
-      router_(self_, options_, neighbors_, directory_, *this, random_),
+      router_(self_, options_, neighbors_, directory_, *this, random_, now),
       segment_size_(room(options_, wire::kDataHeaderSize)),
       broadcast_segment_size_(room(options_, wire::kBroadcastDataHeaderSize)),
       air_(static_cast<std::size_t>(std::min(options_.max_frame_size, options_.mtu))),

@@ -51,7 +51,8 @@ class Engine {
   const Statistics& statistics() const;
   const std::string& robot_name() const;
   std::vector<RouteState> routes() const;  ///< the routing table, for diagnosis and tests
-  std::vector<TableFill> tables() const;   ///< everything that grows, with its bound
+  std::vector<TreeState> trees() const;
+  std::vector<TableFill> tables() const;  ///< everything that grows, with its bound
 
   // Introspection: engine_introspection.cpp.
   std::vector<LinkState> links() const;                         ///< one per neighbour

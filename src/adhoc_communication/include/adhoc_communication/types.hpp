@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -108,6 +109,15 @@ struct RouteState {
   Time expires{0};
   std::vector<MacAddress> precursors;
   std::uint64_t boot = 0;  ///< first eight octets of the destination's boot id, of the run that the number belongs to
+};
+
+/// A robot's place in the tree of one root.
+struct TreeState {
+  MacAddress root{};
+  std::uint64_t boot = 0;  ///< first eight octets of the root's boot id
+  std::uint32_t epoch = 0;
+  std::optional<MacAddress> upstream;
+  std::vector<MacAddress> downstream;
 };
 
 /// How full a table or queue of the engine is.

@@ -5,6 +5,7 @@ namespace adhoc_communication::routing {
 namespace {
 
 constexpr std::size_t kMostForwardedReplies = 256;
+constexpr int kMostReplyTries = 4;
 constexpr std::uint32_t kLongestLifetime_ms = 60'000;
 
 }  // namespace
@@ -61,23 +62,28 @@ void Router::forward_reply(wire::RouteReply reply, Time now) {
 /// Where hops acknowledge every frame, the link itself tells when a reply is lost. Where they do not, RREP-ACK does.
 void Router::send_reply(const MacAddress& to, wire::RouteReply reply, Time now) {
   reply.acknowledgment_required = !hops_acknowledge_;
-  if (!hops_acknowledge_) awaited_acknowledgments_.emplace(to, now + timings_.next_hop_wait());
   outbox_.unicast(to, wire::FrameType::kRouteReply, to_bytes(reply));
+  if (!hops_acknowledge_) open_replies_[to] = {std::move(reply), now + timings_.next_hop_wait(), 1};
 }
 
 void Router::on_reply_acknowledgment(const MacAddress& from, Time now) {
-  awaited_acknowledgments_.erase(from);
+  open_replies_.erase(from);
   neighbors_.acknowledged(from, now);
 }
 
-void Router::blacklist_silent(Time now) {
-  for (auto iterator = awaited_acknowledgments_.begin(); iterator != awaited_acknowledgments_.end();) {
-    if (iterator->second > now) {
+void Router::repeat_replies(Time now) {
+  for (auto iterator = open_replies_.begin(); iterator != open_replies_.end();) {
+    OpenReply& open = iterator->second;
+    if (open.due > now) {
       ++iterator;
-      continue;
+    } else if (open.tries < kMostReplyTries) {
+      ++open.tries;
+      open.due = now + timings_.next_hop_wait();
+      outbox_.unicast(iterator->first, wire::FrameType::kRouteReply, to_bytes(open.reply));
+    } else {
+      reply_lost(iterator->first, now);
+      iterator = open_replies_.erase(iterator);
     }
-    reply_lost(iterator->first, now);
-    iterator = awaited_acknowledgments_.erase(iterator);
   }
 }
 

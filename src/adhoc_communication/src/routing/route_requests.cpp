@@ -9,6 +9,9 @@ namespace adhoc_communication::routing {
 void Router::send_request(const RouteDiscovery::Step& step, Time now) {
   wire::RouteRequest request;
   request.gratuitous = true;  // packets are acknowledged end to end, so the destination needs the way back
+  // Others may still have routes by way of a former run of this robot, which must not come back as answers. So for the
+  // time of section 6.13 only the destination answers, with a new number.
+  request.destination_only = now - started_ < timings_.delete_period;
   request.hop_limit = step.hop_limit;
   request.id = next_request_id_++;
   request.destination = step.target.address;
@@ -39,7 +42,7 @@ void Router::on_request(const MacAddress& from, wire::RouteRequest request, Time
   // A later copy counts only if it came a cheaper way.
   if (!first && !better) return;
   directory_.learn(request.originator, request.originator_name, request.originator_boot, request.hop_count, now);
-  if (is_destination(request)) return answer_as_destination(request, from, now);
+  if (is_destination(request)) return answer_as_destination(request, from, first, now);
   if (!answer_from_table(request, from, now)) forward_request(std::move(request), from, now);
 }
 
@@ -53,9 +56,10 @@ MacAddress Router::address_asked(const wire::RouteRequest& request) const {
   return directory_.address_of(request.destination_name).value_or(MacAddress{});
 }
 
-void Router::answer_as_destination(const wire::RouteRequest& request, const MacAddress& to, Time now) {
+void Router::answer_as_destination(const wire::RouteRequest& request, const MacAddress& to, bool first, Time now) {
   // Sections 6.1 and 6.6.1: at least the number asked for.
   if (!request.unknown_sequence_number) own_sequence_ = newest(own_sequence_, request.destination_sequence);
+  if (first && request.destination_only) ++own_sequence_;
   wire::RouteReply reply;
   reply.destination = self_.address;
   reply.destination_sequence = own_sequence_;

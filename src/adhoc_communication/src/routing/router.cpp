@@ -5,7 +5,7 @@
 namespace adhoc_communication::routing {
 
 Router::Router(const Identity& self, const EngineOptions& options, Neighbors& neighbors, RobotDirectory& directory,
-               Outbox& outbox, Random& random)
+               Outbox& outbox, Random& random, Time now)
     : self_(self),
       timings_(options.timings),
       neighbors_(neighbors),
@@ -15,7 +15,8 @@ Router::Router(const Identity& self, const EngineOptions& options, Neighbors& ne
       discovery_(options),
       flood_(options.timings, outbox, random),
       error_limit_(options.timings.error_rate_limit),
-      hops_acknowledge_(options.num_link_retrans > 0) {}
+      hops_acknowledge_(options.num_link_retrans > 0),
+      started_(now) {}
 
 void Router::search(const Target& target, Time now) {
   const Route* former = routes_.find(target.address);
@@ -45,12 +46,12 @@ void Router::poll(Time now) {
   finish_searches(now);
   for (const RouteDiscovery::Step& step : discovery_.poll(now)) send_request(step, now);
   flood_.poll(neighbors_, now);
-  blacklist_silent(now);
+  repeat_replies(now);
 }
 
 Time Router::next_deadline() const {
   Time next = std::min(discovery_.next_deadline(), flood_.next_deadline());
-  for (const auto& [neighbor, until] : awaited_acknowledgments_) next = std::min(next, until);
+  for (const auto& [neighbor, open] : open_replies_) next = std::min(next, open.due);
   return next;
 }
 

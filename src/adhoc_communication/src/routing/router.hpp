@@ -22,7 +22,7 @@ namespace adhoc_communication::routing {
 class Router {
  public:
   Router(const Identity& self, const EngineOptions& options, Neighbors& neighbors, RobotDirectory& directory,
-         Outbox& outbox, Random& random);
+         Outbox& outbox, Random& random, Time now);
 
   std::uint32_t own_sequence() const { return own_sequence_; }
   const RouteTable& table() const { return routes_; }
@@ -66,7 +66,7 @@ class Router {
   bool is_destination(const wire::RouteRequest& request) const;
   MacAddress address_asked(const wire::RouteRequest& request) const;
   void send_request(const RouteDiscovery::Step& step, Time now);
-  void answer_as_destination(const wire::RouteRequest& request, const MacAddress& to, Time now);
+  void answer_as_destination(const wire::RouteRequest& request, const MacAddress& to, bool first, Time now);
   bool answer_from_table(const wire::RouteRequest& request, const MacAddress& to, Time now);
   void answer_gratuitously(const wire::RouteRequest& request, const Route& to_destination, Time now);
   void forward_request(wire::RouteRequest request, const MacAddress& from, Time now);
@@ -76,7 +76,7 @@ class Router {
   void finish_searches(Time now);
   void hear_directly(const MacAddress& neighbor, std::optional<std::uint32_t> sequence, Time now);
   void send_reply(const MacAddress& to, wire::RouteReply reply, Time now);
-  void blacklist_silent(Time now);
+  void repeat_replies(Time now);
   void pass_on_repaired(const MacAddress& from, const wire::RouteError& error, Time now);
   bool start_repair(const Route& broken, const MacAddress& originator, Time now);
   void repair_succeeded(const MacAddress& destination, Repair repair, Time now);
@@ -94,7 +94,14 @@ class Router {
   RateLimit error_limit_;
   Repairs repairs_;
   bool hops_acknowledge_;
-  std::map<MacAddress, Time> awaited_acknowledgments_;  ///< RREP-ACK: until when, by neighbour
+  /// A reply whose RREP-ACK has not come.
+  struct OpenReply {
+    wire::RouteReply reply;
+    Time due;
+    int tries;
+  };
+  std::map<MacAddress, OpenReply> open_replies_;  ///< the latest to each neighbour
+  Time started_;
   std::uint32_t own_sequence_ = 0;
   std::uint32_t next_request_id_ = 0;
   struct Forwarded {

@@ -201,14 +201,16 @@ TEST(Presence, A8_4_QuietNeighborsAreAskedBeforeTheyAreGivenUp) {
   for (int i = 0; i < 4; ++i) team.add();
   team.run_for(30s);
   for (std::size_t robot = 0; robot < 4; ++robot) team.presence(robot).clear();
-  team.run_for(1h);
+  team.run_for(10min);
   for (std::size_t robot = 0; robot < 4; ++robot) EXPECT_TRUE(team.presence(robot).empty()) << robot;
 }
 
 /// More neighbours than one beacon names.
 TEST(Presence, NeighborsTakeTurnsInBeacons) {
   Team team;
-  for (int i = 0; i < 60; ++i) team.add();
+  EngineOptions options;
+  options.join_groups_automatically = false;
+  for (int i = 0; i < 60; ++i) team.add(options);
   team.run_for(10s);
   for (std::size_t robot = 0; robot < 60; ++robot) {
     for (const LinkState& link : team.engine(robot).links()) ASSERT_TRUE(link.two_way) << robot;

@@ -5,6 +5,7 @@
 #include "route_invariants.hpp"
 #include "scenario_run.hpp"
 #include "team.hpp"
+#include "tree_invariants.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -61,10 +62,34 @@ TEST(RouteInvariants, SeeALoop) {
 }
 
 TEST(RouteInvariants, SeeFreshnessDecrease) {
-  RouteInvariants invariants = three_robots();
-  invariants.changed(0, {route(2, 1, 2, 5)}, 1s);
-  EXPECT_NO_THROW(invariants.changed(1, {route(2, 2, 1, 5)}, 1s));
-  EXPECT_THROW(invariants.changed(0, {route(2, 1, 2, 6)}, 1s), Violation);
+  RouteInvariants invariants(4);
+  for (std::uint8_t robot = 0; robot < 4; ++robot) invariants.booted(robot, boot_id(robot + 1));
+  invariants.changed(0, {route(2, 1, 3, 5)}, 1s);
+  EXPECT_NO_THROW(invariants.changed(1, {route(2, 3, 2, 5)}, 1s));
+  EXPECT_THROW(invariants.changed(0, {route(2, 1, 3, 6)}, 1s), Violation);
+}
+
+TreeState tree(std::uint32_t epoch, std::optional<std::size_t> upstream) {
+  TreeState tree;
+  tree.root = Team::address(0);
+  tree.epoch = epoch;
+  if (upstream) tree.upstream = Team::address(*upstream);
+  return tree;
+}
+
+TEST(TreeInvariants, SeeACircle) {
+  TreeInvariants invariants(4);
+  invariants.changed(1, {tree(3, 2)});
+  invariants.changed(2, {tree(3, 3)});
+  EXPECT_NO_THROW(invariants.changed(3, {tree(2, 1)}));
+  EXPECT_THROW(invariants.changed(3, {tree(3, 1)}), Violation);
+}
+
+TEST(TreeInvariants, SeeARootBelowOthersAndEpochsThatGoBack) {
+  TreeInvariants invariants(4);
+  EXPECT_THROW(invariants.changed(0, {tree(3, 1)}), Violation);
+  invariants.changed(1, {tree(3, 0)});
+  EXPECT_THROW(invariants.changed(1, {tree(2, 0)}), Violation);
 }
 
 TEST(RouteInvariants, SeeNumbersGoBack) {

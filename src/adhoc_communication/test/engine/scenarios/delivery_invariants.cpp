@@ -150,6 +150,13 @@ void DeliveryInvariants::members(std::size_t root, const std::set<std::size_t>& 
   }
 }
 
+void DeliveryInvariants::left(std::size_t robot, std::size_t root) {
+  for (const auto& [key, number] : open_) {
+    Packet& packet = packets_[number];
+    if (packet.action.kind == Kind::kGroup && packet.action.other == root) packet.owed.erase(robot);
+  }
+}
+
 bool DeliveryInvariants::awaits_group(std::size_t root) const {
   return std::any_of(open_.begin(), open_.end(), [&](const auto& item) {
     const Action& action = packets_[item.second].action;

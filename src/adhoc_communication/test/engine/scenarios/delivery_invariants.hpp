@@ -36,6 +36,8 @@ class DeliveryInvariants {
   void finished(std::size_t robot, const SendFinished& end);
   /// Members of the group of `root` now: only who stays one until the send ends is owed the packet.
   void members(std::size_t root, const std::set<std::size_t>& members);
+  /// The robot takes nothing more that is sent to that group.
+  void left(std::size_t robot, std::size_t root);
   bool awaits_group(std::size_t root) const;
 
   /// Sends whose end is still to come.

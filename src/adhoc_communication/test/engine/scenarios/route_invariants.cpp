@@ -88,12 +88,12 @@ void RouteInvariants::check_loop(std::size_t robot, std::size_t destination, Tim
   }
 }
 
-/// A13.2: (number, -cost) grows from a robot to its next hop.
+/// A13.2: (number, -cost) grows from a robot to its next hop, unless that one hears the destination itself.
 void RouteInvariants::check_downhill(std::size_t robot, std::size_t destination, Time now) const {
   const Entry& here = tables_[robot][destination];
   if (!here.usable(now) || here.next_hop == kNobody || here.next_hop == destination) return;
   const Entry& next = tables_[here.next_hop][destination];
-  if (!next.usable(now) || !here.sequence_valid || !next.sequence_valid) return;
+  if (!next.usable(now) || !here.sequence_valid || !next.sequence_valid || next.next_hop == destination) return;
   if (next.run != here.run) {
     if (next.run > here.run) return;
   } else if (routing::is_newer(next.sequence, here.sequence) ||

@@ -8,6 +8,7 @@
 #include "random.hpp"
 #include "route_invariants.hpp"
 #include "team.hpp"
+#include "tree_invariants.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -28,6 +29,7 @@ class Run {
         options_(options),
         team_(scenario.medium, scenario.seed),
         routes_(scenario.places.size()),
+        trees_(scenario.places.size()),
         deliveries_(scenario.places.size()),
         trace_(options.trace),
         random_(scenario.seed ^ 0x7265706c6179) {
@@ -103,12 +105,12 @@ class Run {
     }
   }
 
-  /// Every promise that can be checked on the state of one robot after it did something. Those of a group tree (one
-  /// way up to the root, no circle, up and down agree) belong here, as a class beside RouteInvariants.
+  /// Every promise that can be checked on the state of one robot after it did something.
   void check(std::size_t robot) {
     if (++events_ > options_.most_events) throw Enough{};
     Engine& engine = team_.engine(robot);
     routes_.changed(robot, engine.routes(), team_.now());
+    trees_.changed(robot, engine.trees());
     if (deliveries_.awaits_group(robot)) deliveries_.members(robot, members_of(robot));
     for (const TableFill& table : engine.tables()) {
       if (table.size <= table.most) continue;
@@ -174,8 +176,11 @@ class Run {
         return deliveries_.accepted(id, {});
       }
       case Kind::kJoin:
+        left_.erase({action.robot, action.other});
         return engine.join_group("mc_" + Team::name(action.other), now);
       case Kind::kLeave:
+        left_.insert({action.robot, action.other});
+        deliveries_.left(action.robot, action.other);
         return engine.leave_group("mc_" + Team::name(action.other), now);
       default:
         const SendId id = engine.send(deliveries_.request(action, now), now);
@@ -188,6 +193,9 @@ class Run {
     if (action.kind != Kind::kGroup || !team_.alive(action.other)) return {};
     std::set<std::size_t> members = members_of(action.other);
     members.insert(action.other);
+    for (const auto& [robot, root] : left_) {
+      if (root == action.other) members.erase(robot);  // the root may not have heard of it yet
+    }
     return members;
   }
 
@@ -209,6 +217,8 @@ class Run {
     if (!team_.alive(robot)) return;
     team_.kill(robot);
     routes_.crashed(robot);
+    trees_.crashed(robot);
+    left_.erase(left_.lower_bound({robot, 0}), left_.lower_bound({robot + 1, 0}));
     deliveries_.crashed(robot);
   }
 
@@ -278,11 +288,13 @@ class Run {
   const RunOptions& options_;
   Team team_;
   RouteInvariants routes_;
+  TreeInvariants trees_;
   DeliveryInvariants deliveries_;
   EventTrace trace_;
   Random random_;
   Medium::Node stranger_ = 0;
   std::vector<Frame> recorded_;
+  std::set<std::pair<std::size_t, std::size_t>> left_;  ///< who left whose group
   std::uint64_t events_ = 0;
 };
 
