@@ -314,6 +314,7 @@ class Failures(unittest.TestCase):
             (["_interface:=hub:/nowhere/hub"], "no radio answers at hub socket '/nowhere/hub'"),
             ([f"_interface:={hub}", "_beacon_interval:=-5"], "beacon_interval"),
             ([f"_interface:={hub}", "_max_frame_size:=3"], "max_frame_size"),
+            ([f"_interface:={hub}", "_timings:=slow"], "has the preset 'slow', not robots or rfc3561"),
             ([f"_interface:={hub}", "_loss_ratio:=1.5"], "loss_ratio"),
             ([f"_interface:={hub}", "_num_rreq:=many"], "parameter ~num_rreq = many is not an integer"),
             ([f"_interface:={hub}", "_mac:=xx"], "parameter ~mac = xx 'xx' is not a hardware address"),
@@ -329,6 +330,23 @@ class Failures(unittest.TestCase):
                 self.assertEqual(result.returncode, 1, output)
                 self.assertEqual(output.count("FATAL"), 1, output)
                 self.assertIn(expected, output)
+
+    def test_timings_that_differ_from_their_preset(self):
+        hub = "hub:" + rospy.get_param("~hub")
+        rospy.set_param("/hasty/adhoc_communication/timings", {"route_request_wait": 20, "request_retries": 1})
+        command = ["rosrun", "adhoc_communication", "adhoc_communication", "__ns:=hasty", f"_interface:={hub}"]
+        node = subprocess.Popen([*command, "_robot_name:=hasty"], stdout=subprocess.DEVNULL)
+        try:
+            with self.assertRaises(rospy.ServiceException) as raised:
+                call("hasty", "send_string", dst_robot="nobody", topic="t", data="x")
+            self.assertIn("no route to nobody after 0.1 s", str(raised.exception))
+        finally:
+            node.terminate()
+            node.wait(timeout=20)
+        deadline = time.monotonic() + 20
+        while "hasty" in call("alice", "get_neighbors").neigbors:
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.1)
 
 
 class Documentation(unittest.TestCase):

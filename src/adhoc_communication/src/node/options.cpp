@@ -9,6 +9,7 @@
 
 #include "link/mac_address.hpp"
 #include "node/relay_options.hpp"
+#include "node/timing_options.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -218,6 +219,8 @@ std::vector<Parameter> make_parameters() {
           "hop_limit_increment", [](NodeOptions & o) -> auto& { return o.engine.hop_limit_increment; }),
       parsed<int>("beacon_interval", static_cast<int>(EngineOptions().beacon_interval.count()),
                   [](NodeOptions& o, int value) { o.engine.beacon_interval = std::chrono::milliseconds(value); }),
+      {"timings", "struct", "robots", "",
+       [](NodeOptions& o, const XmlRpcValue& value) { o.engine.timings = parse_timings(value); }},
       parsed<int>("max_packet_size", static_cast<int>(EngineOptions().max_packet_size), set_packet_size),
       stored(
           "simulation_mode", [](NodeOptions & o) -> auto& { return o.simulation_mode; }),

@@ -39,7 +39,7 @@ struct NodeOptions {
 
 struct Parameter {
   std::string name;
-  std::string type;            ///< string, int, double, bool or list
+  std::string type;            ///< string, int, double, bool, list or struct
   std::string default_value;   ///< as text
   std::string without_effect;  ///< why setting it changes nothing; empty for all others
   /// Throws std::invalid_argument when the value does not fit the type.
