@@ -101,6 +101,8 @@ class Engine::Implementation : private Outbox {
   void broadcast(wire::FrameType type, Bytes body) override;
   void unicast(const MacAddress& neighbor, wire::FrameType type, Bytes body) override;
   void unicast_once(const MacAddress& neighbor, wire::FrameType type, Bytes body) override;
+  Time air_ready() const override { return air_.ready_at(); }
+  Time acknowledgment_due(const transport::HopReceiver& receiver) const;
   void transmit(wire::FrameType type, std::uint8_t flags, const MacAddress& next_hop, std::uint32_t link_sequence,
                 std::uint64_t counter, const Bytes& body, Time now);
   void dispatch(const wire::FrameHeader& header, wire::Reader body, Time now);

@@ -8,6 +8,7 @@ namespace adhoc_communication {
 namespace {
 
 constexpr Time kTolerableLateness = std::chrono::milliseconds(20);
+constexpr Time kLatestAcknowledgment = std::chrono::milliseconds(50);
 
 EngineOptions validated(EngineOptions options) {
   validate(options);
@@ -69,7 +70,7 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   take_group_packets(now);
   flood_.poll(now);
   for (auto& [neighbor, link] : links_) {
-    if (!link.receiver || link.receiver->due() > now) continue;
+    if (!link.receiver || acknowledgment_due(*link.receiver) > now) continue;
     transmit(wire::FrameType::kHopAcknowledgment, 0, neighbor, 0, next_counter_++,
              to_bytes(link.receiver->acknowledge()), now);
   }
@@ -78,12 +79,19 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   return std::exchange(out_, {});
 }
 
+/// On a crowded channel one later acknowledgment for many frames is better than a queue of them in the radio.
+Time Engine::Implementation::acknowledgment_due(const transport::HopReceiver& receiver) const {
+  const Time due = receiver.due();
+  if (due == Time::max()) return due;
+  return std::max(due, std::min(air_.ready_at(), receiver.owed_since() + kLatestAcknowledgment));
+}
+
 Time Engine::Implementation::next_deadline() const {
   if (touched_) return now_;
   Time next = std::min({beacon_due_, router_.next_deadline(), flood_.next_deadline(), distributor_.next_deadline()});
   for (const auto& [neighbor, link] : links_) {
     next = std::min(next, link.sender.next_deadline());
-    if (link.receiver) next = std::min(next, link.receiver->due());
+    if (link.receiver) next = std::min(next, acknowledgment_due(*link.receiver));
   }
   for (const auto& [source, receiver] : receivers_) next = std::min(next, receiver->next_deadline());
   for (const auto& [key, stream] : streams_) {

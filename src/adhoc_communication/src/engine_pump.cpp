@@ -10,6 +10,7 @@ using wire::FrameType;
 
 namespace {
 
+constexpr Time kLongestBacklog = std::chrono::milliseconds(20);
 constexpr int kPairInterval = 16;  ///< of so many frames to a neighbour, two measure the air
 
 }  // namespace
@@ -97,11 +98,12 @@ bool Engine::Implementation::pump_streams(std::uint8_t priority, Time now) {
   return false;
 }
 
-/// Two frames may always be on their way to a neighbour, whatever is believed of the air; and the second of a pair that
-/// measures the air follows the first without a gap.
+/// Two frames may be on their way to each neighbour even if the air is believed to be slow, as long as that is not for
+/// long; and the second of a pair that measures the air follows the first without a gap.
 bool Engine::Implementation::air_allows(const Link& link, Time now) const {
   if (air_.ready_at() <= now) return true;
-  return options_.num_link_retrans > 0 && (link.sender.unresolved() < 2 || link.pair == 0);
+  if (options_.num_link_retrans == 0) return false;
+  return link.pair == 0 || (link.sender.unresolved() < 2 && air_.ready_at() <= now + kLongestBacklog);
 }
 
 void Engine::Implementation::send_on(const MacAddress& neighbor, Link& link, const HopSender::Outgoing& outgoing,

@@ -14,6 +14,8 @@ class Outbox {
   virtual void unicast_once(const MacAddress& neighbor, wire::FrameType type, Bytes body) = 0;
   /// To a neighbour, repeated until acknowledged, ahead of all packets.
   virtual void unicast(const MacAddress& neighbor, wire::FrameType type, Bytes body) = 0;
+  /// When the radio will have room for a further frame.
+  virtual Time air_ready() const { return Time(0); }
 };
 
 }  // namespace adhoc_communication

@@ -45,12 +45,12 @@ void RequestFlood::forward(const wire::RouteRequest& request, Cost link, Time no
 void RequestFlood::poll(const Neighbors& neighbors, Time now) {
   for (std::size_t i = 0; i < pending_.size();) {
     Pending& pending = pending_[i];
-    if (pending.due > now) {
+    if (pending.due > now || (!pending.broadcast_done && outbox_.air_ready() > now)) {
       ++i;
     } else if (!pending.broadcast_done) {
       outbox_.broadcast(wire::FrameType::kRouteRequest, to_bytes(pending.request));
       pending.broadcast_done = true;
-      pending.due = now + kConfirm;
+      pending.due = now + kConfirm + kWaitersPerHop * (now - pending.due);
       ++i;
     } else {
       confirm(pending.request, neighbors, now);
@@ -84,7 +84,9 @@ bool RequestFlood::well_supplied(const Neighbor& neighbor, const Seen& seen, con
 
 Time RequestFlood::next_deadline() const {
   Time next = Time::max();
-  for (const Pending& pending : pending_) next = std::min(next, pending.due);
+  for (const Pending& pending : pending_) {
+    next = std::min(next, pending.broadcast_done ? pending.due : std::max(pending.due, outbox_.air_ready()));
+  }
   return next;
 }
 

@@ -1,7 +1,8 @@
 // RFC 3561 sections 6.3 and 6.5: which route requests were seen, and passing them on.
 //
 // A lost broadcast is the weak point of a flood. So whoever has broadcast a request listens; a neighbour that has not
-// been heard with it after kConfirm, and hears few who have it, gets it once more as an acknowledged unicast.
+// been heard with it after kConfirm, and hears few who have it, gets it once more as an acknowledged unicast. On a
+// crowded channel requests wait until the radio has room, and so do others: whoever had to wait gives them more time.
 #pragma once
 
 #include <map>
@@ -24,6 +25,7 @@ class RequestFlood {
   static constexpr int kEnoughCopies = 2;               ///< besides the own one, within reach of a neighbour
   static constexpr int kMostForwards = 2;               ///< of one request: once more when a cheaper copy came late
   static constexpr Time kConfirm = std::chrono::milliseconds(25);
+  static constexpr int kWaitersPerHop = 4;  ///< that may stand before a copy where this robot stood alone
   static constexpr Time kJitter = std::chrono::milliseconds(2);
   static constexpr Time kPenalty = std::chrono::milliseconds(15);  ///< for each transmission more than a perfect hop
   static constexpr Time kLongestPenalty = std::chrono::milliseconds(20);

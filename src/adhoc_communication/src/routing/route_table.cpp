@@ -98,7 +98,9 @@ std::vector<Route> RouteTable::break_destinations(const wire::RouteError& error,
       if (route.sequence_valid) ++route.sequence;
     } else {
       if (route.sequence_valid && is_newer(route.sequence, lost.sequence)) continue;
-      route.sequence = lost.sequence;
+      // Others may rely on this entry with its number, so it must not come back with the same one and a greater cost.
+      const bool same = route.sequence_valid && route.sequence == lost.sequence;
+      route.sequence = lost.sequence + (same ? 1 : 0);
       route.sequence_valid = true;
     }
     invalidate(route, now);

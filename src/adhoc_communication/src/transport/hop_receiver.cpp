@@ -12,6 +12,7 @@ bool HopReceiver::take(std::uint32_t link_sequence, std::uint64_t counter, bool 
     newest_counter_ = counter;
     newest_arrival_ = now;
   }
+  if (unacknowledged_ == 0) owed_since_ = now;
   ++unacknowledged_;
   const bool now_due = acknowledge_now || !fresh || gap || unacknowledged_ >= kFramesPerAcknowledgment;
   due_ = std::min(due_, now_due ? now : now + kLongestDelay);

@@ -20,6 +20,8 @@ class HopReceiver {
   bool take(std::uint32_t link_sequence, std::uint64_t counter, bool acknowledge_now, Time now);
   /// When the acknowledgment is due; Time::max() if none is owed.
   Time due() const { return due_; }
+  /// Arrival of the first frame that is not acknowledged.
+  Time owed_since() const { return owed_since_; }
   wire::HopAcknowledgment acknowledge();
 
  private:
@@ -34,6 +36,7 @@ class HopReceiver {
   Time spacing_{0};
   int unacknowledged_ = 0;
   Time due_ = Time::max();
+  Time owed_since_{0};
 };
 
 }  // namespace adhoc_communication::transport

@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kOutcomesThatMatter = 32;
 constexpr int kFewestOutcomes = 8;
+constexpr int kExpiriesPerDoubling = 4;
 constexpr Time kOutcomesAge = std::chrono::seconds(10);
 
 }  // namespace
@@ -58,8 +59,23 @@ HopSender::Outgoing HopSender::transmit(std::uint32_t link_sequence, InFlight& f
   ++flight.transmissions;
   flight.last_counter = counter;
   const int backoff = std::min(flight.timeouts, 5);
-  unresolved_.push_back({counter, link_sequence, now, now + round_trip_.timeout() * (5 + backoff) / 5});
+  unresolved_.push_back({counter, link_sequence, now, now + timer() * (5 + backoff) / 5});
   return {flight.frame.type, link_sequence, &flight.frame.body};
+}
+
+/// Timers that run out again and again say that the channel is crowded and acknowledgments come late: repeating would
+/// crowd it more.
+Time HopSender::timer() const {
+  return std::min(round_trip_.timeout() * (1 << std::min(expiries_ / kExpiriesPerDoubling, 6)), kLongestTimer);
+}
+
+/// A late acknowledgment counts, too: otherwise a timer that is too short would stay so.
+void HopSender::sample_round_trip(std::uint64_t counter, Time now) {
+  for (const auto* sent : {&unresolved_, &late_}) {
+    for (const Transmission& transmission : *sent) {
+      if (transmission.counter == counter) return round_trip_.sample(now - transmission.sent);
+    }
+  }
 }
 
 bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time now) {
@@ -75,10 +91,10 @@ bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time
       ++iterator;
     }
   }
+  sample_round_trip(acknowledgment.newest_counter, now);
   while (!unresolved_.empty() && unresolved_.front().counter <= acknowledgment.newest_counter) {
     const Transmission transmission = unresolved_.front();
     unresolved_.pop_front();
-    if (transmission.counter == acknowledgment.newest_counter) round_trip_.sample(now - transmission.sent);
     const bool lost = in_flight_.count(transmission.link_sequence) != 0;
     outcomes_ = now - last_outcome_ < kOutcomesAge ? std::min(outcomes_ + 1, kOutcomesThatMatter) : 1;
     last_outcome_ = now;
@@ -86,7 +102,9 @@ bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time
     if (lost) transmission_lost(transmission, false);
     progress = true;
   }
+  while (!late_.empty() && late_.front().counter <= acknowledgment.newest_counter) late_.pop_front();
   if (progress) last_progress_ = now;
+  if (progress) expiries_ = 0;
   if (in_flight_.empty()) {
     waiting_since_.reset();
     unresolved_.clear();
@@ -110,6 +128,9 @@ void HopSender::expire(Time now) {
     }
     const Transmission transmission = *iterator;
     iterator = unresolved_.erase(iterator);
+    if (late_.size() == kMostLate) late_.pop_front();
+    late_.push_back(transmission);
+    ++expiries_;
     transmission_lost(transmission, true);
   }
   if (in_flight_.empty()) waiting_since_.reset();  // given up: nothing is outstanding any more
@@ -140,6 +161,8 @@ void HopSender::clear() {
   for (auto& queue : lost_) queue.clear();
   in_flight_.clear();
   unresolved_.clear();
+  late_.clear();
+  expiries_ = 0;
   waiting_since_.reset();
 }
 

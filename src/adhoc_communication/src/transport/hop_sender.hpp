@@ -33,6 +33,8 @@ class HopSender {
   static constexpr Time kSilence = std::chrono::milliseconds(150);
   static constexpr Time kNoProgress = std::chrono::seconds(1);  ///< heard, but not acknowledging
   static constexpr Time kShortestTimer = std::chrono::milliseconds(10);
+  static constexpr Time kLongestTimer = std::chrono::milliseconds(500);
+  static constexpr std::size_t kMostLate = 64;  ///< transmissions given up by the timer whose acknowledgment may come
 
   struct Outgoing {
     wire::FrameType type;
@@ -95,8 +97,10 @@ class HopSender {
 
   Outgoing transmit(std::uint32_t link_sequence, InFlight& flight, std::uint64_t counter, Time now);
   void transmission_lost(const Transmission& transmission, bool by_timer);
+  Time timer() const;
+  void sample_round_trip(std::uint64_t counter, Time now);
   Time dead_at() const;
-  Time silence() const { return std::max(kSilence, 6 * round_trip_.timeout()); }
+  Time silence() const { return std::clamp(6 * round_trip_.timeout(), kSilence, kNoProgress); }
 
   std::uint32_t next_link_sequence_;
   int most_resends_;
@@ -104,7 +108,9 @@ class HopSender {
   std::map<std::uint32_t, InFlight> in_flight_;
   std::array<std::deque<std::uint32_t>, kPriorities> lost_;
   std::deque<Transmission> unresolved_;
-  RoundTrip round_trip_{std::chrono::milliseconds(20), kShortestTimer, std::chrono::milliseconds(100)};
+  std::deque<Transmission> late_;
+  int expiries_ = 0;  ///< of timers since the last acknowledgment
+  RoundTrip round_trip_{std::chrono::milliseconds(20), kShortestTimer, kLongestTimer};
   std::optional<Time> waiting_since_;  ///< frames have been outstanding without a break since then
   Time silent_since_{0};
   Time last_progress_{0};
