@@ -204,8 +204,10 @@ class Agent:
         peer.track.add(position.pose.x, position.pose.y, now)
         self._look_for(peer, now)
 
-    def on_sent(self, send: Send, delivered: bool, now: float) -> None:
-        """The host finished a Send."""
+    def on_sent(self, send: Send, delivered: bool, now: float, too_large: Optional[Tile] = None) -> None:
+        """The host finished a Send. `too_large`: the tile that the radio refused for its size."""
+        if too_large is not None:
+            self._halve(too_large)
         if send.purpose in (Purpose.ANSWER, Purpose.REQUEST):
             peer = self._peers.get(send.destination)
             if peer is not None and send.purpose is Purpose.ANSWER:
@@ -367,6 +369,15 @@ class Agent:
         if tiles:
             payloads: List[Payload] = [] if self._announced else [anchor]
             self._group_send(Purpose.CHANGES, payloads + list(tiles))
+
+    def _halve(self, refused: Tile) -> None:
+        rows, columns = refused.cells.shape
+        size = f"a piece of the map of {rows} x {columns} cells is larger than adhoc_communication sends"
+        if self._sender.halve(refused):
+            self._resend.progress()
+            self._warn_once("halving", self.name, f"{size}: pieces are halved until they fit; see max_packet_size")
+        else:
+            self._warn_once("refused", self.name, f"{size}, and is not cut further: raise max_packet_size")
 
     def _send_anchor(self) -> None:
         anchor = self._sender.anchor()
