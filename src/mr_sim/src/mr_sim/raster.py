@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from mr_sim.pose import compose
 from mr_sim.world_file import WorldFileError
-from mr_sim.world_model import OCCUPIED_BELOW, Obstacle, Polygon, compose
+from mr_sim.world_model import OCCUPIED_BELOW, Obstacle, Polygon
 
 MAX_CELLS = 100_000_000
 
