@@ -9,8 +9,7 @@ from typing import Any
 
 from mr_launch.errors import UserError
 from mr_launch.maps import Grid
-
-Pose = tuple[float, float, float]  # x, y in m, yaw in rad
+from mr_sim.pose import Pose
 
 
 def find_world(name: str) -> str:

@@ -174,7 +174,8 @@ def distance_driven(records: np.ndarray) -> float:
 
 
 def moving_share(records: np.ndarray, begin: float, end: float) -> float:
-    """Share of the time from `begin` to `end`, in which the robot has a task, that it moves."""
+    """Share of the time with a task that the robot moves: from `begin`, the start of the mission, to `end`, when this
+    robot has finished its exploration."""
     task = records[(records["time"] > begin) & (records["time"] <= end)]
     if len(task) == 0:
         return 0.0
@@ -203,6 +204,12 @@ def collisions(records: np.ndarray) -> Collisions:
     begins = np.flatnonzero((contact != 0) & (contact != np.concatenate([[0], contact[:-1]])))
     kinds: list[int] = [int(kind) for kind in contact[begins]]
     return Collisions(kinds.count(1), kinds.count(2), tuple(float(t) for t in records["time"][begins]))
+
+
+def stalled_time(records: np.ndarray) -> float:
+    """Seconds in which the simulator held the robot back."""
+    step = float(np.median(np.diff(records["time"]))) if len(records) > 1 else 0.0
+    return float(np.count_nonzero(records["stalled"])) * step
 
 
 def exploration_time(start: float, finished: dict[str, float]) -> float:
