@@ -517,16 +517,20 @@ class Agent:
         )
 
     def _others(self, peer: Peer) -> Tuple[np.ndarray, bool]:
-        """Where and when robots were that may be taken for the peer, in the own frame, (n, 3); False if not of all."""
+        """Where and when robots were that may be taken for the peer, in the own frame, (n, 3); False if not of all.
+
+        Who has neither map nor position, like a base station, does not drive about.
+        """
         others = [
             other
             for other in self._peers.values()
-            if other is not peer and other.name != self._base and other.position is not None
+            if other.name not in (peer.name, self._base)
+            and (other.position is not None or other.map.grid() is not None)
         ]
         tracks = [
             moved(other.track.timed_points(), other.alignment.proposed)
             for other in others
-            if other.alignment.proposed is not None
+            if other.position is not None and other.alignment.proposed is not None
         ]
         return np.concatenate([nowhere(), *tracks]), len(tracks) == len(others)
 

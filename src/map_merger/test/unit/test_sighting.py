@@ -163,11 +163,14 @@ class Watcher:
         self.agent.on_position(Position("robot_2", Transform(0.0, 0.0, 0.0)), self.now)
 
     def third_robot_is_placed(self, place):
-        """The same map again, and it has been seen: its frame is known."""
+        """The same map again and a position: its frame is proposed."""
+        self.third_robot_has_a_map()
+        self.agent.on_position(Position("robot_2", Transform(*place, 0.0)), self.now)
+
+    def third_robot_has_a_map(self):
         info = room().info
         self.agent.on_anchor(Anchor("robot_2", info, (1, 2), 1), self.now)
         self.agent.on_tile(Tile("robot_2", (0,), 0, 0, room().cells, info.resolution, (1, 2), 1), self.now)
-        self.agent.on_position(Position("robot_2", Transform(*place, 0.0)), self.now)
 
     @property
     def merged(self):
@@ -189,6 +192,14 @@ def test_a_third_robot_that_is_known_to_have_stood_there_fakes_no_meeting_not_ev
     watcher.third_robot_is_placed(SECOND)
     watcher.sees(SECOND, told=SECOND)
     watcher.third_robot_is_placed((-2.0, -1.0))
+    watcher.sees(None, told=AWAY, seconds=60.0)
+    assert not watcher.merged
+
+
+def test_a_third_robot_with_a_map_that_does_not_tell_where_it_is_may_be_anywhere():
+    watcher = Watcher()
+    watcher.third_robot_has_a_map()
+    watcher.sees(START, told=START, seconds=6.0)
     watcher.sees(None, told=AWAY, seconds=60.0)
     assert not watcher.merged
 
