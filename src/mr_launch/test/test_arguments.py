@@ -17,6 +17,7 @@ def test_defaults():
         1,
         900,
     )
+    assert options.wall_attenuation == 0.0
     assert options.robots is None and options.bag and not options.initial_poses
     assert options.out.startswith("out/1970-01-01_") or options.out.startswith("out/1969-12-31_")
 
@@ -28,6 +29,7 @@ def test_defaults():
         (["--range", "nan"], "--range nan is out of range"),
         (["--loss", "1"], "--loss 1 is out of range"),
         (["--loss", "-0.1"], "--loss -0.1 is out of range"),
+        (["--wall-attenuation", "-1"], "--wall-attenuation -1 is out of range"),
         (["--rtf", "-1"], "--rtf -1 is out of range"),
         (["--rtf", "inf"], "--rtf inf is out of range"),
         (["--duration", "0"], "--duration 0 is out of range"),

@@ -10,6 +10,7 @@ from mr_launch.arguments import parse_arguments
 from mr_launch.plan import (
     Plan,
     RobotPlan,
+    Walls,
     key_command,
     launch_command,
     link_commands,
@@ -49,6 +50,8 @@ def test_radio_gets_one_interface_per_robot():
         "0.25",
         "--seed",
         "4",
+        "--rtf",
+        "1",
         "--control",
         "/private/radio",
         "--statistics",
@@ -58,6 +61,25 @@ def test_radio_gets_one_interface_per_robot():
 
 def test_radio_as_hub():
     assert radio_command(plan(isolation.HUB))[:3] == ["/bin/radio", "--hub", "/private/hub"]
+
+
+@pytest.mark.parametrize(("rtf", "of_radio"), [("0.5", "0.5"), ("8", "8"), ("0", "1"), ("0.0001", "0.001")])
+def test_radio_runs_at_the_speed_of_the_world(rtf, of_radio):
+    command = radio_command(plan(isolation.NAMESPACES, "--rtf", rtf))
+    assert command[command.index("--rtf") + 1] == of_radio
+
+
+def test_radio_knows_the_walls_only_when_asked_to():
+    assert not any(word.startswith("--wall") for word in radio_command(plan()))
+    walled = plan(isolation.NAMESPACES, "--wall-attenuation", "12.5")
+    command = radio_command(walled, Walls("/private/walls.pgm", 0.02, (-1.0, 2.5)))
+    given = {word: command[command.index(word) + 1] for word in command if word.startswith("--wall")}
+    assert given == {
+        "--walls": "/private/walls.pgm",
+        "--walls-resolution": "0.020000",
+        "--walls-origin": "-1.000000,2.500000",
+        "--wall-attenuation": "12.5",
+    }
 
 
 def test_interface_names_fit_the_kernel():

@@ -9,14 +9,18 @@ import yaml
 
 from mr_launch.arguments import parse_arguments
 from mr_launch.maps import Grid, load_raw, save_map, save_raw
+from mr_launch.mission import Outcome
 from mr_launch.monitor import Digest
 from mr_launch.nodes import NodeWatch, parse_ends
 from mr_launch.pictures import bounds, draw_mission
 from mr_launch.plan import Plan, RobotPlan
 from mr_launch.reports import RobotReport
+from mr_launch.results import exploration_end, last_finish
 from mr_launch.summary import cpu_shares, mission_summary, packets_by_hops, process_name, robot_summary, team_summary
 from mr_launch.truth import Truth
 from mr_launch.view import Picture, RobotRow, plain_lines
+from mr_sim.measures import collisions, distance_driven
+from mr_sim.trace import read_trace
 
 HEADER = "# mr_sim trace 1 seed 1 real_time_factor 1 world w\ntime,wall,robot,x,y,yaw,v,w,stalled,collision\n"
 
@@ -46,14 +50,40 @@ def test_truth_of_one_robot(tmp_path):
     write_trace(tmp_path / "t.csv", rows)
     truth = Truth(tmp_path / "t.csv", ["a"])
     truth.update()
-    figures = truth.tracks["a"].statistics(0.0, 6.0)
+    figures = truth.tracks["a"].statistics(0.0, 6.0, 6.0)
     assert figures["distance"] == 1.0
-    assert figures["moving"] == pytest.approx(3 / 7, abs=1e-3)
+    assert figures["moving"] == pytest.approx(3 / 6, abs=1e-3)
     assert (figures["collisions"], figures["collisions_with_robots"]) == (2, 1)
     assert figures["stalled_time"] == 3.0
     assert truth.real_time_factor(0.0, 6.0) == pytest.approx(2.0)
-    later = truth.tracks["a"].statistics(2.0, 6.0)
+    later = truth.tracks["a"].statistics(2.0, 6.0, 6.0)
     assert later["distance"] == 0.0
+    records = read_trace(tmp_path / "t.csv").robots["a"]
+    assert (truth.tracks["a"].records() == records).all()
+    assert figures["distance"] == distance_driven(records) and figures["collisions"] == collisions(records).total
+
+
+def test_the_way_home_is_distance_but_no_task(tmp_path):
+    rows = [(0.1 * n, 0.1 * n, "a", 0.05 * max(0, n - 10), 0, 0, 0.5 * (n > 10), 0.0, 0, 0) for n in range(31)]
+    write_trace(tmp_path / "t.csv", rows)
+    truth = Truth(tmp_path / "t.csv", ["a"])
+    truth.update()
+    figures = truth.tracks["a"].statistics(0.0, 2.0, 3.0)
+    assert figures["moving"] == 0.5
+    assert figures["distance"] == 1.0
+
+
+def test_a_robot_without_a_trace_has_not_moved(tmp_path):
+    figures = Truth(tmp_path / "t.csv", ["a"]).tracks["a"].statistics(0.0, 2.0, 3.0)
+    assert set(figures.values()) == {0}
+
+
+def test_exploration_of_a_robot_ends_when_it_says_so_or_with_the_mission():
+    outcome = Outcome(start=10.0, end=90.0)
+    done = report(exploration_finished=True, exploration_time=50.0, start_time=12.5)
+    assert exploration_end(done, outcome) == 62.5
+    assert exploration_end(report(), outcome) == 90.0
+    assert last_finish([done, report()], outcome) == 90.0
 
 
 def test_growing_trace_is_read_by_whole_lines(tmp_path):
@@ -63,11 +93,11 @@ def test_growing_trace_is_read_by_whole_lines(tmp_path):
         file.write("0.05,0.05,a,1.")
     truth = Truth(path, ["a"])
     truth.update()
-    assert truth.tracks["a"].time == [0.0]
+    assert truth.tracks["a"].records()["time"].tolist() == [0.0]
     with path.open("a") as file:
         file.write("5,0,0,0,0,0,0\n0.05,0.05,stranger,1,0,0,0,0,0,0\n# end simulated 1\n")
     truth.update()
-    assert truth.tracks["a"].x == [0.0, 1.5]
+    assert truth.tracks["a"].records()["x"].tolist() == [0.0, 1.5]
     assert truth.time == 0.05
 
 

@@ -28,7 +28,7 @@ from .messages import Anchor, Boot, Payload, Position, Request, Tile
 from .options import Options
 from .peer import HeardPose, Peer, Retry, Track
 from .registration import Limits, Prior, Registration, Verdict
-from .sighting import LONGEST_LAG_S, LONGEST_MAP_LAG_S, Sighting, View, view_of
+from .sighting import LONGEST_LAG_S, LONGEST_MAP_LAG_S, Sighting, View, moved, nowhere, view_of
 from .transform import FARTHEST_M, Transform, rotation_between
 
 MOST_ROBOTS = 64
@@ -39,6 +39,8 @@ NEIGHBOR_QUESTION_S = 5.0
 TRANSFORM_PERIOD_S = 0.5
 SHORTEST_PUBLISH_S = 1.0
 """New local maps are passed on at once, but not more often than this."""
+SHORTEST_VIEW_S = 1.0
+"""Another robot's map, which comes in parts, is looked at this often for the own robot."""
 POSITION_AGE_S = 30.0
 MOST_MARKERS = 500
 MOST_POSES = 32
@@ -134,7 +136,7 @@ class Agent:
     def on_local_pose(self, pose: Transform, now: float) -> None:
         """The robot's pose in its map frame."""
         self._own_pose = pose
-        self._own_track.add(pose.x, pose.y)
+        self._own_track.add(pose.x, pose.y, now)
         self._own_poses.append((now, pose))
 
     def on_robot(self, name: str, now: float, returned: bool = False) -> None:
@@ -199,11 +201,13 @@ class Agent:
         if peer is None or not self._options.exchange_position:
             return
         peer.position = HeardPose(position.pose, now)
-        peer.track.add(position.pose.x, position.pose.y)
+        peer.track.add(position.pose.x, position.pose.y, now)
         self._look_for(peer, now)
 
-    def on_sent(self, send: Send, delivered: bool, now: float) -> None:
-        """The host finished a Send."""
+    def on_sent(self, send: Send, delivered: bool, now: float, too_large: Optional[Tile] = None) -> None:
+        """The host finished a Send. `too_large`: the tile that the radio refused for its size."""
+        if too_large is not None:
+            self._halve(too_large)
         if send.purpose in (Purpose.ANSWER, Purpose.REQUEST):
             peer = self._peers.get(send.destination)
             if peer is not None and send.purpose is Purpose.ANSWER:
@@ -227,6 +231,9 @@ class Agent:
             return
         before = peer.alignment.transform
         news = peer.alignment.finished(result)
+        if news:
+            # They have served, and if they misled they would do so again.
+            peer.forget_sightings()
         if peer.alignment.transform != before:
             self._changed_foreign = True
         if news == "accepted":
@@ -363,6 +370,15 @@ class Agent:
             payloads: List[Payload] = [] if self._announced else [anchor]
             self._group_send(Purpose.CHANGES, payloads + list(tiles))
 
+    def _halve(self, refused: Tile) -> None:
+        rows, columns = refused.cells.shape
+        size = f"a piece of the map of {rows} x {columns} cells is larger than adhoc_communication sends"
+        if self._sender.halve(refused):
+            self._resend.progress()
+            self._warn_once("halving", self.name, f"{size}: pieces are halved until they fit; see max_packet_size")
+        else:
+            self._warn_once("refused", self.name, f"{size}, and is not cut further: raise max_packet_size")
+
     def _send_anchor(self) -> None:
         anchor = self._sender.anchor()
         if anchor is not None and self._peers and Purpose.ANCHOR not in self._outstanding:
@@ -431,18 +447,26 @@ class Agent:
         if position is None or peer.alignment.transform is not None or self._local is None:
             return
         if max(abs(now - position.heard), abs(now - self._view_time)) <= LONGEST_LAG_S:
-            self._view = self._view or view_of(self._local)
-            peer.seen.add(Sighting(self._view, position.pose.x, position.pose.y))
+            self._view = self._view or view_of(self._local, self._viewer())
+            peer.seen.add(Sighting(self._view, position.pose.x, position.pose.y, now))
+
+    def _viewer(self) -> Optional[Transform]:
+        """Pose of the robot whose map is the local one."""
+        if self._base is None:
+            return self._own_pose
+        position = self._peers[self._base].position
+        return None if position is None else position.pose
 
     def _look_through(self, peer: Peer, grid: Grid, now: float) -> None:
         """Keeps what the other robot's map shows together with the places where the own robot was just before."""
-        if peer.viewed == peer.map.version or peer.alignment.transform is not None:
+        soon = 0.0 <= now - peer.viewed_at < SHORTEST_VIEW_S
+        if soon or peer.viewed == peer.map.version or peer.alignment.transform is not None:
             return
-        peer.viewed = peer.map.version
-        view = view_of(grid)
+        peer.viewed, peer.viewed_at = peer.map.version, now
+        view = view_of(grid, None if peer.position is None else peer.position.pose)
         for time, pose in self._own_poses:
             if 0.0 <= now - time <= LONGEST_MAP_LAG_S:
-                peer.saw.add(Sighting(view, pose.x, pose.y))
+                peer.saw.add(Sighting(view, pose.x, pose.y, now))
 
     # Registration
 
@@ -485,11 +509,30 @@ class Agent:
             self._limits(target.grid.info),
             self._options.registration,
             self._cache,
-            self._own_track.points(),
-            peer.track.points(),
+            self._own_track.timed_points(),
+            peer.track.timed_points(),
+            *self._others(peer),
             peer.seen.all(),
             peer.saw.all(),
         )
+
+    def _others(self, peer: Peer) -> Tuple[np.ndarray, bool]:
+        """Where and when robots were that may be taken for the peer, in the own frame, (n, 3); False if not of all.
+
+        Who has neither map nor position, like a base station, does not drive about.
+        """
+        others = [
+            other
+            for other in self._peers.values()
+            if other.name not in (peer.name, self._base)
+            and (other.position is not None or other.map.grid() is not None)
+        ]
+        tracks = [
+            moved(other.track.timed_points(), other.alignment.proposed)
+            for other in others
+            if other.position is not None and other.alignment.proposed is not None
+        ]
+        return np.concatenate([nowhere(), *tracks]), len(tracks) == len(others)
 
     def _prior(self, robot: str) -> Optional[Prior]:
         poses = self._options.initial_poses

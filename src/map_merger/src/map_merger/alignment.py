@@ -28,7 +28,7 @@ from .registration import (
     judge_kept,
 )
 from .search import same_place
-from .sighting import Sighting, robot_seen
+from .sighting import SIGHTINGS_NEEDED, Sighting, moved, nowhere, places_seen
 from .surface import Landmarks, landmarks_of, without_places
 from .transform import Transform, rotation_between
 
@@ -59,11 +59,6 @@ class Member(NamedTuple):
 
     map: Versioned
     transform: Transform
-
-
-def nowhere() -> np.ndarray:
-    """No places."""
-    return np.zeros((0, 2))
 
 
 class LandmarkCache:
@@ -100,7 +95,11 @@ class Job:
     cache: LandmarkCache
     target_track: np.ndarray = field(default_factory=nowhere)
     source_track: np.ndarray = field(default_factory=nowhere)
-    """Where the robots of both maps have been, each (n, 2) in metres in the frame of its own map."""
+    """Where and when the robots of both maps have been, each (n, 3: x, y, time) in the frame of its own map."""
+    other_tracks: np.ndarray = field(default_factory=nowhere)
+    """The same of all other robots whose transform is known or proposed, in the target's frame."""
+    others_placed: bool = True
+    """False if another robot is on the move whose transform is neither known nor proposed."""
     seen: Tuple[Sighting, ...] = ()
     saw: Tuple[Sighting, ...] = ()
     """What the target's maps showed where the source's robot was, and the other way round."""
@@ -109,8 +108,8 @@ class Job:
         """The outcome; for a followed transform the verdict says whether it may be kept."""
         target = self.cache.of(self.target.key, lambda: self.target.grid)
         source = self.cache.of(self.source.key, lambda: self.source.grid)
-        target = without_places(target, self.target_track, _ROBOT_REACH_M)
-        source = without_places(source, self.source_track, _ROBOT_REACH_M)
+        target = without_places(target, self.target_track[:, :2], _ROBOT_REACH_M)
+        source = without_places(source, self.source_track[:, :2], _ROBOT_REACH_M)
         if self.current is not None:
             return self._follow(target, source, self.current)
         result = self._searched(target, source)
@@ -137,9 +136,10 @@ class Job:
         return method(target, source, criteria, self.limits, self.prior)
 
     def _met(self, transform: Transform) -> bool:
-        return robot_seen(self.target.grid, self.seen, self.source_track, transform) or robot_seen(
-            self.source.grid, self.saw, self.target_track, transform.inverse()
-        )
+        back = transform.inverse()
+        seen = places_seen(self.target.grid, self.seen, self.source_track, transform, self.other_tracks)
+        saw = places_seen(self.source.grid, self.saw, self.target_track, back, moved(self.other_tracks, back))
+        return seen + saw >= (1 if self.others_placed else SIGHTINGS_NEEDED)
 
     def _follow(self, target: Landmarks, source: Landmarks, current: Transform) -> Registration:
         better, evidence = follow(target, source, current)
@@ -158,7 +158,7 @@ class Job:
             layers = [resampled(member.map.grid, member.transform, self.target.grid) for member in self.team]
             return fused(self.target.grid, [layer for layer in layers if layer is not None])
 
-        return without_places(self.cache.of(key, merge), self.target_track, _ROBOT_REACH_M)
+        return without_places(self.cache.of(key, merge), self.target_track[:, :2], _ROBOT_REACH_M)
 
 
 def outcome_of(job: Job) -> Tuple[Registration, Optional[Exception]]:
@@ -183,6 +183,13 @@ class Alignment:
         self._due = -math.inf
         self._wait = 0.0
         self._last_started = -math.inf
+
+    @property
+    def proposed(self) -> Optional[Transform]:
+        """The transform that is believed or, until one is, the one that waits for confirmation."""
+        if self.transform is not None:
+            return self.transform
+        return None if self._candidate is None else self._candidate.transform
 
     def forget(self) -> None:
         """The robot's frame is a new one: nothing that was known holds."""

@@ -14,7 +14,9 @@ from .messages import NO_BOOT, Anchor, Boot, Tile
 MOST_BOXES = 4096
 """Updates whose region is remembered; older ones are answered with everything."""
 MOST_TILES = 512
-"""Tiles in one go; the tile edge is doubled until they suffice."""
+"""Tiles in one go; the tile edge is doubled until they suffice, unless that is too large to be sent."""
+SMALLEST_TILE = 16
+"""Tiles are not halved below this edge in cells."""
 MOST_REQUESTED = 200
 """Numbers in one request; with more gaps everything is asked for."""
 MOST_MAP_CELLS = 8_000_000
@@ -36,6 +38,7 @@ class MapSender:
         """`tile_size` in cells, None = everything in one tile. `boot` names this run."""
         self._robot = robot
         self._tile_size = tile_size
+        self._largest_taken = MOST_MAP_CELLS
         self._boot = boot
         self._canvas: Optional[Canvas] = None
         self._local: Optional[Grid] = None
@@ -98,6 +101,15 @@ class MapSender:
         """The region of the last update."""
         return self.again([self._next - 1])
 
+    def halve(self, refused: Tile) -> bool:
+        """From now on tiles have at most half the edge of this one, which was too large to be sent. False if it is too
+        small for that."""
+        edge = max(refused.cells.shape) // 2
+        if edge < SMALLEST_TILE:
+            return False
+        self._largest_taken = min(edge, self._largest_taken)
+        return True
+
     def _numbered(self, box: Box) -> Tile:
         number = self._next
         self._next += 1
@@ -129,7 +141,7 @@ class MapSender:
         size = self._tile_size or max(box.shape)
         while -(-box.shape[0] // size) * -(-box.shape[1] // size) > MOST_TILES:
             size *= 2
-        return list(box.tiles(size))
+        return list(box.tiles(min(size, self._largest_taken)))
 
 
 class PeerMap:

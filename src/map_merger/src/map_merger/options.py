@@ -12,13 +12,14 @@ class OptionError(ValueError):
 
 
 class Parameter(NamedTuple):
-    """One parameter: type, default, smallest value, and a further allowed value outside the bound."""
+    """One parameter: type, default, smallest value, a further allowed value outside the bounds, and largest value."""
 
     kind: type
     default: Any
     least: Optional[float] = None
     also: Optional[float] = None
     choices: Tuple[str, ...] = ()
+    most: Optional[float] = None
 
 
 PARAMETERS: Dict[str, Parameter] = {
@@ -35,7 +36,7 @@ PARAMETERS: Dict[str, Parameter] = {
     "has_local_map": Parameter(bool, True),
     "exchange_position": Parameter(bool, False),
     "splitted": Parameter(bool, True),
-    "split_size": Parameter(int, 32, least=1),
+    "split_size": Parameter(int, 32, least=1, most=2048),
     "seconds_pub_timer": Parameter(int, 3, least=1),
     "seconds_send_timer": Parameter(int, 5, least=1),
     "seconds_recompute_transform": Parameter(int, 5, least=1, also=-1),
@@ -136,6 +137,8 @@ def _checked(name: str, value: Any) -> Any:
         if name == "seconds_recompute_transform":
             also = " or -1 for never"
         raise OptionError(f"parameter {name} must be at least {parameter.least:g}{also}, not {value:g}")
+    if parameter.most is not None and value > parameter.most:
+        raise OptionError(f"parameter {name} must be at most {parameter.most:g}, not {value:g}")
     if parameter.kind is float and not math.isfinite(value):
         raise OptionError(f"parameter {name} must be finite, not {value!r}")
     return value

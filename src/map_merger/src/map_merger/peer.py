@@ -15,24 +15,28 @@ LONGEST_TRACK = 4000
 
 
 class Track:
-    """Where a robot has been in its own frame: points TRACK_SPACING_M apart, thinned out when LONGEST_TRACK is
-    reached."""
+    """Where and when a robot has been, in its own frame: points TRACK_SPACING_M apart, thinned out when there are
+    LONGEST_TRACK."""
 
     def __init__(self) -> None:
-        self._points: List[Tuple[float, float]] = []
+        self._points: List[Tuple[float, float, float]] = []
 
-    def add(self, x: float, y: float) -> bool:
+    def add(self, x: float, y: float, time: float) -> bool:
         """Appends the place unless the robot has hardly moved; True if it was appended."""
         if self._points and math.hypot(x - self._points[-1][0], y - self._points[-1][1]) < TRACK_SPACING_M:
             return False
-        self._points.append((x, y))
+        self._points.append((x, y, time))
         if len(self._points) > LONGEST_TRACK:
             self._points = self._points[::2]
         return True
 
+    def timed_points(self) -> np.ndarray:
+        """Shape (n, 3): x and y in metres, time in seconds; oldest first."""
+        return np.array(self._points, dtype=float).reshape(-1, 3)
+
     def points(self) -> np.ndarray:
         """Shape (n, 2), metres, oldest first."""
-        return np.array(self._points, dtype=float).reshape(-1, 2)
+        return self.timed_points()[:, :2]
 
 
 class Retry:
@@ -77,7 +81,8 @@ class Peer:
         self.saw = Views()
         """What the robot's map showed where the own robot was."""
         self.viewed = -1
-        """Version of the robot's map that was looked at last."""
+        """Version of the robot's map that was looked at last, and when (own clock, s)."""
+        self.viewed_at = -math.inf
         self.present = True
         self.answering = False
         self.generation = 0
@@ -92,5 +97,9 @@ class Peer:
     def forget_transform(self) -> None:
         """The robot's frame or the own one is a new one: nothing that was found out between them holds."""
         self.alignment.forget()
-        self.seen, self.saw, self.viewed = Views(), Views(), -1
+        self.forget_sightings()
         self.generation += 1
+
+    def forget_sightings(self) -> None:
+        """What was seen so far does not count."""
+        self.seen, self.saw, self.viewed = Views(), Views(), -1

@@ -1,6 +1,7 @@
 """A stand-in for adhoc_communication and SLAM in tests of the node: records what is sent, publishes what would
 arrive."""
 
+import math
 import threading
 
 import numpy as np
@@ -27,6 +28,7 @@ from map_merger.synthetic import Survey, Surveyor, office_plan
 from map_merger.transform import Transform
 
 WAIT_S = 30.0
+TOPICS = ("map_other", "map_meta_other", "control", "position_other_robots")
 
 
 def building(yaw=1.0):
@@ -50,9 +52,11 @@ def small_map(rows=20, columns=30, x=-0.5, y=-0.5):
 class FakeAdhoc:
     """Services of adhoc_communication under `prefix`; `sent` holds (service, destination, topic, payload)."""
 
-    def __init__(self, prefix="", neighbors=(), refuse=()):
+    def __init__(self, prefix="", neighbors=(), refuse=(), topics=TOPICS):
+        """`topics`: those of map updates, anchors, requests and positions."""
         self.sent = []
         self.refuse = set(refuse)
+        self.largest_map = math.inf
         self._news = threading.Condition()
         self._prefix = prefix
         base = prefix + "adhoc_communication/"
@@ -73,15 +77,17 @@ class FakeAdhoc:
             ),
             rospy.Service(base + "get_neighbors", GetNeighbors, lambda _: GetNeighborsResponse(list(neighbors))),
         ]
-        self.map_other = rospy.Publisher(prefix + "map_other", MmMapUpdate, queue_size=100)
-        self.meta_other = rospy.Publisher(prefix + "map_meta_other", OccupancyGrid, queue_size=100)
-        self.control = rospy.Publisher(prefix + "control", MmControl, queue_size=100)
-        self.positions = rospy.Publisher(prefix + "position_other_robots", MmRobotPosition, queue_size=100)
+        self.map_other, self.meta_other, self.control, self.positions = (
+            rospy.Publisher(prefix + topic, kind, queue_size=100)
+            for topic, kind in zip(topics, (MmMapUpdate, OccupancyGrid, MmControl, MmRobotPosition))
+        )
         self.new_robot = rospy.Publisher(base + "new_robot", String, queue_size=10, latch=True)
         self.status = rospy.Publisher(base + "status", Status, queue_size=10, latch=True)
 
     def _record(self, service, field, response):
         def handle(request):
+            if service == "map_update" and len(request.map_update.map.data) > self.largest_map:
+                raise rospy.ServiceException("packet of 12.0 MB exceeds max_packet_size of 10.0 MB")
             with self._news:
                 self.sent.append((service, request.dst_robot, request.topic, getattr(request, field)))
                 self._news.notify_all()

@@ -1,5 +1,6 @@
 """A team of agents on virtual time and a radio that loses what the test wants lost."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Callable, Dict, List
 
@@ -32,10 +33,12 @@ def options(name, **changes):
 
 @dataclass
 class Team:
-    """Agents by name; `lost(sender, receiver, payload)` says what the radio loses."""
+    """Agents by name; `lost(sender, receiver, payload)` says what the radio loses; it refuses tiles of more
+    than `largest_tile` cells."""
 
     agents: Dict[str, Agent]
     lost: Callable[[str, str, object], bool] = lambda sender, receiver, payload: False
+    largest_tile: float = math.inf
     now: float = 100.0
     sends: List[tuple] = field(default_factory=list)
     maps: Dict[str, list] = field(default_factory=dict)
@@ -65,7 +68,9 @@ class Team:
 
     def _carry_out(self, name, agent, effect):
         if isinstance(effect, Send):
-            agent.on_sent(effect, self._deliver(name, effect), self.now)
+            large = [each for each in effect.payloads if isinstance(each, Tile) and each.cells.size > self.largest_tile]
+            too_large = large[0] if large else None
+            agent.on_sent(effect, not large and self._deliver(name, effect), self.now, too_large)
         elif isinstance(effect, Register):
             self.jobs += 1
             agent.on_registered(effect, effect.job.run(), self.now)

@@ -112,6 +112,51 @@ def test_a_send_that_is_not_finished_holds_back_the_next():
     assert len([send for send in sends if send.destination == "mc_robot_0"]) == 3, "changes, position, anchor: one each"
 
 
+def cells_of(team, robot):
+    """Sizes of the tiles that a robot sent."""
+    return {tile.cells.shape for tile in team.sent(Tile, robot)}
+
+
+@pytest.mark.parametrize(("splitted", "shapes"), [(True, {(20, 20), (20, 10)}), (False, {(20, 50)})])
+def test_maps_are_sent_in_tiles_of_the_given_size_or_each_change_in_one_piece(splitted, shapes):
+    team = team_of("robot_0", "robot_1", splitted=splitted, split_size=20)
+    grid = Grid(GridInfo(50, 20, 0.05, Transform()), np.zeros((20, 50), np.int8))
+    team.agents["robot_0"].on_local_map(grid, team.now)
+    team.run(1.0)
+    assert cells_of(team, "robot_0") == shapes
+
+
+@pytest.mark.parametrize("splitted", [True, False])
+def test_pieces_that_are_too_large_to_be_sent_are_halved_and_that_is_said_once(maps, splitted):
+    team = team_of("robot_0", "robot_1", splitted=splitted)
+    team.largest_tile = 5000
+    team.agents["robot_0"].on_local_map(maps[0].grid, team.now)
+    team.run(40.0)
+    assert max(rows * columns for rows, columns in cells_of(team, "robot_0")) > 500
+    assert known(team.agents["robot_1"]._peers["robot_0"].map.grid()) == known(maps[0].grid)
+    assert len([note for note in team.notes["robot_0"] if "max_packet_size" in note]) == 1
+
+
+def test_pieces_are_not_halved_for_ever(maps):
+    team = team_of("robot_0", "robot_1")
+    team.largest_tile = 0
+    team.agents["robot_0"].on_local_map(maps[0].grid, team.now)
+    team.run(300.0)
+    assert len([note for note in team.notes["robot_0"] if "max_packet_size" in note]) == 2
+    assert min(maps[0].grid.cells.shape) > 2 * 16, "there was something to halve"
+
+
+def test_an_answer_that_is_too_large_comes_in_smaller_pieces(maps):
+    team = team_of("robot_0")
+    team.agents["robot_0"].on_local_map(maps[0].grid, team.now)
+    team.run(5.0)
+    team.largest_tile = 5000
+    team.agents["robot_1"] = Agent(options("robot_1"), (1, 5))
+    team.agents["robot_1"].on_robot("robot_0", team.now)
+    team.run(60.0)
+    assert known(team.agents["robot_1"]._peers["robot_0"].map.grid()) == known(maps[0].grid)
+
+
 def test_an_unknown_sender_is_added_and_asked_for_its_anchor():
     team = team_of("robot_0", "robot_1")
     team.agents["robot_0"].on_tile(Tile("robot_1", (4,), 0, 0, np.zeros((2, 2), np.int8), 0.05, (1, 1), 5), team.now)

@@ -67,6 +67,18 @@ def test_only_tiles_with_changes_are_sent():
     assert [(tile.row, tile.column) for tile in tiles] == [(0, 0), (8, 8)]
 
 
+def test_tiles_are_halved_however_many_that_makes():
+    sender = sender_with(grid_at(0, 0, np.zeros((1000, 1000))), tile_size=2048)
+    (tile,) = sender.changes()
+    assert tile.cells.shape == (1000, 1000)
+    for edge in (500, 250, 125, 62, 31):
+        assert sender.halve(tile)
+        tile = sender.again([0])[0]
+        assert tile.cells.shape == (edge, edge)
+    assert len(sender.again([0])) > exchange.MOST_TILES
+    assert not sender.halve(tile)
+
+
 def test_growth_to_the_south_west_gives_negative_offsets_and_keeps_the_anchor():
     sender = sender_with(grid_at(0, 0, np.zeros((10, 12))))
     sender.changes()

@@ -54,6 +54,7 @@ def test_the_robot_name_is_the_host_name_unless_given():
     "name, value",
     [
         ("split_size", 0),
+        ("split_size", 2049),
         ("split_size", "32"),
         ("split_size", 1.5),
         ("split_size", True),
@@ -92,6 +93,7 @@ def test_bad_values_are_refused_with_their_name(name, value):
         ("max_trans_robots", -1),
         ("max_trans_robots", 40),
         ("max_rotation_robots", 0.0),
+        ("split_size", 2048),
     ],
 )
 def test_special_values_are_accepted(name, value):

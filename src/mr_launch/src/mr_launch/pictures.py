@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Mapping, Sequence
+from typing import Mapping
 
 import matplotlib
 
@@ -15,6 +15,7 @@ from matplotlib.transforms import Affine2D
 
 from mr_launch.maps import Grid
 from mr_launch.truth import Track
+from mr_sim.pose import Pose, placed
 
 COLOURS = ("#d62728", "#1f77b4", "#2ca02c", "#ff9f1c", "#9467bd", "#17becf", "#8c564b", "#e377c2")
 ROBOT = np.array([(-0.22, -0.19), (0.12, -0.19), (0.22, 0.0), (0.12, 0.19), (-0.22, 0.19)])  # m, nose to the right
@@ -30,7 +31,7 @@ def map_colours(grid: Grid) -> np.ndarray:
     return image
 
 
-def bounds(grid: Grid, pose: Sequence[float]) -> tuple[float, float, float, float]:
+def bounds(grid: Grid, pose: Pose) -> tuple[float, float, float, float]:
     """Left, right, bottom, top (m, world frame) of the known part of a map whose frame lies at ``pose``."""
     rows, columns = np.nonzero(grid.cells >= 0)
     if rows.size == 0:
@@ -38,13 +39,12 @@ def bounds(grid: Grid, pose: Sequence[float]) -> tuple[float, float, float, floa
     xs = grid.origin[0] + grid.resolution * np.array([columns.min(), columns.max() + 1])
     ys = grid.origin[1] + grid.resolution * np.array([rows.min(), rows.max() + 1])
     corners = np.array([(x, y) for x in xs for y in ys])
-    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
-    world = corners @ np.array([[cosine, sine], [-sine, cosine]]) + pose[:2]
+    world = placed(corners, pose)
     return world[:, 0].min(), world[:, 0].max(), world[:, 1].min(), world[:, 1].max()
 
 
 def draw_mission(
-    grid: Grid, pose: Sequence[float], tracks: Mapping[str, Track], title: str, path: Path, start: float = 0.0
+    grid: Grid, pose: Pose, tracks: Mapping[str, Track], title: str, path: Path, start: float = 0.0
 ) -> None:
     """Write a PNG.
 
@@ -86,15 +86,14 @@ def draw_mission(
 
 def draw_track(axes: plt.Axes, name: str, track: Track, start: float, colour: str) -> None:
     """Path, start (circle) and end (robot outline) of one robot."""
-    chosen = np.array(track.time) >= start
-    if not chosen.any():
+    records = track.records(start)
+    if not records.size:
         return
-    x, y = np.array(track.x)[chosen], np.array(track.y)[chosen]
+    x, y, yaw = records["x"], records["y"], records["yaw"]
     axes.plot(x, y, color="white", linewidth=3.2, alpha=0.8, zorder=3)
     axes.plot(x, y, color=colour, linewidth=1.6, zorder=4, label=name)
     axes.plot(
         x[0], y[0], "o", markersize=9, markerfacecolor="white", markeredgecolor=colour, markeredgewidth=2, zorder=5
     )
-    cosine, sine = np.cos(track.yaw[-1]), np.sin(track.yaw[-1])
-    outline = ROBOT @ np.array([[cosine, sine], [-sine, cosine]]) + (x[-1], y[-1])
+    outline = placed(ROBOT, (x[-1], y[-1], yaw[-1]))
     axes.fill(*outline.T, facecolor=colour, edgecolor="black", linewidth=0.8, zorder=6)

@@ -6,13 +6,14 @@ import json
 import sys
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from mr_launch import isolation
 from mr_launch.arguments import Options
 
 FIRST_PORT = 11311
 RADIO_INTERFACE = "radio0"
+SLOWEST_RADIO = 0.001  # the least real-time factor that the radio daemon takes
 TRUTH_FILE = "truth.pickle"  # what maps are compared with, in the private folder
 
 
@@ -90,7 +91,15 @@ def namespace_prefix(holder: int | None) -> list[str]:
     return ["nsenter", "--target", str(holder), "--net", "--"] if holder is not None else []
 
 
-def radio_command(plan: Plan) -> list[str]:
+class Walls(NamedTuple):
+    """A floor plan for the radio: PGM file, m per pixel, lower left corner (m, world frame)."""
+
+    file: str
+    resolution: float
+    origin: tuple[float, float]
+
+
+def radio_command(plan: Plan, walls: Walls | None = None) -> list[str]:
     """The radio daemon on the other ends of all cables, or as a hub on a Unix socket."""
     options = plan.options
     command = [plan.programs["radio"]]
@@ -100,6 +109,12 @@ def radio_command(plan: Plan) -> list[str]:
         for robot in plan.robots:
             command += ["--interface", f"{robot.name}={robot.air}"]
     command += ["--range", f"{options.range:g}", "--loss", f"{options.loss:g}", "--seed", str(options.seed)]
+    # As fast as it goes is a factor that nobody knows in advance.
+    command += ["--rtf", f"{max(options.rtf, SLOWEST_RADIO) if options.rtf else 1.0:g}"]
+    if walls is not None:
+        command += ["--walls", walls.file, "--walls-resolution", f"{walls.resolution:.6f}"]
+        command += ["--walls-origin", "{:.6f},{:.6f}".format(*walls.origin)]
+        command += ["--wall-attenuation", f"{options.wall_attenuation:g}"]
     command += ["--control", plan.socket("radio"), "--statistics", str(Path(plan.out) / "radio.json")]
     return command
 

@@ -30,7 +30,7 @@ def write_results(
     robots: dict[str, dict[str, Any]] = {}
     finish = last_finish(reports, outcome)
     for robot, report in zip(plan.robots, reports):
-        movement = truth.tracks[robot.name].statistics(outcome.start, outcome.end)
+        movement = truth.tracks[robot.name].statistics(outcome.start, exploration_end(report, outcome), outcome.end)
         grid = grids.get(robot.name)
         robots[robot.name] = robot_summary(report, outcome.start, movement, measures.of(grid, robot.start))
     team = team_summary(robots, truth.real_time_factor(outcome.start, finish), radio_statistics(plan))
@@ -43,9 +43,12 @@ def write_results(
 
 def last_finish(reports: list[RobotReport], outcome: Outcome) -> float:
     """Simulation time (s) at which the last robot finished exploring; the end if one did not."""
-    if not all(report.exploration_finished for report in reports):
-        return outcome.end
-    return max(report.start_time + report.exploration_time for report in reports)
+    return max(exploration_end(report, outcome) for report in reports)
+
+
+def exploration_end(report: RobotReport, outcome: Outcome) -> float:
+    """Simulation time (s) at which a robot finished exploring; the end if it did not."""
+    return report.start_time + report.exploration_time if report.exploration_finished else outcome.end
 
 
 def save_maps(plan: Plan, outcome: Outcome) -> dict[str, Grid]:

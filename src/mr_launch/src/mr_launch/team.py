@@ -25,6 +25,7 @@ from mr_launch.plan import (
     world_command,
 )
 from mr_launch.processes import Child, Children, last_lines
+from mr_launch.world import write_walls
 
 NODES_PATIENCE = 25.0  # s; roslaunch itself waits 15 s for its nodes, then 2 s more
 FEW_THREADS = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
@@ -102,7 +103,9 @@ class Team:
             lay_cable(robot, holder.process.pid)
 
     def _start_radio(self, stopped: Callable[[], bool]) -> None:
-        radio = self._start("radio", radio_command(self.plan), {})
+        weakened = self.plan.options.wall_attenuation > 0.0
+        walls = write_walls(self.plan.world, self.plan.socket("walls.pgm")) if weakened else None
+        radio = self._start("radio", radio_command(self.plan, walls), {})
         control = Path(self.plan.socket("radio"))
         end = time.monotonic() + 15.0
         while not control.exists() and not stopped():

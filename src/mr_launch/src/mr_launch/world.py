@@ -9,8 +9,8 @@ from typing import Any
 
 from mr_launch.errors import UserError
 from mr_launch.maps import Grid
-
-Pose = tuple[float, float, float]  # x, y in m, yaw in rad
+from mr_launch.plan import Walls
+from mr_sim.pose import Pose
 
 
 def find_world(name: str) -> str:
@@ -44,6 +44,17 @@ def check_start(world: str, robots: int) -> None:
         World(load_world(world), robots)
     except (WorldError, ValueError, OSError) as error:
         raise UserError(str(error)) from None
+
+
+def write_walls(world: str, file: str) -> Walls:
+    """Write the floor plan, as lasers see it, for the radio."""
+    from mr_sim.raster import rasterise, write_image
+    from mr_sim.world_model import load_world
+
+    description = load_world(world)
+    grid = rasterise([obstacle for obstacle in description.obstacles if obstacle.visible], description.resolution)
+    write_image(grid, file)
+    return Walls(file, grid.resolution, grid.origin)
 
 
 def write_truth(world: str, robots: int, path: Path) -> None:

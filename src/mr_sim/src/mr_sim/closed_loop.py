@@ -9,8 +9,8 @@ import numpy as np
 
 from mr_sim.navigation.engine import Command, Navigator, Status
 from mr_sim.navigation.options import Grid, NavigationOptions, make_scan
+from mr_sim.pose import Pose, compose, inverse, normalized
 from mr_sim.slam.engine import LaserScan, Slam
-from mr_sim.slam.pose import Pose, compose, inverse, normalized
 from mr_sim.world import World
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world

@@ -13,9 +13,10 @@ import numpy as np
 from scipy import ndimage
 
 from mr_sim import _world
+from mr_sim.pose import Pose, compose, placed, seen_from
 from mr_sim.raster import Grid
 from mr_sim.world import World
-from mr_sim.world_model import Polygon, Pose, compose
+from mr_sim.world_model import Polygon
 
 FREE_BELOW = 50  # an occupancy value from 0 to this (exclusive) is explored free space
 OCCUPIED_FROM = 65  # an occupancy value from this on is a wall
@@ -40,7 +41,7 @@ class OccupancyMap:
 
     def cells_at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values (N,) at points (N, 2) of the map frame, and which points lie on the map; -1 where they do not."""
-        index = np.floor(_into(self.origin, points) / self.resolution).astype(np.int64)
+        index = np.floor(seen_from(points, self.origin) / self.resolution).astype(np.int64)
         inside = ((index >= 0) & (index < self.data.shape[::-1])).all(axis=1)
         values = np.full(len(points), -1, dtype=np.int8)
         values[inside] = self.data[index[inside, 1], index[inside, 0]]
@@ -48,24 +49,12 @@ class OccupancyMap:
 
     def centres(self, mask: np.ndarray) -> np.ndarray:
         """Centres (N, 2) in the map frame of the cells where `mask` (rows, columns) is true."""
-        return _out_of(self.origin, (np.argwhere(mask)[:, ::-1] + 0.5) * self.resolution)
+        return placed((np.argwhere(mask)[:, ::-1] + 0.5) * self.resolution, self.origin)
 
     @property
     def explored_free_cells(self) -> int:
         """P_n of the map error."""
         return int(((self.data >= 0) & (self.data < FREE_BELOW)).sum())
-
-
-def _into(frame: Pose, points: np.ndarray) -> np.ndarray:
-    """Points (N, 2) as seen from `frame`."""
-    c, s = math.cos(frame[2]), math.sin(frame[2])
-    return (points - frame[:2]) @ np.array([[c, -s], [s, c]])
-
-
-def _out_of(frame: Pose, points: np.ndarray) -> np.ndarray:
-    """Points (N, 2) given in `frame`, in the frame that `frame` is given in."""
-    c, s = math.cos(frame[2]), math.sin(frame[2])
-    return points @ np.array([[c, s], [-s, c]]) + np.asarray(frame[:2])
 
 
 class Truth:
@@ -154,7 +143,7 @@ def coverage(truth: Truth, occupancy: OccupancyMap, start: Pose) -> float:
     """Share of the reference free cells that the map knows; `start`: the robot's true start pose."""
     if len(truth.reference) == 0:
         raise ValueError("the world has no reference cells: no robot can move in it")
-    values, _ = occupancy.cells_at(_into(start, truth.reference))
+    values, _ = occupancy.cells_at(seen_from(truth.reference, start))
     return float((values >= 0).mean())
 
 
@@ -163,7 +152,7 @@ def wrong_walls(truth: Truth, occupancy: OccupancyMap, start: Pose) -> float:
     occupied = occupancy.centres(occupancy.data >= OCCUPIED_FROM)
     if len(occupied) == 0:
         return 0.0
-    return float((truth.wall_distance(_out_of(start, occupied)) > WALL_TOLERANCE).mean())
+    return float((truth.wall_distance(placed(occupied, start)) > WALL_TOLERANCE).mean())
 
 
 def map_error(explored_free_cells: int, reference: float) -> float:
@@ -185,7 +174,8 @@ def distance_driven(records: np.ndarray) -> float:
 
 
 def moving_share(records: np.ndarray, begin: float, end: float) -> float:
-    """Share of the time from `begin` to `end`, in which the robot has a task, that it moves."""
+    """Share of the time with a task that the robot moves: from `begin`, the start of the mission, to `end`, when this
+    robot has finished its exploration."""
     task = records[(records["time"] > begin) & (records["time"] <= end)]
     if len(task) == 0:
         return 0.0
@@ -214,6 +204,12 @@ def collisions(records: np.ndarray) -> Collisions:
     begins = np.flatnonzero((contact != 0) & (contact != np.concatenate([[0], contact[:-1]])))
     kinds: list[int] = [int(kind) for kind in contact[begins]]
     return Collisions(kinds.count(1), kinds.count(2), tuple(float(t) for t in records["time"][begins]))
+
+
+def stalled_time(records: np.ndarray) -> float:
+    """Seconds in which the simulator held the robot back."""
+    step = float(np.median(np.diff(records["time"]))) if len(records) > 1 else 0.0
+    return float(np.count_nonzero(records["stalled"])) * step
 
 
 def exploration_time(start: float, finished: dict[str, float]) -> float:

@@ -3,12 +3,14 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import cv2
 import numpy as np
 
+from mr_sim.pose import compose
 from mr_sim.world_file import WorldFileError
-from mr_sim.world_model import OCCUPIED_BELOW, Obstacle, Polygon, compose
+from mr_sim.world_model import OCCUPIED_BELOW, Obstacle, Polygon
 
 MAX_CELLS = 100_000_000
 
@@ -117,6 +119,12 @@ def _is_thin(corners: np.ndarray, resolution: float) -> bool:
 
 def _place(polygon: Polygon, obstacle: Obstacle) -> np.ndarray:
     return np.array([compose(obstacle.pose, (x, y, 0.0))[:2] for x, y in polygon])
+
+
+def write_image(grid: Grid, path: str | Path) -> None:
+    """Write a raster as binary PGM: walls black, the uppermost row first."""
+    pixels = np.where(np.flipud(grid.cells) != 0, 0, 255).astype(np.uint8)
+    Path(path).write_bytes(b"P5 %d %d 255\n" % pixels.shape[::-1] + pixels.tobytes())
 
 
 def rasterise(obstacles: Sequence[Obstacle], resolution: float) -> Grid:

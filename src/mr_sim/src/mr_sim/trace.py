@@ -7,6 +7,7 @@ name, true pose (m, rad), true forward speed (m/s) and turn rate (rad/s), whethe
 its footprint would have overlapped had it not been (0 nothing, 1 a wall, 2 another robot).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,10 +15,13 @@ import numpy as np
 
 COLUMNS = ("time", "wall", "robot", "x", "y", "yaw", "v", "w", "stalled", "collision")
 
-_DTYPE = np.dtype(
+RECORD = np.dtype(
     [("time", "f8"), ("wall", "f8"), ("x", "f8"), ("y", "f8"), ("yaw", "f8"), ("v", "f8"), ("w", "f8"),
      ("stalled", "u1"), ("collision", "u1")]
 )  # fmt: skip
+
+Row = tuple[float, ...]
+"""A row of a trace as the fields of `RECORD`."""
 
 
 class TraceError(ValueError):
@@ -58,9 +62,24 @@ class Trace:
     real_time_factor: float | None  # achieved; None when the run did not end in order
 
 
+def row_of(line: str) -> tuple[str, Row] | None:
+    """Robot and row of a line; None for a remark or the line with the columns. ValueError if it is none of these."""
+    if line.startswith(("#", "time,")):
+        return None
+    fields = line.rstrip("\r\n").split(",")
+    if len(fields) != len(COLUMNS):
+        raise ValueError(f"{len(fields)} fields instead of {len(COLUMNS)}")
+    return fields[2], tuple(float(value) for value in (*fields[:2], *fields[3:]))
+
+
+def records_of(rows: Sequence[Row]) -> np.ndarray:
+    """Record array with the fields of COLUMNS without `robot`."""
+    return np.array(rows, dtype=RECORD)
+
+
 def read_trace(path: str | Path) -> Trace:
     """Read a trace; a last line cut short by a crash is left out. Raises TraceError."""
-    rows: dict[str, list] = {}
+    rows: dict[str, list[Row]] = {}
     factor: float | None = None
     with open(path, encoding="utf-8") as file:
         if not file.readline().startswith("# mr_sim trace 1 "):
@@ -68,12 +87,12 @@ def read_trace(path: str | Path) -> Trace:
         for number, line in enumerate(file, start=2):
             if line.startswith("# end "):
                 factor = float(line.split()[-1])
-            if line.startswith(("#", "time,")) or not line.endswith("\n"):
+            if not line.endswith("\n"):
                 continue
-            fields = line.split(",")
             try:
-                values = tuple(float(value) for value in (*fields[:2], *fields[3:]))
-                rows.setdefault(fields[2], []).append(np.array([values], dtype=_DTYPE)[0].item())
-            except (ValueError, IndexError) as error:
+                row = row_of(line)
+            except ValueError as error:
                 raise TraceError(f"{path}:{number}: not a row of a truth trace") from error
-    return Trace({name: np.array(values, dtype=_DTYPE) for name, values in rows.items()}, factor)
+            if row is not None:
+                rows.setdefault(row[0], []).append(row[1])
+    return Trace({name: records_of(values) for name, values in rows.items()}, factor)

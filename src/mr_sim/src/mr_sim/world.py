@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from mr_sim import _world
+from mr_sim.pose import Pose
 from mr_sim.raster import Grid, rasterise
-from mr_sim.world_model import Pose, RobotDescription, WorldDescription
+from mr_sim.world_model import RobotDescription, WorldDescription
 
 COMMAND_TIMEOUT = 0.5  # s of simulated time without a fresh command after which a robot stops
 

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from mr_sim.pose import Pose, compose
 from mr_sim.world_file import Block, Property, WorldFileError, parse_world_file
 
-Pose = tuple[float, float, float]  # x [m], y [m], yaw [rad]
 Polygon = tuple[tuple[float, float], ...]  # corners [m]
 
 # Words with an effect, by kind of block.
@@ -107,13 +107,6 @@ class WorldDescription:
     quit_time: float | None  # simulated seconds
     obstacles: tuple[Obstacle, ...]
     robots: tuple[RobotDescription, ...]
-
-
-def compose(a: Pose, b: Pose) -> Pose:
-    """Pose `b`, given in frame `a`, in the frame `a` is given in."""
-    cosine, sine = math.cos(a[2]), math.sin(a[2])
-    yaw = math.remainder(a[2] + b[2], 2.0 * math.pi)
-    return a[0] + cosine * b[0] - sine * b[1], a[1] + sine * b[0] + cosine * b[1], yaw
 
 
 class _Reader:

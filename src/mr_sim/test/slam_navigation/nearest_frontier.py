@@ -16,7 +16,7 @@ import numpy as np
 from mr_sim.closed_loop import ClosedLoop, Robot
 from mr_sim.navigation.engine import Status
 from mr_sim.navigation.options import Grid
-from mr_sim.slam.pose import Pose
+from mr_sim.pose import Pose
 
 GOAL_PERIOD = 2.0  # s between choices of a goal
 

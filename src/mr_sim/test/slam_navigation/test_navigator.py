@@ -11,7 +11,7 @@ from mr_sim.closed_loop import ClosedLoop, Robot
 from mr_sim.navigation.engine import Command, Navigator, Status
 from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, Scan, make_scan
 from mr_sim.navigation.stall import StallWatch
-from mr_sim.slam.pose import Pose
+from mr_sim.pose import Pose
 
 EMPTY = make_scan(np.full(541, np.inf), -2.356, 4.712 / 540, 0.0, 8.0, (0.1, 0.0, 0.0))
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from mr_sim.closed_loop import ClosedLoop, Robot
+from mr_sim.pose import Pose
 from mr_sim.slam.engine import LaserScan, OdometryHistory, Slam, SlamError, SlamOptions
-from mr_sim.slam.pose import Pose
 
 Drive = Callable[[float], Tuple[float, float]]
 

@@ -22,14 +22,13 @@ from mr_sim.navigation.options import (
     Grid,
     NavigationError,
     NavigationOptions,
-    Pose,
     Scan,
     is_place,
-    to_map,
 )
 from mr_sim.navigation.planner import CostMap, Plan, path, plan, without_robots
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.navigation.yielding import HeldUp, find_retreat, nearest_blocker
+from mr_sim.pose import Pose, placed
 
 NEAR = 1.3  # m around the robot in which obstacles bear on its next motion
 WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
@@ -167,7 +166,7 @@ class Navigator:
         """The command for the next period. `pose`: robot in the map frame; `scan`: the latest; None = not known."""
         if pose is None or scan is None or self._costs is None:
             return self._without_input(now, pose, scan)
-        self._hits = to_map(scan.points, pose)
+        self._hits = placed(scan.points, pose)
         self._memory.update(scan, pose, self._costs.wall_distance, self._costs.grid, now)
         if self._goal is None:
             self._stall.clear()
@@ -423,7 +422,7 @@ class Navigator:
         assert self._costs is not None
         options = self.options
         near = scan.points[np.hypot(scan.points[:, 0], scan.points[:, 1]) < NEAR]
-        hits = to_map(near, pose)
+        hits = placed(near, pose)
         known = near_walls(hits, self._costs.wall_distance, self._costs.grid)
         moves = [options.moving_margin, options.moving_reaction_time]
         seen = np.column_stack([hits, np.where(known[:, None], [options.obstacle_margin, 0.0], moves)])

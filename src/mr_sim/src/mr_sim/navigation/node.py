@@ -18,9 +18,9 @@ from sensor_msgs.msg import LaserScan
 
 from mr_sim.navigation import ros_io
 from mr_sim.navigation.engine import Navigator, Status
-from mr_sim.navigation.options import NavigationError, NavigationOptions, Pose
+from mr_sim.navigation.options import NavigationError, NavigationOptions
+from mr_sim.pose import Pose, compose
 from mr_sim.ros_poses import transform_pose
-from mr_sim.slam.pose import compose
 
 FRAMES = {"map_frame": "map", "base_frame": "base_footprint"}
 TOPICS = {"scan": "base_scan", "command": "cmd_vel", "others": "all_positions", "plan": "~plan"}

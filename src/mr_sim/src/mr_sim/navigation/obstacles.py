@@ -4,7 +4,8 @@ from typing import Optional
 
 import numpy as np
 
-from mr_sim.navigation.options import Grid, Pose, Scan, to_map
+from mr_sim.navigation.options import Grid, Scan
+from mr_sim.pose import Pose, placed
 
 CELL = 0.05  # m, one point is kept per cell of this size
 KNOWN_WITHIN = 0.15  # m, hits this near to a wall of the map are that wall
@@ -37,7 +38,7 @@ class ObstacleMemory:
         """`wall_distance`: metres from each cell of `grid` to the nearest wall of the map."""
         old = self._points[(now - self._points[:, 2] < self._duration) & (self._points[:, 2] <= now)]
         old = old[~seen_gone(old[:, :2], scan, pose)]
-        hits = to_map(scan.points, pose)
+        hits = placed(scan.points, pose)
         if grid is not None and wall_distance is not None:
             hits = hits[~near_walls(hits, wall_distance, grid)]
         fresh = np.column_stack([hits, np.full(len(hits), now)])
@@ -57,7 +58,7 @@ def near_walls(points: np.ndarray, wall_distance: np.ndarray, grid: Grid) -> np.
 
 def seen_gone(points: np.ndarray, scan: Scan, pose: Pose) -> np.ndarray:
     """Which remembered points (n, 2) the scan looks through, or would hit if they were still there."""
-    eye = to_map(np.array([scan.mount[:2]]), pose)[0]
+    eye = placed(np.array([scan.mount[:2]]), pose)[0]
     offset = points - eye
     distance = np.hypot(offset[:, 0], offset[:, 1])
     bearing = np.arctan2(offset[:, 1], offset[:, 0]) - pose[2] - scan.mount[2]

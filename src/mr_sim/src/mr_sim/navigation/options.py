@@ -5,8 +5,7 @@ from typing import Tuple
 
 import numpy as np
 
-Pose = Tuple[float, float, float]  # x, y, yaw
-
+from mr_sim.pose import Pose
 
 FARTHEST = 1e5  # m from the origin of the frame; arithmetic on cells goes wrong with larger coordinates
 FINEST, COARSEST = 1e-3, 1e2  # m, cells of a map
@@ -114,9 +113,3 @@ def make_scan(
     angles = mount[2] + angle_min + angle_increment * np.arange(ranges.size)
     points = np.stack([mount[0] + ranges * np.cos(angles), mount[1] + ranges * np.sin(angles)], axis=1)[hits]
     return Scan(points, ranges, angle_min, angle_increment, range_max, mount)
-
-
-def to_map(points: np.ndarray, pose: Pose) -> np.ndarray:
-    """Points (n, 2) of the robot's frame in the map frame."""
-    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
-    return points @ np.array([[cosine, sine], [-sine, cosine]]) + pose[:2]

@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 
 from mr_sim import _navigation
-from mr_sim.navigation.options import Grid, NavigationOptions, Pose
+from mr_sim.navigation.options import Grid, NavigationOptions
+from mr_sim.pose import Pose
 
 NEAR_WALL_COST = 6.0  # a cell at the wall costs this much more than a free one
 ESCAPE_RADIUS = 0.45  # m around a robot that stands too near to a wall in which it may move out

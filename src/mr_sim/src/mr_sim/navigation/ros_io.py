@@ -9,7 +9,8 @@ from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseFeedback
 from nav_msgs.msg import Path
 
-from mr_sim.navigation.options import Grid, NavigationError, Pose, Scan, make_scan
+from mr_sim.navigation.options import Grid, NavigationError, Scan, make_scan
+from mr_sim.pose import Pose
 from mr_sim.ros_poses import quaternion, yaw_of
 
 

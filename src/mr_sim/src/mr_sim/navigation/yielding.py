@@ -11,8 +11,8 @@ from typing import Mapping, Optional, Tuple
 import numpy as np
 
 from mr_sim import _navigation
-from mr_sim.navigation.options import Pose
 from mr_sim.navigation.planner import CostMap, Plan, plan
+from mr_sim.pose import Pose
 
 Point = Tuple[float, float]
 

@@ -13,7 +13,7 @@ from typing import Deque, Optional, Tuple
 import numpy as np
 
 from mr_sim import _slam
-from mr_sim.slam.pose import Pose, interpolate
+from mr_sim.pose import Pose, interpolate
 
 ODOMETRY_KEPT = 100
 

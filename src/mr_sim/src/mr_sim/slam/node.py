@@ -11,10 +11,10 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
+from mr_sim.pose import Pose
 from mr_sim.ros_poses import transform_pose, yaw_of
 from mr_sim.slam import ros_io
 from mr_sim.slam.engine import OdometryHistory, Slam, SlamError, SlamOptions
-from mr_sim.slam.pose import Pose
 
 T = TypeVar("T")
 

@@ -7,9 +7,9 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan as LaserScanMessage
 
+from mr_sim.pose import Pose
 from mr_sim.ros_poses import quaternion
 from mr_sim.slam.engine import LaserScan, OccupancyMap
-from mr_sim.slam.pose import Pose
 
 ArrayOccupancyGrid = numpy_msg(OccupancyGrid)
 

@@ -3,6 +3,8 @@
 import math
 from typing import Tuple
 
+import numpy as np
+
 Pose = Tuple[float, float, float]
 
 
@@ -23,6 +25,18 @@ def compose(frame: Pose, pose: Pose) -> Pose:
 def inverse(pose: Pose) -> Pose:
     cosine, sine = math.cos(pose[2]), math.sin(pose[2])
     return (-cosine * pose[0] - sine * pose[1], sine * pose[0] - cosine * pose[1], -pose[2])
+
+
+def placed(points: np.ndarray, frame: Pose) -> np.ndarray:
+    """Points (n, 2), given in `frame`, in the frame that `frame` is given in."""
+    cosine, sine = math.cos(frame[2]), math.sin(frame[2])
+    return points @ np.array([[cosine, sine], [-sine, cosine]]) + np.asarray(frame[:2])
+
+
+def seen_from(points: np.ndarray, frame: Pose) -> np.ndarray:
+    """Points (n, 2) as seen from `frame`."""
+    cosine, sine = math.cos(frame[2]), math.sin(frame[2])
+    return (points - np.asarray(frame[:2])) @ np.array([[cosine, -sine], [sine, cosine]])
 
 
 def interpolate(first: Pose, second: Pose, share: float) -> Pose:
