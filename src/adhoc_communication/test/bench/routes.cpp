@@ -105,7 +105,8 @@ Row first_route(double loss, int seeds) {
 
 }  // namespace
 
-std::vector<Row> route_rows(int trials) {
+std::vector<Row> route_rows(const Effort& effort) {
+  const int trials = effort.trials;
   std::vector<Row> rows;
   for (const double loss : {0.0, 0.1}) rows.push_back(repair(loss, trials));
   for (const double loss : {0.0, 0.3}) rows.push_back(first_route(loss, trials));

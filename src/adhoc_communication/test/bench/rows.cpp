@@ -1,11 +1,16 @@
 #include "rows.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 
 namespace adhoc_communication::bench {
 
 double seconds(Time time) { return static_cast<double>(time.count()) * 1e-9; }
+
+double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return -1;

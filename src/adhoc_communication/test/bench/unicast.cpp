@@ -76,7 +76,8 @@ Row goodput(std::size_t hops, double loss, bool shared) {
 
 }  // namespace
 
-std::vector<Row> unicast_rows(int trials) {
+std::vector<Row> unicast_rows(const Effort& effort) {
+  const int trials = effort.trials;
   std::vector<Row> rows;
   for (const std::size_t hops : {1, 3, 10}) {
     for (const double loss : {0.0, 0.1, 0.3}) rows.push_back(transfer(hops, loss, trials));
