@@ -4,9 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <functional>
-#include <map>
 
 #include "rows.hpp"
 
@@ -17,30 +15,16 @@ const std::vector<std::pair<std::string, std::function<std::vector<Row>(const Ef
     {"unicast", unicast_rows}, {"multicast", multicast_rows}, {"routes", route_rows},
     {"idle", idle_rows},       {"priority", priority_rows},   {"mobile", mobile_rows}};
 
-std::string json(const std::vector<Row>& rows) {
-  std::string out = "[\n";
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Row& row = rows[i];
-    out += "  {\"what\": \"" + row.what + "\", \"bar\": \"" + row.bar + "\", \"value\": " + format("%.6g", row.value) +
-           ", \"unit\": \"" + row.unit + "\", \"holds\": " + (row.holds ? "true" : "false") + ", \"detail\": \"" +
-           row.detail + "\"}" + (i + 1 < rows.size() ? ",\n" : "\n");
-  }
-  return out + "]\n";
-}
-
 int run(const std::string& part, const Effort& effort, const std::string& file) {
   std::vector<Row> rows;
   for (const auto& [name, measure] : kParts) {
     if (!part.empty() && name != part) continue;
     for (const Row& row : measure(effort)) {
-      std::printf("%s %-62s %-10s %10.4g %-11s %s\n", row.holds ? "ok  " : "MISS", row.what.c_str(), row.bar.c_str(),
-                  row.value, row.unit.c_str(), row.detail.c_str());
-      std::fflush(stdout);
+      print(row);
       rows.push_back(row);
     }
   }
-  if (!file.empty()) std::ofstream(file) << json(rows);
-  return std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.holds; }) ? 0 : 1;
+  return conclude(rows, file);
 }
 
 int usage() {

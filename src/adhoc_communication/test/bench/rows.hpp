@@ -17,6 +17,10 @@ struct Row {
   std::string detail;
 };
 
+void print(const Row& row);
+/// Writes the rows to `file` unless that is empty; returns what the program ends with: 1 when a bar was missed.
+int conclude(const std::vector<Row>& rows, const std::string& file);
+
 /// How much is measured.
 struct Effort {
   int trials = 20;      ///< scales the number of seeds
