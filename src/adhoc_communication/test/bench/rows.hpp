@@ -37,7 +37,8 @@ std::string format(const char* pattern, double a, double b = 0, double c = 0);
 double capacity();
 
 // One function for each group of rows.
-std::vector<Row> unicast_rows(const Effort& effort);
+std::vector<Row> intact_rows(const Effort& effort);
+std::vector<Row> goodput_rows(const Effort& effort);
 std::vector<Row> multicast_rows(const Effort& effort);
 std::vector<Row> route_rows(const Effort& effort);
 std::vector<Row> idle_rows(const Effort& effort);

@@ -4,9 +4,8 @@
 //
 //   map ROBOT OCTETS SEED                      sends one packet: {"sent": {seconds, reason, digest}}
 //   stream ROBOT OCTETS SECONDS                keeps eight packets on their way: {"streamed": {packets, failed}}
-//   look                                       {"look": {robots, neighbors, frames_sent, frames_received, cpu,
-//   received,
-//                                              octets, time}}
+//   look                                       {"look": {...}}: who is known, what was sent, heard and received so
+//                                              far, processor time
 //   echo on|off                                says of each packet received: {"packet": {time, octets, digest}}
 //
 // Times are of the monotonic clock, so that processes of one computer share them.
