@@ -29,7 +29,7 @@ bench-adhoc: build
 	rosrun adhoc_communication bench_engine --json out/bench/adhoc_engine.json || missed=1; \
 	exit $$missed
 
-# A thousand transfers for each number of hops and each loss: takes hours.
+# A thousand transfers for each number of hops and each loss: about a quarter of an hour.
 bench-adhoc-long: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun adhoc_communication bench_engine --part intact --trials 1000 \
 	  --json out/bench/adhoc_intact.json
