@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-merge bench-explore bench-sim clean
+.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-explore bench-sim clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -21,9 +21,18 @@ dependencies:
 bench: bench-adhoc bench-merge bench-explore bench-sim
 
 bench-adhoc: build
-	@mkdir -p out/bench && $(ENVIRONMENT) rosrun adhoc_communication bench_namespaces --out out/bench/adhoc.json
-	@$(ENVIRONMENT) rosrun adhoc_communication bench_engine --json out/bench/adhoc_engine.json
-	@$(ENVIRONMENT) rosrun adhoc_communication bench_medium --json out/bench/adhoc_medium.json
+	@mkdir -p out/bench && $(ENVIRONMENT) missed=0; \
+	rosrun adhoc_communication bench_namespaces --out out/bench/adhoc.json || missed=1; \
+	rosrun adhoc_communication bench_hosts --out out/bench/adhoc_hosts.json || missed=1; \
+	rosrun adhoc_communication bench_memory --json out/bench/adhoc_memory.json || missed=1; \
+	rosrun adhoc_communication bench_medium --json out/bench/adhoc_medium.json || missed=1; \
+	rosrun adhoc_communication bench_engine --json out/bench/adhoc_engine.json || missed=1; \
+	exit $$missed
+
+# A thousand transfers for each number of hops and each loss: about a quarter of an hour.
+bench-adhoc-long: build
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun adhoc_communication bench_engine --part intact --trials 1000 \
+	  --json out/bench/adhoc_intact.json
 
 bench-merge: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun map_merger bench_registration --out out/bench/merge.json

@@ -61,6 +61,15 @@ if(COMMAND catkin_package)
   install(TARGETS bench_engine RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 endif()
 
+# The memory of one engine.
+file(GLOB ADHOC_MEMORY_SOURCES CONFIGURE_DEPENDS ${ADHOC_ENGINE_DIR}/test/bench/memory/*.cpp)
+add_executable(bench_memory ${ADHOC_MEMORY_SOURCES} ${ADHOC_ENGINE_DIR}/test/bench/rows.cpp)
+target_include_directories(bench_memory PRIVATE ${ADHOC_ENGINE_DIR}/test/bench)
+target_link_libraries(bench_memory adhoc_engine_team)
+if(COMMAND catkin_package)
+  install(TARGETS bench_memory RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+endif()
+
 # The simulated radio alone.
 add_executable(bench_medium ${ADHOC_ENGINE_DIR}/test/engine/bench_medium.cpp)
 target_link_libraries(bench_medium adhoc_engine)

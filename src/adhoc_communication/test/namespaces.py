@@ -189,13 +189,15 @@ class Team:
     :param positions: name -> (x, y) in metres, known to the radio before the nodes start.
     """
 
+    robot_class = Robot
+
     def __init__(
         self, names, loss=0.0, links=None, seed=1, interface="radio0", node_parameters=None, radio_options=(),
         positions=None,
     ):  # fmt: skip
         self._folder = tempfile.TemporaryDirectory(prefix="adhoc-test-")
         self.folder = Path(self._folder.name)
-        self.robots = {name: Robot(name, self.folder) for name in names}
+        self.robots = {name: self.robot_class(name, self.folder) for name in names}
         self._loss, self._links, self._seed = loss, links, seed
         self._radio_options, self._positions = list(radio_options), positions or {}
         self._interface = interface
@@ -207,18 +209,21 @@ class Team:
         try:
             self._lay_cables()
             self._start_radio()
-            for robot in self.robots.values():
-                robot.start_master()
-            for robot in self.robots.values():
-                robot.wait_for_master()
-                robot.start_node(interface=self._interface, **self._parameters)
-                robot.start_agent()
-            for robot in self.robots.values():
-                robot.agent.ask(do="ready")
+            self._start_robots()
         except BaseException:
             self.__exit__()
             raise
         return self
+
+    def _start_robots(self):
+        for robot in self.robots.values():
+            robot.start_master()
+        for robot in self.robots.values():
+            robot.wait_for_master()
+            robot.start_node(interface=self._interface, **self._parameters)
+            robot.start_agent()
+        for robot in self.robots.values():
+            robot.agent.ask(do="ready")
 
     def __exit__(self, *_):
         for robot in self.robots.values():

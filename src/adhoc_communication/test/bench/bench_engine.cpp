@@ -4,46 +4,33 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <functional>
-#include <map>
 
 #include "rows.hpp"
 
 namespace adhoc_communication::bench {
 namespace {
 
-const std::vector<std::pair<std::string, std::function<std::vector<Row>(int)>>> kParts = {
-    {"unicast", unicast_rows}, {"multicast", multicast_rows}, {"routes", route_rows}, {"idle", idle_rows}};
+const std::vector<std::pair<std::string, std::function<std::vector<Row>(const Effort&)>>> kParts = {
+    {"intact", intact_rows}, {"goodput", goodput_rows},   {"multicast", multicast_rows}, {"routes", route_rows},
+    {"idle", idle_rows},     {"priority", priority_rows}, {"mobile", mobile_rows}};
 
-std::string json(const std::vector<Row>& rows) {
-  std::string out = "[\n";
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Row& row = rows[i];
-    out += "  {\"what\": \"" + row.what + "\", \"bar\": \"" + row.bar + "\", \"value\": " + format("%.6g", row.value) +
-           ", \"unit\": \"" + row.unit + "\", \"holds\": " + (row.holds ? "true" : "false") + ", \"detail\": \"" +
-           row.detail + "\"}" + (i + 1 < rows.size() ? ",\n" : "\n");
-  }
-  return out + "]\n";
-}
-
-int run(const std::string& part, int trials, const std::string& file) {
+int run(const std::string& part, const Effort& effort, const std::string& file) {
   std::vector<Row> rows;
   for (const auto& [name, measure] : kParts) {
     if (!part.empty() && name != part) continue;
-    for (const Row& row : measure(trials)) {
-      std::printf("%s %-62s %-10s %10.4g %-11s %s\n", row.holds ? "ok  " : "MISS", row.what.c_str(), row.bar.c_str(),
-                  row.value, row.unit.c_str(), row.detail.c_str());
-      std::fflush(stdout);
+    for (const Row& row : measure(effort)) {
+      print(row);
       rows.push_back(row);
     }
   }
-  if (!file.empty()) std::ofstream(file) << json(rows);
-  return std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.holds; }) ? 0 : 1;
+  return conclude(rows, file);
 }
 
 int usage() {
-  std::fprintf(stderr, "usage: bench_engine [--part unicast|multicast|routes|idle] [--trials N] [--json FILE]\n");
+  std::string parts;
+  for (const auto& [name, measure] : kParts) parts += (parts.empty() ? "" : "|") + name;
+  std::fprintf(stderr, "usage: bench_engine [--part %s] [--trials N] [--minutes M] [--json FILE]\n", parts.c_str());
   return 2;
 }
 
@@ -52,14 +39,16 @@ int usage() {
 
 int main(int argc, char** argv) {
   using adhoc_communication::bench::kParts;
-  int trials = 20;
+  adhoc_communication::bench::Effort effort;
   std::string part;
   std::string file;
   for (int i = 1; i < argc; i += 2) {
     if (i + 1 == argc) return adhoc_communication::bench::usage();
     const std::string value = argv[i + 1];
     if (std::strcmp(argv[i], "--trials") == 0 && std::atoi(value.c_str()) > 0) {
-      trials = std::atoi(value.c_str());
+      effort.trials = std::atoi(value.c_str());
+    } else if (std::strcmp(argv[i], "--minutes") == 0 && std::atof(value.c_str()) > 0) {
+      effort.minutes = std::atof(value.c_str());
     } else if (std::strcmp(argv[i], "--json") == 0) {
       file = value;
     } else if (std::strcmp(argv[i], "--part") == 0 &&
@@ -69,5 +58,5 @@ int main(int argc, char** argv) {
       return adhoc_communication::bench::usage();
     }
   }
-  return adhoc_communication::bench::run(part, trials, file);
+  return adhoc_communication::bench::run(part, effort, file);
 }

@@ -25,6 +25,6 @@ Row idle() {
 
 }  // namespace
 
-std::vector<Row> idle_rows(int) { return {idle()}; }
+std::vector<Row> idle_rows(const Effort&) { return {idle()}; }
 
 }  // namespace adhoc_communication::bench

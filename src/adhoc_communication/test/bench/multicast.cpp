@@ -137,7 +137,8 @@ Row line(double loss) {
 
 }  // namespace
 
-std::vector<Row> multicast_rows(int trials) {
+std::vector<Row> multicast_rows(const Effort& effort) {
+  const int trials = effort.trials;
   std::vector<Row> rows;
   rows.push_back(one_hop(1'000'000, std::max(2, trials / 4), 0.1, 1.35, "1 MB"));
   rows.push_back(one_hop(1'000'000, std::max(2, trials / 4), 0.3, 1.75, "1 MB"));

@@ -1,11 +1,43 @@
 #include "rows.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <fstream>
 
 namespace adhoc_communication::bench {
 
+namespace {
+
+std::string json(const std::vector<Row>& rows) {
+  std::string out = "[\n";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Row& row = rows[i];
+    out += "  {\"what\": \"" + row.what + "\", \"bar\": \"" + row.bar + "\", \"value\": " + format("%.6g", row.value) +
+           ", \"unit\": \"" + row.unit + "\", \"holds\": " + (row.holds ? "true" : "false") + ", \"detail\": \"" +
+           row.detail + "\"}" + (i + 1 < rows.size() ? ",\n" : "\n");
+  }
+  return out + "]\n";
+}
+
+}  // namespace
+
+void print(const Row& row) {
+  std::printf("%s %-62s %-10s %10.4g %-11s %s\n", row.holds ? "ok  " : "MISS", row.what.c_str(), row.bar.c_str(),
+              row.value, row.unit.c_str(), row.detail.c_str());
+  std::fflush(stdout);
+}
+
+int conclude(const std::vector<Row>& rows, const std::string& file) {
+  if (!file.empty()) std::ofstream(file) << json(rows);
+  return std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.holds; }) ? 0 : 1;
+}
+
 double seconds(Time time) { return static_cast<double>(time.count()) * 1e-9; }
+
+double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return -1;

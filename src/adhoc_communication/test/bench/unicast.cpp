@@ -76,11 +76,16 @@ Row goodput(std::size_t hops, double loss, bool shared) {
 
 }  // namespace
 
-std::vector<Row> unicast_rows(int trials) {
+std::vector<Row> intact_rows(const Effort& effort) {
   std::vector<Row> rows;
   for (const std::size_t hops : {1, 3, 10}) {
-    for (const double loss : {0.0, 0.1, 0.3}) rows.push_back(transfer(hops, loss, trials));
+    for (const double loss : {0.0, 0.1, 0.3}) rows.push_back(transfer(hops, loss, effort.trials));
   }
+  return rows;
+}
+
+std::vector<Row> goodput_rows(const Effort&) {
+  std::vector<Row> rows;
   for (const std::size_t hops : {1, 2, 3, 10}) {
     for (const double loss : {0.0, 0.1, 0.3}) rows.push_back(goodput(hops, loss, false));
   }

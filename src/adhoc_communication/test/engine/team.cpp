@@ -14,6 +14,7 @@ std::size_t Team::add(EngineOptions options, std::optional<double> x, double y) 
   if (x) medium_.set_position(entry.node, *x, y);
   by_node_[entry.node] = robot;
   robots_.push_back(std::move(entry));
+  deadlines_.push_back(Time::min());
   boot(robot);
   return robot;
 }
@@ -32,11 +33,13 @@ void Team::boot(std::size_t robot) {
   Random random(seed_ * 1'000'003 + robot * 1009 + static_cast<std::uint64_t>(entry.boots));
   for (std::uint8_t& octet : entry.boot_id) octet = static_cast<std::uint8_t>(random.next());
   entry.engine = std::make_unique<Engine>(entry.options, address(robot), entry.boot_id, random.next(), now_);
+  deadlines_[robot] = Time::min();
 }
 
 void Team::kill(std::size_t robot) {
   medium_.set_up(robots_[robot].node, false, now_);
   robots_[robot].engine.reset();
+  deadlines_[robot] = Time::max();
 }
 
 void Team::restart(std::size_t robot) {
@@ -48,7 +51,7 @@ void Team::restart(std::size_t robot) {
 void Team::set_keys(std::size_t robot, const std::vector<TeamKey>& keys) {
   Robot& entry = robots_[robot];
   entry.options.keys = keys;
-  if (entry.engine) entry.engine->set_keys(keys);
+  if (entry.engine) engine(robot).set_keys(keys);
 }
 
 SendId Team::send(std::size_t robot, const std::string& destination, Bytes payload, Priority priority,
@@ -64,13 +67,15 @@ const SendFinished* Team::finished(std::size_t robot, SendId id) const {
 
 bool Team::run_until(Time end, const std::function<bool()>& done) {
   int rounds_without_time = 0;
+  for (std::size_t robot = 0; robot < robots_.size(); ++robot) {
+    if (alive(robot)) deadlines_[robot] = Time::min();
+  }
   for (;;) {
-    for (std::size_t robot = 0; robot < robots_.size(); ++robot) serve(robot);
-    if (done()) return true;
-    Time next = medium_.next_delivery().value_or(Time::max());
-    for (const Robot& robot : robots_) {
-      if (robot.engine) next = std::min(next, robot.engine->next_deadline());
+    for (std::size_t robot = 0; robot < robots_.size(); ++robot) {
+      if (deadlines_[robot] <= now_) serve(robot);
     }
+    if (done()) return true;
+    const Time next = std::min(next_deadline(), medium_.next_delivery().value_or(Time::max()));
     if (next > end) {
       now_ = end;
       return false;
@@ -82,25 +87,32 @@ bool Team::run_until(Time end, const std::function<bool()>& done) {
       if (on_frame) on_frame(delivery.node, delivery.frame);
       const auto robot = by_node_.find(delivery.node);
       if (robot == by_node_.end() || !robots_[robot->second].engine) continue;
-      robots_[robot->second].engine->receive(delivery.frame, now_);
+      engine(robot->second).receive(delivery.frame, now_);
       if (after_step) after_step(robot->second);
       serve(robot->second);
     }
   }
 }
 
+Time Team::next_deadline() {
+  for (std::size_t robot = 0; robot < robots_.size(); ++robot) {
+    if (deadlines_[robot] == Time::min()) deadlines_[robot] = robots_[robot].engine->next_deadline();
+  }
+  return deadlines_.empty() ? Time::max() : *std::min_element(deadlines_.begin(), deadlines_.end());
+}
+
 void Team::serve(std::size_t robot) {
   Robot& entry = robots_[robot];
-  if (!entry.engine || entry.engine->next_deadline() > now_) {
-    if (entry.engine) take_events(robot);
-    return;
-  }
+  if (!entry.engine) return;
+  deadlines_[robot] = entry.engine->next_deadline();
+  if (deadlines_[robot] > now_) return take_events(robot);
   ++polls_;
   for (const Frame& frame : entry.engine->poll(now_)) {
     hash(frame);
     if (on_transmission) on_transmission(robot, frame);
     medium_.transmit(entry.node, frame, now_);
   }
+  deadlines_[robot] = entry.engine->next_deadline();
   take_events(robot);
   if (after_step) after_step(robot);
 }

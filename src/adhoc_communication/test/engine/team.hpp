@@ -29,7 +29,11 @@ class Team {
   /// New keys for a robot, also for its later runs.
   void set_keys(std::size_t robot, const std::vector<TeamKey>& keys);
 
-  Engine& engine(std::size_t robot) { return *robots_.at(robot).engine; }
+  /// To be fetched anew in each callback.
+  Engine& engine(std::size_t robot) {
+    deadlines_.at(robot) = Time::min();
+    return *robots_.at(robot).engine;
+  }
   std::size_t size() const { return robots_.size(); }
   bool alive(std::size_t robot) const { return robots_.at(robot).engine != nullptr; }
   /// How often the robot was started, and the identity of its latest run.
@@ -86,6 +90,7 @@ class Team {
 
   bool run_until(Time end, const std::function<bool()>& done);
   void boot(std::size_t robot);
+  Time next_deadline();
   void serve(std::size_t robot);
   void take_events(std::size_t robot);
   void hash(const Frame& frame);
@@ -94,6 +99,9 @@ class Team {
   std::uint64_t seed_;
   Time now_{0};
   std::vector<Robot> robots_;
+  /// When each engine wants to be polled, as far as known: what may have been touched since is due now. Asking each
+  /// engine after each frame would cost more than all the rest.
+  std::vector<Time> deadlines_;
   std::map<Medium::Node, std::size_t> by_node_;
   std::uint64_t polls_ = 0;
   std::uint64_t trace_hash_ = 0xcbf29ce484222325u;

@@ -1,0 +1,210 @@
+// A hundred robots on the move: what arrives, what that costs, and whether a seed repeats it.
+#include <algorithm>
+#include <ctime>
+#include <deque>
+
+#include "moving_team.hpp"
+#include "rows.hpp"
+
+namespace adhoc_communication::bench {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t kRobots = 100;
+constexpr std::size_t kGroups = 10;  ///< robot 0, 10, 20 ... is the root of a group, the nine behind it are its members
+constexpr std::size_t kGroupSize = kRobots / kGroups;
+constexpr Time kInterval = 1s;      ///< between two packets of a robot to its partner, and of a root to its group
+constexpr Time kNewPartners = 60s;  ///< each robot chooses another partner at random
+constexpr Time kPathStands = 5s;    ///< a packet counts if a path stands for so long after it was sent
+constexpr Time kWarmUp = 20s;       ///< to join the groups
+constexpr std::size_t kUnicastOctets = 200;
+constexpr std::size_t kGroupOctets = 1000;
+
+struct Tally {
+  std::uint64_t sent = 0;
+  std::uint64_t with_path = 0;  ///< one and the same path stood
+  std::uint64_t arrived = 0;    ///< of these
+
+  double share() const { return with_path == 0 ? 0 : static_cast<double>(arrived) / static_cast<double>(with_path); }
+};
+
+/// Sends and keeps the books: a packet to a group counts once for each member.
+class Mission {
+ public:
+  explicit Mission(std::uint64_t seed) : moving_(kRobots, options(), seed), choice_(seed), partners_(kRobots) {
+    team().on_event = [this](std::size_t robot, const Event& event) { take(robot, event); };
+  }
+
+  void run(Time warm_up, Time duration) {
+    for (std::size_t robot = 0; robot < kRobots; ++robot) {
+      if (robot % kGroupSize != 0) team().engine(robot).join_group(group_of(robot), team().now());
+    }
+    const Time end = warm_up + duration;
+    while (team().now() < end + kPathStands) {
+      if (team().now() >= warm_up && team().now() < end) send_due();
+      moving_.step();
+      judge();
+    }
+    while (!waiting_.empty() && team().now() < end + 60s) {
+      moving_.step();
+      forget_arrived();
+    }
+    for (const auto& [number, packet] : waiting_) count(packet);
+  }
+
+  Team& team() { return moving_.team(); }
+  const MovingTeam& moving() const { return moving_; }
+  const Tally& unicast() const { return tally_[0]; }
+  const Tally& group() const { return tally_[1]; }
+
+ private:
+  struct Packet {
+    std::size_t source;
+    std::size_t destination;
+    Time sent;
+    bool to_group;
+    bool judged = false;
+    bool has_path = false;
+    bool arrived = false;
+  };
+  using Number = std::pair<std::uint64_t, std::size_t>;  ///< of the packet, and who is to get it
+
+  static EngineOptions options() {
+    EngineOptions options;
+    options.join_groups_automatically = false;
+    return options;
+  }
+
+  static std::string group_of(std::size_t robot) { return "mc_" + Team::name(robot / kGroupSize * kGroupSize); }
+
+  /// The robots take turns, so that a quarter of them sends in each step of 250 ms.
+  void send_due() {
+    const auto step = static_cast<std::size_t>(team().now() / MovingTeam::kStep);
+    const std::size_t turns = kInterval / MovingTeam::kStep;
+    const bool change = team().now() % kNewPartners < kInterval;
+    for (std::size_t robot = step % turns; robot < kRobots; robot += turns) {
+      if (change || partners_[robot] == robot) choose_partner(robot);
+      send_one(robot);
+      if (robot % kGroupSize == 0) send_to_group(robot);
+    }
+  }
+
+  void choose_partner(std::size_t robot) { partners_[robot] = (robot + 1 + choice_.next() % (kRobots - 1)) % kRobots; }
+
+  void send_one(std::size_t robot) {
+    ++number_;
+    waiting_[{number_, partners_[robot]}] = {robot, partners_[robot], team().now(), false};
+    team().send(robot, Team::name(partners_[robot]), numbered(kUnicastOctets));
+  }
+
+  void send_to_group(std::size_t root) {
+    ++number_;
+    for (std::size_t member = root + 1; member < root + kGroupSize; ++member) {
+      waiting_[{number_, member}] = {root, member, team().now(), true};
+    }
+    team().send(root, group_of(root), numbered(kGroupOctets));
+  }
+
+  Bytes numbered(std::size_t octets) const {
+    Bytes payload = noise(octets, number_);
+    for (std::size_t i = 0; i < 8; ++i) payload[i] = static_cast<std::uint8_t>(number_ >> 8 * i);
+    return payload;
+  }
+
+  void take(std::size_t robot, const Event& event) {
+    const auto* packet = std::get_if<PacketReceived>(&event);
+    if (packet == nullptr || packet->payload.size() < 8) return;
+    std::uint64_t number = 0;
+    for (std::size_t i = 0; i < 8; ++i) number |= std::uint64_t{packet->payload[i]} << 8 * i;
+    const auto found = waiting_.find({number, robot});
+    if (found != waiting_.end()) found->second.arrived = true;
+  }
+
+  /// Decides about the packets that were sent kPathStands ago. Events need not be kept beyond.
+  void judge() {
+    const Time sent = team().now() - kPathStands;
+    const std::vector<std::size_t> part = moving_.parts_since(sent);
+    for (auto& [number, packet] : waiting_) {
+      if (packet.sent > sent) break;
+      if (packet.judged) continue;
+      packet.judged = true;
+      packet.has_path = part[packet.source] == part[packet.destination];
+    }
+    forget_arrived();
+  }
+
+  void forget_arrived() {
+    for (auto packet = waiting_.begin(); packet != waiting_.end();) {
+      const bool is_done = packet->second.judged && (packet->second.arrived || !packet->second.has_path);
+      if (is_done) count(packet->second);
+      packet = is_done ? waiting_.erase(packet) : std::next(packet);
+    }
+    for (std::size_t robot = 0; robot < kRobots; ++robot) team().received(robot).clear();
+  }
+
+  void count(const Packet& packet) {
+    Tally& tally = tally_[packet.to_group ? 1 : 0];
+    ++tally.sent;
+    if (!packet.has_path) return;
+    ++tally.with_path;
+    if (packet.arrived) ++tally.arrived;
+  }
+
+  MovingTeam moving_;
+  Random choice_;
+  std::vector<std::size_t> partners_;
+  std::map<Number, Packet> waiting_;
+  std::uint64_t number_ = 0;
+  Tally tally_[2];
+};
+
+Row delivered(const std::string& what, const Tally& tally, const std::string& detail) {
+  return {"100 robots on the move, a path stood for 5 s: " + what,
+          ">= 99.9",
+          100 * tally.share(),
+          "%",
+          tally.share() >= 0.999,
+          format("%.0f of %.0f, sent %.0f", static_cast<double>(tally.arrived), static_cast<double>(tally.with_path),
+                 static_cast<double>(tally.sent)) +
+              detail};
+}
+
+Row repeats() {
+  std::uint64_t hashes[3];
+  for (int i = 0; i < 3; ++i) {
+    Mission mission(i < 2 ? 1 : 2);
+    mission.run(2s, 3s);
+    hashes[i] = mission.team().trace_hash();
+  }
+  const bool same = hashes[0] == hashes[1];
+  return {"100 robots on the move: the same seed gives the same frames",
+          "1",
+          same ? 1.0 : 0.0,
+          "1",
+          same && hashes[0] != hashes[2],
+          "two short runs; another seed gives others"};
+}
+
+}  // namespace
+
+std::vector<Row> mobile_rows(const Effort& effort) {
+  const double begin = wall_seconds();
+  const std::clock_t start = std::clock();
+  Mission mission(1);
+  mission.run(kWarmUp, Time(static_cast<Time::rep>(effort.minutes * 60e9)));
+  const double wall = wall_seconds() - begin;
+  const double cpu = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  const double bar = 6 * effort.minutes;
+  const auto frames = static_cast<double>(mission.team().medium().counters().frames);
+  const auto heard = static_cast<double>(mission.team().medium().counters().delivered);
+  return {delivered("unicast 200 B/s each", mission.unicast(),
+                    format("; %.1f good neighbours, %.2g frames, heard %.2g times", mission.moving().mean_degree(),
+                           frames, heard)),
+          delivered("10 groups of 10, 1 kB/s each", mission.group(), " (counted for each member)"),
+          {format("100 robots on the move: %.3g virtual minutes on one core", effort.minutes), format("<= %.3g", bar),
+           wall, "s", wall <= bar, format("processor time %.1f s", cpu)},
+          repeats()};
+}
+
+}  // namespace adhoc_communication::bench

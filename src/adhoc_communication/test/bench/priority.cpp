@@ -1,0 +1,114 @@
+// How long an urgent message takes while a map is on its way.
+#include <algorithm>
+
+#include "rows.hpp"
+#include "transport/hop_sender.hpp"
+
+namespace adhoc_communication::bench {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Case {
+  std::size_t hops;
+  double loss;
+  int timers;  ///< retry timers that the worst hundredth may wait for
+};
+
+constexpr Case kCases[] = {{1, 0.0, 0},  {3, 0.0, 0}, {10, 0.0, 0}, {1, 0.1, 1},  {3, 0.1, 2},
+                           {10, 0.1, 4}, {1, 0.3, 3}, {3, 0.3, 6},  {10, 0.3, 11}};
+
+/// Air time of a frame of full size.
+double air_time() { return 1500.0 * 8 / capacity(); }
+
+double bar_of(const Case& measured) {
+  return 2 * air_time() * static_cast<double>(measured.hops) +
+         measured.timers * seconds(transport::HopSender::kShortestTimer);
+}
+
+/// Messages of a few octets at random times, about one every 40 ms, while one map after the other flows the same way.
+class Latencies {
+ public:
+  Latencies(const Case& measured, std::uint64_t seed)
+      : team_(radio(measured), seed), random_(seed), far_end_(measured.hops) {
+    team_.add_line(measured.hops + 1);
+    team_.on_event = [this](std::size_t robot, const Event& event) { take(robot, event); };
+    team_.run_for(1s);
+  }
+
+  std::vector<double> measure(int messages) {
+    keep_maps_flowing();
+    team_.run_for(200ms);  // the first map fills the whole way
+    for (int i = 0; i < messages; ++i) {
+      keep_maps_flowing();
+      sent_.push_back(team_.now());
+      team_.send(0, Team::name(far_end_), Bytes{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i)},
+                 Priority::kNormal, "urgent");
+      team_.run_for(20ms + random_.delay(40ms));
+    }
+    team_.run_for(5s);
+    return latencies_;
+  }
+
+ private:
+  static MediumOptions radio(const Case& measured) {
+    MediumOptions medium;
+    medium.loss = measured.loss;
+    return medium;
+  }
+
+  void keep_maps_flowing() {
+    while (maps_ < 3) {
+      team_.send(0, Team::name(far_end_), noise(1'000'000, 1), Priority::kBulk);
+      ++maps_;
+    }
+  }
+
+  void take(std::size_t robot, const Event& event) {
+    const auto* packet = std::get_if<PacketReceived>(&event);
+    if (packet == nullptr || robot != far_end_) return;
+    if (packet->topic != "urgent") {
+      --maps_;
+    } else {
+      const std::size_t number = std::size_t{packet->payload[0]} << 8 | packet->payload[1];
+      latencies_.push_back(seconds(team_.now() - sent_[number]));
+    }
+  }
+
+  Team team_;
+  Random random_;
+  std::size_t far_end_;
+  int maps_ = 0;
+  std::vector<Time> sent_;
+  std::vector<double> latencies_;
+};
+
+Row latency(const Case& measured, int trials) {
+  const int messages = 100;
+  std::vector<double> all;
+  for (int seed = 1; seed <= trials; ++seed) {
+    const auto some = Latencies(measured, static_cast<std::uint64_t>(seed)).measure(messages);
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  const double bar = 1e3 * bar_of(measured);
+  const double p99 = 1e3 * quantile(all, 0.99);
+  const bool complete = all.size() == static_cast<std::size_t>(messages * trials);
+  return {format("small message during a map, %.0f hops, loss %.0f %%: p99", static_cast<double>(measured.hops),
+                 measured.loss * 100),
+          format("<= %.2f", bar),
+          p99,
+          "ms",
+          p99 <= bar && complete,
+          format("p50 %.2f ms, max %.2f ms", 1e3 * quantile(all, 0.5), 1e3 * quantile(all, 1.0)) +
+              format(", arrived %.0f of %.0f", static_cast<double>(all.size()), messages * trials)};
+}
+
+}  // namespace
+
+std::vector<Row> priority_rows(const Effort& effort) {
+  std::vector<Row> rows;
+  for (const Case& measured : kCases) rows.push_back(latency(measured, std::max(3, effort.trials / 2)));
+  return rows;
+}
+
+}  // namespace adhoc_communication::bench
