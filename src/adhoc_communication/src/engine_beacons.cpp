@@ -108,12 +108,12 @@ void Engine::Implementation::announce_changes(Time now) {
     const std::string group = multicast::group_of(change.robot);
     if (change.appeared) {
       report(RobotAppeared{change.robot});
-      member_returned(change.robot, now);
+      member_returned(change.robot, change.boot, now);
       if (options_.join_groups_automatically || groups_.memberships.count(group) != 0) start_join(group, now);
       continue;
     }
     report(RobotLost{change.robot});
-    member_lost(change.robot, now);
+    member_lost(change.robot, change.boot, now);
     const auto membership = groups_.memberships.find(group);
     if (membership != groups_.memberships.end()) membership->second.joined = false;
   }

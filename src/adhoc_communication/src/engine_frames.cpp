@@ -141,7 +141,8 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
       return with(wire::read_hop_acknowledgment(body), [&](auto acknowledgment) {
         if (acknowledgment.boot != self_.boot) return;
         neighbors_.acknowledged(from, now);
-        air_.acknowledged(acknowledgment.newest_counter, Time(acknowledgment.spacing_ns), now);
+        air_.acknowledged(acknowledgment.newest_counter, Time(acknowledgment.spacing_ns),
+                          now - Time(acknowledgment.held_ns));
         link(from).sender.acknowledged(acknowledgment, now);
       });
     case FrameType::kData:

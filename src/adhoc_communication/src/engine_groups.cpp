@@ -142,20 +142,16 @@ void Engine::Implementation::admit_member(const std::string& name, Time now) {
 }
 
 /// A member that falls silent stays one as long as it runs: it need not have noticed.
-void Engine::Implementation::member_lost(const std::string& name, Time now) {
+void Engine::Implementation::member_lost(const std::string& name, wire::BootTag boot, Time now) {
   if (groups_.members.count(name) == 0) return;
-  const auto address = directory_.address_of(name);
-  if (address && groups_.absent.size() < multicast::Groups::kMostMembers) {
-    groups_.absent[name] = directory_.find(*address)->boot;
-  }
+  if (groups_.absent.size() < multicast::Groups::kMostMembers) groups_.absent[name] = boot;
   remove_member(name, name + " was lost", now);
 }
 
-void Engine::Implementation::member_returned(const std::string& name, Time now) {
+void Engine::Implementation::member_returned(const std::string& name, wire::BootTag boot, Time now) {
   const auto absent = groups_.absent.find(name);
   if (absent == groups_.absent.end()) return;
-  const auto address = directory_.address_of(name);
-  const bool same_run = address && directory_.find(*address)->boot == absent->second;
+  const bool same_run = absent->second == boot;
   groups_.absent.erase(absent);
   if (same_run) admit_member(name, now);
 }

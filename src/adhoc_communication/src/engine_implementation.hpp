@@ -170,8 +170,8 @@ class Engine::Implementation : private Outbox {
   // engine_groups.cpp: membership.
   void settle_memberships(Time now);
   void start_leave(const std::string& group, Time now);
-  void member_lost(const std::string& member, Time now);
-  void member_returned(const std::string& member, Time now);
+  void member_lost(const std::string& member, wire::BootTag boot, Time now);
+  void member_returned(const std::string& member, wire::BootTag boot, Time now);
   void start_join(const std::string& group, Time now);
   void finish_membership(const Sending& sending, bool delivered, const std::string& reason, Time now);
   void on_group_packet(const std::string& source, const transport::Packet& packet, Time now);

@@ -72,7 +72,7 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   for (auto& [neighbor, link] : links_) {
     if (!link.receiver || acknowledgment_due(*link.receiver) > now) continue;
     transmit(wire::FrameType::kHopAcknowledgment, 0, neighbor, 0, next_counter_++,
-             to_bytes(link.receiver->acknowledge()), now);
+             to_bytes(link.receiver->acknowledge(now)), now);
   }
   pump(now);
   expected_poll_ = next_deadline();

@@ -64,7 +64,7 @@ void write_samples(const std::string& path) {
   sample.add(FrameType::kRouteReply, wire::RouteReply{false, true, 2, 36, kCarol, 12, 0xc1, "carol", kAlice, 3000},
              wire::kWantsAcknowledgment);
   sample.add(FrameType::kRouteError, wire::RouteError{false, true, {{kCarol, 13}, {kBob, 14}}});
-  sample.add(FrameType::kHopAcknowledgment, wire::HopAcknowledgment{0xb1, 99, 1200, 55, 0xff});
+  sample.add(FrameType::kHopAcknowledgment, wire::HopAcknowledgment{0xb1, 99, 1200, 800, 55, 0xff});
   sample.add(FrameType::kData, data_segment(0, image()), wire::kWantsAcknowledgment | wire::kAcknowledgeNow);
   sample.add(FrameType::kData, data_segment(1, Bytes(image().size(), 1)));
   sample.add(FrameType::kTransportAcknowledgment,

@@ -99,7 +99,7 @@ def test_route_error(frames):
 
 
 def test_hop_acknowledgment(frames):
-    expect(frames[4], type=5, newest_counter=99, spacing=1200, highest=55)
+    expect(frames[4], type=5, newest_counter=99, spacing=1200, held=800, highest=55)
 
 
 def test_data(frames):

@@ -94,6 +94,7 @@ local f = {
 
   newest_counter = ProtoField.uint64("adhoc.newest_counter", "Newest counter received"),
   spacing = ProtoField.uint32("adhoc.spacing", "Spacing of arrivals (ns)"),
+  held = ProtoField.uint32("adhoc.held", "Held back since its arrival (ns)"),
   highest = ProtoField.uint32("adhoc.highest", "Highest link sequence"),
   received = ProtoField.uint64("adhoc.received", "Received (bit i: highest - i)", base.HEX),
 
@@ -307,6 +308,7 @@ local function hop_acknowledgment(cursor, tree)
   cursor:add(tree, f.boot_tag, 8)
   cursor:add(tree, f.newest_counter, 8)
   cursor:add(tree, f.spacing, 4)
+  cursor:add(tree, f.held, 4)
   local highest = cursor:number(tree, f.highest, 4)
   cursor:add(tree, f.received, 8)
   return string.format("up to %d", highest)

@@ -215,7 +215,7 @@ void Distributor::on_report(const MacAddress& from, const wire::GroupReport& rep
   Tree* tree = find_tree(report.root, report.root_boot);
   if (tree == nullptr) return;
   if (tree->children.count(from) == 0) return;
-  if (report.measured_counter != 0) air_.acknowledged(report.measured_counter, Time(report.spacing_ns), now);
+  if (report.measured_counter != 0) air_.acknowledged_late(report.measured_counter, Time(report.spacing_ns), now);
   GroupStream& stream = branches_[report.root].streams[report.stream];
   const auto found = stream.transfers.find(report.packet);
   if (found == stream.transfers.end()) return;

@@ -83,7 +83,7 @@ void RobotDirectory::expire(Time now) {
     Robot& robot = iterator->second;
     if (robot.announced && now - robot.last_news >= patience(robot)) {
       robot.announced = false;
-      changes_.push_back({robot.name, iterator->first, false});
+      changes_.push_back({robot.name, iterator->first, robot.boot, false});
     }
     if (!robot.announced && now - robot.last_news >= kForget) {
       iterator = robots_.erase(iterator);
@@ -106,7 +106,7 @@ Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name,
   }
   Robot& robot = found->second;
   if (robot.boot != boot || robot.name != name) {
-    if (robot.announced) changes_.push_back({robot.name, address, false});
+    if (robot.announced) changes_.push_back({robot.name, address, robot.boot, false});
     robot.announced = false;
     if (robot.boot != boot) robot.former_boots.push_back(robot.boot);
     if (robot.former_boots.size() > kMostFormerBoots) robot.former_boots.erase(robot.former_boots.begin());
@@ -118,7 +118,7 @@ Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name,
   if (!robot.announced) {
     robot.announced = true;
     robot.spreads_left = kSpreads;
-    changes_.push_back({robot.name, address, true});
+    changes_.push_back({robot.name, address, robot.boot, true});
   }
   return &robot;
 }

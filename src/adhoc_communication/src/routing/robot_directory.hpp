@@ -24,6 +24,7 @@ struct Robot {
 struct DirectoryChange {
   std::string robot;
   MacAddress address{};
+  wire::BootTag boot = 0;  ///< the run that appeared or is lost
   bool appeared = false;
 };
 

@@ -10,7 +10,17 @@ void AirClock::transmitted(std::uint64_t counter, std::size_t octets, Time now) 
   busy_until_ = std::max(busy_until_, now) + air_time(octets + kOverheadOctets);
 }
 
-void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time now) {
+void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time arrived) {
+  if (take(counter, spacing)) busy_until_ = end_of_rest(arrived);
+}
+
+void AirClock::acknowledged_late(std::uint64_t counter, Time spacing, Time now) {
+  if (take(counter, spacing)) busy_until_ = std::min(busy_until_, end_of_rest(now));
+}
+
+/// Removes what is off the air; false if that was known.
+bool AirClock::take(std::uint64_t counter, Time spacing) {
+  if (on_air_.empty() || on_air_.front().counter > counter) return false;
   while (!on_air_.empty() && on_air_.front().counter <= counter) {
     const Transmission transmission = on_air_.front();
     on_air_.pop_front();
@@ -20,9 +30,16 @@ void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time now) {
     if (transmission.counter == counter && together) sample(transmission.octets, spacing);
     before_ = transmission;
   }
-  std::size_t left = 0;
-  for (const Transmission& transmission : on_air_) left += transmission.octets;
-  busy_until_ = std::min(busy_until_, now + air_time(left));
+  return true;
+}
+
+/// Each frame follows the one before as soon as it is there.
+Time AirClock::end_of_rest(Time begin) const {
+  Time end = begin;
+  for (const Transmission& transmission : on_air_) {
+    end = std::max(end, transmission.sent) + air_time(transmission.octets);
+  }
+  return end;
 }
 
 void AirClock::sample(std::size_t octets, Time duration) {

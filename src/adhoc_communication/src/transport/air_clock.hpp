@@ -22,7 +22,9 @@ class AirClock {
 
   void transmitted(std::uint64_t counter, std::size_t octets, Time now);
   /// `spacing`: between the arrivals of the frame before and of this one; zero unknown.
-  void acknowledged(std::uint64_t counter, Time spacing, Time now);
+  void acknowledged(std::uint64_t counter, Time spacing, Time arrived);
+  /// The same where it is not known how long before `now` the frame arrived.
+  void acknowledged_late(std::uint64_t counter, Time spacing, Time now);
 
   /// When a further frame may go to the radio: no more than one frame of largest size is ahead of it then.
   Time ready_at() const { return busy_until_ - air_time(largest_frame_ + kOverheadOctets); }
@@ -40,6 +42,8 @@ class AirClock {
   Time air_time(std::size_t octets) const {
     return Time(static_cast<Time::rep>(nanoseconds_per_octet_ * static_cast<double>(octets)));
   }
+  bool take(std::uint64_t counter, Time spacing);
+  Time end_of_rest(Time begin) const;
   void sample(std::size_t octets, Time duration);
 
   std::size_t largest_frame_;

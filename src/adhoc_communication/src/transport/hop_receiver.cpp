@@ -41,11 +41,13 @@ bool HopReceiver::mark(std::uint32_t link_sequence, bool& gap) {
   return fresh;
 }
 
-wire::HopAcknowledgment HopReceiver::acknowledge() {
+wire::HopAcknowledgment HopReceiver::acknowledge(Time now) {
   unacknowledged_ = 0;
   due_ = Time::max();
-  const auto spacing = static_cast<std::uint32_t>(std::clamp<Time::rep>(spacing_.count(), 0, 0xffffffff));
-  return {boot_, newest_counter_, spacing, highest_, received_};
+  const auto nanoseconds = [](Time time) {
+    return static_cast<std::uint32_t>(std::clamp<Time::rep>(time.count(), 0, 0xffffffff));
+  };
+  return {boot_, newest_counter_, nanoseconds(spacing_), nanoseconds(now - newest_arrival_), highest_, received_};
 }
 
 }  // namespace adhoc_communication::transport

@@ -22,7 +22,7 @@ class HopReceiver {
   Time due() const { return due_; }
   /// Arrival of the first frame that is not acknowledged.
   Time owed_since() const { return owed_since_; }
-  wire::HopAcknowledgment acknowledge();
+  wire::HopAcknowledgment acknowledge(Time now);
 
  private:
   bool mark(std::uint32_t link_sequence, bool& gap);

@@ -96,9 +96,7 @@ bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time
     const Transmission transmission = unresolved_.front();
     unresolved_.pop_front();
     const bool lost = in_flight_.count(transmission.link_sequence) != 0;
-    outcomes_ = now - last_outcome_ < kOutcomesAge ? std::min(outcomes_ + 1, kOutcomesThatMatter) : 1;
-    last_outcome_ = now;
-    loss_ += ((lost ? 1.0 : 0.0) - loss_) / outcomes_;
+    count_outcome(lost, now);
     if (lost) transmission_lost(transmission, false);
     progress = true;
   }
@@ -131,6 +129,7 @@ void HopSender::expire(Time now) {
     if (late_.size() == kMostLate) late_.pop_front();
     late_.push_back(transmission);
     ++expiries_;
+    count_outcome(true, now);
     transmission_lost(transmission, true);
   }
   if (in_flight_.empty()) waiting_since_.reset();  // given up: nothing is outstanding any more
@@ -172,6 +171,12 @@ std::vector<HopFrame> HopSender::take_all() {
   for (auto& queue : waiting_) std::move(queue.begin(), queue.end(), std::back_inserter(frames));
   clear();
   return frames;
+}
+
+void HopSender::count_outcome(bool lost, Time now) {
+  outcomes_ = now - last_outcome_ < kOutcomesAge ? std::min(outcomes_ + 1, kOutcomesThatMatter) : 1;
+  last_outcome_ = now;
+  loss_ += ((lost ? 1.0 : 0.0) - loss_) / outcomes_;
 }
 
 std::optional<double> HopSender::loss(Time now) const {

@@ -97,6 +97,7 @@ class HopSender {
 
   Outgoing transmit(std::uint32_t link_sequence, InFlight& flight, std::uint64_t counter, Time now);
   void transmission_lost(const Transmission& transmission, bool by_timer);
+  void count_outcome(bool lost, Time now);
   Time timer() const;
   void sample_round_trip(std::uint64_t counter, Time now);
   Time dead_at() const;

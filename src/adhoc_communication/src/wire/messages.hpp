@@ -95,6 +95,7 @@ struct HopAcknowledgment {
   BootTag boot = 0;                  ///< of the run of the robot whose frames these are
   std::uint64_t newest_counter = 0;  ///< counter of the transmission received last
   std::uint32_t spacing_ns = 0;      ///< between the arrivals of that one and the one sent just before; 0 unknown
+  std::uint32_t held_ns = 0;         ///< between the arrival of that one and this acknowledgment
   std::uint32_t highest = 0;         ///< highest link sequence received
   std::uint64_t received = 0;        ///< bit i: link sequence highest - i was received
 };

@@ -21,12 +21,13 @@ void write(Writer& writer, const HopAcknowledgment& acknowledgment) {
   writer.u64(acknowledgment.boot);
   writer.u64(acknowledgment.newest_counter);
   writer.u32(acknowledgment.spacing_ns);
+  writer.u32(acknowledgment.held_ns);
   writer.u32(acknowledgment.highest);
   writer.u64(acknowledgment.received);
 }
 
 std::optional<HopAcknowledgment> read_hop_acknowledgment(Reader reader) {
-  HopAcknowledgment acknowledgment{reader.u64(), reader.u64(), reader.u32(), reader.u32(), reader.u64()};
+  HopAcknowledgment acknowledgment{reader.u64(), reader.u64(), reader.u32(), reader.u32(), reader.u32(), reader.u64()};
   if (!reader.at_end()) return std::nullopt;
   return acknowledgment;
 }

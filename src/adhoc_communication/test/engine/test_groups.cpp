@@ -98,6 +98,21 @@ TEST(Groups, RestartedRootGetsItsMembersBack) {
   EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks.size(), 2u);
 }
 
+/// The new run was taken for the former one, and then left packets out that the root had told as delivered.
+TEST(Groups, B10_2_ARestartedMemberIsNoneUntilItJoins) {
+  EngineOptions options;
+  options.join_groups_automatically = false;
+  Team team;
+  team.add_line(2, options);
+  team.run_for(1s);
+  team.engine(1).join_group("mc_robot_0", team.now());
+  team.run_for(1s);
+  ASSERT_EQ(team.engine(0).group_state("mc_robot_0").downlinks, std::vector<std::string>{"robot_1"});
+  team.restart(1);
+  team.run_for(2s);
+  EXPECT_TRUE(team.engine(0).group_state("mc_robot_0").downlinks.empty());
+}
+
 /// The root has lost the member, but the member has heard the root all the time and does not join anew.
 TEST(Groups, AMemberLostByTheRootAloneStaysAMember) {
   Team team;

@@ -82,7 +82,7 @@ TEST(RouteQuality, OfTwoWaysOfTheSameLengthTheCleanOneIsTaken) {
     team.add({}, 14, 0);
     team.medium().set_link_loss(0, 1, 0.5);
     team.medium().set_link_loss(1, 3, 0.5);
-    team.run_for(20s);
+    team.run_for(40s);  // routes of the start, when nothing was known of the links, have ended
     flow(team, 0, 3, 5);
     ASSERT_TRUE(route(team, 0, 3)) << seed;
     EXPECT_EQ(route(team, 0, 3)->next_hop, Team::address(2)) << seed;

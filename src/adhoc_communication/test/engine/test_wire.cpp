@@ -77,7 +77,7 @@ TEST(Wire, A1_7_ExtensionsAreSkippedOrRefused) {
 
 TEST(Wire, TruncatedMessagesAreRefused) {
   refuses_every_prefix(request(), read_route_request);
-  refuses_every_prefix(HopAcknowledgment{1, 2, 3, 4, 5}, read_hop_acknowledgment);
+  refuses_every_prefix(HopAcknowledgment{1, 2, 3, 4, 5, 6}, read_hop_acknowledgment);
   Beacon beacon{1, 2, 3, "robot_1", 4, {{5, 6}}, {{kB, 6, 7, 2, "robot_2"}}, 0};
   const Bytes bytes = to_bytes(beacon);
   for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(read_beacon(Reader(bytes.data(), size))) << size;
