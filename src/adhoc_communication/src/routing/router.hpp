@@ -70,6 +70,7 @@ class Router {
   bool answer_from_table(const wire::RouteRequest& request, const MacAddress& to, Time now);
   void answer_gratuitously(const wire::RouteRequest& request, const Route& to_destination, Time now);
   void forward_request(wire::RouteRequest request, const MacAddress& from, Time now);
+  bool better_one_known(const wire::RouteReply& reply, Time now) const;
   bool worth_forwarding(const wire::RouteReply& reply, bool updated, const MacAddress& from, Time now);
   void forward_reply(wire::RouteReply reply, Time now);
   void announce_broken(const std::vector<Route>& broken, const MacAddress& except, bool unknown_sequence, Time now);

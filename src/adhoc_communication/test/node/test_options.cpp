@@ -148,6 +148,27 @@ TEST(Options, BadRobotMacsAreRefused) {
   }
 }
 
+TEST(Options, A12_1_TimingsAreAPresetAndWhatDiffersFromIt) {
+  using namespace std::chrono_literals;
+  EXPECT_EQ(read(with("timings", "rfc3561")).engine.timings.node_traversal_time, 40ms);
+  XmlRpcValue members;
+  members["preset"] = "rfc3561";
+  members["node_traversal_time"] = 10;
+  members["net_diameter"] = 10;
+  const Timings timings = read(with("timings", members)).engine.timings;
+  EXPECT_EQ(timings.net_traversal_time(), 200ms);
+  EXPECT_EQ(timings.request_retries, rfc3561_timings().request_retries);
+}
+
+TEST(Options, BadTimingsAreRefused) {
+  EXPECT_EQ(refusal_of(with("timings", "slow")),
+            "parameter ~timings = slow has the preset 'slow', not robots or rfc3561");
+  EXPECT_NE(refusal_of(with("timings", 3)).find("is neither a preset nor a struct"), std::string::npos);
+  XmlRpcValue members;
+  members["node_traversal"] = 10;
+  EXPECT_NE(refusal_of(with("timings", members)).find("has the unknown member 'node_traversal'"), std::string::npos);
+}
+
 XmlRpcValue relay_of(const std::string& topic, const std::string& destination) {
   XmlRpcValue entry;
   entry["topic"] = topic;
