@@ -7,6 +7,7 @@ namespace {
 
 constexpr int kBeaconsThatMatter = 16;  ///< for the loss of a link
 constexpr int kBeaconsInDoubt = 2;
+constexpr double kHopeless = 0.6;  ///< loss of a link over which silence is no surprise
 constexpr Time kLongestInterval = std::chrono::seconds(10);
 constexpr int kMostMissed = 64;  ///< a greater gap says nothing about the link
 
@@ -157,7 +158,7 @@ bool Neighbors::all_hear(const MacAddress& robot, wire::BootTag boot, Time now) 
 std::vector<MacAddress> Neighbors::doubtful(Time now) const {
   std::vector<MacAddress> result;
   for (const auto& [address, neighbor] : neighbors_) {
-    if (!two_way(neighbor, now)) continue;
+    if (!two_way(neighbor, now) || neighbor.loss_from > kHopeless) continue;
     const bool silent = now - neighbor.last_heard > kBeaconsInDoubt * neighbor.interval;
     const bool unlisted = now - *neighbor.listed > kBeaconsInDoubt * neighbor.interval * neighbor.beacons_per_list;
     if (silent || unlisted) result.push_back(address);
