@@ -25,6 +25,7 @@ void Router::on_error(const MacAddress& from, const wire::RouteError& error, Tim
 }
 
 void Router::no_route_for(const MacAddress& destination, const MacAddress& previous_hop, Time now) {
+  routes_.keep(destination, now);
   if (!error_limit_.take(now)) return;
   const Route* former = routes_.find(destination);
   wire::RouteError error;

@@ -19,6 +19,7 @@ Router::Router(const Identity& self, const EngineOptions& options, Neighbors& ne
       started_(now) {}
 
 void Router::search(const Target& target, Time now) {
+  routes_.keep(target.address, now);
   const Route* former = routes_.find(target.address);
   discovery_.search(target, former == nullptr ? 0 : former->hops, now);
 }
