@@ -168,6 +168,21 @@ TEST(Errors, A7_6_AnErrorWithAnOldNumberIsIgnored) {
   EXPECT_EQ(star.count(FrameType::kRouteError), 0u);
 }
 
+/// Otherwise a longer route with that number could come, by way of robots that still rely on the lost one.
+TEST(Errors, A7_5_A13_2_AnErrorWithTheStoredNumberRaisesIt) {
+  Star star;
+  Host far = kFar;
+  far.sequence = 10;
+  star.open_way(star.b, far);
+  star.forget();
+  star.say(star.b, error_about({{far, 10}}));
+  star.run_for(5ms);
+  EXPECT_FALSE(star.route(far));
+  EXPECT_EQ(star.sent<wire::RouteError>().at(0).message.destinations[0].sequence, 11u);
+  star.give_route(star.c, far, 9);
+  EXPECT_FALSE(star.route(far));
+}
+
 TEST(Errors, A7_6_ANumberThatIsNotKnownRaisesTheOwnOne) {
   Star star;
   Host far = kFar;
