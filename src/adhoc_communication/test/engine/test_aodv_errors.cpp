@@ -102,6 +102,15 @@ TEST(Errors, A7_3_RoutesThatNobodyElseReliesOnAreNotAnnounced) {
   EXPECT_EQ(star.count(FrameType::kRouteError), 0u);
 }
 
+TEST(Errors, A7_3_AnErrorLeavesOutRoutesThatNobodyElseReliesOn) {
+  Star star;
+  star.give_route(star.b, kSource);
+  star.open_way(star.b, kFar);
+  star.lose(star.b);
+  EXPECT_FALSE(star.route(kSource));
+  EXPECT_EQ(star.announced(), (std::set<MacAddress>{kFar.address, star.b.address}));
+}
+
 TEST(Errors, A7_4_ManyPrecursorsAreToldByOneBroadcast) {
   Star star;
   for (std::size_t number = 10; number < 16; ++number) star.neighbor(number);
