@@ -31,7 +31,8 @@ if(ADHOC_SANITIZE)
 endif()
 
 # Robots in one process on the simulated radio.
-add_library(adhoc_engine_team STATIC EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/test/engine/team.cpp)
+add_library(adhoc_engine_team STATIC EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/test/engine/host.cpp
+            ${ADHOC_ENGINE_DIR}/test/engine/team.cpp)
 target_include_directories(adhoc_engine_team PUBLIC ${ADHOC_ENGINE_DIR}/test/engine)
 target_link_libraries(adhoc_engine_team PUBLIC adhoc_engine)
 

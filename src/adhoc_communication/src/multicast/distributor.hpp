@@ -121,6 +121,7 @@ class Distributor {
   static void forget_rhythm(Branch& branch);
   void give_up(const MacAddress& root, Tree& tree, const std::vector<MacAddress>& children, Time now);
   void refuse(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members);
+  std::set<MacAddress> attach_elsewhere(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members);
   void refused_at_root(const std::set<MacAddress>& members, const std::string& reason, bool final);
   void children_changed(const MacAddress& root, bool anew, Time now);
   bool is_root(const MacAddress& root) const { return root == self_.address; }

@@ -118,6 +118,7 @@ void Distributor::on_activation(const MacAddress& from, const wire::GroupActivat
   }
   const std::map<MacAddress, std::set<MacAddress>> before = std::exchange(tree.children, {});
   if (tree.upstream != from) forget_rhythm(branches_[activation.root]);
+  if (anew) tree.refused.clear();
   tree.epoch = activation.epoch;
   tree.upstream = from;
   tree.unrouted.clear();
@@ -169,11 +170,34 @@ void Distributor::on_refusal(const MacAddress& from, const wire::GroupRefusal& r
   if (child == tree->children.end()) return;
   std::set<MacAddress> refused;
   for (const MacAddress& member : refusal.members) {
-    if (child->second.erase(member) != 0) refused.insert(member);
+    if (child->second.erase(member) == 0) continue;
+    refused.insert(member);
+    tree->refused[member].insert(from);
   }
   if (child->second.empty()) tree->children.erase(child);
-  refuse(refusal.root, *tree, refused);
+  refuse(refusal.root, *tree, attach_elsewhere(refusal.root, *tree, refused));
   children_changed(refusal.root, false, now);
+}
+
+/// The routes to two members may meet at a robot, coming from different neighbours of which only one can be its
+/// upstream neighbour. Perhaps the child that leads there reaches the other member, too. Returns those left over.
+std::set<MacAddress> Distributor::attach_elsewhere(const MacAddress& root, Tree& tree,
+                                                   const std::set<MacAddress>& members) {
+  std::set<MacAddress> left;
+  std::set<MacAddress> concerned;
+  for (const MacAddress& member : members) {
+    const std::set<MacAddress>& tried = tree.refused[member];
+    const auto other = std::find_if(tree.children.begin(), tree.children.end(),
+                                    [&](const auto& child) { return tried.count(child.first) == 0; });
+    if (other == tree.children.end()) {
+      left.insert(member);
+    } else {
+      other->second.insert(member);
+      concerned.insert(other->first);
+    }
+  }
+  activate(root, tree, concerned);
+  return left;
 }
 
 void Distributor::link_lost(const MacAddress& neighbor, Time now) {
@@ -236,6 +260,7 @@ void Distributor::build_anew(Time now) {
   ++tree.epoch;
   tree.children.clear();
   tree.unrouted.clear();
+  tree.refused.clear();
   attach(self_.address, tree, members, now);
   activate(self_.address, tree, tree.child_addresses());
   children_changed(self_.address, true, now);

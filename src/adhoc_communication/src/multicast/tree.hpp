@@ -24,6 +24,7 @@ struct Tree {
   bool member = false;                                  ///< this robot itself belongs to the group
   std::map<MacAddress, std::set<MacAddress>> children;  ///< members by the neighbour through which they are reached
   std::set<MacAddress> unrouted;                        ///< members without route so far
+  std::map<MacAddress, std::set<MacAddress>> refused;   ///< by member: the children that have refused it in this epoch
   Time last_used{0};
 
   std::set<MacAddress> child_addresses() const;

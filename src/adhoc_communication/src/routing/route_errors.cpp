@@ -1,4 +1,6 @@
 // RERR: telling those who rely on a route that it is gone (RFC 3561 sections 6.11 and 6.12).
+#include <algorithm>
+
 #include "routing/router.hpp"
 
 namespace adhoc_communication::routing {
@@ -6,6 +8,7 @@ namespace {
 
 constexpr std::size_t kMostDestinations = 30;  ///< in one frame, so that it fits the smallest MTU allowed
 constexpr std::size_t kMostUnicasts = 4;       ///< more precursors than this get one broadcast
+constexpr std::size_t kMostWaiting = 64;       ///< errors; further ones are not announced
 
 }  // namespace
 
@@ -25,7 +28,8 @@ void Router::on_error(const MacAddress& from, const wire::RouteError& error, Tim
 }
 
 void Router::no_route_for(const MacAddress& destination, const MacAddress& previous_hop, Time now) {
-  if (!error_limit_.take(now)) return;
+  routes_.keep(destination, now);
+  if (!waiting_errors_.empty() || !error_limit_.take(now)) return;
   const Route* former = routes_.find(destination);
   wire::RouteError error;
   error.unknown_sequence = former == nullptr || !former->sequence_valid;
@@ -45,14 +49,31 @@ void Router::announce_broken(const std::vector<Route>& broken, const MacAddress&
     lost.push_back({route.destination, route.sequence});
     concerned.insert(precursors.begin(), precursors.end());
   }
-  for (std::size_t begin = 0; begin < lost.size(); begin += kMostDestinations) {
-    if (!error_limit_.take(now)) return;
+  for (std::size_t begin = 0; begin < lost.size() && waiting_errors_.size() < kMostWaiting;
+       begin += kMostDestinations) {
     const std::size_t end = std::min(lost.size(), begin + kMostDestinations);
     wire::RouteError error;
     error.unknown_sequence = unknown_sequence;
     error.destinations.assign(lost.begin() + static_cast<std::ptrdiff_t>(begin),
                               lost.begin() + static_cast<std::ptrdiff_t>(end));
-    send_error(error, concerned);
+    waiting_errors_.push_back({std::move(error), concerned});
+  }
+  send_waiting_errors(now);
+}
+
+/// As many as the rate limit lets, without routes that have been found again meanwhile.
+void Router::send_waiting_errors(Time now) {
+  while (!waiting_errors_.empty()) {
+    auto& [error, concerned] = waiting_errors_.front();
+    auto& lost = error.destinations;
+    lost.erase(std::remove_if(lost.begin(), lost.end(),
+                              [&](const auto& destination) { return routes_.usable(destination.address, now); }),
+               lost.end());
+    if (!lost.empty()) {
+      if (!error_limit_.take(now)) return;
+      send_error(error, concerned);
+    }
+    waiting_errors_.pop_front();
   }
 }
 

@@ -68,6 +68,11 @@ void RouteTable::extend(const MacAddress& destination, Time until) {
   if (found != routes_.end() && found->second.valid) found->second.expires = std::max(found->second.expires, until);
 }
 
+void RouteTable::keep(const MacAddress& destination, Time now) {
+  const auto found = routes_.find(destination);
+  if (found != routes_.end() && !found->second.valid) found->second.expires = now + timings_.delete_period;
+}
+
 void RouteTable::add_precursor(const MacAddress& destination, const MacAddress& precursor) {
   const auto found = routes_.find(destination);
   if (found == routes_.end() || found->second.precursors.size() >= kMostPrecursors) return;

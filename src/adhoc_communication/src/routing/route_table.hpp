@@ -59,6 +59,8 @@ class RouteTable {
                       Time expires);
   /// Lengthens a valid route's life (section 6.2), never shortens it.
   void extend(const MacAddress& destination, Time until);
+  /// Data is due for it: an entry without valid route, and its number with it, is kept for DELETE_PERIOD anew.
+  void keep(const MacAddress& destination, Time now);
   void add_precursor(const MacAddress& destination, const MacAddress& precursor);
 
   /// Section 6.11 case 1: every route over the neighbour becomes invalid, its number grows by one.

@@ -19,6 +19,7 @@ Router::Router(const Identity& self, const EngineOptions& options, Neighbors& ne
       started_(now) {}
 
 void Router::search(const Target& target, Time now) {
+  routes_.keep(target.address, now);
   const Route* former = routes_.find(target.address);
   discovery_.search(target, former == nullptr ? 0 : former->hops, now);
 }
@@ -47,11 +48,13 @@ void Router::poll(Time now) {
   for (const RouteDiscovery::Step& step : discovery_.poll(now)) send_request(step, now);
   flood_.poll(neighbors_, now);
   repeat_replies(now);
+  send_waiting_errors(now);
 }
 
 Time Router::next_deadline() const {
   Time next = std::min(discovery_.next_deadline(), flood_.next_deadline());
   for (const auto& [neighbor, open] : open_replies_) next = std::min(next, open.due);
+  if (!waiting_errors_.empty()) next = std::min(next, error_limit_.free_at(Time(0)));
   return next;
 }
 

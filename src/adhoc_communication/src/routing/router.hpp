@@ -1,7 +1,9 @@
 // RFC 3561 for link-layer addresses and robot names: finds, keeps and repairs routes.
 #pragma once
 
+#include <deque>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -83,6 +85,7 @@ class Router {
   void repair_succeeded(const MacAddress& destination, Repair repair, Time now);
   void announce_failed_repair(const MacAddress& destination, Time now);
   void send_error(const wire::RouteError& error, const std::set<MacAddress>& concerned);
+  void send_waiting_errors(Time now);
 
   const Identity& self_;
   const Timings& timings_;
@@ -93,6 +96,12 @@ class Router {
   RouteDiscovery discovery_;
   RequestFlood flood_;
   RateLimit error_limit_;
+  /// Lost routes that the rate limit does not let announce yet.
+  struct WaitingError {
+    wire::RouteError error;
+    std::set<MacAddress> concerned;
+  };
+  std::deque<WaitingError> waiting_errors_;
   Repairs repairs_;
   bool hops_acknowledge_;
   /// A reply whose RREP-ACK has not come.

@@ -30,7 +30,7 @@ TEST(Groups, RobotsJoinByThemselvesAndEveryMemberReceives) {
   }
 }
 
-TEST(Groups, MemberThatIsNotTheRootReachesAll) {
+TEST(Groups, B9_3_MemberThatIsNotTheRootReachesAll) {
   Team team;
   team.add_line(3);
   team.run_for(5s);
@@ -89,7 +89,7 @@ TEST(Groups, HostJoinsAndLeaves) {
   EXPECT_EQ(team.group_changes(1).back().reason, "cannot join mc_robot_8: no route to robot_8 after 1.8 s");
 }
 
-TEST(Groups, RestartedRootGetsItsMembersBack) {
+TEST(Groups, B10_2_RestartedRootGetsItsMembersBack) {
   Team team;
   team.add_line(3);
   team.run_for(3s);

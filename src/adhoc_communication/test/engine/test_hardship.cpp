@@ -166,7 +166,7 @@ TEST(Hardship, SilentDestinationFailsWithReason) {
   EXPECT_EQ(team.finished(0, id)->reason.find("no route to robot_2 after"), 0u) << team.finished(0, id)->reason;
 }
 
-TEST(Hardship, RefusalsNameTheNumbers) {
+TEST(Hardship, A4_11_RefusalsNameTheNumbers) {
   Team team;
   team.add_line(2);
   const auto reason = [&](const SendId id) {

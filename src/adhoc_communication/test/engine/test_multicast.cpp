@@ -97,7 +97,7 @@ TEST(Multicast, EightMembersInOneHopCostLittleMoreThanOne) {
   }
 }
 
-TEST(Multicast, B9_1_EachRobotOfATreeSendsEachFrameOnce) {
+TEST(Multicast, B9_1_B11_4_EachRobotOfATreeSendsEachFrameOnce) {
   Team team;
   team.add_line(4);
   team.run_for(5s);
@@ -138,7 +138,7 @@ TEST(Multicast, B9_4_MembersGetPacketsOnceAndInOrder) {
   }
 }
 
-TEST(Multicast, B7_ABrokenBranchIsBuiltAnew) {
+TEST(Multicast, B7_4_B7_6_ABrokenBranchIsBuiltAnew) {
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
     MediumOptions medium;
     medium.loss = 0.1;
@@ -241,7 +241,7 @@ TEST(Multicast, CatchingUpWhileOthersAreServedLosesNothing) {
   }
 }
 
-TEST(Multicast, B10_ARestartedRelayRejoins) {
+TEST(Multicast, B10_1_B10_2_ARestartedRelayRejoins) {
   Team team;
   team.add_line(3);
   team.run_for(5s);

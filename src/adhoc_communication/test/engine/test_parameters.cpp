@@ -38,7 +38,7 @@ TEST(Parameters, BeaconIntervalSetsThePaceOfBeacons) {
 TEST(Parameters, BeaconsBackOffToASecondWhileNothingHappens) {
   EXPECT_NEAR(beacons_in_a_minute(250, false), 60, 6);
   EXPECT_NEAR(beacons_in_a_minute(100, false), 60, 6);
-  EXPECT_NEAR(beacons_in_a_minute(2000, false), 30, 3);
+  EXPECT_NEAR(beacons_in_a_minute(1200, false), 50, 5);
 }
 
 // Small packets, one after the other, on a link that loses much and repeats nothing itself.

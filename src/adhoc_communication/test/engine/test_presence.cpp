@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "team.hpp"
+#include "wire/frame_header.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -64,12 +65,18 @@ TEST(Presence, DeadFarRobotIsForgottenByAllInBoundedTime) {
   }
 }
 
-TEST(Presence, IdleTeamIsQuiet) {
+TEST(Presence, A8_2_A13_4_AnIdleTeamSendsBeaconsOnlyAndFewOfThem) {
   Team team;
   for (int i = 0; i < 3; ++i) team.add();
   team.run_for(10s);
   const std::uint64_t polls = team.polls();
+  std::size_t frames = 0;
+  team.on_transmission = [&](std::size_t, const Frame& frame) {
+    EXPECT_EQ(frame.bytes[1], static_cast<std::uint8_t>(wire::FrameType::kBeacon));
+    ++frames;
+  };
   team.run_for(60s);
+  EXPECT_LE(frames, 3 * 64u) << "one a second";
   EXPECT_LE(static_cast<double>(team.polls() - polls) / 60 / 3, 14.0);  // own beacons and those heard
 }
 

@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 
 class Scenarios : public testing::TestWithParam<std::uint64_t> {};
 
-TEST_P(Scenarios, KeepEveryPromise) {
+TEST_P(Scenarios, A2_5_A13_1_A13_2_A13_3_B2_2_B2_4_B11_1_KeepEveryPromise) {
   const Outcome outcome = run(make_scenario(GetParam()));
   EXPECT_EQ(outcome.violation, "") << outcome.tail << "see it again: engine_scenarios --seed " << GetParam()
                                    << " --trace";

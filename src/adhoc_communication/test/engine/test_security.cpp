@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "host.hpp"
 #include "security/frame_guard.hpp"
-#include "team.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -135,6 +135,18 @@ TEST(Security, A13_5_HostileFramesChangeNothing) {
     }
   }
   EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST(Security, A13_5_OpenRepliesAndErrorsChangeNothing) {
+  Stage stage(with_keys({key(1)}));
+  Host forger = make_host(1);
+  stage.beacon(forger);
+  stage.give_route(forger, make_host(2));
+  stage.say(forger, error_about({{make_host(2), 9}}));
+  stage.run_for(10ms);
+  EXPECT_TRUE(stage.node().routes().empty());
+  EXPECT_EQ(stage.count(wire::FrameType::kRouteError), 0u);
+  EXPECT_EQ(stage.node().statistics().frames_dropped.unsealed, 3u);
 }
 
 TEST(Security, FramesRecordedBeforeARestartProveNothing) {

@@ -1,0 +1,345 @@
+// The trees of groups: part B of docs/aodv.md, as far as it applies to trees that have their source as root.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "host.hpp"
+#include "transport/packet_image.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::FrameType;
+
+const Host kFar = make_host(100);
+
+bool finish(Team& team, std::size_t robot, SendId id) {
+  return team.run_until_done([&] { return team.finished(robot, id) != nullptr; }, 30s);
+}
+
+TEST(Trees, B1_6_ActivationIsInNetworkByteOrder) {
+  const wire::GroupActivation activation{{2, 0, 0, 0, 0, 1}, 0x1112131415161718, 0x01020304, {{2, 0, 0, 0, 0, 2}}};
+  const Bytes expected = {2,    0, 0, 0, 0, 1, 0x11, 0x12, 0x13, 0x14, 0x15, 0x16, 0x17,
+                          0x18, 1, 2, 3, 4, 1, 2,    0,    0,    0,    0,    2};
+  EXPECT_EQ(wire::to_bytes(activation), expected);
+  EXPECT_EQ(wire::to_bytes(wire::read_group_activation(wire::Reader(expected)).value()), expected);
+}
+
+/// A node between a, which is the root or nearer to it, and b.
+struct Branch : Stage {
+  Branch() : a(neighbor(1)), b(neighbor(2)) { run_for(50ms); }
+  void activate(Host& from, std::uint32_t epoch, const std::vector<MacAddress>& members) {
+    say(from, wire::GroupActivation{a.address, a.boot(), epoch, members}, self().address);
+    run_for(5ms);
+  }
+  std::optional<TreeState> tree() {
+    for (const TreeState& tree : node().trees()) {
+      if (tree.root == a.address) return tree;
+    }
+    return std::nullopt;
+  }
+  Host& a;
+  Host& b;
+};
+
+TEST(Trees, B2_1_ATreeTellsRootEpochAndNeighbors) {
+  Branch branch;
+  branch.give_route(branch.b, kFar);
+  branch.activate(branch.a, 7, {branch.self().address, kFar.address});
+  const auto tree = branch.tree();
+  ASSERT_TRUE(tree);
+  EXPECT_EQ(tree->epoch, 7u);
+  EXPECT_EQ(tree->boot, branch.a.boot());
+  EXPECT_EQ(tree->upstream, branch.a.address);
+  EXPECT_EQ(tree->downstream, std::vector<MacAddress>{branch.b.address});
+  const GroupState state = branch.node().group_state("mc_" + branch.a.name);
+  EXPECT_TRUE(state.known && state.activated && !state.root);
+  EXPECT_EQ(state.downlinks, std::vector<std::string>{branch.b.name});
+}
+
+TEST(Trees, B2_4_EpochsAreComparedAsSequenceNumbers) {
+  Branch branch;
+  branch.activate(branch.a, 0xfffffff0, {branch.self().address});
+  branch.activate(branch.b, 0xffffffef, {branch.self().address});
+  EXPECT_EQ(branch.tree()->epoch, 0xfffffff0u);
+  EXPECT_EQ(branch.tree()->upstream, branch.a.address);
+  branch.activate(branch.b, 0x10, {branch.self().address});
+  EXPECT_EQ(branch.tree()->epoch, 0x10u);
+  EXPECT_EQ(branch.tree()->upstream, branch.b.address);
+}
+
+TEST(Trees, B4_3_AnActivationIsPassedOnTowardsTheMembers) {
+  Branch branch;
+  branch.give_route(branch.b, kFar);
+  branch.activate(branch.a, 1, {branch.self().address, kFar.address, branch.b.address});
+  const auto passed = branch.sent<wire::GroupActivation>();
+  ASSERT_EQ(passed.size(), 1u);
+  EXPECT_EQ(passed[0].to, branch.b.address);
+  EXPECT_EQ(passed[0].message.epoch, 1u);
+  EXPECT_EQ(std::set<MacAddress>(passed[0].message.members.begin(), passed[0].message.members.end()),
+            (std::set<MacAddress>{kFar.address, branch.b.address}));
+  branch.activate(branch.a, 1, {branch.self().address, kFar.address, branch.b.address});
+  EXPECT_EQ(branch.sent<wire::GroupActivation>().size(), 1u) << "nothing is new";
+}
+
+TEST(Trees, B2_2_B4_4_OneUpstreamNeighborInAnEpochAndNoOther) {
+  Branch branch;
+  branch.activate(branch.a, 3, {branch.self().address});
+  branch.activate(branch.b, 3, {branch.self().address});
+  EXPECT_EQ(branch.tree()->upstream, branch.a.address);
+  const auto refusals = branch.sent<wire::GroupRefusal>();
+  ASSERT_EQ(refusals.size(), 1u);
+  EXPECT_EQ(refusals[0].to, branch.b.address);
+  EXPECT_EQ(refusals[0].message.members, std::vector<MacAddress>{branch.self().address});
+}
+
+TEST(Trees, B4_5_MembersThatCannotBeReachedAreRefused) {
+  Branch branch;
+  branch.give_route(branch.a, kFar);
+  const MacAddress nowhere = make_host(101).address;
+  branch.activate(branch.a, 1, {kFar.address, nowhere});
+  ASSERT_EQ(branch.sent<wire::GroupRefusal>().size(), 1u);
+  EXPECT_EQ(branch.sent<wire::GroupRefusal>()[0].to, branch.a.address);
+  EXPECT_EQ(branch.sent<wire::GroupRefusal>()[0].message.members, std::vector<MacAddress>{kFar.address});
+  branch.run_for(3s);  // the other one was searched for in vain
+  ASSERT_EQ(branch.sent<wire::GroupRefusal>().size(), 2u);
+  EXPECT_EQ(branch.sent<wire::GroupRefusal>()[1].message.members, std::vector<MacAddress>{nowhere});
+}
+
+/// Routes to two members may meet at a robot that can take only one neighbour upstream.
+TEST(Trees, B4_5_AMemberThatOneChildRefusesIsTriedThroughAnother) {
+  Branch branch;
+  Host& c = branch.neighbor(3);
+  branch.run_for(50ms);
+  branch.give_route(branch.b, kFar);
+  branch.activate(branch.a, 1, {kFar.address, branch.b.address, c.address});
+  branch.forget();
+  const wire::GroupRefusal refusal{branch.a.address, branch.a.boot(), 1, {kFar.address}};
+  branch.say(branch.b, refusal, branch.self().address);
+  branch.run_for(5ms);
+  ASSERT_EQ(branch.sent<wire::GroupActivation>().size(), 1u);
+  EXPECT_EQ(branch.sent<wire::GroupActivation>()[0].to, c.address);
+  EXPECT_EQ(branch.sent<wire::GroupActivation>()[0].message.members.size(), 2u);
+  EXPECT_EQ(branch.count(FrameType::kGroupRefusal), 0u);
+  branch.say(c, refusal, branch.self().address);
+  branch.run_for(5ms);
+  ASSERT_EQ(branch.sent<wire::GroupRefusal>().size(), 1u) << "nobody is left to try";
+  EXPECT_EQ(branch.sent<wire::GroupRefusal>()[0].to, branch.a.address);
+}
+
+TEST(Trees, B5_3_ARobotWithoutMembersBehindItPrunesItsBranch) {
+  Branch branch;
+  branch.give_route(branch.b, kFar);
+  branch.activate(branch.a, 1, {kFar.address});
+  branch.forget();
+  branch.activate(branch.a, 1, {});
+  const auto passed = branch.sent<wire::GroupActivation>();
+  ASSERT_EQ(passed.size(), 1u);
+  EXPECT_EQ(passed[0].to, branch.b.address);
+  EXPECT_TRUE(passed[0].message.members.empty());
+  EXPECT_TRUE(branch.tree()->downstream.empty());
+}
+
+TEST(Trees, B5_6_IdleTreesAreForgotten) {
+  Branch branch;
+  branch.activate(branch.a, 1, {branch.self().address});
+  branch.run_for(59s);
+  EXPECT_TRUE(branch.tree());
+  branch.run_for(3s);
+  EXPECT_FALSE(branch.tree());
+}
+
+TEST(Trees, B7_1_B7_6_ALostLinkIsReportedUpstream) {
+  Branch branch;
+  branch.give_route(branch.b, kFar);
+  branch.activate(branch.a, 1, {branch.self().address, kFar.address});
+  branch.b.beacons = branch.b.acknowledges = false;
+  branch.run_for(3s);
+  const auto refusals = branch.sent<wire::GroupRefusal>();
+  ASSERT_EQ(refusals.size(), 1u);
+  EXPECT_EQ(refusals[0].to, branch.a.address);
+  EXPECT_EQ(refusals[0].message.members, std::vector<MacAddress>{kFar.address});
+}
+
+TEST(Trees, B7_3_AChildThatKnowsAnotherTreeIsActivatedAgain) {
+  Branch branch;
+  branch.give_route(branch.b, kFar);
+  branch.activate(branch.a, 5, {kFar.address});
+  wire::GroupData data;
+  data.root = branch.a.address;
+  data.root_boot = branch.a.boot();
+  data.round = data.packet = data.base = 1;
+  data.total = data.segment_size = 100;
+  data.octets = noise(100);
+  branch.say(branch.a, data);
+  branch.run_for(100ms);
+  branch.forget();
+  wire::GroupReport report;
+  report.root = data.root;
+  report.root_boot = data.root_boot;
+  report.packet = 1;
+  report.epoch = 4;
+  report.round = 1;
+  report.missing = {1};
+  branch.say(branch.b, report, branch.self().address);
+  branch.run_for(5ms);
+  const auto again = branch.sent<wire::GroupActivation>();
+  ASSERT_EQ(again.size(), 1u);
+  EXPECT_EQ(again[0].to, branch.b.address);
+  EXPECT_EQ(again[0].message.epoch, 5u);
+  EXPECT_EQ(again[0].message.members, std::vector<MacAddress>{kFar.address});
+}
+
+TEST(Trees, B9_2_ReplayedPacketsAreDeliveredOnce) {
+  Branch branch;
+  const std::string group = "mc_" + branch.a.name;
+  branch.node().join_group(group, branch.now());
+  branch.activate(branch.a, 1, {branch.self().address});
+  const transport::Image image = transport::encode({transport::PacketKind::kUser, 'A', group, "topic", noise(200)});
+  wire::GroupData data;
+  data.root = branch.a.address;
+  data.root_boot = branch.a.boot();
+  data.round = data.base = 1;
+  data.total = static_cast<std::uint32_t>(image->size());
+  data.segment_size = 1000;
+  data.octets = *image;
+  for (const std::uint32_t packet : {1u, 1u, 2u, 1u, 2u}) {
+    data.packet = packet;
+    branch.say(branch.a, data);
+    branch.run_for(10ms);
+  }
+  EXPECT_EQ(branch.team.received(0).size(), 2u);
+}
+
+/// What each robot knows of the tree of robot 0.
+std::map<MacAddress, TreeState> tree_of_robot_0(Team& team) {
+  std::map<MacAddress, TreeState> trees;
+  for (std::size_t robot = 0; robot < team.size(); ++robot) {
+    if (!team.alive(robot)) continue;
+    for (const TreeState& tree : team.engine(robot).trees()) {
+      if (tree.root == Team::address(0)) trees[Team::address(robot)] = tree;
+    }
+  }
+  return trees;
+}
+
+/// Each link is known at both ends, and every robot has a way up to the root.
+void expect_whole(Team& team) {
+  const auto trees = tree_of_robot_0(team);
+  EXPECT_EQ(trees.size(), team.size());
+  for (const auto& [robot, tree] : trees) {
+    EXPECT_EQ(tree.upstream.has_value(), robot != Team::address(0));
+    if (tree.upstream) {
+      const auto& above = trees.at(*tree.upstream).downstream;
+      EXPECT_TRUE(std::count(above.begin(), above.end(), robot) == 1) << "robot_" << int{robot[5]};
+    }
+    for (const MacAddress& below : tree.downstream) EXPECT_EQ(trees.at(below).upstream, robot);
+    MacAddress at = robot;
+    for (std::size_t hops = 0; hops < team.size() && trees.at(at).upstream; ++hops) at = *trees.at(at).upstream;
+    EXPECT_EQ(at, Team::address(0));
+  }
+}
+
+TEST(Trees, B4_1_B4_2_EachLinkIsActivatedOnceAndNotAgainForTheNextPacket) {
+  Team team;
+  team.add_line(4);
+  team.run_for(5s);
+  std::map<std::pair<std::size_t, MacAddress>, int> activations;
+  team.on_transmission = [&](std::size_t robot, const Frame& frame) {
+    if (frame.bytes[1] == static_cast<std::uint8_t>(FrameType::kGroupActivation))
+      ++activations[{robot, frame.destination}];
+  };
+  for (int packet = 0; packet < 3; ++packet) ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", noise(5000))));
+  const std::map<std::pair<std::size_t, MacAddress>, int> expected = {
+      {{0, Team::address(1)}, 1}, {{1, Team::address(2)}, 1}, {{2, Team::address(3)}, 1}};
+  EXPECT_EQ(activations, expected);
+}
+
+TEST(Trees, B4_4_B9_2_InADiamondAMemberIsServedByOneSide) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    Team team({}, seed);
+    team.add({}, 0, 0);
+    team.add({}, 7, 4);
+    team.add({}, 7, -4);
+    team.add({}, 14, 0);
+    team.run_for(5s);
+    for (int packet = 0; packet < 5; ++packet) ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", noise(3000))));
+    for (std::size_t robot = 1; robot < 4; ++robot) EXPECT_EQ(team.received(robot).size(), 5u);
+    const auto trees = tree_of_robot_0(team);
+    EXPECT_EQ(trees.at(Team::address(1)).downstream.size() + trees.at(Team::address(2)).downstream.size(), 1u);
+    expect_whole(team);
+  }
+}
+
+/// A line of 4 of which only the given robots are in the group of robot 0.
+struct Members {
+  explicit Members(const std::vector<std::size_t>& members) {
+    team.add_line(4, without_groups());
+    team.run_for(2s);
+    for (const std::size_t member : members) team.engine(member).join_group("mc_robot_0", team.now());
+    team.run_for(2s);
+    send();
+  }
+  void leave(std::size_t member) {
+    team.engine(member).leave_group("mc_robot_0", team.now());
+    team.run_for(1s);
+  }
+  void send() { EXPECT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", noise(3000)))); }
+  std::size_t downstream(std::size_t robot) { return tree_of_robot_0(team)[Team::address(robot)].downstream.size(); }
+  Team team;
+};
+
+TEST(Trees, B5_1_B5_3_OneLeaveRemovesTheWholeBranch) {
+  Members line({3});
+  for (std::size_t robot = 0; robot < 3; ++robot) EXPECT_EQ(line.downstream(robot), 1u);
+  line.leave(3);
+  for (std::size_t robot = 0; robot < 3; ++robot) EXPECT_EQ(line.downstream(robot), 0u);
+  line.send();
+  EXPECT_EQ(line.team.received(3).size(), 1u);
+}
+
+TEST(Trees, B5_2_AMemberThatLeavesStillServesThoseBehindIt) {
+  Members line({2, 3});
+  line.leave(2);
+  line.send();
+  EXPECT_EQ(line.team.received(2).size(), 1u);
+  EXPECT_EQ(line.team.received(3).size(), 2u);
+}
+
+/// Members that the tree did not reach get copies first, and are taken in with a later packet.
+void expect_whole_after_three_packets(Team& team) {
+  std::uint32_t epoch = 0;
+  for (int packet = 0; packet < 3; ++packet) {
+    epoch = tree_of_robot_0(team)[Team::address(0)].epoch;
+    const SendId id = team.send(0, "mc_robot_0", noise(5000));
+    ASSERT_TRUE(finish(team, 0, id));
+    EXPECT_TRUE(team.finished(0, id)->delivered) << team.finished(0, id)->reason;
+    team.run_for(1s);
+  }
+  expect_whole(team);
+  EXPECT_EQ(tree_of_robot_0(team)[Team::address(0)].epoch, epoch) << "nothing happens, and the tree is built anew";
+}
+
+TEST(Trees, B7_3_B11_2_B11_3_AfterDetoursAndPartitionsTheTreeIsWhole) {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    MediumOptions medium;
+    medium.loss = 0.05;
+    Team team(medium, seed);
+    for (int i = 0; i < 9; ++i) team.add({}, (i % 3) * 8.0, (i / 3) * 8.0);
+    team.run_for(5s);
+    expect_whole_after_three_packets(team);
+    team.medium().set_link_loss(0, 1, 1.0);
+    ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", noise(5000))));
+    team.medium().set_link_loss(0, 3, 1.0);
+    ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", noise(5000))));
+    for (const std::size_t near : {1u, 3u}) team.medium().set_link_loss(0, near, std::nullopt);
+    team.run_for(12s);
+    expect_whole_after_three_packets(team);
+  }
+}
+
+}  // namespace
+}  // namespace adhoc_communication
