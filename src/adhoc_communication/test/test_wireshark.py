@@ -79,7 +79,16 @@ def test_times_are_nanoseconds(frames):
 
 
 def test_beacon(frames):
-    expect(frames[0], type=1, sequence=5, alive=[6, 3], name=["alice", "carol"], heard="00:00:00:00:00:b1", robot=CAROL, hops=2)
+    expect(
+        frames[0],
+        type=1,
+        sequence=5,
+        alive=[6, 3],
+        name=["alice", "carol"],
+        heard="00:00:00:00:00:b1",
+        robot=CAROL,
+        hops=2,
+    )
     expect(frames[0], beacon_number=3, heard_count=2, named_count=1, loss=51, extension__type=1)
 
 
