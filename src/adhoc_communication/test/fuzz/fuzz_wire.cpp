@@ -45,8 +45,13 @@ void check_members(const Bytes& payload) {
   if (multicast::decode_members(multicast::encode_members(names))->size() != names.size()) std::abort();
 }
 
+void check_copy(const Bytes& payload) {
+  const auto copy = multicast::decode_copy(payload);
+  if (copy && copy->image.size() > payload.size()) std::abort();
+}
+
 void check(std::uint8_t reader, const Bytes& octets) {
-  switch (reader % 12) {
+  switch (reader % 17) {
     case 0:
       return check_header(octets);
     case 1:
@@ -71,6 +76,16 @@ void check(std::uint8_t reader, const Bytes& octets) {
       return check_members(octets);
     case 11:
       return check_frame(octets);
+    case 12:
+      return check_body(octets, wire::read_group_activation);
+    case 13:
+      return check_body(octets, wire::read_group_refusal);
+    case 14:
+      return check_body(octets, wire::read_group_data);
+    case 15:
+      return check_body(octets, wire::read_group_report);
+    case 16:
+      return check_copy(octets);
   }
 }
 
