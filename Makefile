@@ -26,13 +26,14 @@ bench-adhoc: build
 	rosrun adhoc_communication bench_hosts --out out/bench/adhoc_hosts.json || missed=1; \
 	rosrun adhoc_communication bench_memory --json out/bench/adhoc_memory.json || missed=1; \
 	rosrun adhoc_communication bench_medium --json out/bench/adhoc_medium.json || missed=1; \
-	rosrun adhoc_communication bench_engine --json out/bench/adhoc_engine.json || missed=1; \
+	rosrun adhoc_communication bench_engine --minutes 0.5 --json out/bench/adhoc_engine.json || missed=1; \
 	exit $$missed
 
-# A thousand transfers for each number of hops and each loss: about a quarter of an hour.
+# A thousand transfers for each number of hops and each loss, a hundred robots for ten virtual minutes: about an hour.
 bench-adhoc-long: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun adhoc_communication bench_engine --part intact --trials 1000 \
 	  --json out/bench/adhoc_intact.json
+	@$(ENVIRONMENT) rosrun adhoc_communication bench_engine --part mobile --minutes 10 --json out/bench/adhoc_mobile.json
 
 bench-merge: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun map_merger bench_registration --out out/bench/merge.json

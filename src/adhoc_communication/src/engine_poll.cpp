@@ -97,7 +97,7 @@ Time Engine::Implementation::next_deadline() const {
   for (const auto& [key, stream] : streams_) {
     if (stream.next_hop) next = std::min(next, stream.sender.next_deadline());
   }
-  if (something_to_send()) next = std::min(next, air_.ready_at());
+  if (something_to_send()) next = std::min(next, air_.ready_at() > now_ ? air_.ready_at() : air_.idle_at());
   return next;
 }
 

@@ -11,7 +11,7 @@ using wire::FrameType;
 namespace {
 
 constexpr Time kLongestBacklog = std::chrono::milliseconds(20);
-constexpr int kPairInterval = 16;  ///< of so many frames to a neighbour, two measure the air
+constexpr int kPairInterval = 64;  ///< of so many frames to a neighbour, two measure the air
 
 }  // namespace
 
@@ -99,8 +99,11 @@ bool Engine::Implementation::pump_streams(std::uint8_t priority, Time now) {
 }
 
 /// Two frames may be on their way to each neighbour even if the air is believed to be slow, as long as that is not for
-/// long; and the second of a pair that measures the air follows the first without a gap.
+/// long. Of a pair that measures the air, the first waits until the radio is idle and the second follows at once, so
+/// that no more is in its hands than otherwise.
 bool Engine::Implementation::air_allows(const Link& link, Time now) const {
+  const bool pair_begins = air_.calibrated() && link.pair == kPairInterval - 1;
+  if (pair_begins && air_.idle_at() > now && air_.idle_at() <= now + kLongestBacklog) return false;
   if (air_.ready_at() <= now) return true;
   if (options_.num_link_retrans == 0) return false;
   return link.pair == 0 || (link.sender.unresolved() < 2 && air_.ready_at() <= now + kLongestBacklog);

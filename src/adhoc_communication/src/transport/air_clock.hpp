@@ -1,6 +1,7 @@
 // How long the frames handed to the radio will still be on the air, learned from the rhythm of acknowledgments.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -11,12 +12,13 @@ namespace adhoc_communication::transport {
 
 /// The radio sends in the order of the frame counters, so the acknowledgment of one frame says that all before it are
 /// off the air; and of two frames that lay in the radio together, the distance of their arrivals is the air time of the
-/// second. Keeps about two frames in the hands of the radio: enough to leave it no gap, few enough that an urgent frame
-/// never waits long.
+/// second. Keeps one to two frames in the hands of the radio: enough to leave it no gap, few enough that an urgent
+/// frame never waits long.
 class AirClock {
  public:
   static constexpr std::size_t kOverheadOctets = 300;  ///< preamble and gaps of a frame, expressed in octets
   static constexpr std::size_t kMostRemembered = 256;
+  static constexpr Time kShortestLead = std::chrono::microseconds(150);  ///< within which a host surely wakes up
 
   explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}
 
@@ -26,8 +28,12 @@ class AirClock {
   /// The same where it is not known how long before `now` the frame arrived.
   void acknowledged_late(std::uint64_t counter, Time spacing, Time now);
 
-  /// When a further frame may go to the radio: no more than one frame of largest size is ahead of it then.
-  Time ready_at() const { return busy_until_ - air_time(largest_frame_ + kOverheadOctets); }
+  /// When a further frame may go to the radio: less than one frame of largest size is ahead of it then.
+  Time ready_at() const {
+    return busy_until_ - std::max(air_time(largest_frame_ + kOverheadOctets) / 2, kShortestLead);
+  }
+  /// When all that was handed over is off the air.
+  Time idle_at() const { return busy_until_; }
   /// False until the rhythm of the radio is known.
   bool calibrated() const { return samples_ >= 8; }
   double nanoseconds_per_octet() const { return nanoseconds_per_octet_; }
