@@ -54,7 +54,7 @@ bool Engine::Implementation::hold(const MacAddress& destination, transport::HopF
   return true;
 }
 
-/// The repair has succeeded or failed.
+/// The repair has succeeded or failed. A way back to the source is none: it has learned of the new route itself.
 void Engine::Implementation::release_held(Time now) {
   for (auto iterator = held_.begin(); iterator != held_.end();) {
     if (router_.repairing(iterator->first)) {
@@ -63,7 +63,9 @@ void Engine::Implementation::release_held(Time now) {
     }
     const routing::Route* route = router_.route_to(iterator->first, now);
     for (transport::HopFrame& frame : iterator->second) {
-      if (route != nullptr) link(route->next_hop).sender.enqueue(std::move(frame));
+      if (route != nullptr && way_of(frame)->source != route->next_hop) {
+        link(route->next_hop).sender.enqueue(std::move(frame));
+      }
     }
     held_frames_ -= iterator->second.size();
     iterator = held_.erase(iterator);

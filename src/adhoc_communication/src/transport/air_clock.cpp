@@ -11,7 +11,9 @@ void AirClock::transmitted(std::uint64_t counter, std::size_t octets, Time now) 
 }
 
 void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time arrived) {
-  if (take(counter, spacing)) busy_until_ = end_of_rest(arrived);
+  if (!take(counter, spacing)) return;
+  if (before_.counter == counter && samples_ < kEnoughSamples) bound(before_.octets, arrived - before_.sent);
+  busy_until_ = end_of_rest(arrived);
 }
 
 void AirClock::acknowledged_late(std::uint64_t counter, Time spacing, Time now) {
@@ -31,6 +33,14 @@ bool AirClock::take(std::uint64_t counter, Time spacing) {
     before_ = transmission;
   }
   return true;
+}
+
+/// A frame was not longer on the air than from the hand-over to its arrival. A relay that passes on each frame as it
+/// comes never has two in the radio, and learns from nothing else.
+void AirClock::bound(std::size_t octets, Time longest) {
+  const double most = static_cast<double>(longest.count()) / static_cast<double>(octets);
+  nanoseconds_per_octet_ = std::max(1.0, std::min(nanoseconds_per_octet_, most));
+  ++bounds_;
 }
 
 /// Each frame follows the one before as soon as it is there.

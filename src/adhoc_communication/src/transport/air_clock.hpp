@@ -18,6 +18,8 @@ class AirClock {
  public:
   static constexpr std::size_t kOverheadOctets = 300;  ///< preamble and gaps of a frame, expressed in octets
   static constexpr std::size_t kMostRemembered = 256;
+  static constexpr int kEnoughSamples = 8;
+  static constexpr int kEnoughBounds = 64;
   static constexpr Time kShortestLead = std::chrono::microseconds(150);  ///< within which a host surely wakes up
 
   explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}
@@ -35,7 +37,7 @@ class AirClock {
   /// When all that was handed over is off the air.
   Time idle_at() const { return busy_until_; }
   /// False until the rhythm of the radio is known.
-  bool calibrated() const { return samples_ >= 8; }
+  bool calibrated() const { return samples_ >= kEnoughSamples || bounds_ >= kEnoughBounds; }
   double nanoseconds_per_octet() const { return nanoseconds_per_octet_; }
 
  private:
@@ -50,11 +52,13 @@ class AirClock {
   }
   bool take(std::uint64_t counter, Time spacing);
   Time end_of_rest(Time begin) const;
+  void bound(std::size_t octets, Time longest);
   void sample(std::size_t octets, Time duration);
 
   std::size_t largest_frame_;
   double nanoseconds_per_octet_ = 8e9 / 6e6;  ///< until known better: the slowest rate of 802.11g
   int samples_ = 0;
+  int bounds_ = 0;
   Time busy_until_{0};
   std::deque<Transmission> on_air_;
   Transmission before_{};  ///< the last one known to be off the air
