@@ -62,8 +62,8 @@ void Engine::Implementation::happened(Time now) {
 
 /// Asks a neighbour that has become quiet for an acknowledgment: a few beacons may just have been lost.
 void Engine::Implementation::probe(const MacAddress& neighbor, Time now) {
-  const auto known = links_.find(neighbor);
-  if (known != links_.end() && !known->second.sender.idle()) return;
+  const Link* known = links_.find(neighbor);
+  if (known != nullptr && !known->sender.idle()) return;
   wire::Beacon beacon = plain_beacon(now);
   beacon.heard.push_back({wire::neighbor_tag(neighbors_.find(neighbor)->boot), 0});
   unicast(neighbor, wire::FrameType::kBeacon, to_bytes(beacon));
@@ -88,15 +88,13 @@ void Engine::Implementation::maintain(Time now) {
     link_lost(neighbor, now);
     links_.erase(neighbor);
   }
-  for (auto link = links_.begin(); link != links_.end();) {
-    link = neighbors_.find(link->first) == nullptr ? links_.erase(link) : std::next(link);
-  }
-  for (auto& [neighbor, link] : links_) neighbors_.set_loss(neighbor, link.sender.loss(now));
+  links_.erase_if([this](const MacAddress& neighbor, const Link&) { return neighbors_.find(neighbor) == nullptr; });
+  for (const auto& [neighbor, link] : links_.all()) neighbors_.set_loss(neighbor, link.sender.loss(now));
   for (const MacAddress& neighbor : neighbors_.doubtful(now)) probe(neighbor, now);
   directory_.expire(now);
   router_.expire(now);
   broadcast_receiver_.expire(now);
-  for (auto& [source, receiver] : receivers_) receiver->expire(now);
+  for (const auto& [source, receiver] : receivers_.all()) receiver->expire(now);
   expire_waiting_sends(now);
   distributor_.expire(now);
   settle_memberships(now);

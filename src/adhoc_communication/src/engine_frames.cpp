@@ -22,12 +22,11 @@ void Engine::Implementation::unicast_once(const MacAddress& neighbor, FrameType 
 }
 
 Engine::Implementation::Link& Engine::Implementation::link(const MacAddress& neighbor) {
-  const auto found = links_.find(neighbor);
-  if (found != links_.end()) return found->second;
-  // Link sequences begin where the frame counter stands, so that a link that was forgotten never repeats one.
-  const auto first = static_cast<std::uint32_t>(next_counter_);
-  return links_.emplace(neighbor, Link{transport::HopSender(first, options_.num_link_retrans), std::nullopt, 1})
-      .first->second;
+  return links_.use(neighbor, [this] {
+    // Link sequences begin where the frame counter stands, so that a link that was forgotten never repeats one.
+    const auto first = static_cast<std::uint32_t>(next_counter_);
+    return Link{transport::HopSender(first, options_.num_link_retrans), std::nullopt, 1};
+  });
 }
 
 void Engine::Implementation::transmit(FrameType type, std::uint8_t flags, const MacAddress& next_hop,
@@ -107,7 +106,7 @@ bool Engine::Implementation::hear(const wire::FrameHeader& header, Time now) {
   if (restarted) link_lost(header.sender, now);
   if (neighbors_.heard(header.sender, boot, now) == nullptr) return false;
   directory_.traffic(header.sender, boot, now);
-  if (const auto found = links_.find(header.sender); found != links_.end()) found->second.sender.heard(now);
+  if (Link* known = links_.find(header.sender)) known->sender.heard(now);
   return true;
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "adhoc_communication/engine.hpp"
+#include "busy_map.hpp"
 #include "identity.hpp"
 #include "multicast/distributor.hpp"
 #include "multicast/groups.hpp"
@@ -72,6 +73,8 @@ class Engine::Implementation : private Outbox {
     transport::HopSender sender;
     std::optional<transport::HopReceiver> receiver;
     int pair = 0;  ///< counts frames; 0 and 1 are the pair that measures the air
+
+    bool idle() const { return sender.settled() && (!receiver || receiver->due() == Time::max()); }
   };
   /// Packets of one priority to one robot.
   struct Stream {
@@ -103,6 +106,7 @@ class Engine::Implementation : private Outbox {
   void unicast_once(const MacAddress& neighbor, wire::FrameType type, Bytes body) override;
   Time air_ready() const override { return air_.ready_at(); }
   Time acknowledgment_due(const transport::HopReceiver& receiver) const;
+  void settle();
   void transmit(wire::FrameType type, std::uint8_t flags, const MacAddress& next_hop, std::uint32_t link_sequence,
                 std::uint64_t counter, const Bytes& body, Time now);
   void dispatch(const wire::FrameHeader& header, wire::Reader body, Time now);
@@ -203,9 +207,9 @@ class Engine::Implementation : private Outbox {
   std::size_t broadcast_segment_size_;
   transport::AirClock air_;
   transport::AssemblyBudget budget_;
-  std::map<MacAddress, Link> links_;
-  std::map<StreamKey, Stream> streams_;
-  std::map<MacAddress, std::unique_ptr<transport::StreamReceiver>> receivers_;
+  BusyMap<MacAddress, Link> links_;
+  BusyMap<StreamKey, Stream> streams_;
+  BusyMap<MacAddress, std::unique_ptr<transport::StreamReceiver>> receivers_;
   std::array<transport::BroadcastSender, transport::kPriorities> broadcasts_;
   transport::BroadcastReceiver broadcast_receiver_;
   transport::FloodRelay flood_;

@@ -18,10 +18,10 @@ std::vector<LinkState> Engine::Implementation::links() const {
     state.two_way = neighbors_.two_way(address, now_);
     state.silent_for = now_ - neighbor.last_heard;
     state.loss = neighbors_.loss(address);
-    if (const auto link = links_.find(address); link != links_.end()) {
-      state.waiting = link->second.sender.waiting();
-      state.in_flight = link->second.sender.unresolved();
-      state.given_up = link->second.sender.given_up();
+    if (const Link* link = links_.find(address)) {
+      state.waiting = link->sender.waiting();
+      state.in_flight = link->sender.unresolved();
+      state.given_up = link->sender.given_up();
     }
     result.push_back(std::move(state));
   }

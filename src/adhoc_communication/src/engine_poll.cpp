@@ -49,16 +49,16 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   now_ = now;
   touched_ = false;
   if (now - kTolerableLateness > expected_poll_) {
-    for (auto& [neighbor, link] : links_) link.sender.excuse_silence(now);
+    for (const auto& [neighbor, link] : links_.busy()) link->sender.excuse_silence(now);
   }
   if (beacon_due_ <= now) {
     maintain(now);
     send_beacon(now);
   }
   announce_changes(now);
-  for (auto& [neighbor, link] : links_) {
-    link.sender.expire(now);
-    if (link.sender.dead(now)) link_lost(neighbor, now);
+  for (const auto& [neighbor, link] : links_.busy()) {
+    link->sender.expire(now);
+    if (link->sender.dead(now)) link_lost(neighbor, now);
   }
   serve_streams(now);
   acknowledge_streams(now);
@@ -69,14 +69,20 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   finish_group_members(now);
   take_group_packets(now);
   flood_.poll(now);
-  for (auto& [neighbor, link] : links_) {
-    if (!link.receiver || acknowledgment_due(*link.receiver) > now) continue;
+  for (const auto& [neighbor, link] : links_.busy()) {
+    if (!link->receiver || acknowledgment_due(*link->receiver) > now) continue;
     transmit(wire::FrameType::kHopAcknowledgment, 0, neighbor, 0, next_counter_++,
-             to_bytes(link.receiver->acknowledge(now)), now);
+             to_bytes(link->receiver->acknowledge(now)), now);
   }
   pump(now);
+  settle();
   expected_poll_ = next_deadline();
   return std::exchange(out_, {});
+}
+
+void Engine::Implementation::settle() {
+  links_.settle([](const Link& link) { return link.idle(); });
+  receivers_.settle([](const auto& receiver) { return receiver->next_deadline() == Time::max(); });
 }
 
 /// On a crowded channel one later acknowledgment for many frames is better than a queue of them in the radio.
@@ -89,13 +95,13 @@ Time Engine::Implementation::acknowledgment_due(const transport::HopReceiver& re
 Time Engine::Implementation::next_deadline() const {
   if (touched_) return now_;
   Time next = std::min({beacon_due_, router_.next_deadline(), flood_.next_deadline(), distributor_.next_deadline()});
-  for (const auto& [neighbor, link] : links_) {
-    next = std::min(next, link.sender.next_deadline());
-    if (link.receiver) next = std::min(next, acknowledgment_due(*link.receiver));
+  for (const auto& [neighbor, link] : links_.busy()) {
+    next = std::min(next, link->sender.next_deadline());
+    if (link->receiver) next = std::min(next, acknowledgment_due(*link->receiver));
   }
-  for (const auto& [source, receiver] : receivers_) next = std::min(next, receiver->next_deadline());
-  for (const auto& [key, stream] : streams_) {
-    if (stream.next_hop) next = std::min(next, stream.sender.next_deadline());
+  for (const auto& [source, receiver] : receivers_.busy()) next = std::min(next, (*receiver)->next_deadline());
+  for (const auto& [key, stream] : streams_.busy()) {
+    if (stream->next_hop) next = std::min(next, stream->sender.next_deadline());
   }
   if (something_to_send()) next = std::min(next, air_.ready_at() > now_ ? air_.ready_at() : air_.idle_at());
   return next;

@@ -39,10 +39,12 @@ bool Engine::Implementation::pump_priority(std::uint8_t priority, Time now) {
 
 /// Repetitions and frames of others, one neighbour after the other.
 bool Engine::Implementation::pump_links(std::uint8_t priority, Time now) {
-  auto iterator = links_.upper_bound(last_link_served_);
-  for (std::size_t visited = 0; visited < links_.size(); ++visited, ++iterator) {
-    if (iterator == links_.end()) iterator = links_.begin();
-    auto& [neighbor, link] = *iterator;
+  const auto& busy = links_.busy();
+  auto iterator = busy.upper_bound(last_link_served_);
+  for (std::size_t visited = 0; visited < busy.size(); ++visited, ++iterator) {
+    if (iterator == busy.end()) iterator = busy.begin();
+    const MacAddress& neighbor = iterator->first;
+    Link& link = *iterator->second;
     const bool again = link.sender.has_resend(priority) && link.sender.may_resend();
     const bool anew = link.sender.has_waiting(priority) && link.sender.may_start();
     if (!(again || anew) || !air_allows(link, now)) continue;
@@ -73,10 +75,12 @@ bool Engine::Implementation::pump_groups(std::uint8_t priority, Time now) {
 
 /// Own packets, one destination after the other.
 bool Engine::Implementation::pump_streams(std::uint8_t priority, Time now) {
-  auto iterator = streams_.upper_bound(last_stream_served_);
-  for (std::size_t visited = 0; visited < streams_.size(); ++visited, ++iterator) {
-    if (iterator == streams_.end()) iterator = streams_.begin();
-    auto& [key, stream] = *iterator;
+  const auto& busy = streams_.busy();
+  auto iterator = busy.upper_bound(last_stream_served_);
+  for (std::size_t visited = 0; visited < busy.size(); ++visited, ++iterator) {
+    if (iterator == busy.end()) iterator = busy.begin();
+    const StreamKey& key = iterator->first;
+    Stream& stream = *iterator->second;
     if (key.second != priority || !stream.next_hop || !stream.sender.has_segment()) continue;
     Link& hop = link(*stream.next_hop);
     if (!hop.sender.may_start() || !air_allows(hop, now)) continue;
@@ -126,20 +130,20 @@ void Engine::Implementation::send_unacknowledged(const MacAddress& neighbor, con
 
 /// Whether pump() would send more if the air were free.
 bool Engine::Implementation::something_to_send() const {
-  for (const auto& [neighbor, link] : links_) {
+  for (const auto& [neighbor, link] : links_.busy()) {
     for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
-      if (link.sender.has_resend(priority) && link.sender.may_resend()) return true;
-      if (link.sender.has_waiting(priority) && link.sender.may_start()) return true;
+      if (link->sender.has_resend(priority) && link->sender.may_resend()) return true;
+      if (link->sender.has_waiting(priority) && link->sender.may_start()) return true;
     }
   }
   for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
     if (broadcasts_[priority].has_segment() || distributor_.has_frame(priority)) return true;
   }
-  return std::any_of(streams_.begin(), streams_.end(), [&](const auto& item) {
-    const Stream& stream = item.second;
+  return std::any_of(streams_.busy().begin(), streams_.busy().end(), [&](const auto& item) {
+    const Stream& stream = *item.second;
     if (!stream.next_hop || !stream.sender.has_segment()) return false;
-    const auto hop = links_.find(*stream.next_hop);
-    return hop == links_.end() || hop->second.sender.may_start();
+    const Link* hop = links_.find(*stream.next_hop);
+    return hop == nullptr || hop->sender.may_start();
   });
 }
 

@@ -28,7 +28,7 @@ std::optional<Way> way_of(const transport::HopFrame& frame) {
 /// Frames to the neighbour go unanswered, it fell silent, or it has restarted.
 void Engine::Implementation::link_lost(const MacAddress& neighbor, Time now) {
   std::vector<transport::HopFrame> frames;
-  if (const auto found = links_.find(neighbor); found != links_.end()) frames = found->second.sender.take_all();
+  if (Link* known = links_.find(neighbor)) frames = known->sender.take_all();
   routing::DataInHand in_hand;
   bool reply_lost = false;
   for (const transport::HopFrame& frame : frames) {

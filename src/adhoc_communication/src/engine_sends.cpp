@@ -98,17 +98,16 @@ SendId Engine::Implementation::start_unicast(const std::string& destination, Ima
   const SendId id = next_send_id_++;
   sendings_.emplace(id, std::move(sending));
   if (streams_.size() >= kMostStreams) {
-    for (auto iterator = streams_.begin(); iterator != streams_.end();) {
-      iterator = iterator->second.sender.idle() ? streams_.erase(iterator) : std::next(iterator);
-    }
+    streams_.erase_if([this](const StreamKey& key, const Stream&) { return !streams_.is_busy(key); });
   }
   const StreamKey key{destination, static_cast<std::uint8_t>(priority)};
   const std::size_t window = options_.num_link_retrans == 0 ? 4 : transport::StreamSender::kWindow;
   // Send ids only grow, so a stream that was dropped while idle never uses a packet number twice.
   const auto first_number = static_cast<std::uint32_t>(id);
-  const auto found =
-      streams_.try_emplace(key, Stream{transport::StreamSender(key.second, first_number, window), {}, {}}).first;
-  found->second.sender.add(id, std::move(image), static_cast<std::uint16_t>(segment_size_), now);
+  Stream& stream = streams_.use(key, [&] {
+    return Stream{transport::StreamSender(key.second, first_number, window), {}, {}};
+  });
+  stream.sender.add(id, std::move(image), static_cast<std::uint16_t>(segment_size_), now);
   return id;
 }
 

@@ -30,9 +30,9 @@ void Engine::Implementation::on_transport_acknowledgment(const MacAddress& from,
   if (acknowledgment.destination_boot != self_.boot) return;
   const routing::Robot* robot = directory_.find(acknowledgment.source);
   if (robot == nullptr) return;
-  const auto stream = streams_.find({robot->name, acknowledgment.stream});
-  if (stream == streams_.end() || stream->second.address != acknowledgment.source) return;
-  for (const SendId id : stream->second.sender.acknowledged(acknowledgment, now)) finish(id, true, {}, now);
+  Stream* stream = streams_.find({robot->name, acknowledgment.stream});
+  if (stream == nullptr || stream->address != acknowledgment.source) return;
+  for (const SendId id : stream->sender.acknowledged(acknowledgment, now)) finish(id, true, {}, now);
 }
 
 template <typename Message>
@@ -61,16 +61,22 @@ void Engine::Implementation::deliver_data(const wire::Data& data, Time now) {
 }
 
 transport::StreamReceiver* Engine::Implementation::receiver_for(const wire::Data& data, Time) {
-  auto found = receivers_.find(data.source);
-  if (found != receivers_.end() && found->second->boot() == data.source_boot) return found->second.get();
-  if (found != receivers_.end()) receivers_.erase(found);
-  if (receivers_.size() >= kMostReceivers) {
-    receivers_.erase(std::min_element(receivers_.begin(), receivers_.end(), [](const auto& a, const auto& b) {
-      return a.second->last_used() < b.second->last_used();
-    }));
+  const auto* known = receivers_.find(data.source);
+  if (known != nullptr && (*known)->boot() != data.source_boot) {
+    receivers_.erase(data.source);
+    known = nullptr;
   }
-  auto receiver = std::make_unique<transport::StreamReceiver>(data.source_boot, options_.max_packet_size, budget_);
-  return receivers_.emplace(data.source, std::move(receiver)).first->second.get();
+  if (known == nullptr && receivers_.size() >= kMostReceivers) {
+    const auto& all = receivers_.all();
+    const auto idle_longest = std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
+      return a.second->last_used() < b.second->last_used();
+    });
+    receivers_.erase(MacAddress(idle_longest->first));
+  }
+  const auto& receiver = receivers_.use(data.source, [&] {
+    return std::make_unique<transport::StreamReceiver>(data.source_boot, options_.max_packet_size, budget_);
+  });
+  return receiver.get();
 }
 
 void Engine::Implementation::deliver_packet(const std::string& source, const Bytes& image, std::uint8_t hops,
@@ -103,7 +109,8 @@ void Engine::Implementation::on_flood(const wire::Flood& flood, Time now) {
 }
 
 void Engine::Implementation::acknowledge_streams(Time now) {
-  for (auto& [source, receiver] : receivers_) {
+  for (const auto& [source, entry] : receivers_.busy()) {
+    transport::StreamReceiver* receiver = entry->get();
     for (std::size_t stream = 0; stream < transport::kPriorities; ++stream) {
       if (receiver->due(stream) > now) continue;
       const routing::Route* route = router_.route_to(source, now);
@@ -123,13 +130,13 @@ void Engine::Implementation::acknowledge_streams(Time now) {
 }
 
 void Engine::Implementation::serve_streams(Time now) {
-  for (auto iterator = streams_.begin(); iterator != streams_.end(); ++iterator) {
-    if (iterator->second.sender.idle()) {
-      iterator->second.next_hop.reset();
-    } else {
-      serve_stream(iterator->first, iterator->second, now);
-    }
+  for (const auto& [key, stream] : streams_.busy()) {
+    if (!stream->sender.idle()) serve_stream(key, *stream, now);
   }
+  streams_.settle([](Stream& stream) {
+    if (stream.sender.idle()) stream.next_hop.reset();
+    return stream.sender.idle();
+  });
 }
 
 /// Keeps the route of a stream with work, and its end-to-end timer.
@@ -156,8 +163,8 @@ void Engine::Implementation::fail_unreachable(Time now) {
       touched_ = true;  // own packets may wait for that route, too
       continue;
     }
-    if (const auto found = receivers_.find(failure.target.address); found != receivers_.end()) {
-      for (std::size_t stream = 0; stream < transport::kPriorities; ++stream) found->second->forgo(stream);
+    if (const auto* receiver = receivers_.find(failure.target.address)) {
+      for (std::size_t stream = 0; stream < transport::kPriorities; ++stream) (*receiver)->forgo(stream);
     }
     std::string name = failure.target.name;
     if (const routing::Robot* robot = directory_.find(failure.target.address)) name = robot->name;
@@ -166,9 +173,9 @@ void Engine::Implementation::fail_unreachable(Time now) {
                                    : "no route to " + name + ": too many searches at once";
     distributor_.unreachable(failure.target.address, reason);
     for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
-      const auto stream = streams_.find({name, priority});
-      if (stream == streams_.end()) continue;
-      for (const SendId id : stream->second.sender.abandon()) finish(id, false, reason, now);
+      Stream* stream = streams_.find({name, priority});
+      if (stream == nullptr) continue;
+      for (const SendId id : stream->sender.abandon()) finish(id, false, reason, now);
     }
   }
 }

@@ -23,6 +23,7 @@ struct Timings {
   int net_diameter = 35;
   int ttl_threshold = 7;  ///< the expanding ring goes beyond it at once as far as allowed
   int local_add_ttl = 2;
+  bool destination_only = false;  ///< flag D of all own requests: only the destination answers
 
   Time net_traversal_time() const { return 2 * net_diameter * node_traversal_time; }
   Time path_discovery_time() const { return std::max(2 * net_traversal_time(), shortest_memory); }
@@ -42,9 +43,13 @@ inline Timings rfc3561_timings() {
 /// Scaled for a team of robots: an absent destination is given up after 120 + 240 + 480 + 960 ms = 1.8 s.
 /// PATH_DISCOVERY_TIME counts on NODE_TRAVERSAL_TIME for each hop. On a crowded channel copies of a request are under
 /// way for seconds, and one that was forgotten meanwhile would be flooded anew, again and again.
+/// In a team where everybody talks to everybody, half of it could answer each request: that would be more frames than
+/// to reach the destination itself, whose answer is also the newest.
 inline Timings robot_timings() {
   using namespace std::chrono_literals;
-  return {10s, 5ms, 120ms, 15s, 10s, 8, 3};
+  Timings timings{10s, 5ms, 120ms, 15s, 10s, 8, 3};
+  timings.destination_only = true;
+  return timings;
 }
 
 }  // namespace adhoc_communication

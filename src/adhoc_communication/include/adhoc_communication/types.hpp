@@ -1,10 +1,13 @@
 // Values shared by the engine and its hosts.
 #pragma once
 
+#include <arpa/inet.h>
+
 #include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <variant>
@@ -15,7 +18,21 @@ namespace adhoc_communication {
 /// Time since any epoch the host likes, as long as it never goes back.
 using Time = std::chrono::nanoseconds;
 using Bytes = std::vector<std::uint8_t>;
-using MacAddress = std::array<std::uint8_t, 6>;
+/// A 48-bit hardware address. Ordered as its octets are; tables keyed by it are looked up for every frame, so it is
+/// compared as one number.
+struct MacAddress : std::array<std::uint8_t, 6> {
+  std::uint64_t number() const {
+    std::uint32_t high;
+    std::uint16_t low;
+    std::memcpy(&high, data(), sizeof high);
+    std::memcpy(&low, data() + sizeof high, sizeof low);
+    return std::uint64_t{ntohl(high)} << 16 | ntohs(low);
+  }
+  friend bool operator==(const MacAddress& a, const MacAddress& b) { return a.number() == b.number(); }
+  friend bool operator!=(const MacAddress& a, const MacAddress& b) { return a.number() != b.number(); }
+  friend bool operator<(const MacAddress& a, const MacAddress& b) { return a.number() < b.number(); }
+  friend bool operator>(const MacAddress& a, const MacAddress& b) { return b < a; }
+};
 /// Drawn by the host at each start (getrandom on a robot), so that a restarted robot is told from its former self.
 using BootId = std::array<std::uint8_t, 16>;
 /// Secret shared by all robots of a team.

@@ -33,13 +33,15 @@ std::uint32_t Distributor::start(SendId id, Priority priority, transport::Image 
                                  const std::set<MacAddress>& members, Time now) {
   Tree& tree = tree_of(self_.address, self_.boot, now);
   tree.last_used = now;
-  if (tree.epoch == 0) tree.epoch = 1;
+  renew_stale(tree);
   GroupStream& stream = branches_[self_.address].streams[static_cast<std::size_t>(priority)];
   const std::uint32_t number = stream.next++;
   if (members.empty()) return number;
   std::set<MacAddress> newcomers;
   for (const MacAddress& member : members) {
-    if (!tree.holds(member)) newcomers.insert(member);
+    if (tree.holds(member)) continue;
+    newcomers.insert(member);
+    tree.refused.erase(member);
   }
   attach(self_.address, tree, newcomers, now);
   std::set<MacAddress> changed;
@@ -261,6 +263,7 @@ void Distributor::tell_complete(const MacAddress& root, const Tree& tree, std::u
 
 void Distributor::report(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
                          Transfer& transfer, bool reliably) {
+  transfer.report_due.reset();
   if (!tree.upstream) return;
   const Branch& branch = branches_.at(root);
   const std::vector<Block>& blocks = transfer.packet->blocks();
@@ -280,7 +283,6 @@ void Distributor::report(const MacAddress& root, const Tree& tree, std::uint8_t 
     if (report.missing.size() >= wire::kMostBlocksOfReport) break;
     report.missing.push_back(blocks[block].missing_for_report());
   }
-  transfer.report_due.reset();
   if (reliably) {
     outbox_.unicast(*tree.upstream, FrameType::kGroupReport, to_bytes(report));
   } else {
@@ -292,14 +294,27 @@ void Distributor::poll(Time now) {
   build_anew(now);
   attach_routed(now);
   for (auto& [root, tree] : trees_) {
-    Branch& branch = branches_[root];
+    Branch& branch = branches_.at(root);
+    if (!std::exchange(branch.busy, false)) continue;
     for (std::uint8_t stream = 0; stream < transport::kPriorities; ++stream) {
       for (auto& [number, transfer] : branch.streams[stream].transfers) {
         serve(root, tree, stream, number, transfer, now);
       }
     }
+    branch.busy = branch.busy || !idle(branch);
   }
   remove_finished();
+}
+
+/// Until something comes for it, nothing is sent and nothing is due.
+bool Distributor::idle(const Branch& branch) {
+  return std::none_of(branch.streams.begin(), branch.streams.end(), [](const GroupStream& stream) {
+    return std::any_of(stream.transfers.begin(), stream.transfers.end(), [](const auto& item) {
+      const Transfer& transfer = item.second;
+      return transfer.report_due || transfer.to_children->has_frame() ||
+             transfer.to_children->next_deadline() != Time::max();
+    });
+  });
 }
 
 void Distributor::serve(const MacAddress& root, Tree& tree, std::uint8_t stream, std::uint32_t number,
@@ -353,6 +368,7 @@ void Distributor::copy_finished(std::uint8_t stream, std::uint32_t number) {
 
 bool Distributor::has_frame(std::uint8_t priority) const {
   return std::any_of(branches_.begin(), branches_.end(), [priority](const auto& branch) {
+    if (!branch.second.busy) return false;
     const auto& transfers = branch.second.streams[priority].transfers;
     return std::any_of(transfers.begin(), transfers.end(),
                        [](const auto& transfer) { return transfer.second.to_children->has_frame(); });
@@ -364,6 +380,7 @@ GroupFrame Distributor::next_frame(std::uint8_t priority, bool follows, Time now
   for (std::size_t visited = 0; visited < branches_.size(); ++visited, ++iterator) {
     if (iterator == branches_.end()) iterator = branches_.begin();
     auto& [root, branch] = *iterator;
+    if (!branch.busy) continue;
     for (auto& [number, transfer] : branch.streams[priority].transfers) {
       if (!transfer.to_children->has_frame()) continue;
       last_root_served_ = root;
@@ -386,6 +403,7 @@ GroupFrame Distributor::next_frame(std::uint8_t priority, bool follows, Time now
 Time Distributor::next_deadline() const {
   Time next = Time::max();
   for (const auto& [root, branch] : branches_) {
+    if (!branch.busy) continue;
     for (const GroupStream& stream : branch.streams) {
       for (const auto& [number, transfer] : stream.transfers) {
         next = std::min(next, transfer.to_children->next_deadline());

@@ -51,7 +51,9 @@ class Distributor {
   static constexpr Time kIdleTransfer = std::chrono::seconds(20);
   static constexpr Time kReportJitter = std::chrono::milliseconds(1);
   static constexpr Time kActivationInterval = std::chrono::milliseconds(50);
-  static constexpr int kMostRefusals = 2;  ///< of a member, before it is served by itself
+  static constexpr int kMostRefusals = 2;               ///< of a member, before it is served by itself
+  static constexpr std::size_t kMostChildrenTried = 2;  ///< for one member in one epoch
+  static constexpr std::size_t kFewFrames = 8;          ///< for which no way is looked for where the tree has failed
 
   Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random, transport::AirClock& air,
               transport::AssemblyBudget& budget, std::size_t largest_packet, std::uint16_t segment_size);
@@ -100,6 +102,10 @@ class Distributor {
     std::map<MacAddress, int> refusals;
     std::map<MacAddress, Time> activated_again;
     bool build_anew = false;
+    bool stale = false;             ///< the tree reaches somebody no more; the next packet gets a new one
+    bool fresh = true;              ///< the tree has just been built
+    std::set<MacAddress> left_out;  ///< members that the fresh tree did not reach: another one would not, either
+    bool busy = true;               ///< something came for it; otherwise nothing is due
     // The rhythm of the frames from upstream.
     std::uint64_t last_counter = 0;
     Time last_arrival{0};
@@ -114,14 +120,21 @@ class Distributor {
   Tree* find_tree(const MacAddress& root, wire::BootTag boot);
   void forget_tree(const MacAddress& root);
   void build_anew(Time now);
+  void renew_stale(Tree& tree);
+  void next_epoch(Tree& tree);
+  void refused_with_little(const MacAddress& member);
   std::set<MacAddress> attach(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members, Time now);
   void attach_routed(Time now);
   void activate_again(const MacAddress& root, const Tree& tree, const MacAddress& child, Time now);
   void activate(const MacAddress& root, const Tree& tree, const std::set<MacAddress>& children);
   static void forget_rhythm(Branch& branch);
   void give_up(const MacAddress& root, Tree& tree, const std::vector<MacAddress>& children, Time now);
+  static void leave(Tree& tree);
   void refuse(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members);
   std::set<MacAddress> attach_elsewhere(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members);
+  enum class Awaited { kNothing, kLittle, kMuch };
+  Awaited awaited(const MacAddress& member) const;
+  static bool is_little(const Transfer& transfer);
   void refused_at_root(const std::set<MacAddress>& members, const std::string& reason, bool final);
   void children_changed(const MacAddress& root, bool anew, Time now);
   bool is_root(const MacAddress& root) const { return root == self_.address; }
@@ -145,6 +158,7 @@ class Distributor {
   static std::uint32_t oldest_open(const GroupStream& stream);
   void finish_member(Transfer& transfer, const MemberEnd& end);
   void remove_finished();
+  static bool idle(const Branch& branch);
 
   const Identity& self_;
   routing::Router& router_;

@@ -8,9 +8,12 @@ namespace adhoc_communication::multicast {
 
 using wire::FrameType;
 
+/// For what has come about this tree.
 Tree* Distributor::find_tree(const MacAddress& root, wire::BootTag boot) {
   const auto found = trees_.find(root);
-  return found != trees_.end() && found->second.boot == boot ? &found->second : nullptr;
+  if (found == trees_.end() || found->second.boot != boot) return nullptr;
+  branches_.at(root).busy = true;
+  return &found->second;
 }
 
 /// The tree of this run of the root; that of a former run is forgotten.
@@ -109,7 +112,8 @@ void Distributor::on_activation(const MacAddress& from, const wire::GroupActivat
   Tree& tree = tree_of(activation.root, activation.root_boot, now);
   tree.last_used = now;
   const bool anew = tree.epoch == 0 || routing::is_newer(activation.epoch, tree.epoch);
-  if (!anew && (activation.epoch != tree.epoch || tree.upstream != from)) {
+  const bool free = !tree.upstream && activation.epoch == tree.epoch;
+  if (!anew && !free && (activation.epoch != tree.epoch || tree.upstream != from)) {
     if (activation.members.empty()) return;
     outbox_.unicast(
         from, FrameType::kGroupRefusal,
@@ -142,6 +146,7 @@ void Distributor::on_activation(const MacAddress& from, const wire::GroupActivat
     if (!anew && tree.children.count(child) == 0) changed.insert(child);  // pruned
   }
   activate(activation.root, tree, changed);
+  if (!tree.member) leave(tree);
   children_changed(activation.root, anew, now);
 }
 
@@ -161,6 +166,12 @@ void Distributor::refuse(const MacAddress& root, Tree& tree, const std::set<MacA
   if (!tree.upstream) return;
   outbox_.unicast(*tree.upstream, FrameType::kGroupRefusal,
                   to_bytes(wire::GroupRefusal{root, tree.boot, tree.epoch, {members.begin(), members.end()}}));
+  if (!tree.member) leave(tree);
+}
+
+/// With nobody behind it, this robot may get another place in the tree of the same epoch.
+void Distributor::leave(Tree& tree) {
+  if (tree.children.empty() && tree.unrouted.empty()) tree.upstream.reset();
 }
 
 void Distributor::on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal, Time now) {
@@ -189,7 +200,7 @@ std::set<MacAddress> Distributor::attach_elsewhere(const MacAddress& root, Tree&
     const std::set<MacAddress>& tried = tree.refused[member];
     const auto other = std::find_if(tree.children.begin(), tree.children.end(),
                                     [&](const auto& child) { return tried.count(child.first) == 0; });
-    if (other == tree.children.end()) {
+    if (other == tree.children.end() || tried.size() >= kMostChildrenTried) {
       left.insert(member);
     } else {
       other->second.insert(member);
@@ -201,7 +212,10 @@ std::set<MacAddress> Distributor::attach_elsewhere(const MacAddress& root, Tree&
 }
 
 void Distributor::link_lost(const MacAddress& neighbor, Time now) {
-  for (auto& [root, tree] : trees_) give_up(root, tree, {neighbor}, now);
+  for (auto& [root, tree] : trees_) {
+    give_up(root, tree, {neighbor}, now);
+    if (tree.upstream == neighbor) leave(tree);
+  }
 }
 
 /// These children are of no use: what is behind them goes back upstream.
@@ -220,6 +234,7 @@ void Distributor::unreachable(const MacAddress& member, const std::string& reaso
   for (auto& [root, tree] : trees_) {
     if (tree.unrouted.count(member) == 0) continue;
     tree.unrouted.erase(member);
+    branches_.at(root).busy = true;
     if (is_root(root)) {
       refused_at_root({member}, reason, true);
     } else {
@@ -228,11 +243,15 @@ void Distributor::unreachable(const MacAddress& member, const std::string& reaso
   }
 }
 
-/// Once is bad luck, and a new tree gets there; a member refused again is served by itself.
+/// Once is bad luck, and a new tree gets there; a member refused again is served by itself. To be served by itself with
+/// a few frames costs less than a new tree.
 void Distributor::refused_at_root(const std::set<MacAddress>& members, const std::string& reason, bool final) {
   Branch& branch = branches_[self_.address];
   for (const MacAddress& member : members) {
-    const bool by_copy = !final && ++branch.refusals[member] >= kMostRefusals;
+    const Awaited waiting = awaited(member);
+    if (!final && waiting == Awaited::kNothing) continue;  // the next packet for it looks for a way anew
+    if (!final && waiting == Awaited::kLittle) refused_with_little(member);
+    const bool by_copy = !final && (waiting == Awaited::kLittle || ++branch.refusals[member] >= kMostRefusals);
     if (!final && !by_copy) {
       branch.build_anew = true;
       continue;
@@ -246,6 +265,33 @@ void Distributor::refused_at_root(const std::set<MacAddress>& members, const std
   }
 }
 
+void Distributor::refused_with_little(const MacAddress& member) {
+  Branch& branch = branches_.at(self_.address);
+  if (branch.fresh) {
+    branch.left_out.insert(member);
+  } else if (branch.left_out.count(member) == 0) {
+    branch.stale = true;
+  }
+}
+
+/// What of own packets still has to reach the member.
+Distributor::Awaited Distributor::awaited(const MacAddress& member) const {
+  Awaited most = Awaited::kNothing;
+  const auto own = branches_.find(self_.address);
+  if (own == branches_.end()) return most;
+  for (const GroupStream& stream : own->second.streams) {
+    for (const auto& [number, transfer] : stream.transfers) {
+      if (transfer.open.count(member) != 0)
+        most = std::max(most, is_little(transfer) ? Awaited::kLittle : Awaited::kMuch);
+    }
+  }
+  return most;
+}
+
+bool Distributor::is_little(const Transfer& transfer) {
+  return transfer.packet->total() <= kFewFrames * std::size_t{transfer.packet->segment_size()};
+}
+
 /// A new epoch, with all members that a packet still has to reach.
 void Distributor::build_anew(Time now) {
   const auto own = trees_.find(self_.address);
@@ -257,17 +303,33 @@ void Distributor::build_anew(Time now) {
   for (const GroupStream& stream : branches_[self_.address].streams) {
     for (const auto& [number, transfer] : stream.transfers) members.insert(transfer.open.begin(), transfer.open.end());
   }
-  ++tree.epoch;
-  tree.children.clear();
-  tree.unrouted.clear();
-  tree.refused.clear();
+  next_epoch(tree);
   attach(self_.address, tree, members, now);
   activate(self_.address, tree, tree.child_addresses());
   children_changed(self_.address, true, now);
 }
 
+/// At the root, between two packets.
+void Distributor::renew_stale(Tree& tree) {
+  Branch& branch = branches_.at(self_.address);
+  const bool at_work = std::any_of(branch.streams.begin(), branch.streams.end(),
+                                   [](const GroupStream& stream) { return !stream.transfers.empty(); });
+  branch.fresh = tree.epoch == 0 || (branch.stale && !at_work);
+  if (branch.fresh) next_epoch(tree);
+}
+
+void Distributor::next_epoch(Tree& tree) {
+  branches_.at(self_.address).stale = false;
+  branches_.at(self_.address).left_out.clear();
+  ++tree.epoch;
+  tree.children.clear();
+  tree.unrouted.clear();
+  tree.refused.clear();
+}
+
 void Distributor::children_changed(const MacAddress& root, bool anew, Time now) {
   const Tree& tree = trees_.at(root);
+  branches_.at(root).busy = true;
   const std::map<MacAddress, std::uint32_t> children = tree.coverages();
   for (GroupStream& stream : branches_.at(root).streams) {
     for (auto& [number, transfer] : stream.transfers) transfer.to_children->set_children(children, anew, now);

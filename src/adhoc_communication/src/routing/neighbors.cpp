@@ -7,6 +7,7 @@ namespace {
 
 constexpr int kBeaconsThatMatter = 16;  ///< for the loss of a link
 constexpr int kBeaconsInDoubt = 2;
+constexpr Time kSilenceInDoubt = std::chrono::seconds(1);
 constexpr double kHopeless = 0.6;  ///< loss of a link over which silence is no surprise
 constexpr Time kLongestInterval = std::chrono::seconds(10);
 constexpr int kMostMissed = 64;  ///< a greater gap says nothing about the link
@@ -53,7 +54,7 @@ void Neighbors::beacon(const MacAddress& address, const wire::Beacon& beacon, wi
   count_beacon(neighbor, beacon.number);
   if (neighbor.hears.size() > kMostNeighbors) neighbor.hears.clear();
   for (const wire::HeardNeighbor& heard : beacon.heard) {
-    neighbor.hears[heard.tag] = now;
+    neighbor.hears[heard.tag] = {now, heard.loss / 255.0};
     if (heard.tag != self) continue;
     neighbor.listed = now;
     neighbor.reported_loss = heard.loss / 255.0;
@@ -150,17 +151,28 @@ bool Neighbors::all_hear(const MacAddress& robot, wire::BootTag boot, Time now) 
   return std::all_of(neighbors_.begin(), neighbors_.end(), [&](const auto& item) {
     const auto& [address, neighbor] = item;
     if (address == robot || !two_way(neighbor, now)) return true;
-    const auto said = neighbor.hears.find(wire::neighbor_tag(boot));
-    return said != neighbor.hears.end() && now - said->second < patience(neighbor) * neighbor.beacons_per_list;
+    return hears(neighbor, wire::neighbor_tag(boot), now) != nullptr;
   });
+}
+
+const Neighbor::Hears* Neighbors::hears(const Neighbor& neighbor, wire::NeighborTag robot, Time now) const {
+  const auto found = neighbor.hears.find(robot);
+  if (found == neighbor.hears.end()) return nullptr;
+  return now - found->second.said < patience(neighbor) * neighbor.beacons_per_list ? &found->second : nullptr;
+}
+
+double Neighbors::delivery(const Neighbor& neighbor, wire::NeighborTag robot, Time now) const {
+  const Neighbor::Hears* found = hears(neighbor, robot, now);
+  return found == nullptr ? 0.0 : 1.0 - found->loss;
 }
 
 std::vector<MacAddress> Neighbors::doubtful(Time now) const {
   std::vector<MacAddress> result;
   for (const auto& [address, neighbor] : neighbors_) {
     if (!two_way(neighbor, now) || neighbor.loss_from > kHopeless) continue;
-    const bool silent = now - neighbor.last_heard > kBeaconsInDoubt * neighbor.interval;
-    const bool unlisted = now - *neighbor.listed > kBeaconsInDoubt * neighbor.interval * neighbor.beacons_per_list;
+    const Time doubt = std::max(kBeaconsInDoubt * neighbor.interval, kSilenceInDoubt);
+    const bool silent = now - neighbor.last_heard > doubt;
+    const bool unlisted = now - *neighbor.listed > doubt * neighbor.beacons_per_list;
     if (silent || unlisted) result.push_back(address);
   }
   return result;

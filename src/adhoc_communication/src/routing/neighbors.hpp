@@ -1,6 +1,7 @@
 // Who is heard on the radio, and who of them hears this robot.
 #pragma once
 
+#include <boost/container/flat_map.hpp>
 #include <map>
 #include <optional>
 #include <utility>
@@ -15,14 +16,19 @@ namespace adhoc_communication::routing {
 struct Neighbor {
   wire::BootTag boot = 0;
   Time last_heard{0};
-  Time interval{0};                         ///< of its beacons (RFC 3561 section 9.1)
-  int beacons_per_list = 1;                 ///< so many of its beacons name all that it hears
-  std::optional<Time> listed;               ///< when it last showed that it hears this robot
-  Time blacklisted_until{0};                ///< section 6.8: it did not acknowledge a reply
-  std::map<wire::NeighborTag, Time> hears;  ///< and when it said so
-  double reported_loss = 0.0;               ///< of frames to it, as its beacons say, 0..1
-  std::optional<double> seen_loss;          ///< of frames to it, as the hop ARQ sees it
-  double loss_from = 0.0;                   ///< of its beacons
+  Time interval{0};            ///< of its beacons (RFC 3561 section 9.1)
+  int beacons_per_list = 1;    ///< so many of its beacons name all that it hears
+  std::optional<Time> listed;  ///< when it last showed that it hears this robot
+  Time blacklisted_until{0};   ///< section 6.8: it did not acknowledge a reply
+  struct Hears {
+    Time said{0};
+    double loss = 0.0;  ///< of the beacons it hears, 0..1
+  };
+  boost::container::flat_map<wire::NeighborTag, Hears> hears;
+  double best_delivery = 0.0;       ///< the greatest share of the beacons of one robot that it gets
+  double reported_loss = 0.0;       ///< of frames to it, as its beacons say, 0..1
+  std::optional<double> seen_loss;  ///< of frames to it, as the hop ARQ sees it
+  double loss_from = 0.0;           ///< of its beacons
   std::uint16_t last_beacon = 0;
   int beacons = 0;  ///< counted for loss_from, no more than matter
   Time named{-1};   ///< when a beacon of this robot named it
@@ -61,9 +67,11 @@ class Neighbors {
   std::vector<wire::HeardNeighbor> next_heard(std::size_t most, Time now);
   /// How many there are to name.
   std::size_t heard_count(Time now) const;
+  /// The share of the beacons of that robot that the neighbour gets, 0..1; 0 if it has not named it lately.
+  double delivery(const Neighbor& neighbor, wire::NeighborTag robot, Time now) const;
   /// Every neighbour whose link works both ways hears the robot itself, or is it.
   bool all_hear(const MacAddress& robot, wire::BootTag boot, Time now) const;
-  /// Those that owe a sign of life for two of their beacons, and may only be out of luck.
+  /// Those that owe a sign of life for some of their beacons, and may only be out of luck.
   std::vector<MacAddress> doubtful(Time now) const;
   /// Removes and returns those silent for longer than `timeout`, and than they may be.
   std::vector<MacAddress> remove_silent(Time timeout, Time now);
@@ -80,6 +88,7 @@ class Neighbors {
   static void count_beacon(Neighbor& neighbor, std::uint16_t number);
   Time patience(const Neighbor& neighbor) const { return timings_.allowed_hello_loss * neighbor.interval; }
   bool two_way(const Neighbor& neighbor, Time now) const;
+  const Neighbor::Hears* hears(const Neighbor& neighbor, wire::NeighborTag robot, Time now) const;
 
   const Timings& timings_;
   Time own_interval_;

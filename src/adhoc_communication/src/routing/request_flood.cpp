@@ -47,6 +47,8 @@ void RequestFlood::poll(const Neighbors& neighbors, Time now) {
     Pending& pending = pending_[i];
     if (pending.due > now || (!pending.broadcast_done && outbox_.air_ready() > now)) {
       ++i;
+    } else if (!pending.broadcast_done && needless(pending.request, neighbors, now)) {
+      pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(i));
     } else if (!pending.broadcast_done) {
       outbox_.broadcast(wire::FrameType::kRouteRequest, to_bytes(pending.request));
       pending.broadcast_done = true;
@@ -62,24 +64,59 @@ void RequestFlood::poll(const Neighbors& neighbors, Time now) {
 void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) {
   const auto seen = seen_.find({request.originator, request.id});
   if (seen == seen_.end()) return;  // it had to make room
-  const std::set<MacAddress>& holders = seen->second.holders;
+  const Holders holders = holders_of(seen->second, neighbors);
   std::size_t copies = 0;
   for (const MacAddress& neighbor : neighbors.all_two_way(now)) {
     if (copies == kMostConfirmations) return;
-    if (neighbor == request.originator || holders.count(neighbor) != 0) continue;
-    if (well_supplied(*neighbors.find(neighbor), seen->second, neighbors)) continue;
+    if (neighbor == request.originator || seen->second.holders.count(neighbor) != 0) continue;
+    if (!depends(neighbor, neighbors, now)) continue;
+    if (neighbors.loss(neighbor) * chance_to_miss(neighbor, holders, neighbors, now) <= kTolerableMiss) continue;
     outbox_.unicast(neighbor, wire::FrameType::kRouteRequest, to_bytes(request));
     ++copies;
   }
 }
 
-/// The neighbour hears enough of those who have broadcast the request as well.
-bool RequestFlood::well_supplied(const Neighbor& neighbor, const Seen& seen, const Neighbors& neighbors) const {
-  const auto reaches = [&](const MacAddress& address) {
-    const Neighbor* holder = neighbors.find(address);
-    return holder != nullptr && neighbor.hears.count(wire::neighbor_tag(holder->boot)) != 0;
+/// In a crowd: every neighbour has the request or can count on others who do.
+bool RequestFlood::needless(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) const {
+  const auto seen = seen_.find({request.originator, request.id});
+  if (request.hop_count == 0 || seen == seen_.end()) return false;
+  if (seen->second.holders.size() < kFewestHolders) return false;
+  const Holders holders = holders_of(seen->second, neighbors);
+  const auto is_supplied = [&](const MacAddress& neighbor) {
+    return neighbor == request.originator || seen->second.holders.count(neighbor) != 0 ||
+           !depends(neighbor, neighbors, now) || chance_to_miss(neighbor, holders, neighbors, now) <= kTolerableMiss;
   };
-  return std::count_if(seen.holders.begin(), seen.holders.end(), reaches) >= kEnoughCopies;
+  const std::vector<MacAddress> all = neighbors.all_two_way(now);
+  return std::all_of(all.begin(), all.end(), is_supplied);
+}
+
+/// A neighbour behind a bad link does not need this robot if a third one hears it well and is heard well by it.
+bool RequestFlood::depends(const MacAddress& neighbor, const Neighbors& neighbors, Time now) {
+  if (neighbors.loss(neighbor) <= kBadLoss) return true;
+  const Neighbor& receiver = *neighbors.find(neighbor);
+  const std::vector<MacAddress> all = neighbors.all_two_way(now);
+  return std::none_of(all.begin(), all.end(), [&](const MacAddress& other) {
+    const wire::NeighborTag tag = wire::neighbor_tag(neighbors.find(other)->boot);
+    return other != neighbor && neighbors.loss(other) <= kBadLoss &&
+           neighbors.delivery(receiver, tag, now) >= 1.0 - kBadLoss;
+  });
+}
+
+RequestFlood::Holders RequestFlood::holders_of(const Seen& seen, const Neighbors& neighbors) {
+  Holders holders;
+  for (const MacAddress& address : seen.holders) {
+    if (const Neighbor* holder = neighbors.find(address)) holders.push_back(wire::neighbor_tag(holder->boot));
+  }
+  return holders;
+}
+
+/// Each of the copies that the holders have broadcast, as far as the neighbour has told how well it hears them.
+double RequestFlood::chance_to_miss(const MacAddress& neighbor, const Holders& holders, const Neighbors& neighbors,
+                                    Time now) {
+  const Neighbor* receiver = neighbors.find(neighbor);
+  double chance = 1.0;
+  for (const wire::NeighborTag holder : holders) chance *= 1.0 - neighbors.delivery(*receiver, holder, now);
+  return chance;
 }
 
 Time RequestFlood::next_deadline() const {

@@ -1,8 +1,9 @@
 // RFC 3561 sections 6.3 and 6.5: which route requests were seen, and passing them on.
 //
 // A lost broadcast is the weak point of a flood. So whoever has broadcast a request listens; a neighbour that has not
-// been heard with it after kConfirm, and hears few who have it, gets it once more as an acknowledged unicast. On a
-// crowded channel requests wait until the radio has room, and so do others: whoever had to wait gives them more time.
+// been heard with it after kConfirm, and hardly hears others who have it, gets it once more as an acknowledged unicast.
+// On a crowded channel requests wait until the radio has room, and so do others: whoever had to wait gives them more
+// time.
 #pragma once
 
 #include <map>
@@ -22,7 +23,9 @@ class RequestFlood {
   static constexpr std::size_t kMostRequests = 1024;
   static constexpr std::size_t kMostPending = 256;      ///< further requests are not passed on
   static constexpr std::size_t kMostConfirmations = 6;  ///< unicast copies of one request
-  static constexpr int kEnoughCopies = 2;               ///< besides the own one, within reach of a neighbour
+  static constexpr std::size_t kFewestHolders = 2;      ///< heard before an own copy is needless
+  static constexpr double kTolerableMiss = 0.1;         ///< of all copies, by a neighbour
+  static constexpr double kBadLoss = 0.5;               ///< of a link over which others may do better
   static constexpr int kMostForwards = 2;               ///< of one request: once more when a cheaper copy came late
   static constexpr Time kConfirm = std::chrono::milliseconds(25);
   static constexpr int kWaitersPerHop = 4;  ///< that may stand before a copy where this robot stood alone
@@ -59,7 +62,12 @@ class RequestFlood {
   };
 
   void confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now);
-  bool well_supplied(const Neighbor& neighbor, const Seen& seen, const Neighbors& neighbors) const;
+  bool needless(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) const;
+  using Holders = std::vector<wire::NeighborTag>;
+  static Holders holders_of(const Seen& seen, const Neighbors& neighbors);
+  static bool depends(const MacAddress& neighbor, const Neighbors& neighbors, Time now);
+  static double chance_to_miss(const MacAddress& neighbor, const Holders& holders, const Neighbors& neighbors,
+                               Time now);
 
   const Timings& timings_;
   Outbox& outbox_;

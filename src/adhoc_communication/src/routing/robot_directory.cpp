@@ -8,7 +8,8 @@
 namespace adhoc_communication::routing {
 namespace {
 
-constexpr std::size_t kMostFormerBoots = 8;
+constexpr std::size_t kMostFormerRuns = 8;
+constexpr std::uint32_t kSecondsThatProveLife = 2;
 constexpr Time kHeardRecently = std::chrono::seconds(2);
 constexpr Time kForget = std::chrono::seconds(60);  ///< how long a lost robot's runs are remembered
 
@@ -32,13 +33,24 @@ void RobotDirectory::life_sign(const MacAddress& address, const std::string& nam
     return;
   }
   // Hearsay of another run does not count against a robot that is heard directly.
-  const bool heard_itself = known != nullptr && known->hops == 1 && now - known->last_news < kHeardRecently;
-  if (hops > 1 && !same_run && heard_itself) return;
+  const bool heard_lately = known != nullptr && now - known->last_news < kHeardRecently;
+  if (hops > 1 && !same_run && heard_lately && known->hops == 1) return;
+  if (is_former(address, boot) && (heard_lately || !reinstate(robots_.at(address), boot, alive))) return;
   Robot* robot = admit(address, name, boot, now);
   if (robot == nullptr) return;
   if (robot->alive != alive) robot->spreads_left = kSpreads;
   robot->alive = alive;
   robot->hops = hops;
+}
+
+/// Runs have no order, so late hearsay of an ended run may have displaced the one that lives. That one goes on to count
+/// its seconds; an ended run does not.
+bool RobotDirectory::reinstate(Robot& robot, wire::BootTag boot, std::uint32_t alive) {
+  const auto run = std::find_if(robot.former_runs.begin(), robot.former_runs.end(),
+                                [boot](const FormerRun& former) { return former.boot == boot; });
+  if (!is_newer(alive, run->alive + kSecondsThatProveLife)) return false;
+  robot.former_runs.erase(run);
+  return true;
 }
 
 void RobotDirectory::traffic(const MacAddress& address, wire::BootTag boot, Time now) {
@@ -49,7 +61,8 @@ void RobotDirectory::traffic(const MacAddress& address, wire::BootTag boot, Time
 bool RobotDirectory::is_former(const MacAddress& address, wire::BootTag boot) const {
   const Robot* robot = find(address);
   if (robot == nullptr) return false;
-  return std::find(robot->former_boots.begin(), robot->former_boots.end(), boot) != robot->former_boots.end();
+  return std::any_of(robot->former_runs.begin(), robot->former_runs.end(),
+                     [boot](const FormerRun& former) { return former.boot == boot; });
 }
 
 const Robot* RobotDirectory::find(const MacAddress& address) const {
@@ -57,16 +70,16 @@ const Robot* RobotDirectory::find(const MacAddress& address) const {
   return found == robots_.end() ? nullptr : &found->second;
 }
 
+/// Of several the one that lives, and of those the nearest.
 std::optional<MacAddress> RobotDirectory::address_of(const std::string& name) const {
-  const std::pair<const MacAddress, Robot>* best = nullptr;
-  for (const auto& item : robots_) {
-    if (item.second.name != name) continue;
-    const bool better = best == nullptr || (item.second.announced && !best->second.announced) ||
-                        (item.second.announced == best->second.announced && item.second.hops < best->second.hops);
-    if (better) best = &item;
-  }
-  if (best == nullptr) return std::nullopt;
-  return best->first;
+  const auto bearers = by_name_.find(name);
+  if (bearers == by_name_.end()) return std::nullopt;
+  const auto rank = [this](const MacAddress& address) {
+    const Robot& robot = robots_.at(address);
+    return std::pair(robot.announced ? 0 : 1, robot.hops);
+  };
+  return *std::min_element(bearers->second.begin(), bearers->second.end(),
+                           [&](const MacAddress& a, const MacAddress& b) { return rank(a) < rank(b); });
 }
 
 std::vector<std::string> RobotDirectory::names() const {
@@ -86,11 +99,18 @@ void RobotDirectory::expire(Time now) {
       changes_.push_back({robot.name, iterator->first, robot.boot, false});
     }
     if (!robot.announced && now - robot.last_news >= kForget) {
+      forget_name(robot, iterator->first);
       iterator = robots_.erase(iterator);
     } else {
       ++iterator;
     }
   }
+}
+
+void RobotDirectory::forget_name(const Robot& robot, const MacAddress& address) {
+  const auto bearers = by_name_.find(robot.name);
+  bearers->second.erase(address);
+  if (bearers->second.empty()) by_name_.erase(bearers);
 }
 
 std::vector<DirectoryChange> RobotDirectory::take_changes() { return std::exchange(changes_, {}); }
@@ -103,13 +123,16 @@ Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name,
     found = robots_.emplace(address, Robot{}).first;
     found->second.boot = boot;
     found->second.name = name;
+    by_name_[name].insert(address);
   }
   Robot& robot = found->second;
   if (robot.boot != boot || robot.name != name) {
     if (robot.announced) changes_.push_back({robot.name, address, robot.boot, false});
     robot.announced = false;
-    if (robot.boot != boot) robot.former_boots.push_back(robot.boot);
-    if (robot.former_boots.size() > kMostFormerBoots) robot.former_boots.erase(robot.former_boots.begin());
+    if (robot.boot != boot) robot.former_runs.push_back({robot.boot, robot.alive});
+    if (robot.former_runs.size() > kMostFormerRuns) robot.former_runs.erase(robot.former_runs.begin());
+    forget_name(robot, address);
+    by_name_[name].insert(address);
     robot.boot = boot;
     robot.name = name;
     robot.alive = 0;

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,11 +11,16 @@
 
 namespace adhoc_communication::routing {
 
+struct FormerRun {
+  wire::BootTag boot = 0;
+  std::uint32_t alive = 0;  ///< greatest life sign heard
+};
+
 struct Robot {
   std::string name;
   wire::BootTag boot = 0;
-  std::vector<wire::BootTag> former_boots;  ///< earlier runs, newest last; nothing of theirs is believed any more
-  std::uint32_t alive = 0;  ///< greatest life sign heard; it is raised by that robot alone, once a second
+  std::vector<FormerRun> former_runs;  ///< newest last; nothing of theirs is believed any more
+  std::uint32_t alive = 0;             ///< greatest life sign heard; it is raised by that robot alone, once a second
   std::uint8_t hops = 1;
   Time last_news{0};
   bool announced = false;
@@ -60,10 +66,14 @@ class RobotDirectory {
   std::vector<DirectoryChange> take_changes();
 
  private:
+  static bool reinstate(Robot& robot, wire::BootTag boot, std::uint32_t alive);
   Robot* admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now);
   static Time patience(const Robot& robot) { return kSilence + (robot.hops - 1) * std::chrono::seconds(2); }
 
+  void forget_name(const Robot& robot, const MacAddress& address);
+
   std::map<MacAddress, Robot> robots_;
+  std::map<std::string, std::set<MacAddress>> by_name_;  ///< more than one if a robot has got another radio
   std::vector<DirectoryChange> changes_;
   MacAddress last_spread_{};
 };

@@ -11,7 +11,7 @@ void Router::send_request(const RouteDiscovery::Step& step, Time now) {
   request.gratuitous = true;  // packets are acknowledged end to end, so the destination needs the way back
   // Others may still have routes by way of a former run of this robot, which must not come back as answers. So for the
   // time of section 6.13 only the destination answers, with a new number.
-  request.destination_only = now - started_ < timings_.delete_period;
+  request.destination_only = timings_.destination_only || now - started_ < timings_.delete_period;
   request.hop_limit = step.hop_limit;
   request.id = next_request_id_++;
   request.destination = step.target.address;

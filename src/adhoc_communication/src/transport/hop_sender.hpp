@@ -52,6 +52,8 @@ class HopSender {
   bool has_resend(std::uint8_t priority) const { return !lost_[priority].empty(); }
   bool has_waiting(std::uint8_t priority) const { return !waiting_[priority].empty(); }
   bool idle() const { return in_flight_.empty() && waiting() == 0; }
+  /// As idle(), and no transmission is waited for any more.
+  bool settled() const { return idle() && unresolved_.empty(); }
   /// Whether one more transmission fits: a repetition, or a frame with a new link sequence.
   bool may_resend() const { return unresolved_.size() < kMostUnresolved; }
   bool may_start() const;

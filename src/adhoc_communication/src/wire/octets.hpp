@@ -67,7 +67,7 @@ class Reader {
     if (const std::uint8_t* from = take(N)) std::copy(from, from + N, value.begin());
     return value;
   }
-  MacAddress address() { return octets<6>(); }
+  MacAddress address() { return {octets<6>()}; }
   std::string text8() { return text(u8()); }
   std::string text16() { return text(u16()); }
   Bytes rest() {

@@ -166,7 +166,9 @@ TEST(Restart, A11_3_A11_4_TheNumberAskedForIsTakenOverAfterARestart) {
 
 /// Answers from tables could lead back by way of the former run of whoever asks.
 TEST(Restart, A11_4_FirstOnlyDestinationsAnswer) {
-  Stage stage;
+  EngineOptions options;
+  options.timings.destination_only = false;
+  Stage stage(options);
   stage.neighbor(1);
   stage.run_for(10ms);
   stage.team.send(0, "nobody", text("x"));

@@ -24,7 +24,7 @@ TEST(Routing, A5_2_A5_8_EachRobotPassesARequestOnOnce) {
   EngineOptions options;
   options.join_groups_automatically = false;
   Team team;
-  for (int i = 0; i < 5; ++i) team.add(options);
+  team.add_line(5, options);
   team.run_for(1s);
   std::map<std::pair<std::size_t, std::uint32_t>, int> broadcasts;
   team.on_transmission = [&](std::size_t robot, const Frame& frame) {
