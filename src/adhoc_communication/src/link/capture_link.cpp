@@ -7,15 +7,16 @@ std::chrono::nanoseconds unix_now() { return std::chrono::system_clock::now().ti
 
 }  // namespace
 
-std::optional<Frame> CaptureLink::receive() {
-  auto frame = link_->receive();
-  if (frame) file_->add(*frame, unix_now());
-  return frame;
+int CaptureLink::receive(const FrameTaker& take) {
+  return link_->receive([&](const Frame& frame, Time arrived) {
+    file_->add(frame, unix_now());
+    take(frame, arrived);
+  });
 }
 
-void CaptureLink::send(const Frame& frame) {
-  file_->add(frame, unix_now());
-  link_->send(frame);
+void CaptureLink::send(const Frame* first, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) file_->add(first[i], unix_now());
+  link_->send(first, count);
 }
 
 }  // namespace adhoc_communication

@@ -14,12 +14,14 @@ class CaptureLink : public Link {
       : link_(std::move(link)), file_(std::move(file)) {}
 
   int descriptor() const override { return link_->descriptor(); }
-  std::optional<Frame> receive() override;
-  void send(const Frame& frame) override;
+  int receive(const FrameTaker& take) override;
+  using Link::send;
+  void send(const Frame* first, std::size_t count) override;
   void tend() override { link_->tend(); }
   bool is_up() const override { return link_->is_up(); }
   MacAddress address() const override { return link_->address(); }
   int mtu() const override { return link_->mtu(); }
+  std::uint64_t frames_not_sent() const override { return link_->frames_not_sent(); }
 
  private:
   std::unique_ptr<Link> link_;

@@ -41,7 +41,7 @@ HubLink::HubLink(std::string path, std::optional<MacAddress> address, std::strin
     : path_(std::move(path)),
       robot_name_(std::move(robot_name)),
       address_(address ? *address : address_of_robot(robot_name_)),
-      buffer_(kLargestFrame) {
+      arrived_(kLargestFrame, kMostAtOnce) {
   for (int attempt = 1; !socket_.is_open(); ++attempt) {
     try {
       connect();
@@ -60,26 +60,24 @@ void HubLink::connect() {
   socket_ = std::move(descriptor);
 }
 
-std::optional<Frame> HubLink::receive() {
-  while (socket_.is_open()) {
-    const ssize_t size = recv(socket_.get(), buffer_.data(), buffer_.size(), 0);
-    if (size < 0 && errno == EINTR) continue;
-    if (size < 0 && errno == EAGAIN) return std::nullopt;
-    if (size <= 0) {  // the daemon has ended; tend() connects to the next one
-      socket_.reset();
-      return std::nullopt;
+int HubLink::receive(const FrameTaker& take) {
+  if (!socket_.is_open()) return 0;
+  const std::size_t count = arrived_.fill(socket_.get());
+  bool ended = count == 0 && errno != EAGAIN;
+  std::size_t frames = 0;
+  for (; frames < count && !ended; ++frames) {
+    ended = arrived_.size(frames) == 0;
+    if (!from_wire(arrived_.octets(frames), arrived_.size(frames), frame_) || frame_.source == address_) continue;
+    if (frame_.destination == address_ || frame_.destination == kBroadcastAddress) {
+      take(frame_, arrived_.arrived(frames));
     }
-    auto frame = from_wire(buffer_.data(), static_cast<std::size_t>(size));
-    if (!frame || frame->source == address_) continue;
-    if (frame->destination == address_ || frame->destination == kBroadcastAddress) return frame;
   }
-  return std::nullopt;
+  if (ended) socket_.reset();  // the daemon is gone; tend() connects to the next one
+  return static_cast<int>(frames);
 }
 
-void HubLink::send(const Frame& frame) {
-  if (!socket_.is_open()) return;
-  const Bytes octets = to_wire(frame);
-  ::send(socket_.get(), octets.data(), octets.size(), MSG_NOSIGNAL);
+void HubLink::send(const Frame* first, std::size_t count) {
+  not_sent_ += socket_.is_open() ? to_send_.send(socket_.get(), first, count).not_sent : count;
 }
 
 void HubLink::tend() {

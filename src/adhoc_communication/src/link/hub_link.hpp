@@ -2,9 +2,9 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "link/file_descriptor.hpp"
+#include "link/frame_socket.hpp"
 #include "link/link.hpp"
 
 namespace adhoc_communication {
@@ -15,12 +15,14 @@ class HubLink : public Link {
   HubLink(std::string path, std::optional<MacAddress> address, std::string robot_name);
 
   int descriptor() const override { return socket_.get(); }
-  std::optional<Frame> receive() override;
-  void send(const Frame& frame) override;
+  int receive(const FrameTaker& take) override;
+  using Link::send;
+  void send(const Frame* first, std::size_t count) override;
   void tend() override;
   bool is_up() const override { return socket_.is_open(); }
   MacAddress address() const override { return address_; }
   int mtu() const override { return 2304; }
+  std::uint64_t frames_not_sent() const override { return not_sent_; }
 
  private:
   void connect();
@@ -29,7 +31,10 @@ class HubLink : public Link {
   std::string robot_name_;
   MacAddress address_{};
   FileDescriptor socket_;
-  std::vector<std::uint8_t> buffer_;
+  std::uint64_t not_sent_ = 0;
+  ReceiveBatch arrived_;
+  SendBatch to_send_;
+  Frame frame_;  ///< the one handed over
 };
 
 }  // namespace adhoc_communication

@@ -1,6 +1,8 @@
 // What carries the frames of a robot: a network interface or a socket.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -16,23 +18,31 @@ class LinkError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Is given a frame that lives until the call returns, and when it arrived by the steady clock.
+using FrameTaker = std::function<void(const Frame& frame, Time arrived)>;
+
 /// Frames may be lost, never altered. A link that breaks comes back by itself: tend() tries to reopen it.
 class Link {
  public:
+  static constexpr int kMostAtOnce = 64;  ///< frames of one receive(), so that timers are served while frames pour in
+
   virtual ~Link() = default;
 
   /// Readable when receive() may have a frame; -1 while the link is broken.
   virtual int descriptor() const = 0;
-  /// The next frame for this address or for all, without waiting.
-  virtual std::optional<Frame> receive() = 0;
-  /// Without waiting; a frame that cannot be sent now is lost.
-  virtual void send(const Frame& frame) = 0;
+  /// Hands over what has arrived for this address or for all, without waiting. Returns how many frames it read, also
+  /// those for others; kMostAtOnce when more may be there.
+  virtual int receive(const FrameTaker& take) = 0;
+  /// In this order, without waiting; each frame that cannot be sent now is lost and counted, the others are sent.
+  virtual void send(const Frame* first, std::size_t count) = 0;
+  void send(const Frame& frame) { send(&frame, 1); }
   /// Looks after the link; call it about once a second.
   virtual void tend() = 0;
 
   virtual bool is_up() const = 0;
   virtual MacAddress address() const = 0;
-  virtual int mtu() const = 0;  ///< octets behind the Ethernet header
+  virtual int mtu() const = 0;                        ///< octets behind the Ethernet header
+  virtual std::uint64_t frames_not_sent() const = 0;  ///< that the link did not take
 };
 
 /// `interface` is the name of a network interface, or hub:/path of a hub socket. `address` overrides that of the

@@ -69,7 +69,7 @@ bool interface_is_up(int socket, const std::string& interface) {
 
 PacketSocketLink::PacketSocketLink(std::string interface, std::optional<MacAddress> address,
                                    const std::string& robot_name)
-    : interface_(std::move(interface)), buffer_(kLargestFrame) {
+    : interface_(std::move(interface)), arrived_(kLargestFrame, kMostAtOnce) {
   open();
   address_ = address ? *address : hardware_address(socket_.get(), interface_);
   if (is_zero(address_)) address_ = address_of_robot(robot_name);
@@ -90,6 +90,8 @@ void PacketSocketLink::open() {
   }
   const int buffer_size = 4 << 20;
   setsockopt(descriptor.get(), SOL_SOCKET, SO_RCVBUF, &buffer_size, sizeof buffer_size);
+  const int with_arrival = 1;
+  setsockopt(descriptor.get(), SOL_SOCKET, SO_TIMESTAMPNS, &with_arrival, sizeof with_arrival);
   index_ = static_cast<int>(index);
   mtu_ = interface_mtu(descriptor.get(), interface_);
   up_ = interface_is_up(descriptor.get(), interface_);
@@ -102,32 +104,31 @@ bool PacketSocketLink::concerns_us(const Frame& frame) const {
   return frame.destination == address_ || frame.destination == kBroadcastAddress;
 }
 
-std::optional<Frame> PacketSocketLink::receive() {
-  while (socket_.is_open()) {
-    const ssize_t size = recv(socket_.get(), buffer_.data(), buffer_.size(), 0);
-    if (size < 0) {
-      if (errno == EINTR) continue;
-      if (errno != EAGAIN) up_ = false;  // ENETDOWN is reported once; tend() looks when it is back
-      return std::nullopt;
+int PacketSocketLink::receive(const FrameTaker& take) {
+  if (!socket_.is_open()) return 0;
+  const std::size_t count = arrived_.fill(socket_.get());
+  if (count == 0 && errno != EAGAIN) up_ = false;  // ENETDOWN is reported once; tend() looks when it is back
+  for (std::size_t i = 0; i < count; ++i) {
+    if (from_wire(arrived_.octets(i), arrived_.size(i), frame_) && concerns_us(frame_)) {
+      take(frame_, arrived_.arrived(i));
     }
-    auto frame = from_wire(buffer_.data(), static_cast<std::size_t>(size));
-    if (frame && concerns_us(*frame)) return frame;
   }
-  return std::nullopt;
+  return static_cast<int>(count);
 }
 
-void PacketSocketLink::send(const Frame& frame) {
-  if (!socket_.is_open()) return;
-  const Bytes octets = to_wire(frame);
+void PacketSocketLink::send(const Frame* first, std::size_t count) {
+  if (!socket_.is_open()) {
+    not_sent_ += count;
+    return;
+  }
   struct sockaddr_ll remote {};
   remote.sll_family = AF_PACKET;
   remote.sll_protocol = htons(kEthertype);
-  remote.sll_ifindex = index_;
-  remote.sll_halen = 6;
-  std::copy(frame.destination.begin(), frame.destination.end(), remote.sll_addr);
-  const ssize_t sent = sendto(socket_.get(), octets.data(), octets.size(), 0,
-                              reinterpret_cast<struct sockaddr*>(&remote), sizeof remote);
-  if (sent < 0 && (errno == ENETDOWN || errno == ENXIO || errno == ENODEV)) up_ = false;
+  remote.sll_ifindex = index_;  // the receiver stands in the Ethernet header
+  const SendOutcome outcome =
+      to_send_.send(socket_.get(), first, count, reinterpret_cast<struct sockaddr*>(&remote), sizeof remote);
+  not_sent_ += outcome.not_sent;
+  if (outcome.error == ENETDOWN || outcome.error == ENXIO || outcome.error == ENODEV) up_ = false;
 }
 
 void PacketSocketLink::tend() {

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "link/file_descriptor.hpp"
+#include "link/frame_socket.hpp"
 #include "link/link.hpp"
 
 namespace adhoc_communication {
@@ -14,12 +14,14 @@ class PacketSocketLink : public Link {
   PacketSocketLink(std::string interface, std::optional<MacAddress> address, const std::string& robot_name);
 
   int descriptor() const override { return socket_.get(); }
-  std::optional<Frame> receive() override;
-  void send(const Frame& frame) override;
+  int receive(const FrameTaker& take) override;
+  using Link::send;
+  void send(const Frame* first, std::size_t count) override;
   void tend() override;
   bool is_up() const override { return up_; }
   MacAddress address() const override { return address_; }
   int mtu() const override { return mtu_; }
+  std::uint64_t frames_not_sent() const override { return not_sent_; }
 
   /// Every frame on the interface, whoever it is for; own frames are still left out. For the radio daemon.
   void hear_all() { hears_all_ = true; }
@@ -35,7 +37,10 @@ class PacketSocketLink : public Link {
   int mtu_ = 0;
   bool up_ = false;
   bool hears_all_ = false;
-  std::vector<std::uint8_t> buffer_;
+  std::uint64_t not_sent_ = 0;
+  ReceiveBatch arrived_;
+  SendBatch to_send_;
+  Frame frame_;  ///< the one handed over
 };
 
 }  // namespace adhoc_communication

@@ -86,11 +86,14 @@ void Diagnostics::forget_unwatched() {
 
 DiagnosticStatus Diagnostics::interface(const NetworkState& state) {
   DiagnosticStatus status = healthy(state.interface + " is up");
+  const bool refuses = grows("not sent", state.frames_not_sent);
   if (!state.interface_up) complain(status, DiagnosticStatus::ERROR, state.interface + " is down");
+  if (refuses) complain(status, DiagnosticStatus::WARN, state.interface + " does not take all frames");
   add(status, "frames sent", state.frames_sent);
   add(status, "octets sent", state.bytes_sent);
   add(status, "frames received", state.frames_received);
   add(status, "octets received", state.bytes_received);
+  add(status, "frames not sent", state.frames_not_sent);
   return status;
 }
 

@@ -10,12 +10,11 @@
 #include <utility>
 
 #include "link/mac_address.hpp"
-#include "node/steady_now.hpp"
+#include "link/steady_now.hpp"
 
 namespace adhoc_communication {
 namespace {
 
-constexpr int kFramesPerTurn = 64;  ///< so that commands and timers are served while frames pour in
 constexpr Time kTendingInterval = std::chrono::seconds(1);
 const char* const kShutsDown = "the node is shutting down";
 
@@ -35,7 +34,8 @@ EngineHost::EngineHost(const EngineOptions& options, std::unique_ptr<Link> link,
     : link_(std::move(link)),
       filter_(std::move(filter)),
       callbacks_(std::move(callbacks)),
-      engine_(options, link_->address(), drawn_from_system<BootId>(), drawn_from_system<std::uint64_t>(), steady_now()),
+      engine_time_(steady_now()),
+      engine_(options, link_->address(), drawn_from_system<BootId>(), drawn_from_system<std::uint64_t>(), engine_time_),
       wake_up_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   thread_ = std::thread([this] { run(); });
 }
@@ -53,32 +53,36 @@ void EngineHost::stop() {
 
 void EngineHost::run() {
   for (;;) {
-    wait_for_work();
-    const Time now = steady_now();
-    run_commands(now);
-    receive_frames(now);
-    transmit(now);
+    const bool link_has_something = wait_for_work();
+    const Time woken = steady_now();
+    if (link_has_something) receive_frames();
+    engine_time_ = std::max(engine_time_, woken);
+    run_commands(engine_time_);
+    transmit(engine_time_);
     report_events();
-    tend_link(now);
+    tend_link(engine_time_);
     const std::lock_guard<std::mutex> lock(mutex_);
     if (stopping_) break;
   }
   fail_all_waiters();
 }
 
-void EngineHost::wait_for_work() {
+/// True when the link has something.
+bool EngineHost::wait_for_work() {
   const Time deadline = std::min(engine_.next_deadline(), next_tending_);
   const Time wait = std::max(deadline - steady_now(), Time::zero());
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(wait);
   const struct timespec timeout { static_cast<time_t>(seconds.count()), static_cast<long>((wait - seconds).count()) };
   struct pollfd sources[2] = {{wake_up_.get(), POLLIN, 0}, {link_->descriptor(), POLLIN, 0}};
   ppoll(sources, 2, &timeout, nullptr);
+  return sources[1].revents != 0;
 }
 
 void EngineHost::run_commands(Time now) {
   std::deque<Command> commands;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    if (commands_.empty()) return;
     eventfd_t count = 0;
     eventfd_read(wake_up_.get(), &count);
     commands.swap(commands_);
@@ -86,16 +90,17 @@ void EngineHost::run_commands(Time now) {
   for (const auto& command : commands) command(now);
 }
 
-void EngineHost::receive_frames(Time now) {
-  for (int i = 0; i < kFramesPerTurn; ++i) {
-    const auto frame = link_->receive();
-    if (!frame) return;
-    if (filter_.accepts(*frame)) engine_.receive(*frame, now);
-  }
+/// The engine is told when each frame arrived, as it learns from the rhythm of frames how fast the radio is.
+void EngineHost::receive_frames() {
+  link_->receive([this](const Frame& frame, Time arrived) {
+    engine_time_ = std::max(engine_time_, arrived);
+    if (filter_.accepts(frame)) engine_.receive(frame, engine_time_);
+  });
 }
 
 void EngineHost::transmit(Time now) {
-  for (const auto& frame : engine_.poll(now)) link_->send(frame);
+  const std::vector<Frame> frames = engine_.poll(now);
+  if (!frames.empty()) link_->send(frames.data(), frames.size());
 }
 
 void EngineHost::report_events() {
@@ -231,6 +236,7 @@ Snapshot EngineHost::look() const {
   for (const std::string& group : engine_.groups()) snapshot.groups[group] = engine_.group_state(group);
   snapshot.queues = engine_.queues();
   snapshot.link_up = link_->is_up();
+  snapshot.frames_not_sent = link_->frames_not_sent();
   snapshot.now = steady_now();
   return snapshot;
 }

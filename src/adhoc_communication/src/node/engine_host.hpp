@@ -48,6 +48,7 @@ struct Snapshot {
   std::map<std::string, GroupState> groups;
   QueueState queues;
   bool link_up = false;
+  std::uint64_t frames_not_sent = 0;  ///< that the link did not take
   Time now{0};
 };
 
@@ -82,8 +83,8 @@ class EngineHost {
   using Command = std::function<void(Time now)>;
 
   void run();
-  void wait_for_work();
-  void receive_frames(Time now);
+  bool wait_for_work();
+  void receive_frames();
   void run_commands(Time now);
   void transmit(Time now);
   void report_events();
@@ -104,6 +105,7 @@ class EngineHost {
   std::unique_ptr<Link> link_;
   ReceiveFilter filter_;
   HostCallbacks callbacks_;
+  Time engine_time_;  ///< what the engine was told last; never goes back
   Engine engine_;
   FileDescriptor wake_up_;
   std::map<SendId, Waiter> sends_;

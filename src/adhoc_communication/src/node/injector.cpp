@@ -9,7 +9,7 @@
 #include <chrono>
 #include <utility>
 
-#include "node/steady_now.hpp"
+#include "link/steady_now.hpp"
 
 namespace adhoc_communication {
 namespace {

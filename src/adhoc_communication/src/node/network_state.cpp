@@ -113,6 +113,7 @@ NetworkState network_state_message(const Snapshot& snapshot, const NodeState& no
   set_queues(message, snapshot.queues, node.injector);
   message.log_rows_lost = node.log_rows_lost;
   message.frames_not_captured = node.frames_not_captured;
+  message.frames_not_sent = snapshot.frames_not_sent;
   return message;
 }
 

@@ -6,9 +6,9 @@
 #include <chrono>
 #include <utility>
 
+#include "link/steady_now.hpp"
 #include "node/injector.hpp"
 #include "node/relay_options.hpp"
-#include "node/steady_now.hpp"
 
 namespace adhoc_communication {
 namespace {

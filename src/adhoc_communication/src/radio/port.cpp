@@ -6,6 +6,7 @@
 #include <cerrno>
 
 #include "link/ethernet.hpp"
+#include "link/steady_now.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -23,19 +24,16 @@ std::optional<std::string> HubPort::receive_name() {
   return std::string(name.data(), static_cast<std::size_t>(size));
 }
 
-std::optional<Frame> HubPort::receive() {
+void HubPort::receive(const FrameTaker& take) {
   std::array<std::uint8_t, kLargestFrame> buffer;
-  while (socket_.is_open()) {
+  for (int frames = 0; frames < Link::kMostAtOnce;) {
     const ssize_t size = recv(socket_.get(), buffer.data(), buffer.size(), 0);
     if (size < 0 && errno == EINTR) continue;
-    if (size < 0 && errno == EAGAIN) return std::nullopt;
-    if (size <= 0) {
-      socket_.reset();
-      return std::nullopt;
-    }
-    if (auto frame = from_wire(buffer.data(), static_cast<std::size_t>(size))) return frame;
+    if (size < 0 && errno == EAGAIN) return;
+    if (size <= 0) return socket_.reset();
+    ++frames;
+    if (const auto frame = from_wire(buffer.data(), static_cast<std::size_t>(size))) take(*frame, steady_now());
   }
-  return std::nullopt;
 }
 
 void HubPort::send(const Frame& frame) {

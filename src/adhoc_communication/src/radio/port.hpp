@@ -14,8 +14,9 @@ class Port {
  public:
   virtual ~Port() = default;
   virtual int descriptor() const = 0;
-  /// The next frame the robot sent, without waiting.
-  virtual std::optional<Frame> receive() = 0;
+  /// Hands over what the robot sent, without waiting; at most Link::kMostAtOnce frames, so that it keeps no other robot
+  /// waiting.
+  virtual void receive(const FrameTaker& take) = 0;
   virtual void send(const Frame& frame) = 0;
   /// False once the robot's end is gone for good.
   virtual bool is_open() const = 0;
@@ -28,7 +29,7 @@ class InterfacePort : public Port {
     link_.hear_all();
   }
   int descriptor() const override { return link_.descriptor(); }
-  std::optional<Frame> receive() override { return link_.receive(); }
+  void receive(const FrameTaker& take) override { link_.receive(take); }
   void send(const Frame& frame) override { link_.send(frame); }
   bool is_open() const override { return true; }
 
@@ -41,7 +42,7 @@ class HubPort : public Port {
  public:
   explicit HubPort(FileDescriptor socket) : socket_(std::move(socket)) {}
   int descriptor() const override { return socket_.get(); }
-  std::optional<Frame> receive() override;
+  void receive(const FrameTaker& take) override;
   void send(const Frame& frame) override;
   bool is_open() const override { return socket_.is_open(); }
 

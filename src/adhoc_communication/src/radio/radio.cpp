@@ -15,7 +15,6 @@
 namespace adhoc_communication {
 namespace {
 
-constexpr int kFramesPerTurn = 64;  ///< so that no robot keeps the others waiting
 constexpr std::size_t kMaxClients = 1000;
 
 Time steady_now() { return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now().time_since_epoch()); }
@@ -126,11 +125,7 @@ void Radio::serve_control_client(int descriptor, Time now) {
 void Radio::carry_frames(Medium::Node node, Time now) {
   Port& port = *ports_.at(node);
   const int descriptor = port.descriptor();
-  for (int i = 0; i < kFramesPerTurn; ++i) {
-    const auto frame = port.receive();
-    if (!frame) break;
-    medium_.transmit(node, *frame, now);
-  }
+  port.receive([&](const Frame& frame, Time) { medium_.transmit(node, frame, now); });
   if (port.is_open()) return;
   node_of_descriptor_.erase(descriptor);
   ports_.erase(node);

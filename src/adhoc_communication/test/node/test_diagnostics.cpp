@@ -52,6 +52,17 @@ TEST(Diagnostics, InterfaceDownIsAnErrorAndOpenFramesWarn) {
   EXPECT_EQ(int{part(state, "security").level}, int{DiagnosticStatus::WARN});
 }
 
+TEST(Diagnostics, InterfaceThatRefusesFramesWarns) {
+  NetworkState state = healthy_state();
+  state.frames_not_sent = 3;
+  const DiagnosticStatus status = part(state, "interface");
+  EXPECT_EQ(int{status.level}, int{DiagnosticStatus::WARN});
+  EXPECT_EQ(status.message, "wlan0 does not take all frames");
+  ASSERT_FALSE(status.values.empty());
+  EXPECT_EQ(status.values.back().key, "frames not sent");
+  EXPECT_EQ(status.values.back().value, "3");
+}
+
 TEST(Diagnostics, LossOfEachLinkIsTold) {
   NetworkState state = healthy_state();
   state.links.resize(2);

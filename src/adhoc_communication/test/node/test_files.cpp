@@ -131,17 +131,18 @@ TEST_F(Files, CaptureOnAFullDiskCountsWhatItLoses) {
 class QueueLink : public Link {
  public:
   int descriptor() const override { return -1; }
-  std::optional<Frame> receive() override {
-    if (incoming.empty()) return std::nullopt;
-    Frame next = std::move(incoming.front());
-    incoming.pop_front();
-    return next;
+  int receive(const FrameTaker& take) override {
+    const std::deque<Frame> arrived = std::exchange(incoming, {});
+    for (const Frame& next : arrived) take(next, Time(5));
+    return static_cast<int>(arrived.size());
   }
-  void send(const Frame& sent) override { outgoing.push_back(sent); }
+  using Link::send;
+  void send(const Frame* first, std::size_t count) override { outgoing.insert(outgoing.end(), first, first + count); }
   void tend() override { ++tended; }
   bool is_up() const override { return true; }
   MacAddress address() const override { return {2, 0, 0, 0, 0, 9}; }
   int mtu() const override { return 1234; }
+  std::uint64_t frames_not_sent() const override { return 7; }
 
   std::deque<Frame> incoming;
   std::vector<Frame> outgoing;
@@ -153,19 +154,21 @@ TEST_F(Files, CaptureLinkPassesEverythingOnAndWritesItDown) {
     auto inner = std::make_unique<QueueLink>();
     QueueLink& queue = *inner;
     CaptureLink link(std::move(inner), std::make_shared<CaptureFile>(folder / "a.pcap", 0));
-    queue.incoming.push_back(frame(10, 1));
-    ASSERT_TRUE(link.receive());
-    EXPECT_FALSE(link.receive());
-    link.send(frame(20, 2));
+    queue.incoming = {frame(10, 1), frame(10, 2)};
+    std::vector<Time> arrivals;
+    EXPECT_EQ(link.receive([&](const Frame&, Time arrived) { arrivals.push_back(arrived); }), 2);
+    EXPECT_EQ(arrivals, std::vector<Time>(2, Time(5)));
+    const std::vector<Frame> sent = {frame(20, 3), frame(20, 4)};
+    link.send(sent.data(), sent.size());
     link.tend();
-    EXPECT_EQ(queue.outgoing.size(), 1u);
+    EXPECT_EQ(queue.outgoing.size(), 2u);
     EXPECT_EQ(queue.tended, 1);
     EXPECT_EQ(link.mtu(), 1234);
+    EXPECT_EQ(link.frames_not_sent(), 7u);
   }
   const auto found = records(folder / "a.pcap");
-  ASSERT_EQ(found.size(), 2u);
-  EXPECT_EQ(found[0].octets.back(), 1);
-  EXPECT_EQ(found[1].octets.back(), 2);
+  ASSERT_EQ(found.size(), 4u);
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].octets.back(), i + 1);
   EXPECT_GT(found[0].seconds, 1'600'000'000u);
 }
 

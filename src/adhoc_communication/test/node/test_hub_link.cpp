@@ -42,6 +42,13 @@ class HubLinkTest : public ::testing::Test {
     return frame;
   }
 
+  template <typename Receiver>
+  static std::vector<Frame> received(Receiver& receiver) {
+    std::vector<Frame> frames;
+    receiver.receive([&](const Frame& frame, Time) { frames.push_back(frame); });
+    return frames;
+  }
+
   std::string folder_;
 };
 
@@ -53,13 +60,42 @@ TEST_F(HubLinkTest, NamesItselfAndCarriesFramesBothWays) {
 
   const Frame sent = frame_to(kBroadcastAddress);
   link.send(sent);
-  const auto heard = port->receive();
-  ASSERT_TRUE(heard);
-  EXPECT_EQ(heard->bytes, sent.bytes);
-  EXPECT_EQ(heard->source, sent.source);
+  const auto heard = received(*port);
+  ASSERT_EQ(heard.size(), 1u);
+  EXPECT_EQ(heard[0].bytes, sent.bytes);
+  EXPECT_EQ(heard[0].source, sent.source);
 
   port->send(frame_to(link.address()));
-  EXPECT_TRUE(link.receive());
+  EXPECT_EQ(received(link).size(), 1u);
+  EXPECT_EQ(link.frames_not_sent(), 0u);
+}
+
+TEST_F(HubLinkTest, ManyFramesComeInOrderAndNotAllAtOnce) {
+  constexpr std::uint8_t kFrames = Link::kMostAtOnce + 5;
+  ListeningSocket hub(path());
+  HubLink link(path(), std::nullopt, "alice");
+  const auto port = accept(hub);
+  for (std::uint8_t i = 0; i < kFrames; ++i) {
+    Frame frame = frame_to(link.address());
+    frame.bytes = {i};
+    port->send(frame);
+  }
+  std::vector<Frame> heard = received(link);
+  EXPECT_EQ(heard.size(), std::size_t{Link::kMostAtOnce});
+  for (const Frame& frame : received(link)) heard.push_back(frame);
+  ASSERT_EQ(heard.size(), std::size_t{kFrames});
+  for (std::uint8_t i = 0; i < kFrames; ++i) EXPECT_EQ(heard[i].bytes, Bytes{i});
+}
+
+TEST_F(HubLinkTest, FramesBeforeTheEndOfTheRadioArrive) {
+  ListeningSocket hub(path());
+  HubLink link(path(), std::nullopt, "alice");
+  auto port = accept(hub);
+  EXPECT_EQ(port->receive_name(), "alice");
+  port->send(frame_to(link.address()));
+  port.reset();
+  EXPECT_EQ(received(link).size(), 1u);
+  EXPECT_FALSE(link.is_up());
 }
 
 TEST_F(HubLinkTest, IgnoresFramesForOthersAndItsOwn) {
@@ -70,16 +106,17 @@ TEST_F(HubLinkTest, IgnoresFramesForOthersAndItsOwn) {
   Frame own = frame_to(kBroadcastAddress);
   own.source = link.address();
   port->send(own);
-  EXPECT_FALSE(link.receive());
+  EXPECT_TRUE(received(link).empty());
 }
 
 TEST_F(HubLinkTest, ConnectsAgainWhenTheRadioIsBack) {
   auto hub = std::make_unique<ListeningSocket>(path());
   HubLink link(path(), std::nullopt, "alice");
   hub.reset();
-  EXPECT_FALSE(link.receive());
+  EXPECT_TRUE(received(link).empty());
   EXPECT_FALSE(link.is_up());
-  link.send(frame_to(kBroadcastAddress));  // lost, nothing worse
+  link.send(frame_to(kBroadcastAddress));  // lost and counted, nothing worse
+  EXPECT_EQ(link.frames_not_sent(), 1u);
   link.tend();
   EXPECT_FALSE(link.is_up());
   hub = std::make_unique<ListeningSocket>(path());

@@ -70,7 +70,9 @@ class RadioTest : public ::testing::Test {
     struct pollfd source {
       link.descriptor(), POLLIN, 0
     };
-    return poll(&source, 1, milliseconds) == 1 && link.receive().has_value();
+    bool heard = false;
+    if (poll(&source, 1, milliseconds) == 1) link.receive([&](const Frame&, Time) { heard = true; });
+    return heard;
   }
 
   void expect_arrival(const std::string& positions) {

@@ -18,8 +18,8 @@
 #include <mutex>
 #include <sstream>
 
+#include "link/steady_now.hpp"
 #include "node/engine_host.hpp"
-#include "node/steady_now.hpp"
 #include "traffic.hpp"
 
 namespace adhoc_communication::bench {

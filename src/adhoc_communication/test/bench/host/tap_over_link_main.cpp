@@ -14,6 +14,7 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "link/file_descriptor.hpp"
 #include "link/link.hpp"
@@ -22,7 +23,7 @@ namespace adhoc_communication::bench {
 namespace {
 
 constexpr std::size_t kAddresses = 12;  ///< octets of the two addresses in front of an Ethernet frame
-constexpr int kFramesPerTurn = 64;
+constexpr std::size_t kFramesPerTurn = 64;
 
 FileDescriptor open_tap(const std::string& name, const MacAddress& address) {
   FileDescriptor tap(open("/dev/net/tun", O_RDWR | O_NONBLOCK | O_CLOEXEC));
@@ -42,26 +43,25 @@ FileDescriptor open_tap(const std::string& name, const MacAddress& address) {
 
 void to_radio(int tap, Link& link) {
   std::array<std::uint8_t, 4096> buffer;
-  for (int i = 0; i < kFramesPerTurn; ++i) {
+  std::vector<Frame> frames;
+  while (frames.size() < kFramesPerTurn) {
     const ssize_t size = read(tap, buffer.data(), buffer.size());
-    if (size <= static_cast<ssize_t>(kAddresses)) return;
-    Frame frame;
+    if (size <= static_cast<ssize_t>(kAddresses)) break;
+    Frame& frame = frames.emplace_back();
     std::copy_n(buffer.begin(), 6, frame.destination.begin());
     std::copy_n(buffer.begin() + 6, 6, frame.source.begin());
     frame.bytes.assign(buffer.begin() + kAddresses, buffer.begin() + size);
-    link.send(frame);
   }
+  link.send(frames.data(), frames.size());
 }
 
 void from_radio(Link& link, int tap) {
-  for (int i = 0; i < kFramesPerTurn; ++i) {
-    const auto frame = link.receive();
-    if (!frame) return;
-    Bytes octets(frame->destination.begin(), frame->destination.end());
-    octets.insert(octets.end(), frame->source.begin(), frame->source.end());
-    octets.insert(octets.end(), frame->bytes.begin(), frame->bytes.end());
-    if (write(tap, octets.data(), octets.size()) < 0) return;
-  }
+  link.receive([tap](const Frame& frame, Time) {
+    Bytes octets(frame.destination.begin(), frame.destination.end());
+    octets.insert(octets.end(), frame.source.begin(), frame.source.end());
+    octets.insert(octets.end(), frame.bytes.begin(), frame.bytes.end());
+    if (write(tap, octets.data(), octets.size()) < 0) return;  // the kernel repeats what it misses
+  });
 }
 
 void carry(const std::string& name, const std::string& interface) {

@@ -1,0 +1,56 @@
+// The loop of the engine on links that behave badly.
+#include <gtest/gtest.h>
+#include <sys/eventfd.h>
+
+#include <future>
+
+#include "link/file_descriptor.hpp"
+#include "link/steady_now.hpp"
+#include "node/engine_host.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+/// Always has more frames than one look takes; their arrivals go back and forth.
+class FloodedLink : public Link {
+ public:
+  int descriptor() const override { return always_readable_.get(); }
+  int receive(const FrameTaker& take) override {
+    const Frame junk{kEverybody, {2, 0, 0, 0, 0, 7}, Bytes(100, 1)};
+    for (int i = 0; i < kMostAtOnce; ++i) take(junk, steady_now() - std::chrono::milliseconds(i % 3));
+    return kMostAtOnce;
+  }
+  using Link::send;
+  void send(const Frame*, std::size_t) override {
+    if (!sent_) beacon.set_value();
+    sent_ = true;
+  }
+  void tend() override {}
+  bool is_up() const override { return true; }
+  MacAddress address() const override { return {2, 0, 0, 0, 0, 1}; }
+  int mtu() const override { return 1500; }
+  std::uint64_t frames_not_sent() const override { return 3; }
+
+  std::promise<void> beacon;
+
+ private:
+  static constexpr MacAddress kEverybody = {0xff, 0xff, 0xff, 0xff, 0xff, 0xff};
+  FileDescriptor always_readable_{eventfd(1, EFD_NONBLOCK | EFD_CLOEXEC)};
+  bool sent_ = false;
+};
+
+TEST(EngineHost, FloodHoldsUpNeitherTimersNorCommands) {
+  EngineOptions options;
+  options.robot_name = "alice";
+  auto link = std::make_unique<FloodedLink>();
+  std::future<void> beacon = link->beacon.get_future();
+  EngineHost host(options, std::move(link), ReceiveFilter("alice", {}, {}, nullptr), {});
+  ASSERT_EQ(beacon.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  const Snapshot snapshot = host.snapshot();
+  EXPECT_GE(snapshot.statistics.frames_received, std::uint64_t{Link::kMostAtOnce});
+  EXPECT_EQ(snapshot.statistics.frames_dropped.malformed, snapshot.statistics.frames_received);
+  EXPECT_EQ(snapshot.frames_not_sent, 3u);
+}
+
+}  // namespace
+}  // namespace adhoc_communication

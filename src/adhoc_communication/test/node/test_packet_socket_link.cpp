@@ -1,0 +1,132 @@
+// Raw sockets on a cable of their own. Skipped where the machine grants no network namespace.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sched.h>
+
+#include <cstdlib>
+
+#include "link/packet_socket_link.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+constexpr std::size_t kTrial = 1;  // octets
+constexpr MacAddress kAll = {0xff, 0xff, 0xff, 0xff, 0xff, 0xff};
+
+class PacketSocketLinkTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    home_ = FileDescriptor(open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC));
+    if (!home_.is_open() || unshare(CLONE_NEWNET) != 0) GTEST_SKIP() << "no network namespace is granted here";
+    away_ = true;
+    lay_cable();
+  }
+  void TearDown() override {
+    if (away_) {
+      ASSERT_EQ(setns(home_.get(), CLONE_NEWNET), 0);
+    }
+  }
+
+  static void run(const std::string& command) { ASSERT_EQ(std::system(command.c_str()), 0) << command; }
+  static void lay_cable() {
+    run("ip link add near0 type veth peer name far0 && ip link set near0 up && ip link set far0 up");
+  }
+
+  static std::vector<Frame> frames(const PacketSocketLink& from, const MacAddress& to, std::uint8_t count) {
+    std::vector<Frame> all;
+    for (std::uint8_t i = 0; i < count; ++i) all.push_back({to, from.address(), Bytes(100, i)});
+    return all;
+  }
+  static bool becomes_readable(const PacketSocketLink& link, int milliseconds) {
+    struct pollfd source {
+      link.descriptor(), POLLIN, 0
+    };
+    return poll(&source, 1, milliseconds) == 1;
+  }
+  /// So many frames, but for those that tried the cable.
+  static std::vector<Frame> received(PacketSocketLink& link, std::size_t count) {
+    std::vector<Frame> all;
+    while (all.size() < count && becomes_readable(link, 10'000)) {
+      link.receive([&](const Frame& frame, Time) {
+        if (frame.bytes.size() != kTrial) all.push_back(frame);
+      });
+    }
+    return all;
+  }
+  /// A cable carries nothing for some time after its ends are up.
+  static void wait_for_cable(PacketSocketLink& from, PacketSocketLink& to) {
+    bool heard = false;
+    for (int i = 0; i < 1000 && !heard; ++i) {
+      from.send(Frame{kAll, from.address(), Bytes(kTrial)});
+      if (becomes_readable(to, 10)) to.receive([&](const Frame&, Time) { heard = true; });
+    }
+    ASSERT_TRUE(heard);
+  }
+  static void send(PacketSocketLink& link, const std::vector<Frame>& all) { link.send(all.data(), all.size()); }
+
+ private:
+  FileDescriptor home_;
+  bool away_ = false;
+};
+
+TEST_F(PacketSocketLinkTest, FramesOfSeveralBatchesPassInOrder) {
+  PacketSocketLink near("near0", std::nullopt, "near"), far("far0", std::nullopt, "far");
+  wait_for_cable(near, far);
+  const std::vector<Frame> sent = frames(near, far.address(), 3 * Link::kMostAtOnce);
+  send(near, sent);
+  const std::vector<Frame> heard = received(far, sent.size());
+  ASSERT_EQ(heard.size(), sent.size());
+  for (std::size_t i = 0; i < sent.size(); ++i) EXPECT_EQ(heard[i].bytes, sent[i].bytes);
+  EXPECT_EQ(near.frames_not_sent(), 0u);
+}
+
+TEST_F(PacketSocketLinkTest, FramesForOthersAreReadAndIgnored) {
+  PacketSocketLink near("near0", std::nullopt, "near"), far("far0", std::nullopt, "far");
+  wait_for_cable(near, far);
+  send(near, frames(near, {2, 0, 0, 0, 0, 9}, 3));
+  send(near, frames(near, kAll, 2));
+  const std::vector<Frame> heard = received(far, 2);
+  ASSERT_EQ(heard.size(), 2u);
+  for (const Frame& frame : heard) EXPECT_EQ(frame.destination, kAll);
+}
+
+TEST_F(PacketSocketLinkTest, FrameTooLargeKeepsNoneOfTheOthersBack) {
+  PacketSocketLink near("near0", std::nullopt, "near"), far("far0", std::nullopt, "far");
+  wait_for_cable(near, far);
+  std::vector<Frame> sent = frames(near, kAll, 9);
+  sent[4].bytes.resize(9000);
+  send(near, sent);
+  EXPECT_EQ(received(far, 8).size(), 8u);
+  EXPECT_EQ(near.frames_not_sent(), 1u);
+  EXPECT_TRUE(near.is_up());
+}
+
+TEST_F(PacketSocketLinkTest, FramesWhileTheInterfaceIsDownAreCounted) {
+  PacketSocketLink near("near0", std::nullopt, "near"), far("far0", std::nullopt, "far");
+  run("ip link set near0 down");
+  send(near, frames(near, kAll, 5));
+  EXPECT_FALSE(near.is_up());
+  EXPECT_EQ(near.frames_not_sent(), 5u);
+  run("ip link set near0 up");
+  near.tend();
+  EXPECT_TRUE(near.is_up());
+  wait_for_cable(near, far);
+}
+
+TEST_F(PacketSocketLinkTest, InterfaceThatIsMadeAnewIsFoundAgain) {
+  PacketSocketLink near("near0", std::nullopt, "near");
+  run("ip link delete near0");
+  send(near, frames(near, kAll, 5));
+  near.tend();
+  EXPECT_FALSE(near.is_up());
+  EXPECT_EQ(near.frames_not_sent(), 5u);
+  lay_cable();
+  near.tend();
+  EXPECT_TRUE(near.is_up());
+  PacketSocketLink far("far0", std::nullopt, "far");
+  wait_for_cable(near, far);
+}
+
+}  // namespace
+}  // namespace adhoc_communication
