@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "transport/hop_receiver.hpp"
+
 namespace adhoc_communication::transport {
 namespace {
 
@@ -58,8 +60,13 @@ HopSender::Outgoing HopSender::transmit(std::uint32_t link_sequence, InFlight& f
                                         Time now) {
   ++flight.transmissions;
   flight.last_counter = counter;
+  // The receiver may hold its acknowledgment back while further frames come.
+  for (Transmission& earlier : unresolved_) {
+    earlier.expires = std::max(earlier.expires, std::min(now + timer(), earlier.latest));
+  }
   const int backoff = std::min(flight.timeouts, 5);
-  unresolved_.push_back({counter, link_sequence, now, now + timer() * (5 + backoff) / 5});
+  const Time expires = now + timer() * (5 + backoff) / 5;
+  unresolved_.push_back({counter, link_sequence, now, expires, expires + HopReceiver::kLongestDelay});
   return {flight.frame.type, link_sequence, &flight.frame.body};
 }
 

@@ -29,7 +29,7 @@ class HopSender {
  public:
   static constexpr std::size_t kMostWaiting = 2048;   ///< per priority; further frames are refused
   static constexpr std::uint32_t kSpan = 64;          ///< link sequences that one acknowledgment can cover
-  static constexpr std::size_t kMostUnresolved = 16;  ///< transmissions whose fate is open
+  static constexpr std::size_t kMostUnresolved = 32;  ///< transmissions whose fate is open
   static constexpr Time kSilence = std::chrono::milliseconds(150);
   static constexpr Time kNoProgress = std::chrono::seconds(1);  ///< heard, but not acknowledging
   static constexpr Time kShortestTimer = std::chrono::milliseconds(10);
@@ -93,6 +93,7 @@ class HopSender {
     std::uint32_t link_sequence;
     Time sent;
     Time expires;
+    Time latest;  ///< to which frames that follow may put off the expiry
   };
 
   Outgoing transmit(std::uint32_t link_sequence, InFlight& flight, std::uint64_t counter, Time now);
