@@ -3,10 +3,17 @@
 #include <algorithm>
 
 namespace adhoc_communication::transport {
+namespace {
+
+constexpr int kFewFrames =
+    3;  ///< single frames are acknowledged soon: what is not may go a second way if the link dies
+
+}  // namespace
 
 bool HopReceiver::take(std::uint32_t link_sequence, std::uint64_t counter, bool acknowledge_now, Time now) {
   bool gap = false;
   const bool fresh = mark(link_sequence, gap);
+  const bool single = now - newest_arrival_ >= kQuiet;
   if (counter > newest_counter_) {
     spacing_ = counter == newest_counter_ + 1 ? now - newest_arrival_ : Time(0);
     newest_counter_ = counter;
@@ -14,9 +21,11 @@ bool HopReceiver::take(std::uint32_t link_sequence, std::uint64_t counter, bool 
   }
   if (unacknowledged_ == 0) owed_since_ = now;
   ++unacknowledged_;
-  const bool now_due = gap_ripe(gap, now) || acknowledge_now || !fresh || unacknowledged_ >= kFramesPerAcknowledgment;
+  const bool now_due =
+      gap_ripe(gap, now) || (gap && single) || acknowledge_now || !fresh || unacknowledged_ >= kFramesPerAcknowledgment;
   if (due_ <= now) return fresh;
-  due_ = now_due ? now : std::min(now + kQuiet, owed_since_ + kLongestDelay);
+  const Time longest = unacknowledged_ < kFewFrames ? kQuiet : kLongestDelay;
+  due_ = now_due ? now : std::min(now + kQuiet, owed_since_ + longest);
   if (gap_since_) due_ = std::min(due_, *gap_since_ + kGapDelay);
   return fresh;
 }

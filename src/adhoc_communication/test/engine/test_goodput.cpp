@@ -1,6 +1,7 @@
 // No air is wasted: what is repeated, how often acknowledgments go out, how the air is estimated.
 #include <gtest/gtest.h>
 
+#include <initializer_list>
 #include <set>
 
 #include "team.hpp"
@@ -104,26 +105,21 @@ TEST(StreamSender, WhatIsFollowedBySilenceWasTheRepetition) {
   EXPECT_GE(stream.repeats(300, silent_until), 125);
 }
 
-/// `receiver` takes a frame each `spacing` until an acknowledgment is due; how many these were.
-int frames_until_due(HopReceiver& receiver, std::uint32_t first, Time& now, Time spacing) {
-  for (int frames = 1;; ++frames, now += spacing) {
-    receiver.take(first, first, false, now);
-    ++first;
-    if (receiver.due() <= now + spacing) return frames;
-  }
-}
-
 TEST(HopReceiver, AcknowledgesWhenFramesStopOrAreMany) {
   HopReceiver receiver(1);
-  Time now = 0ms;
-  receiver.take(1, 1, false, now);
-  EXPECT_EQ(receiver.due(), 3ms);
-  receiver.acknowledge(3ms);
-  now = 100ms;
-  EXPECT_EQ(frames_until_due(receiver, 2, now, 1ms), 6);
-  receiver.acknowledge(now);
-  now = 200ms;
-  EXPECT_EQ(frames_until_due(receiver, 8, now, 2ms), 5) << "10 ms after the first";
+  std::uint32_t sequence = 0;
+  const auto due_after = [&](std::initializer_list<Time> arrivals) {
+    for (const Time at : arrivals) {
+      ++sequence;
+      receiver.take(sequence, sequence, false, at);
+    }
+    return receiver.due();
+  };
+  EXPECT_EQ(due_after({0ms, 1ms, 2ms}), 5ms) << "3 ms after the latest";
+  EXPECT_EQ(due_after({4ms, 6ms}), 9ms);
+  EXPECT_EQ(due_after({7ms}), 7ms) << "the sixth";
+  receiver.acknowledge(7ms);
+  EXPECT_EQ(due_after({100ms, 101ms, 102ms, 104500us, 107200us}), 110ms) << "10 ms after the first";
 }
 
 TEST(HopReceiver, TellsAGapSoonButSeveralTogether) {
@@ -135,6 +131,16 @@ TEST(HopReceiver, TellsAGapSoonButSeveralTogether) {
   EXPECT_EQ(receiver.due(), 1300us);
   receiver.take(6, 6, false, 900us);
   EXPECT_EQ(receiver.due(), 900us);
+}
+
+TEST(HopReceiver, SingleFramesAreAcknowledgedSoon) {
+  HopReceiver receiver(1);
+  receiver.take(1, 1, false, 0ms);
+  receiver.take(2, 2, false, 2ms);
+  EXPECT_EQ(receiver.due(), 3ms) << "two frames are no stream";
+  receiver.acknowledge(3ms);
+  receiver.take(4, 4, false, 10ms);
+  EXPECT_EQ(receiver.due(), 10ms) << "a gap";
 }
 
 TEST(HopSender, TheTimerWaitsForAnAcknowledgmentHeldBackByFurtherFrames) {
@@ -151,6 +157,21 @@ TEST(HopSender, TheTimerWaitsForAnAcknowledgmentHeldBackByFurtherFrames) {
   }
   sender.expire(alone + HopReceiver::kLongestDelay);
   EXPECT_TRUE(sender.has_resend(0)) << "not put off without end";
+}
+
+TEST(HopSender, OnlyQuickAnswersOpenTheWholeWindow) {
+  for (const Time answer : {2ms, 40ms}) {
+    HopSender sender(1, 10);
+    std::uint64_t counter = 0;
+    const auto fill = [&](Time now) {
+      while (sender.may_start()) sender.start({wire::FrameType::kData, text("x"), 0}, ++counter, now);
+      return sender.unresolved();
+    };
+    EXPECT_EQ(fill(0ms), HopSender::kFewUnresolved) << "nothing is known";
+    const auto highest = static_cast<std::uint32_t>(counter);
+    sender.acknowledged({0, counter, 0, 0, highest, ~std::uint64_t{0}}, answer);
+    EXPECT_EQ(fill(answer), answer < 10ms ? HopSender::kMostUnresolved : HopSender::kFewUnresolved);
+  }
 }
 
 /// On a shared channel: learned while another robot was sending, too, and then that one falls silent.
