@@ -116,9 +116,8 @@ bool Engine::Implementation::air_allows(const Link& link, Time now) const {
 void Engine::Implementation::send_on(const MacAddress& neighbor, Link& link, const HopSender::Outgoing& outgoing,
                                      std::uint64_t counter, Time now) {
   std::uint8_t flags = wire::kWantsAcknowledgment;
-  const bool pressing = link.sender.unresolved() > HopSender::kMostUnresolved * 3 / 4;
   link.pair = (link.pair + 1) % (air_.calibrated() ? kPairInterval : 2);
-  if (!air_.calibrated() || pressing || link.pair == 1) flags |= wire::kAcknowledgeNow;
+  if (!air_.calibrated() || link.sender.pressing() || link.pair == 1) flags |= wire::kAcknowledgeNow;
   transmit(outgoing.type, flags, neighbor, outgoing.link_sequence, counter, *outgoing.body, now);
 }
 

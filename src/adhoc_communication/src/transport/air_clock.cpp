@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace adhoc_communication::transport {
+namespace {
+
+constexpr double kGain = 0.125;  ///< of a measurement
+
+}  // namespace
 
 void AirClock::transmitted(std::uint64_t counter, std::size_t octets, Time now) {
   if (on_air_.size() == kMostRemembered) on_air_.pop_front();
@@ -12,7 +17,7 @@ void AirClock::transmitted(std::uint64_t counter, std::size_t octets, Time now) 
 
 void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time arrived) {
   if (!take(counter, spacing)) return;
-  if (before_.counter == counter && samples_ < kEnoughSamples) bound(before_.octets, arrived - before_.sent);
+  if (before_.counter == counter) bound(before_.octets, arrived - before_.sent);
   busy_until_ = end_of_rest(arrived);
 }
 
@@ -36,11 +41,13 @@ bool AirClock::take(std::uint64_t counter, Time spacing) {
 }
 
 /// A frame was not longer on the air than from the hand-over to its arrival. A relay that passes on each frame as it
-/// comes never has two in the radio, and learns from nothing else.
+/// comes never has two in the radio, and learns from nothing else; and on a shared channel, pairs alone would tell too
+/// late that the others have fallen silent.
 void AirClock::bound(std::size_t octets, Time longest) {
-  const double most = static_cast<double>(longest.count()) / static_cast<double>(octets);
-  nanoseconds_per_octet_ = std::max(1.0, std::min(nanoseconds_per_octet_, most));
-  ++bounds_;
+  const double most = std::max(1.0, static_cast<double>(longest.count()) / static_cast<double>(octets));
+  const double excess = std::max(0.0, nanoseconds_per_octet_ - most);
+  nanoseconds_per_octet_ -= samples_ < kEnoughSamples ? excess : excess * kGain;
+  bounds_ = std::min(bounds_ + 1, kEnoughBounds);
 }
 
 /// Each frame follows the one before as soon as it is there.
@@ -55,10 +62,10 @@ Time AirClock::end_of_rest(Time begin) const {
 void AirClock::sample(std::size_t octets, Time duration) {
   const double measured = static_cast<double>(duration.count()) / static_cast<double>(octets);
   const double bounded = std::clamp(measured, nanoseconds_per_octet_ / 16, nanoseconds_per_octet_ * 16);
-  const double gain = std::max(0.125, 1.0 / (samples_ + 1));
+  const double gain = std::max(kGain, 1.0 / (samples_ + 1));
   nanoseconds_per_octet_ += gain * (bounded - nanoseconds_per_octet_);
   nanoseconds_per_octet_ = std::clamp(nanoseconds_per_octet_, 1.0, 100'000.0);
-  ++samples_;
+  samples_ = std::min(samples_ + 1, kEnoughSamples);
 }
 
 }  // namespace adhoc_communication::transport

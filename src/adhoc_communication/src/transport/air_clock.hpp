@@ -57,7 +57,7 @@ class AirClock {
 
   std::size_t largest_frame_;
   double nanoseconds_per_octet_ = 8e9 / 6e6;  ///< until known better: the slowest rate of 802.11g
-  int samples_ = 0;
+  int samples_ = 0;                           ///< no more than are enough, as with bounds_
   int bounds_ = 0;
   Time busy_until_{0};
   std::deque<Transmission> on_air_;

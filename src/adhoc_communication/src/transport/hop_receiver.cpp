@@ -3,10 +3,17 @@
 #include <algorithm>
 
 namespace adhoc_communication::transport {
+namespace {
+
+constexpr int kFewFrames =
+    3;  ///< single frames are acknowledged soon: what is not may go a second way if the link dies
+
+}  // namespace
 
 bool HopReceiver::take(std::uint32_t link_sequence, std::uint64_t counter, bool acknowledge_now, Time now) {
   bool gap = false;
   const bool fresh = mark(link_sequence, gap);
+  const bool single = now - newest_arrival_ >= kQuiet;
   if (counter > newest_counter_) {
     spacing_ = counter == newest_counter_ + 1 ? now - newest_arrival_ : Time(0);
     newest_counter_ = counter;
@@ -14,9 +21,20 @@ bool HopReceiver::take(std::uint32_t link_sequence, std::uint64_t counter, bool 
   }
   if (unacknowledged_ == 0) owed_since_ = now;
   ++unacknowledged_;
-  const bool now_due = acknowledge_now || !fresh || gap || unacknowledged_ >= kFramesPerAcknowledgment;
-  due_ = std::min(due_, now_due ? now : now + kLongestDelay);
+  const bool now_due =
+      gap_ripe(gap, now) || (gap && single) || acknowledge_now || !fresh || unacknowledged_ >= kFramesPerAcknowledgment;
+  if (due_ <= now) return fresh;
+  const Time longest = unacknowledged_ < kFewFrames ? kQuiet : kLongestDelay;
+  due_ = now_due ? now : std::min(now + kQuiet, owed_since_ + longest);
+  if (gap_since_) due_ = std::min(due_, *gap_since_ + kGapDelay);
   return fresh;
+}
+
+bool HopReceiver::gap_ripe(bool gap, Time now) {
+  if (gap_since_) return ++frames_since_gap_ >= kFramesAfterGap;
+  if (gap) gap_since_ = now;
+  frames_since_gap_ = 0;
+  return false;
 }
 
 bool HopReceiver::mark(std::uint32_t link_sequence, bool& gap) {
@@ -43,6 +61,7 @@ bool HopReceiver::mark(std::uint32_t link_sequence, bool& gap) {
 
 wire::HopAcknowledgment HopReceiver::acknowledge(Time now) {
   unacknowledged_ = 0;
+  gap_since_.reset();
   due_ = Time::max();
   const auto nanoseconds = [](Time time) {
     return static_cast<std::uint32_t>(std::clamp<Time::rep>(time.count(), 0, 0xffffffff));

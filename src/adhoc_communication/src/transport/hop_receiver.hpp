@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "wire/messages.hpp"
 
@@ -9,8 +10,12 @@ namespace adhoc_communication::transport {
 
 class HopReceiver {
  public:
-  static constexpr int kFramesPerAcknowledgment = 8;
-  static constexpr Time kLongestDelay = std::chrono::milliseconds(3);
+  static constexpr int kFramesPerAcknowledgment = 6;
+  static constexpr Time kQuiet = std::chrono::milliseconds(3);          ///< without a further frame
+  static constexpr Time kLongestDelay = std::chrono::milliseconds(10);  ///< since the first frame
+  /// A gap is told after so many further frames, so that one acknowledgment tells the next gap, too.
+  static constexpr int kFramesAfterGap = 2;
+  static constexpr Time kGapDelay = std::chrono::milliseconds(1);
 
   explicit HopReceiver(wire::BootTag boot) : boot_(boot) {}
 
@@ -26,6 +31,8 @@ class HopReceiver {
 
  private:
   bool mark(std::uint32_t link_sequence, bool& gap);
+  /// Takes a frame into account; whether the gap has waited for enough of them.
+  bool gap_ripe(bool gap, Time now);
 
   wire::BootTag boot_;
   bool started_ = false;
@@ -35,6 +42,8 @@ class HopReceiver {
   Time newest_arrival_{0};
   Time spacing_{0};
   int unacknowledged_ = 0;
+  int frames_since_gap_ = 0;
+  std::optional<Time> gap_since_;  ///< found since the last acknowledgment
   Time due_ = Time::max();
   Time owed_since_{0};
 };

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <iterator>
 
+#include "transport/hop_receiver.hpp"
+
 namespace adhoc_communication::transport {
 namespace {
 
 constexpr int kOutcomesThatMatter = 32;
 constexpr int kFewestOutcomes = 8;
 constexpr int kExpiriesPerDoubling = 4;
+constexpr std::size_t kManyUnresolved = 4;  ///< so that acknowledgments may be held back
 constexpr Time kOutcomesAge = std::chrono::seconds(10);
 
 }  // namespace
@@ -26,8 +29,13 @@ std::size_t HopSender::waiting() const {
   return count;
 }
 
+/// More of them would crowd a crowded channel until it carries nothing but repetitions.
+std::size_t HopSender::most_unresolved() const {
+  return round_trip_.timeout() < kSlowAnswers ? kMostUnresolved : kFewUnresolved;
+}
+
 bool HopSender::may_start() const {
-  if (unresolved_.size() >= kMostUnresolved) return false;
+  if (unresolved_.size() >= most_unresolved()) return false;
   return in_flight_.empty() || next_link_sequence_ - in_flight_.begin()->first < kSpan;
 }
 
@@ -58,8 +66,14 @@ HopSender::Outgoing HopSender::transmit(std::uint32_t link_sequence, InFlight& f
                                         Time now) {
   ++flight.transmissions;
   flight.last_counter = counter;
+  // The receiver may hold its acknowledgment back while further frames come.
+  for (Transmission& earlier : unresolved_) {
+    if (unresolved_.size() < kManyUnresolved) break;
+    earlier.expires = std::max(earlier.expires, std::min(now + timer(), earlier.latest));
+  }
   const int backoff = std::min(flight.timeouts, 5);
-  unresolved_.push_back({counter, link_sequence, now, now + timer() * (5 + backoff) / 5});
+  const Time expires = now + timer() * (5 + backoff) / 5;
+  unresolved_.push_back({counter, link_sequence, now, expires, expires + HopReceiver::kLongestDelay});
   return {flight.frame.type, link_sequence, &flight.frame.body};
 }
 

@@ -29,7 +29,9 @@ class HopSender {
  public:
   static constexpr std::size_t kMostWaiting = 2048;   ///< per priority; further frames are refused
   static constexpr std::uint32_t kSpan = 64;          ///< link sequences that one acknowledgment can cover
-  static constexpr std::size_t kMostUnresolved = 16;  ///< transmissions whose fate is open
+  static constexpr std::size_t kMostUnresolved = 32;  ///< transmissions whose fate is open
+  static constexpr std::size_t kFewUnresolved = 16;   ///< the same while answers are slow, or none is known
+  static constexpr Time kSlowAnswers = std::chrono::milliseconds(15);  ///< of the timer
   static constexpr Time kSilence = std::chrono::milliseconds(150);
   static constexpr Time kNoProgress = std::chrono::seconds(1);  ///< heard, but not acknowledging
   static constexpr Time kShortestTimer = std::chrono::milliseconds(10);
@@ -55,9 +57,11 @@ class HopSender {
   /// As idle(), and no transmission is waited for any more.
   bool settled() const { return idle() && unresolved_.empty(); }
   /// Whether one more transmission fits: a repetition, or a frame with a new link sequence.
-  bool may_resend() const { return unresolved_.size() < kMostUnresolved; }
+  bool may_resend() const { return unresolved_.size() < most_unresolved(); }
   bool may_start() const;
   std::size_t unresolved() const { return unresolved_.size(); }
+  /// Soon nothing more will fit: an acknowledgment is wanted.
+  bool pressing() const { return unresolved_.size() > most_unresolved() * 3 / 4; }
 
   /// The lost frame to repeat next; has_resend() and may_resend() hold.
   Outgoing resend(std::uint8_t priority, std::uint64_t counter, Time now);
@@ -95,12 +99,14 @@ class HopSender {
     std::uint32_t link_sequence;
     Time sent;
     Time expires;
+    Time latest;  ///< to which frames that follow may put off the expiry
   };
 
   Outgoing transmit(std::uint32_t link_sequence, InFlight& flight, std::uint64_t counter, Time now);
   void transmission_lost(const Transmission& transmission, bool by_timer);
   void count_outcome(bool lost, Time now);
   Time timer() const;
+  std::size_t most_unresolved() const;
   void sample_round_trip(std::uint64_t counter, Time now);
   Time dead_at() const;
   Time silence() const { return std::clamp(6 * round_trip_.timeout(), kSilence, kNoProgress); }

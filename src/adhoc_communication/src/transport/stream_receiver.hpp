@@ -31,8 +31,8 @@ class StreamReceiver {
  public:
   static constexpr std::uint32_t kPacketsAhead = 1024;   ///< taken beyond the next one to deliver
   static constexpr std::uint32_t kSegmentsAhead = 4096;  ///< taken beyond the first missing one
-  static constexpr int kSegmentsPerAcknowledgment = 32;
-  static constexpr Time kLongestDelay = std::chrono::milliseconds(20);
+  static constexpr int kSegmentsPerAcknowledgment = 64;
+  static constexpr Time kLongestDelay = std::chrono::milliseconds(50);
   static constexpr Time kAbandoned = std::chrono::seconds(60);
 
   struct Complete {

@@ -23,6 +23,7 @@ wire::Data StreamSender::next_segment(Time now) {
     lost_.erase(lost_.begin());
     Outgoing& packet = *find(number);
     packet.segments[index].lost = false;
+    packet.segments[index].repeated = true;
     return segment(packet, index, now);
   }
   Outgoing& packet = *unstarted();
@@ -72,7 +73,7 @@ std::vector<SendId> StreamSender::acknowledged(const wire::TransportAcknowledgme
   if (progress_) {
     resends_ = 0;
     waiting_since_ = now;
-    mark_overtaken(now);
+    mark_overtaken();
   }
   return finished;
 }
@@ -101,18 +102,37 @@ void StreamSender::take_one(Outgoing& packet, std::uint32_t index, Time now) {
   } else {
     --on_the_way_;
   }
-  if (segment.sent > newest_acknowledged_) {
-    newest_acknowledged_ = segment.sent;
-    round_trip_.sample(now - segment.sent);
+  learn_from(segment, now);
+}
+
+void StreamSender::learn_from(const Segment& segment, Time now) {
+  if (segment.repeated) return learn_from_repeated(segment, now);
+  newest_doubtful_ = Time(-1);
+  if (segment.sent <= newest_acknowledged_) return;
+  newest_acknowledged_ = segment.sent;
+  round_trip_.sample(now - segment.sent);
+}
+
+/// Soon after the repetition it is the first copy that has arrived, late but not lost: taken for the second, it would
+/// make all that is on the way look overtaken.
+void StreamSender::learn_from_repeated(const Segment& segment, Time now) {
+  if (now - segment.sent >= round_trip_.smoothed() / 2) {
+    newest_acknowledged_ = std::max(newest_acknowledged_, segment.sent);
+    reordering_ = std::max(reordering_ - reordering_ / 16, kReordering);
+    return;
   }
+  newest_doubtful_ = std::max(newest_doubtful_, segment.sent);
+  if (segment.sent <= widened_) return;
+  widened_ = now;
+  reordering_ = std::min(reordering_ * 3 / 2, kMostReordering);
 }
 
 /// Hops repeat frames and so change their order a little; what is overtaken by much more than that is lost.
-void StreamSender::mark_overtaken(Time) {
+void StreamSender::mark_overtaken() {
   for (Outgoing& packet : packets_) {
     for (std::uint32_t index = packet.first_open; index < packet.started; ++index) {
       const Segment& segment = packet.segments[index];
-      if (!segment.acknowledged && !segment.lost && segment.sent + kReordering < newest_acknowledged_) {
+      if (!segment.acknowledged && !segment.lost && segment.sent + reordering_ < newest_acknowledged_) {
         mark_lost(packet, index);
       }
     }
@@ -136,16 +156,17 @@ void StreamSender::receiver_restarted() {
   lost_.clear();
   on_the_way_ = 0;
   newest_acknowledged_ = Time(-1);
+  newest_doubtful_ = Time(-1);
   resends_ = 0;
 }
 
 void StreamSender::route_changed(Time now) {
   waiting_since_ = now;
-  if (lost_.empty()) probe(now);
+  if (lost_.empty()) probe();
 }
 
 /// Repeats the oldest open segment and asks for an acknowledgment at once.
-void StreamSender::probe(Time) {
+void StreamSender::probe() {
   for (Outgoing& packet : packets_) {
     for (std::uint32_t index = packet.first_open; index < packet.started; ++index) {
       if (packet.segments[index].acknowledged || packet.segments[index].lost) continue;
@@ -159,10 +180,13 @@ void StreamSender::probe(Time) {
 std::vector<std::pair<SendId, Time>> StreamSender::expire(int most_resends, Time now) {
   std::vector<std::pair<SendId, Time>> given_up;
   if (next_deadline() > now) return given_up;
+  // First copies would have been followed by others: it was the repetition that arrived.
+  newest_acknowledged_ = std::max(newest_acknowledged_, std::exchange(newest_doubtful_, Time(-1)));
+  mark_overtaken();
   if (resends_ < most_resends) {
     ++resends_;
     waiting_since_ = now;
-    probe(now);
+    probe();
     return given_up;
   }
   while (!packets_.empty() && packets_.front().started > 0) {

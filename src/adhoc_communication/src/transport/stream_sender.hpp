@@ -15,8 +15,10 @@ namespace adhoc_communication::transport {
 
 class StreamSender {
  public:
-  static constexpr std::size_t kWindow = 512;                         ///< segments on their way at once
-  static constexpr Time kReordering = std::chrono::milliseconds(50);  ///< a segment overtaken by more than this is lost
+  static constexpr std::size_t kWindow = 768;  ///< segments on their way at once; an acknowledgment covers as many
+  /// A segment overtaken by more than this is lost; more on ways that turned out to delay segments for longer.
+  static constexpr Time kReordering = std::chrono::milliseconds(50);
+  static constexpr Time kMostReordering = std::chrono::seconds(1);
   static constexpr Time kLongestBackoff = std::chrono::seconds(1);
 
   /// `first_number` has to be beyond every packet number sent to this robot before.
@@ -48,6 +50,7 @@ class StreamSender {
     Time sent{-1};
     bool acknowledged = false;
     bool lost = false;  ///< waits in lost_
+    bool repeated = false;
   };
   struct Outgoing {
     SendId id;
@@ -65,10 +68,12 @@ class StreamSender {
   wire::Data segment(Outgoing& packet, std::uint32_t index, Time now);
   void take(Outgoing& packet, const wire::PartialPacket& partial, Time now);
   void take_one(Outgoing& packet, std::uint32_t index, Time now);
-  void mark_overtaken(Time now);
+  void learn_from(const Segment& segment, Time now);
+  void learn_from_repeated(const Segment& segment, Time now);
+  void mark_overtaken();
   void mark_lost(Outgoing& packet, std::uint32_t index);
   void receiver_restarted();
-  void probe(Time now);
+  void probe();
   Time timeout() const;
   Outgoing* unstarted();
 
@@ -80,6 +85,9 @@ class StreamSender {
   std::size_t on_the_way_ = 0;  ///< segments sent, neither acknowledged nor lost
   wire::BootTag receiver_boot_ = 0;
   Time newest_acknowledged_{-1};  ///< when the latest of the acknowledged segments was sent
+  Time newest_doubtful_{-1};      ///< the same of repeated segments of which perhaps only the first copy has arrived
+  Time reordering_ = kReordering;
+  Time widened_{-1};  ///< when reordering_ grew
   bool progress_ = false;
   bool probing_ = false;
   int resends_ = 0;

@@ -76,24 +76,31 @@ TEST(GroupPacket, SizesAtTheEdgesOfFramesAndBlocks) {
   }
 }
 
+/// How often each frame of 1 MB is sent to eight members in one hop.
+double sends_per_frame(double loss, std::uint64_t seed) {
+  MediumOptions medium;
+  medium.loss = loss;
+  Team team(medium, seed);
+  add_star(team, 8);
+  team.run_for(3s);
+  SymbolCount count(team, 9);
+  const Bytes payload = noise(1'000'000);
+  const SendId id = team.send(0, "mc_robot_0", payload, Priority::kBulk);
+  EXPECT_TRUE(finish(team, 0, id));
+  EXPECT_TRUE(team.finished(0, id)->delivered) << team.finished(0, id)->reason;
+  for (std::size_t robot = 1; robot <= 8; ++robot) {
+    EXPECT_EQ(team.received(robot).size(), 1u);
+    EXPECT_EQ(team.received(robot).at(0).packet.payload, payload);
+  }
+  return count.sent[0] / (static_cast<double>(payload.size()) / 1404.0);
+}
+
 TEST(Multicast, EightMembersInOneHopCostLittleMoreThanOne) {
+  constexpr int kTrials = 8;  // a single one may be unlucky
   for (const double loss : {0.1, 0.3}) {
-    MediumOptions medium;
-    medium.loss = loss;
-    Team team(medium, 3);
-    add_star(team, 8);
-    team.run_for(3s);
-    SymbolCount count(team, 9);
-    const Bytes payload = noise(1'000'000);
-    const SendId id = team.send(0, "mc_robot_0", payload, Priority::kBulk);
-    ASSERT_TRUE(finish(team, 0, id));
-    EXPECT_TRUE(team.finished(0, id)->delivered) << team.finished(0, id)->reason;
-    for (std::size_t robot = 1; robot <= 8; ++robot) {
-      ASSERT_EQ(team.received(robot).size(), 1u);
-      EXPECT_EQ(team.received(robot)[0].packet.payload, payload);
-    }
-    const double frames = static_cast<double>(payload.size()) / 1404.0;
-    EXPECT_LT(count.sent[0] / frames, loss < 0.2 ? 1.35 : 1.75);
+    double sum = 0;
+    for (std::uint64_t seed = 1; seed <= kTrials; ++seed) sum += sends_per_frame(loss, seed);
+    EXPECT_LT(sum / kTrials, loss < 0.2 ? 1.35 : 1.75);
   }
 }
 

@@ -1,0 +1,226 @@
+// No air is wasted: what is repeated, how often acknowledgments go out, how the air is estimated.
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <set>
+
+#include "team.hpp"
+#include "transport/air_clock.hpp"
+#include "transport/hop_receiver.hpp"
+#include "transport/hop_sender.hpp"
+#include "transport/stream_sender.hpp"
+#include "wire/frame_header.hpp"
+#include "wire/messages.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+using transport::AirClock;
+using transport::HopReceiver;
+using transport::HopSender;
+using transport::StreamSender;
+
+constexpr std::uint32_t kSegments = 600;
+
+/// A packet of kSegments segments of 10 octets, and what its receiver acknowledges.
+struct Stream {
+  StreamSender sender{0, 1, StreamSender::kWindow};
+  std::set<std::uint32_t> received;
+
+  Stream() { sender.add(1, std::make_shared<Bytes>(10 * kSegments), 10, 0ms); }
+
+  std::uint32_t send(Time now) { return sender.next_segment(now).index; }
+  void send_many(std::uint32_t count, Time from, Time spacing) {
+    for (std::uint32_t i = 0; i < count; ++i) send(from + i * spacing);
+  }
+  void receive(std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t index = begin; index < end; ++index) received.insert(index);
+  }
+  void acknowledge(Time now) {
+    wire::PartialPacket partial{1, 0, {}};
+    while (received.count(partial.first_missing) != 0) ++partial.first_missing;
+    partial.received.assign(kSegments / 8, 0);
+    for (const std::uint32_t index : received) {
+      if (index <= partial.first_missing) continue;
+      const std::uint32_t bit = index - partial.first_missing - 1;
+      partial.received[bit / 8] |= static_cast<std::uint8_t>(1 << bit % 8);
+    }
+    wire::TransportAcknowledgment acknowledgment;
+    acknowledgment.source_boot = 1;
+    acknowledgment.next = 1;
+    acknowledgment.partial = {partial};
+    sender.acknowledged(acknowledgment, now);
+  }
+  /// Segments sent before that the sender would send again at once.
+  int repeats(std::uint32_t started, Time now) {
+    int count = 0;
+    while (sender.has_segment() && send(now) < started) ++count;
+    return count;
+  }
+};
+
+/// 300 segments, one each millisecond, of which the first is believed to be lost and repeated at 300 ms.
+Stream with_one_repeated() {
+  Stream stream;
+  stream.send_many(300, 0ms, 1ms);
+  stream.receive(1, 100);
+  stream.acknowledge(300ms);
+  EXPECT_EQ(stream.send(300ms), 0u);
+  return stream;
+}
+
+TEST(StreamSender, AFirstCopyThatComesLateDoesNotMakeTheOthersLookLost) {
+  Stream stream = with_one_repeated();
+  stream.receive(0, 1);
+  stream.acknowledge(310ms);
+  EXPECT_EQ(stream.repeats(300, 310ms), 0);
+}
+
+TEST(StreamSender, ANeedlessRepetitionTeachesThatTheWayReordersMore) {
+  Stream stream = with_one_repeated();
+  stream.receive(0, 1);
+  stream.acknowledge(310ms);
+  stream.receive(101, 161);  // number 100 is 60 ms behind
+  stream.acknowledge(340ms);
+  EXPECT_EQ(stream.repeats(300, 340ms), 0);
+  stream.receive(161, 190);
+  stream.acknowledge(350ms);
+  EXPECT_EQ(stream.repeats(300, 350ms), 1);
+}
+
+TEST(StreamSender, TheRepetitionShowsThatAllBeforeItIsLost) {
+  Stream stream = with_one_repeated();
+  stream.receive(0, 1);
+  stream.acknowledge(600ms);  // as late as the second copy would come
+  EXPECT_EQ(stream.repeats(300, 600ms), 150) << "of 200, those sent more than 50 ms before the repetition";
+}
+
+TEST(StreamSender, WhatIsFollowedBySilenceWasTheRepetition) {
+  Stream stream = with_one_repeated();
+  stream.receive(0, 1);
+  stream.acknowledge(310ms);
+  const Time silent_until = stream.sender.next_deadline();
+  stream.sender.expire(10, silent_until);
+  EXPECT_GE(stream.repeats(300, silent_until), 125);
+}
+
+TEST(HopReceiver, AcknowledgesWhenFramesStopOrAreMany) {
+  HopReceiver receiver(1);
+  std::uint32_t sequence = 0;
+  const auto due_after = [&](std::initializer_list<Time> arrivals) {
+    for (const Time at : arrivals) {
+      ++sequence;
+      receiver.take(sequence, sequence, false, at);
+    }
+    return receiver.due();
+  };
+  EXPECT_EQ(due_after({0ms, 1ms, 2ms}), 5ms) << "3 ms after the latest";
+  EXPECT_EQ(due_after({4ms, 6ms}), 9ms);
+  EXPECT_EQ(due_after({7ms}), 7ms) << "the sixth";
+  receiver.acknowledge(7ms);
+  EXPECT_EQ(due_after({100ms, 101ms, 102ms, 104500us, 107200us}), 110ms) << "10 ms after the first";
+}
+
+TEST(HopReceiver, TellsAGapSoonButSeveralTogether) {
+  HopReceiver receiver(1);
+  receiver.take(1, 1, false, 0us);
+  receiver.take(3, 3, false, 300us);
+  EXPECT_EQ(receiver.due(), 1300us);
+  receiver.take(5, 5, false, 600us);
+  EXPECT_EQ(receiver.due(), 1300us);
+  receiver.take(6, 6, false, 900us);
+  EXPECT_EQ(receiver.due(), 900us);
+}
+
+TEST(HopReceiver, SingleFramesAreAcknowledgedSoon) {
+  HopReceiver receiver(1);
+  receiver.take(1, 1, false, 0ms);
+  receiver.take(2, 2, false, 2ms);
+  EXPECT_EQ(receiver.due(), 3ms) << "two frames are no stream";
+  receiver.acknowledge(3ms);
+  receiver.take(4, 4, false, 10ms);
+  EXPECT_EQ(receiver.due(), 10ms) << "a gap";
+}
+
+TEST(HopSender, TheTimerWaitsForAnAcknowledgmentHeldBackByFurtherFrames) {
+  HopSender sender(1, 10);
+  std::uint64_t counter = 0;
+  const auto send = [&](Time now) { sender.start({wire::FrameType::kData, text("x"), 0}, ++counter, now); };
+  send(0ms);
+  const Time alone = sender.next_deadline();
+  for (Time now = 1ms; now <= 30ms; now += 2ms) {
+    sender.heard(now);
+    sender.expire(now);
+    if (sender.unresolved() < HopSender::kMostUnresolved) send(now);
+    if (now < alone + HopReceiver::kLongestDelay) EXPECT_FALSE(sender.has_resend(0)) << now / 1us;
+  }
+  sender.expire(alone + HopReceiver::kLongestDelay);
+  EXPECT_TRUE(sender.has_resend(0)) << "not put off without end";
+}
+
+TEST(HopSender, OnlyQuickAnswersOpenTheWholeWindow) {
+  for (const Time answer : {2ms, 40ms}) {
+    HopSender sender(1, 10);
+    std::uint64_t counter = 0;
+    const auto fill = [&](Time now) {
+      while (sender.may_start()) sender.start({wire::FrameType::kData, text("x"), 0}, ++counter, now);
+      return sender.unresolved();
+    };
+    EXPECT_EQ(fill(0ms), HopSender::kFewUnresolved) << "nothing is known";
+    const auto highest = static_cast<std::uint32_t>(counter);
+    sender.acknowledged({0, counter, 0, 0, highest, ~std::uint64_t{0}}, answer);
+    EXPECT_EQ(fill(answer), answer < 10ms ? HopSender::kMostUnresolved : HopSender::kFewUnresolved);
+  }
+}
+
+/// On a shared channel: learned while another robot was sending, too, and then that one falls silent.
+TEST(AirClock, FramesThatArriveSoonerThanBelievedCorrectTheEstimate) {
+  AirClock clock(1500);
+  std::uint64_t counter = 0;
+  const auto send = [&](Time now, Time first, Time second) {
+    clock.transmitted(++counter, 1500, now);
+    clock.transmitted(++counter, 1500, now);
+    clock.acknowledged(counter, second, now + first + second);
+  };
+  Time now = 0ms;
+  for (int i = 0; i < 20; ++i, now += 10ms) send(now, 600us, 600us);
+  const double shared = clock.nanoseconds_per_octet();
+  EXPECT_NEAR(shared, 600'000.0 / 1800, 10);
+  for (int i = 0; i < 20; ++i, now += 10ms) {
+    clock.transmitted(++counter, 1500, now);
+    clock.acknowledged(counter, 0ms, now + 300us);
+  }
+  EXPECT_NEAR(clock.nanoseconds_per_octet(), shared / 2, shared / 10);
+}
+
+/// Data frames that the source of a transfer puts on the air for the first time, for each segment.
+double starts_per_segment(std::size_t hops, const MediumOptions& medium, std::size_t octets) {
+  Team team(medium, 3);
+  team.add_line(hops + 1);
+  team.run_for(1s);
+  std::set<std::uint32_t> started;
+  std::size_t longest = 0;
+  team.on_transmission = [&](std::size_t robot, const Frame& frame) {
+    wire::Reader reader(frame.bytes);
+    const auto header = wire::read_header(reader);
+    if (robot != 0 || header->type != wire::FrameType::kData) return;
+    started.insert(header->link_sequence);
+    longest = std::max(longest, frame.bytes.size());
+  };
+  const SendId id = team.send(0, Team::name(hops), noise(octets), Priority::kBulk);
+  EXPECT_TRUE(team.run_until_done([&] { return team.finished(0, id) != nullptr; }, 120s));
+  const double segment = static_cast<double>(longest - wire::kHeaderSize - wire::kDataHeaderSize - wire::kTagSize);
+  return static_cast<double>(started.size()) * segment / static_cast<double>(octets);
+}
+
+TEST(Goodput, LossOnHopsDoesNotCauseRepetitionsEndToEnd) {
+  MediumOptions medium;
+  medium.loss = 0.3;
+  EXPECT_LT(starts_per_segment(10, medium, 5'000'000), 1.02);
+  medium.shared = true;
+  EXPECT_LT(starts_per_segment(3, medium, 5'000'000), 1.02);
+}
+
+}  // namespace
+}  // namespace adhoc_communication
