@@ -22,6 +22,8 @@ const std::map<std::string, int Timings::*> kNumbers = {
     {"ttl_threshold", &Timings::ttl_threshold},           {"local_add_ttl", &Timings::local_add_ttl},
 };
 
+const std::map<std::string, bool Timings::*> kFlags = {{"destination_only", &Timings::destination_only}};
+
 Timings preset(XmlRpcValue value) {
   if (value.getType() != XmlRpcValue::TypeString) throw std::invalid_argument("has a preset that is not a string");
   const std::string name = static_cast<std::string>(value);
@@ -33,6 +35,11 @@ Timings preset(XmlRpcValue value) {
 int number(const std::string& name, XmlRpcValue value) {
   if (value.getType() != XmlRpcValue::TypeInt) throw std::invalid_argument("has a " + name + " that is not an integer");
   return static_cast<int>(value);
+}
+
+bool flag(const std::string& name, XmlRpcValue value) {
+  if (value.getType() != XmlRpcValue::TypeBoolean) throw std::invalid_argument("has a " + name + " that is not a bool");
+  return static_cast<bool>(value);
 }
 
 }  // namespace
@@ -48,6 +55,8 @@ Timings parse_timings(const XmlRpcValue& value) {
       timings.*(time->second) = std::chrono::milliseconds(number(name, member));
     } else if (const auto count = kNumbers.find(name); count != kNumbers.end()) {
       timings.*(count->second) = number(name, member);
+    } else if (const auto choice = kFlags.find(name); choice != kFlags.end()) {
+      timings.*(choice->second) = flag(name, member);
     } else {
       throw std::invalid_argument("has the unknown member '" + name + "'");
     }

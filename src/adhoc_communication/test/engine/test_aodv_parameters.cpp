@@ -20,6 +20,7 @@ TEST(Constants, A12_1_TheRfcsValues) {
   EXPECT_EQ(timings.timeout_buffer, 2);
   EXPECT_EQ(timings.ttl_threshold, 7);
   EXPECT_EQ(timings.local_add_ttl, 2);
+  EXPECT_FALSE(timings.destination_only);
   EXPECT_EQ(timings.net_traversal_time(), 2800ms);
   EXPECT_EQ(timings.route_request_wait, timings.net_traversal_time());
   EXPECT_EQ(timings.path_discovery_time(), 5600ms);

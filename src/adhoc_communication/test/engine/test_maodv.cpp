@@ -96,6 +96,19 @@ TEST(Trees, B2_2_B4_4_OneUpstreamNeighborInAnEpochAndNoOther) {
   EXPECT_EQ(refusals[0].message.members, std::vector<MacAddress>{branch.self().address});
 }
 
+TEST(Trees, B4_4_ARobotWithNobodyBehindItMayGetAnotherPlace) {
+  Branch branch;
+  Host& c = branch.neighbor(3);
+  branch.run_for(50ms);
+  branch.activate(branch.a, 3, {c.address});
+  ASSERT_EQ(branch.tree()->upstream, branch.a.address);
+  branch.activate(branch.a, 3, {});  // pruned
+  EXPECT_FALSE(branch.tree()->upstream);
+  branch.activate(branch.b, 3, {c.address});
+  EXPECT_EQ(branch.tree()->upstream, branch.b.address);
+  EXPECT_EQ(branch.count(FrameType::kGroupRefusal), 0u);
+}
+
 TEST(Trees, B4_5_MembersThatCannotBeReachedAreRefused) {
   Branch branch;
   branch.give_route(branch.a, kFar);
@@ -272,6 +285,31 @@ TEST(Trees, B4_4_B9_2_InADiamondAMemberIsServedByOneSide) {
     EXPECT_EQ(trees.at(Team::address(1)).downstream.size() + trees.at(Team::address(2)).downstream.size(), 1u);
     expect_whole(team);
   }
+}
+
+/// Epochs that a send costs which begins when the tree has just lost its only link, to robot 3, of two possible ones.
+std::uint32_t epochs_for(std::size_t octets) {
+  Team team;
+  for (const auto& [x, y] : {std::pair(0.0, 0.0), {7.0, 4.0}, {7.0, -4.0}, {14.0, 0.0}}) {
+    team.add(without_groups(), x, y);
+  }
+  team.run_for(2s);
+  team.engine(3).join_group("mc_robot_0", team.now());
+  team.run_for(2s);
+  EXPECT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", noise(20'000))));
+  const auto trees = tree_of_robot_0(team);
+  const std::uint32_t before = trees.at(Team::address(0)).epoch;
+  team.medium().set_link_loss(trees.count(Team::address(1)) != 0 ? 1 : 2, 3, 1.0);
+  const SendId id = team.send(0, "mc_robot_0", noise(octets));
+  EXPECT_TRUE(finish(team, 0, id));
+  EXPECT_TRUE(team.finished(0, id)->delivered) << team.finished(0, id)->reason;
+  EXPECT_EQ(team.received(3).size(), 2u);
+  return tree_of_robot_0(team)[Team::address(0)].epoch - before;
+}
+
+TEST(Trees, B7_1_OnlyALargePacketIsWorthANewTreeAtOnce) {
+  EXPECT_EQ(epochs_for(1000), 0u);
+  EXPECT_GE(epochs_for(100'000), 1u);
 }
 
 /// A line of 4 of which only the given robots are in the group of robot 0.

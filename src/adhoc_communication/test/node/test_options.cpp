@@ -158,12 +158,18 @@ TEST(Options, A12_1_TimingsAreAPresetAndWhatDiffersFromIt) {
   const Timings timings = read(with("timings", members)).engine.timings;
   EXPECT_EQ(timings.net_traversal_time(), 200ms);
   EXPECT_EQ(timings.request_retries, rfc3561_timings().request_retries);
+  EXPECT_FALSE(timings.destination_only);
+  members["destination_only"] = true;
+  EXPECT_TRUE(read(with("timings", members)).engine.timings.destination_only);
 }
 
 TEST(Options, BadTimingsAreRefused) {
   EXPECT_EQ(refusal_of(with("timings", "slow")),
             "parameter ~timings = slow has the preset 'slow', not robots or rfc3561");
   EXPECT_NE(refusal_of(with("timings", 3)).find("is neither a preset nor a struct"), std::string::npos);
+  XmlRpcValue flag;
+  flag["destination_only"] = 1;
+  EXPECT_NE(refusal_of(with("timings", flag)).find("has a destination_only that is not a bool"), std::string::npos);
   XmlRpcValue members;
   members["node_traversal"] = 10;
   EXPECT_NE(refusal_of(with("timings", members)).find("has the unknown member 'node_traversal'"), std::string::npos);
