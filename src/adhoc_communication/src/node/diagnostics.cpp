@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <utility>
+#include <vector>
 
 namespace adhoc_communication {
 namespace {
@@ -37,6 +39,16 @@ DiagnosticStatus healthy(const std::string& message) {
   status.level = DiagnosticStatus::OK;
   status.message = message;
   return status;
+}
+
+/// A name that more than one robot known uses, or another one than this robot itself.
+std::optional<std::string> ambiguous_name(const NetworkState& state) {
+  std::vector<std::string> names = state.robots;
+  names.push_back(state.robot_name);
+  std::sort(names.begin(), names.end());
+  const auto twice = std::adjacent_find(names.begin(), names.end());
+  if (twice == names.end()) return std::nullopt;
+  return *twice;
 }
 
 std::string percent(double ratio) {
@@ -111,6 +123,9 @@ DiagnosticStatus Diagnostics::security(const NetworkState& state) {
 DiagnosticStatus Diagnostics::neighbors(const NetworkState& state) {
   DiagnosticStatus status = healthy(std::to_string(state.links.size()) + " neighbours, " +
                                     std::to_string(state.robots.size()) + " robots known");
+  if (const auto name = ambiguous_name(state)) {
+    complain(status, DiagnosticStatus::ERROR, "two robots are called " + *name + ": give each its own ~robot_name");
+  }
   for (const NetworkLink& link : state.links) {
     const std::string name = link.robot.empty() ? link.address : link.robot;
     if (!link.two_way) complain(status, DiagnosticStatus::WARN, name + " does not hear this robot");
