@@ -154,8 +154,9 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
     case FrameType::kFlood:
       return with(wire::read_flood(body), [&](auto flood) { on_flood(flood, now); });
     case FrameType::kGroupActivation:
-      return with(wire::read_group_activation(body),
-                  [&](auto activation) { distributor_.on_activation(from, activation, now); });
+      return with(wire::read_group_activation(body), [&](auto activation) {
+        distributor_.on_activation(from, activation, takes_part(activation.root), now);
+      });
     case FrameType::kGroupRefusal:
       return with(wire::read_group_refusal(body), [&](auto refusal) { distributor_.on_refusal(from, refusal, now); });
     case FrameType::kGroupData:

@@ -198,13 +198,15 @@ void Engine::Implementation::finish_group_members(Time now) {
   }
 }
 
+bool Engine::Implementation::takes_part(const MacAddress& root) const {
+  const routing::Robot* robot = directory_.find(root);
+  return robot != nullptr && groups_.memberships.count(multicast::group_of(robot->name)) != 0;
+}
+
 void Engine::Implementation::take_group_packets(Time now) {
   for (const multicast::Arrived& arrived : distributor_.take_arrived()) {
-    const routing::Robot* robot = directory_.find(arrived.root);
-    const auto membership =
-        robot == nullptr ? groups_.memberships.end() : groups_.memberships.find(multicast::group_of(robot->name));
-    if (membership != groups_.memberships.end())
-      deliver_packet(std::string(robot->name), arrived.image, arrived.hops, now);
+    if (!takes_part(arrived.root)) continue;
+    deliver_packet(std::string(directory_.find(arrived.root)->name), arrived.image, arrived.hops, now);
   }
 }
 

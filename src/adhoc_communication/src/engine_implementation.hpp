@@ -172,6 +172,7 @@ class Engine::Implementation : private Outbox {
   void report(Event event);
 
   // engine_groups.cpp: membership.
+  bool takes_part(const MacAddress& root) const;
   void settle_memberships(Time now);
   void start_leave(const std::string& group, Time now);
   void member_lost(const std::string& member, wire::BootTag boot, Time now);

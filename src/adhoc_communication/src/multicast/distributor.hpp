@@ -71,7 +71,8 @@ class Distributor {
   std::vector<MemberEnd> take_ends() { return std::exchange(ends_, {}); }
 
   // At every robot.
-  void on_activation(const MacAddress& from, const wire::GroupActivation& activation, Time now);
+  /// `takes_part`: this run has joined the group, or is about to. A former run may have been a member.
+  void on_activation(const MacAddress& from, const wire::GroupActivation& activation, bool takes_part, Time now);
   void on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal, Time now);
   void on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Time now);
   void on_report(const MacAddress& from, const wire::GroupReport& report, Time now);
@@ -82,8 +83,8 @@ class Distributor {
 
   /// The neighbour is gone, or has restarted.
   void link_lost(const MacAddress& neighbor, Time now);
-  /// A search for a route has failed.
-  void unreachable(const MacAddress& member, const std::string& reason);
+  /// A search for a route has failed; `nearby`: it looked only there.
+  void unreachable(const MacAddress& member, const std::string& reason, bool nearby);
 
   void poll(Time now);
   Time next_deadline() const;
@@ -123,6 +124,7 @@ class Distributor {
   void renew_stale(Tree& tree);
   void next_epoch(Tree& tree);
   void refused_with_little(const MacAddress& member);
+  bool look_for(const MacAddress& root, const MacAddress& member, Time now);
   std::set<MacAddress> attach(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members, Time now);
   void attach_routed(Time now);
   void activate_again(const MacAddress& root, const Tree& tree, const MacAddress& child, Time now);

@@ -43,15 +43,26 @@ void Distributor::forget_tree(const MacAddress& root) {
   trees_.erase(root);
 }
 
-/// Gives the members to the next hops of their routes; returns those that lead back to where they came from.
+/// The root looks everywhere for its members. For a relay that knows no way, another robot is probably the better
+/// place; it looks near by.
+bool Distributor::look_for(const MacAddress& root, const MacAddress& member, Time now) {
+  if (!is_root(root)) return router_.search_nearby(member, now);
+  router_.search({member, {}}, now);
+  return true;
+}
+
+/// Gives the members to the next hops of their routes; returns those that lead back to where they came from, and those
+/// that cannot be looked for.
 std::set<MacAddress> Distributor::attach(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members,
                                          Time now) {
   std::set<MacAddress> refused;
   for (const MacAddress& member : members) {
     const routing::Route* route = router_.route_to(member, now);
-    if (route == nullptr) {
+    if (route == nullptr && look_for(root, member, now)) {
       tree.unrouted.insert(member);
-      router_.search({member, {}}, now);
+    } else if (route == nullptr) {
+      tree.unrouted.erase(member);
+      refused.insert(member);
     } else if (tree.upstream && route->next_hop == *tree.upstream) {
       tree.unrouted.erase(member);
       refused.insert(member);
@@ -64,16 +75,12 @@ std::set<MacAddress> Distributor::attach(const MacAddress& root, Tree& tree, con
   return refused;
 }
 
-/// Members whose routes have been found meanwhile.
+/// Members whose routes have been found meanwhile, or cannot be looked for.
 void Distributor::attach_routed(Time now) {
   for (auto& [root, tree] : trees_) {
     std::set<MacAddress> routed;
     for (const MacAddress& member : tree.unrouted) {
-      if (router_.route_to(member, now) != nullptr) {
-        routed.insert(member);
-      } else {
-        router_.search({member, {}}, now);
-      }
+      if (router_.route_to(member, now) != nullptr || !look_for(root, member, now)) routed.insert(member);
     }
     if (routed.empty()) continue;
     refuse(root, tree, attach(root, tree, routed, now));
@@ -107,7 +114,8 @@ void Distributor::activate_again(const MacAddress& root, const Tree& tree, const
   activate(root, tree, {child});
 }
 
-void Distributor::on_activation(const MacAddress& from, const wire::GroupActivation& activation, Time now) {
+void Distributor::on_activation(const MacAddress& from, const wire::GroupActivation& activation, bool takes_part,
+                                Time now) {
   if (is_root(activation.root)) return;
   Tree& tree = tree_of(activation.root, activation.root_boot, now);
   tree.last_used = now;
@@ -127,7 +135,8 @@ void Distributor::on_activation(const MacAddress& from, const wire::GroupActivat
   tree.upstream = from;
   tree.unrouted.clear();
   std::set<MacAddress> members(activation.members.begin(), activation.members.end());
-  tree.member = members.erase(self_.address) != 0;
+  const bool asked = members.erase(self_.address) != 0;
+  tree.member = asked && takes_part;
   if (!anew) {
     // Who was attached stays where it is.
     for (const auto& [child, behind] : before) {
@@ -136,7 +145,9 @@ void Distributor::on_activation(const MacAddress& from, const wire::GroupActivat
       }
     }
   }
-  refuse(activation.root, tree, attach(activation.root, tree, members, now));
+  std::set<MacAddress> refused = attach(activation.root, tree, members, now);
+  if (asked && !takes_part) refused.insert(self_.address);
+  refuse(activation.root, tree, refused);
   std::set<MacAddress> changed;
   for (const auto& [child, behind] : tree.children) {
     const auto found = before.find(child);
@@ -230,9 +241,9 @@ void Distributor::give_up(const MacAddress& root, Tree& tree, const std::vector<
   }
 }
 
-void Distributor::unreachable(const MacAddress& member, const std::string& reason) {
+void Distributor::unreachable(const MacAddress& member, const std::string& reason, bool nearby) {
   for (auto& [root, tree] : trees_) {
-    if (tree.unrouted.count(member) == 0) continue;
+    if (tree.unrouted.count(member) == 0 || (nearby && is_root(root))) continue;
     tree.unrouted.erase(member);
     branches_.at(root).busy = true;
     if (is_root(root)) {

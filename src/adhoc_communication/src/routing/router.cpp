@@ -24,6 +24,10 @@ void Router::search(const Target& target, Time now) {
   discovery_.search(target, former == nullptr ? 0 : former->hops, now);
 }
 
+bool Router::search_nearby(const MacAddress& destination, Time now) {
+  return discovery_.searching({destination, {}}) || discovery_.repair(destination, 1 + timings_.local_add_ttl, now);
+}
+
 void Router::on_hello(const MacAddress& from, std::uint32_t sequence, Time now) {
   hear_directly(from, sequence, now);
   finish_searches(now);

@@ -34,6 +34,9 @@ class Router {
 
   /// Section 6.3: data is due and there is no route.
   void search(const Target& target, Time now);
+  /// One request of small reach, as for a repair: for a way that only has to lead round somebody. False if that cannot
+  /// be tried now.
+  bool search_nearby(const MacAddress& destination, Time now);
   bool searching(const Target& target) const { return discovery_.searching(target); }
   /// Searches that failed; of repairs, the precursors have been told already.
   std::vector<DiscoveryFailure> take_failures(Time now);

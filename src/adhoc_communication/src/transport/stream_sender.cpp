@@ -110,13 +110,15 @@ void StreamSender::learn_from(const Segment& segment, Time now) {
   newest_doubtful_ = Time(-1);
   if (segment.sent <= newest_acknowledged_) return;
   newest_acknowledged_ = segment.sent;
-  round_trip_.sample(now - segment.sent);
+  // With a timer that ran out in between, the time is that of the timer (Karn).
+  if (segment.sent > last_expiry_) round_trip_.sample(now - segment.sent);
 }
 
 /// Soon after the repetition it is the first copy that has arrived, late but not lost: taken for the second, it would
 /// make all that is on the way look overtaken.
 void StreamSender::learn_from_repeated(const Segment& segment, Time now) {
   if (now - segment.sent >= round_trip_.smoothed() / 2) {
+    if (segment.sent > newest_acknowledged_) round_trip_.sample(now - segment.sent);
     newest_acknowledged_ = std::max(newest_acknowledged_, segment.sent);
     reordering_ = std::max(reordering_ - reordering_ / 16, kReordering);
     return;
@@ -186,6 +188,7 @@ std::vector<std::pair<SendId, Time>> StreamSender::expire(int most_resends, Time
   if (resends_ < most_resends) {
     ++resends_;
     waiting_since_ = now;
+    last_expiry_ = now;
     probe();
     return given_up;
   }

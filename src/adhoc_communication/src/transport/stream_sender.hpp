@@ -86,6 +86,7 @@ class StreamSender {
   wire::BootTag receiver_boot_ = 0;
   Time newest_acknowledged_{-1};  ///< when the latest of the acknowledged segments was sent
   Time newest_doubtful_{-1};      ///< the same of repeated segments of which perhaps only the first copy has arrived
+  Time last_expiry_{-1};          ///< of the timer
   Time reordering_ = kReordering;
   Time widened_{-1};  ///< when reordering_ grew
   bool progress_ = false;

@@ -30,7 +30,10 @@ TEST(Trees, B1_6_ActivationIsInNetworkByteOrder) {
 
 /// A node between a, which is the root or nearer to it, and b.
 struct Branch : Stage {
-  Branch() : a(neighbor(1)), b(neighbor(2)) { run_for(50ms); }
+  Branch() : a(neighbor(1)), b(neighbor(2)) {
+    run_for(50ms);
+    team.engine(0).join_group("mc_" + a.name, now());
+  }
   void activate(Host& from, std::uint32_t epoch, const std::vector<MacAddress>& members) {
     say(from, wire::GroupActivation{a.address, a.boot(), epoch, members}, self().address);
     run_for(5ms);
@@ -107,6 +110,17 @@ TEST(Trees, B4_4_ARobotWithNobodyBehindItMayGetAnotherPlace) {
   branch.activate(branch.b, 3, {c.address});
   EXPECT_EQ(branch.tree()->upstream, branch.b.address);
   EXPECT_EQ(branch.count(FrameType::kGroupRefusal), 0u);
+}
+
+TEST(Trees, B4_5_WhoHasNotJoinedRefusesItself) {
+  Branch branch;
+  branch.say(branch.b, wire::GroupActivation{branch.b.address, branch.b.boot(), 1, {branch.self().address}},
+             branch.self().address);
+  branch.run_for(5ms);
+  const auto refusals = branch.sent<wire::GroupRefusal>();
+  ASSERT_EQ(refusals.size(), 1u) << "a former run may have been a member";
+  EXPECT_EQ(refusals[0].to, branch.b.address);
+  EXPECT_EQ(refusals[0].message.members, std::vector<MacAddress>{branch.self().address});
 }
 
 TEST(Trees, B4_5_MembersThatCannotBeReachedAreRefused) {
