@@ -70,7 +70,7 @@ void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& n
     if (copies == kMostConfirmations) return;
     if (neighbor == request.originator || seen->second.holders.count(neighbor) != 0) continue;
     if (!depends(neighbor, neighbors, now)) continue;
-    if (neighbors.loss(neighbor) * chance_to_miss(neighbor, holders, neighbors, now) <= kTolerableMiss) continue;
+    if (chance_to_miss(neighbor, holders, neighbors, now) <= kTolerableMiss) continue;
     outbox_.unicast(neighbor, wire::FrameType::kRouteRequest, to_bytes(request));
     ++copies;
   }

@@ -24,7 +24,7 @@ class RequestFlood {
   static constexpr std::size_t kMostPending = 256;      ///< further requests are not passed on
   static constexpr std::size_t kMostConfirmations = 6;  ///< unicast copies of one request
   static constexpr std::size_t kFewestHolders = 2;      ///< heard before an own copy is needless
-  static constexpr double kTolerableMiss = 0.1;         ///< of all copies, by a neighbour
+  static constexpr double kTolerableMiss = 0.1;         ///< of all copies but the own, by a neighbour
   static constexpr double kBadLoss = 0.5;               ///< of a link over which others may do better
   static constexpr int kMostForwards = 2;               ///< of one request: once more when a cheaper copy came late
   static constexpr Time kConfirm = std::chrono::milliseconds(25);

@@ -118,7 +118,6 @@ void StreamSender::learn_from(const Segment& segment, Time now) {
 /// make all that is on the way look overtaken.
 void StreamSender::learn_from_repeated(const Segment& segment, Time now) {
   if (now - segment.sent >= round_trip_.smoothed() / 2) {
-    if (segment.sent > newest_acknowledged_) round_trip_.sample(now - segment.sent);
     newest_acknowledged_ = std::max(newest_acknowledged_, segment.sent);
     reordering_ = std::max(reordering_ - reordering_ / 16, kReordering);
     return;
