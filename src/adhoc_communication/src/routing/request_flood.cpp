@@ -9,16 +9,21 @@ bool RequestFlood::first_time(const wire::RouteRequest& request, const MacAddres
   auto found = seen_.find(key);
   const bool fresh = found == seen_.end() || found->second.forgotten <= now;
   if (fresh) {
-    if (found == seen_.end() && seen_.size() >= kMostRequests) {
-      seen_.erase(std::min_element(seen_.begin(), seen_.end(), [](const auto& a, const auto& b) {
-        return a.second.forgotten < b.second.forgotten;
-      }));
-    }
+    make_room(now);
     seen_[key] = Seen{now + timings_.path_discovery_time(), 0, {}};
     found = seen_.find(key);
+    order_.emplace_back(found->second.forgotten, key);
   }
   found->second.holders.insert(from);
   return fresh;
+}
+
+/// All are remembered equally long, so the first to be forgotten is the first that came.
+void RequestFlood::make_room(Time now) {
+  while (!order_.empty() && (order_.front().first <= now || seen_.size() >= kMostRequests)) {
+    seen_.erase(order_.front().second);
+    order_.pop_front();
+  }
 }
 
 void RequestFlood::originate(const wire::RouteRequest& request, const MacAddress& self, Time now) {

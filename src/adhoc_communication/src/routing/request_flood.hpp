@@ -6,6 +6,7 @@
 // time.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <set>
 #include <utility>
@@ -61,6 +62,7 @@ class RequestFlood {
     wire::RouteRequest request;
   };
 
+  void make_room(Time now);
   void confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now);
   bool needless(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) const;
   using Holders = std::vector<wire::NeighborTag>;
@@ -73,6 +75,7 @@ class RequestFlood {
   Outbox& outbox_;
   Random& random_;
   std::map<Key, Seen> seen_;
+  std::deque<std::pair<Time, Key>> order_;  ///< in which they are forgotten
   std::vector<Pending> pending_;
 };
 
