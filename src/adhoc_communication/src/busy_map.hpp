@@ -14,6 +14,10 @@ class BusyMap {
  public:
   using Busy = std::map<Key, Value*>;
 
+  BusyMap() = default;
+  BusyMap(const BusyMap&) = delete;
+  BusyMap& operator=(const BusyMap&) = delete;
+
   std::size_t size() const { return entries_.size(); }
   const std::map<Key, Value>& all() const { return entries_; }
   const Value* find(const Key& key) const {

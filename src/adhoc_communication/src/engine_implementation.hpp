@@ -149,8 +149,10 @@ class Engine::Implementation : private Outbox {
   void pump(Time now);
   bool pump_priority(std::uint8_t priority, Time now);
   bool pump_links(std::uint8_t priority, Time now);
+  bool pump_link(const MacAddress& neighbor, Link& link, std::uint8_t priority, Time now);
   bool pump_groups(std::uint8_t priority, Time now);
   bool pump_streams(std::uint8_t priority, Time now);
+  bool pump_stream(const StreamKey& key, Stream& stream, Time now);
   bool air_allows(const Link& link, Time now) const;
   void send_on(const MacAddress& neighbor, Link& link, const transport::HopSender::Outgoing& outgoing,
                std::uint64_t counter, Time now);

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "engine_implementation.hpp"
+#include "round_robin.hpp"
 
 namespace adhoc_communication {
 
@@ -39,27 +40,24 @@ bool Engine::Implementation::pump_priority(std::uint8_t priority, Time now) {
 
 /// Repetitions and frames of others, one neighbour after the other.
 bool Engine::Implementation::pump_links(std::uint8_t priority, Time now) {
-  const auto& busy = links_.busy();
-  auto iterator = busy.upper_bound(last_link_served_);
-  for (std::size_t visited = 0; visited < busy.size(); ++visited, ++iterator) {
-    if (iterator == busy.end()) iterator = busy.begin();
-    const MacAddress& neighbor = iterator->first;
-    Link& link = *iterator->second;
-    const bool again = link.sender.has_resend(priority) && link.sender.may_resend();
-    const bool anew = link.sender.has_waiting(priority) && link.sender.may_start();
-    if (!(again || anew) || !air_allows(link, now)) continue;
-    last_link_served_ = neighbor;
-    if (!again && options_.num_link_retrans == 0) {
-      send_unacknowledged(neighbor, link.sender.take_waiting(priority), now);
-      return true;
-    }
-    const std::uint64_t counter = next_counter_++;
-    const HopSender::Outgoing outgoing = again ? link.sender.resend(priority, counter, now)
-                                               : link.sender.start(link.sender.take_waiting(priority), counter, now);
-    send_on(neighbor, link, outgoing, counter, now);
+  return visit_after(links_.busy(), last_link_served_,
+                     [&](const auto& item) { return pump_link(item.first, *item.second, priority, now); });
+}
+
+bool Engine::Implementation::pump_link(const MacAddress& neighbor, Link& link, std::uint8_t priority, Time now) {
+  const bool again = link.sender.has_resend(priority) && link.sender.may_resend();
+  const bool anew = link.sender.has_waiting(priority) && link.sender.may_start();
+  if (!(again || anew) || !air_allows(link, now)) return false;
+  last_link_served_ = neighbor;
+  if (!again && options_.num_link_retrans == 0) {
+    send_unacknowledged(neighbor, link.sender.take_waiting(priority), now);
     return true;
   }
-  return false;
+  const std::uint64_t counter = next_counter_++;
+  const HopSender::Outgoing outgoing = again ? link.sender.resend(priority, counter, now)
+                                             : link.sender.start(link.sender.take_waiting(priority), counter, now);
+  send_on(neighbor, link, outgoing, counter, now);
+  return true;
 }
 
 /// As on a link, of some frames a second follows the first without a gap, which measures the air.
@@ -75,31 +73,29 @@ bool Engine::Implementation::pump_groups(std::uint8_t priority, Time now) {
 
 /// Own packets, one destination after the other.
 bool Engine::Implementation::pump_streams(std::uint8_t priority, Time now) {
-  const auto& busy = streams_.busy();
-  auto iterator = busy.upper_bound(last_stream_served_);
-  for (std::size_t visited = 0; visited < busy.size(); ++visited, ++iterator) {
-    if (iterator == busy.end()) iterator = busy.begin();
-    const StreamKey& key = iterator->first;
-    Stream& stream = *iterator->second;
-    if (key.second != priority || !stream.next_hop || !stream.sender.has_segment()) continue;
-    Link& hop = link(*stream.next_hop);
-    if (!hop.sender.may_start() || !air_allows(hop, now)) continue;
-    last_stream_served_ = key;
-    wire::Data data = stream.sender.next_segment(now);
-    data.source = self_.address;
-    data.source_boot = self_.boot;
-    data.destination = *stream.address;
-    router_.used(self_.address, data.destination, self_.address, now);
-    transport::HopFrame frame{FrameType::kData, to_bytes(data), priority};
-    if (options_.num_link_retrans == 0) {
-      send_unacknowledged(*stream.next_hop, frame, now);
-      return true;
-    }
-    const std::uint64_t counter = next_counter_++;
-    send_on(*stream.next_hop, hop, hop.sender.start(std::move(frame), counter, now), counter, now);
+  return visit_after(streams_.busy(), last_stream_served_, [&](const auto& item) {
+    return item.first.second == priority && pump_stream(item.first, *item.second, now);
+  });
+}
+
+bool Engine::Implementation::pump_stream(const StreamKey& key, Stream& stream, Time now) {
+  if (!stream.next_hop || !stream.sender.has_segment()) return false;
+  Link& hop = link(*stream.next_hop);
+  if (!hop.sender.may_start() || !air_allows(hop, now)) return false;
+  last_stream_served_ = key;
+  wire::Data data = stream.sender.next_segment(now);
+  data.source = self_.address;
+  data.source_boot = self_.boot;
+  data.destination = *stream.address;
+  router_.used(self_.address, data.destination, self_.address, now);
+  transport::HopFrame frame{FrameType::kData, to_bytes(data), key.second};
+  if (options_.num_link_retrans == 0) {
+    send_unacknowledged(*stream.next_hop, frame, now);
     return true;
   }
-  return false;
+  const std::uint64_t counter = next_counter_++;
+  send_on(*stream.next_hop, hop, hop.sender.start(std::move(frame), counter, now), counter, now);
+  return true;
 }
 
 /// Two frames may be on their way to each neighbour even if the air is believed to be slow, as long as that is not for

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "round_robin.hpp"
+
 namespace adhoc_communication::multicast {
 namespace {
 
@@ -376,28 +378,32 @@ bool Distributor::has_frame(std::uint8_t priority) const {
 }
 
 GroupFrame Distributor::next_frame(std::uint8_t priority, bool follows, Time now) {
-  auto iterator = branches_.upper_bound(last_root_served_);
-  for (std::size_t visited = 0; visited < branches_.size(); ++visited, ++iterator) {
-    if (iterator == branches_.end()) iterator = branches_.begin();
-    auto& [root, branch] = *iterator;
-    if (!branch.busy) continue;
-    for (auto& [number, transfer] : branch.streams[priority].transfers) {
-      if (!transfer.to_children->has_frame()) continue;
-      last_root_served_ = root;
-      const Tree& tree = trees_.at(root);
-      const Distribution::Outgoing outgoing = transfer.to_children->next(now);
-      wire::GroupData data = header(root, tree, priority, number, transfer);
-      data.report = outgoing.question;
-      data.follows = follows;
-      data.round = outgoing.round;
-      data.block = static_cast<std::uint16_t>(outgoing.block);
-      data.symbol = static_cast<std::uint8_t>(outgoing.symbol);
-      data.octets = transfer.packet->symbol(outgoing.block, outgoing.symbol);
-      const auto only = transfer.to_children->only_open_child();
-      return {only.value_or(wire::kEverybody), to_bytes(data)};
-    }
+  std::optional<GroupFrame> frame;
+  visit_after(branches_, last_root_served_, [&](auto& item) {
+    if (item.second.busy) frame = next_frame_of(item.first, item.second, priority, follows, now);
+    return frame.has_value();
+  });
+  if (!frame) throw std::logic_error("next_frame() without has_frame()");
+  return *frame;
+}
+
+std::optional<GroupFrame> Distributor::next_frame_of(const MacAddress& root, Branch& branch, std::uint8_t priority,
+                                                     bool follows, Time now) {
+  for (auto& [number, transfer] : branch.streams[priority].transfers) {
+    if (!transfer.to_children->has_frame()) continue;
+    last_root_served_ = root;
+    const Distribution::Outgoing outgoing = transfer.to_children->next(now);
+    wire::GroupData data = header(root, trees_.at(root), priority, number, transfer);
+    data.report = outgoing.question;
+    data.follows = follows;
+    data.round = outgoing.round;
+    data.block = static_cast<std::uint16_t>(outgoing.block);
+    data.symbol = static_cast<std::uint8_t>(outgoing.symbol);
+    data.octets = transfer.packet->symbol(outgoing.block, outgoing.symbol);
+    const auto only = transfer.to_children->only_open_child();
+    return GroupFrame{only.value_or(wire::kEverybody), to_bytes(data)};
   }
-  throw std::logic_error("next_frame() without has_frame()");
+  return std::nullopt;
 }
 
 Time Distributor::next_deadline() const {

@@ -129,6 +129,11 @@ class Distributor {
   void attach_routed(Time now);
   void activate_again(const MacAddress& root, const Tree& tree, const MacAddress& child, Time now);
   void activate(const MacAddress& root, const Tree& tree, const std::set<MacAddress>& children);
+  void turn_down(const MacAddress& from, const wire::GroupActivation& activation);
+  static std::set<MacAddress> keep_attached(Tree& tree, const std::map<MacAddress, std::set<MacAddress>>& before,
+                                            std::set<MacAddress> members);
+  static std::set<MacAddress> changed_children(const Tree& tree,
+                                               const std::map<MacAddress, std::set<MacAddress>>& before, bool anew);
   static void forget_rhythm(Branch& branch);
   void give_up(const MacAddress& root, Tree& tree, const std::vector<MacAddress>& children, Time now);
   static void leave(Tree& tree);
@@ -160,6 +165,8 @@ class Distributor {
   static std::uint32_t oldest_open(const GroupStream& stream);
   void finish_member(Transfer& transfer, const MemberEnd& end);
   void remove_finished();
+  std::optional<GroupFrame> next_frame_of(const MacAddress& root, Branch& branch, std::uint8_t priority, bool follows,
+                                          Time now);
   static bool idle(const Branch& branch);
 
   const Identity& self_;

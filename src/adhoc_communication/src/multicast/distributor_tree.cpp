@@ -120,14 +120,8 @@ void Distributor::on_activation(const MacAddress& from, const wire::GroupActivat
   Tree& tree = tree_of(activation.root, activation.root_boot, now);
   tree.last_used = now;
   const bool anew = tree.epoch == 0 || routing::is_newer(activation.epoch, tree.epoch);
-  const bool free = !tree.upstream && activation.epoch == tree.epoch;
-  if (!anew && !free && (activation.epoch != tree.epoch || tree.upstream != from)) {
-    if (activation.members.empty()) return;
-    outbox_.unicast(
-        from, FrameType::kGroupRefusal,
-        to_bytes(wire::GroupRefusal{activation.root, activation.root_boot, activation.epoch, activation.members}));
-    return;
-  }
+  const bool stays = activation.epoch == tree.epoch && (!tree.upstream || tree.upstream == from);
+  if (!anew && !stays) return turn_down(from, activation);
   const std::map<MacAddress, std::set<MacAddress>> before = std::exchange(tree.children, {});
   if (tree.upstream != from) forget_rhythm(branches_[activation.root]);
   if (anew) tree.refused.clear();
@@ -137,28 +131,45 @@ void Distributor::on_activation(const MacAddress& from, const wire::GroupActivat
   std::set<MacAddress> members(activation.members.begin(), activation.members.end());
   const bool asked = members.erase(self_.address) != 0;
   tree.member = asked && takes_part;
-  if (!anew) {
-    // Who was attached stays where it is.
-    for (const auto& [child, behind] : before) {
-      for (const MacAddress& member : behind) {
-        if (members.erase(member) != 0) tree.children[child].insert(member);
-      }
-    }
-  }
+  if (!anew) members = keep_attached(tree, before, std::move(members));
   std::set<MacAddress> refused = attach(activation.root, tree, members, now);
   if (asked && !takes_part) refused.insert(self_.address);
   refuse(activation.root, tree, refused);
+  activate(activation.root, tree, changed_children(tree, before, anew));
+  if (!tree.member) leave(tree);
+  children_changed(activation.root, anew, now);
+}
+
+void Distributor::turn_down(const MacAddress& from, const wire::GroupActivation& activation) {
+  if (activation.members.empty()) return;
+  const wire::GroupRefusal refusal{activation.root, activation.root_boot, activation.epoch, activation.members};
+  outbox_.unicast(from, FrameType::kGroupRefusal, to_bytes(refusal));
+}
+
+/// Who was attached stays where it is. Returns the others.
+std::set<MacAddress> Distributor::keep_attached(Tree& tree, const std::map<MacAddress, std::set<MacAddress>>& before,
+                                                std::set<MacAddress> members) {
+  for (const auto& [child, behind] : before) {
+    for (const MacAddress& member : behind) {
+      if (members.erase(member) != 0) tree.children[child].insert(member);
+    }
+  }
+  return members;
+}
+
+/// Those to which other members are entrusted than before, and those pruned.
+std::set<MacAddress> Distributor::changed_children(const Tree& tree,
+                                                   const std::map<MacAddress, std::set<MacAddress>>& before,
+                                                   bool anew) {
   std::set<MacAddress> changed;
   for (const auto& [child, behind] : tree.children) {
     const auto found = before.find(child);
     if (anew || found == before.end() || found->second != behind) changed.insert(child);
   }
   for (const auto& [child, behind] : before) {
-    if (!anew && tree.children.count(child) == 0) changed.insert(child);  // pruned
+    if (!anew && tree.children.count(child) == 0) changed.insert(child);
   }
-  activate(activation.root, tree, changed);
-  if (!tree.member) leave(tree);
-  children_changed(activation.root, anew, now);
+  return changed;
 }
 
 /// Counters and rounds of the former upstream neighbour mean nothing to a new one.

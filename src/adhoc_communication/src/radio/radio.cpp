@@ -10,14 +10,13 @@
 #include <iostream>
 #include <sstream>
 
+#include "link/steady_now.hpp"
 #include "radio/control.hpp"
 
 namespace adhoc_communication {
 namespace {
 
 constexpr std::size_t kMaxClients = 1000;
-
-Time steady_now() { return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now().time_since_epoch()); }
 
 }  // namespace
 

@@ -25,7 +25,6 @@ struct Neighbor {
     double loss = 0.0;  ///< of the beacons it hears, 0..1
   };
   boost::container::flat_map<wire::NeighborTag, Hears> hears;
-  double best_delivery = 0.0;       ///< the greatest share of the beacons of one robot that it gets
   double reported_loss = 0.0;       ///< of frames to it, as its beacons say, 0..1
   std::optional<double> seen_loss;  ///< of frames to it, as the hop ARQ sees it
   double loss_from = 0.0;           ///< of its beacons

@@ -1,6 +1,7 @@
 #include "routing/request_flood.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace adhoc_communication::routing {
 
@@ -69,37 +70,38 @@ void RequestFlood::poll(const Neighbors& neighbors, Time now) {
 void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) {
   const auto seen = seen_.find({request.originator, request.id});
   if (seen == seen_.end()) return;  // it had to make room
-  const Holders holders = holders_of(seen->second, neighbors);
-  std::size_t copies = 0;
-  for (const MacAddress& neighbor : neighbors.all_two_way(now)) {
-    if (copies == kMostConfirmations) return;
-    if (neighbor == request.originator || seen->second.holders.count(neighbor) != 0) continue;
-    if (!depends(neighbor, neighbors, now)) continue;
-    if (chance_to_miss(neighbor, holders, neighbors, now) <= kTolerableMiss) continue;
-    outbox_.unicast(neighbor, wire::FrameType::kRouteRequest, to_bytes(request));
-    ++copies;
+  const std::vector<MacAddress> needy = in_need(request, seen->second, neighbors, now);
+  const std::size_t copies = std::min(needy.size(), kMostConfirmations);
+  for (std::size_t i = 0; i < copies; ++i) {
+    outbox_.unicast(needy[i], wire::FrameType::kRouteRequest, to_bytes(request));
   }
 }
 
-/// In a crowd: every neighbour has the request or can count on others who do.
+/// In a crowd: others have broadcast the request to all who need it.
 bool RequestFlood::needless(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) const {
   const auto seen = seen_.find({request.originator, request.id});
-  if (request.hop_count == 0 || seen == seen_.end()) return false;
-  if (seen->second.holders.size() < kFewestHolders) return false;
-  const Holders holders = holders_of(seen->second, neighbors);
-  const auto is_supplied = [&](const MacAddress& neighbor) {
-    return neighbor == request.originator || seen->second.holders.count(neighbor) != 0 ||
-           !depends(neighbor, neighbors, now) || chance_to_miss(neighbor, holders, neighbors, now) <= kTolerableMiss;
-  };
+  if (request.hop_count == 0 || seen == seen_.end() || seen->second.holders.size() < kFewestHolders) return false;
+  return in_need(request, seen->second, neighbors, now).empty();
+}
+
+/// The neighbours that need a copy from this robot: they neither have the request nor can count on others who do.
+std::vector<MacAddress> RequestFlood::in_need(const wire::RouteRequest& request, const Seen& seen,
+                                              const Neighbors& neighbors, Time now) {
   const std::vector<MacAddress> all = neighbors.all_two_way(now);
-  return std::all_of(all.begin(), all.end(), is_supplied);
+  const Holders holders = holders_of(seen, neighbors);
+  std::vector<MacAddress> needy;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(needy), [&](const MacAddress& neighbor) {
+    return neighbor != request.originator && seen.holders.count(neighbor) == 0 &&
+           chance_to_miss(neighbor, holders, neighbors, now) > kTolerableMiss && depends(neighbor, all, neighbors, now);
+  });
+  return needy;
 }
 
 /// A neighbour behind a bad link does not need this robot if a third one hears it well and is heard well by it.
-bool RequestFlood::depends(const MacAddress& neighbor, const Neighbors& neighbors, Time now) {
+bool RequestFlood::depends(const MacAddress& neighbor, const std::vector<MacAddress>& all, const Neighbors& neighbors,
+                           Time now) {
   if (neighbors.loss(neighbor) <= kBadLoss) return true;
   const Neighbor& receiver = *neighbors.find(neighbor);
-  const std::vector<MacAddress> all = neighbors.all_two_way(now);
   return std::none_of(all.begin(), all.end(), [&](const MacAddress& other) {
     const wire::NeighborTag tag = wire::neighbor_tag(neighbors.find(other)->boot);
     return other != neighbor && neighbors.loss(other) <= kBadLoss &&

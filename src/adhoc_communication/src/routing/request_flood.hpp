@@ -67,7 +67,10 @@ class RequestFlood {
   bool needless(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) const;
   using Holders = std::vector<wire::NeighborTag>;
   static Holders holders_of(const Seen& seen, const Neighbors& neighbors);
-  static bool depends(const MacAddress& neighbor, const Neighbors& neighbors, Time now);
+  static std::vector<MacAddress> in_need(const wire::RouteRequest& request, const Seen& seen,
+                                         const Neighbors& neighbors, Time now);
+  static bool depends(const MacAddress& neighbor, const std::vector<MacAddress>& all, const Neighbors& neighbors,
+                      Time now);
   static double chance_to_miss(const MacAddress& neighbor, const Holders& holders, const Neighbors& neighbors,
                                Time now);
 

@@ -33,9 +33,10 @@ void RobotDirectory::life_sign(const MacAddress& address, const std::string& nam
     return;
   }
   // Hearsay of another run does not count against a robot that is heard directly.
+  const bool other_run = known != nullptr && !same_run;
   const bool heard_lately = known != nullptr && now - known->last_news < kHeardRecently;
-  if (hops > 1 && !same_run && heard_lately && known->hops == 1) return;
-  if (is_former(address, boot) && (heard_lately || !reinstate(robots_.at(address), boot, alive))) return;
+  if (other_run && hops > 1 && heard_lately && known->hops == 1) return;
+  if (other_run && is_former(address, boot) && (heard_lately || !reinstate(robots_.at(address), boot, alive))) return;
   Robot* robot = admit(address, name, boot, now);
   if (robot == nullptr) return;
   if (robot->alive != alive) robot->spreads_left = kSpreads;

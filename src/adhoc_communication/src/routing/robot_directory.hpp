@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "round_robin.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::routing {
@@ -81,16 +82,16 @@ class RobotDirectory {
 template <typename Predicate>
 std::vector<wire::Rumor> RobotDirectory::take_rumors(std::size_t most, Predicate wanted) {
   std::vector<wire::Rumor> rumors;
-  auto iterator = robots_.upper_bound(last_spread_);
-  for (std::size_t visited = 0; visited < robots_.size() && rumors.size() < most; ++visited) {
-    if (iterator == robots_.end()) iterator = robots_.begin();
-    auto& [address, robot] = *iterator++;
-    if (robot.spreads_left <= 0 || !robot.announced || robot.hops >= wire::kFarthestHop) continue;
+  if (most == 0) return rumors;
+  visit_after(robots_, last_spread_, [&](auto& item) {
+    auto& [address, robot] = item;
+    if (robot.spreads_left <= 0 || !robot.announced || robot.hops >= wire::kFarthestHop) return false;
     --robot.spreads_left;
-    if (!wanted(address, robot.boot)) continue;
+    if (!wanted(address, robot.boot)) return false;
     rumors.push_back({address, robot.boot, robot.alive, robot.hops, robot.name});
-    last_spread_ = address;
-  }
+    return rumors.size() == most;
+  });
+  if (!rumors.empty()) last_spread_ = rumors.back().address;
   return rumors;
 }
 

@@ -5,8 +5,8 @@
 namespace adhoc_communication::transport {
 namespace {
 
-constexpr int kFewFrames =
-    3;  ///< single frames are acknowledged soon: what is not may go a second way if the link dies
+/// Fewer are acknowledged soon: what is not may go a second way if the link dies.
+constexpr int kFewFrames = 3;
 
 }  // namespace
 
