@@ -80,7 +80,8 @@ bool Engine::Implementation::proves_itself(const security::OpenedFrame& opened, 
   return false;
 }
 
-/// Newcomers are greeted soon, so that both sides know at once that the link works both ways.
+/// Newcomers, and those whose link had failed, are greeted soon, so that both sides know at once that the link works
+/// both ways.
 void Engine::Implementation::greet(Time now) {
   const Time earliest = last_beacon_ < Time(0) ? now : last_beacon_ + std::chrono::milliseconds(50);
   beacon_due_ = std::min(beacon_due_, std::max(earliest, now + random_.delay(std::chrono::milliseconds(10))));
@@ -99,7 +100,7 @@ bool Engine::Implementation::hear(const wire::FrameHeader& header, Time now) {
   const wire::BootTag boot = wire::boot_tag(header.boot_id);
   const routing::Neighbor* before = neighbors_.find(header.sender);
   const bool restarted = before != nullptr && before->boot != boot;
-  if (before == nullptr || restarted) {
+  if (before == nullptr || restarted || neighbors_.is_lost(*before, now)) {
     happened(now);
     greet(now);
   }

@@ -37,6 +37,7 @@ Neighbor* Neighbors::heard(const MacAddress& address, wire::BootTag boot, Time n
     neighbor.interval = own_interval_;
   }
   neighbor.last_heard = now;
+  neighbor.failed = false;
   candidates_.erase({address, boot});
   return &neighbor;
 }
@@ -81,7 +82,9 @@ void Neighbors::acknowledged(const MacAddress& address, Time now) {
 
 void Neighbors::link_failed(const MacAddress& address) {
   const auto found = neighbors_.find(address);
-  if (found != neighbors_.end()) found->second.listed.reset();
+  if (found == neighbors_.end()) return;
+  found->second.listed.reset();
+  found->second.failed = true;
 }
 
 void Neighbors::blacklist(const MacAddress& address, Time now) {
@@ -95,8 +98,16 @@ const Neighbor* Neighbors::find(const MacAddress& address) const {
 }
 
 bool Neighbors::two_way(const Neighbor& neighbor, Time now) const {
-  return neighbor.listed && now - *neighbor.listed < patience(neighbor) * neighbor.beacons_per_list &&
-         neighbor.blacklisted_until <= now;
+  return neighbor.listed && !fell_silent(neighbor, now) && neighbor.blacklisted_until <= now;
+}
+
+/// As to whether it hears this robot.
+bool Neighbors::fell_silent(const Neighbor& neighbor, Time now) const {
+  return neighbor.listed && now - *neighbor.listed >= patience(neighbor) * neighbor.beacons_per_list;
+}
+
+bool Neighbors::is_lost(const Neighbor& neighbor, Time now) const {
+  return neighbor.failed || fell_silent(neighbor, now);
 }
 
 bool Neighbors::two_way(const MacAddress& address, Time now) const {
@@ -198,8 +209,9 @@ std::vector<MacAddress> Neighbors::remove_silent(Time timeout, Time now) {
 std::vector<MacAddress> Neighbors::newly_silent(Time now) {
   std::vector<MacAddress> silent;
   for (auto& [address, neighbor] : neighbors_) {
-    if (!neighbor.listed || now - *neighbor.listed < patience(neighbor) * neighbor.beacons_per_list) continue;
+    if (!fell_silent(neighbor, now)) continue;
     neighbor.listed.reset();
+    neighbor.failed = now - neighbor.last_heard >= patience(neighbor);
     silent.push_back(address);
   }
   return silent;

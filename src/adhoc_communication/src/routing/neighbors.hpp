@@ -19,6 +19,7 @@ struct Neighbor {
   Time interval{0};            ///< of its beacons (RFC 3561 section 9.1)
   int beacons_per_list = 1;    ///< so many of its beacons name all that it hears
   std::optional<Time> listed;  ///< when it last showed that it hears this robot
+  bool failed = false;         ///< the link worked and failed; nothing was heard since
   Time blacklisted_until{0};   ///< section 6.8: it did not acknowledge a reply
   struct Hears {
     Time said{0};
@@ -56,6 +57,8 @@ class Neighbors {
   const Neighbor* find(const MacAddress& address) const;
   /// Section 6.8: only links that work both ways carry routes.
   bool two_way(const MacAddress& address, Time now) const;
+  /// The link worked, failed or fell silent, and nothing was heard since.
+  bool is_lost(const Neighbor& neighbor, Time now) const;
   std::vector<MacAddress> all_two_way(Time now) const;
   /// Of frames to the neighbour; to one that is not known, that of a perfect hop.
   Cost cost(const MacAddress& address) const;
@@ -87,6 +90,7 @@ class Neighbors {
   static void count_beacon(Neighbor& neighbor, std::uint16_t number);
   Time patience(const Neighbor& neighbor) const { return timings_.allowed_hello_loss * neighbor.interval; }
   bool two_way(const Neighbor& neighbor, Time now) const;
+  bool fell_silent(const Neighbor& neighbor, Time now) const;
   const Neighbor::Hears* hears(const Neighbor& neighbor, wire::NeighborTag robot, Time now) const;
 
   const Timings& timings_;

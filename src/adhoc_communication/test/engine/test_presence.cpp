@@ -40,6 +40,23 @@ TEST(Presence, RestartIsRecognisedAtOnce) {
   EXPECT_LE(team.presence(0).back().first - restarted, 50ms);
 }
 
+TEST(Presence, LinkThatComesBackCarriesARouteAtOnce) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    Team team({}, seed);
+    team.add_line(2);
+    team.run_for(500ms + seed * 20ms);
+    team.medium().set_link_loss(0, 1, 1.0);
+    const SendId lost = team.send(1, "robot_0", Bytes(10));
+    team.run_until_done([&] { return team.finished(1, lost) != nullptr; }, 5s);
+    EXPECT_FALSE(team.finished(1, lost)->delivered);
+    team.medium().set_link_loss(0, 1, std::nullopt);
+    const SendId sent = team.send(1, "robot_0", Bytes(10));
+    team.run_until_done([&] { return team.finished(1, sent) != nullptr; }, 400ms);
+    ASSERT_NE(team.finished(1, sent), nullptr) << "seed " << seed;
+    EXPECT_TRUE(team.finished(1, sent)->delivered) << "seed " << seed;
+  }
+}
+
 TEST(Presence, FarRobotsAreKnownAndNeverFlicker) {
   MediumOptions medium;
   medium.loss = 0.1;
