@@ -31,10 +31,16 @@ if(ADHOC_SANITIZE)
 endif()
 
 # Robots in one process on the simulated radio.
-add_library(adhoc_engine_team STATIC EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/test/engine/host.cpp
-            ${ADHOC_ENGINE_DIR}/test/engine/team.cpp)
-target_include_directories(adhoc_engine_team PUBLIC ${ADHOC_ENGINE_DIR}/test/engine)
-target_link_libraries(adhoc_engine_team PUBLIC adhoc_engine)
+add_library(adhoc_simulation STATIC EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/src/simulation/team.cpp)
+set_target_properties(adhoc_simulation PROPERTIES POSITION_INDEPENDENT_CODE ON)
+target_compile_options(adhoc_simulation PRIVATE -Wall -Wextra -Werror)
+target_link_libraries(adhoc_simulation PUBLIC adhoc_engine)
+
+# What tests and benchmarks of the engine share.
+add_library(adhoc_engine_test_support STATIC EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/test/engine/host.cpp
+            ${ADHOC_ENGINE_DIR}/test/engine/payloads.cpp)
+target_include_directories(adhoc_engine_test_support PUBLIC ${ADHOC_ENGINE_DIR}/test/engine)
+target_link_libraries(adhoc_engine_test_support PUBLIC adhoc_simulation)
 
 # Random scenarios with the engine's promises checked after every event.
 file(GLOB ADHOC_SCENARIO_SOURCES CONFIGURE_DEPENDS ${ADHOC_ENGINE_DIR}/test/engine/scenarios/*.cpp)
@@ -42,7 +48,7 @@ list(REMOVE_ITEM ADHOC_SCENARIO_SOURCES ${ADHOC_ENGINE_DIR}/test/engine/scenario
 add_library(adhoc_engine_scenarios STATIC EXCLUDE_FROM_ALL ${ADHOC_SCENARIO_SOURCES})
 target_compile_options(adhoc_engine_scenarios PRIVATE -Wall -Wextra -Werror)
 target_include_directories(adhoc_engine_scenarios PUBLIC ${ADHOC_ENGINE_DIR}/test/engine/scenarios)
-target_link_libraries(adhoc_engine_scenarios PUBLIC adhoc_engine_team)
+target_link_libraries(adhoc_engine_scenarios PUBLIC adhoc_engine_test_support)
 add_executable(engine_scenarios EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/test/engine/scenarios/engine_scenarios.cpp)
 target_compile_options(engine_scenarios PRIVATE -Wall -Wextra -Werror)
 target_link_libraries(engine_scenarios adhoc_engine_scenarios)
@@ -57,7 +63,7 @@ endif()
 
 file(GLOB ADHOC_BENCH_SOURCES CONFIGURE_DEPENDS ${ADHOC_ENGINE_DIR}/test/bench/*.cpp)
 add_executable(bench_engine ${ADHOC_BENCH_SOURCES})
-target_link_libraries(bench_engine adhoc_engine_team)
+target_link_libraries(bench_engine adhoc_engine_test_support)
 if(COMMAND catkin_package)
   install(TARGETS bench_engine RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 endif()
@@ -66,7 +72,7 @@ endif()
 file(GLOB ADHOC_MEMORY_SOURCES CONFIGURE_DEPENDS ${ADHOC_ENGINE_DIR}/test/bench/memory/*.cpp)
 add_executable(bench_memory ${ADHOC_MEMORY_SOURCES} ${ADHOC_ENGINE_DIR}/test/bench/rows.cpp)
 target_include_directories(bench_memory PRIVATE ${ADHOC_ENGINE_DIR}/test/bench)
-target_link_libraries(bench_memory adhoc_engine_team)
+target_link_libraries(bench_memory adhoc_engine_test_support)
 if(COMMAND catkin_package)
   install(TARGETS bench_memory RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 endif()

@@ -234,6 +234,9 @@ class Team:
             self._radio.stdout.close()
         if self.radio_control is not None:
             self.radio_control.close()
+        # The kernel would remove them too, but some time after the namespaces have ended.
+        for index in range(len(self.robots)):
+            subprocess.run(["ip", "link", "del", f"air{index}"], check=False, stderr=subprocess.DEVNULL)
         self._folder.cleanup()
 
     def __getitem__(self, name):

@@ -25,6 +25,7 @@
 #include <utility>
 
 #include "node/injector.hpp"
+#include "node/message_kinds.hpp"
 #include "node/network_state.hpp"
 #include "node/relay_options.hpp"
 
@@ -88,19 +89,21 @@ void Services::advertise(ros::NodeHandle& node, ServicePool& pool, const std::st
 }
 
 template <typename Service, typename Member>
-void Services::advertise_send(ros::NodeHandle& node, const std::string& name, PayloadType type, Priority priority,
-                              Member member) {
-  advertise<Service>(node, sends_, name, [this, name, type, priority, member](auto& request, auto& response) {
-    response.status = send(name, {request.dst_robot, request.topic, static_cast<std::uint8_t>(type),
-                                  serialize(request.*member), priority});
+void Services::advertise_send(ros::NodeHandle& node, const std::string& name, Member member) {
+  const MessageKind& kind = kind_of(name);
+  advertise<Service>(node, sends_, name, [this, kind, member](auto& request, auto& response) {
+    response.status =
+        send(kind.service, {request.dst_robot, request.topic, static_cast<std::uint8_t>(kind.payload_type),
+                            serialize(request.*member), kind.priority});
   });
 }
 
 void Services::advertise_sends(ros::NodeHandle& node) {
   advertise<SendString>(node, sends_, "send_string", [this](auto& request, auto& response) {
+    const MessageKind& kind = kind_of("send_string");
     response.status =
-        send("send_string", {request.dst_robot, request.topic, static_cast<std::uint8_t>(PayloadType::kString),
-                             bytes_of_text(request.data), Priority::kNormal});
+        send(kind.service, {request.dst_robot, request.topic, static_cast<std::uint8_t>(kind.payload_type),
+                            bytes_of_text(request.data), kind.priority});
   });
   advertise<SendMessage>(node, sends_, "send_message", [this](auto& request, auto& response) {
     check_type(request.type, request.md5sum);
@@ -110,26 +113,17 @@ void Services::advertise_sends(ros::NodeHandle& node) {
         send("send_message", {request.dst_robot, request.topic, static_cast<std::uint8_t>(PayloadType::kAnyMessage),
                               encode_any_message(message), priority});
   });
-  using P = PayloadType;
-  advertise_send<SendOccupancyGrid>(node, "send_map", P::kMap, Priority::kBulk, &SendOccupancyGrid::Request::map);
-  advertise_send<SendMmRobotPosition>(node, "send_position", P::kPosition, Priority::kPosition,
-                                      &SendMmRobotPosition::Request::position);
-  advertise_send<SendMmPoint>(node, "send_point", P::kPoint, Priority::kPosition, &SendMmPoint::Request::point);
-  advertise_send<SendMmMapUpdate>(node, "send_map_update", P::kMapUpdate, Priority::kBulk,
-                                  &SendMmMapUpdate::Request::map_update);
-  advertise_send<SendMmControl>(node, "send_control_message", P::kControl, Priority::kNormal,
-                                &SendMmControl::Request::msg);
-  advertise_send<SendExpFrontier>(node, "send_frontier", P::kFrontier, Priority::kNormal,
-                                  &SendExpFrontier::Request::frontier);
-  advertise_send<SendExpCluster>(node, "send_cluster", P::kCluster, Priority::kNormal,
-                                 &SendExpCluster::Request::cluster);
-  advertise_send<SendExpAuction>(node, "send_auction", P::kAuction, Priority::kNormal,
-                                 &SendExpAuction::Request::auction);
-  advertise_send<SendTwist>(node, "send_twist", P::kTwist, Priority::kPosition, &SendTwist::Request::twist);
-  advertise_send<SendQuaternion>(node, "send_quaternion", P::kQuaternion, Priority::kPosition,
-                                 &SendQuaternion::Request::quaternion);
-  advertise_send<SendCMgrRobotUpdate>(node, "send_robot_update", P::kRobotUpdate, Priority::kNormal,
-                                      &SendCMgrRobotUpdate::Request::update);
+  advertise_send<SendOccupancyGrid>(node, "send_map", &SendOccupancyGrid::Request::map);
+  advertise_send<SendMmRobotPosition>(node, "send_position", &SendMmRobotPosition::Request::position);
+  advertise_send<SendMmPoint>(node, "send_point", &SendMmPoint::Request::point);
+  advertise_send<SendMmMapUpdate>(node, "send_map_update", &SendMmMapUpdate::Request::map_update);
+  advertise_send<SendMmControl>(node, "send_control_message", &SendMmControl::Request::msg);
+  advertise_send<SendExpFrontier>(node, "send_frontier", &SendExpFrontier::Request::frontier);
+  advertise_send<SendExpCluster>(node, "send_cluster", &SendExpCluster::Request::cluster);
+  advertise_send<SendExpAuction>(node, "send_auction", &SendExpAuction::Request::auction);
+  advertise_send<SendTwist>(node, "send_twist", &SendTwist::Request::twist);
+  advertise_send<SendQuaternion>(node, "send_quaternion", &SendQuaternion::Request::quaternion);
+  advertise_send<SendCMgrRobotUpdate>(node, "send_robot_update", &SendCMgrRobotUpdate::Request::update);
 }
 
 void Services::advertise_broadcasts(ros::NodeHandle& node) {

@@ -37,8 +37,7 @@ class Services {
   void advertise(ros::NodeHandle& node, ServicePool& pool, const std::string& name, Handler<Service> handler);
   /// The service `name` sends the message that `member` of its request holds.
   template <typename Service, typename Member>
-  void advertise_send(ros::NodeHandle& node, const std::string& name, PayloadType type, Priority priority,
-                      Member member);
+  void advertise_send(ros::NodeHandle& node, const std::string& name, Member member);
   void advertise_sends(ros::NodeHandle& node);
   void advertise_broadcasts(ros::NodeHandle& node);
   void advertise_relay(ros::NodeHandle& node);

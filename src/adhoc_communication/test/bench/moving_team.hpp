@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "random_waypoint.hpp"
-#include "team.hpp"
+#include "simulation/team.hpp"
 
 namespace adhoc_communication::bench {
 

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 
 namespace adhoc_communication::bench {
 

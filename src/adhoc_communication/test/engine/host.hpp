@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 #include "wire/frame_header.hpp"
 #include "wire/messages.hpp"
 

@@ -4,7 +4,8 @@
 #include <initializer_list>
 #include <set>
 
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 #include "transport/air_clock.hpp"
 #include "transport/hop_receiver.hpp"
 #include "transport/hop_sender.hpp"

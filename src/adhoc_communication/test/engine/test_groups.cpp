@@ -1,7 +1,8 @@
 // Groups mc_<robot>, broadcasts and floods.
 #include <gtest/gtest.h>
 
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 
 namespace adhoc_communication {
 namespace {

@@ -1,7 +1,8 @@
 // Restarts, duplication, reordering, corruption, hostile frames, full queues.
 #include <gtest/gtest.h>
 
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 #include "transport/hop_sender.hpp"
 #include "wire/frame_header.hpp"
 #include "wire/messages.hpp"

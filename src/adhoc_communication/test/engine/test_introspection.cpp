@@ -1,7 +1,8 @@
 // What hosts see of links, queues, groups and names.
 #include <gtest/gtest.h>
 
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 
 namespace adhoc_communication {
 namespace {

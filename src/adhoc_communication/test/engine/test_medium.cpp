@@ -5,8 +5,9 @@
 #include <cmath>
 
 #include "link/medium.hpp"
+#include "payloads.hpp"
 #include "random_waypoint.hpp"
-#include "team.hpp"
+#include "simulation/team.hpp"
 
 namespace adhoc_communication {
 namespace {

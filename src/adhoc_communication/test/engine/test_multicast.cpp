@@ -4,7 +4,8 @@
 #include <algorithm>
 
 #include "multicast/group_packet.hpp"
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 #include "wire/frame_header.hpp"
 #include "wire/messages.hpp"
 

@@ -1,7 +1,8 @@
 // Parameters of the engine have their effect.
 #include <gtest/gtest.h>
 
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 #include "wire/frame_header.hpp"
 
 namespace adhoc_communication {

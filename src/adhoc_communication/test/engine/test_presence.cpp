@@ -1,7 +1,8 @@
 // Robots appear, fall silent, restart; near and far.
 #include <gtest/gtest.h>
 
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 #include "wire/frame_header.hpp"
 
 namespace adhoc_communication {

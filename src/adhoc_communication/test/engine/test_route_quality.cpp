@@ -1,9 +1,10 @@
 // Which way packets take, and what happens where a way breaks.
 #include <gtest/gtest.h>
 
+#include "payloads.hpp"
 #include "routing/link_cost.hpp"
 #include "routing/route_table.hpp"
-#include "team.hpp"
+#include "simulation/team.hpp"
 #include "wire/frame_header.hpp"
 #include "wire/messages.hpp"
 

@@ -1,8 +1,9 @@
 // Routing of whole teams. The rules of AODV one by one: test_aodv_*.cpp.
 #include <gtest/gtest.h>
 
+#include "payloads.hpp"
 #include "routing/route_table.hpp"
-#include "team.hpp"
+#include "simulation/team.hpp"
 #include "wire/frame_header.hpp"
 
 namespace adhoc_communication::routing {

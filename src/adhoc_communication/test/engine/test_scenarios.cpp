@@ -4,7 +4,7 @@
 #include "delivery_invariants.hpp"
 #include "route_invariants.hpp"
 #include "scenario_run.hpp"
-#include "team.hpp"
+#include "simulation/team.hpp"
 #include "tree_invariants.hpp"
 
 namespace adhoc_communication {

@@ -1,7 +1,8 @@
 // Packets over one and several hops: every one arrives, once, in order, bit for bit.
 #include <gtest/gtest.h>
 
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 
 namespace adhoc_communication {
 namespace {

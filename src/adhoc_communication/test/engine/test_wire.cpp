@@ -1,8 +1,9 @@
 // Frames: what is written is read back; what is cut short, altered or unknown is refused.
 #include <gtest/gtest.h>
 
+#include "payloads.hpp"
 #include "random.hpp"
-#include "team.hpp"
+#include "simulation/team.hpp"
 #include "wire/frame_header.hpp"
 #include "wire/messages.hpp"
 

@@ -7,7 +7,8 @@
 #include "multicast/groups.hpp"
 #include "operations.hpp"
 #include "pair_of_engines.hpp"
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 #include "transport/packet_image.hpp"
 #include "wire/frame_header.hpp"
 

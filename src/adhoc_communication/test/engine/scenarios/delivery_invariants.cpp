@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 #include "texts.hpp"
 
 namespace adhoc_communication {

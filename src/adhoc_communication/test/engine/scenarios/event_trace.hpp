@@ -7,7 +7,8 @@
 #include <deque>
 #include <string>
 
-#include "team.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
 #include "wire/frame_header.hpp"
 
 namespace adhoc_communication {

@@ -7,7 +7,7 @@
 #include "event_trace.hpp"
 #include "random.hpp"
 #include "route_invariants.hpp"
-#include "team.hpp"
+#include "simulation/team.hpp"
 #include "tree_invariants.hpp"
 
 namespace adhoc_communication {

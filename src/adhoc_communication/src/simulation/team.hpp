@@ -1,4 +1,4 @@
-// Robots in one process: engines on a simulated radio, driven by virtual time. For tests and benchmarks.
+// Robots in one process: engines on a simulated radio, driven by virtual time.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@ class Team {
  public:
   explicit Team(const MediumOptions& medium = {}, std::uint64_t seed = 1) : medium_(medium, seed), seed_(seed) {}
 
-  /// Adds robot_<i>; returns i.
+  /// Adds a robot, robot_<i> if the options name none; returns i.
   std::size_t add(EngineOptions options = {}, std::optional<double> x = std::nullopt, double y = 0.0);
   /// `count` robots in a row, each in range of the next only.
   void add_line(std::size_t count, const EngineOptions& options = {}, double spacing = 8.0);
@@ -43,6 +43,7 @@ class Team {
   Time now() const { return now_; }
   static MacAddress address(std::size_t robot);
   static std::string name(std::size_t robot) { return "robot_" + std::to_string(robot); }
+  void set_position(std::size_t robot, double x, double y) { medium_.set_position(robots_.at(robot).node, x, y); }
 
   void run_for(Time duration) {
     run_until(now_ + duration, [] { return false; });
@@ -57,6 +58,8 @@ class Team {
     PacketReceived packet;
     Time at;
   };
+  /// Off: what robots receive and are told is reported by on_event only, as in missions of hours.
+  bool remembers = true;
   /// What each robot has received and been told, restarts included.
   std::vector<Received>& received(std::size_t robot) { return robots_.at(robot).received; }
   std::vector<std::pair<Time, std::string>>& presence(std::size_t robot) { return robots_.at(robot).presence; }
@@ -106,12 +109,5 @@ class Team {
   std::uint64_t polls_ = 0;
   std::uint64_t trace_hash_ = 0xcbf29ce484222325u;
 };
-
-/// `size` octets that no compression shortens, different for each seed.
-Bytes noise(std::size_t size, std::uint64_t seed = 1);
-/// `size` octets like a map: long runs of few values.
-Bytes map_like(std::size_t size);
-Bytes text(const std::string& characters);
-std::string text(const Bytes& octets);
 
 }  // namespace adhoc_communication

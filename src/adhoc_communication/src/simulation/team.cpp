@@ -1,4 +1,4 @@
-#include "team.hpp"
+#include "simulation/team.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -7,7 +7,7 @@ namespace adhoc_communication {
 
 std::size_t Team::add(EngineOptions options, std::optional<double> x, double y) {
   const std::size_t robot = robots_.size();
-  options.robot_name = name(robot);
+  if (options.robot_name.empty()) options.robot_name = name(robot);
   Robot entry;
   entry.options = options;
   entry.node = medium_.add_node(options.robot_name, address(robot));
@@ -121,6 +121,7 @@ void Team::take_events(std::size_t robot) {
   Robot& entry = robots_[robot];
   while (std::optional<Event> event = entry.engine->next_event()) {
     if (on_event) on_event(robot, *event);
+    if (!remembers) continue;
     if (auto* received = std::get_if<PacketReceived>(&*event)) entry.received.push_back({std::move(*received), now_});
     if (auto* finished = std::get_if<SendFinished>(&*event)) entry.finished[finished->id] = {*finished, now_};
     if (auto* appeared = std::get_if<RobotAppeared>(&*event)) entry.presence.emplace_back(now_, "+" + appeared->robot);
@@ -134,26 +135,5 @@ void Team::hash(const Frame& frame) {
   for (int shift = 0; shift < 64; shift += 8) add(static_cast<std::uint8_t>(now_.count() >> shift));
   for (const std::uint8_t octet : frame.bytes) add(octet);
 }
-
-Bytes noise(std::size_t size, std::uint64_t seed) {
-  Random random(seed);
-  Bytes bytes(size);
-  for (std::uint8_t& octet : bytes) octet = static_cast<std::uint8_t>(random.next() >> 32);
-  return bytes;
-}
-
-Bytes map_like(std::size_t size) {
-  Random random(7);
-  Bytes bytes;
-  while (bytes.size() < size) {
-    const std::uint8_t value = std::array<std::uint8_t, 3>{0, 100, 255}[random.next() % 3];
-    bytes.insert(bytes.end(), 20 + random.next() % 200, value);
-  }
-  bytes.resize(size);
-  return bytes;
-}
-
-Bytes text(const std::string& characters) { return {characters.begin(), characters.end()}; }
-std::string text(const Bytes& octets) { return {octets.begin(), octets.end()}; }
 
 }  // namespace adhoc_communication
