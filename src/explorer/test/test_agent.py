@@ -782,3 +782,16 @@ def test_closer_looks_are_bounded() -> None:
         if bench.agent.goal is not None and bench.agent.finished_at is None:
             bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "no way", bench.now)
     assert bench.agent.finished_at is not None and 1 <= len(bench.agent._closer_looks) <= 20
+
+
+def test_frontier_that_no_look_changes_does_not_hold_the_robot_for_ever() -> None:
+    """Behind a robot that died: its goals are reached at once where the robot stands, and no new map comes."""
+    bench = Bench(7).map(corridor(left=False))
+    bench.run(1.0)
+    for _ in range(150):
+        goal = bench.agent.goal
+        if goal is not None and bench.agent.finished_at is None:
+            bench.place(goal.pose.x, goal.pose.y, goal.pose.yaw)
+            bench.agent.on_goal_result(goal.goal_id, REACHED, "", bench.now)
+        bench.run(0.4)
+    assert bench.agent.finished_at is not None

@@ -357,6 +357,8 @@ class ExplorerAgent:
 
     def _perceive(self, now: float) -> None:
         assert self.map is not None and self.pose is not None
+        if now - self._motion_time >= NOTHING_TIME:
+            self._dirty = self._judge_looked(now) or self._dirty
         moved = math.hypot(self.pose.x - self._field_place[0], self.pose.y - self._field_place[1]) > REPLAN_DISTANCE
         told_over = any(spot[2] <= now for spot in self._hidden_foreign)
         due = now - self._field_time >= REPLAN_PERIOD and (moved or told_over)
@@ -390,11 +392,16 @@ class ExplorerAgent:
         alive = {cluster.number for cluster in self.clusters.clusters}
         self._cluster_failures = {n: c for n, c in self._cluster_failures.items() if n in alive}
 
-    def _judge_looked(self, now: float) -> None:
-        """A frontier that is still there on a map younger than the last of several looks counts as visited."""
+    def _judge_looked(self, now: float) -> bool:
+        """A frontier that is still there on a map younger than the last of several looks counts as visited; so does one
+        looked at from a place where the map has stopped changing. True if there was one."""
+        rests = now - self._motion_time >= NOTHING_TIME
+        judged = False
         for frontier in self.frontiers.frontiers.values():
-            if frontier.looks >= LOOKS and not frontier.visited and self._map_time >= frontier.hidden_until:
-                frontier.visited = True
+            fresh = self._map_time >= frontier.hidden_until or (rests and now >= frontier.hidden_until)
+            if frontier.looks >= LOOKS and not frontier.visited and fresh:
+                frontier.visited = judged = True
+        return judged
 
     def _revive_changed(self) -> None:
         """Frontiers given up are goals again when the map around them has changed, a bounded number of times."""
