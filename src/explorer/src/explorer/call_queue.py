@@ -4,6 +4,9 @@ import collections
 import math
 from typing import Callable, Deque, Optional, Tuple
 
+HANDOVER = 0.1  # s in which a message is with adhoc_communication, which keeps the order from there on
+CALLS = 100  # calls of adhoc_communication that may wait
+
 Call = Callable[[], None]
 
 

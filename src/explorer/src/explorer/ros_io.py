@@ -1,7 +1,7 @@
 """Conversions between ROS messages and the plain values of the agent. The only module here that knows ROS types."""
 
 import math
-from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import rospy
@@ -25,7 +25,7 @@ from explorer.agent import ExplorerAgent
 from explorer.errors import MapError
 from explorer.frontiers import Element, Key, rigid_transform
 from explorer.grid import GridInfo, OccupancyMap
-from explorer.messages import Auction, Bid, Pose
+from explorer.messages import Auction, Bid, Pose, SendAuction, SendFrontiers
 from explorer.msg import ExplorationState
 from explorer.options import Options, number_of
 
@@ -76,6 +76,12 @@ class Wire:
     def __init__(self, options: Options) -> None:
         self._simulation = options.simulation
         self._name = options.robot_name
+
+    def radio_call(self, effect: Union[SendFrontiers, SendAuction]) -> Tuple[str, str, Any]:
+        """Service of adhoc_communication, topic at the others, and message."""
+        if isinstance(effect, SendFrontiers):
+            return "send_frontier", effect.topic, self.frontier_to(effect.elements)
+        return "send_auction", "auction", self.auction_to(effect.auction)
 
     def elements_from(self, message: ExpFrontier) -> List[Element]:
         elements = []

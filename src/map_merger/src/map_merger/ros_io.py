@@ -1,7 +1,7 @@
 """Conversion between ROS messages and the values of this package. Nothing else here touches ROS types."""
 
 import math
-from typing import Iterable, Tuple
+from typing import Any, Callable, Dict, Iterable, NamedTuple, Tuple
 
 import numpy as np
 import rospy
@@ -13,11 +13,16 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from .effects import Place
 from .grid import Grid, GridError, GridInfo, grid_of
-from .messages import Anchor, Boot, Position, Request, Tile
+from .messages import Anchor, Boot, Payload, Position, Request, Tile
+from .options import Options
 from .transform import FARTHEST_M, Transform
 
 NumpyOccupancyGrid = numpy_msg(OccupancyGrid)
 NumpyMapUpdate = numpy_msg(MmMapUpdate)
+
+
+REFUSED_FOR_SIZE = "max_packet_size"
+"""Only in the text with which adhoc_communication refuses a message for its size."""
 
 
 class MessageError(ValueError):
@@ -152,6 +157,46 @@ def position_message(position: Position, frame: str, stamp: rospy.Time) -> MmRob
 def position_of(message: MmRobotPosition) -> Position:
     """Position from its message. MessageError if the pose is not finite."""
     return Position(message.src_robot, transform_of_pose(message.position.pose))
+
+
+class RadioCall(NamedTuple):
+    """A call of one of adhoc_communication's send services."""
+
+    service: str
+    topic: str
+    message: Any
+
+
+def radio_call(payload: Payload, options: Options, stamp: rospy.Time) -> RadioCall:
+    """How a payload goes to another robot or a group."""
+    if isinstance(payload, Tile):
+        return RadioCall("send_map_update", options.map_topic_over_network, tile_message(payload))
+    if isinstance(payload, Anchor):
+        return RadioCall("send_map", options.meta_topic_over_network, anchor_message(payload))
+    if isinstance(payload, Request):
+        return RadioCall("send_control_message", options.control_topic, request_message(payload))
+    message = position_message(payload, options.local_map_frame_id, stamp)
+    return RadioCall("send_position", options.position_other_robots_topic, message)
+
+
+class Incoming(NamedTuple):
+    """What arrives on a topic: its message type, the conversion to a value, and the agent's method that takes that."""
+
+    kind: type
+    value_of: Callable[[Any], Any]
+    method: str
+
+
+def incoming(options: Options) -> Dict[str, Incoming]:
+    """Everything that other robots send, by topic."""
+    topics = {
+        options.map_topic_over_network: Incoming(NumpyMapUpdate, tile_of, "on_tile"),
+        options.meta_topic_over_network: Incoming(NumpyOccupancyGrid, anchor_of, "on_anchor"),
+        options.control_topic: Incoming(MmControl, request_of, "on_request"),
+    }
+    if options.exchange_position:
+        topics[options.position_other_robots_topic] = Incoming(MmRobotPosition, position_of, "on_position")
+    return topics
 
 
 def points_message(places: Iterable[Place]) -> MmListOfPoints:

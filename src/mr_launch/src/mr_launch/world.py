@@ -122,21 +122,13 @@ class Measures:
         }
 
     def _error(self, occupancy: Any) -> dict[str, Any]:
-        from mr_sim.measures import map_error
-        from mr_sim.reference import MINIMUM_MISSIONS, MapReferenceError, load_reference
+        from mr_sim.reference import MapReferenceError, error_of_map
 
         try:
-            reference = load_reference(self._world)
-        except MapReferenceError as error:
-            return no_error(str(error))
-        if reference is None:
-            return no_error("the world has no stored one-robot missions to compare with")
-        if not reference.is_sufficient:
-            return no_error(f"only {len(reference.free_cells)} of {MINIMUM_MISSIONS} one-robot missions are stored")
-        if reference.slam != self._slam or reference.resolution != round(occupancy.resolution, 6):
-            return no_error(f"the stored missions are with {reference.slam} at {reference.resolution:g} m per cell")
-        value = map_error(occupancy.explored_free_cells, reference.median)
-        return {"map_error": round(value, 3), "map_error_reason": ""}
+            error, reason = error_of_map(self._world, occupancy, self._slam)
+        except MapReferenceError as fault:
+            return no_error(str(fault))
+        return no_error(reason) if error is None else {"map_error": round(error, 3), "map_error_reason": ""}
 
 
 def no_error(reason: str) -> dict[str, Any]:

@@ -70,6 +70,7 @@ class Truth:
         self._distance = ndimage.distance_transform_edt(cells == 0) * walls.resolution - walls.resolution / 2.0
         self.viewpoints = self._viewpoints(cells, starts, footprint)
         self.reference = self._reference_cells(walls, range_max)
+        self.cell_area = _REFERENCE_RESOLUTION**2  # m^2
 
     @classmethod
     def of_world(cls, world: World) -> "Truth":

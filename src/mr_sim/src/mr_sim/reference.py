@@ -10,6 +10,8 @@ import statistics
 from dataclasses import dataclass
 from pathlib import Path
 
+from mr_sim.measures import OccupancyMap, map_error
+
 MINIMUM_MISSIONS = 10
 
 
@@ -84,3 +86,15 @@ def add_to_reference(world: str | Path, seed: int, free_cells: int, resolution: 
     partial.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
     os.replace(partial, path)
     return reference
+
+
+def error_of_map(world: str | Path, occupancy: OccupancyMap, slam: str) -> tuple[float | None, str]:
+    """e of a robot's final map in percent, or None and the reason why there is none. Raises MapReferenceError."""
+    reference = load_reference(world)
+    if reference is None:
+        return None, "the world has no stored one-robot missions to compare with"
+    if not reference.is_sufficient:
+        return None, f"only {len(reference.free_cells)} of {MINIMUM_MISSIONS} one-robot missions are stored"
+    if reference.slam != slam or reference.resolution != round(occupancy.resolution, 6):
+        return None, f"the stored missions are with {reference.slam} at {reference.resolution:g} m per cell"
+    return map_error(occupancy.explored_free_cells, reference.median), ""

@@ -16,6 +16,7 @@ from mr_sim import _slam
 from mr_sim.pose import Pose, interpolate
 
 ODOMETRY_KEPT = 100
+MAP_UPDATE_INTERVAL = 2.0  # s between maps that are handed out
 
 
 class SlamError(ValueError):

@@ -14,13 +14,12 @@ from sensor_msgs.msg import LaserScan
 from mr_sim.pose import Pose
 from mr_sim.ros_poses import transform_pose, yaw_of
 from mr_sim.slam import ros_io
-from mr_sim.slam.engine import OdometryHistory, Slam, SlamError, SlamOptions
+from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
 
 T = TypeVar("T")
 
 FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}
 TOPICS = {"scan": "base_scan", "odom": "odom", "map": "map", "metadata": "map_metadata"}
-MAP_UPDATE_INTERVAL = 2.0  # s
 TRANSFORM_PUBLISH_PERIOD = 0.1  # s
 TRANSFORM_TOLERANCE = 0.2  # s by which map -> odom is dated ahead
 

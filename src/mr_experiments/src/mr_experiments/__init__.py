@@ -1,0 +1,1 @@
+"""Missions in virtual time: trials, records, reports."""

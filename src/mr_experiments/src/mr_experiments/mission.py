@@ -1,0 +1,195 @@
+"""One whole mission in virtual time: world, sensors, SLAM, radio, merging, auctions, navigation in one process."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import replace
+from typing import Callable
+
+from explorer.agent import State
+from mr_experiments.agenda import Agenda
+from mr_experiments.parameters import explorer_options, merger_options
+from mr_experiments.radio import Radio, Walls
+from mr_experiments.recorder import Recorder
+from mr_experiments.robot import Robot
+from mr_experiments.stopwatch import Stopwatch
+from mr_experiments.trial import Trial, TrialError
+from mr_sim.pose import Pose
+from mr_sim.world import World, WorldError
+from mr_sim.world_file import WorldFileError
+from mr_sim.world_model import WorldDescription, load_world
+from mr_sim.worlds import WorldNotFoundError, find_world
+
+READY_PATIENCE = 30.0  # s until every robot must have a map and a pose
+HOME_PATIENCE = 180.0  # s from the end of exploration until all robots must be at rest
+RADIO_PERIOD = 0.5  # s between two readings of the robots' places by the radio
+
+
+@functools.lru_cache(maxsize=8)
+def description_of(world: str) -> WorldDescription:
+    """Raises TrialError for a world that is not there or cannot be read."""
+    try:
+        return load_world(find_world(world))
+    except (WorldNotFoundError, WorldFileError, OSError) as error:
+        raise TrialError(str(error)) from None
+
+
+def world_of(trial: Trial) -> World:
+    """The simulated world with the robots of the trial. Raises TrialError."""
+    description = description_of(trial.world)
+    if trial.starts:
+        description = _with_starts(description, trial)
+    try:
+        world = World(description, trial.robots, trial.seed)
+    except WorldError as error:
+        raise TrialError(str(error)) from None
+    for robot in world.robots:
+        if not robot.rangers:
+            raise TrialError(f"{robot.name} of {trial.world} has no laser: add a ranger to its position model")
+    return world
+
+
+def _with_starts(description: WorldDescription, trial: Trial) -> WorldDescription:
+    """Robots beyond those of the world file are like its last one."""
+    if len(trial.starts) < trial.robots:
+        raise TrialError(f"the scenario gives {len(trial.starts)} start poses; {trial.robots} robots are asked for")
+    models = description.robots
+    robots = tuple(
+        replace(models[min(i, len(models) - 1)], name=f"robot_{i}", start=start, localization_origin=start)
+        for i, start in enumerate(trial.starts)
+    )
+    return replace(description, robots=robots)
+
+
+class Mission:
+    """Owns the virtual time, s since the world began to move."""
+
+    def __init__(self, trial: Trial, snapshot_period: float = math.inf) -> None:
+        """`snapshot_period`: s between stored global maps. Raises TrialError."""
+        self.trial = trial
+        self.world = world_of(trial)
+        self.agenda = Agenda()
+        self.stopwatch = Stopwatch()
+        self.now = 0.0
+        self.begun_at: float | None = None
+        visible = self.world.visible
+        walls = Walls(visible.cells, visible.resolution, visible.origin)
+        self.radio = Radio(trial.radio, trial.seed, walls)
+        self.recorder = Recorder(trial, self.world, snapshot_period)
+        starts = {name: self.world.pose(i) for i, name in enumerate(self.world.names)}
+        self.robots = [self._robot(index, starts) for index in range(trial.robots)]
+        self.recorder.attach(self.robots, self.radio)
+
+    def _robot(self, index: int, starts: dict[str, Pose]) -> Robot:
+        name = self.world.names[index]
+        return Robot(
+            index, starts[name], self.world.robots[index].rangers[0],
+            merger_options(self.trial, name, starts), explorer_options(self.trial, name, index), self.trial.seed,
+            self.agenda, self.radio, self.stopwatch, self.recorder, lambda: self.now,
+        )  # fmt: skip
+
+    def run(self, until: float = math.inf, progress: Callable[[float], None] = lambda _: None) -> None:
+        """To the end of the mission, or to `until` s after its start for a replay. `progress` is told the time."""
+        if self.world.steps == 0:
+            self._switch_on()
+        while not self._over() and self.since_start < until:
+            self._advance()
+            progress(self.since_start)
+
+    def _switch_on(self) -> None:
+        for robot in self.robots:
+            if self.trial.joins.get(robot.index, 0.0) > 0.0:
+                self.radio.switch_off(robot.own_radio.index)
+            else:
+                robot.switch_on(0.0)
+        self._step_world(0.0)
+        self.agenda.every(RADIO_PERIOD, 0.0, lambda _: self._tell_places())
+
+    @property
+    def since_start(self) -> float:
+        """s since the mission was started; 0 before."""
+        return 0.0 if self.begun_at is None else self.now - self.begun_at
+
+    def _advance(self) -> None:
+        """To the next moment at which something happens."""
+        due = self.agenda.next_time
+        with self.stopwatch.span("radio"):
+            self.now = self.radio.advance(due)
+        if self.now >= due:
+            self.now = due
+            self.agenda.run_due(due)
+
+    def _step_world(self, now: float) -> None:
+        with self.stopwatch.span("world"):
+            self.world.step()
+            scans = list(self.world.due_scans())
+            states = self.world.states()
+        for scan in scans:
+            robot = self.robots[scan.robot]
+            if scan.ranger == 0 and robot.running:
+                state = states[scan.robot]
+                odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
+                self.world.command(scan.robot, *robot.on_scan(scan.ranges, odometry))
+        with self.stopwatch.span("recording"):
+            self.recorder.on_step(states, self.since_start)
+        self._start_if_ready()
+        self.agenda.at((self.world.steps + 1) * self.world.interval, self._step_world)
+
+    def _tell_places(self) -> None:
+        for robot in self.robots:
+            x, y, _ = self.world.pose(robot.index)
+            self.radio.place(robot.own_radio.index, x, y)
+
+    def _start_if_ready(self) -> None:
+        if self.begun_at is not None:
+            return
+        present = [robot for robot in self.robots if robot.running]
+        if not all(robot.explorer.ready for robot in present):
+            if self.now > READY_PATIENCE:
+                missing = ", ".join(robot.name for robot in present if not robot.explorer.ready)
+                raise RuntimeError(f"{missing} had neither map nor pose after {READY_PATIENCE:.0f} s")
+            return
+        self.begun_at = self.now
+        self.recorder.begin(self.now)
+        for robot in present:
+            robot.explorer.begin()
+        for index, delay in self.trial.joins.items():
+            self.agenda.at(self.now + delay, functools.partial(self._join, self.robots[index]))
+        for index, delay in self.trial.deaths.items():
+            self.agenda.at(self.now + delay, functools.partial(self._die, self.robots[index]))
+
+    def _join(self, robot: Robot, now: float) -> None:
+        self.radio.switch_on(robot.own_radio.index)
+        robot.switch_on(now)
+        self.agenda.every(1.0, now + 1.0, lambda _: self._begin_late(robot))
+
+    @staticmethod
+    def _begin_late(robot: Robot) -> None:
+        if robot.running and robot.explorer.ready and robot.explorer.agent.started_at is None:
+            robot.explorer.begin()
+
+    def _die(self, robot: Robot, now: float) -> None:
+        self.recorder.on_death(robot.index, now)
+        robot.switch_off()
+
+    def _over(self) -> bool:
+        if self.begun_at is None:
+            return False
+        if self.since_start > self.trial.limit:
+            return True
+        agents = [robot.explorer.agent for robot in self._survivors()]
+        finished = [agent.finished_at for agent in agents]
+        if any(time is None for time in finished):
+            return False
+        last = max((time for time in finished if time is not None), default=self.now)
+        return all(agent.state == State.FINISHED for agent in agents) or self.now - last > HOME_PATIENCE
+
+    def _survivors(self) -> list[Robot]:
+        """Those that take part to the end, also if they join later."""
+        return [robot for robot in self.robots if robot.index not in self.trial.deaths]
+
+    @property
+    def finished(self) -> bool:
+        """Every robot that lives has finished its exploration within the limit."""
+        return all(robot.explorer.agent.finished_at is not None for robot in self._survivors())

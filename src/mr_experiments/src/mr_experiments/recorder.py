@@ -1,0 +1,206 @@
+"""Writes down what happens in a mission; the record is made from it at the end."""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import Any, Sequence
+
+import numpy as np
+
+from explorer import messages
+from map_merger.grid import Grid
+from mr_experiments.pictures import picture_of
+from mr_experiments.radio import Radio
+from mr_experiments.robot import Robot
+from mr_experiments.transforms import MergeLog
+from mr_experiments.trial import Trial
+from mr_sim.measures import OccupancyMap, Truth
+from mr_sim.pose import Pose, seen_from
+from mr_sim.trace import RECORD
+from mr_sim.world import World
+
+SERIES_PERIOD = 1.0  # s between two samples
+COVERAGE_PERIOD = 5.0  # s between two samples of what the team knows
+MOST_NOTES = 500
+
+
+@functools.lru_cache(maxsize=8)
+def _truth_of(world: str, starts: tuple[Pose, ...]) -> Truth:
+    """Seconds of work, so kept; a process runs many trials in one world."""
+    from mr_experiments.mission import world_of
+
+    return Truth.of_world(world_of(Trial(world, len(starts), 0, starts=starts)))
+
+
+class RobotLog:
+    """One robot's."""
+
+    def __init__(self) -> None:
+        self.truth: list[tuple[float, ...]] = []
+        self.series: dict[str, list[Any]] = {
+            key: [] for key in (
+                "time", "x", "y", "yaw", "explored", "own", "distance", "bytes", "frames", "state", "neighbors",
+            )
+        }  # fmt: skip
+        self.goals: list[dict[str, Any]] = []
+        self.auctions: list[dict[str, Any]] = []
+        self.distance = 0.0
+        self.global_map: Grid | None = None
+        self.explored = 0.0
+        self.died_at: float | None = None
+
+
+class Recorder:
+    """Observes the robots. Times in the record count from the start of the mission."""
+
+    def __init__(self, trial: Trial, world: World, snapshot_period: float) -> None:
+        self.trial, self.world = trial, world
+        self.starts: list[Pose] = [world.pose(i) for i in range(trial.robots)]
+        self.truth = _truth_of(trial.world, trial.starts or tuple(self.starts))
+        self.logs = [RobotLog() for _ in range(trial.robots)]
+        self.merges = MergeLog(self.starts, world.names)
+        self.team: dict[str, list[float]] = {"time": [], "explored": [], "coverage": []}
+        self.notes: list[dict[str, Any]] = []
+        self.snapshots: list[dict[str, Any]] = []
+        self._snapshot_period = snapshot_period
+        self._snapshot_due = [0.0] * trial.robots
+        self._begun_at: float | None = None
+        self._sampled_at = -math.inf
+        self._covered_at = -math.inf
+        self._robots: Sequence[Robot] = ()
+        self._radio: Radio | None = None
+
+    def attach(self, robots: Sequence[Robot], radio: Radio) -> None:
+        self._robots, self._radio = robots, radio
+
+    def begin(self, now: float) -> None:
+        self._begun_at = now
+
+    def _since(self, now: float) -> float:
+        return round(now - self._begun_at, 4) if self._begun_at is not None else 0.0
+
+    def on_step(self, states: np.ndarray, since_start: float) -> None:
+        """After each step of the world; `states` as from World.states()."""
+        if self._begun_at is None:
+            return
+        for log, state in zip(self.logs, states):
+            self._follow(log, state, since_start)
+        if since_start - self._sampled_at >= SERIES_PERIOD - 1e-6:
+            self._sampled_at = since_start
+            self._sample(states, since_start)
+        if since_start - self._covered_at >= COVERAGE_PERIOD - 1e-6:
+            self._covered_at = since_start
+            self.cover(since_start)
+
+    def _follow(self, log: RobotLog, state: np.void, now: float) -> None:
+        speed = state["velocity_x"] * math.cos(state["yaw"]) + state["velocity_y"] * math.sin(state["yaw"])
+        motion = (state["x"], state["y"], state["yaw"], speed, state["velocity_yaw"])
+        row = (now, now, *motion, state["stalled"], state["contact"])
+        if log.truth:
+            log.distance += math.hypot(row[2] - log.truth[-1][2], row[3] - log.truth[-1][3])
+        log.truth.append(row)
+
+    def _sample(self, states: np.ndarray, now: float) -> None:
+        assert self._radio is not None
+        for robot, log, state in zip(self._robots, self.logs, states):
+            statistics = self._radio.statistics(robot.own_radio.index)
+            local = robot.local_map
+            values = {
+                "time": round(now, 4),
+                "x": round(float(state["x"]), 4),
+                "y": round(float(state["y"]), 4),
+                "yaw": round(float(state["yaw"]), 4),
+                "explored": round(log.explored, 3),
+                "own": 0.0 if local is None else round(free_area(local.cells, local.resolution), 3),
+                "distance": round(log.distance, 4),
+                "bytes": statistics.get("bytes_sent", 0),
+                "frames": statistics.get("frames_sent", 0),
+                "state": int(robot.explorer.agent.state),
+                "neighbors": robot.own_radio.neighbors() if robot.running else [],
+            }
+            for key, value in values.items():
+                log.series[key].append(value)
+            self.merges.look(robot, robot.merger.agent, now)
+
+    def cover(self, now: float) -> None:
+        """Samples what the robots know together, by their own local maps."""
+        known = np.logical_or.reduce(self.known_cells())
+        share = float(known.mean()) if known.size else 0.0
+        self.team["time"].append(round(now, 4))
+        self.team["coverage"].append(round(share, 5))
+        self.team["explored"].append(round(float(known.sum()) * self.truth.cell_area, 3))
+
+    def known_cells(self) -> list[np.ndarray]:
+        """For each robot, which of the reference cells its own local map knows: bool (N,)."""
+        masks = []
+        for robot, start in zip(self._robots, self.starts):
+            mask = np.zeros(len(self.truth.reference), dtype=bool)
+            if robot.local_map is not None:
+                values, _ = occupancy_of(robot.local_map).cells_at(seen_from(self.truth.reference, start))
+                mask = values >= 0
+            masks.append(mask)
+        return masks
+
+    def records(self, robot: int) -> np.ndarray:
+        """True motion as a record array of mr_sim.trace."""
+        return np.array(self.logs[robot].truth, dtype=RECORD)
+
+    # What the robots report.
+
+    def on_goal(self, robot: int, goal_id: int, pose: messages.Pose, now: float) -> None:
+        self._end_goal(robot, "replaced", "", now)
+        self.logs[robot].goals.append(
+            {
+                "id": goal_id, "set": self._since(now), "x": round(pose.x, 4), "y": round(pose.y, 4),
+                "end": None, "outcome": "", "text": "",
+            }
+        )  # fmt: skip
+
+    def on_goal_end(self, robot: int, goal_id: int | None, outcome: str, text: str, now: float) -> None:
+        self._end_goal(robot, outcome, text if outcome == messages.FAILED else "", now)
+
+    def _end_goal(self, robot: int, outcome: str, text: str, now: float) -> None:
+        goals = self.logs[robot].goals
+        if goals and goals[-1]["end"] is None:
+            goals[-1].update(end=self._since(now), outcome=outcome, text=text)
+
+    def on_auction(self, robot: int, auction: messages.Auction, now: float) -> None:
+        if auction.status and auction.start:
+            entry = {"at": self._since(now), "id": auction.auction_id, "clusters": len(auction.requested)}
+            self.logs[robot].auctions.append(entry)
+
+    def on_global_map(self, robot: int, grid: Grid, now: float) -> None:
+        log = self.logs[robot]
+        log.global_map = grid
+        log.explored = free_area(grid.cells, grid.info.resolution)
+        if self._begun_at is not None and self._since(now) >= self._snapshot_due[robot]:
+            if math.isinf(self._snapshot_period):
+                return
+            self._snapshot_due[robot] = self._since(now) + self._snapshot_period
+            self.snapshots.append(
+                {"time": self._since(now), "robot": self.world.names[robot], **picture_of(grid_as_map(grid))}
+            )
+
+    def on_note(self, robot: int, text: str, warning: bool, now: float) -> None:
+        if len(self.notes) < MOST_NOTES:
+            self.notes.append(
+                {"at": self._since(now), "robot": self.world.names[robot], "text": text, "warning": warning}
+            )
+
+    def on_death(self, robot: int, now: float) -> None:
+        self.logs[robot].died_at = self._since(now)
+
+
+def free_area(cells: np.ndarray, resolution: float) -> float:
+    """m^2 of explored free space."""
+    return float(np.count_nonzero((cells >= 0) & (cells < 50))) * resolution * resolution
+
+
+def grid_as_map(grid: Grid) -> OccupancyMap:
+    origin = grid.info.origin
+    return OccupancyMap(grid.cells, grid.info.resolution, (origin.x, origin.y, origin.yaw))
+
+
+def occupancy_of(local: Any) -> OccupancyMap:
+    return OccupancyMap(local.cells, local.resolution, (*local.origin, 0.0))

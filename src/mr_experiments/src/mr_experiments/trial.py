@@ -1,0 +1,62 @@
+"""What one trial is: everything that its record depends on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Mapping
+
+from explorer.options import STRATEGIES
+from mr_experiments.radio import RadioOptions
+from mr_sim.pose import Pose
+
+
+class TrialError(ValueError):
+    """A trial that cannot be run as asked."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One mission. Equal trials give equal records, bit for bit."""
+
+    world: str  # name or file
+    robots: int
+    seed: int
+    scenario: str = "paper"
+    strategy: int = 7
+    limit: float = 1800.0  # s from the start of the mission
+    fast: bool = False  # perfect local maps and radio
+    radio: RadioOptions = field(default_factory=RadioOptions)
+    known_poses: bool = False  # the robots are told each other's start poses
+    starts: tuple[Pose, ...] = ()  # instead of the world file's, world frame
+    joins: Mapping[int, float] = field(default_factory=dict)  # robot -> s after the start of the others
+    deaths: Mapping[int, float] = field(default_factory=dict)  # robot -> s after the start
+
+    def __post_init__(self) -> None:
+        if self.robots < 1:
+            raise TrialError(f"a team has at least one robot, not {self.robots}")
+        if self.strategy not in STRATEGIES:
+            known = ", ".join(str(number) for number in STRATEGIES)
+            raise TrialError(f"strategy {self.strategy} is unknown; there are {known}")
+        if not (math.isfinite(self.limit) and self.limit > 0.0):
+            raise TrialError(f"the limit of a mission must be a positive number of seconds, not {self.limit!r}")
+        for what, robots in (("joins", self.joins), ("deaths", self.deaths)):
+            for robot in robots:
+                if not 0 <= robot < self.robots:
+                    raise TrialError(f"{what}: there is no robot {robot} in a team of {self.robots}")
+
+    @property
+    def key(self) -> str:
+        """Names the trial among others, fit for a file name."""
+        return f"{Path(self.world).stem}-r{self.robots}-{self.scenario}-{self.strategy}-s{self.seed}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values; an infinite radio range becomes None."""
+        values = asdict(self)
+        if math.isinf(self.radio.range):
+            values["radio"]["range"] = None
+        for name in ("joins", "deaths"):
+            values[name] = {str(robot): time for robot, time in values[name].items()}
+        values["starts"] = [list(start) for start in self.starts]
+        return values

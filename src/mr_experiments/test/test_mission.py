@@ -1,0 +1,121 @@
+"""Whole missions in virtual time on the engines that robots run."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from mr_experiments.mission import Mission
+from mr_experiments.record import record_of, run_trial
+from mr_experiments.trial import Trial, TrialError
+
+SHORT = Trial("small8x8", 2, 3, limit=20.0)
+
+
+@pytest.fixture(scope="module")
+def finished():
+    return run_trial(Trial("small8x8", 2, 1, limit=300.0), snapshot_period=20.0)
+
+
+def test_two_robots_explore_and_merge(finished):
+    assert finished["outcome"] == {"status": "finished", "reason": "", "time": finished["outcome"]["time"]}
+    assert 20.0 < finished["team"]["exploration_time"] < 200.0
+    assert finished["team"]["series"]["coverage"][-1] > 0.98
+    for robot in finished["robots"].values():
+        assert robot["map"]["coverage"] > 0.98
+        assert abs(robot["map"]["error"]) < 5.0
+        assert robot["merges"] and all(merge["right"] for merge in robot["merges"])
+        assert robot["radio"]["packets_sent"] > 10 and robot["radio"]["packets_failed"] == 0
+        assert robot["counters"]["bids"] > 0
+        assert 0.3 < robot["moving"] <= 1.0
+
+
+def test_series_are_of_one_length_and_in_order(finished):
+    for robot in finished["robots"].values():
+        lengths = {len(values) for values in robot["series"].values()}
+        assert len(lengths) == 1 and lengths.pop() > 20
+        assert robot["series"]["time"] == sorted(robot["series"]["time"])
+        assert robot["series"]["distance"][-1] >= robot["distance"] > 5.0  # the way home does not count
+    assert finished["snapshots"] and set(finished["maps"]["robot_0"]) == {"global", "local"}
+
+
+def test_same_seed_same_record_in_another_process():
+    """Bit for bit, whatever the order in which that process hashes strings."""
+    code = (
+        "import json, sys; from mr_experiments.trial import Trial; from mr_experiments.record import run_trial;"
+        f"record = run_trial(Trial('small8x8', 2, {SHORT.seed}, limit={SHORT.limit})); del record['measured'];"
+        "print(json.dumps(record))"
+    )
+    records = [
+        subprocess.run(
+            [sys.executable, "-c", code], env={**os.environ, "PYTHONHASHSEED": seed}, check=True, capture_output=True
+        ).stdout
+        for seed in ("1", "2")
+    ]
+    assert records[0] == records[1]
+    other = run_trial(Trial("small8x8", 2, SHORT.seed + 1, limit=SHORT.limit))
+    assert other["team"]["trace"] != json.loads(records[0])["team"]["trace"]
+
+
+def test_unfinished_mission_says_why():
+    record = run_trial(SHORT)
+    assert record["outcome"]["status"] == "unfinished"
+    assert "limit of 20 s" in record["outcome"]["reason"] and "robot_1" in record["outcome"]["reason"]
+    assert record["team"]["exploration_time"] is None
+
+
+def test_crash_of_an_engine_is_a_failed_record_with_its_time(monkeypatch):
+    mission = Mission(SHORT)
+
+    def crash(now):
+        raise ZeroDivisionError("made by the test")
+
+    mission.agenda.at(5.0, crash)
+    monkeypatch.setattr("mr_experiments.record.Mission", lambda *_: mission)
+    record = run_trial(SHORT)
+    assert record["outcome"]["status"] == "failed"
+    assert "ZeroDivisionError: made by the test" in record["outcome"]["reason"]
+    assert "crash" in record["outcome"]["traceback"]
+    assert record["outcome"]["time"] == pytest.approx(5.0 - mission.begun_at, abs=0.1)
+
+
+def test_crashed_mission_can_be_replayed_to_its_last_moment():
+    first, again = Mission(SHORT), Mission(SHORT)
+    first.run(until=8.0)
+    again.run(until=4.0)
+    again.run(until=8.0)
+    assert record_of(first, None)["robots"] == record_of(again, None)["robots"]
+
+
+def test_robot_that_dies_does_not_hold_up_the_others():
+    record = run_trial(Trial("small8x8", 2, 1, limit=300.0, deaths={1: 10.0}))
+    assert record["outcome"]["status"] == "finished"
+    assert record["robots"]["robot_1"]["died_at"] == pytest.approx(10.0, abs=0.1)
+    assert record["robots"]["robot_1"]["finished_at"] is None
+    assert record["robots"]["robot_0"]["map"]["coverage"] > 0.95
+
+
+def test_robot_that_joins_late_takes_part():
+    record = run_trial(Trial("small8x8", 2, 1, limit=300.0, joins={1: 15.0}))
+    assert record["outcome"]["status"] == "finished"
+    late = record["robots"]["robot_1"]
+    assert late["goals"][0]["set"] >= 15.0
+    assert late["merges"] and late["map"]["coverage"] > 0.9
+
+
+@pytest.mark.parametrize(
+    "bad, text",
+    [
+        ({"world": "nowhere"}, "nowhere"),
+        ({"robots": 99}, "asked for 99"),
+        ({"robots": 0}, "at least one robot"),
+        ({"strategy": 12}, "strategy 12"),
+        ({"limit": -1.0}, "limit"),
+        ({"deaths": {5: 1.0}}, "no robot 5"),
+    ],
+)
+def test_bad_trial_names_the_culprit(bad, text):
+    with pytest.raises(TrialError, match=text):
+        Mission(Trial(**{"world": "small8x8", "robots": 1, "seed": 1, **bad}))
