@@ -49,50 +49,56 @@ std::optional<double> downhill(const Field& field, double x, double y) {
   return std::atan2(-gy, -gx);
 }
 
+// Poses after each step, the last of them within the goal's radius if it comes there.
 struct Motion {
-  Pose end;
-  double clearance = kHidden;  // with margins
-  double arrived = -1.0;       // s, when it came to the goal
-  bool valid = true;
+  std::vector<Pose> poses;
+  double arrived = -1.0;  // s, when it came to the goal
 };
 
-Motion follow(const Field* field, Pose pose, Velocity velocity, const Velocity& target,
-              const std::vector<Obstacle>& obstacles, const Clearance& at_start, const Limits& limits,
-              const Footprint& footprint, const Horizon& horizon) {
+Motion drive(const Field* field, Pose pose, Velocity velocity, const Velocity& target, const Limits& limits,
+             const Horizon& horizon) {
   Motion motion;
-  // From inside a margin only ways that lead no deeper are open.
-  const double least = std::min(0.0, at_start.with_margins - 0.003);
-  const double least_bare = std::min(kTouching, at_start.bare);
   const int steps = static_cast<int>(std::lround(horizon.duration / horizon.step));
-  for (int i = 1; i <= steps; ++i) {
+  motion.poses.reserve(steps);
+  for (int i = 1; i <= steps && motion.arrived < 0.0; ++i) {
     velocity.linear = approach(velocity.linear, target.linear, limits.linear_acceleration * horizon.step);
     velocity.angular = approach(velocity.angular, target.angular, limits.angular_acceleration * horizon.step);
     const double yaw = pose.yaw + 0.5 * velocity.angular * horizon.step;
     pose.x += velocity.linear * horizon.step * std::cos(yaw);
     pose.y += velocity.linear * horizon.step * std::sin(yaw);
     pose.yaw += velocity.angular * horizon.step;
-    const Clearance now = clearance(pose, std::abs(target.linear), obstacles, footprint);
-    motion.clearance = std::min(motion.clearance, now.with_margins);
-    if (now.with_margins < least || now.bare < least_bare) {
-      motion.valid = false;
-      return motion;
-    }
+    motion.poses.push_back(pose);
     if (field != nullptr && std::hypot(pose.x - field->goal_x, pose.y - field->goal_y) < horizon.goal_radius) {
       motion.arrived = i * horizon.step;
-      break;
     }
   }
-  motion.end = pose;
   return motion;
+}
+
+// The least clearance with margins on the way; nothing if the motion touches something.
+std::optional<double> way_clearance(const Motion& motion, const Velocity& target,
+                                    const std::vector<Obstacle>& obstacles, const Clearance& at_start,
+                                    const Footprint& footprint) {
+  // From inside a margin only ways that lead no deeper are open.
+  const double least = std::min(0.0, at_start.with_margins - 0.003);
+  const double least_bare = std::min(kTouching, at_start.bare);
+  double nearest = kHidden;
+  for (const Pose& pose : motion.poses) {
+    const Clearance now = clearance(pose, std::abs(target.linear), obstacles, footprint);
+    if (now.with_margins < least || now.bare < least_bare) return std::nullopt;
+    nearest = std::min(nearest, now.with_margins);
+  }
+  return nearest;
 }
 
 double time_left(const Field& field, const Motion& motion, const Limits& limits, const Horizon& horizon) {
   if (motion.arrived >= 0.0) return motion.arrived;
-  const double cost = cost_at(field, motion.end.x, motion.end.y);
+  const Pose& end = motion.poses.back();
+  const double cost = cost_at(field, end.x, end.y);
   if (!std::isfinite(cost)) return kUnreached;
   double time = horizon.duration + cost * field.resolution / limits.linear;
-  if (const auto direction = downhill(field, motion.end.x, motion.end.y)) {
-    const double error = std::abs(std::remainder(*direction - motion.end.yaw, 2.0 * M_PI));
+  if (const auto direction = downhill(field, end.x, end.y)) {
+    const double error = std::abs(std::remainder(*direction - end.yaw, 2.0 * M_PI));
     time += horizon.heading_weight * error / limits.angular;
   }
   return time;
@@ -128,25 +134,38 @@ Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>&
 Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
               const Limits& limits, const Footprint& footprint, const Horizon& horizon, double period) {
   constexpr int kTurns = 12;  // to each side
-  Choice best{{0.0, 0.0}, {0.0, 0.0}, kUnreached, 0.0, false};
-  const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
+  struct Candidate {
+    Velocity target;
+    Motion motion;
+    double time;
+  };
+  std::vector<Candidate> candidates;
   for (const double linear : speeds(limits)) {
     for (int turn = -kTurns; turn <= kTurns; ++turn) {
       // Finer around straight ahead.
       const double share = static_cast<double>(turn) / kTurns;
       const Velocity target{linear, limits.angular * share * std::abs(share)};
-      const Motion motion = follow(&field, pose, velocity, target, obstacles, at_start, limits, footprint, horizon);
-      if (!motion.valid) continue;
+      Motion motion = drive(&field, pose, velocity, target, limits, horizon);
       double time = time_left(field, motion, limits, horizon);
       // Backwards the laser is blind: only where it saves a lot.
       if (linear < 0.0) time += 1.5;
       time += 0.02 * std::abs(target.angular - velocity.angular);
-      if (time >= best.time) continue;
-      best.time = time;
-      best.target = target;
-      best.clearance = motion.clearance;
-      best.found = true;
+      if (time < kUnreached) candidates.push_back({target, std::move(motion), time});
     }
+  }
+  // Whether a motion touches something takes longest to find out, so the best ones are asked first.
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.time < b.time; });
+  Choice best{{0.0, 0.0}, {0.0, 0.0}, kUnreached, 0.0, false};
+  const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
+  for (const Candidate& candidate : candidates) {
+    const auto nearest = way_clearance(candidate.motion, candidate.target, obstacles, at_start, footprint);
+    if (!nearest) continue;
+    best.time = candidate.time;
+    best.target = candidate.target;
+    best.clearance = *nearest;
+    best.found = true;
+    break;
   }
   best.velocity = {approach(velocity.linear, best.target.linear, limits.linear_acceleration * period),
                    approach(velocity.angular, best.target.angular, limits.angular_acceleration * period)};
@@ -157,7 +176,8 @@ bool is_clear(const Pose& pose, const Velocity& velocity, const Velocity& target
               const std::vector<Obstacle>& obstacles, const Limits& limits, const Footprint& footprint,
               const Horizon& horizon) {
   const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
-  return follow(nullptr, pose, velocity, target, obstacles, at_start, limits, footprint, horizon).valid;
+  const Motion motion = drive(nullptr, pose, velocity, target, limits, horizon);
+  return way_clearance(motion, target, obstacles, at_start, footprint).has_value();
 }
 
 }  // namespace mr_sim::navigation
