@@ -1,0 +1,102 @@
+"""Statistics of trials: quantiles, bootstrap confidence intervals and verdicts on paired differences."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+from typing import Sequence
+
+import numpy as np
+from scipy import stats
+
+CONFIDENCE = 0.95
+RESAMPLES = 10_000
+SEED = 1
+MINIMUM_PAIRS = 6  # with fewer, even differences of one sign are no evidence at 95 %: 2 * 0.5**5 > 0.05
+
+
+@dataclass(frozen=True)
+class Interval:
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Of `count` values."""
+
+    count: int
+    low: float  # 0.05 quantile
+    mean: float
+    high: float  # 0.95 quantile
+    median: float
+
+
+class Verdict(Enum):
+    BETTER = "better"
+    WORSE = "worse"
+    NOT_SHOWN = "no difference shown"
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Paired differences, candidate minus baseline: their number, their mean, its interval and what follows."""
+
+    pairs: int
+    mean: float | None
+    interval: Interval | None
+    verdict: Verdict
+
+
+def summarise(values: Sequence[float]) -> Summary | None:
+    """None for no values."""
+    if not len(values):
+        return None
+    data = np.asarray(values, dtype=float)
+    low, median, high = np.quantile(data, (0.05, 0.5, 0.95))
+    return Summary(len(data), float(low), float(data.mean()), float(high), float(median))
+
+
+def mean_interval(values: Sequence[float] | np.ndarray) -> Interval | None:
+    """Bootstrap confidence interval of the mean of independent values (N,); None for fewer than two.
+
+    The same values give the same interval. It is the percentile interval, expanded so that it holds its level for few
+    values, too: T. C. Hesterberg, What Teachers Should Know About the Bootstrap, The American Statistician 69 (2015).
+    """
+    data = np.asarray(values, dtype=float)
+    if data.size < 2:
+        return None
+    generator = np.random.default_rng(SEED)
+    means = data[generator.integers(0, data.size, (RESAMPLES, data.size))].mean(axis=1)
+    tail = _expanded_tail(data.size)
+    low, high = np.quantile(means, (tail, 1.0 - tail))
+    return Interval(float(low), float(high))
+
+
+def _expanded_tail(count: int) -> float:
+    """Share of the bootstrap distribution to cut at either end."""
+    student = stats.t.ppf(0.5 + CONFIDENCE / 2.0, count - 1)
+    return float(stats.norm.cdf(-math.sqrt(count / (count - 1)) * student))
+
+
+def compare_pairs(candidate: Sequence[float], baseline: Sequence[float], lower_is_better: bool) -> Difference:
+    """Verdict on the candidate from values that belong together pair by pair.
+
+    A difference is shown when the confidence interval of the mean difference excludes zero.
+    """
+    if len(candidate) != len(baseline):
+        raise ValueError(f"{len(candidate)} and {len(baseline)} values are not pairs")
+    if not len(candidate):
+        return Difference(0, None, None, Verdict.NOT_SHOWN)
+    differences = np.asarray(candidate, dtype=float) - np.asarray(baseline, dtype=float)
+    interval = mean_interval(differences)
+    return Difference(
+        len(differences), float(differences.mean()), interval, _verdict(len(differences), interval, lower_is_better)
+    )
+
+
+def _verdict(pairs: int, interval: Interval | None, lower_is_better: bool) -> Verdict:
+    if interval is None or pairs < MINIMUM_PAIRS or interval.low <= 0.0 <= interval.high:
+        return Verdict.NOT_SHOWN
+    return Verdict.BETTER if (interval.high < 0.0) == lower_is_better else Verdict.WORSE

@@ -1,0 +1,83 @@
+"""The tables of a report, computed from records.
+
+Failed trials (an engine crashed) have no result and enter the counts only. Unfinished trials enter every table except
+the exploration time, which they do not have; their number stands beside it.
+"""
+
+from __future__ import annotations
+
+from mr_experiments.paper_tables import distance_table, exploration_time_table, map_error_table
+from mr_experiments.record_set import FAILED, FINISHED, UNFINISHED, Group, RecordSet, count_outcomes
+from mr_experiments.scope import Scope
+from mr_experiments.table import Cell, Column, Table
+from mr_experiments.team_tables import computing_table, merging_table, radio_table, team_table
+
+
+def chapter_tables(scope: Scope) -> list[Table]:
+    """All tables of a chapter in the order of the report."""
+    return [
+        map_error_table(scope),
+        distance_table(scope),
+        exploration_time_table(scope),
+        team_table(scope),
+        merging_table(scope),
+        radio_table(scope),
+        computing_table(scope),
+    ]
+
+
+def outcome_table(records: RecordSet) -> Table:
+    rows = []
+    for group, members in records.groups.items():
+        counts = count_outcomes(members)
+        rows.append(
+            (*_group_cells(group), len(members), *(counts[status] for status in (FINISHED, UNFINISHED, FAILED)))
+        )
+    return Table(
+        "outcomes",
+        "Outcomes",
+        "Unfinished: the mission reached its limit of time before every robot had declared its exploration "
+        "finished. Failed: an engine crashed. Nothing is left out of these counts.",
+        (
+            *_GROUP_COLUMNS,
+            Column("trials", "trials"),
+            Column("finished", "finished"),
+            Column("unfinished", "unfinished"),
+            Column("failed", "failed"),
+        ),
+        tuple(rows),
+    )
+
+
+def trouble_table(records: RecordSet) -> Table:
+    """Every trial that did not finish, with its seed and reason."""
+    rows = [
+        (*_group_cells(record.group), record.seed, record.status, record.time, record.reason)
+        for record in records.records
+        if not record.finished
+    ]
+    return Table(
+        "not_finished",
+        "Trials that did not finish",
+        "Each can be repeated with its seed.",
+        (
+            *_GROUP_COLUMNS,
+            Column("seed", "seed"),
+            Column("status", "outcome", text=True),
+            Column("time_s", "at / s", 1),
+            Column("reason", "reason", text=True),
+        ),
+        tuple(rows),
+    )
+
+
+_GROUP_COLUMNS = (
+    Column("world", "world", text=True),
+    Column("scenario", "scenario", text=True),
+    Column("strategy", "strategy", text=True),
+    Column("robots", "R"),
+)
+
+
+def _group_cells(group: Group) -> tuple[Cell, ...]:
+    return group.world, group.scenario, str(group.strategy), group.robots
