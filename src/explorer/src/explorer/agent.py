@@ -19,7 +19,7 @@ import numpy as np
 from explorer import choice, logs
 from explorer.assignment import cost_matrix, squared_euclidean
 from explorer.auction import OpenAuction, closing_message, elements_of, first_auction_id, reply_message
-from explorer.clusters import Cluster, ClusterStore, match, places_of, share_listed
+from explorer.clusters import Cluster, ClusterStore, match, places_of, share_listed, tree_of
 from explorer.frontiers import Element, ForeignFrontiers, Frontier, FrontierStore, Key, frontier_cells
 from explorer.grid import FARTHEST, OccupancyMap, is_place
 from explorer.messages import (
@@ -427,9 +427,11 @@ class ExplorerAgent:
         self._hidden_foreign = [spot for spot in self._hidden_foreign if spot[2] > now]
         hidden = np.array([(x, y) for x, y, _ in self._hidden_foreign], dtype=float).reshape(-1, 2)
         self._view_of = {}
-        self._told_explored = any(self._is_goal(f) and _near_any(f, hidden) for f in self.frontiers.frontiers.values())
+        goals = [f for f in self.frontiers.frontiers.values() if self._is_goal(f)]
+        told = {f.number for f, near in zip(goals, _near_any(goals, hidden)) if near}
+        self._told_explored = bool(told)
         for cluster in self.clusters.clusters:
-            active = [f for f in cluster.members if self._is_goal(f) and not _near_any(f, hidden)]
+            active = [f for f in cluster.members if self._is_goal(f) and f.number not in told]
             self._views.assess(cluster, active)
             self._view_of.update(cluster.views)
         self._tour_stale = True
@@ -661,7 +663,7 @@ class ExplorerAgent:
     def _is_announced(self, cluster: Cluster, now: float) -> bool:
         """Contract 3.6: refused if 10 % of its elements are in a received list and none of it is in the own."""
         for claim in self.team.claims(now).values():
-            places = places_of(claim.elements, self.foreign, self.name)
+            places = tree_of(places_of(claim.elements, self.foreign, self.name))
             if share_listed(cluster, set(claim.elements), places, self.name) >= 0.1:
                 return True
         return False
@@ -1174,8 +1176,8 @@ def _turn(before: float, after: float) -> float:
     return math.atan2(math.sin(after - before), math.cos(after - before))
 
 
-def _near_any(frontier: Frontier, places: np.ndarray) -> bool:
-    """True if one of (n, 2) places in metres is within half a metre of a frontier."""
-    if not len(places):
-        return False
-    return bool((np.hypot(places[:, 0] - frontier.x, places[:, 1] - frontier.y) < 0.5).any())
+def _near_any(frontiers: Sequence[Frontier], places: np.ndarray) -> np.ndarray:
+    """bool (f,): whether one of (n, 2) places in metres is within half a metre of each frontier."""
+    points = np.array([(f.x, f.y) for f in frontiers], dtype=float).reshape(-1, 2)
+    gaps = np.hypot(places[None, :, 0] - points[:, None, 0], places[None, :, 1] - points[:, None, 1])
+    return (gaps < 0.5).any(axis=1)

@@ -161,12 +161,17 @@ class ClusterStore:
         return sorted(result, key=lambda cluster: cluster.number)
 
 
-def share_listed(cluster: Cluster, listed: Set[Key], places: np.ndarray, self_name: str) -> float:
-    """Share of a cluster's members that are listed: by their own key, or by a listed point of another robot (an
-    (n, 2) array of places in metres in the own frame) within `MATCHING_DISTANCE`."""
+def tree_of(places: np.ndarray) -> Optional[cKDTree]:
+    """To look up the nearest of (n, 2) places in metres; None if there are none."""
+    return cKDTree(places) if len(places) else None
+
+
+def share_listed(cluster: Cluster, listed: Set[Key], places: Optional[cKDTree], self_name: str) -> float:
+    """Share of a cluster's members that are listed: by their own key, or by a listed point of another robot (the
+    places of these, in metres in the own frame) within `MATCHING_DISTANCE`."""
     own = np.array([(self_name, member.number) in listed for member in cluster.members], dtype=bool)
-    if len(places):
-        gaps, _ = cKDTree(places).query(cluster.points, distance_upper_bound=MATCHING_DISTANCE)
+    if places is not None:
+        gaps, _ = places.query(cluster.points, distance_upper_bound=MATCHING_DISTANCE)
         own |= np.isfinite(gaps)
     return float(own.mean()) if len(own) else 0.0
 
@@ -182,7 +187,7 @@ def match(
 ) -> Optional[Cluster]:
     """The own cluster that another robot means by a list of elements: the one with the largest share listed, if
     that is above `MATCHING_SHARE`; None if there is none."""
-    places = places_of(listed, foreign, self_name)
+    places = tree_of(places_of(listed, foreign, self_name))
     keys = set(listed)
     best: Optional[Cluster] = None
     best_share = MATCHING_SHARE

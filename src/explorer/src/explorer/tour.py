@@ -1,7 +1,9 @@
 """How much way each first stop costs in the end: shortest open tours through clusters (Held and Karp 1962)."""
 
+import functools
+import itertools
 import math
-from typing import Sequence, Tuple
+from typing import List, Sequence, Tuple
 
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
@@ -25,12 +27,24 @@ def tour_lengths(to_stops: np.ndarray, between: np.ndarray) -> np.ndarray:
     # rest[s, i]: shortest way that starts at i and visits all stops of the set s (i not among them).
     rest = np.full((1 << n, n), math.inf)
     rest[0] = 0.0
-    for subset in range(1, 1 << n):
-        members = [k for k in range(n) if subset >> k & 1]
-        onward = np.array([rest[subset & ~(1 << k), k] for k in members])
-        rest[subset] = (between[:, members] + onward).min(axis=1)
+    for subsets, members, without in _subsets_by_size(n):
+        onward = rest[without, members]
+        rest[subsets] = (between[:, members] + onward).min(axis=2).T
     everything = (1 << n) - 1
     return np.array([to_stops[i] + rest[everything & ~(1 << i), i] for i in range(n)])
+
+
+@functools.lru_cache(maxsize=None)
+def _subsets_by_size(n: int) -> List[Tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """For each size m from 1 to n all sets of m of n stops, as bit masks (s,), their members (s, m), and the masks of
+    the sets without each member (s, m)."""
+    tables = []
+    for size in range(1, n + 1):
+        members = np.array(list(itertools.combinations(range(n), size)), dtype=np.intp)
+        bits = 1 << members
+        subsets = bits.sum(axis=1)
+        tables.append((subsets, members, subsets[:, None] - bits))
+    return tables
 
 
 def ways_between(grid: TravelGrid, stops: Sequence[Tuple[float, float]]) -> np.ndarray:

@@ -190,4 +190,8 @@ class TravelGrid:
         factor, info = self.factor, self.info
         padded = np.full((info.height * factor, info.width * factor), -1.0, dtype=np.float32)
         padded[: values.shape[0], : values.shape[1]] = values
-        return padded.reshape(info.height, factor, info.width, factor).max(axis=(1, 3))
+        pooled = padded[::factor, ::factor].copy()
+        # Many times faster than one reduction over two short axes.
+        for row, col in np.ndindex(factor, factor):
+            np.maximum(pooled, padded[row::factor, col::factor], out=pooled)
+        return pooled

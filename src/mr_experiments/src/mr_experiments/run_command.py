@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import argparse
 import math
+import signal
 import statistics
 import sys
+from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import NoReturn, Sequence
+from types import FrameType
+from typing import Generator, Iterator, NoReturn, Sequence, cast
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -15,8 +18,10 @@ from rich.table import Table
 
 from mr_experiments.mission import world_of
 from mr_experiments.scenario import DEFAULT, Scenario, known_scenarios, load_scenario
-from mr_experiments.sweep import DaskCluster, Done, LocalPool, Runner, default_jobs, split_done
+from mr_experiments.sweep import ClusterLostError, DaskCluster, Done, LocalPool, Runner, default_jobs, split_done
 from mr_experiments.trial import Trial, TrialError
+
+LARGEST_SEED = 2**31
 
 
 class _Parser(argparse.ArgumentParser):
@@ -29,8 +34,8 @@ def make_parser() -> argparse.ArgumentParser:
         prog="run",
         description="Whole missions in virtual time: one JSON record per trial. A run that was stopped goes on where "
         "it was when it is started again.",
-        epilog="Exit code: 0 every trial finished, 1 some did not (their records tell why), 2 bad options, "
-        "130 interrupted. Then: rosrun mr_experiments report DIR, rosrun mr_experiments show DIR/RECORD.json.",
+        epilog="Exit code: 0 every trial finished, 1 some did not (their records tell why) or could not be run, "
+        "2 bad options, 130 interrupted. Then: rosrun mr_experiments report DIR, rosrun mr_experiments show DIR/RECORD.json.",
     )
     add = parser.add_argument
     add("--scenario", default=DEFAULT, metavar="NAME|FILE", help="what the trials have in common: "
@@ -51,70 +56,111 @@ def make_parser() -> argparse.ArgumentParser:
 
 
 def plan(scenario: Scenario, arguments: argparse.Namespace) -> list[Trial]:
-    """Seed by seed, so that a part of a sweep already compares all team sizes."""
-    return [
+    """Seed by seed, so that a part of a sweep already compares all team sizes. None twice."""
+    trials = (
         scenario.trial(robots, strategy, seed, arguments.world)
         for seed in range(arguments.seed, arguments.seed + arguments.trials)
         for strategy in arguments.strategy or scenario.strategies
         for robots in arguments.robots or scenario.robots
-    ]
+    )
+    return list({trial.key: trial for trial in trials}.values())
 
 
 def main(argv: Sequence[str]) -> int:
+    """Runs the sweep; returns the exit code."""
     try:
-        arguments = make_parser().parse_args(argv)
-        return _run(arguments)
+        with _termination_as_interrupt():
+            return _run(make_parser().parse_args(argv))
     except TrialError as error:
         print(f"run: {error}", file=sys.stderr)
         return 2
+    except (ClusterLostError, OSError) as error:
+        print(f"run: {error}; the same command goes on from here", file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         print("run: interrupted; the same command goes on from here", file=sys.stderr)
         return 130
 
 
+@contextmanager
+def _termination_as_interrupt() -> Iterator[None]:
+    """So that no trial runs on when a job manager ends the sweep."""
+
+    def interrupt(_: int, __: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
 def _run(arguments: argparse.Namespace) -> int:
-    for name, least in (("trials", 1), ("jobs", 1), ("seed", 0)):
-        if getattr(arguments, name) < least:
-            raise TrialError(f"--{name} {getattr(arguments, name)} must be at least {least}")
-    if not arguments.snapshots > 0.0:
-        raise TrialError(f"--snapshots {arguments.snapshots:g} must be a positive number of seconds")
+    _check_numbers(arguments)
     trials = plan(load_scenario(arguments.scenario), arguments)
     for trial in {(trial.world, trial.robots): trial for trial in trials}.values():
         world_of(trial)
     folder = Path(arguments.out)
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise TrialError(f"--out {folder}: {error.strerror}") from None
     left, done = split_done(trials, folder)
     console = Console(soft_wrap=True, width=None if sys.stdout.isatty() else 120)
     if done:
-        console.print(f"{len(done)} of {len(trials)} trials are recorded in {folder} already.")
-    runner: Runner = LocalPool(arguments.jobs, arguments.snapshots)
-    if arguments.scheduler:
-        runner = DaskCluster(arguments.scheduler, arguments.snapshots)
-    done += _follow(runner, left, folder, console)
+        console.print(f"{len(done)} of {len(trials)} trials are recorded in {folder} already.", highlight=False)
+    if left:
+        done += _run_left(arguments, left, folder, console)
     _print_summary(console, done, folder)
     return 0 if all(entry.status == "finished" for entry in done) else 1
 
 
+def _check_numbers(arguments: argparse.Namespace) -> None:
+    for name, least in (("trials", 1), ("jobs", 1), ("seed", 0)):
+        if getattr(arguments, name) < least:
+            raise TrialError(f"--{name} {getattr(arguments, name)} must be at least {least}")
+    if arguments.seed + arguments.trials > LARGEST_SEED:
+        raise TrialError(f"--seed {arguments.seed}: seeds must be below {LARGEST_SEED}")
+    if not arguments.snapshots > 0.0:
+        raise TrialError(f"--snapshots {arguments.snapshots:g} must be a positive number of seconds")
+
+
+def _run_left(arguments: argparse.Namespace, left: list[Trial], folder: Path, console: Console) -> list[Done]:
+    if not arguments.scheduler:
+        return _follow(LocalPool(arguments.jobs, arguments.snapshots), left, folder, console)
+    with closing(DaskCluster(arguments.scheduler, arguments.snapshots)) as cluster:
+        return _follow(cluster, left, folder, console)
+
+
 def _follow(runner: Runner, left: list[Trial], folder: Path, console: Console) -> list[Done]:
     done = []
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
-               TextColumn("left"), TimeRemainingColumn())  # fmt: skip
+    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
+               TextColumn("{task.description}"))  # fmt: skip
     # Without a refreshing thread: processes are forked meanwhile.
     with Progress(*columns, console=console, auto_refresh=False, disable=not console.is_terminal) as progress:
-        task = progress.add_task("trials", total=len(left))
-        for entry in runner.run(left, folder):
-            done.append(entry)
-            progress.update(task, advance=1)
-            progress.refresh()
-            progress.console.print(_line(entry), highlight=False, markup=False)
+        task = progress.add_task("", total=len(left))
+        last_trouble = ""
+
+        def tell(running: int, trouble: str) -> None:
+            nonlocal last_trouble
+            if trouble and trouble != last_trouble:
+                progress.console.print(trouble, highlight=False, markup=False)
+            last_trouble = trouble
+            progress.update(task, description="" if trouble else f"({running} running)", refresh=True)
+
+        # Closed here, so that trials end before anything is said about an interruption.
+        with closing(cast("Generator[Done, None, None]", runner.run(left, folder, tell))) as results:
+            for entry in results:
+                done.append(entry)
+                progress.update(task, advance=1, refresh=True)
+                progress.console.print(_line(entry), highlight=False, markup=False)
     return done
 
 
 def _line(entry: Done) -> str:
-    outcome, measured = entry.record["outcome"], entry.record.get("measured", {})
-    time = entry.record["team"].get("exploration_time")
-    told = f"{time:.1f} s" if time is not None else f"{entry.status}: {outcome['reason']}"
-    factor = measured.get("real_time_factor")
+    time, factor = entry.exploration_time, entry.real_time_factor
+    told = f"{time:.1f} s" if time is not None else f"{entry.status}: {entry.reason}"
     return f"{entry.trial.key}: {told}" + (f"  ({factor:.1f} x real time)" if factor else "")
 
 
@@ -127,13 +173,8 @@ def _print_summary(console: Console, done: list[Done], folder: Path) -> None:
         groups.setdefault((entry.trial.robots, entry.trial.strategy), []).append(entry)
     for (robots, strategy), entries in sorted(groups.items()):
         counts = [sum(entry.status == status for entry in entries) for status in ("finished", "unfinished", "failed")]
-        times = [entry.record["team"]["exploration_time"] for entry in entries if entry.status == "finished"]
-        errors = [
-            robot["map"]["error"]
-            for entry in entries
-            for robot in entry.record["robots"].values()
-            if robot["map"].get("error") is not None
-        ]
+        times = [entry.exploration_time for entry in entries if entry.exploration_time is not None]
+        errors = [error for entry in entries for error in entry.map_errors]
         table.add_row(
             str(robots), str(strategy), str(len(entries)), *(str(count) for count in counts),
             f"{statistics.median(times):.1f} s" if times else "-",

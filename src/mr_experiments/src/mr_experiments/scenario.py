@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Callable, Mapping
+from typing import Any, Callable, Iterable, Mapping
 
 import rospkg
 import yaml  # type: ignore[import-untyped]
 
+from explorer.options import STRATEGIES
 from mr_experiments.radio import RadioOptions
 from mr_experiments.trial import Trial, TrialError
 from mr_sim.pose import Pose
@@ -62,46 +63,39 @@ def load_scenario(name: str) -> Scenario:
     if path is None:
         raise TrialError(f"there is no scenario {name!r}; there are {', '.join(known)}, or name a .yaml file")
     try:
-        values = yaml.safe_load(path.read_text(encoding="utf-8"))
-        return _scenario_of(path.stem, values)
-    except (OSError, yaml.YAMLError, TrialError, TypeError, ValueError) as error:
-        raise TrialError(f"{path}: {error}") from None
+        return _scenario_of(path.stem, yaml.safe_load(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise TrialError(f"{path}: {error.strerror}") from None
+    except (yaml.YAMLError, ValueError) as error:
+        raise TrialError(f"{path}: {' '.join(str(error).split())}") from None
 
 
 def _scenario_of(name: str, values: Any) -> Scenario:
     if not isinstance(values, dict):
-        raise TrialError("a scenario is a mapping, see the README of mr_experiments")
-    unknown = sorted(set(values) - set(_KEYS))
-    if unknown:
-        raise TrialError(f"unknown key {unknown[0]!r}; there are {', '.join(_KEYS)}")
-    if not isinstance(values.get("description"), str):
+        raise TrialError("a scenario is a mapping with these keys: " + ", ".join(_KEYS))
+    _check_keys(values, _KEYS)
+    if "description" not in values:
         raise TrialError("'description' is missing: one sentence for people")
-    return Scenario(name, **{key: _KEYS[key](value) for key, value in values.items()})
+    return Scenario(name, **{key: _read(key, _KEYS[key], value) for key, value in values.items()})
 
 
-def _numbers(value: Any) -> tuple[int, ...]:
-    if not (isinstance(value, list) and value and all(type(number) is int for number in value)):
-        raise TrialError(f"expected a list of whole numbers, not {value!r}")
-    return tuple(value)
-
-
-def _seconds(value: Any) -> dict[int, float]:
-    if not isinstance(value, dict):
-        raise TrialError(f"expected robot: seconds, not {value!r}")
-    return {int(robot): float(time) for robot, time in value.items()}
-
-
-def _poses(value: Any) -> tuple[Pose, ...]:
-    """x, y in m and the heading in degrees, as in world files."""
-    return tuple((float(x), float(y), math.radians(float(degrees))) for x, y, degrees in value)
-
-
-def _radio(value: Any) -> RadioOptions:
-    known = RadioOptions.__dataclass_fields__
-    unknown = sorted(set(value) - set(known))
+def _check_keys(values: Mapping[Any, Any], known: Iterable[str]) -> None:
+    unknown = [key for key in values if key not in known]
     if unknown:
-        raise TrialError(f"radio: unknown key {unknown[0]!r}; there are {', '.join(known)}")
-    return RadioOptions(**value)
+        raise TrialError(f"unknown key {unknown[0]!r}; there are {', '.join(known)}")
+
+
+def _read(key: str, reader: Callable[[Any], Any], value: Any) -> Any:
+    try:
+        return reader(value)
+    except TrialError as error:
+        raise TrialError(f"{key}: {error}") from None
+
+
+def _text(value: Any) -> str:
+    if not (isinstance(value, str) and value):
+        raise TrialError(f"expected a text, not {value!r}")
+    return value
 
 
 def _flag(value: Any) -> bool:
@@ -110,7 +104,104 @@ def _flag(value: Any) -> bool:
     return value
 
 
+def _number(value: Any) -> float:
+    """YAML reads 5e7 as a text, to the surprise of people."""
+    try:
+        if isinstance(value, bool):
+            raise TypeError
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TrialError(f"expected a number, not {value!r}") from None
+    if math.isnan(number):
+        raise TrialError("expected a number, not nan")
+    return number
+
+
+def _at_least(least: float, most: float = math.inf) -> Callable[[Any], float]:
+    def read(value: Any) -> float:
+        number = _number(value)
+        if not least <= number <= most:
+            limits = f"at least {least:g}" if math.isinf(most) else f"between {least:g} and {most:g}"
+            raise TrialError(f"expected a number of {limits}, not {value!r}")
+        return number
+
+    return read
+
+
+def _positive(value: Any) -> float:
+    number = _number(value)
+    if number <= 0.0:
+        raise TrialError(f"expected a positive number, not {value!r}")
+    return number
+
+
+def _finite_positive(value: Any) -> float:
+    number = _positive(value)
+    if math.isinf(number):
+        raise TrialError(f"expected a finite number, not {value!r}")
+    return number
+
+
+def _whole_numbers(value: Any) -> tuple[int, ...]:
+    if not (isinstance(value, list) and value and all(type(number) is int for number in value)):
+        raise TrialError(f"expected a list of whole numbers, not {value!r}")
+    return tuple(value)
+
+
+def _team_sizes(value: Any) -> tuple[int, ...]:
+    sizes = _whole_numbers(value)
+    if min(sizes) < 1:
+        raise TrialError(f"a team has at least one robot, not {min(sizes)}")
+    return sizes
+
+
+def _strategies(value: Any) -> tuple[int, ...]:
+    numbers = _whole_numbers(value)
+    for number in numbers:
+        if number not in STRATEGIES:
+            raise TrialError(f"{number} is unknown; there are {', '.join(map(str, STRATEGIES))}")
+    return numbers
+
+
+def _seconds(value: Any) -> dict[int, float]:
+    """Of robots by their index."""
+    if not isinstance(value, dict):
+        raise TrialError(f"expected robot: seconds, not {value!r}")
+    for robot in value:
+        if type(robot) is not int or robot < 0:
+            raise TrialError(f"expected the index of a robot, 0 or above, not {robot!r}")
+    return {robot: _read(f"robot {robot}", _finite_positive, time) for robot, time in value.items()}
+
+
+def _poses(value: Any) -> tuple[Pose, ...]:
+    """x, y in m and the heading in degrees, as in world files."""
+    if not isinstance(value, list):
+        raise TrialError(f"expected a list of [x, y, degrees], not {value!r}")
+    return tuple(_pose(pose) for pose in value)
+
+
+def _pose(value: Any) -> Pose:
+    if not (isinstance(value, list) and len(value) == 3):
+        raise TrialError(f"expected [x, y, degrees], not {value!r}")
+    x, y, degrees = (_number(number) for number in value)
+    if not all(map(math.isfinite, (x, y, degrees))):
+        raise TrialError(f"expected finite numbers, not {value!r}")
+    return (x, y, math.radians(degrees))
+
+
+def _radio(value: Any) -> RadioOptions:
+    if not isinstance(value, dict):
+        raise TrialError(f"expected a mapping with some of {', '.join(_RADIO_KEYS)}, not {value!r}")
+    _check_keys(value, _RADIO_KEYS)
+    return RadioOptions(**{key: _read(key, _RADIO_KEYS[key], option) for key, option in value.items()})
+
+
+_RADIO_KEYS: dict[str, Callable[[Any], Any]] = {
+    "range": _positive, "loss": _at_least(0.0, 1.0), "bit_rate": _finite_positive, "wall_attenuation": _at_least(0.0),
+    "contention": _flag, "sealed": _flag,
+}  # fmt: skip
+
 _KEYS: dict[str, Callable[[Any], Any]] = {
-    "description": str, "world": str, "robots": _numbers, "strategies": _numbers, "limit": float, "fast": _flag,
-    "known_poses": _flag, "radio": _radio, "starts": _poses, "joins": _seconds, "deaths": _seconds,
+    "description": _text, "world": _text, "robots": _team_sizes, "strategies": _strategies, "limit": _finite_positive,
+    "fast": _flag, "known_poses": _flag, "radio": _radio, "starts": _poses, "joins": _seconds, "deaths": _seconds,
 }  # fmt: skip

@@ -14,7 +14,13 @@ class Raster:
 
 class Ranger:
     def __init__(
-        self, mount: _Pose, range_max: float, field_of_view: float, samples: int, noise_variance: float
+        self,
+        mount: _Pose,
+        range_max: float,
+        field_of_view: float,
+        samples: int,
+        noise_variance: float,
+        noise_share: float,
     ) -> None: ...
 
 class World:

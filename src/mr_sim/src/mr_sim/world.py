@@ -94,7 +94,8 @@ class World:
             solid=robot.solid,
             noise_seed=int(generator.integers(0, 2**63)),
             rangers=[
-                _world.Ranger(r.mount, r.range_max, r.field_of_view, r.samples, r.noise_variance) for r in robot.rangers
+                _world.Ranger(r.mount, r.range_max, r.field_of_view, r.samples, r.noise_variance, r.noise_share)
+                for r in robot.rangers
             ],
         )
 

@@ -55,6 +55,7 @@ class RangerDescription:
     samples: int
     update_interval: float
     noise_variance: float  # m^2; Stage uses the first number of `noise` as a variance
+    noise_share: float = 0.0  # of the range: the second number, by which a reading errs at most, evenly spread
 
     @property
     def angle_increment(self) -> float:
@@ -354,10 +355,12 @@ def _sensor(reader: _Reader, ranger: _Reader, mount: Pose) -> RangerDescription:
         raise reader.fail("fov", f"must be at most 360 degrees, not {field_of_view:g}")
     noisy = reader if reader.has("noise") else ranger
     noise = noisy.numbers("noise", (0.0, 0.0, 0.0))
-    if noise[0] < 0.0:
+    if min(noise) < 0.0:
         raise noisy.fail("noise", "must not be negative")
-    if noise[1] or noise[2]:
-        raise noisy.fail("noise", "supports only its first number, the variance of a range in m^2; others must be 0")
+    if noise[1] > 1.0:
+        raise noisy.fail("noise", f"has a second number that is a share of the range, at most 1, not {noise[1]:g}")
+    if noise[2]:
+        raise noisy.fail("noise", "knows no error of the bearing: its third number must be 0")
     return RangerDescription(
         mount=mount,
         range_min=range_min,
@@ -366,6 +369,7 @@ def _sensor(reader: _Reader, ranger: _Reader, mount: Pose) -> RangerDescription:
         samples=int(samples),
         update_interval=ranger.interval("update_interval", 100.0),
         noise_variance=noise[0],
+        noise_share=noise[1],
     )
 
 

@@ -21,8 +21,9 @@ std::shared_ptr<Raster> make_raster(const Cells& cells, double resolution, std::
                                   resolution, Point{origin.first, origin.second});
 }
 
-Ranger make_ranger(const PoseTuple& mount, double range_max, double field_of_view, int samples, double noise_variance) {
-  return {to_pose(mount), range_max, field_of_view, samples, noise_variance};
+Ranger make_ranger(const PoseTuple& mount, double range_max, double field_of_view, int samples, double noise_variance,
+                   double noise_share) {
+  return {to_pose(mount), range_max, field_of_view, samples, noise_variance, noise_share};
 }
 
 int add_robot(World& world, const PoseTuple& start,
@@ -97,7 +98,7 @@ PYBIND11_MODULE(_world, module) {
 
   py::class_<Ranger>(module, "Ranger")
       .def(py::init(&make_ranger), py::arg("mount"), py::arg("range_max"), py::arg("field_of_view"), py::arg("samples"),
-           py::arg("noise_variance"));
+           py::arg("noise_variance"), py::arg("noise_share"));
 
   py::class_<World>(module, "World")
       .def(py::init([](std::shared_ptr<Raster> obstacles, std::shared_ptr<Raster> visible, double interval) {

@@ -45,15 +45,22 @@ std::pair<double, double> two_normals(std::mt19937_64& generator) {
   return {u * factor, v * factor};
 }
 
-// Stage adds no noise to readings at maximum range; noisy ones may be negative or above the maximum.
+// Stage adds no noise to readings at maximum range; noisy ones may be negative or above the maximum. What is drawn does
+// not depend on what is seen, and a kind of noise that a ranger lacks draws nothing.
 void add_noise(const Ranger& ranger, std::mt19937_64& generator, float* ranges) {
-  if (ranger.noise_variance <= 0.0) return;
+  const bool constant = ranger.noise_variance > 0.0;
+  const bool growing = ranger.noise_share > 0.0;
+  if (!constant && !growing) return;
   const double deviation = std::sqrt(ranger.noise_variance);
   const float maximum = static_cast<float>(ranger.range_max);
+  const auto disturb = [&](double normal, float& range) {
+    const double even = growing ? 2.0 * uniform(generator) - 1.0 : 0.0;
+    if (range < maximum) range += static_cast<float>(normal * deviation + even * ranger.noise_share * range);
+  };
   for (int i = 0; i < ranger.samples; i += 2) {
-    const auto [first, second] = two_normals(generator);
-    if (ranges[i] < maximum) ranges[i] += static_cast<float>(first * deviation);
-    if (i + 1 < ranger.samples && ranges[i + 1] < maximum) ranges[i + 1] += static_cast<float>(second * deviation);
+    const auto [first, second] = constant ? two_normals(generator) : std::pair(0.0, 0.0);
+    disturb(first, ranges[i]);
+    if (i + 1 < ranger.samples) disturb(second, ranges[i + 1]);
   }
 }
 

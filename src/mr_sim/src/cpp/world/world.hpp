@@ -19,6 +19,7 @@ struct Ranger {
   double field_of_view;  // rad, first and last beam at its ends
   int samples;
   double noise_variance;  // m^2, the first number of Stage's `noise`
+  double noise_share;     // of the range, the second number: largest error of its even part
 };
 
 struct RobotOptions {

@@ -14,7 +14,7 @@ from typing import List, Mapping, Optional, Tuple
 import numpy as np
 
 from mr_sim import _navigation
-from mr_sim.navigation.obstacles import ObstacleMemory, near_walls
+from mr_sim.navigation.obstacles import ObstacleMemory, first_of_squares, near_walls
 from mr_sim.navigation.options import (
     COARSEST,
     FARTHEST,
@@ -432,8 +432,7 @@ class Navigator:
         rows = np.concatenate([seen, moving, self._walls(pose)])
         # Of each small square the nearest counts, so that thinning makes no room that is not there.
         rows = rows[np.argsort(np.hypot(rows[:, 0] - pose[0], rows[:, 1] - pose[1]), kind="stable")]
-        _, first = np.unique(np.floor(rows[:, :2] / POINT_SPACING).astype(np.int64), axis=0, return_index=True)
-        return rows[first]
+        return rows[first_of_squares(rows, POINT_SPACING)]
 
     def _walls(self, pose: Pose) -> np.ndarray:
         """Walls of the map around the robot, looked up again when it has moved a little."""

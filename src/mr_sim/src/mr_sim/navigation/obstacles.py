@@ -43,8 +43,17 @@ class ObstacleMemory:
             hits = hits[~near_walls(hits, wall_distance, grid)]
         fresh = np.column_stack([hits, np.full(len(hits), now)])
         points = np.concatenate([fresh, old])
-        _, first = np.unique(np.floor(points[:, :2] / CELL).astype(np.int64), axis=0, return_index=True)
-        self._points = points[np.sort(first)][:REMEMBERED_LIMIT]
+        self._points = points[np.sort(first_of_squares(points, CELL))][:REMEMBERED_LIMIT]
+
+
+def first_of_squares(points: np.ndarray, size: float) -> np.ndarray:
+    """Index of the first of the points (n, 2 or more) in each square of `size` m, in the order of the squares."""
+    if len(points) == 0:
+        return np.empty(0, dtype=np.intp)
+    squares = np.floor(points[:, :2] / size).astype(np.int64)
+    squares -= squares.min(axis=0)
+    _, first = np.unique(squares[:, 0] * (squares[:, 1].max() + 1) + squares[:, 1], return_index=True)
+    return first
 
 
 def near_walls(points: np.ndarray, wall_distance: np.ndarray, grid: Grid) -> np.ndarray:
