@@ -79,9 +79,10 @@ class Explorer:
 
     def __init__(
         self, options: Options, agenda: Agenda, radio: RobotRadio, stopwatch: Stopwatch, listener: ExplorerListener,
-        clock: Callable[[], float],
+        clock: Callable[[], float], tick: float = TICK,
     ) -> None:  # fmt: skip
         self.agent = ExplorerAgent(options)
+        self._tick = tick
         self.bids = 0
         self._options = options
         self._agenda, self._radio, self._stopwatch = agenda, radio, stopwatch
@@ -92,7 +93,7 @@ class Explorer:
         self._running = True
 
     def start(self, now: float) -> None:
-        self._agenda.every(TICK, now, lambda _: self.tick())
+        self._agenda.every(self._tick, now, lambda _: self.tick())
 
     def stop(self) -> None:
         """The robot is no more."""

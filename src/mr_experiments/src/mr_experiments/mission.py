@@ -7,9 +7,15 @@ import math
 from dataclasses import replace
 from typing import Callable
 
+import numpy as np
+
 from explorer.agent import State
 from mr_experiments.agenda import Agenda
+from mr_experiments.body import Body
+from mr_experiments.exploring import TICK
+from mr_experiments.fast_body import FastBody
 from mr_experiments.parameters import explorer_options, merger_options
+from mr_experiments.perfect_radio import PerfectRadio
 from mr_experiments.radio import Radio, Walls
 from mr_experiments.recorder import Recorder
 from mr_experiments.robot import Robot
@@ -24,6 +30,9 @@ from mr_sim.worlds import WorldNotFoundError, find_world
 READY_PATIENCE = 30.0  # s until every robot must have a map and a pose
 HOME_PATIENCE = 180.0  # s from the end of exploration until all robots must be at rest
 RADIO_PERIOD = 0.5  # s between two readings of the robots' places by the radio
+FAST_STEP = 0.1  # s, of the motion of robots with perfect maps
+FAST_TICK = 0.5  # s between ticks of their explorers
+VIEW_PERIOD = 0.5  # s between two looks
 
 
 @functools.lru_cache(maxsize=8)
@@ -73,25 +82,30 @@ class Mission:
         self.stopwatch = Stopwatch()
         self.now = 0.0
         self.begun_at: float | None = None
+        self._switched_on = False
         visible = self.world.visible
         walls = Walls(visible.cells, visible.resolution, visible.origin)
-        self.radio = Radio(trial.radio, trial.seed, walls)
+        self.radio = PerfectRadio(self.agenda) if trial.fast else Radio(trial.radio, trial.seed, walls)
         self.recorder = Recorder(trial, self.world, snapshot_period)
         starts = {name: self.world.pose(i) for i, name in enumerate(self.world.names)}
         self.robots = [self._robot(index, starts) for index in range(trial.robots)]
         self.recorder.attach(self.robots, self.radio)
 
     def _robot(self, index: int, starts: dict[str, Pose]) -> Robot:
-        name = self.world.names[index]
+        name, ranger = self.world.names[index], self.world.robots[index].rangers[0]
+        body: Body | FastBody = Body(name, ranger, self.trial.seed, self.stopwatch)
+        if self.trial.fast:
+            body = FastBody(starts[name], ranger, self.world.visible, self.stopwatch)
         return Robot(
-            index, starts[name], self.world.robots[index].rangers[0],
-            merger_options(self.trial, name, starts), explorer_options(self.trial, name, index), self.trial.seed,
-            self.agenda, self.radio, self.stopwatch, self.recorder, lambda: self.now,
+            index, starts[name], merger_options(self.trial, name, starts),
+            explorer_options(self.trial, name, index, ranger), body, self.trial.seed, self.agenda, self.radio, self.stopwatch, self.recorder, lambda: self.now,
+            FAST_TICK if self.trial.fast else TICK,
         )  # fmt: skip
 
     def run(self, until: float = math.inf, progress: Callable[[float], None] = lambda _: None) -> None:
         """To the end of the mission, or to `until` s after its start for a replay. `progress` is told the time."""
-        if self.world.steps == 0:
+        if not self._switched_on:
+            self._switched_on = True
             self._switch_on()
         while not self._over() and self.since_start < until:
             self._advance()
@@ -103,8 +117,12 @@ class Mission:
                 self.radio.switch_off(robot.own_radio.index)
             else:
                 robot.switch_on(0.0)
-        self._step_world(0.0)
-        self.agenda.every(RADIO_PERIOD, 0.0, lambda _: self._tell_places())
+        if self.trial.fast:
+            self.agenda.every(FAST_STEP, 0.0, self._step_fast)
+            self.agenda.every(VIEW_PERIOD, 0.0, lambda _: self._view())
+        else:
+            self._step_world(0.0)
+            self.agenda.every(RADIO_PERIOD, 0.0, lambda _: self._tell_places())
 
     @property
     def since_start(self) -> float:
@@ -135,6 +153,26 @@ class Mission:
             self.recorder.on_step(states, self.since_start)
         self._start_if_ready()
         self.agenda.at((self.world.steps + 1) * self.world.interval, self._step_world)
+
+    def _step_fast(self, now: float) -> None:
+        """Robots that are where they want to be: no sensors, no contacts."""
+        states = np.zeros(len(self.robots), dtype=self.world.states().dtype)
+        for robot, state in zip(self.robots, states):
+            assert isinstance(robot.body, FastBody)
+            if robot.running:
+                robot.body.drive(FAST_STEP)
+            state["x"], state["y"], state["yaw"] = robot.body.true_pose
+            speed, turn = robot.body.velocity
+            state["velocity_x"], state["velocity_y"] = speed * math.cos(state["yaw"]), speed * math.sin(state["yaw"])
+            state["velocity_yaw"] = turn
+        with self.stopwatch.span("recording"):
+            self.recorder.on_step(states, self.since_start)
+        self._start_if_ready()
+
+    def _view(self) -> None:
+        for robot in self.robots:
+            if robot.running:
+                robot.on_view()
 
     def _tell_places(self) -> None:
         for robot in self.robots:

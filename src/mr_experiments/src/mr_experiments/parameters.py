@@ -13,6 +13,10 @@ import explorer.options
 import map_merger.options
 from mr_experiments.trial import Trial, TrialError
 from mr_sim.pose import Pose
+from mr_sim.world_model import RangerDescription
+
+ANOTHER_VIEW = 0.05  # rad by which a sensor's field of view differs from that of the configuration's laser
+VIEW_SHARE = 0.5  # of a sensor's range from which a frontier is looked at: beyond, noise and gaps between beams grow
 
 
 @functools.lru_cache(maxsize=None)
@@ -25,14 +29,28 @@ def _configuration(node: str) -> dict[str, Any]:
 
 
 def merger_options(trial: Trial, name: str, starts: dict[str, Pose]) -> map_merger.options.Options:
-    """`starts`: all robots' true start poses, told only if the trial says so."""
+    """`starts`: all robots' true start poses, told if the trial says so, or if only the strategy is asked for."""
     given = dict(_configuration("map_merger"), robot_name=name)
-    if trial.known_poses:
+    if trial.known_poses or trial.fast:
         given["initial_poses"] = {robot: list(pose) for robot, pose in starts.items()}
+    if trial.fast:
+        given["seconds_recompute_transform"] = -1  # maps that do not drift
     return map_merger.options.options_of(given, name)
 
 
-def explorer_options(trial: Trial, name: str, index: int) -> explorer.options.Options:
+def explorer_options(
+    trial: Trial, name: str, index: int, ranger: RangerDescription | None = None
+) -> explorer.options.Options:
+    """`ranger`: the robot's own, if it may be another one than the laser of the configuration."""
     given = dict(_configuration("explorer"), robot_name=name, autostart=False)
     given.update(frontier_selection=trial.strategy, seed=trial.seed + index)
-    return explorer.options.load(given, 1, name)
+    options = explorer.options.load(given, 1, name)
+    return options if ranger is None else explorer.options.load({**given, **_view_of(ranger, options)}, 1, name)
+
+
+def _view_of(ranger: RangerDescription, laser: explorer.options.Options) -> dict[str, float]:
+    """The explorer's parameters that follow the sensor: field of view in rad, distance in m of a look."""
+    view = laser.field_of_view
+    if abs(ranger.field_of_view - view) > ANOTHER_VIEW:
+        view = min(ranger.field_of_view, 6.2832)
+    return {"field_of_view": view, "view_distance": min(laser.view_distance, VIEW_SHARE * ranger.range_max)}

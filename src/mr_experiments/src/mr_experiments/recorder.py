@@ -10,6 +10,7 @@ import numpy as np
 
 from explorer import messages
 from map_merger.grid import Grid
+from mr_experiments.perfect_radio import PerfectRadio
 from mr_experiments.pictures import picture_of
 from mr_experiments.radio import Radio
 from mr_experiments.robot import Robot
@@ -69,9 +70,9 @@ class Recorder:
         self._sampled_at = -math.inf
         self._covered_at = -math.inf
         self._robots: Sequence[Robot] = ()
-        self._radio: Radio | None = None
+        self._radio: Radio | PerfectRadio | None = None
 
-    def attach(self, robots: Sequence[Robot], radio: Radio) -> None:
+    def attach(self, robots: Sequence[Robot], radio: Radio | PerfectRadio) -> None:
         self._robots, self._radio = robots, radio
 
     def begin(self, now: float) -> None:

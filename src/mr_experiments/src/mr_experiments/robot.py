@@ -14,13 +14,14 @@ from map_merger.options import Options as MergerOptions
 from mr_experiments.agenda import Agenda
 from mr_experiments.body import Body
 from mr_experiments.exploring import Explorer
+from mr_experiments.fast_body import FastBody
 from mr_experiments.merging import Merger
+from mr_experiments.perfect_radio import PerfectRadio
 from mr_experiments.radio import Radio
 from mr_experiments.robot_radio import RobotRadio
 from mr_experiments.stopwatch import Stopwatch
 from mr_sim.pose import Pose
 from mr_sim.slam.engine import OccupancyMap
-from mr_sim.world_model import RangerDescription
 
 STATUS_PERIOD = 1.0  # s between two messages of adhoc_communication/status
 
@@ -43,9 +44,11 @@ class Robot:
     """`on_scan` drives it; everything else comes from the radio and the agenda."""
 
     def __init__(
-        self, index: int, start: Pose, ranger: RangerDescription, merger: MergerOptions, explorer: ExplorerOptions,
-        seed: int, agenda: Agenda, radio: Radio, stopwatch: Stopwatch, observer: Observer, clock: Callable[[], float],
+        self, index: int, start: Pose, merger: MergerOptions, explorer: ExplorerOptions,
+        body: Body | FastBody, seed: int, agenda: Agenda, radio: Radio | PerfectRadio, stopwatch: Stopwatch,
+        observer: Observer, clock: Callable[[], float], tick: float,
     ) -> None:  # fmt: skip
+        """`tick`: s between two ticks of the explorer."""
         self.index, self.start_pose, self.name = index, start, merger.robot_name
         self.running = False
         self._agenda, self._radio, self._observer, self._clock = agenda, radio, observer, clock
@@ -53,8 +56,8 @@ class Robot:
         self.own_radio = RobotRadio(radio, stopwatch)
         boot: Boot = (seed % 2**31, index + 1)
         self.merger = Merger(merger, boot, agenda, self.own_radio, stopwatch, self, clock)
-        self.explorer = Explorer(explorer, agenda, self.own_radio, stopwatch, self, clock)
-        self.body = Body(self.name, ranger, seed, stopwatch)
+        self.explorer = Explorer(explorer, agenda, self.own_radio, stopwatch, self, clock, tick)
+        self.body = body
         self.body.on_goal_end = self._on_goal_end
         self.local_map: OccupancyMap | None = None
         self.own_radio.index = radio.add(self.name, self, start)
@@ -75,16 +78,24 @@ class Robot:
 
     def on_scan(self, ranges: np.ndarray, odometry: Pose) -> tuple[float, float]:
         """Returns the velocities to drive with, m/s and rad/s."""
-        now = self._clock()
-        pose = self.body.locate(ranges, odometry)
+        assert isinstance(self.body, Body)
+        self._locate(self.body.locate(ranges, odometry))
+        return self.body.steer(ranges, self._clock())
+
+    def on_view(self) -> None:
+        """In place of a scan, where the map is perfect."""
+        assert isinstance(self.body, FastBody)
+        self.body.look()
+        self._locate(self.body.pose)
+
+    def _locate(self, pose: Pose) -> None:
         self.merger.on_pose(*pose)
         self.explorer.on_pose(*pose)
-        local_map = self.body.new_map(now)
+        local_map = self.body.new_map(self._clock())
         if local_map is not None:
             self.local_map = local_map
             self.explorer.on_own_map()
             self.merger.on_local_map(local_map.cells, local_map.resolution, local_map.origin)
-        return self.body.steer(ranges, now)
 
     # What the radio brings.
 

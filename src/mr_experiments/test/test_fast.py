@@ -1,0 +1,100 @@
+"""Perfect local maps and radio: the strategy alone."""
+
+import math
+
+import numpy as np
+import pytest
+
+from mr_experiments.agenda import Agenda
+from mr_experiments.fast_body import FastBody
+from mr_experiments.mission import world_of
+from mr_experiments.perfect_radio import PerfectRadio
+from mr_experiments.record import run_trial
+from mr_experiments.stopwatch import Stopwatch
+from mr_experiments.trial import Trial
+from mr_sim.measures import OccupancyMap, Truth, coverage, wrong_walls
+
+
+def test_team_explores_everything_and_faster_than_alone():
+    times = {}
+    for robots in (1, 2):
+        record = run_trial(Trial("small8x8", robots, 1, limit=300.0, fast=True))
+        assert record["outcome"]["status"] == "finished"
+        times[robots] = record["team"]["exploration_time"]
+        for robot in record["robots"].values():
+            assert robot["map"]["coverage"] > 0.99 and robot["map"]["wrong_walls"] == 0.0
+            assert all(merge["offset"] < 0.05 for merge in robot["merges"]) and len(robot["merges"]) >= robots - 1
+            assert robot["collisions"] == {"walls": 0, "robots": 0}
+    assert times[2] < times[1]
+
+
+@pytest.fixture
+def world():
+    return world_of(Trial("small8x8", 1, 1))
+
+
+def test_what_is_seen_is_true_and_bounded_by_walls(world):
+    start = world.pose(0)
+    body = FastBody(start, world.robots[0].rangers[0], world.visible, Stopwatch())
+    body.look()
+    seen = body.new_map(0.0)
+    occupancy = OccupancyMap(seen.cells, seen.resolution, (*seen.origin, 0.0))
+    truth = Truth.of_world(world)
+    assert 0.05 < coverage(truth, occupancy, start) < 0.9
+    assert wrong_walls(truth, occupancy, start) == 0.0
+    assert body.new_map(1.0) is None and body.new_map(2.0) is not None
+
+
+def test_goals_end_as_the_action_would_end_them(world):
+    body = FastBody(world.pose(0), world.robots[0].rangers[0], world.visible, Stopwatch())
+    ends = []
+    body.on_goal_end = lambda *end: ends.append(end)
+    body.look()
+    seen = body.new_map(0.0)
+    body.set_map(seen.cells, seen.resolution, seen.origin)
+    body.set_goal(1, (0.8, 0.1, 1.0), 0.0)
+    before = body.pose
+    for _ in range(100):
+        body.drive(0.1)
+    assert ends == [(1, True, "goal reached")]
+    assert math.dist(body.pose[:2], (0.8, 0.1)) < 0.3 and abs(body.pose[2] - 1.0) < 0.15 and body.pose != before
+    body.set_goal(2, (500.0, 0.0, 0.0), 10.0)
+    assert ends[-1] == (2, False, "there is no way")
+
+
+class Ear:
+    def __init__(self):
+        self.heard, self.present = [], []
+
+    def on_packet(self, topic, message, now):
+        self.heard.append((topic, message))
+
+    def on_robot_appeared(self, robot, now):
+        self.present.append(robot)
+
+    def on_robot_lost(self, robot, now):
+        self.present.remove(robot)
+
+
+def test_perfect_radio_reaches_exactly_those_meant():
+    agenda = Agenda()
+    radio = PerfectRadio(agenda)
+    ears = [Ear(), Ear(), Ear()]
+    done = []
+    for i, ear in enumerate(ears):
+        radio.add(f"robot_{i}", ear, (0.0, 0.0))
+    agenda.run_due(1.0)
+    assert [sorted(ear.present) for ear in ears] == [
+        ["robot_1", "robot_2"], ["robot_0", "robot_2"], ["robot_0", "robot_1"]
+    ]  # fmt: skip
+    radio.advance(1.0)
+    radio.send(0, "send_frontier", "mc_robot_0", "frontiers", b"all", lambda *end: done.append(end))
+    radio.send(0, "send_control_message", "robot_2", "control", b"one", lambda *end: done.append(end))
+    radio.send(0, "send_control_message", "robot_9", "control", b"none", lambda *end: done.append(end))
+    agenda.run_due(2.0)
+    assert [ear.heard for ear in ears] == [[], [("frontiers", b"all")], [("frontiers", b"all"), ("control", b"one")]]
+    assert done == [(True, ""), (True, ""), (False, "no such robot")]
+    radio.switch_off(1)
+    agenda.run_due(3.0)
+    assert ears[0].present == ["robot_2"] and radio.neighbors(0) == ["robot_2"]
+    assert np.isclose(radio.statistics(0)["bytes_sent"], 10)
