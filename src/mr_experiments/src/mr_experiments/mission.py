@@ -16,7 +16,7 @@ from mr_experiments.exploring import TICK
 from mr_experiments.fast_body import FastBody
 from mr_experiments.parameters import explorer_options, merger_options
 from mr_experiments.perfect_radio import PerfectRadio
-from mr_experiments.radio import Radio, Walls
+from mr_experiments.radio import Radio, TeamRadio, Walls
 from mr_experiments.recorder import Recorder
 from mr_experiments.robot import Robot
 from mr_experiments.stopwatch import Stopwatch
@@ -85,7 +85,9 @@ class Mission:
         self._switched_on = False
         visible = self.world.visible
         walls = Walls(visible.cells, visible.resolution, visible.origin)
-        self.radio = PerfectRadio(self.agenda) if trial.fast else Radio(trial.radio, trial.seed, walls)
+        self.radio: TeamRadio = Radio(trial.radio, trial.seed, walls)
+        if trial.fast:
+            self.radio = PerfectRadio(self.agenda)
         self.recorder = Recorder(trial, self.world, snapshot_period)
         starts = {name: self.world.pose(i) for i, name in enumerate(self.world.names)}
         self.robots = [self._robot(index, starts) for index in range(trial.robots)]
@@ -98,7 +100,8 @@ class Mission:
             body = FastBody(starts[name], ranger, self.world.visible, self.stopwatch)
         return Robot(
             index, starts[name], merger_options(self.trial, name, starts),
-            explorer_options(self.trial, name, index, ranger), body, self.trial.seed, self.agenda, self.radio, self.stopwatch, self.recorder, lambda: self.now,
+            explorer_options(self.trial, name, index, ranger), body, self.trial.seed, self.agenda, self.radio,
+            self.stopwatch, self.recorder, lambda: self.now,
             FAST_TICK if self.trial.fast else TICK,
         )  # fmt: skip
 

@@ -10,9 +10,8 @@ import numpy as np
 
 from explorer import messages
 from map_merger.grid import Grid
-from mr_experiments.perfect_radio import PerfectRadio
 from mr_experiments.pictures import picture_of
-from mr_experiments.radio import Radio
+from mr_experiments.radio import TeamRadio
 from mr_experiments.robot import Robot
 from mr_experiments.transforms import MergeLog
 from mr_experiments.trial import Trial
@@ -70,9 +69,9 @@ class Recorder:
         self._sampled_at = -math.inf
         self._covered_at = -math.inf
         self._robots: Sequence[Robot] = ()
-        self._radio: Radio | PerfectRadio | None = None
+        self._radio: TeamRadio | None = None
 
-    def attach(self, robots: Sequence[Robot], radio: Radio | PerfectRadio) -> None:
+    def attach(self, robots: Sequence[Robot], radio: TeamRadio) -> None:
         self._robots, self._radio = robots, radio
 
     def begin(self, now: float) -> None:

@@ -16,8 +16,7 @@ from mr_experiments.body import Body
 from mr_experiments.exploring import Explorer
 from mr_experiments.fast_body import FastBody
 from mr_experiments.merging import Merger
-from mr_experiments.perfect_radio import PerfectRadio
-from mr_experiments.radio import Radio
+from mr_experiments.radio import TeamRadio
 from mr_experiments.robot_radio import RobotRadio
 from mr_experiments.stopwatch import Stopwatch
 from mr_sim.pose import Pose
@@ -45,7 +44,7 @@ class Robot:
 
     def __init__(
         self, index: int, start: Pose, merger: MergerOptions, explorer: ExplorerOptions,
-        body: Body | FastBody, seed: int, agenda: Agenda, radio: Radio | PerfectRadio, stopwatch: Stopwatch,
+        body: Body | FastBody, seed: int, agenda: Agenda, radio: TeamRadio, stopwatch: Stopwatch,
         observer: Observer, clock: Callable[[], float], tick: float,
     ) -> None:  # fmt: skip
         """`tick`: s between two ticks of the explorer."""

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from mr_experiments.perfect_radio import PerfectRadio
-from mr_experiments.radio import Done, Radio
+from mr_experiments.radio import Done, TeamRadio
 from mr_experiments.stopwatch import Stopwatch
 
 
 class RobotRadio:
     """The calls of adhoc_communication that the other nodes of a robot make."""
 
-    def __init__(self, radio: Radio | PerfectRadio, stopwatch: Stopwatch) -> None:
+    def __init__(self, radio: TeamRadio, stopwatch: Stopwatch) -> None:
         self._radio, self._stopwatch = radio, stopwatch
         self.index = -1  # set when the robot is on the radio
 

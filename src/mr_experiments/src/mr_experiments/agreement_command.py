@@ -1,0 +1,44 @@
+"""Command line of ``rosrun mr_experiments agreement``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Sequence
+
+from mr_experiments.agreement import agreements, rows_of, stack_runs, virtual_runs, write_agreement
+from mr_experiments.record_set import RecordError
+
+
+def make_parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="agreement",
+        description="Compares missions of the whole ROS stack with trials of the same kind in virtual time. First: "
+        "rosrun mr_launch team --out MISSIONS/... (several seeds and team sizes), and "
+        "rosrun mr_experiments run --scenario launch --out RECORDS.",
+        epilog="Exit code: 0 they agree, 1 they do not, 2 bad call.",
+    )
+    parser.add_argument("missions", metavar="MISSIONS", type=Path, help="folder with output folders of mr_launch team")
+    parser.add_argument("records", metavar="RECORDS", type=Path, help="folder with records of mr_experiments run")
+    parser.add_argument(
+        "--out", type=Path, default=Path("out/agreement"), metavar="DIR", help="for agreement.json and agreement.png "
+        "(default: %(default)s)"
+    )  # fmt: skip
+    return parser
+
+
+def main(arguments: Sequence[str]) -> int:
+    options = make_parser().parse_args(arguments)
+    try:
+        found = agreements(stack_runs(options.missions), virtual_runs(options.records))
+        files = write_agreement(found, options.out)
+    except (RecordError, OSError) as error:
+        print(f"agreement: {error}", file=sys.stderr)
+        return 2
+    for entry in found:
+        for row in rows_of(entry):
+            mark = "ok  " if row["holds"] else "MISS"
+            print(f"{mark} {row['what']}: {row['value']} {row['unit']} (bar {row['bar']}) {row['detail']}")
+    print("Files: " + ", ".join(str(path) for path in files))
+    return 0 if all(entry.holds for entry in found) else 1
