@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-explore bench-sim clean
+.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-explore bench-sim experiments clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -64,6 +64,12 @@ SCENARIOS ?= 1000
 scenarios: build
 	@cmake --build build --target engine_scenarios > build/scenarios.log
 	@build/devel/lib/adhoc_communication/engine_scenarios --count $(SCENARIOS)
+
+# The paper's trials in virtual time, then the report. A run that was stopped goes on where it was.
+EXPERIMENTS ?=
+experiments: build
+	@$(ENVIRONMENT) rosrun mr_experiments run --out out/experiments $(EXPERIMENTS); \
+	rosrun mr_experiments report out/experiments
 
 clean:
 	rm -rf build
