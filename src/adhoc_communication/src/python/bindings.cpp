@@ -58,7 +58,7 @@ class PythonTeam {
   SendId send(std::size_t robot, const std::string& service, const std::string& destination, const std::string& topic,
               const py::bytes& message) {
     const MessageKind& kind = kind_of(service);
-    return team_.engine(robot).send(
+    return engine(robot).send(
         {destination, topic, static_cast<std::uint8_t>(kind.payload_type), bytes_of(message), kind.priority},
         team_.now());
   }
@@ -72,7 +72,7 @@ class PythonTeam {
   }
 
   py::dict statistics(std::size_t robot) {
-    const Statistics& statistics = team_.engine(robot).statistics();
+    const Statistics& statistics = engine(robot).statistics();
     py::dict values;
     values["frames_sent"] = statistics.frames_sent;
     values["bytes_sent"] = statistics.bytes_sent;
@@ -85,6 +85,11 @@ class PythonTeam {
   }
 
   Team& team() { return team_; }
+  /// Throws std::out_of_range for a robot that there is not, std::invalid_argument for one that was killed.
+  Engine& engine(std::size_t robot) {
+    if (!team_.alive(robot)) throw std::invalid_argument("robot " + std::to_string(robot) + " was killed");
+    return team_.engine(robot);
+  }
 
  private:
   Team team_;
@@ -155,8 +160,8 @@ void bind_team(py::module_& module) {
           "set_position",
           [](PythonTeam& team, std::size_t robot, double x, double y) { team.team().set_position(robot, x, y); },
           py::arg("robot"), py::arg("x"), py::arg("y"))
-      .def("neighbors", [](PythonTeam& team, std::size_t robot) { return team.team().engine(robot).neighbors(); })
-      .def("robots", [](PythonTeam& team, std::size_t robot) { return team.team().engine(robot).robots(); })
+      .def("neighbors", [](PythonTeam& team, std::size_t robot) { return team.engine(robot).neighbors(); })
+      .def("robots", [](PythonTeam& team, std::size_t robot) { return team.engine(robot).robots(); })
       .def("statistics", &PythonTeam::statistics, py::arg("robot"))
       .def_property_readonly("now", [](PythonTeam& team) { return team.team().now().count(); })
       .def_property_readonly("trace_hash", [](PythonTeam& team) { return team.team().trace_hash(); });
