@@ -42,7 +42,7 @@ bench-explore: build
 	@mkdir -p out/bench && $(ENVIRONMENT) tools/bench_missions --out out/bench/missions.json
 
 bench-sim: build
-	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_sim bench_world --out out/bench/sim.json
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_experiments --out out/bench/sim.json
 
 lint: dependencies
 	@$(ENVIRONMENT) tools/lint

@@ -88,7 +88,7 @@ def record_of(mission: Mission, failure: dict[str, str] | None) -> dict[str, Any
 def _unfinished(mission: Mission) -> str:
     late = [robot for robot in mission.robots if robot.explorer.agent.finished_at is None]
     states = "; ".join(f"{robot.name}: {robot.explorer.agent.text}" for robot in late)
-    return f"limit of {mission.trial.limit:.0f} s reached: {states}"
+    return f"limit of {mission.trial.limit:g} s reached: {states}"
 
 
 def _robot_part(mission: Mission, robot: Robot) -> dict[str, Any]:

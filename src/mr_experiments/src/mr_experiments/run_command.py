@@ -35,7 +35,8 @@ def make_parser() -> argparse.ArgumentParser:
         description="Whole missions in virtual time: one JSON record per trial. A run that was stopped goes on where "
         "it was when it is started again.",
         epilog="Exit code: 0 every trial finished, 1 some did not (their records tell why) or could not be run, "
-        "2 bad options, 130 interrupted. Then: rosrun mr_experiments report DIR, rosrun mr_experiments show DIR/RECORD.json.",
+        "2 bad options, 130 interrupted. "
+        "Then: rosrun mr_experiments report DIR, rosrun mr_experiments show DIR/RECORD.json.",
     )
     add = parser.add_argument
     add("--scenario", default=DEFAULT, metavar="NAME|FILE", help="what the trials have in common: "
@@ -174,7 +175,7 @@ def _print_summary(console: Console, done: list[Done], folder: Path) -> None:
     for (robots, strategy), entries in sorted(groups.items()):
         counts = [sum(entry.status == status for entry in entries) for status in ("finished", "unfinished", "failed")]
         times = [entry.exploration_time for entry in entries if entry.exploration_time is not None]
-        errors = [error for entry in entries for error in entry.map_errors]
+        errors = [error for entry in entries if entry.status == "finished" for error in entry.map_errors]
         table.add_row(
             str(robots), str(strategy), str(len(entries)), *(str(count) for count in counts),
             f"{statistics.median(times):.1f} s" if times else "-",

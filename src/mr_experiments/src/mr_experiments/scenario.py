@@ -121,8 +121,8 @@ def _at_least(least: float, most: float = math.inf) -> Callable[[Any], float]:
     def read(value: Any) -> float:
         number = _number(value)
         if not least <= number <= most:
-            limits = f"at least {least:g}" if math.isinf(most) else f"between {least:g} and {most:g}"
-            raise TrialError(f"expected a number of {limits}, not {value!r}")
+            limits = f"of at least {least:g}" if math.isinf(most) else f"between {least:g} and {most:g}"
+            raise TrialError(f"expected a number {limits}, not {value!r}")
         return number
 
     return read

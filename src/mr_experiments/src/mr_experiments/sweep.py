@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import json
 import logging
 import math
@@ -11,16 +12,15 @@ import os
 import pickle
 import queue
 import signal
-import subprocess
-import sys
 import tempfile
 import threading
 import time
 import traceback
+import urllib.parse
 from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any, Callable, Iterable, Iterator, Protocol, Sequence
+from typing import IO, Any, Callable, Iterable, Iterator, Optional, Protocol, Sequence, Tuple
 
 import cv2
 
@@ -133,8 +133,10 @@ def _run_and_write(trial: Trial, folder: Path, snapshot_period: float) -> None:
         write_record(failed_record(trial, f"{type(error).__name__}: {error}", traceback.format_exc()), path)
 
 
-def _run_as_child(trial: Trial, folder: Path, snapshot_period: float, parent: int) -> None:
-    """The whole life of a process that runs one trial. Ctrl-C is the parent's affair; without it there is no use."""
+def _run_as_child(trial: Trial, folder: Path, snapshot_period: float, parent: int, crash: IO[bytes]) -> None:
+    """The whole life of a process that runs one trial. Ctrl-C is the parent's affair; without it there is no use.
+    Where an engine crashes goes to `crash`."""
+    faulthandler.enable(crash, all_threads=False)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     threading.Thread(target=_end_without, args=(parent,), daemon=True).start()
@@ -156,6 +158,11 @@ def _how_it_ended(code: int | None) -> str:
     return f"its process was ended by {name}{hint}"
 
 
+def _crash_text(told: bytes) -> str:
+    """Of what Python's faulthandler writes: where it happened, without the list of all modules."""
+    return told.decode(errors="replace").split("\nExtension modules")[0][:4000]
+
+
 def _took_too_long(longest: float) -> str:
     return f"took longer than {longest:g} s of real time and was ended"
 
@@ -165,6 +172,7 @@ class _Running:
     process: BaseProcess
     trial: Trial
     deadline: float  # s, monotonic
+    crash: IO[bytes]
     late: bool = False
 
     def over(self) -> bool:
@@ -204,41 +212,65 @@ class LocalPool:
                 entry.process.join()
 
     def _begin(self, trial: Trial, folder: Path) -> _Running:
-        arguments = (trial, folder, self._snapshot_period, os.getpid())
+        crash = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
+        arguments = (trial, folder, self._snapshot_period, os.getpid(), crash)
         process = self._context.Process(target=_run_as_child, args=arguments, daemon=True)
         process.start()
-        return _Running(process, trial, time.monotonic() + self._longest)
+        return _Running(process, trial, time.monotonic() + self._longest, crash)
 
     def _end(self, entry: _Running, folder: Path) -> Done:
         entry.process.join()
         path = record_path(folder, entry.trial)
         if not path.exists():
             reason = _took_too_long(self._longest) if entry.late else _how_it_ended(entry.process.exitcode)
-            write_record(failed_record(entry.trial, reason), path)
+            entry.crash.seek(0)
+            write_record(failed_record(entry.trial, reason, _crash_text(entry.crash.read())), path)
+        entry.crash.close()
         return Done.of(entry.trial, json.loads(path.read_text(encoding="utf-8")))
 
 
-_SERVE = "import pickle, sys; from mr_experiments import sweep; sweep._run_as_child(*pickle.load(sys.stdin.buffer))"
+UNFIT = 97  # exit code of a child that cannot even begin
+_CHILD = f"""
+import os, pathlib, pickle, sys
+try:
+    from mr_experiments import sweep
+    trial, snapshot_period = pickle.load(sys.stdin.buffer)
+except Exception as error:
+    print(f"{{type(error).__name__}}: {{error}}", file=sys.stderr)
+    sys.exit({UNFIT})
+folder, parent = pathlib.Path(sys.argv[1]), int(sys.argv[2])
+sweep._run_as_child(trial, folder, snapshot_period, parent, sys.stderr.buffer)
+"""
+
+Answer = Tuple[Optional[int], bytes, bytes]
+"""Of a worker: exit code (None: it took too long), the record if there is one, what was written to stderr."""
 
 
-def run_apart(trial: Trial, snapshot_period: float, longest: float) -> dict[str, Any]:
-    """The record of a trial that runs in a Python of its own: for workers, whose other threads would disturb it and
-    which it must not harm. Ends it after `longest` s of real time."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        request = pickle.dumps((trial, folder, snapshot_period, os.getpid()))
-        try:
-            child = subprocess.run(
-                [sys.executable, "-c", _SERVE],
-                input=request, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, timeout=longest, check=False,
-            )  # fmt: skip
-        except subprocess.TimeoutExpired:
-            return failed_record(trial, _took_too_long(longest))
-        path = record_path(folder, trial)
-        if path.exists():
-            record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-            return record
-        return failed_record(trial, _how_it_ended(child.returncode), child.stderr.decode(errors="replace")[-2000:])
+def remote_call() -> Callable[[bytes, float], Answer]:
+    """What a worker does with a trial: a Python of its own, which the worker's other threads do not disturb and which
+    cannot harm the worker. A nested function travels as code and not as a name, so that a worker without this software
+    can still say what it lacks."""
+    code = _CHILD
+
+    def run_apart(request: bytes, longest: float) -> Answer:
+        import os
+        import pathlib
+        import subprocess
+        import sys
+        import tempfile
+
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                child = subprocess.run(
+                    [sys.executable, "-c", code, folder, str(os.getpid())],
+                    input=request, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, timeout=longest, check=False,
+                )  # fmt: skip
+            except subprocess.TimeoutExpired:
+                return None, b"", b""
+            records = [path.read_bytes() for path in pathlib.Path(folder).glob("*.json")]
+            return child.returncode, b"".join(records), child.stderr
+
+    return run_apart
 
 
 class DaskCluster:
@@ -253,7 +285,8 @@ class DaskCluster:
             raise TrialError(
                 "--scheduler needs Dask's distributed: apt-get install python3-distributed, here and on the workers"
             ) from None
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters of it is told here
+        _check_address(scheduler)
+        _silence("distributed")  # what matters of it is told here
         self._distributed, self._scheduler = distributed, scheduler
         self._snapshot_period, self._longest = snapshot_period, longest
         try:
@@ -269,9 +302,8 @@ class DaskCluster:
         """Yields each trial when its record is written. A worker that dies loses nothing: others take over. Raises
         ClusterLostError if the scheduler is lost or no worker can run trials."""
         ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        futures = self._client.map(
-            run_apart, list(trials), snapshot_period=self._snapshot_period, longest=self._longest, pure=False
-        )
+        requests = [pickle.dumps((trial, self._snapshot_period)) for trial in trials]
+        futures = self._client.map(remote_call(), requests, longest=self._longest, pure=False)
         waiting = {future.key: (future, trial) for future, trial in zip(futures, trials)}
         for future in futures:
             future.add_done_callback(ended.put)
@@ -290,33 +322,69 @@ class DaskCluster:
             write_record(record, record_path(folder, trial))
             yield Done.of(trial, record)
 
-    def _state(self, waiting: int) -> tuple[int, str]:
-        """Of the cluster: how many trials run, and what holds them up."""
+    @property
+    def threads(self) -> int:
+        """How many trials the workers can run at a time. Raises ClusterLostError."""
         try:
             threads = self._client.sync(self._client.scheduler.ncores, callback_timeout=ANSWER_PATIENCE)
         except Exception as error:
             raise self._lost(error) from None
-        running = min(waiting, sum(threads.values()))
-        return running, "" if threads else f"{self._scheduler} has no workers: waiting for one"
+        return sum(threads.values())
+
+    def _state(self, waiting: int) -> tuple[int, str]:
+        """Of the cluster: how many trials run, and what holds them up."""
+        threads = self.threads
+        return min(waiting, threads), "" if threads else f"{self._scheduler} has no workers: waiting for one"
 
     def _record_of(self, future: Any, trial: Trial) -> dict[str, Any]:
         try:
             if future.status in ("cancelled", "lost"):
-                raise ConnectionError("it cancelled the trials")
+                raise ConnectionError("the connection broke")
             error = future.exception(timeout=ANSWER_PATIENCE)
             if error is None:
-                record: dict[str, Any] = future.result(timeout=LONGEST)
-                return record
+                return self._record_from(future.result(timeout=LONGEST), trial)
+        except ClusterLostError:
+            raise
         except Exception as fault:
             raise self._lost(fault) from None
-        told = f"{type(error).__name__}: {error}"
         if isinstance(error, self._distributed.KilledWorker):
-            return failed_record(trial, f"several workers died of it: {told}")
-        raise ClusterLostError(f"a worker of {self._scheduler} cannot run trials: {told}")
+            return failed_record(trial, f"several workers died of it: {error}")
+        raise self._unfit(f"{type(error).__name__}: {error}")
+
+    def _record_from(self, answer: Answer, trial: Trial) -> dict[str, Any]:
+        code, written, told = answer
+        if code is None:
+            return failed_record(trial, _took_too_long(self._longest))
+        if code == UNFIT:
+            raise self._unfit(told.decode(errors="replace").strip())
+        if not written:
+            return failed_record(trial, _how_it_ended(code), _crash_text(told))
+        record: dict[str, Any] = json.loads(written)
+        return record
+
+    def _unfit(self, why: str) -> ClusterLostError:
+        return ClusterLostError(f"a worker of {self._scheduler} cannot run trials ({why})")
 
     def _lost(self, error: Exception) -> ClusterLostError:
         told = " ".join(str(error).split()) or type(error).__name__
         return ClusterLostError(f"the scheduler {self._scheduler} is lost ({told})")
+
+
+def _silence(package: str) -> None:
+    for name in list(logging.root.manager.loggerDict):
+        if name.split(".")[0] == package:
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+
+
+def _check_address(scheduler: str) -> None:
+    """A client with one that cannot be takes its time to say so."""
+    try:
+        parts = urllib.parse.urlsplit(scheduler)
+        right = parts.scheme in ("tcp", "tls", "ws", "wss") and bool(parts.hostname) and parts.port is not None
+    except ValueError:
+        right = False
+    if not right:
+        raise TrialError(f"--scheduler {scheduler}: expected tcp://HOST:PORT")
 
 
 def default_jobs() -> int:

@@ -1,0 +1,63 @@
+"""The benchmark's rows: what they hold and when they say that a bar is missed."""
+
+import json
+
+import pytest
+
+from mr_experiments import bench
+from mr_experiments.sweep import failed_record
+from mr_experiments.trial import Trial, TrialError
+
+
+@pytest.fixture
+def fake_trials(monkeypatch):
+    def install(time, cpu, status="finished"):
+        def run(trial):
+            record = failed_record(trial, "")
+            record["outcome"] = {"status": status, "reason": "", "time": time}
+            record["measured"] = {"cpu": cpu, "cpu_by_component": {"slam": 0.5 * cpu, "navigation": 0.3 * cpu}}
+            return record
+
+        monkeypatch.setattr(bench, "run_trial", run)
+
+    return install
+
+
+def test_row_of_missions(fake_trials, tmp_path, capsys):
+    fake_trials(time=300.0, cpu=20.0)
+    out = tmp_path / "new" / "rows.json"
+    assert bench.main(["--only", "full", "--runs", "2", "--out", str(out)]) == 0
+    (row,) = json.loads(out.read_text())
+    assert set(row) == {"what", "bar", "value", "unit", "holds", "detail"}
+    assert (row["bar"], row["value"], row["holds"]) == (">= 10", 15.0, True)
+    assert "2 of 2 finished" in row["detail"]
+    assert row["detail"].endswith("slam 50 %, navigation 30 %, rest 20 %")
+    assert capsys.readouterr().out.startswith("ok   mission, 3 robots, office26x15")
+
+
+def test_slow_and_unfinished_missions_miss_the_bar(fake_trials):
+    fake_trials(time=300.0, cpu=40.0)
+    assert bench.main(["--only", "full", "--runs", "1"]) == 1
+    fake_trials(time=300.0, cpu=20.0, status="unfinished")
+    assert bench.main(["--only", "full", "--runs", "1"]) == 1
+
+
+def test_what_cannot_run_is_a_row(monkeypatch):
+    def refuse(_):
+        raise TrialError("there is no fast mode")
+
+    monkeypatch.setattr(bench, "run_trial", refuse)
+    (row,) = bench.PARTS["fast"](1)
+    assert (row["value"], row["holds"], row["detail"]) == (None, False, "skipped: there is no fast mode")
+
+
+def test_sweep_ratio(monkeypatch):
+    times = {1: iter([10.0, 12.0, 10.0]), 2: iter([5.0, 8.0, 5.5])}
+    monkeypatch.setattr(bench, "sweep_time", lambda workers, _: next(times[workers]))
+    (row,) = bench.PARTS["sweep"](3)
+    assert (row["value"], row["holds"]) == (1.82, True)
+
+
+def test_sweep_on_a_cluster_of_its_own():
+    pytest.importorskip("distributed")
+    assert bench.sweep_time(2, [Trial("small8x8", 1, seed, limit=1.0) for seed in (1, 2)]) > 0.0
