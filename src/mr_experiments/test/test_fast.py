@@ -7,11 +7,11 @@ import pytest
 
 from mr_experiments.agenda import Agenda
 from mr_experiments.fast_body import FastBody
-from mr_experiments.mission import world_of
 from mr_experiments.perfect_radio import PerfectRadio
 from mr_experiments.record import run_trial
 from mr_experiments.stopwatch import Stopwatch
 from mr_experiments.trial import Trial
+from mr_experiments.trial_world import world_of
 from mr_sim.measures import OccupancyMap, Truth, coverage, wrong_walls
 
 

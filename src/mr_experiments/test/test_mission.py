@@ -119,3 +119,9 @@ def test_robot_that_joins_late_takes_part():
 def test_bad_trial_names_the_culprit(bad, text):
     with pytest.raises(TrialError, match=text):
         Mission(Trial(**{"world": "small8x8", "robots": 1, "seed": 1, **bad}))
+
+
+def test_team_of_which_nobody_lives_does_not_count_as_finished():
+    record = run_trial(Trial("small8x8", 1, 1, limit=60.0, deaths={0: 3.0}))
+    assert record["outcome"]["status"] == "unfinished" and record["outcome"]["reason"] == "no robot lives to the end"
+    assert record["team"]["exploration_time"] is None

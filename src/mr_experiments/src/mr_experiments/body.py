@@ -32,6 +32,7 @@ class Body:
         self._map_at = -math.inf
         self._revision = 0
         self._goal: int | None = None
+        self._rests = True
         self.on_goal_end: GoalEnd = lambda *_: None
 
     def locate(self, ranges: np.ndarray, odometry: Pose) -> Pose:
@@ -50,17 +51,15 @@ class Body:
 
     def steer(self, ranges: np.ndarray, now: float) -> tuple[float, float]:
         """Velocities in m/s and rad/s until the next scan."""
-        if self._goal is None and self.navigator_rests:
+        if self._goal is None and self._rests:
             return 0.0, 0.0
         with self._stopwatch.span("navigation"):
             command = self.navigator.step(now, self.pose, make_scan(ranges, *self._geometry))
-        self.navigator_rests = command.linear == 0.0 and command.angular == 0.0
+        self._rests = command.linear == 0.0 and command.angular == 0.0
         if self._goal is not None and command.status in (Status.SUCCEEDED, Status.ABORTED):
             goal, self._goal = self._goal, None
             self.on_goal_end(goal, command.status is Status.SUCCEEDED, command.text or "goal reached")
         return command.linear, command.angular
-
-    navigator_rests = True
 
     def set_map(self, cells: np.ndarray, resolution: float, origin: tuple[float, float]) -> None:
         """The merged map, on which paths are planned."""

@@ -89,7 +89,6 @@ class Merger:
         self._group_sends, self._sends = _Sends(self), _Sends(self)
         self._incoming = ros_io.incoming(options)
         self._pose_at = -POSE_PERIOD
-        self._registering = False
         self._running = True
 
     def start(self, now: float) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import replace
 from typing import Callable
 
 import numpy as np
@@ -20,12 +19,9 @@ from mr_experiments.radio import Radio, TeamRadio, Walls
 from mr_experiments.recorder import Recorder
 from mr_experiments.robot import Robot
 from mr_experiments.stopwatch import Stopwatch
-from mr_experiments.trial import Trial, TrialError
+from mr_experiments.trial import Trial
+from mr_experiments.trial_world import world_of
 from mr_sim.pose import Pose
-from mr_sim.world import World, WorldError
-from mr_sim.world_file import WorldFileError
-from mr_sim.world_model import WorldDescription, load_world
-from mr_sim.worlds import WorldNotFoundError, find_world
 
 READY_PATIENCE = 30.0  # s until every robot must have a map and a pose
 HOME_PATIENCE = 180.0  # s from the end of exploration until all robots must be at rest
@@ -33,42 +29,6 @@ RADIO_PERIOD = 0.5  # s between two readings of the robots' places by the radio
 FAST_STEP = 0.1  # s, of the motion of robots with perfect maps
 FAST_TICK = 0.5  # s between ticks of their explorers
 VIEW_PERIOD = 0.5  # s between two looks
-
-
-@functools.lru_cache(maxsize=8)
-def description_of(world: str) -> WorldDescription:
-    """Raises TrialError for a world that is not there or cannot be read."""
-    try:
-        return load_world(find_world(world))
-    except (WorldNotFoundError, WorldFileError, OSError) as error:
-        raise TrialError(str(error)) from None
-
-
-def world_of(trial: Trial) -> World:
-    """The simulated world with the robots of the trial. Raises TrialError."""
-    description = description_of(trial.world)
-    if trial.starts:
-        description = _with_starts(description, trial)
-    try:
-        world = World(description, trial.robots, trial.seed)
-    except WorldError as error:
-        raise TrialError(str(error)) from None
-    for robot in world.robots:
-        if not robot.rangers:
-            raise TrialError(f"{robot.name} of {trial.world} has no laser: add a ranger to its position model")
-    return world
-
-
-def _with_starts(description: WorldDescription, trial: Trial) -> WorldDescription:
-    """Robots beyond those of the world file are like its last one."""
-    if len(trial.starts) < trial.robots:
-        raise TrialError(f"the scenario gives {len(trial.starts)} start poses; {trial.robots} robots are asked for")
-    models = description.robots
-    robots = tuple(
-        replace(models[min(i, len(models) - 1)], name=f"robot_{i}", start=start, localization_origin=start)
-        for i, start in enumerate(trial.starts)
-    )
-    return replace(description, robots=robots)
 
 
 class Mission:
@@ -95,9 +55,11 @@ class Mission:
 
     def _robot(self, index: int, starts: dict[str, Pose]) -> Robot:
         name, ranger = self.world.names[index], self.world.robots[index].rangers[0]
-        body: Body | FastBody = Body(name, ranger, self.trial.seed, self.stopwatch)
+        body: Body | FastBody
         if self.trial.fast:
             body = FastBody(starts[name], ranger, self.world.visible, self.stopwatch)
+        else:
+            body = Body(name, ranger, self.trial.seed, self.stopwatch)
         return Robot(
             index, starts[name], merger_options(self.trial, name, starts),
             explorer_options(self.trial, name, index, ranger), body, self.trial.seed, self.agenda, self.radio,
@@ -219,6 +181,8 @@ class Mission:
             return False
         if self.since_start > self.trial.limit:
             return True
+        if not self._survivors():
+            return not any(robot.running for robot in self.robots)
         agents = [robot.explorer.agent for robot in self._survivors()]
         finished = [agent.finished_at for agent in agents]
         if any(time is None for time in finished):
@@ -232,5 +196,6 @@ class Mission:
 
     @property
     def finished(self) -> bool:
-        """Every robot that lives has finished its exploration within the limit."""
-        return all(robot.explorer.agent.finished_at is not None for robot in self._survivors())
+        """There is a robot that lives, and every one that does has finished its exploration within the limit."""
+        survivors = self._survivors()
+        return bool(survivors) and all(robot.explorer.agent.finished_at is not None for robot in survivors)

@@ -14,6 +14,7 @@ from typing import Any
 
 import cv2
 import numpy as np
+import rospkg
 import scipy
 
 from mr_experiments.mission import Mission
@@ -86,6 +87,8 @@ def record_of(mission: Mission, failure: dict[str, str] | None) -> dict[str, Any
 
 
 def _unfinished(mission: Mission) -> str:
+    if all(log.died_at is not None for log in mission.recorder.logs):
+        return "no robot lives to the end"
     late = [robot for robot in mission.robots if robot.explorer.agent.finished_at is None]
     states = "; ".join(f"{robot.name}: {robot.explorer.agent.text}" for robot in late)
     return f"limit of {mission.trial.limit:g} s reached: {states}"
@@ -153,7 +156,7 @@ def _maps(mission: Mission, robot: Robot) -> dict[str, Any]:
 def versions() -> dict[str, str]:
     """Of what a record depends on."""
     return {
-        "mr_experiments": "0.1.0",
+        "mr_experiments": rospkg.RosPack().get_manifest("mr_experiments").version,
         "python": platform.python_version(),
         "numpy": np.__version__,
         "scipy": scipy.__version__,

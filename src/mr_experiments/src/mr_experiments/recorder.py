@@ -15,6 +15,7 @@ from mr_experiments.radio import TeamRadio
 from mr_experiments.robot import Robot
 from mr_experiments.transforms import MergeLog
 from mr_experiments.trial import Trial
+from mr_experiments.trial_world import world_of
 from mr_sim.measures import OccupancyMap, Truth
 from mr_sim.pose import Pose, seen_from
 from mr_sim.trace import RECORD
@@ -28,8 +29,6 @@ MOST_NOTES = 500
 @functools.lru_cache(maxsize=8)
 def _truth_of(world: str, starts: tuple[Pose, ...]) -> Truth:
     """Seconds of work, so kept; a process runs many trials in one world."""
-    from mr_experiments.mission import world_of
-
     return Truth.of_world(world_of(Trial(world, len(starts), 0, starts=starts)))
 
 
@@ -125,6 +124,8 @@ class Recorder:
 
     def cover(self, now: float) -> None:
         """Samples what the robots know together, by their own local maps."""
+        if self.team["time"] and self.team["time"][-1] == round(now, 4):
+            return
         known = np.logical_or.reduce(self.known_cells())
         share = float(known.mean()) if known.size else 0.0
         self.team["time"].append(round(now, 4))

@@ -1,0 +1,48 @@
+"""The simulated world of a trial."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+
+from mr_experiments.trial import Trial, TrialError
+from mr_sim.world import World, WorldError
+from mr_sim.world_file import WorldFileError
+from mr_sim.world_model import WorldDescription, load_world
+from mr_sim.worlds import WorldNotFoundError, find_world
+
+
+@functools.lru_cache(maxsize=8)
+def description_of(world: str) -> WorldDescription:
+    """Raises TrialError for a world that is not there or cannot be read."""
+    try:
+        return load_world(find_world(world))
+    except (WorldNotFoundError, WorldFileError, OSError) as error:
+        raise TrialError(str(error)) from None
+
+
+def world_of(trial: Trial) -> World:
+    """The simulated world with the robots of the trial. Raises TrialError."""
+    description = description_of(trial.world)
+    if trial.starts:
+        description = _with_starts(description, trial)
+    try:
+        world = World(description, trial.robots, trial.seed)
+    except WorldError as error:
+        raise TrialError(str(error)) from None
+    for robot in world.robots:
+        if not robot.rangers:
+            raise TrialError(f"{robot.name} of {trial.world} has no laser: add a ranger to its position model")
+    return world
+
+
+def _with_starts(description: WorldDescription, trial: Trial) -> WorldDescription:
+    """Robots beyond those of the world file are like its last one."""
+    if len(trial.starts) < trial.robots:
+        raise TrialError(f"the scenario gives {len(trial.starts)} start poses; {trial.robots} robots are asked for")
+    models = description.robots
+    robots = tuple(
+        replace(models[min(i, len(models) - 1)], name=f"robot_{i}", start=start, localization_origin=start)
+        for i, start in enumerate(trial.starts)
+    )
+    return replace(description, robots=robots)
