@@ -9,7 +9,7 @@ import numpy as np
 
 from mr_experiments.stopwatch import Stopwatch
 from mr_sim.navigation.engine import Navigator, Status
-from mr_sim.navigation.options import Grid, NavigationError, make_scan
+from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, make_scan
 from mr_sim.pose import Pose
 from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, LaserScan, OccupancyMap, Slam
 from mr_sim.world_model import RangerDescription
@@ -21,9 +21,11 @@ GoalEnd = Callable[[int, bool, str], None]
 class Body:
     """Scans and odometry in; pose, maps and velocity commands out."""
 
-    def __init__(self, name: str, ranger: RangerDescription, seed: int, stopwatch: Stopwatch) -> None:
+    def __init__(
+        self, name: str, ranger: RangerDescription, navigation: NavigationOptions, seed: int, stopwatch: Stopwatch
+    ) -> None:
         self.slam = Slam()
-        self.navigator = Navigator(None, name, seed)
+        self.navigator = Navigator(navigation, name, seed)
         self.pose: Pose | None = None
         self._stopwatch = stopwatch
         self._geometry = (

@@ -13,7 +13,7 @@ from mr_experiments.agenda import Agenda
 from mr_experiments.body import Body
 from mr_experiments.exploring import TICK
 from mr_experiments.fast_body import FastBody
-from mr_experiments.parameters import explorer_options, merger_options
+from mr_experiments.parameters import explorer_options, merger_options, navigation_options
 from mr_experiments.perfect_radio import PerfectRadio
 from mr_experiments.radio import Radio, TeamRadio, Walls
 from mr_experiments.recorder import Recorder
@@ -59,7 +59,7 @@ class Mission:
         if self.trial.fast:
             body = FastBody(starts[name], ranger, self.world.visible, self.stopwatch)
         else:
-            body = Body(name, ranger, self.trial.seed, self.stopwatch)
+            body = Body(name, ranger, navigation_options(ranger), self.trial.seed, self.stopwatch)
         return Robot(
             index, starts[name], merger_options(self.trial, name, starts),
             explorer_options(self.trial, name, index, ranger), body, self.trial.seed, self.agenda, self.radio,

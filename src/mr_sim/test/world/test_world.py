@@ -243,8 +243,8 @@ def run(seed, robots=3):
 
 
 def test_same_seed_same_bits():
-    assert all(a.tobytes() == b.tobytes() for a, b in zip(run(7), run(7), strict=True))
-    assert any(a.tobytes() != b.tobytes() for a, b in zip(run(7), run(8), strict=True))
+    assert all((a == b).all() for a, b in zip(run(7), run(7), strict=True))
+    assert any((a != b).any() for a, b in zip(run(7), run(8), strict=True))
 
 
 def test_another_robot_does_not_change_the_noise_of_the_others():
@@ -287,15 +287,3 @@ def test_time_is_counted_in_steps(make_world):
 def test_unknown_robot(make_world):
     with pytest.raises(WorldError, match=r'no robot "x".*there are a'):
         make_world(ROVER).index("x")
-
-
-@pytest.mark.parametrize(("name", "robots"), [("office26x15", 16), ("small8x8", 4)])
-def test_worlds_of_the_project(name, robots):
-    world = World(load_world(find_world(name)))
-    assert world.names == tuple(f"robot_{i}" for i in range(robots))
-    assert len(world.robots[0].rangers) == 1 and world.robots[0].rangers[0].samples == 541
-
-
-def test_start_poses_of_the_office():
-    starts = [robot.start for robot in load_world(find_world("office26x15.world")).robots]
-    assert starts[:6] == [(1, 14.3, 0), (1, 13.4, 0), (2, 14.3, 0), (2, 13.4, 0), (3, 14.3, 0), (3, 13.4, 0)]

@@ -25,7 +25,7 @@ def test_robot_with_all_its_words(load):
           acceleration_bounds [ -1 1 0 0 0 0 -180 180 ]
           localization "odom" localization_origin [ 0 0 0 0 ] odom_error [ 0.01 0.02 0.03 0.04 ]
           ranger ( update_interval 80 pose [ 0.2 0 0 0 ]
-            sensor ( pose [ 0.05 0 0 10 ] range [ 0.1 6 ] fov 180 samples 181 noise [ 0.0004 0 0 ] ) )
+            sensor ( pose [ 0.05 0 0 10 ] range [ 0.1 6 ] fov 180 samples 181 noise [ 0.0004 0.02 0 ] ) )
         )
         """
     )
@@ -45,7 +45,7 @@ def test_robot_with_all_its_words(load):
     assert (ranger.range_min, ranger.range_max, ranger.samples) == (0.1, 6, 181)
     assert ranger.angle_min == pytest.approx(-math.pi / 2)
     assert ranger.angle_increment == pytest.approx(math.radians(1))
-    assert (ranger.update_interval, ranger.noise_variance) == (0.08, 0.0004)
+    assert (ranger.update_interval, ranger.noise_variance, ranger.noise_share) == (0.08, 0.0004, 0.02)
 
 
 def test_defaults_are_those_of_stage(load):
@@ -166,7 +166,9 @@ def test_boundary_makes_a_wall_around(load):
         ("position ( ranger ( sensor ( range [ 5 1 ] ) ) )", "larger maximum"),
         ("position ( ranger ( sensor ( fov 361 ) ) )", "at most 360"),
         ("position ( ranger ( sensor ( noise [ -1 0 0 ] ) ) )", "must not be negative"),
-        ("position ( ranger ( sensor ( noise [ 0 0.1 0 ] ) ) )", "only its first number"),
+        ("position ( ranger ( sensor ( noise [ 0 -0.1 0 ] ) ) )", "must not be negative"),
+        ("position ( ranger ( sensor ( noise [ 0 1.1 0 ] ) ) )", "share of the range, at most 1, not 1.1"),
+        ("position ( ranger ( sensor ( noise [ 0 0 1 ] ) ) )", "no error of the bearing"),
         ("position ( ranger ( fov 90 sensor ( ) ) )", "outside the sensor block"),
         ("position ( ranger ( scount 16 ) )", 'unknown word "scount"'),
         ("model ( block ( points 2 ) )", "at least 3"),

@@ -1,0 +1,119 @@
+"""The worlds of the project: they can be loaded, robots start in the free, and no room is closed off."""
+
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from mr_sim.pose import placed
+from mr_sim.world import World
+from mr_sim.world_model import load_world
+from mr_sim.worlds import find_world
+
+WORLDS = {
+    "office26x15": 16, "office26x15_mixed": 16, "office26x15_turtlebots": 16, "small8x8": 4, "narrow": 16,
+    "large60x60": 16,
+}  # fmt: skip
+SIZES = {"office26x15": (26, 15), "small8x8": (8, 8), "narrow": (15, 12), "large60x60": (60, 60)}  # m
+WAY = 0.25  # m that a robot's middle keeps from walls on its way
+GENERATOR = Path(__file__).parents[4] / "tools" / "make_worlds"
+
+
+@pytest.fixture(scope="module", params=sorted(WORLDS))
+def world(request) -> World:
+    return World(load_world(find_world(request.param)))
+
+
+def name_of(world: World) -> str:
+    return world.description.path.stem
+
+
+def passable(world: World) -> np.ndarray:
+    """Cells, bool (rows, columns), in which a robot's middle may be on its way."""
+    grid = world.obstacles
+    return ndimage.distance_transform_edt(grid.cells == 0) * grid.resolution - grid.resolution / 2.0 >= WAY
+
+
+def cell_of(world: World, x: float, y: float) -> tuple:
+    column, row = np.floor((np.array((x, y)) - world.obstacles.origin) / world.obstacles.resolution).astype(int)
+    return row, column
+
+
+def test_every_world_is_among_these():
+    folder = find_world("small8x8").parent
+    assert {path.stem for path in folder.glob("*.world")} == set(WORLDS)
+
+
+def test_robots_and_size(world):
+    assert world.names == tuple(f"robot_{i}" for i in range(WORLDS[name_of(world)]))
+    assert all(len(robot.rangers) == 1 for robot in world.robots)
+    rows, columns = world.obstacles.cells.shape
+    size = SIZES[name_of(world).split("_")[0]]
+    assert (columns * world.obstacles.resolution, rows * world.obstacles.resolution) == pytest.approx(size)
+    edge = np.concatenate([world.obstacles.cells[[0, -1]].ravel(), world.obstacles.cells[:, [0, -1]].ravel()])
+    assert edge.all(), "closed all around"
+
+
+def test_no_robot_starts_in_a_wall_or_in_reach_of_another(world):
+    outlines = []
+    for index, robot in enumerate(world.robots):
+        assert world.core.contact_at(index, robot.start) == 0
+        outlines.append(np.concatenate([placed(np.array(polygon), robot.start) for polygon in robot.footprint]))
+    for index, outline in enumerate(outlines):
+        for other in outlines[:index]:
+            assert np.hypot(*(outline[:, None] - other[None]).T).min() > 0.25
+
+
+def test_team_starts_together_and_may_reach_everything(world):
+    labels, parts = ndimage.label(passable(world))
+    starts = {int(labels[cell_of(world, *robot.start[:2])]) for robot in world.robots}
+    assert len(starts) == 1 and 0 not in starts
+    areas = np.bincount(labels.ravel())[1:] * world.obstacles.resolution**2
+    assert areas.max() > 0.999 * areas.sum(), f"{parts} parts of {np.sort(areas)} m^2"
+
+
+def test_narrow_world_lets_one_robot_through_and_not_two():
+    world = World(load_world(find_world("narrow")))
+    grid = world.obstacles
+    width = 2.0 * ndimage.distance_transform_edt(grid.cells == 0) * grid.resolution
+    labels, _ = ndimage.label(passable(world))
+    # What two robots side by side need, 0.38 m each and 0.05 m around them, cuts the world into its rooms.
+    _, rooms = ndimage.label((labels > 0) & (width > 2 * 0.38 + 3 * 0.05))
+    assert rooms >= 15
+
+
+def test_sensors_of_the_teams():
+    fields = {name: [robot.rangers[0].field_of_view for robot in World(load_world(find_world(name))).robots]
+              for name in ("office26x15", "office26x15_turtlebots", "office26x15_mixed")}  # fmt: skip
+    laser, kinect = math.radians(270), math.radians(57)
+    assert fields["office26x15"] == pytest.approx([laser] * 16)
+    assert fields["office26x15_turtlebots"] == pytest.approx([kinect] * 16)
+    assert fields["office26x15_mixed"] == pytest.approx([laser, kinect] * 8)
+
+
+def test_turtlebot():
+    robot = load_world(find_world("office26x15_turtlebots")).robots[0]
+    (ranger,) = robot.rangers
+    assert (ranger.range_min, ranger.range_max, ranger.noise_share) == (0.45, 4.0, 0.01)
+    corners = np.array(robot.footprint[0])
+    assert np.hypot(*corners.T) == pytest.approx(np.full(12, 0.177), abs=1e-3), "round, 0.354 m across"
+
+
+def test_start_poses_of_the_office():
+    starts = [robot.start for robot in load_world(find_world("office26x15.world")).robots]
+    assert starts[:6] == [(1, 14.3, 0), (1, 13.4, 0), (2, 14.3, 0), (2, 13.4, 0), (3, 14.3, 0), (3, 13.4, 0)]
+
+
+@pytest.mark.skipif(not GENERATOR.is_file(), reason="installed without tools/")
+def test_pictures_are_those_of_their_generator(tmp_path):
+    subprocess.run([sys.executable, str(GENERATOR), str(tmp_path)], check=True)
+    made = sorted(path.name for path in tmp_path.iterdir())
+    assert made == ["large60x60.png", "narrow.png"]
+    for name in made:
+        kept = cv2.imread(str(find_world(name.replace(".png", "")).parent / name), cv2.IMREAD_GRAYSCALE)
+        assert np.array_equal(cv2.imread(str(tmp_path / name), cv2.IMREAD_GRAYSCALE), kept), f"{name}: run make_worlds"
