@@ -521,6 +521,17 @@ def test_dropping_one_bid_changes_the_result(strategy: int) -> None:
     assert outcome(drop=True) == 1.0
 
 
+def test_cluster_that_another_robot_does_not_know_is_not_left_to_it() -> None:
+    """Both others stand on the left, but neither has a bid there; one of them bids less for the right."""
+    bench, start = opened(7, peers=("robot_1", "robot_2"))
+    for robot, bid in (("robot_1", 0.5), ("robot_2", 30.0)):
+        bids = [-1.0, -1.0]
+        bids[side_of(start, bench, 1.0)] = bid
+        bench.agent.on_auction(reply(start, robot, bids), bench.now)
+    bench.run(1.0)
+    assert chosen_side(bench) == -1.0
+
+
 def test_silent_robot_without_a_position_does_not_count() -> None:
     bench, _ = opened(1, position=None)
     bench.run(1.4)

@@ -796,6 +796,8 @@ class ExplorerAgent:
         costs = cost_matrix(
             len(ready), robots, choice.bids_by_row(ready, bids), self.team.positions(now), self._interpolation(ready)
         )
+        if self.options.frontier_selection == 7:
+            self._leave_out_unknown(costs, ready, robots, bids)
         keep = [column for column in range(len(robots)) if np.isfinite(costs[:, column]).any()]
         robots, costs = [robots[column] for column in keep], costs[:, keep]
         own = np.array([self._own_bid(cluster) for cluster in ready], dtype=float)
@@ -811,6 +813,20 @@ class ExplorerAgent:
             if cluster.number == self._cluster:
                 own[row] -= choice.LOYALTY
         return choice.assigned_cluster(ready, own, robots, costs)
+
+    @staticmethod
+    def _leave_out_unknown(
+        costs: np.ndarray,
+        ready: Sequence[Cluster],
+        robots: Sequence[str],
+        bids: Mapping[str, Mapping[int, float]],
+    ) -> None:
+        """A robot that has answered without a bid for a cluster does not know it and will not go there, however near it
+        is: nobody may be left empty-handed for its sake."""
+        for column, robot in enumerate(robots):
+            if robot in bids:
+                unknown = [row for row, cluster in enumerate(ready) if cluster.number not in bids[robot]]
+                costs[unknown, column] = math.inf
 
     def _decide_as_paper(
         self,
