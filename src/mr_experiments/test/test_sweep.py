@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from contextlib import ExitStack
+from pathlib import Path
 
 import pytest
 
@@ -339,7 +340,9 @@ def test_process_of_a_worker_ends_with_it(tmp_path):
     )
     worker = subprocess.Popen([sys.executable, "-c", code], start_new_session=True)
     assert wait_for(lambda: len(members(worker.pid)) == 2)
-    time.sleep(3.0)  # the child has loaded its modules
+    pids = [line.split()[0] for line in members(worker.pid)]
+    (child,) = (pid for pid in pids if pid != str(worker.pid))
+    assert wait_for(lambda: "adhoc_engine" in Path(f"/proc/{child}/maps").read_text()), "it has not loaded its modules"
     worker.kill()
     worker.wait()
     assert wait_for(lambda: members(worker.pid) == [])
