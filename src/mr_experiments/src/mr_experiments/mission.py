@@ -45,9 +45,11 @@ class Mission:
         self._switched_on = False
         visible = self.world.visible
         walls = Walls(visible.cells, visible.resolution, visible.origin)
-        self.radio: TeamRadio = Radio(trial.radio, trial.seed, walls)
+        self.radio: TeamRadio
         if trial.fast:
             self.radio = PerfectRadio(self.agenda)
+        else:
+            self.radio = Radio(trial.radio, trial.seed, walls)
         self.recorder = Recorder(trial, self.world, snapshot_period)
         starts = {name: self.world.pose(i) for i, name in enumerate(self.world.names)}
         self.robots = [self._robot(index, starts) for index in range(trial.robots)]
