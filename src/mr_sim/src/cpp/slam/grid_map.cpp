@@ -64,6 +64,19 @@ void GridMap::grow_to(Cell low, Cell high) {
   origin_ = low;
   width_ = width;
   height_ = height;
+  words_ = (width + 63) / 64;
+  marks_.assign(static_cast<std::size_t>(words_) * height, 0);
+  for (int y = low.y; y < low.y + height; ++y) {
+    for (int x = low.x; x < low.x + width; ++x) mark_surface({x, y});
+  }
+}
+
+// To be called after each change of a cell's surface.
+void GridMap::mark_surface(const Cell& cell) {
+  const int column = cell.x - origin_.x;
+  uint64_t& word = marks_[static_cast<std::size_t>(cell.y - origin_.y) * words_ + column / 64];
+  const uint64_t mark = uint64_t{1} << (column % 64);
+  word = state(cell).surface.hits > 0.0F ? word | mark : word & ~mark;
 }
 
 // MRPT counts the log-odds of being free, in steps of 1/16.
@@ -77,9 +90,10 @@ void GridMap::change_odds(const Cell& cell, double step) {
 }
 
 void GridMap::insert(const Scan& scan, const Pose& robot) {
+  const Frame frame(robot);
   Cell low = cell_of({robot.x - 1.0, robot.y - 1.0}), high = cell_of({robot.x + 1.0, robot.y + 1.0});
   for (const Beam& beam : scan.beams) {
-    const Cell cell = cell_of(robot * beam.end);
+    const Cell cell = cell_of(frame * beam.end);
     low = {std::min(low.x, cell.x - 1), std::min(low.y, cell.y - 1)};
     high = {std::max(high.x, cell.x + 1), std::max(high.y, cell.y + 1)};
   }
@@ -87,14 +101,14 @@ void GridMap::insert(const Scan& scan, const Pose& robot) {
   ++scan_number_;
   // Hits first: what this scan touches, its other beams do not erase.
   for (const Beam& beam : scan.beams) {
-    if (beam.hit) add_hit(beam, robot);
+    if (beam.hit) add_hit(beam, frame);
   }
-  const Point eye = robot * scan.eye;
-  for (const Beam& beam : scan.beams) see_through(eye, robot * beam.end);
+  const Point eye = frame * scan.eye;
+  for (const Beam& beam : scan.beams) see_through(eye, frame * beam.end);
   free_footprint(robot);
 }
 
-void GridMap::add_hit(const Beam& beam, const Pose& robot) {
+void GridMap::add_hit(const Beam& beam, const Frame& robot) {
   const Point end = robot * beam.end;
   const Cell cell = cell_of(end);
   CellState& state = this->state(cell);
@@ -104,8 +118,11 @@ void GridMap::add_hit(const Beam& beam, const Pose& robot) {
     change_odds(cell, options_.occupied_step);
   }
   if (!beam.has_normal) return;
-  Surface& surface = state.surface;
-  const Point normal = Pose{0.0, 0.0, robot.yaw} * beam.normal;
+  add_to_surface(state.surface, end, robot.turned(beam.normal), first);
+  mark_surface(cell);
+}
+
+void GridMap::add_to_surface(Surface& surface, const Point& end, const Point& normal, bool first_of_scan) {
   const double agreement = surface.normal_x * normal.x + surface.normal_y * normal.y;
   if (surface.hits > 0.0F && agreement <= 0.0) {
     // The far side of a thin wall: keep the side seen more.
@@ -114,7 +131,7 @@ void GridMap::add_hit(const Beam& beam, const Pose& robot) {
     surface = Surface{};
   }
   surface.hits = std::min(surface.hits + 1.0F, kMemory);
-  if (first || surface.scans == 0.0F) surface.scans += 1.0F;
+  if (first_of_scan || surface.scans == 0.0F) surface.scans += 1.0F;
   const float share = 1.0F / surface.hits;
   surface.x += share * (static_cast<float>(end.x) - surface.x);
   surface.y += share * (static_cast<float>(end.y) - surface.y);
@@ -137,7 +154,10 @@ void GridMap::free_cell(const Cell& cell, const Point& eye, const Point& end) {
   if (state.surface.hits > 0.0F && !sees_through(state.surface, eye, end)) return;
   state.freed_in = scan_number_;
   change_odds(cell, -options_.free_step);
-  if (grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x] > 0) state.surface = Surface{};
+  if (grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x] > 0) {
+    state.surface = Surface{};
+    mark_surface(cell);
+  }
 }
 
 // Walks the cells of the line (Amanatides and Woo, A Fast Voxel Traversal Algorithm, 1987).

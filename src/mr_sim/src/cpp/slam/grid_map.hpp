@@ -3,6 +3,7 @@
 
 #include <mrpt/maps/COccupancyGridMap2D.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -44,6 +45,9 @@ class GridMap {
   Cell cell_of(const Point& point) const;
   // The surface in a cell of the lattice, or nullptr where there is none.
   const Surface* surface(const Cell& cell) const;
+  // Calls visit(surface) for each surface of the cells from `low` to `high`, both included, row by row.
+  template <class Visit>
+  void visit_surfaces(const Cell& low, const Cell& high, Visit visit) const;
 
   // 100 occupied, 0 free, -1 never seen; row-major from the lowest y.
   std::vector<int8_t> occupancy() const;
@@ -58,9 +62,11 @@ class GridMap {
 
   bool contains(const Cell& cell) const;
   CellState& state(const Cell& cell);
+  void mark_surface(const Cell& cell);
   void grow_to(Cell low, Cell high);
   void change_odds(const Cell& cell, double step);
-  void add_hit(const Beam& beam, const Pose& robot);
+  void add_hit(const Beam& beam, const Frame& robot);
+  static void add_to_surface(Surface& surface, const Point& end, const Point& normal, bool first_of_scan);
   void see_through(const Point& eye, const Point& end);
   bool sees_through(const Surface& surface, const Point& eye, const Point& end) const;
   void free_cell(const Cell& cell, const Point& eye, const Point& end);
@@ -69,9 +75,30 @@ class GridMap {
   GridOptions options_;
   mrpt::maps::COccupancyGridMap2D grid_;
   std::vector<CellState> states_;
+  // One bit for each cell that has a surface, `words_` words to a row: most cells have none, and looking for surfaces
+  // is most of the work of matching.
+  std::vector<uint64_t> marks_;
+  int words_ = 0;
   Cell origin_;
   int width_ = 0, height_ = 0;
   uint32_t scan_number_ = 0;
 };
+
+template <class Visit>
+void GridMap::visit_surfaces(const Cell& low, const Cell& high, Visit visit) const {
+  const int left = std::max(low.x - origin_.x, 0), right = std::min(high.x - origin_.x, width_ - 1);
+  const int bottom = std::max(low.y - origin_.y, 0), top = std::min(high.y - origin_.y, height_ - 1);
+  if (left > right) return;
+  for (int row = bottom; row <= top; ++row) {
+    for (int word = left / 64; word <= right / 64; ++word) {
+      uint64_t bits = marks_[static_cast<std::size_t>(row) * words_ + word];
+      if (word == left / 64) bits &= ~uint64_t{0} << (left % 64);
+      if (word == right / 64) bits &= ~uint64_t{0} >> (63 - right % 64);
+      for (; bits != 0; bits &= bits - 1) {
+        visit(states_[static_cast<std::size_t>(row) * width_ + word * 64 + __builtin_ctzll(bits)].surface);
+      }
+    }
+  }
+}
 
 }  // namespace mr_sim::slam

@@ -16,10 +16,23 @@ struct Pose {
 
 inline double normalized(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 
-inline Point operator*(const Pose& frame, const Point& point) {
-  const double c = std::cos(frame.yaw), s = std::sin(frame.yaw);
-  return {frame.x + c * point.x - s * point.y, frame.y + s * point.x + c * point.y};
-}
+// A pose ready to transform many points.
+class Frame {
+ public:
+  explicit Frame(const Pose& pose) : x_(pose.x), y_(pose.y), cos_(std::cos(pose.yaw)), sin_(std::sin(pose.yaw)) {}
+
+  Point operator*(const Point& point) const {
+    return {x_ + cos_ * point.x - sin_ * point.y, y_ + sin_ * point.x + cos_ * point.y};
+  }
+  Point turned(const Point& vector) const {
+    return {cos_ * vector.x - sin_ * vector.y, sin_ * vector.x + cos_ * vector.y};
+  }
+
+ private:
+  double x_, y_, cos_, sin_;
+};
+
+inline Point operator*(const Pose& frame, const Point& point) { return Frame(frame) * point; }
 
 inline Pose operator*(const Pose& frame, const Pose& pose) {
   const Point origin = frame * Point{pose.x, pose.y};

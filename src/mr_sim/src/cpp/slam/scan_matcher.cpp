@@ -43,22 +43,20 @@ bool same_side(const Surface& surface, const Point& normal) {
   return surface.normal_x * normal.x + surface.normal_y * normal.y > kSameSide;
 }
 
+Cell around(const Cell& cell, int offset) { return {cell.x + offset, cell.y + offset}; }
+
 const Surface* nearest(const GridMap& map, const Point& point, const Point& normal, double reach) {
   const int radius = static_cast<int>(std::ceil(reach / map.resolution()));
   const Cell center = map.cell_of(point);
   const Surface* best = nullptr;
   double best_distance = reach * reach;
-  for (int y = center.y - radius; y <= center.y + radius; ++y) {
-    for (int x = center.x - radius; x <= center.x + radius; ++x) {
-      const Surface* surface = map.surface({x, y});
-      if (surface == nullptr) continue;
-      const double dx = point.x - surface->x, dy = point.y - surface->y;
-      const double distance = dx * dx + dy * dy;
-      if (distance >= best_distance || !same_side(*surface, normal)) continue;
-      best = surface;
-      best_distance = distance;
-    }
-  }
+  map.visit_surfaces(around(center, -radius), around(center, radius), [&](const Surface& surface) {
+    const double dx = point.x - surface.x, dy = point.y - surface.y;
+    const double distance = dx * dx + dy * dy;
+    if (distance >= best_distance || !same_side(surface, normal)) return;
+    best = &surface;
+    best_distance = distance;
+  });
   return best;
 }
 
@@ -70,18 +68,15 @@ Line line_near(const GridMap& map, const Point& point, const Point& normal, doub
   const Cell cell = map.cell_of({center->x, center->y});
   Line line;
   double hits = 0.0, scans = 0.0;
-  for (int y = cell.y - kNeighbours; y <= cell.y + kNeighbours; ++y) {
-    for (int x = cell.x - kNeighbours; x <= cell.x + kNeighbours; ++x) {
-      const Surface* surface = map.surface({x, y});
-      if (surface == nullptr || !same_side(*surface, normal)) continue;
-      hits += surface->hits;
-      scans += surface->hits * surface->scans;
-      line.through.x += surface->hits * surface->x;
-      line.through.y += surface->hits * surface->y;
-      line.normal.x += surface->hits * surface->normal_x;
-      line.normal.y += surface->hits * surface->normal_y;
-    }
-  }
+  map.visit_surfaces(around(cell, -kNeighbours), around(cell, kNeighbours), [&](const Surface& surface) {
+    if (!same_side(surface, normal)) return;
+    hits += surface.hits;
+    scans += surface.hits * surface.scans;
+    line.through.x += surface.hits * surface.x;
+    line.through.y += surface.hits * surface.y;
+    line.normal.x += surface.hits * surface.normal_x;
+    line.normal.y += surface.hits * surface.normal_y;
+  });
   const double length = std::hypot(line.normal.x, line.normal.y);
   line.through = {line.through.x / hits, line.through.y / hits};
   line.normal = {line.normal.x / length, line.normal.y / length};
@@ -112,9 +107,9 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
     gradient = information * gradient;
     int on_surface = 0;
     double cost = 0.0;
-    const Pose turn{0.0, 0.0, pose.yaw};
+    const Frame frame(pose);
     for (const Beam* beam : beams) {
-      const Point arm = turn * beam->end, normal = turn * beam->normal;
+      const Point arm = frame.turned(beam->end), normal = frame.turned(beam->normal);
       const Point point{pose.x + arm.x, pose.y + arm.y};
       const Line line = line_near(map, point, normal, reach);
       if (!line.found) {
@@ -155,8 +150,9 @@ Pose search(const GridMap& map, const std::vector<const Beam*>& beams, const Pos
   std::vector<Cell> cells;
   for (int turn = -turns; turn <= turns; ++turn) {
     const Pose turned{center.x, center.y, normalized(center.yaw + turn * turn_step)};
+    const Frame frame(turned);
     cells.clear();
-    for (std::size_t i = 0; i < beams.size(); i += 4) cells.push_back(map.cell_of(turned * beams[i]->end));
+    for (std::size_t i = 0; i < beams.size(); i += 4) cells.push_back(map.cell_of(frame * beams[i]->end));
     for (int dy = -steps; dy <= steps; ++dy) {
       for (int dx = -steps; dx <= steps; ++dx) {
         double score = 0.0;
