@@ -23,7 +23,7 @@ from .effects import (
     Send,
 )
 from .exchange import MOST_MAP_CELLS, MapSender
-from .grid import UNKNOWN, Grid, GridError, GridInfo, empty_grid
+from .grid import Grid, GridError, GridInfo, empty_grid
 from .messages import Anchor, Boot, Payload, Position, Request, Tile
 from .options import Options
 from .peer import HeardPose, Peer, Retry, Track
@@ -474,7 +474,6 @@ class Agent:
         if self._registering or self._local is None:
             return
         target = Versioned((self.name, self._local_version), self._local)
-        cells = int((self._local.cells != UNKNOWN).sum()) if self._peers else 0
         for peer in sorted(self._peers.values(), key=lambda peer: peer.alignment.started_before(now)):
             grid = peer.map.grid()
             if grid is None or peer.name == self._base:
@@ -486,9 +485,8 @@ class Agent:
                 if period < 0:
                     continue
             source = Versioned((peer.name, peer.generation, peer.map.version), grid)
-            sizes = (cells, int((grid.cells != UNKNOWN).sum()))
-            if peer.alignment.due(now, target, source, sizes):
-                peer.alignment.started(now, target, source, sizes, period)
+            if peer.alignment.due(now, target, source):
+                peer.alignment.started(now, target, source, period)
                 self._registering = True
                 self._effects.append(Register(self._job(peer, target, source), peer.generation))
                 return

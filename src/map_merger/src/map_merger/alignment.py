@@ -14,7 +14,7 @@ import numpy as np
 from . import features, registration
 from .evidence import Evidence, compare
 from .fusion import fused, resampled
-from .grid import Grid
+from .grid import UNKNOWN, Grid
 from .registration import (
     KEEP_CRITERIA,
     PRIOR_CRITERIA,
@@ -179,7 +179,7 @@ class Alignment:
         self._candidate: Optional[Registration] = None
         self._strikes = 0
         self._tried: Optional[Tuple[Hashable, Hashable]] = None
-        self._tried_cells = (0, 0)
+        self._tried_cells: Tuple[int, ...] = (0, 0)
         self._due = -math.inf
         self._wait = 0.0
         self._last_started = -math.inf
@@ -195,18 +195,20 @@ class Alignment:
         """The robot's frame is a new one: nothing that was known holds."""
         self.__init__()  # type: ignore[misc]
 
-    def due(self, now: float, target: Versioned, source: Versioned, cells: Tuple[int, int]) -> bool:
-        """True if a job is worth its time. `cells`: numbers of known cells of both maps."""
+    def due(self, now: float, target: Versioned, source: Versioned) -> bool:
+        """True if a job is worth its time."""
         waits = now < self._due <= now + self._wait  # A later time is one from before the clock jumped back.
         if waits or (target.key, source.key) == self._tried:
             return False
         if self.transform is not None or self._candidate is not None:
             return True
-        return any(present > 1.03 * before + 50 for present, before in zip(cells, self._tried_cells))
+        return any(
+            present > 1.03 * before + 50 for present, before in zip(_known_cells(target, source), self._tried_cells)
+        )
 
-    def started(self, now: float, target: Versioned, source: Versioned, cells: Tuple[int, int], period: float) -> None:
+    def started(self, now: float, target: Versioned, source: Versioned, period: float) -> None:
         """A job is under way; `period` is the shortest time in seconds to the next one."""
-        self._tried, self._tried_cells = (target.key, source.key), cells
+        self._tried, self._tried_cells = (target.key, source.key), _known_cells(target, source)
         self._wait = (
             period
             if self.transform is not None or self._candidate is not None
@@ -272,3 +274,7 @@ class Alignment:
         if result.accepted and result.transform is not None:
             self.transform = result.transform
         return ""
+
+
+def _known_cells(*maps: Versioned) -> Tuple[int, ...]:
+    return tuple(int(np.count_nonzero(each.grid.cells != UNKNOWN)) for each in maps)

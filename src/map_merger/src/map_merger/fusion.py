@@ -48,6 +48,10 @@ _SMUDGE_CELLS_M = 0.8
 """Largest extent in metres of such an obstacle."""
 
 
+_LARGEST_WARP = 16_000
+"""Side in cells of what OpenCV warps at once: its coordinates have 16 bits."""
+
+
 class Layer(NamedTuple):
     """A foreign map on the local lattice: cells (int8) of `box`, counted from the local map's corner."""
 
@@ -79,32 +83,44 @@ def resampled(foreign: Grid, transform: Transform, local: Grid) -> Optional[Laye
 
 def _under_centres(part: Grid, transform: Transform, target: GridInfo) -> np.ndarray:
     """Value of the foreign cell under each centre of the target's cells, by inverse mapping."""
-    info, shape = part.info, target.shape
-    centre = cell_centres(target, np.array([0, 0, 1]), np.array([0, 1, 0]))
-    image = info.origin.inverse().apply(transform.inverse().apply(centre)) / info.resolution
+    info = part.info
+    corner = cell_centres(target, np.array([0, 0, 1]), np.array([0, 1, 0]))
+    image = info.origin.inverse().apply(transform.inverse().apply(corner)) / info.resolution
     start, per_column, per_row = image[0], image[1] - image[0], image[2] - image[0]
-    rows, columns = np.arange(shape[0])[:, None], np.arange(shape[1])[None, :]
-    source_columns = np.floor(start[0] + per_column[0] * columns + per_row[0] * rows).astype(np.int32)
-    source_rows = np.floor(start[1] + per_column[1] * columns + per_row[1] * rows).astype(np.int32)
-    inside = (source_rows >= 0) & (source_rows < info.height) & (source_columns >= 0) & (source_columns < info.width)
-    cells = np.full(shape, UNKNOWN, np.int8)
-    cells[inside] = part.cells[source_rows[inside], source_columns[inside]]
+    cells = np.empty(target.shape, np.int8)
+    for tile in full_box(target).tiles(_LARGEST_WARP):
+        # Column and row of the foreign map (0.5 in the middle of its first cell) under the tile's first cell.
+        first = start + tile.left * per_column + tile.top * per_row
+        across, along = tile.shape[1] * per_column, tile.shape[0] * per_row
+        tile_corners = first + np.array([0.0 * across, across, along, across + along])
+        (left, top), (right, bottom) = np.floor(tile_corners.min(axis=0)), np.ceil(tile_corners.max(axis=0))
+        source = Box(int(top), int(left), int(bottom), int(right)).intersection(full_box(info))
+        if source.empty:
+            cells[tile.slices()] = UNKNOWN
+            continue
+        offset = first - (source.left, source.top) - 0.5
+        cells[tile.slices()] = cv2.warpAffine(
+            part.cells[source.slices()].view(np.uint8),
+            np.column_stack([per_column, per_row, offset]),
+            tile.shape[::-1],
+            flags=cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP,
+            borderMode=cv2.BORDER_CONSTANT,
+            borderValue=int(np.int8(UNKNOWN).view(np.uint8)),
+        ).view(np.int8)
     return cells
 
 
 def _corner_links(part: Grid) -> np.ndarray:
     """Points (n, 2) along the links between obstacles that touch only at a corner: both centres and the corner."""
-    occupied = part.occupied
+    occupied = np.pad(part.occupied, 1)
+    rows, columns = np.divmod(np.flatnonzero(part.occupied), part.info.width)
     points: List[np.ndarray] = []
-    for down in (True, False):
-        first = occupied[:-1, :-1] if down else occupied[1:, :-1]
-        second = occupied[1:, 1:] if down else occupied[:-1, 1:]
-        beside = (occupied[:-1, 1:] | occupied[1:, :-1]) if down else (occupied[:-1, :-1] | occupied[1:, 1:])
-        rows, columns = np.nonzero(first & second & ~beside)
-        begin = 0.0 if down else 1.0
+    for step in (1, -1):
+        # Seen from a cell: the one across the corner in the next column, and the two that touch both.
+        across = occupied[rows + 1 + step, columns + 2]
+        linked = across & ~occupied[rows + 1, columns + 2] & ~occupied[rows + 1 + step, columns + 1]
         for share in (0.0, 0.5, 1.0):
-            row = rows + (begin + share if down else begin - share)
-            points.append(cell_centres(part.info, row, columns + share))
+            points.append(cell_centres(part.info, rows[linked] + step * share, columns[linked] + share))
     return np.concatenate(points)
 
 
@@ -121,10 +137,11 @@ def without_robots(grid: Grid, places: np.ndarray) -> Grid:
         return grid
     middles = cell_centres(grid.info, centres[small, 1], centres[small, 0])
     distance, _ = cKDTree(places).query(middles, distance_upper_bound=ROBOT_REACH)
-    robots = np.zeros(len(statistics), bool)
-    robots[small[np.isfinite(distance)]] = True
     cells = grid.cells.copy()
-    cells[robots[labels]] = FREE
+    for robot in small[np.isfinite(distance)]:
+        left, top, width, height, _ = statistics[robot]
+        box = Box(top, left, top + height, left + width).slices()
+        cells[box][labels[box] == robot] = FREE
     return Grid(grid.info, cells)
 
 

@@ -90,25 +90,24 @@ def without_places(landmarks: Landmarks, places: np.ndarray, reach: float) -> La
 def landmarks_of(grid: Grid) -> Landmarks:
     """Landmarks of a map; a map without obstacles has an empty surface."""
     part = cropped(grid, known_box(grid).grown(1)) if (grid.cells != UNKNOWN).any() else grid
-    occupied, extent = _obstacles(part.occupied)
     free = part.free
     if free.size == 0:
         return Landmarks(part, _empty_surface(part.info.resolution), free, free)
-    distance = cv2.distanceTransform(free.astype(np.uint8), cv2.DIST_L2, 5)
-    return Landmarks(part, surface_of(part.info, occupied, free, extent), distance > CLEAR_CELLS, part.cells != UNKNOWN)
+    clear = cv2.erode(free.astype(np.uint8), _disc(CLEAR_CELLS)).astype(bool)
+    return Landmarks(part, surface_of(part.info, part.occupied, free), clear, part.cells != UNKNOWN)
 
 
-def surface_of(info: GridInfo, occupied: np.ndarray, free: np.ndarray, extent: np.ndarray) -> Surface:
+def surface_of(info: GridInfo, occupied: np.ndarray, free: np.ndarray) -> Surface:
     """Oriented points of the obstacles' borders to free space; a thin wall that is free on both sides has two faces.
 
-    `extent`: for each cell the extent in cells of the connected obstacle that it belongs to.
+    occupied, free: bool (rows, columns). Specks are left out.
     """
-    rows, columns = np.nonzero(occupied)
+    rows, columns, extent = _obstacles(occupied)
     if rows.size == 0:
         return _empty_surface(info.resolution)
-    normal_rows, normal_columns, linearity = _directions(occupied, rows, columns)
+    normal_rows, normal_columns, linearity = _directions(occupied.shape, rows, columns)
     points, normals, solid = [], [], []
-    large = extent[rows, columns] * info.resolution > LARGEST_MOVER_M
+    large = extent * info.resolution > LARGEST_MOVER_M
     for side in (1.0, -1.0):
         open_side = _free_towards(free, rows, columns, side * normal_rows, side * normal_columns)
         keep = open_side & (linearity > 0.6)
@@ -135,40 +134,59 @@ def _empty_surface(spacing: float) -> Surface:
     return Surface(np.empty((0, 2)), np.empty((0, 2)), spacing, np.empty(0, bool))
 
 
-def _obstacles(occupied: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """The obstacles without specks, and for each cell the extent in cells of its connected obstacle."""
-    if not occupied.any():
-        return occupied, np.zeros(occupied.shape, np.int32)
+def _disc(radius: float) -> np.ndarray:
+    """Mask (uint8) of the cells at most `radius` cells from the middle one."""
+    offset = np.arange(-int(radius), int(radius) + 1)
+    return (np.hypot(offset[:, None], offset[None, :]) <= radius).astype(np.uint8)
+
+
+def _obstacles(occupied: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows and columns of the obstacles without specks, and for each cell the extent in cells of its connected
+    obstacle."""
+    rows, columns = np.divmod(np.flatnonzero(occupied), occupied.shape[1])
+    if rows.size == 0:
+        return rows, columns, rows
     _, labels, statistics, _ = cv2.connectedComponentsWithStats(occupied.astype(np.uint8), connectivity=8)
-    large = statistics[:, cv2.CC_STAT_AREA] >= _SMALLEST_WALL
-    large[0] = False
     extent = np.maximum(statistics[:, cv2.CC_STAT_WIDTH], statistics[:, cv2.CC_STAT_HEIGHT])
-    return large[labels], extent[labels]
+    label = labels[rows, columns]
+    wall = statistics[label, cv2.CC_STAT_AREA] >= _SMALLEST_WALL
+    return rows[wall], columns[wall], extent[label[wall]]
 
 
-def _directions(occupied: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> tuple:
-    """Unit normal (row part, column part) of the wall through each cell, and how line-like it is there (0 .. 1).
+def _directions(shape: Tuple[int, int], rows: np.ndarray, columns: np.ndarray) -> tuple:
+    """Unit normal (row part, column part) of the wall through each obstacle cell of a map of this shape, and how
+    line-like it is there (0 .. 1).
 
-    Second moments of the obstacles in a small window, from box filters.
+    Second moments of the obstacles in the window around the cell. Each row of a window is read as one number, whose
+    bits are its cells, and its moments are looked up.
     """
-    mask = occupied.astype(np.float32)
-    row_index = np.arange(mask.shape[0], dtype=np.float32)[:, None] * mask
-    column_index = np.arange(mask.shape[1], dtype=np.float32)[None, :] * mask
-
-    def window_sum(values: np.ndarray) -> np.ndarray:
-        total = cv2.boxFilter(values, cv2.CV_64F, (_WINDOW, _WINDOW), normalize=False, borderType=cv2.BORDER_CONSTANT)
-        return total[rows, columns]
-
-    count = np.maximum(window_sum(mask), 1.0)
-    mean_row, mean_column = window_sum(row_index) / count, window_sum(column_index) / count
-    spread_row = window_sum(row_index * np.arange(mask.shape[0], dtype=np.float32)[:, None]) / count - mean_row**2
-    spread_column = (
-        window_sum(column_index * np.arange(mask.shape[1], dtype=np.float32)[None, :]) / count - mean_column**2
-    )
-    mixed = window_sum(row_index * np.arange(mask.shape[1], dtype=np.float32)[None, :]) / count - mean_row * mean_column
+    half = _WINDOW // 2
+    mask = np.zeros((shape[0] + 2 * half, shape[1] + 2 * half), np.float32)
+    mask[rows + half, columns + half] = 1.0
+    patterns = cv2.filter2D(mask, -1, 2.0 ** np.arange(_WINDOW)[None, :]).astype(np.intp)
+    offset = np.arange(-half, half + 1)
+    stride = shape[1] + 2 * half
+    window_rows = patterns.ravel().take(((rows + half) * stride + columns + half)[:, None] + offset * stride)
+    counts, sums, squares = (moment.take(window_rows) for moment in _MOMENTS)
+    count = counts.sum(axis=1)
+    mean_row, mean_column = counts @ offset / count, sums.sum(axis=1) / count
+    spread_row = counts @ offset**2 / count - mean_row**2
+    spread_column = squares.sum(axis=1) / count - mean_column**2
+    mixed = sums @ offset / count - mean_row * mean_column
     tangent = 0.5 * np.arctan2(2.0 * mixed, spread_column - spread_row)
     anisotropy = np.hypot(spread_column - spread_row, 2.0 * mixed) / np.maximum(spread_column + spread_row, 1e-6)
     return np.cos(tangent), -np.sin(tangent), anisotropy
+
+
+def _moments_of_patterns() -> np.ndarray:
+    """Count, sum and sum of squares of the offsets of the set cells, for each pattern of a row: (3, 2**_WINDOW)."""
+    patterns = np.arange(2**_WINDOW)
+    cells = (patterns[:, None] >> np.arange(_WINDOW)) & 1
+    offset = np.arange(_WINDOW) - _WINDOW // 2
+    return np.stack([cells.sum(axis=1), cells @ offset, cells @ offset**2]).astype(float)
+
+
+_MOMENTS = _moments_of_patterns()
 
 
 def _free_towards(

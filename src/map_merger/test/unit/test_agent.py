@@ -583,6 +583,6 @@ def test_after_the_clock_jumped_back_within_the_first_seconds_the_neighbours_are
 def test_a_peer_whose_job_was_started_before_the_clock_jumped_back_does_not_come_last():
     alignment = Alignment()
     map_ = Versioned("map", square())
-    alignment.started(600.0, map_, map_, (1, 1), 2.0)
+    alignment.started(600.0, map_, map_, 2.0)
     assert alignment.started_before(600.0) == 600.0
     assert alignment.started_before(5.0) == -math.inf
