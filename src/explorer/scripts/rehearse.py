@@ -11,7 +11,6 @@ global map is its own map with those of the others as they were `--merge-period`
 import argparse
 import heapq
 import math
-import os
 import sys
 import time
 from dataclasses import dataclass, field
@@ -19,8 +18,6 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import cv2
 import numpy as np
-
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "src"))
 
 from explorer.agent import ExplorerAgent
 from explorer.grid import GridInfo, OccupancyMap
@@ -166,7 +163,7 @@ class Rehearsal:
                 cv2.circle(image, (col, row), int(0.3 / RESOLUTION), 1, -1)
                 cells[(image > 0) & (cells >= 0)] = 100
         grid = TravelGrid(OccupancyMap(info, cells), 0.25, 0.6)
-        field_ = grid.field_from(robot.x, robot.y, with_paths=True)
+        field_ = grid.field_from(robot.x, robot.y)
         goal = robot.goal.pose
         robot.path = field_.path_to(goal.x + robot.start[0], goal.y + robot.start[1])[2:]
         robot.planned = self.now

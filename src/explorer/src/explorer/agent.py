@@ -445,7 +445,9 @@ class ExplorerAgent:
         if self._tour_grid is None:
             assert self.map is not None
             robots = list(self.team.positions(self._map_time).values())
-            self._tour_grid = TravelGrid(self.map, self.options.inflation_radius, 0.6, robots, cell=TOUR_CELL)
+            self._tour_grid = TravelGrid(
+                self.map, self.options.inflation_radius, 0.6, robots, cell=TOUR_CELL, like=self.grid
+            )
         near = stops[:MAXIMUM_STOPS]
         ways = ways_between(self._tour_grid, [c.viewpoint or c.centre for c in near])
         ways = np.where(np.isfinite(ways), ways, 2.0 * np.array([[c.cost for c in near]]))

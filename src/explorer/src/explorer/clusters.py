@@ -9,8 +9,9 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from explorer._kernels import lines_are_clear
 from explorer.frontiers import ForeignFrontiers, Frontier, Key
-from explorer.grid import OccupancyMap, lines_are_clear
+from explorer.grid import OccupancyMap
 
 # Half edges in metres of the boxes of contract 3.6: clusters closer than the first are one; a point on its own
 # joins a cluster nearer than the second.

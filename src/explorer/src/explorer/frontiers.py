@@ -66,17 +66,17 @@ def frontier_cells(occupancy: OccupancyMap, minimal_length: float) -> np.ndarray
     resolution = occupancy.info.resolution
     unknown = _without_islands(occupancy.unknown, max(1, int(SMALLEST_UNKNOWN_AREA / resolution**2)))
     kernel = np.ones((3, 3), dtype=np.uint8)
-    near_unknown = cv2.dilate(unknown.astype(np.uint8), kernel) > 0
-    near_occupied = cv2.dilate(occupancy.occupied.astype(np.uint8), kernel) > 0
+    near_unknown = cv2.dilate(unknown.view(np.uint8), kernel) > 0
+    near_occupied = cv2.dilate(occupancy.occupied.view(np.uint8), kernel) > 0
     cells = occupancy.free & near_unknown & ~near_occupied
     # Cells one apart belong together: the ragged edge between two laser beams breaks a frontier into pieces.
-    count, labels = cv2.connectedComponents(cv2.dilate(cells.astype(np.uint8), kernel), connectivity=8)
+    count, labels = cv2.connectedComponents(cv2.dilate(cells.view(np.uint8), kernel), connectivity=8)
     sizes = np.bincount(labels[cells], minlength=count)
     return cells & (sizes[labels] * resolution >= minimal_length)
 
 
 def _without_islands(mask: np.ndarray, smallest: int) -> np.ndarray:
-    count, labels, statistics, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
+    count, labels, statistics, _ = cv2.connectedComponentsWithStats(mask.view(np.uint8), connectivity=4)
     keep = statistics[:, cv2.CC_STAT_AREA] >= smallest
     keep[0] = False
     return keep[labels] if count > 1 else np.zeros_like(mask)
@@ -170,7 +170,7 @@ class FrontierStore:
 
 
 def _box_dilate(mask: np.ndarray, reach: int) -> np.ndarray:
-    return cv2.dilate(mask.astype(np.uint8), np.ones((2 * reach + 1, 2 * reach + 1), dtype=np.uint8)) > 0
+    return cv2.dilate(mask.view(np.uint8), np.ones((2 * reach + 1, 2 * reach + 1), dtype=np.uint8)) > 0
 
 
 class ForeignFrontiers:
@@ -183,7 +183,7 @@ class ForeignFrontiers:
     def __init__(self, maximum_per_robot: int = MAXIMUM_FRONTIERS) -> None:
         self._maximum = maximum_per_robot
         self._points: Dict[str, Dict[int, Tuple[float, float]]] = {}
-        self._transforms: Dict[str, np.ndarray] = {}
+        self._transforms: Dict[str, Tuple[float, ...]] = {}
 
     def add(self, element: Element) -> None:
         points = self._points.setdefault(element.detected_by, {})
@@ -200,7 +200,7 @@ class ForeignFrontiers:
         if transform is None:
             self._transforms.pop(robot, None)
         else:
-            self._transforms[robot] = np.asarray(transform, dtype=float).reshape(2, 3)
+            self._transforms[robot] = tuple(np.asarray(transform, dtype=float).reshape(6).tolist())
 
     def has_transform(self, robot: str) -> bool:
         return robot in self._transforms
@@ -220,15 +220,21 @@ class ForeignFrontiers:
         transform = self._transforms.get(element.detected_by)
         if transform is None:
             return None
-        x, y = transform @ (element.x, element.y, 1.0)
-        return (float(x), float(y))
+        return _transformed(transform, element.x, element.y)
 
     def in_own_frame(self, key: Key) -> Optional[Tuple[float, float]]:
         """(x, y) in metres in the own map frame, or None if the point or the transform is not known."""
         point = self._points.get(key[0], {}).get(key[1])
-        if point is None:
+        transform = self._transforms.get(key[0])
+        if point is None or transform is None:
             return None
-        return self.to_own_frame(Element(key[0], key[1], point[0], point[1]))
+        return _transformed(transform, point[0], point[1])
+
+
+def _transformed(transform: Tuple[float, ...], x: float, y: float) -> Tuple[float, float]:
+    """A point in metres under the rows of a (2, 3) transform."""
+    a, b, c, d, e, f = transform
+    return (a * x + b * y + c, d * x + e * y + f)
 
 
 def rigid_transform(points: np.ndarray, images: np.ndarray) -> Optional[np.ndarray]:

@@ -2,10 +2,12 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Tuple
 
 import numpy as np
 
+from explorer._kernels import lines_are_clear
 from explorer.errors import MapError
 
 FREE = 0
@@ -69,7 +71,8 @@ class GridInfo:
 
 @dataclass(frozen=True)
 class OccupancyMap:
-    """An occupancy grid: `cells` is int8 (height, width); 0 is free, -1 unknown, occupied from `OCCUPIED_FROM` on."""
+    """An occupancy grid: `cells` is int8 (height, width); 0 is free, -1 unknown, occupied from `OCCUPIED_FROM` on.
+    They must not change any more."""
 
     info: GridInfo
     cells: np.ndarray
@@ -87,16 +90,16 @@ class OccupancyMap:
         if self.cells.shape != (info.height, info.width):
             raise MapError(f"map data holds {self.cells.size} cells, its description says {info.width} x {info.height}")
 
-    @property
+    @cached_property
     def free(self) -> np.ndarray:
         """(height, width) bool array. Cells of middling occupancy are neither free nor unknown nor occupied."""
         return (self.cells >= FREE) & (self.cells < 25)
 
-    @property
+    @cached_property
     def occupied(self) -> np.ndarray:
         return self.cells >= self.OCCUPIED_FROM
 
-    @property
+    @cached_property
     def unknown(self) -> np.ndarray:
         return self.cells < 0
 
@@ -104,33 +107,4 @@ class OccupancyMap:
 def line_is_clear(blocked: np.ndarray, start: Tuple[int, int], end: Tuple[int, int]) -> bool:
     """True if no cell of the straight line between two cells of a bool array (rows, cols) is blocked; the two ends
     do not count. Cells outside the array count as blocked."""
-    steps = max(abs(end[0] - start[0]), abs(end[1] - start[1]))
-    if steps < 2:
-        return True
-    t = np.arange(1, steps) / steps
-    rows = np.rint(start[0] + (end[0] - start[0]) * t).astype(np.int64)
-    cols = np.rint(start[1] + (end[1] - start[1]) * t).astype(np.int64)
-    if rows.min() < 0 or cols.min() < 0 or rows.max() >= blocked.shape[0] or cols.max() >= blocked.shape[1]:
-        return False
-    return not blocked[rows, cols].any()
-
-
-def lines_are_clear(blocked: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """(n,) bool: `line_is_clear` for n pairs of cells, each an (n, 2) int array of (row, col)."""
-    starts = np.asarray(starts, dtype=float).reshape(-1, 2)
-    ends = np.asarray(ends, dtype=float).reshape(-1, 2)
-    if len(starts) == 0:
-        return np.zeros(0, dtype=bool)
-    steps = int(np.abs(ends - starts).max())
-    if steps < 2:
-        return np.ones(len(starts), dtype=bool)
-    t = (np.arange(1, steps) / steps)[None, :, None]
-    line = np.rint(starts[:, None, :] + (ends - starts)[:, None, :] * t).astype(np.int64)
-    rows, cols = line[..., 0], line[..., 1]
-    inside = (rows >= 0) & (cols >= 0) & (rows < blocked.shape[0]) & (cols < blocked.shape[1])
-    hit = ~inside | blocked[np.clip(rows, 0, blocked.shape[0] - 1), np.clip(cols, 0, blocked.shape[1] - 1)]
-    # A short line among long ones is sampled several times in its end cells, which must not count.
-    end_cell = np.rint(ends).astype(np.int64)[:, None, :]
-    start_cell = np.rint(starts).astype(np.int64)[:, None, :]
-    at_end = (line == end_cell).all(axis=2) | (line == start_cell).all(axis=2)
-    return ~(hit & ~at_end).any(axis=1)
+    return bool(lines_are_clear(blocked, np.array([start]), np.array([end]))[0])

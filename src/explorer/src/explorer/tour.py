@@ -6,7 +6,6 @@ import math
 from typing import List, Sequence, Tuple
 
 import numpy as np
-from scipy.sparse.csgraph import dijkstra
 
 from explorer.travel import SNAP_DISTANCE, TravelGrid
 
@@ -51,10 +50,7 @@ def ways_between(grid: TravelGrid, stops: Sequence[Tuple[float, float]]) -> np.n
     """(n, n) path lengths in metres between n places on a `TravelGrid`, infinite where no path leads."""
     cells = [grid.nearest(grid.traversable, x, y, 2 * SNAP_DISTANCE) for x, y in stops]
     ways = np.full((len(stops), len(stops)), math.inf)
-    placed = [index for index, cell in enumerate(cells) if cell is not None]
-    if not placed:
-        return ways
-    nodes = [int(grid.node_of[cells[index]]) for index in placed]
-    ways[np.ix_(placed, placed)] = dijkstra(grid.graph, indices=nodes)[:, nodes]
-    np.fill_diagonal(ways, 0.0)
-    return np.minimum(ways, ways.T)
+    placed = [(index, cell) for index, cell in enumerate(cells) if cell is not None]
+    indices = [index for index, _ in placed]
+    ways[np.ix_(indices, indices)] = grid.weighted.costs_between([cell for _, cell in placed])
+    return ways

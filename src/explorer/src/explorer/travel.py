@@ -1,22 +1,22 @@
 """Where the robot can stand, and what it costs to get there: distances along paths over the known free cells.
 
 The fields are computed on a grid of reduced resolution (`TravelGrid`) by Dijkstra's algorithm in compiled code
-(`scipy.sparse.csgraph`): a building of 26 m x 15 m takes some 20 ms, 60 m x 60 m some 80 ms.
+(`_kernels.WeightedGrid`): a building of 26 m x 15 m takes some 2 ms.
 """
 
 import math
+from functools import cached_property
 from typing import List, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
-from scipy.sparse.csgraph import dijkstra
 
+from explorer._kernels import WeightedGrid, pooled_maximum
 from explorer.grid import GridInfo, OccupancyMap
 from explorer.traces import robot_traces
 
-# Nodes of the graph beyond which the next coarser grid is taken: bounds the time of one field to about 80 ms.
-MAXIMUM_NODES = 80_000
+# Traversable cells beyond which the next coarser grid is taken: bounds the time of one field to about 10 ms.
+MAXIMUM_CELLS = 80_000
 
 # Farther than this from any traversable cell a robot or a goal counts as outside of the known free space, in metres.
 SNAP_DISTANCE = 0.8
@@ -29,15 +29,14 @@ class CostField:
     """Path lengths from one place to all cells of a `TravelGrid`.
 
     `cost` is float64 (rows, cols) in metres (weighted near obstacles, so at least the true length), infinite where
-    no path leads; `previous` holds for each node its predecessor.
+    no path leads.
     """
 
-    def __init__(self, grid: "TravelGrid", cost: np.ndarray, previous: Optional[np.ndarray]) -> None:
+    def __init__(self, grid: "TravelGrid", cost: np.ndarray) -> None:
         self.grid = grid
         self.cost = cost
-        self._previous = previous
 
-    @property
+    @cached_property
     def reachable(self) -> np.ndarray:
         return np.isfinite(self.cost)
 
@@ -56,19 +55,13 @@ class CostField:
     def path_to(self, x: float, y: float) -> List[Tuple[float, float]]:
         """Points in metres from the field's origin to the reachable cell nearest to (x, y); empty without a path."""
         cell = self.grid.nearest(self.reachable, x, y, SNAP_DISTANCE)
-        if cell is None or self._previous is None:
+        if cell is None:
             return []
-        node = int(self.grid.node_of[cell])
-        nodes = [node]
-        while self._previous[node] >= 0:
-            node = int(self._previous[node])
-            nodes.append(node)
-        cells = self.grid.cell_of_node[nodes[::-1]]
-        return [(float(x), float(y)) for x, y in self.grid.info.centres_of(cells)]
+        return [self.grid.info.centre_of(row, col) for row, col in self.grid.weighted.path_to(*cell, self.cost)]
 
 
 class TravelGrid:
-    """The cells at which the robot's centre may be, and the graph over them.
+    """The cells at which the robot's centre may be, and what it costs to cross them.
 
     A fine cell is traversable if it is known free and no occupied cell is nearer than `radius`; unknown cells are
     kept clear of as well, but only by one cell. A coarse cell is traversable if one of its fine cells is, so that a
@@ -82,45 +75,31 @@ class TravelGrid:
         comfort: float,
         robots: Sequence[Tuple[float, float]] = (),
         cell: float = 0.1,
+        like: Optional["TravelGrid"] = None,
     ) -> None:
         """`cell`: edge length in metres of the coarse cells, more where the map is too large. `robots`: positions of
-        the other robots in metres; the small isolated obstacles that the map shows there are taken for the robots."""
-        self.fine = occupancy.info
-        robot = robot_traces(occupancy.occupied, occupancy.info, robots)
-        free = occupancy.free | robot
-        occupied = occupancy.occupied & ~robot
-        self.occupied = occupied
-        self.clearance = self._distance_to(occupied)
-        allowed = free & (self.clearance >= radius)
-        self.factor = self._factor_for(int(np.count_nonzero(allowed)), cell)
-        self.info = self._coarse_info()
-        coarse_clearance = self._pool(np.where(allowed, self.clearance, -1.0))
-        self.traversable = coarse_clearance >= 0
-        self.coarse_clearance = coarse_clearance
+        the other robots in metres; the small isolated obstacles that the map shows there are taken for the robots.
+        `like`: a grid whose fine cells are taken over if they are of the same map and radius with the same robots.
+        """
+        self.fine: _FineCells = _FineCells.of(occupancy, radius, robots, None if like is None else like.fine)
+        self.occupied = self.fine.occupied
+        self.factor = self._factor_for(self.fine.count, cell)
+        self.info: GridInfo = self._coarse_info(occupancy.info)
+        self.coarse_clearance = self._pool(self.fine.clearance)
+        self.traversable = self.coarse_clearance >= 0
         # Where the whole footprint stands on known ground, so that a goal there is not deep in the unknown.
-        known = self._distance_to(occupancy.unknown & ~free)
-        self.away_from_unknown = self._pool(np.where(allowed, known, -1.0)) >= UNKNOWN_CLEARANCE
-        self._weight = 1.0 + 2.0 * np.clip(1.0 - coarse_clearance / comfort, 0.0, 1.0)
-        self.node_of = np.full(self.traversable.shape, -1, dtype=np.int32)
-        self.cell_of_node = np.argwhere(self.traversable)
-        self.node_of[self.traversable] = np.arange(len(self.cell_of_node), dtype=np.int32)
-        self._graph: Optional[csr_matrix] = None
+        self.away_from_unknown = self._pool(self.fine.from_unknown) >= UNKNOWN_CLEARANCE
+        weight = 1.0 + 2.0 * np.clip(1.0 - self.coarse_clearance / comfort, 0.0, 1.0)
+        weight[~self.traversable] = math.inf
+        self.weighted: WeightedGrid = WeightedGrid(weight, self.info.resolution)
 
-    def field_from(self, x: float, y: float, with_paths: bool = False) -> CostField:
+    def field_from(self, x: float, y: float) -> CostField:
         """Costs from a point in metres; all infinite if the point is off the traversable cells by more than
         `SNAP_DISTANCE`."""
-        cost = np.full(self.traversable.shape, math.inf)
         start = self.nearest(self.traversable, x, y, SNAP_DISTANCE)
         if start is None:
-            return CostField(self, cost, None)
-        node = int(self.node_of[start])
-        previous = None
-        if with_paths:
-            distances, previous = dijkstra(self.graph, indices=node, return_predecessors=True)
-        else:
-            distances = dijkstra(self.graph, indices=node)
-        cost[self.traversable] = distances
-        return CostField(self, cost, previous)
+            return CostField(self, np.full(self.traversable.shape, math.inf))
+        return CostField(self, self.weighted.costs_from(*start))
 
     def nearest(self, mask: np.ndarray, x: float, y: float, distance: float) -> Optional[Tuple[int, int]]:
         """The cell of a bool array (rows, cols) that is set and nearest to a point in metres, or None."""
@@ -140,43 +119,14 @@ class TravelGrid:
             return None
         return (int(cells[best, 0]), int(cells[best, 1]))
 
-    @property
-    def graph(self) -> csr_matrix:
-        """Sparse symmetric matrix (nodes, nodes) of the lengths of single steps in metres, 8 neighbours a cell."""
-        if self._graph is None:
-            self._graph = self._build_graph()
-        return self._graph
-
-    def _build_graph(self) -> csr_matrix:
-        rows, cols = self.traversable.shape
-        starts, ends, lengths = [], [], []
-        for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
-            here = np.s_[: rows - down, max(0, -right) : cols - max(0, right)]
-            there = np.s_[down:, max(0, right) : cols + min(0, right)]
-            both = self.traversable[here] & self.traversable[there]
-            starts.append(self.node_of[here][both])
-            ends.append(self.node_of[there][both])
-            step = 0.5 * self.info.resolution * math.hypot(down, right)
-            lengths.append((self._weight[here] + self._weight[there])[both] * step)
-        start, end, length = np.concatenate(starts), np.concatenate(ends), np.concatenate(lengths)
-        count = len(self.cell_of_node)
-        both_ways = (np.concatenate([start, end]), np.concatenate([end, start]))
-        return coo_matrix((np.concatenate([length, length]), both_ways), shape=(count, count)).tocsr()
-
-    def _distance_to(self, occupied: np.ndarray) -> np.ndarray:
-        """Distance in metres from each cell to the nearest occupied one (float32)."""
-        if not occupied.any():
-            return np.full(occupied.shape, 1e3, dtype=np.float32)
-        return cv2.distanceTransform((~occupied).astype(np.uint8), cv2.DIST_L2, 5) * self.fine.resolution
-
-    def _factor_for(self, fine_nodes: int, cell: float) -> int:
-        factor = max(1, round(cell / self.fine.resolution))
-        while fine_nodes / factor**2 > MAXIMUM_NODES and factor * self.fine.resolution < 0.25:
+    def _factor_for(self, fine_cells: int, cell: float) -> int:
+        resolution = self.fine.info.resolution
+        factor = max(1, round(cell / resolution))
+        while fine_cells / factor**2 > MAXIMUM_CELLS and factor * resolution < 0.25:
             factor += 1
         return factor
 
-    def _coarse_info(self) -> GridInfo:
-        fine = self.fine
+    def _coarse_info(self, fine: GridInfo) -> GridInfo:
         return GridInfo(
             fine.resolution * self.factor,
             -(-fine.width // self.factor),
@@ -186,12 +136,42 @@ class TravelGrid:
         )
 
     def _pool(self, values: np.ndarray) -> np.ndarray:
-        """Largest value of each block of `factor` x `factor` fine cells."""
-        factor, info = self.factor, self.info
-        padded = np.full((info.height * factor, info.width * factor), -1.0, dtype=np.float32)
-        padded[: values.shape[0], : values.shape[1]] = values
-        pooled = padded[::factor, ::factor].copy()
-        # Many times faster than one reduction over two short axes.
-        for row, col in np.ndindex(factor, factor):
-            np.maximum(pooled, padded[row::factor, col::factor], out=pooled)
-        return pooled
+        """Largest value (float32, fine grid's shape) of the allowed cells in each block of `factor` x `factor`, or -1."""
+        return pooled_maximum(values, self.fine.allowed, self.factor)
+
+
+class _FineCells:
+    """What there is to know of the cells of a map itself, for a robot of a certain radius.
+
+    `occupied`, `allowed`: bool arrays of the map's shape, the obstacles without robots and where the centre may be;
+    `clearance`, `from_unknown`: float32, distances in metres to the nearest obstacle and the nearest unknown cell.
+    """
+
+    def __init__(self, occupancy: OccupancyMap, radius: float, robots: np.ndarray) -> None:
+        self.info = occupancy.info
+        self._made_of = (occupancy, radius, robots)
+        free = occupancy.free | robots
+        self.occupied = occupancy.occupied & ~robots
+        self.clearance = self._distance_to(self.occupied)
+        self.allowed = free & (self.clearance >= radius)
+        self.count = int(np.count_nonzero(self.allowed))
+        self.from_unknown = self._distance_to(occupancy.unknown & ~free)
+
+    @classmethod
+    def of(
+        cls, occupancy: OccupancyMap, radius: float, robots: Sequence[Tuple[float, float]], like: Optional["_FineCells"]
+    ) -> "_FineCells":
+        traces = robot_traces(occupancy.occupied, occupancy.info, robots)
+        if like is not None and like._are_of(occupancy, radius, traces):
+            return like
+        return cls(occupancy, radius, traces)
+
+    def _are_of(self, occupancy: OccupancyMap, radius: float, robots: np.ndarray) -> bool:
+        former = self._made_of
+        return former[0] is occupancy and former[1] == radius and np.array_equal(former[2], robots)
+
+    def _distance_to(self, cells: np.ndarray) -> np.ndarray:
+        """Distance in metres from each cell to the nearest that is set (float32)."""
+        if not cells.any():
+            return np.full(cells.shape, 1e3, dtype=np.float32)
+        return cv2.distanceTransform((~cells).view(np.uint8), cv2.DIST_L2, 5) * self.info.resolution

@@ -1,14 +1,16 @@
 """From where the robot looks at a frontier, and what it costs to get there."""
 
 import math
+from functools import cached_property
 from typing import List, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 
+from explorer._kernels import lines_are_clear
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
-from explorer.grid import OccupancyMap, line_is_clear, lines_are_clear
+from explorer.grid import OccupancyMap, line_is_clear
 from explorer.travel import CostField
 
 # A viewpoint keeps this far from obstacles and unknown cells where it can, in metres.
@@ -30,23 +32,23 @@ class Views:
         grid = field.grid
         self._reachable = field.reachable
         comfortable = self._reachable & (grid.coarse_clearance >= PREFERRED_CLEARANCE) & grid.away_from_unknown
-        self._maps = [_nearest_lookup(mask) for mask in (comfortable, self._reachable) if mask.any()]
-        self._unknown_sum = cv2.integral(occupancy.unknown.astype(np.uint8))
+        self._lookups = [_NearestCell(mask) for mask in (comfortable, self._reachable) if mask.any()]
+        self._unknown_sum = cv2.integral(occupancy.unknown.view(np.uint8))
 
     def of(self, points: np.ndarray) -> List[Optional[View]]:
         """For each of (n, 2) points in metres the place (x, y) to look from and its cost, all in metres; None where
         no reachable place sees the point."""
         points = np.asarray(points, dtype=float).reshape(-1, 2)
         result: List[Optional[View]] = [None] * len(points)
-        if not self._maps or not len(points):
+        if not self._lookups or not len(points):
             return result
         grid = self._field.grid
         coarse = np.clip(grid.info.cells_of(points), 0, np.array(self._reachable.shape) - 1)
-        for nearest in self._maps:
+        for lookup in self._lookups:
             missing = np.array([index for index, view in enumerate(result) if view is None], dtype=int)
             if len(missing) == 0:
                 break
-            cells = nearest[coarse[missing, 0], coarse[missing, 1]]
+            cells = lookup.nearest(coarse[missing])
             places = grid.info.centres_of(cells)
             seen = np.hypot(*(places - points[missing]).T) <= self._view_distance
             seen &= self._clear(places, points[missing])
@@ -128,12 +130,23 @@ def sees(
     return line_is_clear(occupied, occupancy.info.cell_of(x, y), occupancy.info.cell_of(point.x, point.y))
 
 
-def _nearest_lookup(mask: np.ndarray) -> np.ndarray:
-    """(rows, cols, 2) int array: for each cell the (row, col) of the nearest one that is set (at least one is)."""
-    _, labels = cv2.distanceTransformWithLabels(
-        (~mask).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
-    )
-    cells = np.argwhere(mask)
-    table = np.zeros((int(labels.max()) + 1, 2), dtype=np.int64)
-    table[labels[mask]] = cells
-    return table[labels]
+class _NearestCell:
+    """Looks up which cell that is set in a bool array (rows, cols) is nearest; at least one is."""
+
+    def __init__(self, mask: np.ndarray) -> None:
+        self._mask = mask
+
+    def nearest(self, cells: np.ndarray) -> np.ndarray:
+        """(n, 2) int array: the (row, col) nearest to each of (n, 2) cells."""
+        found = self._set_cells[self._labels[cells[:, 0], cells[:, 1]] - 1]
+        return np.column_stack(np.divmod(found, self._mask.shape[1]))
+
+    @cached_property
+    def _labels(self) -> np.ndarray:
+        """For each cell the number of the nearest one that is set; these are numbered from 1 in the order of rows."""
+        closed = (~self._mask).view(np.uint8)
+        return cv2.distanceTransformWithLabels(closed, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)[1]
+
+    @cached_property
+    def _set_cells(self) -> np.ndarray:
+        return np.flatnonzero(self._mask)
