@@ -16,7 +16,9 @@ install(TARGETS _slam DESTINATION ${MR_SIM_PYTHON_INSTALL})
 pybind11_add_module(_navigation
   src/cpp/navigation/bindings.cpp
   src/cpp/navigation/march.cpp
-  src/cpp/navigation/rollout.cpp)
+  src/cpp/navigation/rollout.cpp
+  src/cpp/navigation/slowness.cpp
+  src/cpp/navigation/surroundings.cpp)
 target_compile_options(_navigation PRIVATE -Wall -Wextra -Werror -O3)
 set_target_properties(_navigation PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${MR_SIM_PYTHON_DEVEL})
 install(TARGETS _navigation DESTINATION ${MR_SIM_PYTHON_INSTALL})

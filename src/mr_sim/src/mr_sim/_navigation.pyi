@@ -33,6 +33,50 @@ def march(
     stop: tuple[int, int] = ...,
     beyond: float = ...,
     limit: float = ...,
+    former: tuple[np.ndarray, np.ndarray] | None = ...,
+) -> np.ndarray: ...
+
+class Inflation:
+    def __init__(self, least: float, most: float, wall_cost: float) -> None: ...
+
+def inflate(
+    cells: np.ndarray, resolution: float, inflation: Inflation, unknown_blocks: bool
+) -> tuple[np.ndarray, np.ndarray]: ...
+def slower_around(
+    slowness: np.ndarray, obstacles: np.ndarray, resolution: float, inflation: Inflation
+) -> np.ndarray: ...
+def descend(cost: np.ndarray, cell: tuple[int, int], most: int) -> list[tuple[int, int]]: ...
+
+class Walls:
+    def __init__(self, cells: np.ndarray, distance: np.ndarray, resolution: float, origin: _Pair) -> None: ...
+
+class Memory:
+    def __init__(self, duration: float, cell: float, known_within: float, seen_beyond: float, most: int) -> None: ...
+
+class Margins:
+    def __init__(self, wall: float, obstacle: float, moving: float, reaction_time: float) -> None: ...
+
+def remember(
+    old: np.ndarray,
+    points: np.ndarray,
+    ranges: np.ndarray,
+    angle_min: float,
+    angle_increment: float,
+    mount: _Pose,
+    pose: _Pose,
+    walls: Walls,
+    memory: Memory,
+    now: float,
+) -> np.ndarray: ...
+def surroundings(
+    points: np.ndarray,
+    pose: _Pose,
+    remembered: np.ndarray,
+    walls: Walls,
+    margins: Margins,
+    known_within: float,
+    reach: float,
+    spacing: float,
 ) -> np.ndarray: ...
 def choose_velocity(
     cost: np.ndarray,

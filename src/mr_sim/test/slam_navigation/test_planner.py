@@ -88,6 +88,37 @@ def test_cost_is_near_the_optimum_and_no_way_means_no_way(
         assert 0.75 * reference - 30.0 <= cost <= 1.35 * reference + 30.0
 
 
+@given(grids(), grids(), places, places, places)
+def test_a_march_beside_a_former_one_is_the_same_as_a_fresh_one(
+    before: Grid, after: Grid, start: Tuple[float, float], later: Tuple[float, float], goal: Tuple[float, float]
+) -> None:
+    slow = [CostMap(grid, OPTIONS).slowness(np.empty((0, 2)), (*start, 0.0)) for grid in (before, after)]
+    seeds = [(*before.cell(*goal), 0.0)]
+    former = _navigation.march(slow[0], seeds, before.cell(*start), 3.0)
+    fresh = _navigation.march(slow[1], seeds, after.cell(*later), 3.0)
+    resumed = _navigation.march(slow[1], seeds, after.cell(*later), 3.0, former=(slow[0], former))
+    # Where the former march went farther the costs are kept.
+    reached = np.isfinite(fresh)
+    assert (resumed[reached] == fresh[reached]).all()
+    whole = _navigation.march(slow[1], seeds)
+    assert (resumed[np.isfinite(resumed)] == whole[np.isfinite(resumed)]).all()
+
+
+@given(grids(), st.lists(places, max_size=5))
+def test_slowness_beside_obstacles_is_that_beside_walls(grid: Grid, points: List[Tuple[float, float]]) -> None:
+    costs = CostMap(grid, OPTIONS)
+    cells = grid.cells.copy()
+    for point in points:
+        cells[grid.cell(*point)] = 100
+    walls = CostMap(Grid(cells, grid.resolution, grid.origin), OPTIONS).slowness(np.empty((0, 2)), None)
+    beside = costs.slowness(np.array(points).reshape(-1, 2), None)
+    seen = grid.cells >= 0
+    assert (beside[seen] == walls[seen]).all()
+    distance = cv2.distanceTransform((grid.cells <= 50).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * 0.05
+    near = distance < OPTIONS.inflation_radius
+    assert np.allclose(costs.wall_distance[near], distance[near]) and (costs.wall_distance[~near] >= 0.599).all()
+
+
 def test_free_ground_costs_its_length() -> None:
     slowness = np.ones((200, 200), np.float32)
     cost = _navigation.march(slowness, [(100, 100, 0.0)])

@@ -49,27 +49,45 @@ std::optional<double> downhill(const Field& field, double x, double y) {
   return std::atan2(-gy, -gx);
 }
 
+// Where the robot heads in one step, and at its end.
+struct Heading {
+  double cosine, sine, yaw;
+};
+
+// Of each step of a motion; the same for all its speeds.
+std::vector<Heading> turn(double yaw, double angular, double target, const Limits& limits, const Horizon& horizon) {
+  std::vector<Heading> headings(std::lround(horizon.duration / horizon.step));
+  for (Heading& heading : headings) {
+    angular = approach(angular, target, limits.angular_acceleration * horizon.step);
+    const double middle = yaw + 0.5 * angular * horizon.step;
+    yaw += angular * horizon.step;
+    heading = {std::cos(middle), std::sin(middle), yaw};
+  }
+  return headings;
+}
+
 // Poses after each step, the last of them within the goal's radius if it comes there.
 struct Motion {
   std::vector<Pose> poses;
   double arrived = -1.0;  // s, when it came to the goal
 };
 
-Motion drive(const Field* field, Pose pose, Velocity velocity, const Velocity& target, const Limits& limits,
-             const Horizon& horizon) {
+Motion drive(const Field* field, Pose pose, double linear, double target, const std::vector<Heading>& headings,
+             const Limits& limits, const Horizon& horizon) {
   Motion motion;
-  const int steps = static_cast<int>(std::lround(horizon.duration / horizon.step));
-  motion.poses.reserve(steps);
-  for (int i = 1; i <= steps && motion.arrived < 0.0; ++i) {
-    velocity.linear = approach(velocity.linear, target.linear, limits.linear_acceleration * horizon.step);
-    velocity.angular = approach(velocity.angular, target.angular, limits.angular_acceleration * horizon.step);
-    const double yaw = pose.yaw + 0.5 * velocity.angular * horizon.step;
-    pose.x += velocity.linear * horizon.step * std::cos(yaw);
-    pose.y += velocity.linear * horizon.step * std::sin(yaw);
-    pose.yaw += velocity.angular * horizon.step;
+  motion.poses.reserve(headings.size());
+  const double near = horizon.goal_radius * horizon.goal_radius;
+  for (const Heading& heading : headings) {
+    linear = approach(linear, target, limits.linear_acceleration * horizon.step);
+    pose.x += linear * horizon.step * heading.cosine;
+    pose.y += linear * horizon.step * heading.sine;
+    pose.yaw = heading.yaw;
     motion.poses.push_back(pose);
-    if (field != nullptr && std::hypot(pose.x - field->goal_x, pose.y - field->goal_y) < horizon.goal_radius) {
-      motion.arrived = i * horizon.step;
+    if (field == nullptr) continue;
+    const double dx = pose.x - field->goal_x, dy = pose.y - field->goal_y;
+    if (dx * dx + dy * dy < near) {
+      motion.arrived = static_cast<double>(motion.poses.size()) * horizon.step;
+      break;
     }
   }
   return motion;
@@ -139,13 +157,19 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
     Motion motion;
     double time;
   };
+  std::vector<double> rates;
+  std::vector<std::vector<Heading>> headings;
+  for (int side = -kTurns; side <= kTurns; ++side) {
+    // Finer around straight ahead.
+    const double share = static_cast<double>(side) / kTurns;
+    rates.push_back(limits.angular * share * std::abs(share));
+    headings.push_back(turn(pose.yaw, velocity.angular, rates.back(), limits, horizon));
+  }
   std::vector<Candidate> candidates;
   for (const double linear : speeds(limits)) {
-    for (int turn = -kTurns; turn <= kTurns; ++turn) {
-      // Finer around straight ahead.
-      const double share = static_cast<double>(turn) / kTurns;
-      const Velocity target{linear, limits.angular * share * std::abs(share)};
-      Motion motion = drive(&field, pose, velocity, target, limits, horizon);
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+      const Velocity target{linear, rates[i]};
+      Motion motion = drive(&field, pose, velocity.linear, linear, headings[i], limits, horizon);
       double time = time_left(field, motion, limits, horizon);
       // Backwards the laser is blind: only where it saves a lot.
       if (linear < 0.0) time += 1.5;
@@ -176,7 +200,8 @@ bool is_clear(const Pose& pose, const Velocity& velocity, const Velocity& target
               const std::vector<Obstacle>& obstacles, const Limits& limits, const Footprint& footprint,
               const Horizon& horizon) {
   const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
-  const Motion motion = drive(nullptr, pose, velocity, target, limits, horizon);
+  const auto headings = turn(pose.yaw, velocity.angular, target.angular, limits, horizon);
+  const Motion motion = drive(nullptr, pose, velocity.linear, target.linear, headings, limits, horizon);
   return way_clearance(motion, target, obstacles, at_start, footprint).has_value();
 }
 

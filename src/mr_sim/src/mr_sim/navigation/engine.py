@@ -14,7 +14,7 @@ from typing import List, Mapping, Optional, Tuple
 import numpy as np
 
 from mr_sim import _navigation
-from mr_sim.navigation.obstacles import ObstacleMemory, first_of_squares, near_walls
+from mr_sim.navigation.obstacles import KNOWN_WITHIN, ObstacleMemory
 from mr_sim.navigation.options import (
     COARSEST,
     FARTHEST,
@@ -95,6 +95,8 @@ class Navigator:
         self._random = np.random.Generator(np.random.PCG64([seed, zlib.crc32(name.encode())]))
         self._grid: Optional[Grid] = None
         self._costs: Optional[CostMap] = None
+        self._costs_hold = False  # whether they are those of the present map and positions
+        self._known: Optional[Plan] = None  # the latest way through the map alone
         self._memory = ObstacleMemory(self.options.obstacle_memory)
         self._others: Mapping[str, Tuple[float, float]] = {}
         self._others_at = -math.inf
@@ -106,9 +108,10 @@ class Navigator:
         self._stall = StallWatch()
         self._held_up = HeldUp(name, self.options.yield_patience, self._random)
         self._footprint = _footprint(self.options)
-        self._hits = np.empty((0, 2))  # of the latest scan, map frame
-        self._walls_near = np.empty((0, 4))
-        self._walls_from: Optional[Tuple[float, float]] = None
+        self._margins = _navigation.Margins(
+            WALL_MARGIN, self.options.obstacle_margin, self.options.moving_margin, self.options.moving_reaction_time
+        )
+        self._hits = np.empty((0, 2))  # of the latest scan, robot's frame
 
     # --- inputs -------------------------------------------------------------------------------------------------------
 
@@ -122,7 +125,7 @@ class Navigator:
                 f"and an origin within {FARTHEST:g} m, not ({grid.origin[0]:g}, {grid.origin[1]:g})"
             )
         self._grid = grid
-        self._rebuild_costs()
+        self._costs_hold = False
 
     def set_others(self, positions: Mapping[str, Tuple[float, float]], now: float) -> List[str]:
         """Where the other robots say they are, map frame. A hint: nothing depends on it being there or right. Returns
@@ -130,15 +133,19 @@ class Navigator:
         usable = {name: position for name, position in positions.items() if is_place(*position)}
         self._others = {name: position for name, position in usable.items() if name != self.name}
         self._others_at = now
-        if self._grid is not None:
-            self._rebuild_costs()
+        self._costs_hold = False
         return sorted(set(positions) - set(usable))
 
-    def _rebuild_costs(self) -> None:
-        """Robots that stood still long enough to enter the map are no walls: they are taken out where they report."""
-        assert self._grid is not None
-        self._costs = CostMap(without_robots(self._grid, list(self._others.values())), self.options)
-        self._walls_from = None
+    def _cost_map(self) -> Optional[CostMap]:
+        """Of the present map. Robots that stood still long enough to enter it are no walls: they are taken out where
+        they report."""
+        if self._grid is None or self._costs_hold:
+            return self._costs
+        self._costs_hold = True
+        grid = without_robots(self._grid, list(self._others.values()))
+        if self._costs is None or not grid.equals(self._costs.grid):
+            self._costs = CostMap(grid, self.options)
+        return self._costs
 
     def set_goal(self, goal: Pose, now: float) -> None:
         """A new goal replaces the old one; a moving robot goes on without stopping."""
@@ -164,10 +171,11 @@ class Navigator:
 
     def step(self, now: float, pose: Optional[Pose], scan: Optional[Scan]) -> Command:
         """The command for the next period. `pose`: robot in the map frame; `scan`: the latest; None = not known."""
-        if pose is None or scan is None or self._costs is None:
+        costs = self._cost_map()
+        if pose is None or scan is None or costs is None:
             return self._without_input(now, pose, scan)
-        self._hits = placed(scan.points, pose)
-        self._memory.update(scan, pose, self._costs.wall_distance, self._costs.grid, now)
+        self._hits = scan.points
+        self._memory.update(scan, pose, costs.walls, now)
         if self._goal is None:
             self._stall.clear()
             return self._brake(Status.IDLE)
@@ -285,11 +293,12 @@ class Navigator:
         self._planned_at = now
         target = (goal.pose[0], goal.pose[1])
         radius = self.options.goal_search_radius
-        known = plan(self._costs, np.empty((0, 2)), pose, target, radius)
+        self._known = known = plan(self._costs, np.empty((0, 2)), pose, target, radius, self._known)
         if known is None:
             return self._no_way(now, target)
         goal.failed_plans = 0
-        around = plan(self._costs, self._moving_points(pose), pose, target, radius) if self._memory.size else known
+        moving = self._moving_points(pose)
+        around = plan(self._costs, moving, pose, target, radius, known) if len(moving) else known
         way = self._prefer(now, pose, known, around)
         if way is None:
             waited = now - (goal.blocked_since or now)
@@ -358,9 +367,8 @@ class Navigator:
         """What moves ahead of the robot, or, on a way that closed after it was planned, whatever is ahead."""
         assert self._goal is not None
         closed = self._goal.blocked_since is not None
-        return nearest_blocker(
-            np.concatenate([self._memory.points, self._hits]) if closed else self._memory.points, pose
-        )
+        points = self._memory.points
+        return nearest_blocker(np.concatenate([points, placed(self._hits, pose)]) if closed else points, pose)
 
     def _begin_retreat(self, now: float, pose: Pose) -> Command:
         assert self._costs is not None
@@ -419,37 +427,11 @@ class Navigator:
 
     def _obstacles(self, pose: Pose, scan: Scan) -> np.ndarray:
         """What the next motion must not touch: rows (x, y, margin, reaction time) in the map frame."""
-        assert self._costs is not None
-        options = self.options
-        near = scan.points[np.hypot(scan.points[:, 0], scan.points[:, 1]) < NEAR]
-        hits = placed(near, pose)
-        known = near_walls(hits, self._costs.wall_distance, self._costs.grid)
-        moves = [options.moving_margin, options.moving_reaction_time]
-        seen = np.column_stack([hits, np.where(known[:, None], [options.obstacle_margin, 0.0], moves)])
-        remembered = self._memory.points
-        remembered = remembered[np.hypot(remembered[:, 0] - pose[0], remembered[:, 1] - pose[1]) < NEAR]
-        moving = np.column_stack([remembered, np.tile(moves, (len(remembered), 1))])
-        rows = np.concatenate([seen, moving, self._walls(pose)])
-        # Of each small square the nearest counts, so that thinning makes no room that is not there.
-        rows = rows[np.argsort(np.hypot(rows[:, 0] - pose[0], rows[:, 1] - pose[1]), kind="stable")]
-        return rows[first_of_squares(rows, POINT_SPACING)]
-
-    def _walls(self, pose: Pose) -> np.ndarray:
-        """Walls of the map around the robot, looked up again when it has moved a little."""
-        assert self._costs is not None
-        if self._walls_from is not None and math.dist(self._walls_from, pose[:2]) < 0.2:
-            return self._walls_near
-        self._walls_from = (pose[0], pose[1])
-        grid = self._costs.grid
-        row, column = grid.cell(pose[0], pose[1])
-        reach = math.ceil(NEAR / grid.resolution)
-        top, left = max(0, row - reach), max(0, column - reach)
-        window = grid.cells[top : max(0, row + reach + 1), left : max(0, column + reach + 1)]
-        rows, columns = np.nonzero(window > 50)
-        x = grid.origin[0] + (columns + left + 0.5) * grid.resolution
-        y = grid.origin[1] + (rows + top + 0.5) * grid.resolution
-        self._walls_near = np.column_stack([x, y, np.tile([WALL_MARGIN, 0.0], (len(x), 1))])
-        return self._walls_near
+        costs = self._cost_map()
+        assert costs is not None
+        return _navigation.surroundings(
+            scan.points, pose, self._memory.rows, costs.walls, self._margins, KNOWN_WITHIN, NEAR, POINT_SPACING
+        )
 
     def _choose(self, way: Plan, pose: Pose, obstacles: np.ndarray, reverse: float) -> Tuple[bool, float, float]:
         horizon = _navigation.Horizon()

@@ -1,6 +1,7 @@
 """Options and values of the navigation engine. SI units, angles in radians, everything in the frame of the map."""
 
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from typing import Tuple
 
 import numpy as np
@@ -87,6 +88,12 @@ class Grid:
             self.origin[1] + (row + 0.5) * self.resolution,
         )
 
+    def equals(self, other: "Grid") -> bool:
+        """Whether both say the same of the same place."""
+        if self.resolution != other.resolution or self.origin != other.origin:
+            return False
+        return self.cells is other.cells or np.array_equal(self.cells, other.cells)
+
     def contains(self, row: int, column: int) -> bool:
         return 0 <= row < self.cells.shape[0] and 0 <= column < self.cells.shape[1]
 
@@ -106,10 +113,21 @@ class Scan:
 def make_scan(
     ranges: np.ndarray, angle_min: float, angle_increment: float, range_min: float, range_max: float, mount: Pose
 ) -> Scan:
+    """`ranges`: m, (m,), of beams from `angle_min` on, rad; infinity = nothing hit. `mount`: the laser on the robot."""
     ranges = np.asarray(ranges, dtype=np.float64)
-    valid = np.isfinite(ranges) & (ranges >= max(range_min, 1e-3)) | np.isposinf(ranges)
+    # Comparisons with what is no number are false.
+    valid = ranges >= max(range_min, 1e-3)
     ranges = np.where(valid, np.minimum(ranges, range_max), 0.0)
-    hits = valid & (ranges < range_max - 1e-3)
-    angles = mount[2] + angle_min + angle_increment * np.arange(ranges.size)
-    points = np.stack([mount[0] + ranges * np.cos(angles), mount[1] + ranges * np.sin(angles)], axis=1)[hits]
+    hits = np.flatnonzero(valid & (ranges < range_max - 1e-3))
+    directions = _directions(ranges.size, angle_min, angle_increment, mount[2])
+    points = directions[hits] * ranges[hits, None] + mount[:2]
     return Scan(points, ranges, angle_min, angle_increment, range_max, mount)
+
+
+@lru_cache(maxsize=16)
+def _directions(count: int, angle_min: float, angle_increment: float, yaw: float) -> np.ndarray:
+    """Unit vectors (count, 2) of the beams in the robot's frame."""
+    angles = yaw + angle_min + angle_increment * np.arange(count)
+    directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    directions.flags.writeable = False
+    return directions

@@ -20,6 +20,10 @@ ROBOT_REACH = 0.45  # m from a robot's reported position to the middle of what t
 ROBOT_EXTENT = 0.8  # m; obstacles larger than this, with all that touches them, are walls, however near a robot is
 
 
+Seeds = Tuple[Tuple[int, int, float], ...]
+"""Cells (row, column) with the cost to go from there."""
+
+
 @dataclass(frozen=True)
 class Plan:
     """`cost`: float32 (rows, columns), cells of way still to go, infinity = not computed or no way."""
@@ -28,6 +32,8 @@ class Plan:
     cost: np.ndarray
     goal: Tuple[float, float]  # the point led to: the goal asked for, or one near it that can be reached
     exact: bool  # whether it is the goal asked for
+    slowness: np.ndarray  # float32 (rows, columns) that the cost was computed from
+    seeds: Seeds  # cells that the cost was computed from
 
     def cost_at(self, x: float, y: float) -> float:
         """Metres of free way from (x, y), infinity where there is none."""
@@ -38,49 +44,45 @@ class Plan:
 
 
 class CostMap:
-    """Distances to walls of one map, and slowness for planning over it."""
+    """Distances to walls of one map, m, 1000 where walls do not slow down, and slowness for planning over it."""
 
     def __init__(self, grid: Grid, options: NavigationOptions) -> None:
         self.grid = grid
-        self._options = options
-        self.wall_distance = distance_to(grid.cells > 50, grid.resolution)
+        self._inflation = _navigation.Inflation(options.inscribed_radius, options.inflation_radius, NEAR_WALL_COST)
+        self.wall_distance, self._of_walls = _navigation.inflate(
+            grid.cells, grid.resolution, self._inflation, not options.allow_unknown
+        )
+        self.walls = _navigation.Walls(grid.cells, self.wall_distance, grid.resolution, grid.origin)
 
     def slowness(self, obstacles: np.ndarray, robot: Optional[Pose]) -> np.ndarray:
-        """Cost per cell, infinity = blocked, with obstacle points (n, 2) beside the map's walls."""
-        options, grid = self._options, self.grid
-        distance = self.wall_distance
-        if len(obstacles):
-            distance = distance_to((grid.cells > 50) | self.mask(obstacles), grid.resolution)
-        least, most = options.inscribed_radius, options.inflation_radius
-        near = np.clip((most - distance) / (most - least), 0.0, 1.0)
-        slowness = (1.0 + NEAR_WALL_COST * near * near).astype(np.float32)
-        blocked = distance < least
-        if not options.allow_unknown:
-            blocked |= grid.cells < 0
-        slowness[blocked] = np.inf
-        if robot is not None:
-            self._open_around(robot, slowness, distance)
-        return slowness
+        """Cost per cell, float32 (rows, columns), infinity = blocked, with obstacle points (n, 2) beside the map's
+        walls. Not to be written to."""
+        slowness, cells = self._of_walls, self._cells_of(obstacles)
+        if len(cells):
+            slowness = _navigation.slower_around(slowness, cells, self.grid.resolution, self._inflation)
+        return slowness if robot is None else self._open_around(robot, slowness, cells)
 
-    def mask(self, points: np.ndarray) -> np.ndarray:
-        """Cells (rows, columns) that hold one of the points (n, 2)."""
-        rows, columns = self.grid.cells.shape
-        mask = np.zeros((rows, columns), dtype=bool)
-        cells = np.floor((points - self.grid.origin) / self.grid.resolution).astype(np.int64)
-        cells = cells[(cells >= 0).all(axis=1) & (cells[:, 0] < columns) & (cells[:, 1] < rows)]
-        mask[cells[:, 1], cells[:, 0]] = True
-        return mask
+    def _cells_of(self, points: np.ndarray) -> np.ndarray:
+        """Cells of the map (row, column), int64 (k, 2), of points (n, 2)."""
+        cells = np.floor((points - self.grid.origin) / self.grid.resolution).astype(np.int64)[:, ::-1]
+        return cells[((cells >= 0) & (cells < self.grid.cells.shape)).all(axis=1)]
 
-    def _open_around(self, robot: Pose, slowness: np.ndarray, distance: np.ndarray) -> None:
-        """Where the robot stands it can stand: lets a way begin too near to a wall or in cells not seen."""
+    def _open_around(self, robot: Pose, slowness: np.ndarray, obstacles: np.ndarray) -> np.ndarray:
+        """Where the robot stands it can stand: lets a way begin too near to a wall or in cells not seen.
+        `obstacles`: cells (n, 2)."""
         row, column = self.grid.cell(robot[0], robot[1])
         if not self.grid.contains(row, column) or np.isfinite(slowness[row, column]):
-            return
+            return slowness
         reach = math.ceil(ESCAPE_RADIUS / self.grid.resolution)
-        rows = slice(max(0, row - reach), row + reach + 1)
-        columns = slice(max(0, column - reach), column + reach + 1)
-        window = slowness[rows, columns]
-        window[~np.isfinite(window) & (distance[rows, columns] > 0.0)] = ESCAPE_COST
+        top, left = max(0, row - reach), max(0, column - reach)
+        slowness = slowness.copy()
+        window = slowness[top : row + reach + 1, left : column + reach + 1]
+        walls = self.grid.cells[top : row + reach + 1, left : column + reach + 1] > 50
+        inside = obstacles - (top, left)
+        inside = inside[((inside >= 0) & (inside < window.shape)).all(axis=1)]
+        walls[inside[:, 0], inside[:, 1]] = True
+        window[~np.isfinite(window) & ~walls] = ESCAPE_COST
+        return slowness
 
 
 def without_robots(grid: Grid, positions: List[Tuple[float, float]]) -> Grid:
@@ -109,17 +111,16 @@ def without_robots(grid: Grid, positions: List[Tuple[float, float]]) -> Grid:
     return Grid(cells, grid.resolution, grid.origin)
 
 
-def distance_to(mask: np.ndarray, resolution: float) -> np.ndarray:
-    """Metres from each cell's centre to the nearest cell of the mask, float32; large when the mask is empty."""
-    if not mask.any():
-        return np.full(mask.shape, 1e3, dtype=np.float32)
-    return cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * np.float32(resolution)
-
-
 def plan(
-    costs: CostMap, obstacles: np.ndarray, robot: Pose, goal: Tuple[float, float], search_radius: float
+    costs: CostMap,
+    obstacles: np.ndarray,
+    robot: Pose,
+    goal: Tuple[float, float],
+    search_radius: float,
+    former: Optional[Plan] = None,
 ) -> Optional[Plan]:
-    """The way from `robot` to `goal`, or to the nearest reachable point within `search_radius`; None: no way."""
+    """The way from `robot` to `goal`, or to the nearest reachable point within `search_radius`; None: no way.
+    `former`: any earlier plan; what still holds of it is not computed again, the result is the same."""
     grid = costs.grid
     start = grid.cell(robot[0], robot[1])
     if not grid.contains(*start):
@@ -127,46 +128,41 @@ def plan(
     slowness = costs.slowness(obstacles, robot)
     row, column = grid.cell(*goal)
     if grid.contains(row, column) and np.isfinite(slowness[row, column]):
-        cost = _march(slowness, [(row, column, 0.0)], start, grid)
+        seeds: Seeds = ((row, column, 0.0),)
+        cost = _march(slowness, seeds, start, grid, former)
         if np.isfinite(cost[start]):
-            return Plan(grid, cost, goal, True)
+            return Plan(grid, cost, goal, True, slowness, seeds)
     seeds = _seeds_near(slowness, row, column, search_radius / grid.resolution)
     if not seeds:
         return None
-    cost = _march(slowness, seeds, start, grid)
+    cost = _march(slowness, seeds, start, grid, former)
     if not np.isfinite(cost[start]):
         return None
-    end = path(Plan(grid, cost, goal, False), robot)[-1]
-    return Plan(grid, cost, end, False)
+    end = path(Plan(grid, cost, goal, False, slowness, seeds), robot)[-1]
+    return Plan(grid, cost, end, False, slowness, seeds)
 
 
-def _march(slowness: np.ndarray, seeds: List[Tuple[int, int, float]], start: Tuple[int, int], grid: Grid) -> np.ndarray:
-    return _navigation.march(slowness, seeds, start, FIELD_MARGIN / grid.resolution)
+def _march(
+    slowness: np.ndarray, seeds: Seeds, start: Tuple[int, int], grid: Grid, former: Optional[Plan]
+) -> np.ndarray:
+    beside = None
+    if former is not None and former.seeds == seeds and former.cost.shape == slowness.shape:
+        beside = (former.slowness, former.cost)
+    return _navigation.march(slowness, seeds, start, FIELD_MARGIN / grid.resolution, former=beside)
 
 
-def _seeds_near(slowness: np.ndarray, row: int, column: int, radius: float) -> List[Tuple[int, int, float]]:
+def _seeds_near(slowness: np.ndarray, row: int, column: int, radius: float) -> Seeds:
     """Open cells around a goal; being off the goal costs more than any way around saves."""
     reach = math.ceil(radius)
-    seeds = []
-    for r in range(max(0, row - reach), min(slowness.shape[0], row + reach + 1)):
-        for c in range(max(0, column - reach), min(slowness.shape[1], column + reach + 1)):
-            off = math.hypot(r - row, c - column)
-            if off <= radius and np.isfinite(slowness[r, c]):
-                seeds.append((r, c, 10.0 * off))
-    return seeds
+    top, left = max(0, row - reach), max(0, column - reach)
+    window = slowness[top : max(0, row + reach + 1), left : max(0, column + reach + 1)]
+    rows, columns = np.nonzero(np.isfinite(window))
+    off = np.hypot(rows + top - row, columns + left - column)
+    near = off <= radius
+    return tuple(zip((rows[near] + top).tolist(), (columns[near] + left).tolist(), (10.0 * off[near]).tolist()))
 
 
 def path(way: Plan, robot: Pose) -> List[Tuple[float, float]]:
     """Cell centres down the cost to go, from the robot to the point led to."""
-    row, column = way.grid.cell(robot[0], robot[1])
-    points = []
-    rows, columns = way.cost.shape
-    for _ in range(PATH_STEPS):
-        points.append(way.grid.center(row, column))
-        low_row, low_column = max(0, row - 1), max(0, column - 1)
-        window = way.cost[low_row : min(rows, row + 2), low_column : min(columns, column + 2)]
-        best = np.unravel_index(int(np.argmin(window)), window.shape)
-        if window[best] >= way.cost[row, column]:
-            break
-        row, column = low_row + int(best[0]), low_column + int(best[1])
-    return points
+    cells = _navigation.descend(way.cost, way.grid.cell(robot[0], robot[1]), PATH_STEPS)
+    return [way.grid.center(row, column) for row, column in cells]

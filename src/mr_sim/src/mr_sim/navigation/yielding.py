@@ -75,7 +75,7 @@ def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Poi
     start = grid.cell(pose[0], pose[1])
     if not grid.contains(*start):
         return None
-    slowness = costs.slowness(obstacles, pose)
+    slowness = costs.slowness(obstacles, pose).copy()
     slowness[start] = min(slowness[start], 25.0)
     limit = 3.0 * SEARCHED / grid.resolution
     cost = _navigation.march(slowness, [(start[0], start[1], 0.0)], limit=limit)
