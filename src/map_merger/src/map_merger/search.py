@@ -53,9 +53,9 @@ def candidates(target: Landmarks, source: Landmarks, most: int, prior: Optional[
     rotations = _rotations(target, source, prior)
     if not rotations:
         return []
-    scorer = _ShiftScorer(target, source, centre)
+    scorer = _ShiftScorer(target, source, centre, prior)
     for rotation in rotations:
-        found.extend(scorer.peaks(rotation, prior))
+        found.extend(scorer.peaks(rotation))
     found.sort(key=lambda candidate: -candidate.score)
     return _distinct(found, centre, most)
 
@@ -84,7 +84,7 @@ def _direction_histogram(normals: np.ndarray, bins: int) -> np.ndarray:
 class _ShiftScorer:
     """Scores all shifts of the source for one rotation after the other."""
 
-    def __init__(self, target: Landmarks, source: Landmarks, centre: np.ndarray) -> None:
+    def __init__(self, target: Landmarks, source: Landmarks, centre: np.ndarray, prior: Optional[Prior]) -> None:
         self._centre = centre
         extent = max(_extent(target), _extent(source))
         self._cell = max(COARSE_CELL, target.info.resolution, extent / MOST_COARSE_CELLS)
@@ -113,8 +113,9 @@ class _ShiftScorer:
         self._field = fft.rfft2(field)
         self._wall_spectrum = fft.rfft2(np.minimum(walls, 2.0))
         self._wall_weight = source.surface.spacing / self._cell
+        self._allowed = None if prior is None else self._near(prior)
 
-    def peaks(self, rotation: float, prior: Optional[Prior]) -> List[Candidate]:
+    def peaks(self, rotation: float) -> List[Candidate]:
         """The best shifts for the rotation."""
         turn = Transform(0.0, 0.0, rotation)
         corner = np.full(2, -(self._half + 0.5) * self._cell)
@@ -126,11 +127,11 @@ class _ShiftScorer:
         score = fft.irfft2(
             self._field * np.conj(spectra[0]) - _PENALTY * self._wall_spectrum * np.conj(spectra[1]), self._shape
         )
-        return self._best(np.ascontiguousarray(score, dtype=np.float32), rotation, prior)
+        return self._best(np.ascontiguousarray(score, dtype=np.float32), rotation)
 
-    def _best(self, score: np.ndarray, rotation: float, prior: Optional[Prior]) -> List[Candidate]:
-        if prior is not None:
-            score = np.where(self._allowed(prior), score, np.float32(-1e9))
+    def _best(self, score: np.ndarray, rotation: float) -> List[Candidate]:
+        if self._allowed is not None:
+            score = np.where(self._allowed, score, np.float32(-1e9))
         top = cv2.dilate(score, np.ones((5, 5), np.uint8))
         threshold = max(1.0, 0.3 * float(score.max()))
         rows, columns = np.nonzero((score == top) & (score >= threshold))
@@ -148,7 +149,8 @@ class _ShiftScorer:
         column = np.where(column > self._shape[1] - 2 * self._half - 2, column - self._shape[1], column)
         return np.stack([column + self._half + 0.5, row + self._half + 0.5], axis=-1) * self._cell + self._low
 
-    def _allowed(self, prior: Prior) -> np.ndarray:
+    def _near(self, prior: Prior) -> np.ndarray:
+        """The shifts, bool (rows, columns), that lay the middle of the source's walls near its place in the prior."""
         rows, columns = np.mgrid[0 : self._shape[0], 0 : self._shape[1]]
         wanted = prior.transform.apply(self._centre[None])[0]
         return np.hypot(*np.moveaxis(self._place(rows, columns) - wanted, -1, 0)) <= prior.distance

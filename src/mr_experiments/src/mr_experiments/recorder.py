@@ -57,6 +57,8 @@ class Recorder:
         self.trial, self.world = trial, world
         self.starts: list[Pose] = [world.pose(i) for i in range(trial.robots)]
         self.truth = _truth_of(trial.world, trial.starts or tuple(self.starts))
+        # The reference cells as the robots see them, by their true starts.
+        self._reference = [seen_from(self.truth.reference, start) for start in self.starts]
         self.logs = [RobotLog() for _ in range(trial.robots)]
         self.merges = MergeLog(self.starts, world.names)
         self.team: dict[str, list[float]] = {"time": [], "explored": [], "coverage": []}
@@ -134,14 +136,12 @@ class Recorder:
 
     def known_cells(self) -> list[np.ndarray]:
         """For each robot, which of the reference cells its own local map knows: bool (N,)."""
-        masks = []
-        for robot, start in zip(self._robots, self.starts):
-            mask = np.zeros(len(self.truth.reference), dtype=bool)
-            if robot.local_map is not None:
-                values, _ = occupancy_of(robot.local_map).cells_at(seen_from(self.truth.reference, start))
-                mask = values >= 0
-            masks.append(mask)
-        return masks
+        return [
+            np.zeros(len(places), dtype=bool)
+            if robot.local_map is None
+            else occupancy_of(robot.local_map).cells_at(places)[0] >= 0
+            for robot, places in zip(self._robots, self._reference)
+        ]
 
     def records(self, robot: int) -> np.ndarray:
         """True motion as a record array of mr_sim.trace."""

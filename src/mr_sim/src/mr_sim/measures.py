@@ -41,10 +41,14 @@ class OccupancyMap:
 
     def cells_at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values (N,) at points (N, 2) of the map frame, and which points lie on the map; -1 where they do not."""
-        index = np.floor(seen_from(points, self.origin) / self.resolution).astype(np.int64)
-        inside = ((index >= 0) & (index < self.data.shape[::-1])).all(axis=1)
-        values = np.full(len(points), -1, dtype=np.int8)
-        values[inside] = self.data[index[inside, 1], index[inside, 0]]
+        rows, columns = self.data.shape
+        if not self.data.size:
+            return np.full(len(points), -1, dtype=np.int8), np.zeros(len(points), dtype=bool)
+        # Column by column: many times faster than along rows of two.
+        x, y = (np.floor(axis / self.resolution).astype(np.int64) for axis in seen_from(points, self.origin).T)
+        inside = (x >= 0) & (x < columns) & (y >= 0) & (y < rows)
+        values = self.data.ravel().take(np.where(inside, y * columns + x, 0))
+        values[~inside] = -1
         return values, inside
 
     def centres(self, mask: np.ndarray) -> np.ndarray:
