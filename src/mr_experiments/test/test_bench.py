@@ -5,8 +5,8 @@ import json
 import pytest
 
 from mr_experiments import bench
-from mr_experiments.sweep import failed_record
 from mr_experiments.trial import Trial, TrialError
+from mr_experiments.trial_process import failed_record
 
 
 @pytest.fixture

@@ -10,8 +10,9 @@ import tempfile
 from pathlib import Path
 
 from mr_experiments.record import versions
-from mr_experiments.sweep import LocalPool, default_jobs, record_path
+from mr_experiments.sweep import LocalPool, default_jobs
 from mr_experiments.trial import Trial
+from mr_experiments.trial_process import record_path
 
 TABLE = Path(__file__).with_name("guard.json")
 STORE = "/usr/bin/python3 test_guard.py --store"

@@ -11,11 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from mr_experiments import sweep
+from mr_experiments import dask_cluster as cluster_module
+from mr_experiments import trial_process
 from mr_experiments.bench import dask_cluster
+from mr_experiments.dask_cluster import ClusterLostError, DaskCluster
 from mr_experiments.run_command import main
-from mr_experiments.sweep import ClusterLostError, DaskCluster, Done, LocalPool, failed_record, record_path, split_done
+from mr_experiments.sweep import Done, LocalPool, split_done
 from mr_experiments.trial import Trial, TrialError
+from mr_experiments.trial_process import failed_record, record_path
 
 
 def trial_of(seed, limit=1.0, **options):
@@ -41,7 +44,7 @@ def fake_mission(monkeypatch):
         def run(trial, _):
             return deeds.get(trial.seed, int)() or failed_record(trial, "made by the test")
 
-        monkeypatch.setattr(sweep, "run_trial", run)
+        monkeypatch.setattr(trial_process, "run_trial", run)
 
     return install
 
@@ -254,7 +257,7 @@ def test_missing_dask_is_told(monkeypatch):
 
 def test_silent_scheduler_is_told(monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr(sweep, "ANSWER_PATIENCE", 0.5)
+    monkeypatch.setattr(cluster_module, "ANSWER_PATIENCE", 0.5)
     with pytest.raises(TrialError, match=r"--scheduler tcp://127.0.0.1:1: Timed out"):
         DaskCluster("tcp://127.0.0.1:1")
 
@@ -324,7 +327,7 @@ def test_lost_scheduler_and_missing_workers_are_told(tmp_path, capfd, killed):
 
 
 def test_unfit_worker_is_told(cluster, tmp_path, monkeypatch):
-    monkeypatch.setattr(sweep, "_CHILD", sweep._CHILD.replace("mr_experiments", "mr_nothing"))
+    monkeypatch.setattr(cluster_module, "_CHILD", cluster_module._CHILD.replace("mr_experiments", "mr_nothing"))
     dask = DaskCluster(cluster.scheduler_address)
     with pytest.raises(ClusterLostError, match=r"cannot run trials \(ModuleNotFoundError: .*mr_nothing"):
         list(dask.run(TRIALS, tmp_path))
@@ -335,7 +338,7 @@ def test_unfit_worker_is_told(cluster, tmp_path, monkeypatch):
 def test_process_of_a_worker_ends_with_it(tmp_path):
     """So that the trial does not go on beside the one that replaces it."""
     code = (
-        "import pickle; from mr_experiments.sweep import remote_call; from mr_experiments.trial import Trial;"
+        "import pickle; from mr_experiments.dask_cluster import remote_call; from mr_experiments.trial import Trial;"
         "remote_call()(pickle.dumps((Trial('office26x15', 3, 1), float('inf'))), 600.0)"
     )
     worker = subprocess.Popen([sys.executable, "-c", code], start_new_session=True)

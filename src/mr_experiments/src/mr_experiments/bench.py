@@ -13,8 +13,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Callable, Iterator, Sequence
 
+from mr_experiments.dask_cluster import DaskCluster
 from mr_experiments.record import run_trial
-from mr_experiments.sweep import DaskCluster
 from mr_experiments.trial import Trial, TrialError
 from mr_sim import bench_world
 from mr_sim.world_model import load_world

@@ -32,6 +32,11 @@ def _truth_of(world: str, starts: tuple[Pose, ...]) -> Truth:
     return Truth.of_world(world_of(Trial(world, len(starts), 0, starts=starts)))
 
 
+def truth_for(trial: Trial, world: World) -> Truth:
+    """What the maps of the trial are compared with."""
+    return _truth_of(trial.world, trial.starts or tuple(world.pose(i) for i in range(trial.robots)))
+
+
 class RobotLog:
     """One robot's."""
 
@@ -56,7 +61,7 @@ class Recorder:
     def __init__(self, trial: Trial, world: World, snapshot_period: float) -> None:
         self.trial, self.world = trial, world
         self.starts: list[Pose] = [world.pose(i) for i in range(trial.robots)]
-        self.truth = _truth_of(trial.world, trial.starts or tuple(self.starts))
+        self.truth = truth_for(trial, world)
         # The reference cells as the robots see them, by their true starts.
         self._reference = [seen_from(self.truth.reference, start) for start in self.starts]
         self.logs = [RobotLog() for _ in range(trial.robots)]

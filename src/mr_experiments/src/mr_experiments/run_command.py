@@ -16,8 +16,9 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
+from mr_experiments.dask_cluster import ClusterLostError, DaskCluster
 from mr_experiments.scenario import DEFAULT, Scenario, known_scenarios, load_scenario
-from mr_experiments.sweep import ClusterLostError, DaskCluster, Done, LocalPool, Runner, default_jobs, split_done
+from mr_experiments.sweep import Done, LocalPool, Runner, default_jobs, split_done
 from mr_experiments.trial import Trial, TrialError
 from mr_experiments.trial_world import world_of
 

@@ -1,0 +1,78 @@
+"""The process of one trial: how it runs, and what is said of it if it ends without a record."""
+
+from __future__ import annotations
+
+import faulthandler
+import os
+import signal
+import threading
+import time
+import traceback
+from pathlib import Path
+from typing import IO, Any
+
+from mr_experiments.record import FORMAT, run_trial, versions, write_record
+from mr_experiments.trial import Trial
+
+
+def record_path(folder: Path, trial: Trial) -> Path:
+    return folder / f"{trial.key}.json"
+
+
+def failed_record(trial: Trial, reason: str, trace: str = "") -> dict[str, Any]:
+    """Of a trial that left none itself."""
+    outcome = {"status": "failed", "reason": reason, "time": 0.0}
+    if trace:
+        outcome["traceback"] = trace
+    return {
+        "format": FORMAT,
+        "trial": trial.to_json(),
+        "versions": versions(),
+        "outcome": outcome,
+        "team": {"exploration_time": None, "series": {"time": [], "explored": [], "coverage": []}},
+        "robots": {},
+        "maps": {},
+        "snapshots": [],
+    }
+
+
+def _run_and_write(trial: Trial, folder: Path, snapshot_period: float) -> None:
+    path = record_path(folder, trial)
+    try:
+        write_record(run_trial(trial, snapshot_period), path)
+    except Exception as error:
+        write_record(failed_record(trial, f"{type(error).__name__}: {error}", traceback.format_exc()), path)
+
+
+def run_as_child(trial: Trial, folder: Path, snapshot_period: float, parent: int, crash: IO[bytes]) -> None:
+    """The whole life of a process that runs one trial. Ctrl-C is the parent's affair; without it there is no use.
+    Where an engine crashes goes to `crash`."""
+    faulthandler.enable(crash, all_threads=False)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    threading.Thread(target=_end_without, args=(parent,), daemon=True).start()
+    _run_and_write(trial, folder, snapshot_period)
+
+
+def _end_without(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
+
+
+def how_it_ended(code: int | None) -> str:
+    """In words, of a process that left no record. Negative: the signal that ended it."""
+    if code is None or code >= 0:
+        return f"its process ended with exit code {code}"
+    name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
+    hint = " (out of memory?)" if -code == signal.SIGKILL else ""
+    return f"its process was ended by {name}{hint}"
+
+
+def crash_text(told: bytes) -> str:
+    """Of what Python's faulthandler writes: where it happened, without the list of all modules."""
+    return told.decode(errors="replace").split("\nExtension modules")[0][:4000]
+
+
+def took_too_long(longest: float) -> str:
+    return f"took longer than {longest:g} s of real time and was ended"
