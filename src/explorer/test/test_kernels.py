@@ -4,6 +4,7 @@ import itertools
 import math
 from typing import Tuple
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,7 +12,15 @@ from hypothesis import strategies as st
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from explorer._kernels import WeightedGrid, lines_are_clear, pooled_maximum
+from explorer._kernels import (
+    WeightedGrid,
+    frontier_cells,
+    lines_are_clear,
+    near_any,
+    nearest_views,
+    pooled_maximum,
+    thin,
+)
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -142,3 +151,68 @@ def test_pooling(seed: int, factor: int) -> None:
     for row, col in np.ndindex(pooled.shape):
         block = np.s_[row * factor : (row + 1) * factor, col * factor : (col + 1) * factor]
         assert pooled[row, col] == max(values[block][mask[block]], default=-1.0)
+
+
+def frontier_cells_by_reference(cells: np.ndarray, smallest_unknown: int, smallest_frontier: int) -> np.ndarray:
+    """By the connected components of whole images."""
+    square = np.ones((3, 3), dtype=np.uint8)
+    _, islands = cv2.connectedComponents((cells < 0).astype(np.uint8), connectivity=4)
+    unknown = (cells < 0) & (np.bincount(islands.ravel())[islands] >= smallest_unknown)
+    near_unknown = cv2.dilate(unknown.astype(np.uint8), square) > 0
+    near_occupied = cv2.dilate((cells >= 50).astype(np.uint8), square) > 0
+    found = (cells >= 0) & (cells < 25) & near_unknown & ~near_occupied
+    count, labels = cv2.connectedComponents(cv2.dilate(found.astype(np.uint8), square), connectivity=8)
+    return found & (np.bincount(labels[found], minlength=count)[labels] >= smallest_frontier)
+
+
+@settings(max_examples=200)
+@given(seeds, st.integers(1, 20), st.integers(0, 12))
+def test_frontier_cells(seed: int, smallest_unknown: int, smallest_frontier: int) -> None:
+    random = np.random.default_rng(seed)
+    shape = tuple(random.integers(1, 40, 2))
+    shares = random.dirichlet((8.0, 3.0, 0.1, 0.1))
+    cells = random.choice(np.array([0, -1, 30, 100], dtype=np.int8), shape, p=shares)
+    expected = frontier_cells_by_reference(cells, smallest_unknown, smallest_frontier)
+    assert (frontier_cells(cells, 25, 50, smallest_unknown, smallest_frontier) == expected).all()
+
+
+@settings(max_examples=60)
+@given(seeds)
+def test_points_near_places(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    points, places = random.uniform(-3, 3, (20, 2)), random.uniform(-3, 3, (int(random.integers(0, 9)), 2))
+    gaps = np.hypot(*(points[:, None] - places[None]).transpose(2, 0, 1))
+    assert (near_any(points, places, 0.7) == (gaps < 0.7).any(axis=1)).all()
+
+
+@settings(max_examples=60)
+@given(seeds, st.floats(0.01, 2.0))
+def test_thinned_points_cover_all_and_not_each_other(seed: int, distance: float) -> None:
+    random = np.random.default_rng(seed)
+    points = random.uniform(-3, 3, (60, 2)) + random.choice([0.0, -1e5])
+    kept = []
+    for index, point in enumerate(points):
+        if not any(np.abs(points[other] - point).max() < distance for other in kept):
+            kept.append(index)
+    assert thin(points, distance).tolist() == kept
+
+
+@settings(max_examples=60)
+@given(seeds)
+def test_views_are_near_and_clear(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    blocked = random.random((30, 40)) < 0.1
+    allowed = random.random((15, 20)) < 0.2
+    allowed[0, 0] = True
+    closed = (~allowed).astype(np.uint8)
+    labels = cv2.distanceTransformWithLabels(closed, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)[1]
+    places = np.flatnonzero(allowed)
+    points = random.uniform((-1.5, 1.5), (2.5, 5.0), (10, 2))
+    coarse, fine = (0.2, -1.0, 2.0), (0.1, -1.0, 2.0)
+    views = nearest_views(coarse, labels, places, fine, blocked, points, 0.6)
+    cells = np.clip(np.floor((points - (-1.0, 2.0)) / 0.2).astype(int), 0, (19, 14))
+    nearest = places[labels[cells[:, 1], cells[:, 0]] - 1]
+    centres = np.column_stack((nearest % 20 + 0.5, nearest // 20 + 0.5)) * 0.2 + (-1.0, 2.0)
+    starts, ends = (np.floor((p - (-1.0, 2.0)) / 0.1).astype(int)[:, ::-1] for p in (centres, points))
+    seen = lines_are_clear(blocked, starts, ends) & (np.hypot(*(centres - points).T) <= 0.6)
+    assert (views == np.where(seen, nearest, -1)).all()

@@ -4,10 +4,14 @@
 #include <pybind11/stl.h>
 
 #include <stdexcept>
+#include <tuple>
 #include <vector>
 
+#include "frontier_cells.hpp"
 #include "lines.hpp"
+#include "points.hpp"
 #include "pooling.hpp"
+#include "views.hpp"
 #include "weighted_grid.hpp"
 
 namespace py = pybind11;
@@ -71,6 +75,51 @@ Array<float> pool(const Array<float>& values, const Array<bool>& mask, int facto
   return result;
 }
 
+Array<bool> find_frontier_cells(const Array<std::int8_t>& cells, int free_below, int occupied_from,
+                                std::size_t smallest_unknown, std::size_t smallest_frontier) {
+  require(cells.ndim() == 2, "cells need the shape (rows, columns)");
+  const OccupancyView map{cells.data(), cells.shape(0), cells.shape(1), static_cast<std::int8_t>(free_below),
+                          static_cast<std::int8_t>(occupied_from)};
+  Array<bool> frontier({map.rows, map.columns});
+  frontier_cells(map, smallest_unknown, smallest_frontier, frontier.mutable_data());
+  return frontier;
+}
+
+Array<bool> points_near_any(const Array<double>& points, const Array<double>& places, double distance) {
+  require(are_pairs(points) && are_pairs(places), "points and places need shapes (n, 2)");
+  Array<bool> near(points.shape(0));
+  near_any(points.data(), static_cast<std::size_t>(points.shape(0)), places.data(),
+           static_cast<std::size_t>(places.shape(0)), distance, near.mutable_data());
+  return near;
+}
+
+Array<std::int64_t> thinned(const Array<double>& points, double distance) {
+  require(are_pairs(points), "points need the shape (n, 2)");
+  const auto kept = thin(points.data(), static_cast<std::size_t>(points.shape(0)), distance);
+  Array<std::int64_t> result(static_cast<py::ssize_t>(kept.size()));
+  std::copy(kept.begin(), kept.end(), result.mutable_data());
+  return result;
+}
+
+using Placement = std::tuple<double, double, double>;  // resolution, origin_x, origin_y
+
+Geometry to_geometry(const Placement& placement, const py::array& grid) {
+  require(grid.ndim() == 2, "grids need the shape (rows, columns)");
+  return {std::get<0>(placement), std::get<1>(placement), std::get<2>(placement), grid.shape(0), grid.shape(1)};
+}
+
+Array<std::int64_t> find_views(const Placement& coarse, const Array<std::int32_t>& labels,
+                               const Array<std::int64_t>& places, const Placement& fine, const Array<bool>& blocked,
+                               const Array<double>& points, double view_distance) {
+  require(are_pairs(points), "points need the shape (n, 2)");
+  const Geometry coarse_grid = to_geometry(coarse, labels), fine_grid = to_geometry(fine, blocked);
+  Array<std::int64_t> views(points.shape(0));
+  nearest_views(coarse_grid, labels.data(), places.data(), fine_grid,
+                reinterpret_cast<const std::uint8_t*>(blocked.data()), points.data(),
+                static_cast<std::size_t>(points.shape(0)), view_distance, views.mutable_data());
+  return views;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_kernels, module) {
@@ -91,4 +140,19 @@ PYBIND11_MODULE(_kernels, module) {
   module.def("pooled_maximum", &pool, py::arg("values"), py::arg("mask"), py::arg("factor"),
              "Greatest of the float32 values (rows, columns) where the mask is set in each block of factor x factor "
              "cells, those at the far edges cut off; -1 where it is set nowhere.");
+  module.def("frontier_cells", &find_frontier_cells, py::arg("cells"), py::arg("free_below"), py::arg("occupied_from"),
+             py::arg("smallest_unknown"), py::arg("smallest_frontier"),
+             "bool (rows, columns): which of the int8 cells, negative where unknown, are free, next to an unknown cell "
+             "and not to an occupied one; without unknown islands and frontiers of fewer cells than the smallest.");
+  module.def("near_any", &points_near_any, py::arg("points"), py::arg("places"), py::arg("distance"),
+             "bool (n,): which of the float64 points (n, 2) have one of the places (m, 2) nearer than that.");
+  module.def("thin", &thinned, py::arg("points"), py::arg("distance"),
+             "Indices, int64, of the points (n, 2) that are kept: no two in each other's box of that half edge, the "
+             "first ones first.");
+  module.def(
+      "nearest_views", &find_views, py::arg("coarse"), py::arg("labels"), py::arg("places"), py::arg("fine"),
+      py::arg("blocked"), py::arg("points"), py::arg("view_distance"),
+      "For each point (n, 2) in metres the place nearest to it, int64 (n,), -1 if it is too far or blocked cells "
+      "lie between. labels: int32 on the coarse grid, numbers from 1 on of the nearest of the places, which are "
+      "int64 indices of its cells; blocked: bool on the fine grid; grids are placed by (resolution, x, y).");
 }

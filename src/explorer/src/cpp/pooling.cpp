@@ -1,24 +1,27 @@
 #include "pooling.hpp"
 
 #include <algorithm>
+#include <vector>
 
 namespace explorer {
 
 void pooled_maximum(const float* values, const std::uint8_t* mask, std::ptrdiff_t rows, std::ptrdiff_t columns,
                     std::ptrdiff_t factor, float* pooled) {
-  const std::ptrdiff_t width = (columns + factor - 1) / factor, height = (rows + factor - 1) / factor;
-  std::fill_n(pooled, width * height, -1.0F);
-  for (std::ptrdiff_t row = 0; row < rows; ++row) {
-    float* block = pooled + row / factor * width;
-    const float* value = values + row * columns;
-    const std::uint8_t* chosen = mask + row * columns;
-    for (std::ptrdiff_t first = 0; first < columns; first += factor, ++block) {
-      const std::ptrdiff_t end = std::min(first + factor, columns);
-      float greatest = *block;
-      for (std::ptrdiff_t column = first; column < end; ++column) {
-        greatest = std::max(greatest, chosen[column] ? value[column] : -1.0F);
+  std::vector<float> greatest(static_cast<std::size_t>(columns));
+  for (std::ptrdiff_t top = 0; top < rows; top += factor) {
+    std::fill(greatest.begin(), greatest.end(), -1.0F);
+    const std::ptrdiff_t bottom = std::min(top + factor, rows);
+    for (std::ptrdiff_t row = top; row < bottom; ++row) {
+      const float* value = values + row * columns;
+      const std::uint8_t* chosen = mask + row * columns;
+      for (std::ptrdiff_t column = 0; column < columns; ++column) {
+        const float candidate = chosen[column] ? value[column] : -1.0F;
+        greatest[column] = candidate > greatest[column] ? candidate : greatest[column];
       }
-      *block = greatest;
+    }
+    for (std::ptrdiff_t left = 0; left < columns; left += factor) {
+      const auto end = greatest.begin() + std::min(left + factor, columns);
+      *pooled++ = *std::max_element(greatest.begin() + left, end);
     }
   }
 }

@@ -13,6 +13,13 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::array<Cell, 8> kNeighbours = {{{-1, -1}, {-1, 1}, {1, -1}, {1, 1}, {-1, 0}, {0, -1}, {0, 1}, {1, 0}}};
 
+// At least as many as the longest step spans, so that the buckets can be used in turn; a power of two.
+std::size_t bucket_count(float heaviest_by_lightest) {
+  std::size_t count = 4;
+  while (count < 1.5F * heaviest_by_lightest + 2.0F) count *= 2;
+  return count;
+}
+
 }  // namespace
 
 // Dijkstra's algorithm with buckets a little narrower than the shortest step (Denardo and Fox, Shortest-route methods,
@@ -26,8 +33,7 @@ class WeightedGrid::Search {
         buckets_per_metre_(1.01 / (grid.resolution_ * grid.least_)),
         costs_(grid.weights_.size(), kInfinity),
         final_(grid.weights_.size(), 0),
-        // As many as the longest step spans, so that the buckets can be used in turn.
-        buckets_(static_cast<std::size_t>(1.5 * grid.greatest_ / grid.least_) + 2) {
+        buckets_(bucket_count(grid.greatest_ / grid.least_)) {
     const std::ptrdiff_t stride = grid.stride_;
     straight_offsets_ = {-stride, -1, 1, stride};
     diagonal_offsets_ = {-stride - 1, -stride + 1, stride - 1, stride + 1};
@@ -40,8 +46,8 @@ class WeightedGrid::Search {
     costs_[start] = 0.0;
     buckets_[0].push_back(start);
     queued_ = 1;
-    for (std::size_t turn = 0; queued_ > 0; turn = turn + 1 == buckets_.size() ? 0 : turn + 1) {
-      std::vector<std::size_t>& bucket = buckets_[turn];
+    for (std::size_t turn = 0; queued_ > 0; ++turn) {
+      std::vector<std::size_t>& bucket = buckets_[turn & (buckets_.size() - 1)];
       for (const std::size_t index : bucket) settle(index);
       queued_ -= bucket.size();
       bucket.clear();
@@ -66,7 +72,7 @@ class WeightedGrid::Search {
     const double candidate = cost + static_cast<double>((weight + weights_[index]) * half_length);
     if (!(candidate < costs_[index])) return;
     costs_[index] = candidate;
-    buckets_[static_cast<std::size_t>(candidate * buckets_per_metre_) % buckets_.size()].push_back(index);
+    buckets_[static_cast<std::size_t>(candidate * buckets_per_metre_) & (buckets_.size() - 1)].push_back(index);
     ++queued_;
   }
 

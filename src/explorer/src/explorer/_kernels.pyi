@@ -4,6 +4,8 @@ from typing import Sequence
 
 import numpy as np
 
+_Placement = tuple[float, float, float]
+
 class WeightedGrid:
     def __init__(self, weights: np.ndarray, resolution: float) -> None: ...
     def costs_from(self, row: int, column: int) -> np.ndarray: ...
@@ -12,3 +14,17 @@ class WeightedGrid:
 
 def lines_are_clear(blocked: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> np.ndarray: ...
 def pooled_maximum(values: np.ndarray, mask: np.ndarray, factor: int) -> np.ndarray: ...
+def frontier_cells(
+    cells: np.ndarray, free_below: int, occupied_from: int, smallest_unknown: int, smallest_frontier: int
+) -> np.ndarray: ...
+def near_any(points: np.ndarray, places: np.ndarray, distance: float) -> np.ndarray: ...
+def thin(points: np.ndarray, distance: float) -> np.ndarray: ...
+def nearest_views(
+    coarse: _Placement,
+    labels: np.ndarray,
+    places: np.ndarray,
+    fine: _Placement,
+    blocked: np.ndarray,
+    points: np.ndarray,
+    view_distance: float,
+) -> np.ndarray: ...

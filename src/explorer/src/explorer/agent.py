@@ -17,9 +17,10 @@ from typing import Dict, List, Mapping, Optional, Sequence, Set, Tuple
 import numpy as np
 
 from explorer import choice, logs
+from explorer._kernels import near_any
 from explorer.assignment import cost_matrix, squared_euclidean
 from explorer.auction import OpenAuction, closing_message, elements_of, first_auction_id, reply_message
-from explorer.clusters import Cluster, ClusterStore, match, places_of, share_listed, tree_of
+from explorer.clusters import Cluster, ClusterStore, Listed, match, places_of
 from explorer.frontiers import Element, ForeignFrontiers, Frontier, FrontierStore, Key, frontier_cells
 from explorer.grid import FARTHEST, OccupancyMap, is_place
 from explorer.messages import (
@@ -62,6 +63,7 @@ LOG_MAPS, LOG_MAPS_AT_END = 12, 3  # masks of map_merger's logOutput, contract 3
 ARRIVED_DISTANCE = 0.45  # m, the goal is close enough to look
 LOOK_TIME = 1.5  # s that the map needs to show what was looked at
 TOLD_TIME = 8.0  # s that the merged map needs to show what another robot has explored
+TOLD_DISTANCE = 0.5  # m, own frontiers this near to an explored point of another robot are no goals
 NOTHING_TIME = 5.0  # s at rest after which a map that does not change counts as fresh
 BLOCKING_DISTANCE = 1.5  # m, a robot this near may be what makes a goal fail
 TOUR_CELL = 0.2  # m, resolution at which ways between clusters are measured
@@ -428,7 +430,8 @@ class ExplorerAgent:
         hidden = np.array([(x, y) for x, y, _ in self._hidden_foreign], dtype=float).reshape(-1, 2)
         self._view_of = {}
         goals = [f for f in self.frontiers.frontiers.values() if self._is_goal(f)]
-        told = {f.number for f, near in zip(goals, _near_any(goals, hidden)) if near}
+        points = np.array([(f.x, f.y) for f in goals], dtype=float).reshape(-1, 2)
+        told = {goals[index].number for index in np.flatnonzero(near_any(points, hidden, TOLD_DISTANCE))}
         self._told_explored = bool(told)
         for cluster in self.clusters.clusters:
             active = [f for f in cluster.members if self._is_goal(f) and f.number not in told]
@@ -665,8 +668,7 @@ class ExplorerAgent:
     def _is_announced(self, cluster: Cluster, now: float) -> bool:
         """Contract 3.6: refused if 10 % of its elements are in a received list and none of it is in the own."""
         for claim in self.team.claims(now).values():
-            places = tree_of(places_of(claim.elements, self.foreign, self.name))
-            if share_listed(cluster, set(claim.elements), places, self.name) >= 0.1:
+            if Listed(claim.elements, self.foreign, self.name).share_of(cluster) >= 0.1:
                 return True
         return False
 
@@ -1192,10 +1194,3 @@ def _apart(a: Pose, b: Pose) -> float:
 def _turn(before: float, after: float) -> float:
     """Smallest turn from one heading to another, rad."""
     return math.atan2(math.sin(after - before), math.cos(after - before))
-
-
-def _near_any(frontiers: Sequence[Frontier], places: np.ndarray) -> np.ndarray:
-    """bool (f,): whether one of (n, 2) places in metres is within half a metre of each frontier."""
-    points = np.array([(f.x, f.y) for f in frontiers], dtype=float).reshape(-1, 2)
-    gaps = np.hypot(places[None, :, 0] - points[:, None, 0], places[None, :, 1] - points[:, None, 1])
-    return (gaps < 0.5).any(axis=1)

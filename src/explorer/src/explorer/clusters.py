@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Dict, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
@@ -9,7 +10,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from explorer._kernels import lines_are_clear
+from explorer._kernels import lines_are_clear, near_any
 from explorer.frontiers import ForeignFrontiers, Frontier, Key
 from explorer.grid import OccupancyMap
 
@@ -45,17 +46,17 @@ class Cluster:
     gain: float = 0.0
     views: Dict[int, Tuple[float, float, float]] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def points(self) -> np.ndarray:
         """(n, 2) array of the members' positions in metres."""
         return np.array([(member.x, member.y) for member in self.members], dtype=float).reshape(-1, 2)
 
-    @property
+    @cached_property
     def centre(self) -> Tuple[float, float]:
         x, y = self.points.mean(axis=0)
         return (float(x), float(y))
 
-    @property
+    @cached_property
     def numbers(self) -> Set[int]:
         return {member.number for member in self.members}
 
@@ -92,9 +93,12 @@ def _components(count: int, pairs: np.ndarray) -> np.ndarray:
 
 def _join_singles(labels: np.ndarray, pairs: np.ndarray, gaps: np.ndarray) -> np.ndarray:
     sizes = np.bincount(labels)
-    for index in np.argsort(gaps, kind="stable"):
-        a, b = pairs[index]
-        if labels[a] == labels[b] or gaps[index] >= JOINING_DISTANCE:
+    first, second = labels[pairs[:, 0]], labels[pairs[:, 1]]
+    # What is together stays so, and no cluster becomes a single point.
+    relevant = (first != second) & ((sizes[first] == 1) | (sizes[second] == 1)) & (gaps < JOINING_DISTANCE)
+    pairs, gaps = pairs[relevant], gaps[relevant]
+    for a, b in pairs[np.argsort(gaps, kind="stable")].tolist():
+        if labels[a] == labels[b]:
             continue
         if sizes[labels[a]] == 1:
             a, b = b, a
@@ -162,25 +166,28 @@ class ClusterStore:
         return sorted(result, key=lambda cluster: cluster.number)
 
 
-def tree_of(places: np.ndarray) -> Optional[cKDTree]:
-    """To look up the nearest of (n, 2) places in metres; None if there are none."""
-    return cKDTree(places) if len(places) else None
-
-
-def share_listed(cluster: Cluster, listed: Set[Key], places: Optional[cKDTree], self_name: str) -> float:
-    """Share of a cluster's members that are listed: by their own key, or by a listed point of another robot (the
-    places of these, in metres in the own frame) within `MATCHING_DISTANCE`."""
-    own = np.array([(self_name, member.number) in listed for member in cluster.members], dtype=bool)
-    if places is not None:
-        gaps, _ = places.query(cluster.points, distance_upper_bound=MATCHING_DISTANCE)
-        own |= np.isfinite(gaps)
-    return float(own.mean()) if len(own) else 0.0
-
-
 def places_of(listed: Sequence[Key], foreign: ForeignFrontiers, self_name: str) -> np.ndarray:
     """(n, 2) array in metres in the own frame of the listed points of other robots whose place is known."""
     places = [foreign.in_own_frame(key) for key in listed if key[0] != self_name]
     return np.array([place for place in places if place is not None], dtype=float).reshape(-1, 2)
+
+
+class Listed:
+    """Elements that another robot has listed, to be compared with the own clusters."""
+
+    def __init__(self, listed: Sequence[Key], foreign: ForeignFrontiers, self_name: str) -> None:
+        self._own = {number for robot, number in listed if robot == self_name}
+        self._places = places_of(listed, foreign, self_name)
+
+    def share_of(self, cluster: Cluster) -> float:
+        """Share of a cluster's members that are listed: by their own key, or by a listed point of another robot within
+        `MATCHING_DISTANCE`."""
+        if not cluster.members:
+            return 0.0
+        found = near_any(cluster.points, self._places, MATCHING_DISTANCE)
+        if self._own:
+            found |= np.array([member.number in self._own for member in cluster.members], dtype=bool)
+        return int(np.count_nonzero(found)) / len(found)
 
 
 def match(
@@ -188,12 +195,11 @@ def match(
 ) -> Optional[Cluster]:
     """The own cluster that another robot means by a list of elements: the one with the largest share listed, if
     that is above `MATCHING_SHARE`; None if there is none."""
-    places = tree_of(places_of(listed, foreign, self_name))
-    keys = set(listed)
+    elements = Listed(listed, foreign, self_name)
     best: Optional[Cluster] = None
     best_share = MATCHING_SHARE
     for cluster in clusters:
-        share = share_listed(cluster, keys, places, self_name)
+        share = elements.share_of(cluster)
         if share > best_share:
             best, best_share = cluster, share
     return best

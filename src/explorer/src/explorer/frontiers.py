@@ -7,6 +7,7 @@ from typing import Dict, List, Optional, Tuple
 import cv2
 import numpy as np
 
+from explorer import _kernels
 from explorer.grid import OccupancyMap, is_place
 
 # Half edge in metres of the box in which two frontier points count as one (contract 3.4).
@@ -64,41 +65,28 @@ def frontier_cells(occupancy: OccupancyMap, minimal_length: float) -> np.ndarray
     `SMALLEST_UNKNOWN_AREA` make no frontier, and connected frontiers shorter than `minimal_length` metres are noise.
     """
     resolution = occupancy.info.resolution
-    unknown = _without_islands(occupancy.unknown, max(1, int(SMALLEST_UNKNOWN_AREA / resolution**2)))
-    kernel = np.ones((3, 3), dtype=np.uint8)
-    near_unknown = cv2.dilate(unknown.view(np.uint8), kernel) > 0
-    near_occupied = cv2.dilate(occupancy.occupied.view(np.uint8), kernel) > 0
-    cells = occupancy.free & near_unknown & ~near_occupied
-    # Cells one apart belong together: the ragged edge between two laser beams breaks a frontier into pieces.
-    count, labels = cv2.connectedComponents(cv2.dilate(cells.view(np.uint8), kernel), connectivity=8)
-    sizes = np.bincount(labels[cells], minlength=count)
-    return cells & (sizes[labels] * resolution >= minimal_length)
+    return _kernels.frontier_cells(
+        occupancy.cells,
+        occupancy.FREE_BELOW,
+        occupancy.OCCUPIED_FROM,
+        max(1, int(SMALLEST_UNKNOWN_AREA / resolution**2)),
+        _cells_of_length(minimal_length, resolution),
+    )
 
 
-def _without_islands(mask: np.ndarray, smallest: int) -> np.ndarray:
-    count, labels, statistics, _ = cv2.connectedComponentsWithStats(mask.view(np.uint8), connectivity=4)
-    keep = statistics[:, cv2.CC_STAT_AREA] >= smallest
-    keep[0] = False
-    return keep[labels] if count > 1 else np.zeros_like(mask)
+def _cells_of_length(length: float, resolution: float) -> int:
+    """The least number of cells that are at least as long, both in metres."""
+    count = max(0, math.floor(length / resolution) - 1)
+    while count * resolution < length:
+        count += 1
+    return count
 
 
 def thin(points: np.ndarray, distance: float = THINNING_DISTANCE) -> np.ndarray:
     """Subset of an (n, 2) array of points in metres: each point left out has one of the subset within the box of
     half edge `distance`, no two of the subset lie in each other's box. Deterministic, first come first kept."""
-    kept: Dict[Tuple[int, int], List[Tuple[float, float]]] = {}
-    result: List[Tuple[float, float]] = []
-    for x, y in np.asarray(points, dtype=float).reshape(-1, 2).tolist():
-        column, row = math.floor(x / distance), math.floor(y / distance)
-        close = False
-        for i in (column - 1, column, column + 1):
-            for j in (row - 1, row, row + 1):
-                for u, v in kept.get((i, j), ()):
-                    if abs(u - x) < distance and abs(v - y) < distance:
-                        close = True
-        if not close:
-            kept.setdefault((column, row), []).append((x, y))
-            result.append((x, y))
-    return np.array(result, dtype=float).reshape(-1, 2)
+    points = np.asarray(points, dtype=float).reshape(-1, 2)
+    return points[_kernels.thin(points, distance)]
 
 
 @dataclass

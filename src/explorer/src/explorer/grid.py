@@ -71,12 +71,13 @@ class GridInfo:
 
 @dataclass(frozen=True)
 class OccupancyMap:
-    """An occupancy grid: `cells` is int8 (height, width); 0 is free, -1 unknown, occupied from `OCCUPIED_FROM` on.
-    They must not change any more."""
+    """An occupancy grid: `cells` is int8 (height, width); free below `FREE_BELOW`, -1 unknown, occupied from
+    `OCCUPIED_FROM` on. They must not change any more."""
 
     info: GridInfo
     cells: np.ndarray
 
+    FREE_BELOW = 25
     OCCUPIED_FROM = 50
 
     def __post_init__(self) -> None:
@@ -93,7 +94,7 @@ class OccupancyMap:
     @cached_property
     def free(self) -> np.ndarray:
         """(height, width) bool array. Cells of middling occupancy are neither free nor unknown nor occupied."""
-        return (self.cells >= FREE) & (self.cells < 25)
+        return (self.cells >= FREE) & (self.cells < self.FREE_BELOW)
 
     @cached_property
     def occupied(self) -> np.ndarray:

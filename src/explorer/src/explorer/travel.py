@@ -136,7 +136,7 @@ class TravelGrid:
         )
 
     def _pool(self, values: np.ndarray) -> np.ndarray:
-        """Largest value (float32, fine grid's shape) of the allowed cells in each block of `factor` x `factor`, or -1."""
+        """Largest value (float32, fine grid's shape) of allowed cells in each block of `factor` x `factor`, or -1."""
         return pooled_maximum(values, self.fine.allowed, self.factor)
 
 

@@ -7,7 +7,7 @@ from typing import List, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
-from explorer._kernels import lines_are_clear
+from explorer._kernels import lines_are_clear, nearest_views
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
 from explorer.grid import OccupancyMap, line_is_clear
@@ -39,25 +39,36 @@ class Views:
         """For each of (n, 2) points in metres the place (x, y) to look from and its cost, all in metres; None where
         no reachable place sees the point."""
         points = np.asarray(points, dtype=float).reshape(-1, 2)
-        result: List[Optional[View]] = [None] * len(points)
-        if not self._lookups or not len(points):
-            return result
-        grid = self._field.grid
-        coarse = np.clip(grid.info.cells_of(points), 0, np.array(self._reachable.shape) - 1)
+        found = np.full(len(points), -1, dtype=np.int64)
         for lookup in self._lookups:
-            missing = np.array([index for index, view in enumerate(result) if view is None], dtype=int)
-            if len(missing) == 0:
-                break
-            cells = lookup.nearest(coarse[missing])
-            places = grid.info.centres_of(cells)
-            seen = np.hypot(*(places - points[missing]).T) <= self._view_distance
-            seen &= self._clear(places, points[missing])
-            for index, cell, place in zip(missing[seen], cells[seen], places[seen]):
-                result[index] = (float(place[0]), float(place[1]), float(self._field.cost[cell[0], cell[1]]))
-        for index, view in enumerate(result):
-            if view is None:
-                result[index] = self._search(points[index])
-        return result
+            missing = np.flatnonzero(found < 0)
+            if len(missing):
+                found[missing] = self._seen_from_nearest(lookup, points[missing])
+        views = self._views_at(found)
+        if not self._lookups:
+            return views
+        return [view or self._search(point) for view, point in zip(views, points)]
+
+    def _seen_from_nearest(self, lookup: "_NearestCell", points: np.ndarray) -> np.ndarray:
+        """For (n, 2) points in metres the coarse cell, as a flat index, that is nearest to each, or -1 if the point is
+        not in view from there."""
+        coarse, fine = self._field.grid.info, self._occupancy.info
+        return nearest_views(
+            (coarse.resolution, coarse.origin_x, coarse.origin_y),
+            lookup.labels,
+            lookup.cells,
+            (fine.resolution, fine.origin_x, fine.origin_y),
+            self._field.grid.occupied,
+            points,
+            self._view_distance,
+        )
+
+    def _views_at(self, cells: np.ndarray) -> List[Optional[View]]:
+        """The view for each of (n,) coarse cells, flat indices; None where negative."""
+        rows, cols = np.divmod(cells, self._reachable.shape[1])
+        places = self._field.grid.info.centres_of(np.column_stack((rows, cols))).tolist()
+        costs = self._field.cost.ravel()[cells].tolist()
+        return [(x, y, cost) if cell >= 0 else None for (x, y), cost, cell in zip(places, costs, cells.tolist())]
 
     def assess(self, cluster: Cluster, active: Sequence[Frontier]) -> None:
         """Sets cost, viewpoint, target and gain of a cluster from those of its members that are goals."""
@@ -90,10 +101,6 @@ class Views:
         inside = int(total[bottom, right]) - int(total[top, right]) - int(total[bottom, left]) + int(total[top, left])
         outside = (2 * reach + 1) ** 2 - (bottom - top) * (right - left)
         return (inside + outside) * info.resolution**2
-
-    def _clear(self, places: np.ndarray, points: np.ndarray) -> np.ndarray:
-        info = self._occupancy.info
-        return lines_are_clear(self._field.grid.occupied, info.cells_of(places), info.cells_of(points))
 
     def _search(self, point: np.ndarray) -> Optional[View]:
         """The nearest reachable place within the view distance that sees the point, tried from near to far."""
@@ -131,22 +138,18 @@ def sees(
 
 
 class _NearestCell:
-    """Looks up which cell that is set in a bool array (rows, cols) is nearest; at least one is."""
+    """Tells which cell that is set in a bool array (rows, cols) is nearest; at least one is."""
 
     def __init__(self, mask: np.ndarray) -> None:
         self._mask = mask
 
-    def nearest(self, cells: np.ndarray) -> np.ndarray:
-        """(n, 2) int array: the (row, col) nearest to each of (n, 2) cells."""
-        found = self._set_cells[self._labels[cells[:, 0], cells[:, 1]] - 1]
-        return np.column_stack(np.divmod(found, self._mask.shape[1]))
+    @cached_property
+    def cells(self) -> np.ndarray:
+        """The cells that are set, as flat indices in the order of rows: int64 (n,)."""
+        return np.flatnonzero(self._mask)
 
     @cached_property
-    def _labels(self) -> np.ndarray:
-        """For each cell the number of the nearest one that is set; these are numbered from 1 in the order of rows."""
+    def labels(self) -> np.ndarray:
+        """For each cell the number of the nearest one that is set, from 1 on in the order of `cells`: int32."""
         closed = (~self._mask).view(np.uint8)
         return cv2.distanceTransformWithLabels(closed, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)[1]
-
-    @cached_property
-    def _set_cells(self) -> np.ndarray:
-        return np.flatnonzero(self._mask)

@@ -1,0 +1,145 @@
+#include "frontier_cells.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+namespace explorer {
+namespace {
+
+constexpr std::ptrdiff_t kGap = 3;  // cells
+
+// Tells unknown cells of islands from others without ever looking at more cells of the others than needed.
+class Islands {
+ public:
+  Islands(const OccupancyView& map, std::size_t smallest)
+      : map_(map), smallest_(smallest), verdicts_(static_cast<std::size_t>(map.rows * map.columns), kOpen) {}
+
+  bool is_large(std::ptrdiff_t index) {
+    if (verdicts_[index] == kOpen) judge(index);
+    return verdicts_[index] == kLarge;
+  }
+
+ private:
+  enum Verdict : std::uint8_t { kOpen, kVisited, kSmall, kLarge };
+
+  void judge(std::ptrdiff_t start) {
+    visited_.assign(1, start);
+    verdicts_[start] = kVisited;
+    bool large = false;
+    for (std::size_t next = 0; next < visited_.size() && !large; ++next) large = spread(visited_[next]);
+    for (const std::ptrdiff_t index : visited_) verdicts_[index] = large ? kLarge : kSmall;
+  }
+
+  // True if the area is known to be large now.
+  bool spread(std::ptrdiff_t index) {
+    const std::ptrdiff_t column = index % map_.columns, row = index / map_.columns;
+    return visited_.size() >= smallest_ || (row > 0 && visit(index - map_.columns)) ||
+           (row + 1 < map_.rows && visit(index + map_.columns)) || (column > 0 && visit(index - 1)) ||
+           (column + 1 < map_.columns && visit(index + 1));
+  }
+
+  bool visit(std::ptrdiff_t index) {
+    if (map_.cells[index] >= 0 || verdicts_[index] == kVisited) return false;
+    if (verdicts_[index] == kLarge) return true;
+    verdicts_[index] = kVisited;
+    visited_.push_back(index);
+    return visited_.size() >= smallest_;
+  }
+
+  const OccupancyView& map_;
+  std::size_t smallest_;
+  std::vector<std::uint8_t> verdicts_;
+  std::vector<std::ptrdiff_t> visited_;
+};
+
+bool is_frontier(const OccupancyView& map, std::ptrdiff_t row, std::ptrdiff_t column, Islands& islands) {
+  bool near_unknown = false;
+  const std::ptrdiff_t bottom = std::min(row + 1, map.rows - 1), right = std::min(column + 1, map.columns - 1);
+  for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(row - 1, 0); r <= bottom; ++r) {
+    for (std::ptrdiff_t c = std::max<std::ptrdiff_t>(column - 1, 0); c <= right; ++c) {
+      const std::int8_t value = map.cells[r * map.columns + c];
+      if (value >= map.occupied_from) return false;
+      if (value < 0 && !near_unknown) near_unknown = islands.is_large(r * map.columns + c);
+    }
+  }
+  return near_unknown;
+}
+
+// Of a row and the ones around it, which columns hold an unknown cell: most cells need no closer look.
+void columns_near_unknown(const OccupancyView& map, std::ptrdiff_t row, std::vector<std::int8_t>& least) {
+  std::copy_n(map.cells + row * map.columns, map.columns, least.begin() + 1);
+  for (const std::ptrdiff_t other : {row - 1, row + 1}) {
+    if (other < 0 || other >= map.rows) continue;
+    const std::int8_t* cells = map.cells + other * map.columns;
+    for (std::ptrdiff_t column = 0; column < map.columns; ++column) {
+      least[column + 1] = std::min(least[column + 1], cells[column]);
+    }
+  }
+}
+
+std::vector<std::ptrdiff_t> find_frontiers(const OccupancyView& map, std::size_t smallest_unknown) {
+  Islands islands(map, smallest_unknown);
+  std::vector<std::ptrdiff_t> found;
+  std::vector<std::int8_t> least(static_cast<std::size_t>(map.columns + 2), 0);
+  for (std::ptrdiff_t row = 0; row < map.rows; ++row) {
+    columns_near_unknown(map, row, least);
+    for (std::ptrdiff_t column = 0; column < map.columns; ++column) {
+      if ((least[column] & 0x80) == 0 && (least[column + 1] & 0x80) == 0 && (least[column + 2] & 0x80) == 0) continue;
+      const std::int8_t value = map.cells[row * map.columns + column];
+      if (value < 0 || value >= map.free_below || !is_frontier(map, row, column, islands)) continue;
+      found.push_back(row * map.columns + column);
+    }
+  }
+  return found;
+}
+
+// Disjoint sets with path halving.
+class Sets {
+ public:
+  explicit Sets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0); }
+
+  std::size_t find(std::size_t item) {
+    while (parents_[item] != item) item = parents_[item] = parents_[parents_[item]];
+    return item;
+  }
+
+  void join(std::size_t a, std::size_t b) { parents_[find(a)] = find(b); }
+
+ private:
+  std::vector<std::size_t> parents_;
+};
+
+// Joins each of the cells, in the order of rows, with those before it that are no more than `kGap` away.
+Sets joined(const OccupancyView& map, const std::vector<std::ptrdiff_t>& cells) {
+  Sets sets(cells.size());
+  std::vector<std::ptrdiff_t> numbers(static_cast<std::size_t>(map.rows * map.columns), -1);
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    const std::ptrdiff_t row = cells[number] / map.columns, column = cells[number] % map.columns;
+    const std::ptrdiff_t right = std::min(column + kGap, map.columns - 1);
+    for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(row - kGap, 0); r <= row; ++r) {
+      for (std::ptrdiff_t c = std::max<std::ptrdiff_t>(column - kGap, 0); c <= right; ++c) {
+        const std::ptrdiff_t other = numbers[r * map.columns + c];
+        if (other >= 0) sets.join(number, static_cast<std::size_t>(other));
+      }
+    }
+    numbers[cells[number]] = static_cast<std::ptrdiff_t>(number);
+  }
+  return sets;
+}
+
+}  // namespace
+
+void frontier_cells(const OccupancyView& map, std::size_t smallest_unknown, std::size_t smallest_frontier,
+                    bool* frontier) {
+  std::fill_n(frontier, map.rows * map.columns, false);
+  const std::vector<std::ptrdiff_t> cells = find_frontiers(map, smallest_unknown);
+  Sets sets = joined(map, cells);
+  std::vector<std::size_t> sizes(cells.size(), 0);
+  for (std::size_t number = 0; number < cells.size(); ++number) ++sizes[sets.find(number)];
+  for (std::size_t number = 0; number < cells.size(); ++number) {
+    frontier[cells[number]] = sizes[sets.find(number)] >= smallest_frontier;
+  }
+}
+
+}  // namespace explorer

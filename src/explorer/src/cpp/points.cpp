@@ -1,0 +1,69 @@
+#include "points.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+
+namespace explorer {
+namespace {
+
+bool is_near_any(const double* point, const double* places, std::size_t m, double squared_distance) {
+  for (std::size_t i = 0; i < m; ++i) {
+    const double x = places[2 * i] - point[0], y = places[2 * i + 1] - point[1];
+    if (x * x + y * y < squared_distance) return true;
+  }
+  return false;
+}
+
+// The points kept so far, by squares of edge `distance`.
+class Kept {
+ public:
+  Kept(const double* points, double distance) : points_(points), distance_(distance) {}
+
+  bool covers(double x, double y) const {
+    const std::int64_t column = square_of(x), row = square_of(y);
+    for (std::int64_t c = column - 1; c <= column + 1; ++c) {
+      for (std::int64_t r = row - 1; r <= row + 1; ++r) {
+        const auto square = squares_.find(key(c, r));
+        if (square == squares_.end()) continue;
+        for (const std::size_t i : square->second) {
+          if (std::abs(points_[2 * i] - x) < distance_ && std::abs(points_[2 * i + 1] - y) < distance_) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  void add(std::size_t i) { squares_[key(square_of(points_[2 * i]), square_of(points_[2 * i + 1]))].push_back(i); }
+
+ private:
+  std::int64_t square_of(double value) const { return static_cast<std::int64_t>(std::floor(value / distance_)); }
+
+  // Squares that share a key cost time, never the result.
+  static std::uint64_t key(std::int64_t column, std::int64_t row) {
+    return (static_cast<std::uint64_t>(column) << 32) ^ static_cast<std::uint64_t>(row & 0xFFFFFFFF);
+  }
+
+  const double* points_;
+  double distance_;
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> squares_;
+};
+
+}  // namespace
+
+void near_any(const double* points, std::size_t n, const double* places, std::size_t m, double distance, bool* near) {
+  for (std::size_t i = 0; i < n; ++i) near[i] = is_near_any(points + 2 * i, places, m, distance * distance);
+}
+
+std::vector<std::size_t> thin(const double* points, std::size_t n, double distance) {
+  Kept kept(points, distance);
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (kept.covers(points[2 * i], points[2 * i + 1])) continue;
+    kept.add(i);
+    result.push_back(i);
+  }
+  return result;
+}
+
+}  // namespace explorer

@@ -1,0 +1,58 @@
+#include "views.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "lines.hpp"
+
+namespace explorer {
+namespace {
+
+struct Point {
+  double x, y;
+};
+
+std::int64_t row_of(const Geometry& grid, double y) {
+  return static_cast<std::int64_t>(std::floor((y - grid.origin_y) / grid.resolution));
+}
+
+std::int64_t column_of(const Geometry& grid, double x) {
+  return static_cast<std::int64_t>(std::floor((x - grid.origin_x) / grid.resolution));
+}
+
+std::int64_t index_of_nearest(const Geometry& grid, const Point& point) {
+  const std::int64_t row = std::clamp<std::int64_t>(row_of(grid, point.y), 0, grid.rows - 1);
+  const std::int64_t column = std::clamp<std::int64_t>(column_of(grid, point.x), 0, grid.columns - 1);
+  return row * grid.columns + column;
+}
+
+Point centre_of(const Geometry& grid, std::int64_t index) {
+  return {(static_cast<double>(index % grid.columns) + 0.5) * grid.resolution + grid.origin_x,
+          (static_cast<double>(index / grid.columns) + 0.5) * grid.resolution + grid.origin_y};
+}
+
+}  // namespace
+
+void nearest_views(const Geometry& coarse, const std::int32_t* labels, const std::int64_t* places, const Geometry& fine,
+                   const std::uint8_t* blocked, const double* points, std::size_t n, double view_distance,
+                   std::int64_t* views) {
+  std::vector<std::int64_t> starts, ends;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Point point{points[2 * i], points[2 * i + 1]};
+    views[i] = places[labels[index_of_nearest(coarse, point)] - 1];
+    const Point place = centre_of(coarse, views[i]);
+    starts.insert(starts.end(), {row_of(fine, place.y), column_of(fine, place.x)});
+    ends.insert(ends.end(), {row_of(fine, point.y), column_of(fine, point.x)});
+  }
+  const auto clear = std::make_unique<bool[]>(n);
+  lines_are_clear(blocked, fine.rows, fine.columns, starts.data(), ends.data(), n, clear.get());
+  for (std::size_t i = 0; i < n; ++i) {
+    const Point place = centre_of(coarse, views[i]);
+    const double gap = std::hypot(place.x - points[2 * i], place.y - points[2 * i + 1]);
+    if (!clear[i] || gap > view_distance) views[i] = -1;
+  }
+}
+
+}  // namespace explorer

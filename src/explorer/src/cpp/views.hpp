@@ -1,0 +1,21 @@
+// From where a point is seen.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace explorer {
+
+struct Geometry {
+  double resolution, origin_x, origin_y;  // metres; the origin is the outer corner of cell (0, 0)
+  std::ptrdiff_t rows, columns;
+};
+
+// For each of n points (x, y) in metres the index of the place nearest to it into `views`, or -1 if that place is
+// farther than `view_distance` or cells that are `blocked` (nonzero; on the grid `fine`) lie between.
+// `labels`: for each cell of `coarse` the number, from 1 on, of the nearest place in `places`, indices of cells.
+void nearest_views(const Geometry& coarse, const std::int32_t* labels, const std::int64_t* places, const Geometry& fine,
+                   const std::uint8_t* blocked, const double* points, std::size_t n, double view_distance,
+                   std::int64_t* views);
+
+}  // namespace explorer
