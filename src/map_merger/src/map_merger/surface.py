@@ -83,8 +83,9 @@ def without_places(landmarks: Landmarks, places: np.ndarray, reach: float) -> La
     elsewhere[rows[inside], columns[inside]] = 0
     if elsewhere.all():
         return landmarks
-    distance = cv2.distanceTransform(elsewhere, cv2.DIST_L2, 5) * landmarks.info.resolution
-    return replace(landmarks, clear=landmarks.clear & (distance > reach))
+    # Half a cell more, because a place may be anywhere in its cell.
+    far = cv2.erode(elsewhere, _disc(reach / landmarks.info.resolution + 0.5)).astype(bool)
+    return replace(landmarks, clear=landmarks.clear & far)
 
 
 def landmarks_of(grid: Grid) -> Landmarks:
