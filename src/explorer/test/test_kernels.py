@@ -10,10 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import dijkstra
+from scipy.sparse.csgraph import connected_components, dijkstra
 
 from explorer._kernels import (
     WeightedGrid,
+    cells_near,
+    components,
+    distances_to,
     frontier_cells,
     lines_are_clear,
     near_any,
@@ -216,3 +219,28 @@ def test_views_are_near_and_clear(seed: int) -> None:
     starts, ends = (np.floor((p - (-1.0, 2.0)) / 0.1).astype(int)[:, ::-1] for p in (centres, points))
     seen = lines_are_clear(blocked, starts, ends) & (np.hypot(*(centres - points).T) <= 0.6)
     assert (views == np.where(seen, nearest, -1)).all()
+
+
+@settings(max_examples=60)
+@given(seeds, st.floats(0.0, 0.08), st.sampled_from([0.05, 0.1]))
+def test_distances_are_those_of_opencv(seed: int, share: float, resolution: float) -> None:
+    random = np.random.default_rng(seed)
+    cells = random.random(tuple(random.integers(1, 50, 2))) < share
+    cells[tuple(random.integers(cells.shape))] = True
+    expected = cv2.distanceTransform((~cells).astype(np.uint8), cv2.DIST_L2, 5) * np.float32(resolution)
+    assert (distances_to(cells, resolution) == expected).all()
+    reach = float(random.uniform(0.0, 1.0))
+    assert (cells_near(cells, resolution, reach) == (cells | (expected < np.float32(reach)))).all()
+    assert not cells_near(np.zeros_like(cells), resolution, reach).any()
+
+
+@settings(max_examples=60)
+@given(seeds)
+def test_components_are_numbered_by_their_first_nodes(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    count = int(random.integers(1, 20))
+    edges = random.integers(0, count, (int(random.integers(0, 20)), 2))
+    matrix = coo_matrix((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
+    assert (components(count, edges) == connected_components(matrix, directed=False)[1]).all()
+    with pytest.raises(IndexError):
+        components(count, np.array([[0, count]]))

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "distances.hpp"
 #include "frontier_cells.hpp"
 #include "lines.hpp"
 #include "points.hpp"
@@ -120,6 +121,33 @@ Array<std::int64_t> find_views(const Placement& coarse, const Array<std::int32_t
   return views;
 }
 
+Array<std::int64_t> number_components(std::size_t count, const Array<std::int64_t>& edges) {
+  require(are_pairs(edges), "edges need the shape (m, 2)");
+  const auto numbers = components(count, edges.data(), static_cast<std::size_t>(edges.shape(0)));
+  Array<std::int64_t> result(static_cast<py::ssize_t>(numbers.size()));
+  std::copy(numbers.begin(), numbers.end(), result.mutable_data());
+  return result;
+}
+
+Mask to_mask(const Array<bool>& cells) {
+  require(cells.ndim() == 2, "cells need the shape (rows, columns)");
+  return {reinterpret_cast<const std::uint8_t*>(cells.data()), cells.shape(0), cells.shape(1)};
+}
+
+Array<float> distances(const Array<bool>& cells, float resolution) {
+  const Mask mask = to_mask(cells);
+  Array<float> result({mask.rows, mask.columns});
+  distances_to(mask, resolution, result.mutable_data());
+  return result;
+}
+
+Array<bool> near_cells(const Array<bool>& cells, float resolution, float reach) {
+  const Mask mask = to_mask(cells);
+  Array<bool> result({mask.rows, mask.columns});
+  cells_near(mask, resolution, reach, result.mutable_data());
+  return result;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_kernels, module) {
@@ -155,4 +183,13 @@ PYBIND11_MODULE(_kernels, module) {
       "For each point (n, 2) in metres the place nearest to it, int64 (n,), -1 if it is too far or blocked cells "
       "lie between. labels: int32 on the coarse grid, numbers from 1 on of the nearest of the places, which are "
       "int64 indices of its cells; blocked: bool on the fine grid; grids are placed by (resolution, x, y).");
+  module.def("components", &number_components, py::arg("count"), py::arg("edges"),
+             "int64 (count,): the part of a graph with these edges, int64 (m, 2), that each node belongs to, numbered "
+             "from 0 on in the order of their first nodes.");
+  module.def(
+      "distances_to", &distances, py::arg("cells"), py::arg("resolution"),
+      "float32 (rows, columns): distance in metres from each cell to the nearest that is set in a bool array with "
+      "cells of that edge length; one must be set.");
+  module.def("cells_near", &near_cells, py::arg("cells"), py::arg("resolution"), py::arg("reach"),
+             "bool (rows, columns): which of the distances of `distances_to` are less than `reach`, in metres.");
 }

@@ -1,8 +1,9 @@
 #include "frontier_cells.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <vector>
+
+#include "disjoint_sets.hpp"
 
 namespace explorer {
 namespace {
@@ -94,36 +95,20 @@ std::vector<std::ptrdiff_t> find_frontiers(const OccupancyView& map, std::size_t
   return found;
 }
 
-// Disjoint sets with path halving.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0); }
-
-  std::size_t find(std::size_t item) {
-    while (parents_[item] != item) item = parents_[item] = parents_[parents_[item]];
-    return item;
-  }
-
-  void join(std::size_t a, std::size_t b) { parents_[find(a)] = find(b); }
-
- private:
-  std::vector<std::size_t> parents_;
-};
-
 // Joins each of the cells, in the order of rows, with those before it that are no more than `kGap` away.
-Sets joined(const OccupancyView& map, const std::vector<std::ptrdiff_t>& cells) {
-  Sets sets(cells.size());
-  std::vector<std::ptrdiff_t> numbers(static_cast<std::size_t>(map.rows * map.columns), -1);
+DisjointSets joined(const OccupancyView& map, const std::vector<std::ptrdiff_t>& cells) {
+  DisjointSets sets(cells.size());
+  std::vector<std::int32_t> numbers(static_cast<std::size_t>(map.rows * map.columns), -1);
   for (std::size_t number = 0; number < cells.size(); ++number) {
     const std::ptrdiff_t row = cells[number] / map.columns, column = cells[number] % map.columns;
     const std::ptrdiff_t right = std::min(column + kGap, map.columns - 1);
     for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(row - kGap, 0); r <= row; ++r) {
       for (std::ptrdiff_t c = std::max<std::ptrdiff_t>(column - kGap, 0); c <= right; ++c) {
-        const std::ptrdiff_t other = numbers[r * map.columns + c];
+        const std::int32_t other = numbers[r * map.columns + c];
         if (other >= 0) sets.join(number, static_cast<std::size_t>(other));
       }
     }
-    numbers[cells[number]] = static_cast<std::ptrdiff_t>(number);
+    numbers[cells[number]] = static_cast<std::int32_t>(number);
   }
   return sets;
 }
@@ -134,7 +119,7 @@ void frontier_cells(const OccupancyView& map, std::size_t smallest_unknown, std:
                     bool* frontier) {
   std::fill_n(frontier, map.rows * map.columns, false);
   const std::vector<std::ptrdiff_t> cells = find_frontiers(map, smallest_unknown);
-  Sets sets = joined(map, cells);
+  DisjointSets sets = joined(map, cells);
   std::vector<std::size_t> sizes(cells.size(), 0);
   for (std::size_t number = 0; number < cells.size(); ++number) ++sizes[sets.find(number)];
   for (std::size_t number = 0; number < cells.size(); ++number) {

@@ -2,7 +2,10 @@
 
 #include <cmath>
 #include <cstdint>
+#include <stdexcept>
 #include <unordered_map>
+
+#include "disjoint_sets.hpp"
 
 namespace explorer {
 namespace {
@@ -62,6 +65,24 @@ std::vector<std::size_t> thin(const double* points, std::size_t n, double distan
     if (kept.covers(points[2 * i], points[2 * i + 1])) continue;
     kept.add(i);
     result.push_back(i);
+  }
+  return result;
+}
+
+std::vector<std::int64_t> components(std::size_t n, const std::int64_t* edges, std::size_t m) {
+  DisjointSets sets(n);
+  for (std::size_t i = 0; i < m; ++i) {
+    const std::int64_t a = edges[2 * i], b = edges[2 * i + 1];
+    const auto count = static_cast<std::int64_t>(n);
+    if (a < 0 || b < 0 || a >= count || b >= count) throw std::out_of_range("an edge has no such node");
+    sets.join(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
+  }
+  std::vector<std::int64_t> numbers(n, -1), result(n);
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    std::int64_t& number = numbers[sets.find(i)];
+    if (number < 0) number = count++;
+    result[i] = number;
   }
   return result;
 }

@@ -1,7 +1,8 @@
-// Points in the plane, n * 2 coordinates (x, y) in metres.
+// Points in the plane, n * 2 coordinates (x, y) in metres, and graphs over them.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace explorer {
@@ -12,5 +13,9 @@ void near_any(const double* points, std::size_t n, const double* places, std::si
 // Indices of a subset of n points: each point left out has one of the subset within the box of half edge `distance`,
 // no two of the subset lie in each other's box. First come first kept.
 std::vector<std::size_t> thin(const double* points, std::size_t n, double distance);
+
+// The number from 0 on of the part of a graph that each of n nodes belongs to, in the order of their first nodes;
+// `edges`: m * 2 nodes.
+std::vector<std::int64_t> components(std::size_t n, const std::int64_t* edges, std::size_t m);
 
 }  // namespace explorer

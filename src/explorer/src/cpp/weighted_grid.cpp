@@ -44,11 +44,11 @@ class WeightedGrid::Search {
     if (!std::isfinite(weights_[start])) return;
     const bool all = awaited == awaited_end;
     costs_[start] = 0.0;
-    buckets_[0].push_back(start);
+    buckets_[0].push_back(static_cast<std::int32_t>(start));
     queued_ = 1;
     for (std::size_t turn = 0; queued_ > 0; ++turn) {
-      std::vector<std::size_t>& bucket = buckets_[turn & (buckets_.size() - 1)];
-      for (const std::size_t index : bucket) settle(index);
+      std::vector<std::int32_t>& bucket = buckets_[turn & (buckets_.size() - 1)];
+      for (const std::int32_t index : bucket) settle(static_cast<std::size_t>(index));
       queued_ -= bucket.size();
       bucket.clear();
       while (awaited != awaited_end && final_[*awaited]) ++awaited;
@@ -72,7 +72,8 @@ class WeightedGrid::Search {
     const double candidate = cost + static_cast<double>((weight + weights_[index]) * half_length);
     if (!(candidate < costs_[index])) return;
     costs_[index] = candidate;
-    buckets_[static_cast<std::size_t>(candidate * buckets_per_metre_) & (buckets_.size() - 1)].push_back(index);
+    buckets_[static_cast<std::size_t>(candidate * buckets_per_metre_) & (buckets_.size() - 1)].push_back(
+        static_cast<std::int32_t>(index));
     ++queued_;
   }
 
@@ -81,7 +82,7 @@ class WeightedGrid::Search {
   double buckets_per_metre_;
   std::vector<double> costs_;
   std::vector<std::uint8_t> final_;
-  std::vector<std::vector<std::size_t>> buckets_;
+  std::vector<std::vector<std::int32_t>> buckets_;
   std::size_t queued_ = 0;
   std::array<std::ptrdiff_t, 4> straight_offsets_, diagonal_offsets_;
 };

@@ -6,11 +6,9 @@ from functools import cached_property
 from typing import Dict, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from explorer._kernels import lines_are_clear, near_any
+from explorer._kernels import components, lines_are_clear, near_any
 from explorer.frontiers import ForeignFrontiers, Frontier, Key
 from explorer.grid import OccupancyMap
 
@@ -81,14 +79,8 @@ def group(points: np.ndarray, occupancy: Optional[OccupancyMap] = None) -> np.nd
         pairs = pairs[lines_are_clear(occupancy.occupied, cells[pairs[:, 0]], cells[pairs[:, 1]])]
     gaps = np.abs(points[pairs[:, 0]] - points[pairs[:, 1]]).max(axis=1) if len(pairs) else np.zeros(0)
     close = pairs[gaps < MERGING_DISTANCE] if len(pairs) else pairs
-    labels = _components(len(points), close)
+    labels = components(len(points), close)
     return _join_singles(labels, pairs, gaps)
-
-
-def _components(count: int, pairs: np.ndarray) -> np.ndarray:
-    ones = np.ones(len(pairs))
-    graph = coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    return connected_components(graph, directed=False)[1].astype(np.int64)
 
 
 def _join_singles(labels: np.ndarray, pairs: np.ndarray, gaps: np.ndarray) -> np.ndarray:

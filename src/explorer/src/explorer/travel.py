@@ -8,10 +8,9 @@ import math
 from functools import cached_property
 from typing import List, Optional, Sequence, Tuple
 
-import cv2
 import numpy as np
 
-from explorer._kernels import WeightedGrid, pooled_maximum
+from explorer._kernels import WeightedGrid, cells_near, distances_to, pooled_maximum
 from explorer.grid import GridInfo, OccupancyMap
 from explorer.traces import robot_traces
 
@@ -85,13 +84,18 @@ class TravelGrid:
         self.occupied = self.fine.occupied
         self.factor = self._factor_for(self.fine.count, cell)
         self.info: GridInfo = self._coarse_info(occupancy.info)
-        self.coarse_clearance = self._pool(self.fine.clearance)
+        # The greatest of a cell's fine cells, -1 where none is allowed.
+        self.coarse_clearance = pooled_maximum(self.fine.clearance, self.fine.allowed, self.factor)
         self.traversable = self.coarse_clearance >= 0
-        # Where the whole footprint stands on known ground, so that a goal there is not deep in the unknown.
-        self.away_from_unknown = self._pool(self.fine.from_unknown) >= UNKNOWN_CLEARANCE
         weight = 1.0 + 2.0 * np.clip(1.0 - self.coarse_clearance / comfort, 0.0, 1.0)
         weight[~self.traversable] = math.inf
         self.weighted: WeightedGrid = WeightedGrid(weight, self.info.resolution)
+
+    @cached_property
+    def away_from_unknown(self) -> np.ndarray:
+        """Where the whole footprint stands on known ground, so that a goal there is not deep in the unknown."""
+        comfortable = self.fine.allowed & ~self.fine.near_unknown
+        return pooled_maximum(self.fine.clearance, comfortable, self.factor) >= 0
 
     def field_from(self, x: float, y: float) -> CostField:
         """Costs from a point in metres; all infinite if the point is off the traversable cells by more than
@@ -135,16 +139,12 @@ class TravelGrid:
             fine.origin_y,
         )
 
-    def _pool(self, values: np.ndarray) -> np.ndarray:
-        """Largest value (float32, fine grid's shape) of allowed cells in each block of `factor` x `factor`, or -1."""
-        return pooled_maximum(values, self.fine.allowed, self.factor)
-
 
 class _FineCells:
     """What there is to know of the cells of a map itself, for a robot of a certain radius.
 
     `occupied`, `allowed`: bool arrays of the map's shape, the obstacles without robots and where the centre may be;
-    `clearance`, `from_unknown`: float32, distances in metres to the nearest obstacle and the nearest unknown cell.
+    `clearance`: float32, distance in metres to the nearest obstacle.
     """
 
     def __init__(self, occupancy: OccupancyMap, radius: float, robots: np.ndarray) -> None:
@@ -152,10 +152,13 @@ class _FineCells:
         self._made_of = (occupancy, radius, robots)
         free = occupancy.free | robots
         self.occupied = occupancy.occupied & ~robots
-        self.clearance = self._distance_to(self.occupied)
+        if self.occupied.any():
+            self.clearance = distances_to(self.occupied, self.info.resolution)
+        else:
+            self.clearance = np.full(self.occupied.shape, 1e3, dtype=np.float32)
         self.allowed = free & (self.clearance >= radius)
         self.count = int(np.count_nonzero(self.allowed))
-        self.from_unknown = self._distance_to(occupancy.unknown & ~free)
+        self._unknown = occupancy.unknown & ~free
 
     @classmethod
     def of(
@@ -170,8 +173,7 @@ class _FineCells:
         former = self._made_of
         return former[0] is occupancy and former[1] == radius and np.array_equal(former[2], robots)
 
-    def _distance_to(self, cells: np.ndarray) -> np.ndarray:
-        """Distance in metres from each cell to the nearest that is set (float32)."""
-        if not cells.any():
-            return np.full(cells.shape, 1e3, dtype=np.float32)
-        return cv2.distanceTransform((~cells).view(np.uint8), cv2.DIST_L2, 5) * self.info.resolution
+    @cached_property
+    def near_unknown(self) -> np.ndarray:
+        """bool, of the map's shape: nearer than `UNKNOWN_CLEARANCE` to an unknown cell."""
+        return cells_near(self._unknown, self.info.resolution, UNKNOWN_CLEARANCE)
