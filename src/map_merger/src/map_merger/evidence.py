@@ -72,10 +72,9 @@ def match_tolerance(target: Landmarks, source: Landmarks) -> float:
 def nearest(target: Surface, moved: Surface, reach: float) -> tuple:
     """For each point of `moved` the index of the nearest like-facing point of `target`, and whether it is within
     `reach`."""
-    query = np.hstack([moved.points, NORMAL_WEIGHT * moved.normals])
-    _, index = target.tree().query(query, distance_upper_bound=math.hypot(reach, NORMAL_WEIGHT * 0.52))
-    hit = index < len(target.points)
-    index = np.where(hit, index, 0)
+    index = target.index().nearest(moved.points, moved.normals, math.hypot(reach, NORMAL_WEIGHT * 0.52))
+    hit = index >= 0
+    index = np.maximum(index, 0)
     gap = np.hypot(*(moved.points - target.points[index]).T)
     facing = np.einsum("ij,ij->i", moved.normals, target.normals[index])
     return index, hit & (gap <= reach) & (facing >= _NORMAL_TOLERANCE)

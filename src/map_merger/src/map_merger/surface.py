@@ -5,12 +5,12 @@ same way keeps the thickness of walls out of the estimate, and lets the quantisa
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Tuple
+from typing import List, Tuple
 
 import cv2
 import numpy as np
-from scipy.spatial import cKDTree
 
+from ._surface_index import SurfaceIndex
 from .grid import UNKNOWN, Grid, GridInfo, cell_centres, cells_of, cropped, known_box
 
 NORMAL_WEIGHT = 0.3
@@ -39,18 +39,18 @@ class Surface:
     normals: np.ndarray
     spacing: float
     solid: np.ndarray
-    _tree: list = field(default_factory=list, repr=False)
+    _index: List[SurfaceIndex] = field(default_factory=list, repr=False)
 
     @property
     def length(self) -> float:
         """Metres of wall, each face counted."""
         return len(self.points) * self.spacing
 
-    def tree(self) -> cKDTree:
-        """Search tree over position and weighted normal, built once."""
-        if not self._tree:
-            self._tree.append(cKDTree(np.hstack([self.points, NORMAL_WEIGHT * self.normals])))
-        return self._tree[0]
+    def index(self) -> SurfaceIndex:
+        """For searches over position and weighted normal, built once."""
+        if not self._index:
+            self._index.append(SurfaceIndex(self.points, self.normals, NORMAL_WEIGHT))
+        return self._index[0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Makes the library importable without an install and keeps hypothesis repeatable."""
+"""Makes the helpers importable and keeps hypothesis repeatable."""
 
 import os
 import sys
@@ -6,7 +6,6 @@ import sys
 import cv2
 from hypothesis import settings
 
-sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "..", "src"))
 sys.path.insert(0, os.path.dirname(__file__))
 cv2.setNumThreads(1)
 settings.register_profile("repeatable", derandomize=True, deadline=None, database=None)
