@@ -212,12 +212,14 @@ def test_views_are_near_and_clear(seed: int) -> None:
     places = np.flatnonzero(allowed)
     points = random.uniform((-1.5, 1.5), (2.5, 5.0), (10, 2))
     coarse, fine = (0.2, -1.0, 2.0), (0.1, -1.0, 2.0)
-    views = nearest_views(coarse, labels, places, fine, blocked, points, 0.6)
+    groups = np.sort(random.integers(0, 3, 10))
+    views = nearest_views(coarse, labels, places, fine, blocked, points, groups, 0.6)
     cells = np.clip(np.floor((points - (-1.0, 2.0)) / 0.2).astype(int), 0, (19, 14))
     nearest = places[labels[cells[:, 1], cells[:, 0]] - 1]
     centres = np.column_stack((nearest % 20 + 0.5, nearest // 20 + 0.5)) * 0.2 + (-1.0, 2.0)
     starts, ends = (np.floor((p - (-1.0, 2.0)) / 0.1).astype(int)[:, ::-1] for p in (centres, points))
-    seen = lines_are_clear(blocked, starts, ends) & (np.hypot(*(centres - points).T) <= 0.6)
+    clear = [lines_are_clear(blocked, starts[groups == group], ends[groups == group]) for group in range(3)]
+    seen = np.concatenate(clear) & (np.hypot(*(centres - points).T) <= 0.6)
     assert (views == np.where(seen, nearest, -1)).all()
 
 

@@ -56,11 +56,11 @@ def test_cluster_takes_the_cheapest_place_near_its_middle() -> None:
     members = [Frontier(i, 6.95, 1.3 + 0.2 * i) for i in range(13)]
     cluster = Cluster(1, members)
     views = views_of(occupancy, (2.0, 2.5))
-    views.assess(cluster, members)
+    views.assess([cluster], [members])
     assert cluster.reachable and cluster.target is not None and cluster.viewpoint is not None
     assert abs(cluster.viewpoint[1] - 2.5) < 0.5
     assert cluster.gain > 4.0
-    views.assess(cluster, [])
+    views.assess([cluster], [[]])
     assert not cluster.reachable and cluster.viewpoint is None
 
 

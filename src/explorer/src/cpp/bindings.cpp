@@ -111,12 +111,13 @@ Geometry to_geometry(const Placement& placement, const py::array& grid) {
 
 Array<std::int64_t> find_views(const Placement& coarse, const Array<std::int32_t>& labels,
                                const Array<std::int64_t>& places, const Placement& fine, const Array<bool>& blocked,
-                               const Array<double>& points, double view_distance) {
-  require(are_pairs(points), "points need the shape (n, 2)");
+                               const Array<double>& points, const Array<std::int64_t>& groups, double view_distance) {
+  require(are_pairs(points) && groups.ndim() == 1 && groups.shape(0) == points.shape(0),
+          "points need the shape (n, 2), groups (n,)");
   const Geometry coarse_grid = to_geometry(coarse, labels), fine_grid = to_geometry(fine, blocked);
   Array<std::int64_t> views(points.shape(0));
   nearest_views(coarse_grid, labels.data(), places.data(), fine_grid,
-                reinterpret_cast<const std::uint8_t*>(blocked.data()), points.data(),
+                reinterpret_cast<const std::uint8_t*>(blocked.data()), points.data(), groups.data(),
                 static_cast<std::size_t>(points.shape(0)), view_distance, views.mutable_data());
   return views;
 }
@@ -179,10 +180,11 @@ PYBIND11_MODULE(_kernels, module) {
              "first ones first.");
   module.def(
       "nearest_views", &find_views, py::arg("coarse"), py::arg("labels"), py::arg("places"), py::arg("fine"),
-      py::arg("blocked"), py::arg("points"), py::arg("view_distance"),
+      py::arg("blocked"), py::arg("points"), py::arg("groups"), py::arg("view_distance"),
       "For each point (n, 2) in metres the place nearest to it, int64 (n,), -1 if it is too far or blocked cells "
       "lie between. labels: int32 on the coarse grid, numbers from 1 on of the nearest of the places, which are "
-      "int64 indices of its cells; blocked: bool on the fine grid; grids are placed by (resolution, x, y).");
+      "int64 indices of its cells; blocked: bool on the fine grid; grids are placed by (resolution, x, y). groups: "
+      "int64 (n,), ascending; the lines of a group are sampled as by `lines_are_clear`.");
   module.def("components", &number_components, py::arg("count"), py::arg("edges"),
              "int64 (count,): the part of a graph with these edges, int64 (m, 2), that each node belongs to, numbered "
              "from 0 on in the order of their first nodes.");

@@ -33,11 +33,21 @@ Point centre_of(const Geometry& grid, std::int64_t index) {
           (static_cast<double>(index / grid.columns) + 0.5) * grid.resolution + grid.origin_y};
 }
 
+// Writes to `clear` which of n pairs of cells see each other, group by group.
+void look(const Geometry& fine, const std::uint8_t* blocked, const std::vector<std::int64_t>& starts,
+          const std::vector<std::int64_t>& ends, const std::int64_t* groups, std::size_t n, bool* clear) {
+  for (std::size_t first = 0, next = 0; first < n; first = next) {
+    while (next < n && groups[next] == groups[first]) ++next;
+    lines_are_clear(blocked, fine.rows, fine.columns, &starts[2 * first], &ends[2 * first], next - first,
+                    clear + first);
+  }
+}
+
 }  // namespace
 
 void nearest_views(const Geometry& coarse, const std::int32_t* labels, const std::int64_t* places, const Geometry& fine,
-                   const std::uint8_t* blocked, const double* points, std::size_t n, double view_distance,
-                   std::int64_t* views) {
+                   const std::uint8_t* blocked, const double* points, const std::int64_t* groups, std::size_t n,
+                   double view_distance, std::int64_t* views) {
   std::vector<std::int64_t> starts, ends;
   for (std::size_t i = 0; i < n; ++i) {
     const Point point{points[2 * i], points[2 * i + 1]};
@@ -47,7 +57,7 @@ void nearest_views(const Geometry& coarse, const std::int32_t* labels, const std
     ends.insert(ends.end(), {row_of(fine, point.y), column_of(fine, point.x)});
   }
   const auto clear = std::make_unique<bool[]>(n);
-  lines_are_clear(blocked, fine.rows, fine.columns, starts.data(), ends.data(), n, clear.get());
+  look(fine, blocked, starts, ends, groups, n, clear.get());
   for (std::size_t i = 0; i < n; ++i) {
     const Point place = centre_of(coarse, views[i]);
     const double gap = std::hypot(place.x - points[2 * i], place.y - points[2 * i + 1]);

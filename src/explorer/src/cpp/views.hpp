@@ -13,9 +13,10 @@ struct Geometry {
 
 // For each of n points (x, y) in metres the index of the place nearest to it into `views`, or -1 if that place is
 // farther than `view_distance` or cells that are `blocked` (nonzero; on the grid `fine`) lie between.
+// Points are in the order of their `groups`; lines of sight in one group are sampled as `lines_are_clear` does.
 // `labels`: for each cell of `coarse` the number, from 1 on, of the nearest place in `places`, indices of cells.
 void nearest_views(const Geometry& coarse, const std::int32_t* labels, const std::int64_t* places, const Geometry& fine,
-                   const std::uint8_t* blocked, const double* points, std::size_t n, double view_distance,
-                   std::int64_t* views);
+                   const std::uint8_t* blocked, const double* points, const std::int64_t* groups, std::size_t n,
+                   double view_distance, std::int64_t* views);
 
 }  // namespace explorer

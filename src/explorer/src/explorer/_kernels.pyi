@@ -26,6 +26,7 @@ def nearest_views(
     fine: _Placement,
     blocked: np.ndarray,
     points: np.ndarray,
+    groups: np.ndarray,
     view_distance: float,
 ) -> np.ndarray: ...
 def components(count: int, edges: np.ndarray) -> np.ndarray: ...

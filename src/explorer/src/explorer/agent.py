@@ -433,9 +433,10 @@ class ExplorerAgent:
         points = np.array([(f.x, f.y) for f in goals], dtype=float).reshape(-1, 2)
         told = {goals[index].number for index in np.flatnonzero(near_any(points, hidden, TOLD_DISTANCE))}
         self._told_explored = bool(told)
-        for cluster in self.clusters.clusters:
-            active = [f for f in cluster.members if self._is_goal(f) and f.number not in told]
-            self._views.assess(cluster, active)
+        clusters = self.clusters.clusters
+        active = [[f for f in c.members if self._is_goal(f) and f.number not in told] for c in clusters]
+        self._views.assess(clusters, active)
+        for cluster in clusters:
             self._view_of.update(cluster.views)
         self._tour_stale = True
 

@@ -35,21 +35,23 @@ class Views:
         self._lookups = [_NearestCell(mask) for mask in (comfortable, self._reachable) if mask.any()]
         self._unknown_sum = cv2.integral(occupancy.unknown.view(np.uint8))
 
-    def of(self, points: np.ndarray) -> List[Optional[View]]:
+    def of(self, points: np.ndarray, groups: Optional[np.ndarray] = None) -> List[Optional[View]]:
         """For each of (n, 2) points in metres the place (x, y) to look from and its cost, all in metres; None where
-        no reachable place sees the point."""
+        no reachable place sees the point. `groups`: (n,) ascending numbers of what is looked at together; how finely
+        lines of sight are sampled depends on the farthest point of a group."""
         points = np.asarray(points, dtype=float).reshape(-1, 2)
+        groups = np.zeros(len(points), dtype=np.int64) if groups is None else groups
         found = np.full(len(points), -1, dtype=np.int64)
         for lookup in self._lookups:
             missing = np.flatnonzero(found < 0)
             if len(missing):
-                found[missing] = self._seen_from_nearest(lookup, points[missing])
+                found[missing] = self._seen_from_nearest(lookup, points[missing], groups[missing])
         views = self._views_at(found)
         if not self._lookups:
             return views
         return [view or self._search(point) for view, point in zip(views, points)]
 
-    def _seen_from_nearest(self, lookup: "_NearestCell", points: np.ndarray) -> np.ndarray:
+    def _seen_from_nearest(self, lookup: "_NearestCell", points: np.ndarray, groups: np.ndarray) -> np.ndarray:
         """For (n, 2) points in metres the coarse cell, as a flat index, that is nearest to each, or -1 if the point is
         not in view from there."""
         coarse, fine = self._field.grid.info, self._occupancy.info
@@ -60,6 +62,7 @@ class Views:
             (fine.resolution, fine.origin_x, fine.origin_y),
             self._field.grid.occupied,
             points,
+            groups,
             self._view_distance,
         )
 
@@ -70,11 +73,16 @@ class Views:
         costs = self._field.cost.ravel()[cells].tolist()
         return [(x, y, cost) if cell >= 0 else None for (x, y), cost, cell in zip(places, costs, cells.tolist())]
 
-    def assess(self, cluster: Cluster, active: Sequence[Frontier]) -> None:
-        """Sets cost, viewpoint, target and gain of a cluster from those of its members that are goals."""
+    def assess(self, clusters: Sequence[Cluster], active: Sequence[Sequence[Frontier]]) -> None:
+        """Sets cost, viewpoint, target and gain of each cluster from those of its members that are goals."""
+        members = [member for goals in active for member in goals]
+        points = np.array([(member.x, member.y) for member in members], dtype=float).reshape(-1, 2)
+        views = iter(self.of(points, np.repeat(np.arange(len(active)), [len(goals) for goals in active])))
+        for cluster, goals in zip(clusters, active):
+            self._assess(cluster, goals, [next(views) for _ in goals])
+
+    def _assess(self, cluster: Cluster, active: Sequence[Frontier], views: Sequence[Optional[View]]) -> None:
         cluster.cost, cluster.viewpoint, cluster.target = math.inf, None, None
-        points = np.array([(member.x, member.y) for member in active], dtype=float).reshape(-1, 2)
-        views = self.of(points)
         cluster.views = {member.number: view for member, view in zip(active, views) if view is not None}
         cluster.gain = self.gain(*cluster.centre)
         if not cluster.views:
