@@ -362,8 +362,7 @@ class ExplorerAgent:
         if now - self._motion_time >= NOTHING_TIME:
             self._dirty = self._judge_looked(now) or self._dirty
         moved = math.hypot(self.pose.x - self._field_place[0], self.pose.y - self._field_place[1]) > REPLAN_DISTANCE
-        told_over = any(spot[2] <= now for spot in self._hidden_foreign)
-        due = now - self._field_time >= REPLAN_PERIOD and (moved or told_over)
+        due = now - self._field_time >= REPLAN_PERIOD and (moved or any(s[2] <= now for s in self._hidden_foreign))
         if not (self._map_changed or self._dirty or due):
             return
         if self._map_changed:
@@ -960,11 +959,13 @@ class ExplorerAgent:
             self._announce_negotiated(own, now)
 
     def _confirm_auctioned(self, own: Optional[Cluster], now: float) -> None:
+        age = now - self._confirm_time
+        if age < SHARE_PERIOD:
+            return
         elements = set(elements_of(own, self.name)) if own is not None else set()
         kept = len(elements & set(self._claimed))
         changed = (kept * 2 < len(elements)) or (not elements and bool(self._claimed))
-        age = now - self._confirm_time
-        if (changed and age >= SHARE_PERIOD) or (elements and age >= CONFIRM_PERIOD):
+        if changed or (elements and age >= CONFIRM_PERIOD):
             self._announce(now, self._auction_counter)
 
     # ---- frontiers on the air -------------------------------------------------------------------------------------

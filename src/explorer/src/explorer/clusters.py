@@ -160,8 +160,8 @@ class ClusterStore:
 
 def places_of(listed: Sequence[Key], foreign: ForeignFrontiers, self_name: str) -> np.ndarray:
     """(n, 2) array in metres in the own frame of the listed points of other robots whose place is known."""
-    places = [foreign.in_own_frame(key) for key in listed if key[0] != self_name]
-    return np.array([place for place in places if place is not None], dtype=float).reshape(-1, 2)
+    places = foreign.all_in_own_frame([key for key in listed if key[0] != self_name])
+    return np.array(places, dtype=float).reshape(-1, 2)
 
 
 class Listed:

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -133,7 +133,8 @@ class FrontierStore:
             own = own[occupancy.info.inside(own)]
             covered[own[:, 0], own[:, 1]] = True
             covered = _box_dilate(covered, max(1, int(THINNING_DISTANCE / occupancy.info.resolution)))
-        open_cells = np.argwhere(cells & ~covered)
+        # Several times faster than looking for them in two dimensions.
+        open_cells = np.column_stack(np.divmod(np.flatnonzero(cells & ~covered), cells.shape[1]))
         new = []
         for x, y in thin(occupancy.info.centres_of(open_cells)).tolist():
             if len(self.frontiers) >= MAXIMUM_FRONTIERS:
@@ -201,8 +202,7 @@ class ForeignFrontiers:
 
     def places(self, robot: str) -> List[Tuple[float, float]]:
         """Points of a robot in metres in the own map frame; none without a transform."""
-        places = [self.in_own_frame((robot, number)) for number in self._points.get(robot, {})]
-        return [place for place in places if place is not None]
+        return self.all_in_own_frame([(robot, number) for number in self._points.get(robot, {})])
 
     def to_own_frame(self, element: Element) -> Optional[Tuple[float, float]]:
         transform = self._transforms.get(element.detected_by)
@@ -212,11 +212,19 @@ class ForeignFrontiers:
 
     def in_own_frame(self, key: Key) -> Optional[Tuple[float, float]]:
         """(x, y) in metres in the own map frame, or None if the point or the transform is not known."""
-        point = self._points.get(key[0], {}).get(key[1])
-        transform = self._transforms.get(key[0])
-        if point is None or transform is None:
-            return None
-        return _transformed(transform, point[0], point[1])
+        places = self.all_in_own_frame([key])
+        return places[0] if places else None
+
+    def all_in_own_frame(self, keys: Sequence[Key]) -> List[Tuple[float, float]]:
+        """(x, y) in metres in the own map frame of those points that are known, with their transform."""
+        points, transforms, places = self._points, self._transforms, []
+        for robot, number in keys:
+            transform = transforms.get(robot)
+            if transform is not None and robot in points:
+                point = points[robot].get(number)
+                if point is not None:
+                    places.append(_transformed(transform, *point))
+        return places
 
 
 def _transformed(transform: Tuple[float, ...], x: float, y: float) -> Tuple[float, float]:
