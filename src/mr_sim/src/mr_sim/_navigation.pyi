@@ -25,6 +25,7 @@ class Horizon:
     step: float
     goal_radius: float
     heading_weight: float
+    reverse_penalty: float
     def __init__(self) -> None: ...
 
 def march(
@@ -91,6 +92,9 @@ def choose_velocity(
     horizon: Horizon,
     period: float,
 ) -> tuple[bool, float, float, float, float]: ...
+def escape(
+    pose: _Pose, velocity: _Pair, obstacles: np.ndarray, limits: Limits, footprint: Footprint, horizon: Horizon
+) -> _Pair | None: ...
 def is_clear(
     pose: _Pose,
     velocity: _Pair,

@@ -5,11 +5,14 @@ from typing import Callable, List, Tuple
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
 
 from mr_sim import _navigation
 from mr_sim.closed_loop import ClosedLoop, Robot
 from mr_sim.navigation.engine import Command, Navigator, Status
 from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, Scan, make_scan
+from mr_sim.navigation.recovery import StuckPlaces
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.pose import Pose
 
@@ -119,6 +122,85 @@ def test_within_touching_distance_no_nearer() -> None:
     assert may_drive((0.0, 0.0), beside)
     assert may_drive((0.0, -0.05), beside)
     assert not may_drive((0.0, 0.05), beside)
+
+
+def test_a_margin_that_grows_with_speed_does_not_close_the_way_out() -> None:
+    """Five centimetres from something that might move a robot could not even drive away from it."""
+    behind = (-0.22 - 0.05, 0.0, 0.1, 0.25)
+    assert may_drive((0.15, 0.0), behind)
+    assert not may_drive((-0.15, 0.0), behind)
+    assert not may_drive((0.15, 0.0), (0.22 + 0.05, 0.0, 0.1, 0.25))
+
+
+corners = st.tuples(st.floats(-0.6, 0.6), st.floats(-0.6, 0.6))
+
+
+@settings(suppress_health_check=[HealthCheck.filter_too_much])
+@given(st.lists(corners, min_size=1, max_size=8), st.booleans())
+def test_a_way_out_gains_room_and_never_comes_nearer(points: List[Tuple[float, float]], moves: bool) -> None:
+    """With a tolerance instead robots backed into tables."""
+    margins = (0.1, 0.25) if moves else (0.05, 0.0)
+    obstacles = np.array([(x, y, *margins) for x, y in points])
+    limits, footprint, horizon = _navigation.Limits(), _navigation.Footprint(), _navigation.Horizon()
+    limits.reverse, horizon.duration = 0.15, 1.0
+    pose = (0.0, 0.0, 0.0)
+    before = _navigation.clearance(pose, obstacles, footprint)
+    assume(0.0 < before < 0.08)
+    found = _navigation.escape(pose, (0.0, 0.0), obstacles, limits, footprint, horizon)
+    if found is None:
+        return
+    for _ in range(100):
+        yaw = pose[2] + 0.005 * found[1]
+        pose = (pose[0] + 0.01 * found[0] * math.cos(yaw), pose[1] + 0.01 * found[0] * math.sin(yaw), yaw)
+        assert _navigation.clearance(pose, obstacles, footprint) > min(before, 0.03) - 0.004
+    assert _navigation.clearance(pose, obstacles, footprint) > before - 0.001
+
+
+def test_a_place_remembers_that_a_robot_was_stuck_there() -> None:
+    """With every new goal at the same spot recovery began from the start."""
+    places = StuckPlaces()
+    assert [places.add(now, (1.0 + 0.1 * now, 2.0, 0.0)) for now in range(3)] == [1, 2, 3]
+    assert places.add(3.0, (3.0, 2.0, 0.0)) == 1
+    assert places.add(4.0, (1.0, 2.0, 0.0)) == 4
+    assert places.add(100.0, (1.0, 2.0, 0.0)) == 1
+
+
+def test_a_new_goal_does_not_hide_that_the_robot_is_stuck() -> None:
+    """A robot that stood was given another goal every few seconds, and none was old enough for a recovery."""
+    # The blind end of a corridor of half a metre, with the goals at its other end.
+    navigator, pose = Navigator(), (1.0, 2.0, 0.0)
+    navigator.set_map(room((slice(44, 46), slice(0, 30), slice(34, 35), slice(0, 30), slice(34, 45), slice(26, 28))))
+    commands = []
+    for step in range(100):
+        if step % 15 == 0:
+            navigator.set_goal((0.3, 1.95 + 0.001 * step, 0.0), 0.1 * step)
+        commands.append(navigator.step(0.1 * step, pose, EMPTY))
+    assert min(command.linear for command in commands) < -0.05
+
+
+def test_a_way_back_where_there_is_no_room_to_turn(draw_world: Callable[..., str]) -> None:
+    """At the end of a corridor narrower than its diagonal a robot turned to and fro until its goal was given up."""
+    walls = [(2.5, 0.0, 3.5, 1.2), (2.5, 1.86, 3.5, 1.14)]
+    loop = ClosedLoop(draw_world((6, 3), walls, [(1.0, 1.5, 0.0)]), 1, 0)
+    drive(loop, [(5.3, 1.53, 0.0)], 30.0)
+    assert_arrived(loop.robots[0])
+    loop.robots[0].results.clear()
+    since = loop.world.time
+    drive(loop, [(1.0, 1.5, 0.0)], since + 30.0, since)
+    assert_arrived(loop.robots[0])
+
+
+def test_backwards_not_into_a_robot_that_says_where_it_is() -> None:
+    """The laser is blind there: a robot that gave way backed into the one behind it."""
+    for others, backs in (({}, True), ({"robot_1": (0.4, 2.0)}, False)):
+        navigator = Navigator(name="robot_0")
+        navigator.set_map(
+            room((slice(44, 46), slice(0, 30), slice(34, 35), slice(0, 30), slice(34, 45), slice(26, 28)))
+        )
+        navigator.set_others(others, 0.0)
+        navigator.set_goal((0.3, 2.0, 0.0), 0.0)
+        least = min(navigator.step(0.1 * step, (1.0, 2.0, 0.0), EMPTY).linear for step in range(30))
+        assert (least < -0.05) == backs
 
 
 def test_thinning_keeps_the_nearest_point() -> None:

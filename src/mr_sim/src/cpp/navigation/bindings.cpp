@@ -167,7 +167,8 @@ PYBIND11_MODULE(_navigation, module) {
       .def_readwrite("duration", &Horizon::duration)
       .def_readwrite("step", &Horizon::step)
       .def_readwrite("goal_radius", &Horizon::goal_radius)
-      .def_readwrite("heading_weight", &Horizon::heading_weight);
+      .def_readwrite("heading_weight", &Horizon::heading_weight)
+      .def_readwrite("reverse_penalty", &Horizon::reverse_penalty);
   module.def("march", &march_grid, py::arg("slowness"), py::arg("seeds"), py::arg("stop") = std::make_pair(-1, -1),
              py::arg("beyond") = 0.0F, py::arg("limit") = kUnreached, py::arg("former") = py::none(),
              "Cost to go (rows, columns) float32 from seeds (row, column, cost); infinity where unreached. `former`: "
@@ -219,6 +220,17 @@ PYBIND11_MODULE(_navigation, module) {
              py::arg("goal"), py::arg("pose"), py::arg("velocity"), py::arg("obstacles"), py::arg("limits"),
              py::arg("footprint"), py::arg("horizon"), py::arg("period"),
              "(found, linear, angular, seconds to the goal, clearance).");
+  module.def(
+      "escape",
+      [](const Triple& pose, const Pair& velocity, const Doubles& obstacles, const Limits& limits,
+         const Footprint& footprint, const Horizon& horizon) -> std::optional<Pair> {
+        const auto found = escape(to_pose(pose), {velocity.first, velocity.second}, to_obstacles(obstacles), limits,
+                                  footprint, horizon);
+        if (!found) return std::nullopt;
+        return Pair{found->linear, found->angular};
+      },
+      py::arg("pose"), py::arg("velocity"), py::arg("obstacles"), py::arg("limits"), py::arg("footprint"),
+      py::arg("horizon"), "Linear and angular velocity of the slow motion that gains most room, or None.");
   module.def(
       "is_clear",
       [](const Triple& pose, const Pair& velocity, const Pair& target, const Doubles& obstacles, const Limits& limits,

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kHidden = 1e3;     // m, clearance where there is no obstacle
 constexpr double kTouching = 0.03;  // m to obstacles, less than which may be a touch: poses and points are inexact
+constexpr double kRoomy = 0.08;     // m to obstacles, more than which does not matter to a robot that is stuck
 
 double approach(double value, double target, double change) {
   return value + std::clamp(target - value, -change, change);
@@ -100,11 +101,14 @@ std::optional<double> way_clearance(const Motion& motion, const Velocity& target
   // From inside a margin only ways that lead no deeper are open.
   const double least = std::min(0.0, at_start.with_margins - 0.003);
   const double least_bare = std::min(kTouching, at_start.bare);
-  double nearest = kHidden;
+  double nearest = kHidden, before = at_start.bare;
   for (const Pose& pose : motion.poses) {
     const Clearance now = clearance(pose, std::abs(target.linear), obstacles, footprint);
-    if (now.with_margins < least || now.bare < least_bare) return std::nullopt;
+    // Margins grow with speed; a motion that leads away may have it all the same, or no way out would be open.
+    const bool leads_away = now.bare > before;
+    if ((now.with_margins < least && !leads_away) || now.bare < least_bare) return std::nullopt;
     nearest = std::min(nearest, now.with_margins);
+    before = now.bare;
   }
   return nearest;
 }
@@ -121,6 +125,9 @@ double time_left(const Field& field, const Motion& motion, const Limits& limits,
   }
   return time;
 }
+
+// Clearance on a coarse scale that ends where there is enough of it.
+long room(double clearance) { return std::lround(std::floor(std::min(clearance, kRoomy) / 0.005)); }
 
 std::vector<double> speeds(const Limits& limits) {
   std::vector<double> values{0.0};
@@ -172,7 +179,7 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
       Motion motion = drive(&field, pose, velocity.linear, linear, headings[i], limits, horizon);
       double time = time_left(field, motion, limits, horizon);
       // Backwards the laser is blind: only where it saves a lot.
-      if (linear < 0.0) time += 1.5;
+      if (linear < 0.0) time += horizon.reverse_penalty;
       time += 0.02 * std::abs(target.angular - velocity.angular);
       if (time < kUnreached) candidates.push_back({target, std::move(motion), time});
     }
@@ -193,6 +200,27 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
   }
   best.velocity = {approach(velocity.linear, best.target.linear, limits.linear_acceleration * period),
                    approach(velocity.angular, best.target.angular, limits.angular_acceleration * period)};
+  return best;
+}
+
+std::optional<Velocity> escape(const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
+                               const Limits& limits, const Footprint& footprint, const Horizon& horizon) {
+  const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
+  std::optional<Velocity> best;
+  // Where there is enough room already, any motion will do that keeps it.
+  long most = room(at_start.bare) - (at_start.bare < kRoomy ? 0 : 1);
+  for (const double linear : {-limits.reverse, -0.5 * limits.reverse, limits.reverse, 0.5 * limits.reverse, 0.0}) {
+    for (const double angular : {0.0, 0.2, -0.2, 0.4, -0.4, 0.8, -0.8}) {
+      if (linear == 0.0 && angular == 0.0) continue;
+      const Velocity target{linear, angular};
+      const auto headings = turn(pose.yaw, velocity.angular, angular, limits, horizon);
+      const Motion motion = drive(nullptr, pose, velocity.linear, linear, headings, limits, horizon);
+      const long gained = room(clearance(motion.poses.back(), 0.0, obstacles, footprint).bare);
+      if (gained <= most || !way_clearance(motion, target, obstacles, at_start, footprint)) continue;
+      most = gained;
+      best = target;
+    }
+  }
   return best;
 }
 

@@ -1,6 +1,7 @@
 // Local control: of the motions the robot can make next, the one after which the least time is left to the goal.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "march.hpp"
@@ -36,6 +37,7 @@ struct Horizon {
   double duration = 1.1, step = 0.1;  // s
   double goal_radius = 0.1;           // m, a motion that comes this near to the goal is complete
   double heading_weight = 0.7;        // s of turning counted as this share of driving
+  double reverse_penalty = 1.5;       // s by which driving backwards counts as longer
 };
 
 // Cost to go on a grid, in cells of time at full speed.
@@ -64,6 +66,12 @@ Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>&
 
 Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
               const Limits& limits, const Footprint& footprint, const Horizon& horizon, double period);
+
+// The slow motion, up to `limits.reverse` either way, after which there is most room around the footprint; of equals
+// the first of back, ahead and on the spot. None comes nearer to anything than the robot is, once inside its margin.
+// Nothing if no motion gains room where it is short.
+std::optional<Velocity> escape(const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
+                               const Limits& limits, const Footprint& footprint, const Horizon& horizon);
 
 // Whether the motion ramping to `target` stays clear of the obstacles for `duration`.
 bool is_clear(const Pose& pose, const Velocity& velocity, const Velocity& target,

@@ -26,6 +26,7 @@ from mr_sim.navigation.options import (
     is_place,
 )
 from mr_sim.navigation.planner import CostMap, Plan, path, plan, without_robots
+from mr_sim.navigation.recovery import StuckPlaces
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.navigation.yielding import HeldUp, find_retreat, nearest_blocker
 from mr_sim.pose import Pose, placed
@@ -33,6 +34,8 @@ from mr_sim.pose import Pose, placed
 NEAR = 1.3  # m around the robot in which obstacles bear on its next motion
 WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
 POINT_SPACING = 0.03  # m, finer detail of obstacles does not matter
+ROBOT_NEAR = 1.5  # m within which a robot that says where it is bears on motions backwards
+ROBOT_RIM = 0.25  # m around that position that its footprint takes up
 HINT_AGE = 6.0  # s for which reported positions of other robots count
 DETOUR = 5.0  # m that a way around something moving may be longer before waiting is better
 DETOUR_WAIT = 8.0  # s after which any detour is taken
@@ -41,12 +44,19 @@ NO_WAY_PAUSE = 0.25  # s between them
 PROGRESS = 0.1  # m of way that count as progress
 BACK_OFF_SPEED = 0.15  # m/s
 BACK_OFF_TIME = 1.6  # s
+BACK_OFF_AHEAD = 1.0  # s for which a way to back off has to be clear
+REVERSE_TIME = 10.0  # s for which a robot that stays stuck may drive its way backwards
+REVERSE_PATIENCE = 2.0  # s without progress after which a robot that nothing holds up may
+TURNING = 0.3  # rad/s from which a robot turns to where it wants to go
 RETREAT_TIME = 10.0  # s
 RETREAT_SPEED = 0.25  # m/s backwards
 TURNING_ROOM = 0.8  # m to what is in the way within which a robot that gives way goes back before it turns
 INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan
 TIME_ALLOWED = 30.0  # s for any goal, plus
 TIME_FACTOR = 5.0  # times what the way takes at full speed
+
+
+CIRCLE = np.stack([np.cos(np.arange(12) * math.pi / 6.0), np.sin(np.arange(12) * math.pi / 6.0)], axis=1)
 
 
 class Status(Enum):
@@ -104,14 +114,20 @@ class Navigator:
         self._planned_at = -math.inf
         self._mode_until = 0.0
         self._retreat: Optional[Plan] = None
+        self._back: Optional[Tuple[float, float]] = None  # m/s and rad/s by which it backs off, once chosen
+        self._stuck_places = StuckPlaces()
+        self._reverse_until = -math.inf
+        self._progress_from: Optional[Tuple[float, float]] = None  # where the latest progress was made
         self._velocity = (0.0, 0.0)
         self._stall = StallWatch()
         self._held_up = HeldUp(name, self.options.yield_patience, self._random)
         self._footprint = _footprint(self.options)
+        self._back_limits = _limits(self.options, BACK_OFF_SPEED)
         self._margins = _navigation.Margins(
             WALL_MARGIN, self.options.obstacle_margin, self.options.moving_margin, self.options.moving_reaction_time
         )
         self._hits = np.empty((0, 2))  # of the latest scan, robot's frame
+        self._pose: Optional[Pose] = None  # the latest
 
     # --- inputs -------------------------------------------------------------------------------------------------------
 
@@ -153,11 +169,18 @@ class Navigator:
             raise NavigationError(
                 f"goal ({goal[0]:g}, {goal[1]:g}, {goal[2]:g}) is not within {FARTHEST:g} m of the map"
             )
-        self._goal = _Goal(goal, now, now)
+        self._goal = _Goal(goal, now, self._progress_since(now))
         self._planned_at = -math.inf
         self.plan = None
         if self.mode is Mode.TURN:
             self.mode = Mode.DRIVE
+
+    def _progress_since(self, now: float) -> float:
+        """When a robot that is given another goal made progress last: it may be stuck, then the new goal is no news."""
+        if self._goal is None or self.mode is not Mode.DRIVE or self._progress_from is None or self._pose is None:
+            return now
+        moved = math.dist(self._progress_from, self._pose[:2]) >= PROGRESS
+        return now if moved else min(now, self._goal.progress_at)
 
     def cancel(self) -> None:
         """Drops the goal; the robot brakes."""
@@ -174,7 +197,7 @@ class Navigator:
         costs = self._cost_map()
         if pose is None or scan is None or costs is None:
             return self._without_input(now, pose, scan)
-        self._hits = scan.points
+        self._hits, self._pose = scan.points, pose
         self._memory.update(scan, pose, costs.walls, now)
         if self._goal is None:
             self._stall.clear()
@@ -193,9 +216,9 @@ class Navigator:
 
     def _act(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
         if self.mode is Mode.BACK_OFF and now < self._mode_until:
-            return self._back_off(pose, obstacles)
+            return self._back_off(pose, self._with_robots_behind(now, pose, obstacles))
         if self.mode is Mode.RETREAT:
-            return self._give_way(now, pose, obstacles)
+            return self._give_way(now, pose, self._with_robots_behind(now, pose, obstacles))
         if self.mode is Mode.WAIT and now < self._mode_until:
             return self._brake(Status.ACTIVE)
         if self.mode is not Mode.TURN:
@@ -214,10 +237,12 @@ class Navigator:
             return self._turn_to_goal(now, pose, obstacles)
         left = way.cost_at(pose[0], pose[1])
         if left < goal.best - PROGRESS:
-            goal.best, goal.progress_at = left, now
+            goal.best, goal.progress_at, self._progress_from = left, now, pose[:2]
+        elif self._progress_from is None:
+            self._progress_from = pose[:2]
         if now > goal.deadline:
             return self._abort(f"{now - goal.since:.0f} s were not enough to reach the goal, {left:.1f} m are left")
-        found, linear, angular = self._choose(way, pose, obstacles, reverse=0.0)
+        found, linear, angular = self._choose_way(now, way, pose, obstacles)
         if self._held(now, pose, moving=found and linear > 0.05):
             return self._begin_retreat(now, pose)
         if now - goal.progress_at > self.options.progress_patience:
@@ -239,11 +264,25 @@ class Navigator:
         rate = min(self.options.max_angular_velocity, math.sqrt(2.0 * abs(error)))
         return self._ramp(pose, obstacles, (0.0, math.copysign(rate, error)))
 
+    def _choose_way(self, now: float, way: Plan, pose: Pose, obstacles: np.ndarray) -> Tuple[bool, float, float]:
+        """Ahead; backwards, too, for a while when that does not do: where there is no room to turn."""
+        assert self._goal is not None
+        stands = now - self._goal.progress_at > REVERSE_PATIENCE and abs(self._velocity[1]) < TURNING
+        if stands and self._blocker(pose) is None:
+            self._reverse_until = now + REVERSE_TIME
+        if now < self._reverse_until:
+            behind = self._with_robots_behind(now, pose, obstacles)
+            return self._choose(way, pose, behind, reverse=BACK_OFF_SPEED, penalty=0.0)
+        return self._choose(way, pose, obstacles, reverse=0.0)
+
     def _back_off(self, pose: Pose, obstacles: np.ndarray) -> Command:
-        back = -BACK_OFF_SPEED
-        for target in ((back, 0.0), (back, 0.5), (back, -0.5), (0.0, 0.8), (0.0, -0.8)):
-            if self._is_clear(pose, obstacles, target, 0.6):
-                return self._ramp(pose, obstacles, target)
+        """One motion for the whole of it: chosen anew in each step, ways to both sides undo one another."""
+        if self._back is None:
+            self._back = _navigation.escape(
+                pose, self._velocity, obstacles, self._back_limits, self._footprint, _horizon(BACK_OFF_AHEAD)
+            )
+        if self._back is not None and self._is_clear(pose, obstacles, self._back, 0.4):
+            return Command(*self._approach(self._back), Status.ACTIVE)
         self._mode_until = -math.inf
         return self._brake(Status.ACTIVE)
 
@@ -258,7 +297,9 @@ class Navigator:
             back = self._backwards(retreat, pose, obstacles)
             if back is not None:
                 return self._ramp(pose, obstacles, back)
-        found, linear, angular = self._choose(retreat, pose, obstacles, reverse=BACK_OFF_SPEED)
+        # What was seen moving lately may be where the laser is blind.
+        penalty = None if self._memory.size else 0.0
+        found, linear, angular = self._choose(retreat, pose, obstacles, reverse=BACK_OFF_SPEED, penalty=penalty)
         return Command(linear, angular, Status.ACTIVE) if found else self._brake(Status.ACTIVE)
 
     def _backwards(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Optional[Tuple[float, float]]:
@@ -280,6 +321,7 @@ class Navigator:
         self._held_up.clear()
         self._goal.progress_at = now
         self._goal.best = math.inf
+        self._progress_from = None
         self._planned_at = -math.inf
 
     # --- decisions ----------------------------------------------------------------------------------------------------
@@ -385,22 +427,27 @@ class Navigator:
 
     def _begin_back_off(self, now: float) -> Command:
         self.mode = Mode.BACK_OFF
+        self._back = None
         self._mode_until = now + BACK_OFF_TIME * (0.5 + self._random.random())
         return self._brake(Status.ACTIVE)
 
     def _recover(self, now: float, pose: Pose, why: str) -> Command:
-        """Backs off, or makes room where something moves; gives the goal up when that has not helped often enough."""
+        """Backs off, or makes room where something moves; where that has not helped, lets the robot drive backwards.
+        Gives the goal up when that has not helped often enough."""
         assert self._goal is not None
         goal = self._goal
         goal.recoveries += 1
+        before = self._stuck_places.add(now, pose) - 1
         blocker = self._blocker(pose)
         if goal.recoveries > self.options.recovery_limit:
             hint = "" if blocker is None else "; an obstacle that is not in the map is near"
             return self._abort(
                 f"stuck at ({pose[0]:.2f}, {pose[1]:.2f}) after {goal.recoveries - 1} recoveries: {why}{hint}"
             )
-        if blocker is not None and goal.recoveries % 2 == 0:
+        if blocker is not None and before % 2 == 1:
             return self._begin_retreat(now, pose)
+        if before:
+            self._reverse_until = now + REVERSE_TIME
         self._memory.clear()
         return self._begin_back_off(now)
 
@@ -433,9 +480,30 @@ class Navigator:
             scan.points, pose, self._memory.rows, costs.walls, self._margins, KNOWN_WITHIN, NEAR, POINT_SPACING
         )
 
-    def _choose(self, way: Plan, pose: Pose, obstacles: np.ndarray, reverse: float) -> Tuple[bool, float, float]:
+    def _with_robots_behind(self, now: float, pose: Pose, obstacles: np.ndarray) -> np.ndarray:
+        """Behind, where the laser is blind, also the rims of robots that say they are there."""
+        if now - self._others_at >= HINT_AGE:
+            return obstacles
+        ahead = (math.cos(pose[2]), math.sin(pose[2]))
+        behind = [
+            (x, y)
+            for x, y in self._others.values()
+            if math.dist((x, y), pose[:2]) < ROBOT_NEAR and (x - pose[0]) * ahead[0] + (y - pose[1]) * ahead[1] < 0.0
+        ]
+        if not behind:
+            return obstacles
+        rims = (np.array(behind)[:, None, :] + ROBOT_RIM * CIRCLE[None, :, :]).reshape(-1, 2)
+        margins = np.tile([self.options.moving_margin, self.options.moving_reaction_time], (len(rims), 1))
+        return np.concatenate([obstacles, np.hstack([rims, margins])])
+
+    def _choose(
+        self, way: Plan, pose: Pose, obstacles: np.ndarray, reverse: float, penalty: Optional[float] = None
+    ) -> Tuple[bool, float, float]:
+        """`reverse`: m/s; `penalty`: s by which driving backwards counts as longer."""
         horizon = _navigation.Horizon()
         horizon.goal_radius = 0.7 * self.options.xy_goal_tolerance
+        if penalty is not None:
+            horizon.reverse_penalty = penalty
         found, linear, angular, _, _ = _navigation.choose_velocity(
             way.cost, way.grid.resolution, way.grid.origin, way.goal, pose, self._velocity, obstacles,
             _limits(self.options, reverse), self._footprint, horizon, self.options.controller_period,
@@ -443,10 +511,8 @@ class Navigator:
         return found, linear, angular
 
     def _is_clear(self, pose: Pose, obstacles: np.ndarray, target: Tuple[float, float], duration: float) -> bool:
-        horizon = _navigation.Horizon()
-        horizon.duration = duration
         return _navigation.is_clear(
-            pose, self._velocity, target, obstacles, _limits(self.options, BACK_OFF_SPEED), self._footprint, horizon
+            pose, self._velocity, target, obstacles, self._back_limits, self._footprint, _horizon(duration)
         )
 
     def _ramp(self, pose: Pose, obstacles: np.ndarray, target: Tuple[float, float]) -> Command:
@@ -475,6 +541,12 @@ def _limits(options: NavigationOptions, reverse: float = 0.0) -> _navigation.Lim
     limits.linear_acceleration = options.linear_acceleration
     limits.angular_acceleration = options.angular_acceleration
     return limits
+
+
+def _horizon(duration: float) -> _navigation.Horizon:
+    horizon = _navigation.Horizon()
+    horizon.duration = duration
+    return horizon
 
 
 def _footprint(options: NavigationOptions) -> _navigation.Footprint:
