@@ -1,6 +1,7 @@
 #include "distances.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 #include <vector>
 
