@@ -5,7 +5,7 @@ same way keeps the thickness of walls out of the estimate, and lets the quantisa
 """
 
 from dataclasses import dataclass, field, replace
-from typing import List, Tuple
+from typing import List, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -154,7 +154,7 @@ def _obstacles(occupied: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray
     return rows[wall], columns[wall], extent[label[wall]]
 
 
-def _directions(shape: Tuple[int, int], rows: np.ndarray, columns: np.ndarray) -> tuple:
+def _directions(shape: Sequence[int], rows: np.ndarray, columns: np.ndarray) -> tuple:
     """Unit normal (row part, column part) of the wall through each obstacle cell of a map of this shape, and how
     line-like it is there (0 .. 1).
 
