@@ -26,6 +26,7 @@ class Horizon:
     goal_radius: float
     heading_weight: float
     reverse_penalty: float
+    slack: float
     def __init__(self) -> None: ...
 
 def march(

@@ -168,7 +168,8 @@ PYBIND11_MODULE(_navigation, module) {
       .def_readwrite("step", &Horizon::step)
       .def_readwrite("goal_radius", &Horizon::goal_radius)
       .def_readwrite("heading_weight", &Horizon::heading_weight)
-      .def_readwrite("reverse_penalty", &Horizon::reverse_penalty);
+      .def_readwrite("reverse_penalty", &Horizon::reverse_penalty)
+      .def_readwrite("slack", &Horizon::slack);
   module.def("march", &march_grid, py::arg("slowness"), py::arg("seeds"), py::arg("stop") = std::make_pair(-1, -1),
              py::arg("beyond") = 0.0F, py::arg("limit") = kUnreached, py::arg("former") = py::none(),
              "Cost to go (rows, columns) float32 from seeds (row, column, cost); infinity where unreached. `former`: "

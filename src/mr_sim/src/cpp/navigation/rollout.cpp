@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kHidden = 1e3;     // m, clearance where there is no obstacle
 constexpr double kTouching = 0.03;  // m to obstacles, less than which may be a touch: poses and points are inexact
+constexpr double kClosest = 0.02;   // m to obstacles, less than which no slack is given
 constexpr double kRoomy = 0.08;     // m to obstacles, more than which does not matter to a robot that is stuck
 
 double approach(double value, double target, double change) {
@@ -97,10 +98,10 @@ Motion drive(const Field* field, Pose pose, double linear, double target, const 
 // The least clearance with margins on the way; nothing if the motion touches something.
 std::optional<double> way_clearance(const Motion& motion, const Velocity& target,
                                     const std::vector<Obstacle>& obstacles, const Clearance& at_start,
-                                    const Footprint& footprint) {
+                                    const Footprint& footprint, double slack) {
   // From inside a margin only ways that lead no deeper are open.
   const double least = std::min(0.0, at_start.with_margins - 0.003);
-  const double least_bare = std::min(kTouching, at_start.bare);
+  const double least_bare = std::min({kTouching, at_start.bare, std::max(at_start.bare - slack, kClosest)});
   double nearest = kHidden, before = at_start.bare;
   for (const Pose& pose : motion.poses) {
     const Clearance now = clearance(pose, std::abs(target.linear), obstacles, footprint);
@@ -190,7 +191,8 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
   Choice best{{0.0, 0.0}, {0.0, 0.0}, kUnreached, 0.0, false};
   const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
   for (const Candidate& candidate : candidates) {
-    const auto nearest = way_clearance(candidate.motion, candidate.target, obstacles, at_start, footprint);
+    const auto nearest =
+        way_clearance(candidate.motion, candidate.target, obstacles, at_start, footprint, horizon.slack);
     if (!nearest) continue;
     best.time = candidate.time;
     best.target = candidate.target;
@@ -216,7 +218,7 @@ std::optional<Velocity> escape(const Pose& pose, const Velocity& velocity, const
       const auto headings = turn(pose.yaw, velocity.angular, angular, limits, horizon);
       const Motion motion = drive(nullptr, pose, velocity.linear, linear, headings, limits, horizon);
       const long gained = room(clearance(motion.poses.back(), 0.0, obstacles, footprint).bare);
-      if (gained <= most || !way_clearance(motion, target, obstacles, at_start, footprint)) continue;
+      if (gained <= most || !way_clearance(motion, target, obstacles, at_start, footprint, horizon.slack)) continue;
       most = gained;
       best = target;
     }
@@ -230,7 +232,7 @@ bool is_clear(const Pose& pose, const Velocity& velocity, const Velocity& target
   const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
   const auto headings = turn(pose.yaw, velocity.angular, target.angular, limits, horizon);
   const Motion motion = drive(nullptr, pose, velocity.linear, target.linear, headings, limits, horizon);
-  return way_clearance(motion, target, obstacles, at_start, footprint).has_value();
+  return way_clearance(motion, target, obstacles, at_start, footprint, horizon.slack).has_value();
 }
 
 }  // namespace mr_sim::navigation

@@ -38,6 +38,7 @@ struct Horizon {
   double goal_radius = 0.1;           // m, a motion that comes this near to the goal is complete
   double heading_weight = 0.7;        // s of turning counted as this share of driving
   double reverse_penalty = 1.5;       // s by which driving backwards counts as longer
+  double slack = 0.0;                 // m nearer than now that a robot within touching distance may come
 };
 
 // Cost to go on a grid, in cells of time at full speed.

@@ -46,6 +46,9 @@ BACK_OFF_SPEED = 0.15  # m/s
 BACK_OFF_TIME = 1.6  # s
 BACK_OFF_AHEAD = 1.0  # s for which a way to back off has to be clear
 REVERSE_TIME = 10.0  # s for which a robot that stays stuck may drive its way backwards
+STUCK_SLACK = (
+    0.002  # m; along a wall of the map, whose cells are not quite in line, a robot has to come this much nearer
+)
 REVERSE_PATIENCE = 2.0  # s without progress after which a robot that nothing holds up may
 TURNING = 0.3  # rad/s from which a robot turns to where it wants to go
 RETREAT_TIME = 10.0  # s
@@ -279,7 +282,12 @@ class Navigator:
         """One motion for the whole of it: chosen anew in each step, ways to both sides undo one another."""
         if self._back is None:
             self._back = _navigation.escape(
-                pose, self._velocity, obstacles, self._back_limits, self._footprint, _horizon(BACK_OFF_AHEAD)
+                pose,
+                self._velocity,
+                obstacles,
+                self._back_limits,
+                self._footprint,
+                _horizon(BACK_OFF_AHEAD, STUCK_SLACK),
             )
         if self._back is not None and self._is_clear(pose, obstacles, self._back, 0.4):
             return Command(*self._approach(self._back), Status.ACTIVE)
@@ -503,7 +511,7 @@ class Navigator:
         horizon = _navigation.Horizon()
         horizon.goal_radius = 0.7 * self.options.xy_goal_tolerance
         if penalty is not None:
-            horizon.reverse_penalty = penalty
+            horizon.reverse_penalty, horizon.slack = penalty, STUCK_SLACK
         found, linear, angular, _, _ = _navigation.choose_velocity(
             way.cost, way.grid.resolution, way.grid.origin, way.goal, pose, self._velocity, obstacles,
             _limits(self.options, reverse), self._footprint, horizon, self.options.controller_period,
@@ -511,8 +519,9 @@ class Navigator:
         return found, linear, angular
 
     def _is_clear(self, pose: Pose, obstacles: np.ndarray, target: Tuple[float, float], duration: float) -> bool:
+        slack = STUCK_SLACK if self.mode is Mode.BACK_OFF else 0.0
         return _navigation.is_clear(
-            pose, self._velocity, target, obstacles, self._back_limits, self._footprint, _horizon(duration)
+            pose, self._velocity, target, obstacles, self._back_limits, self._footprint, _horizon(duration, slack)
         )
 
     def _ramp(self, pose: Pose, obstacles: np.ndarray, target: Tuple[float, float]) -> Command:
@@ -543,9 +552,9 @@ def _limits(options: NavigationOptions, reverse: float = 0.0) -> _navigation.Lim
     return limits
 
 
-def _horizon(duration: float) -> _navigation.Horizon:
+def _horizon(duration: float, slack: float) -> _navigation.Horizon:
     horizon = _navigation.Horizon()
-    horizon.duration = duration
+    horizon.duration, horizon.slack = duration, slack
     return horizon
 
 

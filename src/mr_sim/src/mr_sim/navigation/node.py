@@ -7,7 +7,6 @@ from dataclasses import fields
 from typing import Any, Dict, Optional, Union
 
 import actionlib
-import cv2
 import rospy
 import tf2_ros
 from adhoc_communication.msg import MmListOfPoints
@@ -199,7 +198,6 @@ class MoveBaseNode:
 
 
 def main() -> int:
-    cv2.setNumThreads(1)  # one map is too little work to share out, and the robot's other nodes need the cores
     rospy.init_node("move_base")
     try:
         MoveBaseNode()
