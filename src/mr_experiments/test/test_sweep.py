@@ -326,6 +326,19 @@ def test_lost_scheduler_and_missing_workers_are_told(tmp_path, capfd, killed):
         assert capfd.readouterr().err == ""
 
 
+def test_letting_go_of_a_silent_cluster_is_no_fault(cluster, monkeypatch):
+    dask = DaskCluster(cluster.scheduler_address)
+    close = dask._client.close
+
+    def time_out(timeout):
+        close()
+        raise TimeoutError(f"timed out after {timeout:g} s.")
+
+    monkeypatch.setattr(dask._client, "close", time_out)
+    dask.close()
+    assert dask._client.status == "closed"
+
+
 def test_unfit_worker_is_told(cluster, tmp_path, monkeypatch):
     monkeypatch.setattr(cluster_module, "_CHILD", cluster_module._CHILD.replace("mr_experiments", "mr_nothing"))
     dask = DaskCluster(cluster.scheduler_address)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import json
 import logging
 import math
@@ -91,7 +93,8 @@ class DaskCluster:
 
     def close(self) -> None:
         """Lets go of the cluster; it stays as it is. What runs there comes to its end and is thrown away."""
-        self._client.close(timeout=2.0)
+        with contextlib.suppress(TimeoutError, asyncio.TimeoutError):  # of one that is lost there is no answer
+            self._client.close(timeout=2.0)
 
     def run(self, trials: Sequence[Trial], folder: Path, tell: Tell = lambda _, __: None) -> Iterator[Done]:
         """Yields each trial when its record is written. A worker that dies loses nothing: others take over. Raises
