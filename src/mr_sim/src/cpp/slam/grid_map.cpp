@@ -32,8 +32,8 @@ const Surface* GridMap::surface(const Cell& cell) const {
   return surface.hits > 0.0F ? &surface : nullptr;
 }
 
-GridMap::CellState& GridMap::state(const Cell& cell) {
-  return states_[static_cast<std::size_t>(cell.y - origin_.y) * width_ + cell.x - origin_.x];
+std::size_t GridMap::index_of(const Cell& cell) const {
+  return static_cast<std::size_t>(cell.y - origin_.y) * width_ + cell.x - origin_.x;
 }
 
 void GridMap::grow_to(Cell low, Cell high) {
@@ -61,6 +61,7 @@ void GridMap::grow_to(Cell low, Cell high) {
                 &states[static_cast<std::size_t>(row + origin_.y - low.y) * width + origin_.x - low.x]);
   }
   states_ = std::move(states);
+  touched_.assign(states_.size(), 0);  // maps grow between two scans
   origin_ = low;
   width_ = width;
   height_ = height;
@@ -111,14 +112,14 @@ void GridMap::insert(const Scan& scan, const Pose& robot) {
 void GridMap::add_hit(const Beam& beam, const Frame& robot) {
   const Point end = robot * beam.end;
   const Cell cell = cell_of(end);
-  CellState& state = this->state(cell);
-  const bool first = state.hit_in != scan_number_;
+  uint32_t& touched = touched_[index_of(cell)];
+  const bool first = touched != 2 * scan_number_ + 1;
   if (first) {
-    state.hit_in = scan_number_;
+    touched = 2 * scan_number_ + 1;
     change_odds(cell, options_.occupied_step);
   }
   if (!beam.has_normal) return;
-  add_to_surface(state.surface, end, robot.turned(beam.normal), first);
+  add_to_surface(state(cell).surface, end, robot.turned(beam.normal), first);
   mark_surface(cell);
 }
 
@@ -140,19 +141,20 @@ void GridMap::add_to_surface(Surface& surface, const Point& end, const Point& no
 }
 
 // Beams along a wall cross its cells without crossing its surface: only those that end well behind count against it.
-bool GridMap::sees_through(const Surface& surface, const Point& eye, const Point& end) const {
-  const double behind = surface.normal_x * (surface.x - end.x) + surface.normal_y * (surface.y - end.y);
-  if (behind < kBehind * std::hypot(surface.normal_x, surface.normal_y)) return false;
-  const double length = std::hypot(end.x - eye.x, end.y - eye.y);
-  const double cross = (end.x - eye.x) * (surface.y - eye.y) - (end.y - eye.y) * (surface.x - eye.x);
-  return std::abs(cross) < kSurfaceReach * length;
+bool GridMap::sees_through(const Surface& surface, const Ray& ray) const {
+  const double behind = surface.normal_x * (surface.x - ray.end.x) + surface.normal_y * (surface.y - ray.end.y);
+  const double squared = surface.normal_x * surface.normal_x + surface.normal_y * surface.normal_y;
+  if (behind < kBehind * std::sqrt(squared)) return false;
+  const double cross = ray.direction.x * (surface.y - ray.eye.y) - ray.direction.y * (surface.x - ray.eye.x);
+  return std::abs(cross) < kSurfaceReach;
 }
 
-void GridMap::free_cell(const Cell& cell, const Point& eye, const Point& end) {
+void GridMap::free_cell(const Cell& cell, const Ray& ray) {
+  uint32_t& touched = touched_[index_of(cell)];
+  if (touched >= 2 * scan_number_) return;
   CellState& state = this->state(cell);
-  if (state.hit_in == scan_number_ || state.freed_in == scan_number_) return;
-  if (state.surface.hits > 0.0F && !sees_through(state.surface, eye, end)) return;
-  state.freed_in = scan_number_;
+  if (state.surface.hits > 0.0F && !sees_through(state.surface, ray)) return;
+  touched = 2 * scan_number_;
   change_odds(cell, -options_.free_step);
   if (grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x] > 0) {
     state.surface = Surface{};
@@ -164,7 +166,8 @@ void GridMap::free_cell(const Cell& cell, const Point& eye, const Point& end) {
 void GridMap::see_through(const Point& eye, const Point& end) {
   const double length = std::hypot(end.x - eye.x, end.y - eye.y);
   if (length <= 0.0) return;
-  const Point direction{(end.x - eye.x) / length, (end.y - eye.y) / length};
+  const Ray ray{eye, end, {(end.x - eye.x) / length, (end.y - eye.y) / length}};
+  const Point& direction = ray.direction;
   const double r = options_.resolution;
   Cell cell = cell_of(eye);
   const int step_x = direction.x < 0.0 ? -1 : 1, step_y = direction.y < 0.0 ? -1 : 1;
@@ -175,7 +178,7 @@ void GridMap::see_through(const Point& eye, const Point& end) {
   double next_y = direction.y != 0.0 ? ((cell.y + (step_y > 0)) * r - eye.y) / direction.y : far;
   double entered = 0.0;
   while (entered < length) {
-    free_cell(cell, eye, end);
+    free_cell(cell, ray);
     if (next_x < next_y) {
       entered = next_x, next_x += delta_x, cell.x += step_x;
     } else {
@@ -191,7 +194,7 @@ void GridMap::free_footprint(const Pose& robot) {
     for (int x = low.x; x <= high.x; ++x) {
       const double center_x = (x + 0.5) * options_.resolution, center_y = (y + 0.5) * options_.resolution;
       if (std::hypot(center_x - robot.x, center_y - robot.y) > options_.free_radius) continue;
-      if (state({x, y}).freed_in != scan_number_) change_odds({x, y}, -options_.free_step);
+      if (touched_[index_of({x, y})] != 2 * scan_number_) change_odds({x, y}, -options_.free_step);
     }
   }
 }

@@ -55,26 +55,33 @@ class GridMap {
  private:
   struct CellState {
     Surface surface;
-    uint32_t hit_in = 0;    // number of the last scan that hit the cell
-    uint32_t freed_in = 0;  // number of the last scan that saw through it
     bool seen = false;
   };
 
+  struct Ray {
+    Point eye, end;   // m, map frame
+    Point direction;  // unit vector
+  };
+
   bool contains(const Cell& cell) const;
-  CellState& state(const Cell& cell);
+  std::size_t index_of(const Cell& cell) const;
+  CellState& state(const Cell& cell) { return states_[index_of(cell)]; }
   void mark_surface(const Cell& cell);
   void grow_to(Cell low, Cell high);
   void change_odds(const Cell& cell, double step);
   void add_hit(const Beam& beam, const Frame& robot);
   static void add_to_surface(Surface& surface, const Point& end, const Point& normal, bool first_of_scan);
   void see_through(const Point& eye, const Point& end);
-  bool sees_through(const Surface& surface, const Point& eye, const Point& end) const;
-  void free_cell(const Cell& cell, const Point& eye, const Point& end);
+  bool sees_through(const Surface& surface, const Ray& ray) const;
+  void free_cell(const Cell& cell, const Ray& ray);
   void free_footprint(const Pose& robot);
 
   GridOptions options_;
   mrpt::maps::COccupancyGridMap2D grid_;
   std::vector<CellState> states_;
+  // For each cell twice the number of the last scan that saw through it, and one more if the scan hit it. Apart from
+  // the states, because near the robot most beams pass cells that others have passed already.
+  std::vector<uint32_t> touched_;
   // One bit for each cell that has a surface, `words_` words to a row: most cells have none, and looking for surfaces
   // is most of the work of matching.
   std::vector<uint64_t> marks_;

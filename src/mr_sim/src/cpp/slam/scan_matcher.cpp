@@ -134,7 +134,7 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
     const Eigen::Vector3d step = information.ldlt().solve(-gradient);
     fit.pose = {pose.x + step.x(), pose.y + step.y(), normalized(pose.yaw + step.z())};
     reach = std::max(0.5 * reach, 0.12);
-    if (iteration > 2 && step.head<2>().norm() < 2e-4 && std::abs(step.z()) < 1e-4) break;
+    if (iteration > 1 && step.head<2>().norm() < 2e-4 && std::abs(step.z()) < 1e-4) break;
   }
   return fit;
 }
