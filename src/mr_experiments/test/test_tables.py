@@ -12,7 +12,7 @@ from mr_experiments.paper_tables import distance_table, exploration_time_table, 
 from mr_experiments.record_set import load_record, load_records
 from mr_experiments.scope import scopes
 from mr_experiments.table import SIGNIFICANT, Column, Table, shown, to_csv
-from mr_experiments.tables import chapter_tables, outcome_table, trouble_table
+from mr_experiments.tables import chapter_tables, outcome_table, trials_table, trouble_table
 from mr_experiments.team_tables import computing_table, merging_table, radio_table, team_table
 
 
@@ -139,6 +139,19 @@ def test_outcomes_name_every_trial_that_did_not_finish(tmp_path):
         (2, "unfinished", "still exploring"),
         (3, "failed", "IndexError"),
     ]
+
+
+def test_one_row_for_each_trial(scope, tmp_path):
+    records = load_records(tmp_path)
+    rows = list(csv.DictReader(io.StringIO(to_csv([(None, trials_table(records))]))))
+    assert [(row["robots"], row["seed"], row["status"]) for row in rows] == [
+        ("1", "1", "finished"), ("2", "1", "finished"), ("2", "2", "finished"), ("2", "3", "finished"),
+        ("2", "4", "unfinished"), ("2", "5", "failed"),
+    ]  # fmt: skip
+    assert (rows[1]["exploration_time_s"], float(rows[1]["distance_m"])) == ("100.0", 70.0)
+    assert (float(rows[1]["map_error_percent"]), float(rows[4]["map_error_percent"])) == (0.5, 6.0)
+    assert (rows[4]["exploration_time_s"], rows[4]["collisions"]) == ("", "12")
+    assert rows[5]["map_error_percent"] == ""
 
 
 def test_a_chapter_of_failures_only(tmp_path):

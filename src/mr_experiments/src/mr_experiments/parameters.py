@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import functools
-from pathlib import Path
 from typing import Any
 
-import rospkg
 import yaml  # type: ignore[import-untyped]
 
 import explorer.options
 import map_merger.options
+from mr_experiments.ros_packages import folder_of
 from mr_experiments.trial import Trial, TrialError
 from mr_sim.navigation.options import NavigationOptions
 from mr_sim.pose import Pose
@@ -24,7 +23,7 @@ VIEW_SHARE = 0.5  # of a sensor's range from which a frontier is looked at: beyo
 
 @functools.lru_cache(maxsize=None)
 def _configuration(node: str) -> dict[str, Any]:
-    path = Path(rospkg.RosPack().get_path("mr_launch")) / "config" / f"{node}.yaml"
+    path = folder_of("mr_launch") / "config" / f"{node}.yaml"
     values = yaml.safe_load(path.read_text())
     if not isinstance(values, dict):
         raise TrialError(f"{path} holds no parameters")

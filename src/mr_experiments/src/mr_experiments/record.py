@@ -14,13 +14,13 @@ from typing import Any
 
 import cv2
 import numpy as np
-import rospkg
 import scipy
 
 from mr_experiments.mission import Mission
 from mr_experiments.pictures import picture_of
 from mr_experiments.recorder import grid_as_map, occupancy_of
 from mr_experiments.robot import Robot
+from mr_experiments.ros_packages import version_of
 from mr_experiments.trial import Trial, TrialError
 from mr_sim.measures import collisions, coverage, moving_share, overlap_between_robots, wrong_walls
 from mr_sim.reference import MapReferenceError, error_of_map
@@ -156,7 +156,7 @@ def _maps(mission: Mission, robot: Robot) -> dict[str, Any]:
 def versions() -> dict[str, str]:
     """Of what a record depends on."""
     return {
-        "mr_experiments": rospkg.RosPack().get_manifest("mr_experiments").version,
+        "mr_experiments": version_of("mr_experiments"),
         "python": platform.python_version(),
         "numpy": np.__version__,
         "scipy": scipy.__version__,

@@ -18,7 +18,7 @@ from mr_experiments.map_figure import map_figure
 from mr_experiments.record_set import Chapter, RecordSet, load_records
 from mr_experiments.scope import Scope, scopes
 from mr_experiments.table import Table, to_csv
-from mr_experiments.tables import chapter_tables, outcome_table, trouble_table
+from mr_experiments.tables import chapter_tables, outcome_table, trials_table, trouble_table
 from mr_sim.world import World
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
@@ -100,6 +100,10 @@ class _Making:
         """HTML of a table, which also goes to its CSV file."""
         self.tables.setdefault(table.name, []).append((chapter, table))
         return page.table(table)
+
+    def keep_table(self, table: Table) -> None:
+        """To its CSV file alone."""
+        self.tables.setdefault(table.name, []).append((None, table))
 
     def add_figure(self, scope: Scope, text: FigureText, figure: Figure | None) -> str:
         """HTML of a figure, which is also written as PNG; empty if there is none."""
@@ -214,6 +218,7 @@ def _contents(parts: Iterable[Scope], comparison: Comparison | None) -> list[tup
 
 
 def _outcome_section(records: RecordSet, making: _Making) -> str:
+    making.keep_table(trials_table(records))
     trouble = trouble_table(records)
     tables = [outcome_table(records), *([trouble] if trouble.rows else [])]
     return '<section id="outcomes">' + "".join(making.add_table(table) for table in tables) + "</section>"

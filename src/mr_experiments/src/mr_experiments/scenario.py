@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Iterable, Mapping
 
-import rospkg
 import yaml  # type: ignore[import-untyped]
 
 from explorer.options import STRATEGIES
 from mr_experiments.radio import RadioOptions
+from mr_experiments.ros_packages import folder_of
 from mr_experiments.trial import Trial, TrialError
 from mr_sim.pose import Pose
 
@@ -49,7 +49,7 @@ def _of(times: Mapping[int, float], robots: int) -> dict[int, float]:
 
 def scenario_folder() -> Path:
     """Where the scenarios of this package are."""
-    return Path(rospkg.RosPack().get_path("mr_experiments")) / "scenarios"
+    return folder_of("mr_experiments") / "scenarios"
 
 
 def known_scenarios() -> dict[str, Path]:

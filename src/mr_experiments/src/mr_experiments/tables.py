@@ -6,8 +6,10 @@ the exploration time, which they do not have; their number stands beside it.
 
 from __future__ import annotations
 
+import statistics
+
 from mr_experiments.paper_tables import distance_table, exploration_time_table, map_error_table
-from mr_experiments.record_set import FAILED, FINISHED, UNFINISHED, Group, RecordSet, count_outcomes
+from mr_experiments.record_set import FAILED, FINISHED, UNFINISHED, Group, Record, RecordSet, count_outcomes
 from mr_experiments.scope import Scope
 from mr_experiments.table import Cell, Column, Table
 from mr_experiments.team_tables import computing_table, merging_table, radio_table, team_table
@@ -68,6 +70,48 @@ def trouble_table(records: RecordSet) -> Table:
             Column("reason", "reason", text=True),
         ),
         tuple(rows),
+    )
+
+
+def trials_table(records: RecordSet) -> Table:
+    """One row for each trial, for computing of one's own."""
+    return Table(
+        "trials",
+        "Trials",
+        "Distance, bytes and collisions are those of all robots together, the map error is the mean of their maps; "
+        "merges count accepted transforms.",
+        (
+            *_GROUP_COLUMNS,
+            Column("seed", "seed"),
+            Column("status", "outcome", text=True),
+            Column("exploration_time_s", "T / s", 1),
+            Column("distance_m", "distance / m", 1),
+            Column("map_error_percent", "e / %", 3),
+            Column("overlap", "overlap", 3),
+            Column("collisions", "collisions"),
+            Column("merges", "merges"),
+            Column("wrong_merges", "wrong"),
+            Column("bytes_sent", "bytes"),
+        ),
+        tuple(_trial_row(record) for record in records.records),
+    )
+
+
+def _trial_row(record: Record) -> tuple[Cell, ...]:
+    errors = [robot.map_error for robot in record.robots if robot.map_error is not None]
+    merges = [merge for robot in record.robots for merge in robot.merges if merge.accepted]
+    return (
+        *_group_cells(record.group),
+        record.seed,
+        record.status,
+        record.exploration_time,
+        sum(robot.distance for robot in record.robots),
+        statistics.mean(errors) if errors else None,
+        record.overlap,
+        sum(sum(robot.collisions) for robot in record.robots),
+        len(merges),
+        sum(not merge.right for merge in merges),
+        sum(robot.bytes_sent for robot in record.robots),
     )
 
 

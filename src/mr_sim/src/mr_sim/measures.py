@@ -106,7 +106,9 @@ class Truth:
             # Any heading: the kernels are coarser than a start pose that just fits.
             reached.update(int(label) for label in labels[:, row, column])
         reached.discard(0)
-        reachable = np.isin(labels[:_HEADINGS], list(reached)).any(axis=0)
+        is_reached = np.zeros(int(labels.max()) + 1, dtype=bool)
+        is_reached[list(reached)] = True
+        reachable = is_reached[labels[:_HEADINGS]].any(axis=0)
         stride = max(1, round(_VIEWPOINT_SPACING / self._resolution))
         return (np.argwhere(reachable[::stride, ::stride])[:, ::-1] * stride + 0.5) * self._resolution + self._origin
 

@@ -29,14 +29,19 @@ def inverse(pose: Pose) -> Pose:
 
 def placed(points: np.ndarray, frame: Pose) -> np.ndarray:
     """Points (n, 2), given in `frame`, in the frame that `frame` is given in."""
-    cosine, sine = math.cos(frame[2]), math.sin(frame[2])
-    return points @ np.array([[cosine, sine], [-sine, cosine]]) + np.asarray(frame[:2])
+    return _turned(points, frame[2]) + np.asarray(frame[:2])
 
 
 def seen_from(points: np.ndarray, frame: Pose) -> np.ndarray:
     """Points (n, 2) as seen from `frame`."""
-    cosine, sine = math.cos(frame[2]), math.sin(frame[2])
-    return (points - np.asarray(frame[:2])) @ np.array([[cosine, -sine], [sine, cosine]])
+    return _turned(points - np.asarray(frame[:2]), -frame[2])
+
+
+def _turned(points: np.ndarray, angle: float) -> np.ndarray:
+    """Points (n, 2) turned by an angle. A product of matrices takes several times as long where n is large."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    x, y = points[:, 0], points[:, 1]
+    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
 
 
 def interpolate(first: Pose, second: Pose, share: float) -> Pose:

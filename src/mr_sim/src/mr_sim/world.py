@@ -65,8 +65,10 @@ class World:
         self.robots: tuple[RobotDescription, ...] = description.robots[:count]
         self.names: tuple[str, ...] = tuple(robot.name for robot in self.robots)
         self.interval = description.interval
-        self.obstacles = rasterise([o for o in description.obstacles if o.solid], description.resolution)
-        self.visible = rasterise([o for o in description.obstacles if o.visible], description.resolution)
+        solid = [obstacle for obstacle in description.obstacles if obstacle.solid]
+        visible = [obstacle for obstacle in description.obstacles if obstacle.visible]
+        self.obstacles = rasterise(solid, description.resolution)
+        self.visible = self.obstacles if visible == solid else rasterise(visible, description.resolution)
         self.core = _world.World(_core_raster(self.obstacles), _core_raster(self.visible), description.interval)
         self.odometry_bias: list[tuple[float, float]] = []  # per robot: shares by which distance and turn count wrong
         for index, robot in enumerate(self.robots):
