@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Sequence
 
 from mr_experiments.agreement import agreements, rows_of, stack_runs, virtual_runs, write_agreement
+from mr_experiments.command_line import BAD_CALL, CallError, Parser
 from mr_experiments.record_set import RecordError
 
 
 def make_parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="agreement",
         description="Compares missions of the whole ROS stack with trials of the same kind in virtual time. First: "
         "rosrun mr_launch team --out MISSIONS/... (several seeds and team sizes), and "
@@ -29,13 +30,13 @@ def make_parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str]) -> int:
-    options = make_parser().parse_args(arguments)
     try:
+        options = make_parser().parse_args(arguments)
         found = agreements(stack_runs(options.missions), virtual_runs(options.records))
         files = write_agreement(found, options.out)
-    except (RecordError, OSError) as error:
+    except (CallError, RecordError, OSError) as error:
         print(f"agreement: {error}", file=sys.stderr)
-        return 2
+        return BAD_CALL
     for entry in found:
         for row in rows_of(entry):
             mark = "ok  " if row["holds"] else "MISS"

@@ -8,13 +8,14 @@ import sys
 from dataclasses import replace
 from itertools import compress, groupby
 from pathlib import Path
-from typing import NoReturn, Sequence
+from typing import Sequence
 
 from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table as RichTable
 
+from mr_experiments.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.comparison import ACROSS, Comparison, comparison_table, explanation
 from mr_experiments.paper_tables import distance_table, exploration_time_table, map_error_table
 from mr_experiments.record_set import RecordError
@@ -23,23 +24,12 @@ from mr_experiments.scope import scopes
 from mr_experiments.table import Table, shown
 from mr_experiments.tables import outcome_table, trouble_table
 
-BAD_CALL = 2
-INTERRUPTED = 130
 NARROWEST = 110  # characters of a line when the output goes to a file
 VERDICT_STYLES = {"better": "green", "worse": "yellow"}
 
 
-class _CallError(ValueError):
-    pass
-
-
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        raise _CallError(f"{message} (--help lists the options)")
-
-
 def make_parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = Parser(
         prog="report",
         description="Tables and figures from the records of trials: the paper's Tables I and II and Figs. 3 to 5 "
         "beside its own numbers, and more. Writes report.html (one file that needs no network), figures/*.png and "
@@ -74,7 +64,7 @@ def main(arguments: Sequence[str]) -> int:
     try:
         options = make_parser().parse_args(arguments)
         if options.across and not options.against:
-            raise _CallError("--across needs --against")
+            raise CallError("--across needs --against")
         out = Path(options.out) if options.out else Path(options.records) / "report"
         with console.status("") as status:
             report = make_report(
@@ -85,7 +75,7 @@ def main(arguments: Sequence[str]) -> int:
                 options.bound,
                 lambda step: status.update(f"{escape(step)} ..."),
             )
-    except (_CallError, RecordError) as error:
+    except (CallError, RecordError) as error:
         print(f"report: {error}", file=sys.stderr)
         return BAD_CALL
     except OSError as error:

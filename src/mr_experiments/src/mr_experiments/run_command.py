@@ -10,12 +10,13 @@ import sys
 from contextlib import closing, contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import Generator, Iterator, NoReturn, Sequence, cast
+from typing import Generator, Iterator, Sequence, cast
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
+from mr_experiments.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.dask_cluster import ClusterLostError, DaskCluster
 from mr_experiments.scenario import DEFAULT, Scenario, known_scenarios, load_scenario
 from mr_experiments.sweep import Done, LocalPool, Runner, default_jobs, split_done
@@ -25,13 +26,8 @@ from mr_experiments.trial_world import world_of
 LARGEST_SEED = 2**31
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        raise TrialError(f"{message} (--help lists the options)")
-
-
 def make_parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = Parser(
         prog="run",
         description="Whole missions in virtual time: one JSON record per trial. A run that was stopped goes on where "
         "it was when it is started again.",
@@ -73,15 +69,15 @@ def main(argv: Sequence[str]) -> int:
     try:
         with _termination_as_interrupt():
             return _run(make_parser().parse_args(argv))
-    except TrialError as error:
+    except (CallError, TrialError) as error:
         print(f"run: {error}", file=sys.stderr)
-        return 2
+        return BAD_CALL
     except (ClusterLostError, OSError) as error:
         print(f"run: {error}; the same command goes on from here", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print("run: interrupted; the same command goes on from here", file=sys.stderr)
-        return 130
+        return INTERRUPTED
 
 
 @contextmanager

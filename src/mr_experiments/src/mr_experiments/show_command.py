@@ -4,21 +4,14 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
 
+from mr_experiments.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.replay import make_page, read_record
 from mr_experiments.replay_data import ReplayError
 
-BAD_CALL = 2
-
-
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        raise ReplayError(f"{message} (--help tells how to call this)")
-
 
 def make_parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = Parser(
         prog="show",
         description="Writes the replay of a recorded mission as one HTML file that any browser opens, without network.",
         epilog="Maps grow as they did if the trial was run with --snapshots; otherwise their growth is reconstructed. "
@@ -38,12 +31,12 @@ def main(arguments: Sequence[str]) -> int:
         out = Path(options.out) if options.out else path.with_suffix(".html")
         check_output(out, path)
         write_page(out, make_page(record))
-    except ReplayError as error:
+    except (CallError, ReplayError) as error:
         print(f"show: {error}", file=sys.stderr)
         return BAD_CALL
     except KeyboardInterrupt:
         print("show: interrupted, nothing was written", file=sys.stderr)
-        return 130
+        return INTERRUPTED
     print(f"{out} ({out.stat().st_size / 1e6:.1f} MB): open it in a browser")
     return 0
 
