@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 from mr_sim import _navigation
 from mr_sim.closed_loop import ClosedLoop, Robot
 from mr_sim.navigation.engine import Command, Navigator, Status
+from mr_sim.navigation.obstacles import ObstacleMemory
 from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, Scan, make_scan
+from mr_sim.navigation.planner import CostMap
 from mr_sim.navigation.recovery import StuckPlaces
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.pose import Pose
@@ -322,3 +324,15 @@ def test_way_blocked_by_what_the_map_does_not_know(draw_world: Callable[..., str
     loop.run(80.0, lambda: bool(first.results))
     assert first.results and "not in the map" in first.results[-1][1]
     assert first.contacts == 0
+
+
+def test_close_obstacles_are_not_thinned_out() -> None:
+    """Standing robots that turned a little touched with a corner: the point it came to was left out for one nearer to
+    the middle of the robot."""
+    costs = CostMap(Grid(np.zeros((80, 80), dtype=np.int8), 0.05, (-2.0, -2.0)), NavigationOptions())
+    close, far = [[0.301, 0.001], [0.325, 0.025]], [[0.905, 0.001], [0.925, 0.025]]
+    rows = _navigation.surroundings(
+        np.array(close + far), (0.0, 0.0, 0.0), ObstacleMemory(1.0).rows, costs.walls,
+        _navigation.Margins(0.02, 0.05, 0.1, 0.2), 0.1, 1.3, 0.03,
+    )  # fmt: skip
+    assert sorted(rows[:, :2].tolist()) == sorted([*close, far[0]])

@@ -7,6 +7,10 @@
 namespace mr_sim::navigation {
 namespace {
 
+// m; a robot that turns may touch what is this close with a corner, and the nearest point of a square to its middle is
+// not the nearest to that corner.
+constexpr double kClose = 0.45;
+
 // Numbers the squares of the plane that points lie in, in the order in which they come.
 class Squares {
  public:
@@ -72,28 +76,36 @@ bool seen_gone(const Point& point, const Point& eye, double heading, const ScanV
   return scan.ranges[static_cast<std::size_t>(beam)] > std::hypot(dx, dy) + beyond;
 }
 
-// Keeps the nearest obstacle of each square.
+// Keeps the nearest obstacle of each square, and all that are close.
 class Nearest {
  public:
   Nearest(const Pose& pose, double spacing, std::size_t most) : pose_(pose), squares_(spacing, most) {}
 
   void add(const Obstacle& obstacle) {
     const double dx = obstacle.x - pose_.x, dy = obstacle.y - pose_.y, squared = dx * dx + dy * dy;
+    if (squared < kClose * kClose) {
+      close_.push_back(obstacle);
+      return;
+    }
     const std::size_t number = squares_.number(obstacle.x, obstacle.y);
-    if (number == kept.size()) {
-      kept.push_back(obstacle);
+    if (number == kept_.size()) {
+      kept_.push_back(obstacle);
       squared_.push_back(squared);
     } else if (squared < squared_[number]) {
-      kept[number] = obstacle;
+      kept_[number] = obstacle;
       squared_[number] = squared;
     }
   }
 
-  std::vector<Obstacle> kept;
+  std::vector<Obstacle> all() {
+    kept_.insert(kept_.end(), close_.begin(), close_.end());
+    return std::move(kept_);
+  }
 
  private:
   Pose pose_;
   Squares squares_;
+  std::vector<Obstacle> kept_, close_;
   std::vector<double> squared_;
 };
 
@@ -160,7 +172,7 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
     if (within({point.x, point.y}, pose, reach)) nearest.add({point.x, point.y, margins.moving, margins.reaction_time});
   }
   for (const Point& wall : of_map) nearest.add({wall.x, wall.y, margins.wall, 0.0});
-  return nearest.kept;
+  return nearest.all();
 }
 
 }  // namespace mr_sim::navigation
