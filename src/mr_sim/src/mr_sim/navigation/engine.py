@@ -57,8 +57,7 @@ TURNING_ROOM = 0.8  # m to what is in the way within which a robot that gives wa
 INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan
 TIME_ALLOWED = 30.0  # s for any goal, plus
 TIME_FACTOR = 5.0  # times what the way takes at full speed
-
-
+# Unit vectors (12, 2) all around, for the rim of a robot.
 CIRCLE = np.stack([np.cos(np.arange(12) * math.pi / 6.0), np.sin(np.arange(12) * math.pi / 6.0)], axis=1)
 
 
