@@ -1,11 +1,17 @@
-// Python module map_merger._surface_index.
+// Python module map_merger._surfaces.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
+#include "border.hpp"
+#include "comparison.hpp"
+#include "refinement.hpp"
 #include "surface_index.hpp"
 
 namespace py = pybind11;
@@ -13,31 +19,48 @@ using namespace map_merger;
 
 namespace {
 
-using Pairs = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Flags = py::array_t<bool, py::array::c_style>;
+using Pose = std::tuple<double, double, double>;
 
-std::vector<OrientedPoint> to_points(const Pairs& places, const Pairs& normals) {
-  if (places.ndim() != 2 || places.shape(1) != 2 || normals.ndim() != 2 || normals.shape(1) != 2 ||
-      places.shape(0) != normals.shape(0)) {
-    throw std::invalid_argument("points and normals need the same shape (n, 2)");
-  }
+void require(bool holds, const char* what) {
+  if (!holds) throw std::invalid_argument(what);
+}
+
+Motion to_motion(const Pose& pose) { return {std::get<0>(pose), std::get<1>(pose), std::get<2>(pose)}; }
+
+Pose to_pose(const Motion& motion) { return {motion.x, motion.y, motion.yaw}; }
+
+const std::uint8_t* bytes_of(const Flags& flags) { return reinterpret_cast<const std::uint8_t*>(flags.data()); }
+
+Raster to_raster(const Flags& cells, double resolution, const Pose& origin) {
+  require(cells.ndim() == 2, "cells need the shape (rows, columns)");
+  require(resolution > 0.0, "a resolution is positive");
+  return {bytes_of(cells), static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1)), resolution,
+          to_motion(origin)};
+}
+
+std::vector<OrientedPoint> to_points(const Doubles& places, const Doubles& normals) {
+  require(places.ndim() == 2 && places.shape(1) == 2 && normals.ndim() == 2 && normals.shape(1) == 2 &&
+              places.shape(0) == normals.shape(0),
+          "points and normals need the same shape (n, 2)");
   std::vector<OrientedPoint> points(static_cast<std::size_t>(places.shape(0)));
   for (std::size_t i = 0; i < points.size(); ++i) {
     points[i] = {places.data()[2 * i], places.data()[2 * i + 1], normals.data()[2 * i], normals.data()[2 * i + 1]};
     const OrientedPoint& point = points[i];
-    if (!std::isfinite(point.x + point.y + point.normal_x + point.normal_y)) {
-      throw std::invalid_argument("points and normals must be finite");
-    }
+    require(std::isfinite(point.x + point.y + point.normal_x + point.normal_y), "points and normals must be finite");
   }
   return points;
 }
 
-SurfaceIndex make_index(const Pairs& points, const Pairs& normals, double normal_weight) {
+SurfaceIndex make_index(const Doubles& points, const Doubles& normals, double normal_weight) {
   std::vector<OrientedPoint> oriented = to_points(points, normals);
   py::gil_scoped_release release;
   return SurfaceIndex(std::move(oriented), normal_weight);
 }
 
-py::array_t<std::int64_t> nearest(const SurfaceIndex& index, const Pairs& points, const Pairs& normals, double bound) {
+py::array_t<std::int64_t> nearest(const SurfaceIndex& index, const Doubles& points, const Doubles& normals,
+                                  double bound) {
   const std::vector<OrientedPoint> queries = to_points(points, normals);
   py::array_t<std::int64_t> numbers(static_cast<py::ssize_t>(queries.size()));
   std::int64_t* number = numbers.mutable_data();
@@ -47,14 +70,103 @@ py::array_t<std::int64_t> nearest(const SurfaceIndex& index, const Pairs& points
   return numbers;
 }
 
+Pose refine(const SurfaceIndex& index, const Doubles& points, const Doubles& normals, const Pose& start,
+            const std::vector<double>& reaches) {
+  const std::vector<OrientedPoint> source = to_points(points, normals);
+  py::gil_scoped_release release;
+  return to_pose(refined(index, source, to_motion(start), reaches));
+}
+
+Comparison compare_with(const SurfaceIndex& index, const Flags& known, const Flags& clear, double resolution,
+                        const Pose& origin, const Doubles& points, const Doubles& normals, const Flags& solid,
+                        const Pose& motion, double tolerance) {
+  const Raster raster = to_raster(known, resolution, origin);
+  require(clear.ndim() == 2 && clear.shape(0) == known.shape(0) && clear.shape(1) == known.shape(1),
+          "known and clear need the same shape");
+  const std::vector<OrientedPoint> source = to_points(points, normals);
+  require(solid.ndim() == 1 && solid.size() == points.shape(0), "solid needs a value for each point");
+  py::gil_scoped_release release;
+  return compare(index, raster, bytes_of(clear), source, bytes_of(solid), to_motion(motion), tolerance);
+}
+
+py::tuple border(const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>& obstacles,
+                 const Flags& free, double resolution, const Pose& origin) {
+  require(obstacles.ndim() == 2 && obstacles.shape(1) == 2, "obstacles need the shape (n, 2)");
+  const Raster raster = to_raster(free, resolution, origin);
+  std::vector<ObstacleCell> cells(static_cast<std::size_t>(obstacles.shape(0)));
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::int64_t row = obstacles.data()[2 * i], column = obstacles.data()[2 * i + 1];
+    require(row >= 0 && column >= 0 && row < raster.rows && column < raster.columns, "an obstacle is off the map");
+    cells[i] = {static_cast<int>(row), static_cast<int>(column)};
+  }
+  std::vector<BorderPoint> found;
+  {
+    py::gil_scoped_release release;
+    found = border_of(cells, raster);
+  }
+  const py::ssize_t count = static_cast<py::ssize_t>(found.size());
+  Doubles points({count, py::ssize_t{2}}), normals({count, py::ssize_t{2}});
+  py::array_t<std::int64_t> numbers(count);
+  for (py::ssize_t i = 0; i < count; ++i) {
+    const OrientedPoint& point = found[i].point;
+    points.mutable_at(i, 0) = point.x, points.mutable_at(i, 1) = point.y;
+    normals.mutable_at(i, 0) = point.normal_x, normals.mutable_at(i, 1) = point.normal_y;
+    numbers.mutable_at(i) = static_cast<std::int64_t>(found[i].cell);
+  }
+  return py::make_tuple(points, normals, numbers);
+}
+
+py::array_t<float> raster(const Doubles& points, const Pose& transform, std::pair<double, double> corner, double cell,
+                          std::pair<py::ssize_t, py::ssize_t> shape, float weight) {
+  require(points.ndim() == 2 && points.shape(1) == 2, "points need the shape (n, 2)");
+  const auto [rows, columns] = shape;
+  py::array_t<float> result({rows, columns});
+  float* cells = result.mutable_data();
+  std::fill_n(cells, result.size(), 0.0F);
+  const Motion motion = to_motion(transform);
+  for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+    const OrientedPoint moved = motion * OrientedPoint{points.at(i, 0), points.at(i, 1), 0.0, 0.0};
+    const double column = std::floor((moved.x - corner.first) / cell),
+                 row = std::floor((moved.y - corner.second) / cell);
+    require(row >= 0.0 && row < static_cast<double>(rows) && column >= 0.0 && column < static_cast<double>(columns),
+            "a point lies outside the raster");
+    cells[static_cast<py::ssize_t>(row) * columns + static_cast<py::ssize_t>(column)] += weight;
+  }
+  return result;
+}
+
 }  // namespace
 
-PYBIND11_MODULE(_surface_index, module) {
-  module.doc() = "Search for the nearest like-facing point of a surface. Lengths in metres.";
+PYBIND11_MODULE(_surfaces, module) {
+  module.doc() = "Walls as oriented points. Lengths in metres, transforms as (x, y, yaw).";
+
+  py::class_<Comparison>(module, "Comparison")
+      .def_readonly("inside", &Comparison::inside)
+      .def_readonly("matched", &Comparison::matched)
+      .def_readonly("contradicted", &Comparison::contradicted)
+      .def_readonly("minor", &Comparison::minor)
+      .def_readonly("mean_square", &Comparison::mean_square);
+
   py::class_<SurfaceIndex>(module, "SurfaceIndex")
       .def(py::init(&make_index), py::arg("points"), py::arg("normals"), py::arg("normal_weight"),
            "points, normals: float64 (n, 2). normal_weight: metres that a unit difference of the normals counts.")
       .def("nearest", &nearest, py::arg("points"), py::arg("normals"), py::arg("bound"),
            "For each of the oriented points (m, 2) the number of the nearest one of the surface, int64 (m,), -1 where "
-           "all are `bound` metres or more away.");
+           "all are `bound` metres or more away.")
+      .def("refined", &refine, py::arg("points"), py::arg("normals"), py::arg("start"), py::arg("reaches"),
+           "The transform near `start` that lays the oriented points (m, 2) on the surface; reaches: search distances "
+           "in metres, one per iteration.")
+      .def("compare", &compare_with, py::arg("known"), py::arg("clear"), py::arg("resolution"), py::arg("origin"),
+           py::arg("points"), py::arg("normals"), py::arg("solid"), py::arg("transform"), py::arg("tolerance"),
+           "How the oriented points (m, 2), moved by `transform`, agree with the surface and its map: known, clear: "
+           "bool (rows, columns); solid: bool (m,).");
+
+  module.def(
+      "raster", &raster, py::arg("points"), py::arg("transform"), py::arg("corner"), py::arg("cell"), py::arg("shape"),
+      py::arg("weight"),
+      "float32 (rows, columns): `weight` for each of the transformed points (n, 2) in its cell of `cell` metres; "
+      "cell (0, 0) has its corner at `corner`.");
+  module.def("border", &border, py::arg("obstacles"), py::arg("free"), py::arg("resolution"), py::arg("origin"),
+             "Faces of the obstacle cells (n, 2: row, column) to free cells, bool (rows, columns): points and normals, "
+             "float64 (m, 2), and the numbers of the cells they belong to, int64 (m,).");
 }

@@ -13,7 +13,7 @@ constexpr double kBucketsPerPoint = 8.0;  // at most, so that sparse points take
 }  // namespace
 
 SurfaceIndex::SurfaceIndex(std::vector<OrientedPoint> points, double normal_weight)
-    : points_(std::move(points)), squared_normal_weight_(normal_weight * normal_weight) {
+    : points_(std::move(points)), normal_weight_(normal_weight) {
   if (points_.empty()) return;
   const auto by_x = [](const OrientedPoint& a, const OrientedPoint& b) { return a.x < b.x; };
   const auto by_y = [](const OrientedPoint& a, const OrientedPoint& b) { return a.y < b.y; };
@@ -70,7 +70,7 @@ void SurfaceIndex::look_into(std::ptrdiff_t row, std::ptrdiff_t left, std::ptrdi
     const double x = point.x - query.x, y = point.y - query.y;
     const double normal_x = point.normal_x - query.normal_x, normal_y = point.normal_y - query.normal_y;
     const double squared_distance =
-        x * x + y * y + squared_normal_weight_ * (normal_x * normal_x + normal_y * normal_y);
+        x * x + y * y + normal_weight_ * normal_weight_ * (normal_x * normal_x + normal_y * normal_y);
     if (squared_distance < best.squared_distance) best = {squared_distance, static_cast<std::ptrdiff_t>(order_[i])};
   }
 }

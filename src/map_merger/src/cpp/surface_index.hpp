@@ -5,12 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-namespace map_merger {
+#include "oriented_point.hpp"
 
-// A point of a wall in metres, and its unit normal.
-struct OrientedPoint {
-  double x, y, normal_x, normal_y;
-};
+namespace map_merger {
 
 // Points in buckets by their position. The distance of two points also counts how far their normals differ.
 class SurfaceIndex {
@@ -21,6 +18,7 @@ class SurfaceIndex {
   // Number of the point nearest to `query` among those nearer than `bound` metres, -1 if there is none.
   std::ptrdiff_t nearest(const OrientedPoint& query, double bound) const;
 
+  double normal_weight() const { return normal_weight_; }
   std::size_t size() const { return points_.size(); }
   const OrientedPoint& operator[](std::size_t number) const { return points_[number]; }
 
@@ -35,7 +33,7 @@ class SurfaceIndex {
                  Best& best) const;
 
   std::vector<OrientedPoint> points_;
-  double squared_normal_weight_;
+  double normal_weight_;
   double edge_ = 1.0, low_x_ = 0.0, low_y_ = 0.0;  // m
   std::ptrdiff_t rows_ = 0, columns_ = 0;
   std::vector<std::uint32_t> order_;   // numbers of the points, bucket by bucket

@@ -112,16 +112,15 @@ def _under_centres(part: Grid, transform: Transform, target: GridInfo) -> np.nda
 
 def _corner_links(part: Grid) -> np.ndarray:
     """Points (n, 2) along the links between obstacles that touch only at a corner: both centres and the corner."""
-    occupied = np.pad(part.occupied, 1)
-    rows, columns = np.divmod(np.flatnonzero(part.occupied), part.info.width)
-    points: List[np.ndarray] = []
+    occupied = np.pad(part.occupied, ((1, 1), (0, 1)))
+    cell, right = occupied[1:-1, :-1], occupied[1:-1, 1:]
+    links: List[np.ndarray] = []
     for step in (1, -1):
-        # Seen from a cell: the one across the corner in the next column, and the two that touch both.
-        across = occupied[rows + 1 + step, columns + 2]
-        linked = across & ~occupied[rows + 1, columns + 2] & ~occupied[rows + 1 + step, columns + 1]
-        for share in (0.0, 0.5, 1.0):
-            points.append(cell_centres(part.info, rows[linked] + step * share, columns[linked] + share))
-    return np.concatenate(points)
+        beside = occupied[1 + step : occupied.shape[0] - 1 + step]
+        linked = cell & beside[:, 1:] & ~right & ~beside[:, :-1]
+        corner = np.column_stack(np.divmod(np.flatnonzero(linked), part.info.width))
+        links += [corner + np.array([step * share, share]) for share in (0.0, 0.5, 1.0)]
+    return cell_centres(part.info, *np.concatenate(links).T)
 
 
 def without_robots(grid: Grid, places: np.ndarray) -> Grid:
@@ -129,9 +128,9 @@ def without_robots(grid: Grid, places: np.ndarray) -> Grid:
     were."""
     if not len(places) or not grid.occupied.any():
         return grid
-    _, labels, statistics, centres = cv2.connectedComponentsWithStats(grid.occupied.astype(np.uint8), connectivity=8)
-    extent = np.maximum(statistics[:, cv2.CC_STAT_WIDTH], statistics[:, cv2.CC_STAT_HEIGHT]) * grid.info.resolution
-    small = np.flatnonzero(extent <= _SMUDGE_CELLS_M)
+    obstacles = grid.obstacles()
+    labels, statistics, centres = obstacles
+    small = np.flatnonzero(obstacles.extents() * grid.info.resolution <= _SMUDGE_CELLS_M)
     small = small[small > 0]
     if small.size == 0:
         return grid

@@ -6,8 +6,9 @@ resolution) in the frame of the grid's corner, x along the columns and y along t
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Iterable, Iterator, Tuple
+from typing import Iterable, Iterator, List, NamedTuple, Tuple
 
+import cv2
 import numpy as np
 
 from .transform import Transform
@@ -131,6 +132,22 @@ class Box:
 EMPTY_BOX = Box(0, 0, 0, 0)
 
 
+class Obstacles(NamedTuple):
+    """Connected obstacles (8 neighbours), numbered from 1; 0 is all the rest.
+
+    labels: int32 (rows, columns). statistics: int32 (n, 5), columns cv2.CC_STAT_*. centres: float64 (n, 2), column and
+    row.
+    """
+
+    labels: np.ndarray
+    statistics: np.ndarray
+    centres: np.ndarray
+
+    def extents(self) -> np.ndarray:
+        """Larger side of the box around each, in cells, (n,)."""
+        return np.maximum(self.statistics[:, cv2.CC_STAT_WIDTH], self.statistics[:, cv2.CC_STAT_HEIGHT])
+
+
 @dataclass(frozen=True, eq=False)
 class Grid:
     """A map: geometry and cells (int8, shape (rows, columns), -1 unknown, 0 free .. 100 occupied). Treated as
@@ -138,6 +155,7 @@ class Grid:
 
     info: GridInfo
     cells: np.ndarray
+    _obstacles: List["Obstacles"] = field(default_factory=list, repr=False)
 
     def __post_init__(self) -> None:
         if self.cells.shape != self.info.shape:
@@ -147,6 +165,13 @@ class Grid:
     def occupied(self) -> np.ndarray:
         """Boolean array of the obstacles."""
         return self.cells >= OCCUPIED_FROM
+
+    def obstacles(self) -> "Obstacles":
+        """The connected obstacles, sought once."""
+        if not self._obstacles:
+            _, *found = cv2.connectedComponentsWithStats(self.occupied.view(np.uint8), connectivity=8)
+            self._obstacles.append(Obstacles(*found))
+        return self._obstacles[0]
 
     @property
     def free(self) -> np.ndarray:
@@ -227,10 +252,11 @@ def offset_between(info: GridInfo, reference: GridInfo) -> Tuple[int, int]:
 
 def bounding_box(mask: np.ndarray) -> Box:
     """Smallest box around the true cells."""
-    rows = np.flatnonzero(mask.any(axis=1))
+    rows = mask.any(axis=1).nonzero()[0]
     if rows.size == 0:
         return EMPTY_BOX
-    columns = np.flatnonzero(mask[rows[0] : rows[-1] + 1].any(axis=0))
+    # OpenCV's boundingRect would be faster and is wrong for some narrow masks.
+    columns = mask[rows[0] : rows[-1] + 1].any(axis=0).nonzero()[0]
     return Box(int(rows[0]), int(columns[0]), int(rows[-1]) + 1, int(columns[-1]) + 1)
 
 

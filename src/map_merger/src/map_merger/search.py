@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from scipy import fft
 
+from ._surfaces import raster
 from .grid import cell_centres
 from .surface import Landmarks
 from .transform import Transform, rotation_between, wrap_angle
@@ -105,9 +106,9 @@ class _ShiftScorer:
             fft.next_fast_len(int(rows) + side, real=True),
             fft.next_fast_len(int(columns) + side, real=True),
         )
-        walls = self._raster(target.surface.points, self._low, target.surface.spacing / self._cell)
+        walls = self._raster(target.surface.points, Transform(), self._low, target.surface.spacing / self._cell)
         clear_weight = (target.info.resolution / self._cell) ** 2 * _stride(target, self._cell) ** 2
-        clear = self._raster(clear_points, self._low, clear_weight)
+        clear = self._raster(clear_points, Transform(), self._low, clear_weight)
         field = np.minimum(cv2.GaussianBlur(np.minimum(walls, 2.0), (0, 0), 1.0) * 2.0, 1.0)
         field -= _PENALTY * np.minimum(clear, 1.0) * (field < 0.1)
         self._field = fft.rfft2(field)
@@ -119,8 +120,8 @@ class _ShiftScorer:
         """The best shifts for the rotation."""
         turn = Transform(0.0, 0.0, rotation)
         corner = np.full(2, -(self._half + 0.5) * self._cell)
-        walls = self._raster(turn.apply(self._walls), corner, self._wall_weight)
-        clear = self._raster(turn.apply(self._clear), corner, self._clear_weight)
+        walls = self._raster(self._walls, turn, corner, self._wall_weight)
+        clear = self._raster(self._clear, turn, corner, self._clear_weight)
         near_walls = cv2.blur(walls, (3, 3)) > 0.0
         clear = np.where(near_walls, 0.0, np.minimum(clear, 1.0)).astype(np.float32)
         spectra = fft.rfft2(np.stack([walls, clear]))
@@ -136,12 +137,12 @@ class _ShiftScorer:
         threshold = max(1.0, 0.3 * float(score.max()))
         rows, columns = np.nonzero((score == top) & (score >= threshold))
         order = np.argsort(-score[rows, columns], kind="stable")[:_PEAKS_PER_ROTATION]
-        result = []
-        for row, column in zip(rows[order], columns[order]):
-            middle = self._place(row, column)
-            shift = middle - Transform(0.0, 0.0, rotation).apply(self._centre[None])[0]
-            result.append(Candidate(Transform(float(shift[0]), float(shift[1]), rotation), float(score[row, column])))
-        return result
+        rows, columns = rows[order], columns[order]
+        shifts = self._place(rows, columns) - Transform(0.0, 0.0, rotation).apply(self._centre[None])
+        return [
+            Candidate(Transform(x, y, rotation), value)
+            for (x, y), value in zip(shifts.tolist(), score[rows, columns].tolist())
+        ]
 
     def _place(self, row: np.ndarray, column: np.ndarray) -> np.ndarray:
         """Where the middle of the source's walls comes to lie for a shift found in the correlation."""
@@ -155,10 +156,9 @@ class _ShiftScorer:
         wanted = prior.transform.apply(self._centre[None])[0]
         return np.hypot(*np.moveaxis(self._place(rows, columns) - wanted, -1, 0)) <= prior.distance
 
-    def _raster(self, points: np.ndarray, corner: np.ndarray, weight: float) -> np.ndarray:
-        columns, rows = ((points - corner) / self._cell).astype(int).T
-        flat = np.bincount(rows * self._shape[1] + columns, minlength=self._shape[0] * self._shape[1])
-        return (flat.reshape(self._shape) * weight).astype(np.float32)
+    def _raster(self, points: np.ndarray, transform: Transform, corner: np.ndarray, weight: float) -> np.ndarray:
+        """`weight` for each transformed point in its cell; cell (0, 0) has its corner at `corner`."""
+        return raster(points, transform.pose(), tuple(corner), self._cell, self._shape, weight)
 
 
 def _stride(part: Landmarks, cell: float) -> int:

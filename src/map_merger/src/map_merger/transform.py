@@ -24,6 +24,10 @@ class Transform:
     y: float = 0.0
     yaw: float = 0.0
 
+    def pose(self) -> Tuple[float, float, float]:
+        """(x, y, yaw)."""
+        return self.x, self.y, self.yaw
+
     def compose(self, other: "Transform") -> "Transform":
         """`self` after `other`: maps a point p to self(other(p))."""
         cosine, sine = math.cos(self.yaw), math.sin(self.yaw)
@@ -38,14 +42,13 @@ class Transform:
         cosine, sine = math.cos(self.yaw), math.sin(self.yaw)
         return Transform(-cosine * self.x - sine * self.y, sine * self.x - cosine * self.y, wrap_angle(-self.yaw))
 
-    def rotation(self) -> np.ndarray:
-        """2 x 2 rotation matrix, float64."""
-        cosine, sine = math.cos(self.yaw), math.sin(self.yaw)
-        return np.array([[cosine, -sine], [sine, cosine]])
-
     def apply(self, points: np.ndarray) -> np.ndarray:
         """Points of shape (n, 2) in metres, transformed."""
-        return np.asarray(points) @ self.rotation().T + (self.x, self.y)
+        # As complex numbers, for which numpy needs a fraction of the time of a product with a matrix of 2 x 2.
+        plane = np.ascontiguousarray(points, float).view(complex)
+        moved = plane * complex(math.cos(self.yaw), math.sin(self.yaw))
+        moved += complex(self.x, self.y)
+        return moved.view(float)
 
     def apply_point(self, x: float, y: float) -> Tuple[float, float]:
         """One point in metres, transformed."""

@@ -24,6 +24,7 @@ from mr_sim.world import World
 SERIES_PERIOD = 1.0  # s between two samples
 COVERAGE_PERIOD = 5.0  # s between two samples of what the team knows
 MOST_NOTES = 500
+MOTION = ["x", "y", "yaw", "velocity_x", "velocity_y", "velocity_yaw", "stalled", "contact"]
 
 
 @functools.lru_cache(maxsize=8)
@@ -100,12 +101,11 @@ class Recorder:
             self.cover(since_start)
 
     def _follow(self, log: RobotLog, state: np.void, now: float) -> None:
-        speed = state["velocity_x"] * math.cos(state["yaw"]) + state["velocity_y"] * math.sin(state["yaw"])
-        motion = (state["x"], state["y"], state["yaw"], speed, state["velocity_yaw"])
-        row = (now, now, *motion, state["stalled"], state["contact"])
+        x, y, yaw, velocity_x, velocity_y, velocity_yaw, stalled, contact = state[MOTION].item()
+        speed = velocity_x * math.cos(yaw) + velocity_y * math.sin(yaw)
         if log.truth:
-            log.distance += math.hypot(row[2] - log.truth[-1][2], row[3] - log.truth[-1][3])
-        log.truth.append(row)
+            log.distance += math.hypot(x - log.truth[-1][2], y - log.truth[-1][3])
+        log.truth.append((now, now, x, y, yaw, speed, velocity_yaw, stalled, contact))
 
     def _sample(self, states: np.ndarray, now: float) -> None:
         assert self._radio is not None

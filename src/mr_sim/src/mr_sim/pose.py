@@ -29,19 +29,22 @@ def inverse(pose: Pose) -> Pose:
 
 def placed(points: np.ndarray, frame: Pose) -> np.ndarray:
     """Points (n, 2), given in `frame`, in the frame that `frame` is given in."""
-    return _turned(points, frame[2]) + np.asarray(frame[:2])
+    # As complex numbers: with columns of two numbers numpy takes several times as long.
+    plane = _plane(points) * complex(math.cos(frame[2]), math.sin(frame[2]))
+    plane += complex(frame[0], frame[1])
+    return plane.view(float)
 
 
 def seen_from(points: np.ndarray, frame: Pose) -> np.ndarray:
     """Points (n, 2) as seen from `frame`."""
-    return _turned(points - np.asarray(frame[:2]), -frame[2])
+    plane = _plane(points) - complex(frame[0], frame[1])
+    plane *= complex(math.cos(frame[2]), -math.sin(frame[2]))
+    return plane.view(float)
 
 
-def _turned(points: np.ndarray, angle: float) -> np.ndarray:
-    """Points (n, 2) turned by an angle. A product of matrices takes several times as long where n is large."""
-    cosine, sine = math.cos(angle), math.sin(angle)
-    x, y = points[:, 0], points[:, 1]
-    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
+def _plane(points: np.ndarray) -> np.ndarray:
+    """Points (n, 2) as complex numbers (n, 1)."""
+    return np.ascontiguousarray(points, dtype=float).view(complex)
 
 
 def interpolate(first: Pose, second: Pose, share: float) -> Pose:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <tuple>
 #include <utility>
 
@@ -62,24 +63,28 @@ float solve(float a, float b, float f) {
   return 0.5F * (a + b + std::sqrt(2.0F * f * f - (a - b) * (a - b)));
 }
 
-struct Node {
-  float slowness = kUnreached;
-  float cost = kUnreached;    // final, or kUnreached
-  float least = -kUnreached;  // offered so far; minus infinity where blocked
-};
-
 // One march. Its grid has a rim of one blocked cell, so that every cell has four neighbours.
 class March {
  public:
-  // `nodes`: memory to work in, kept by the caller because fresh pages cost more than the march itself.
-  March(const float* slowness, int rows, int columns, std::vector<Node>& nodes)
-      : rows_(rows), columns_(columns), stride_(columns + 2), nodes_(nodes) {
-    nodes_.assign(static_cast<std::size_t>(rows + 2) * stride_, Node{});
-    for_each_cell([&](int index, std::size_t plain) {
-      const float value = slowness[plain];
-      nodes_[index].slowness = value;
-      nodes_[index].least = value < kUnreached ? kUnreached : -kUnreached;
-    });
+  // Memory to work in, kept by the caller because fresh pages cost more than the march itself.
+  struct Cells {
+    std::vector<float> slowness;
+    std::vector<float> cost;   // final, or kUnreached
+    std::vector<float> least;  // offered so far; minus infinity where blocked
+  };
+
+  March(const float* slowness, int rows, int columns, Cells& cells)
+      : rows_(rows), columns_(columns), stride_(columns + 2), cells_(cells) {
+    const std::size_t size = static_cast<std::size_t>(rows + 2) * stride_;
+    cells_.slowness.assign(size, kUnreached);
+    cells_.cost.assign(size, kUnreached);
+    cells_.least.assign(size, -kUnreached);
+    for (int row = 0; row < rows; ++row) {
+      const float* from = slowness + plain(row);
+      float *to = &cells_.slowness[at(row, 0)], *least = &cells_.least[at(row, 0)];
+      std::copy_n(from, columns, to);
+      for (int c = 0; c < columns; ++c) least[c] = from[c] < kUnreached ? kUnreached : -kUnreached;
+    }
   }
 
   void seed(const Seed& seed) { offer(at(seed.row, seed.column), seed.cost); }
@@ -87,78 +92,111 @@ class March {
   // Takes over the costs that no change of the slowness can reach, and lets the front begin beside them.
   void take_over(const Former& former) {
     const float bound = changed_from(former);
-    for_each_cell([&](int index, std::size_t plain) {
-      if (former.cost[plain] < bound) nodes_[index].cost = nodes_[index].least = former.cost[plain];
-    });
-    for_each_cell([&](int index, std::size_t) {
-      if (nodes_[index].least == kUnreached && beside_final(index)) offer(index, upwind(index));
-    });
+    std::vector<Span> known(rows_ + 2);  // of each row, with the rim
+    for (int row = 0; row < rows_; ++row) {
+      const float* from = former.cost + plain(row);
+      float *cost = &cells_.cost[at(row, 0)], *least = &cells_.least[at(row, 0)];
+      int count = 0;
+      for (int c = 0; c < columns_; ++c) {
+        const bool holds = from[c] < bound;
+        cost[c] = holds ? from[c] : kUnreached;
+        least[c] = holds ? from[c] : least[c];
+        count += holds;
+      }
+      if (count > 0) known[row + 1] = final_in(cost);
+    }
+    for (int row = 0; row < rows_; ++row) {
+      const Span near = around(known[row], known[row + 1], known[row + 2]);
+      for (int index = at(row, near.begin), end = at(row, near.end); index < end; ++index) {
+        if (cells_.least[index] == kUnreached && beside_final(index)) offer(index, upwind(index));
+      }
+    }
   }
 
   void run(const Stop& stop) {
     const int goal = stop.row < 0 ? -1 : at(stop.row, stop.column);
     limit_ = stop.limit;
-    if (goal >= 0 && nodes_[goal].cost < kUnreached) limit_ = std::min(limit_, nodes_[goal].cost + stop.beyond);
+    if (goal >= 0 && cells_.cost[goal] < kUnreached) limit_ = std::min(limit_, cells_.cost[goal] + stop.beyond);
     Front::Cell top;
     while (front_.pop(top)) {
       if (top.cost > limit_) break;
-      if (nodes_[top.index].cost < kUnreached) continue;
-      nodes_[top.index].cost = top.cost;
+      if (cells_.cost[top.index] < kUnreached) continue;
+      cells_.cost[top.index] = top.cost;
       if (top.index == goal) limit_ = std::min(limit_, top.cost + stop.beyond);
       for (const int neighbour : {top.index - stride_, top.index + stride_, top.index - 1, top.index + 1}) {
         // Blocked cells and those with their final cost ask for nothing less.
-        if (nodes_[neighbour].least > top.cost) offer(neighbour, upwind(neighbour));
+        if (cells_.least[neighbour] > top.cost) offer(neighbour, upwind(neighbour));
       }
     }
   }
 
   void write(float* result) const {
-    for_each_cell([&](int index, std::size_t plain) { result[plain] = nodes_[index].cost; });
+    for (int row = 0; row < rows_; ++row) std::copy_n(&cells_.cost[at(row, 0)], columns_, result + plain(row));
   }
 
  private:
-  int at(int row, int column) const { return (row + 1) * stride_ + column + 1; }
+  // Columns from `begin` up to but without `end`.
+  struct Span {
+    int begin = 0, end = 0;
+  };
 
-  template <typename Function>
-  void for_each_cell(Function function) const {
-    std::size_t plain = 0;
-    for (int row = 0; row < rows_; ++row) {
-      for (int index = at(row, 0), end = index + columns_; index < end; ++index) function(index, plain++);
-    }
+  int at(int row, int column) const { return (row + 1) * stride_ + column + 1; }
+  // Where a row begins in a grid without rim.
+  std::size_t plain(int row) const { return static_cast<std::size_t>(row) * columns_; }
+
+  // The span of the final costs of a row that has some.
+  Span final_in(const float* cost) const {
+    Span span{0, columns_};
+    while (cost[span.begin] == kUnreached) ++span.begin;
+    while (cost[span.end - 1] == kUnreached) --span.end;
+    return span;
   }
 
-  float beside(int index) const { return std::min(nodes_[index - 1].cost, nodes_[index + 1].cost); }
-  float above_or_below(int index) const { return std::min(nodes_[index - stride_].cost, nodes_[index + stride_].cost); }
+  // The columns of the middle row that may have a neighbour in one of the spans.
+  Span around(const Span& above, const Span& middle, const Span& below) const {
+    Span all{columns_, 0};
+    for (const Span& span : {above, middle, below}) {
+      if (span.begin == span.end) continue;
+      all = {std::min(all.begin, span.begin - 1), std::max(all.end, span.end + 1)};
+    }
+    return all.begin < all.end ? Span{std::max(0, all.begin), std::min(columns_, all.end)} : Span{};
+  }
+
+  float beside(int index) const { return std::min(cells_.cost[index - 1], cells_.cost[index + 1]); }
+  float above_or_below(int index) const { return std::min(cells_.cost[index - stride_], cells_.cost[index + stride_]); }
 
   // Of a cell beside one with a final cost.
-  float upwind(int index) const { return solve(above_or_below(index), beside(index), nodes_[index].slowness); }
+  float upwind(int index) const { return solve(above_or_below(index), beside(index), cells_.slowness[index]); }
 
   bool beside_final(int index) const { return std::min(above_or_below(index), beside(index)) < kUnreached; }
 
   void offer(int index, float cost) {
-    if (!(cost < nodes_[index].least) || cost > limit_) return;
-    nodes_[index].least = cost;
+    if (!(cost < cells_.least[index]) || cost > limit_) return;
+    cells_.least[index] = cost;
     front_.push(cost, index);
   }
 
   // The least cost that a cell of another slowness, now or formerly, can have: its own or that of a neighbour.
   float changed_from(const Former& former) const {
     float bound = kUnreached;
-    const std::size_t columns = columns_;
-    for_each_cell([&](int index, std::size_t plain) {
-      if (former.slowness[plain] == nodes_[index].slowness) return;
-      const std::size_t row = plain / columns, column = plain % columns;
-      bound = std::min(bound, former.cost[plain]);
-      if (row > 0) bound = std::min(bound, former.cost[plain - columns]);
-      if (row + 1 < static_cast<std::size_t>(rows_)) bound = std::min(bound, former.cost[plain + columns]);
-      if (column > 0) bound = std::min(bound, former.cost[plain - 1]);
-      if (column + 1 < columns) bound = std::min(bound, former.cost[plain + 1]);
-    });
+    for (int row = 0; row < rows_; ++row) {
+      const float *now = &cells_.slowness[at(row, 0)], *then = former.slowness + plain(row);
+      if (std::memcmp(now, then, columns_ * sizeof(float)) == 0) continue;
+      const float* cost = former.cost + plain(row);
+      for (int c = 0; c < columns_; ++c) {
+        if (now[c] == then[c]) continue;
+        bound = std::min(bound, cost[c]);
+        if (row > 0) bound = std::min(bound, cost[c - columns_]);
+        if (row + 1 < rows_) bound = std::min(bound, cost[c + columns_]);
+        if (c > 0) bound = std::min(bound, cost[c - 1]);
+        if (c + 1 < columns_) bound = std::min(bound, cost[c + 1]);
+      }
+    }
     return bound;
   }
 
   int rows_, columns_, stride_;
-  std::vector<Node>& nodes_;
+  Cells& cells_;
   Front front_;
   float limit_ = kUnreached;
 };
@@ -167,8 +205,8 @@ class March {
 
 void march(const float* slowness, int rows, int columns, const std::vector<Seed>& seeds, const Stop& stop,
            const Former& former, float* result) {
-  static thread_local std::vector<Node> nodes;
-  March march(slowness, rows, columns, nodes);
+  static thread_local March::Cells cells;
+  March march(slowness, rows, columns, cells);
   if (former.cost != nullptr) march.take_over(former);
   for (const Seed& seed : seeds) march.seed(seed);
   march.run(stop);

@@ -15,7 +15,12 @@ int block_floor(int value) { return static_cast<int>(std::floor(static_cast<doub
 
 }  // namespace
 
-GridMap::GridMap(const GridOptions& options) : options_(options) {}
+// MRPT counts the log-odds of being free, in steps of 1/16.
+GridMap::GridMap(const GridOptions& options)
+    : options_(options),
+      occupied_step_(static_cast<int>(std::lround(16.0 * options.occupied_step))),
+      free_step_(static_cast<int>(std::lround(16.0 * options.free_step))),
+      odds_limit_(std::min(127, static_cast<int>(16.0 * options.certainty_limit))) {}
 
 Cell GridMap::cell_of(const Point& point) const {
   return {static_cast<int>(std::floor(point.x / options_.resolution)),
@@ -28,8 +33,7 @@ bool GridMap::contains(const Cell& cell) const {
 
 const Surface* GridMap::surface(const Cell& cell) const {
   if (!contains(cell)) return nullptr;
-  const Surface& surface = states_[static_cast<std::size_t>(cell.y - origin_.y) * width_ + cell.x - origin_.x].surface;
-  return surface.hits > 0.0F ? &surface : nullptr;
+  return has_surface(cell) ? &surfaces_[index_of(cell)] : nullptr;
 }
 
 std::size_t GridMap::index_of(const Cell& cell) const {
@@ -55,13 +59,17 @@ void GridMap::grow_to(Cell low, Cell high) {
   if (static_cast<int>(grid_.getSizeX()) != width || static_cast<int>(grid_.getSizeY()) != height) {
     throw std::runtime_error("the occupancy grid left its lattice");
   }
-  std::vector<CellState> states(static_cast<std::size_t>(width) * height);
-  for (int row = 0; row < height_; ++row) {
-    std::copy_n(&states_[static_cast<std::size_t>(row) * width_], width_,
-                &states[static_cast<std::size_t>(row + origin_.y - low.y) * width + origin_.x - low.x]);
-  }
-  states_ = std::move(states);
-  touched_.assign(states_.size(), 0);  // maps grow between two scans
+  const auto move_cells = [&](auto& cells) {
+    std::decay_t<decltype(cells)> moved(static_cast<std::size_t>(width) * height);
+    for (int row = 0; row < height_; ++row) {
+      std::copy_n(&cells[static_cast<std::size_t>(row) * width_], width_,
+                  &moved[static_cast<std::size_t>(row + origin_.y - low.y) * width + origin_.x - low.x]);
+    }
+    cells = std::move(moved);
+  };
+  move_cells(surfaces_);
+  move_cells(seen_);
+  touched_.assign(seen_.size(), 0);  // maps grow between two scans
   origin_ = low;
   width_ = width;
   height_ = height;
@@ -72,22 +80,24 @@ void GridMap::grow_to(Cell low, Cell high) {
   }
 }
 
+bool GridMap::has_surface(const Cell& cell) const {
+  const int column = cell.x - origin_.x;
+  return marks_[static_cast<std::size_t>(cell.y - origin_.y) * words_ + column / 64] >> (column % 64) & 1;
+}
+
 // To be called after each change of a cell's surface.
 void GridMap::mark_surface(const Cell& cell) {
   const int column = cell.x - origin_.x;
   uint64_t& word = marks_[static_cast<std::size_t>(cell.y - origin_.y) * words_ + column / 64];
   const uint64_t mark = uint64_t{1} << (column % 64);
-  word = state(cell).surface.hits > 0.0F ? word | mark : word & ~mark;
+  word = surfaces_[index_of(cell)].hits > 0.0F ? word | mark : word & ~mark;
 }
 
-// MRPT counts the log-odds of being free, in steps of 1/16.
-void GridMap::change_odds(const Cell& cell, double step) {
-  const int limit = std::min(127, static_cast<int>(16.0 * options_.certainty_limit));
+// `step`: added to the log-odds of being occupied.
+void GridMap::change_odds(const Cell& cell, int step) {
   auto& odds = grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x];
-  using Odds = std::decay_t<decltype(odds)>;
-  odds =
-      static_cast<Odds>(std::clamp(static_cast<int>(odds) - static_cast<int>(std::lround(16.0 * step)), -limit, limit));
-  state(cell).seen = true;
+  odds = static_cast<std::decay_t<decltype(odds)>>(std::clamp(odds - step, -odds_limit_, odds_limit_));
+  seen_[index_of(cell)] = 1;
 }
 
 void GridMap::insert(const Scan& scan, const Pose& robot) {
@@ -116,10 +126,10 @@ void GridMap::add_hit(const Beam& beam, const Frame& robot) {
   const bool first = touched != 2 * scan_number_ + 1;
   if (first) {
     touched = 2 * scan_number_ + 1;
-    change_odds(cell, options_.occupied_step);
+    change_odds(cell, occupied_step_);
   }
   if (!beam.has_normal) return;
-  add_to_surface(state(cell).surface, end, robot.turned(beam.normal), first);
+  add_to_surface(surfaces_[index_of(cell)], end, robot.turned(beam.normal), first);
   mark_surface(cell);
 }
 
@@ -152,12 +162,12 @@ bool GridMap::sees_through(const Surface& surface, const Ray& ray) const {
 void GridMap::free_cell(const Cell& cell, const Ray& ray) {
   uint32_t& touched = touched_[index_of(cell)];
   if (touched >= 2 * scan_number_) return;
-  CellState& state = this->state(cell);
-  if (state.surface.hits > 0.0F && !sees_through(state.surface, ray)) return;
+  const bool walled = has_surface(cell);
+  if (walled && !sees_through(surfaces_[index_of(cell)], ray)) return;
   touched = 2 * scan_number_;
-  change_odds(cell, -options_.free_step);
-  if (grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x] > 0) {
-    state.surface = Surface{};
+  change_odds(cell, -free_step_);
+  if (walled && grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x] > 0) {
+    surfaces_[index_of(cell)] = Surface{};
     mark_surface(cell);
   }
 }
@@ -194,18 +204,18 @@ void GridMap::free_footprint(const Pose& robot) {
     for (int x = low.x; x <= high.x; ++x) {
       const double center_x = (x + 0.5) * options_.resolution, center_y = (y + 0.5) * options_.resolution;
       if (std::hypot(center_x - robot.x, center_y - robot.y) > options_.free_radius) continue;
-      if (touched_[index_of({x, y})] != 2 * scan_number_) change_odds({x, y}, -options_.free_step);
+      if (touched_[index_of({x, y})] != 2 * scan_number_) change_odds({x, y}, -free_step_);
     }
   }
 }
 
 std::vector<int8_t> GridMap::occupancy() const {
-  std::vector<int8_t> cells(states_.size(), -1);
+  std::vector<int8_t> cells(seen_.size(), -1);
   for (int row = 0; row < height_; ++row) {
     const auto* odds = grid_.getRow(row);
     for (int column = 0; column < width_; ++column) {
       const std::size_t index = static_cast<std::size_t>(row) * width_ + column;
-      if (states_[index].seen) cells[index] = odds[column] < 0 ? 100 : 0;
+      if (seen_[index]) cells[index] = odds[column] < 0 ? 100 : 0;
     }
   }
   return cells;

@@ -53,11 +53,6 @@ class GridMap {
   std::vector<int8_t> occupancy() const;
 
  private:
-  struct CellState {
-    Surface surface;
-    bool seen = false;
-  };
-
   struct Ray {
     Point eye, end;   // m, map frame
     Point direction;  // unit vector
@@ -65,10 +60,10 @@ class GridMap {
 
   bool contains(const Cell& cell) const;
   std::size_t index_of(const Cell& cell) const;
-  CellState& state(const Cell& cell) { return states_[index_of(cell)]; }
+  bool has_surface(const Cell& cell) const;
   void mark_surface(const Cell& cell);
   void grow_to(Cell low, Cell high);
-  void change_odds(const Cell& cell, double step);
+  void change_odds(const Cell& cell, int step);
   void add_hit(const Beam& beam, const Frame& robot);
   static void add_to_surface(Surface& surface, const Point& end, const Point& normal, bool first_of_scan);
   void see_through(const Point& eye, const Point& end);
@@ -78,9 +73,11 @@ class GridMap {
 
   GridOptions options_;
   mrpt::maps::COccupancyGridMap2D grid_;
-  std::vector<CellState> states_;
-  // For each cell twice the number of the last scan that saw through it, and one more if the scan hit it. Apart from
-  // the states, because near the robot most beams pass cells that others have passed already.
+  int occupied_step_, free_step_, odds_limit_;  // in MRPT's steps
+  // Of each cell, in arrays of their own: beams pass many cells, and of most they need but a part of this.
+  std::vector<Surface> surfaces_;
+  std::vector<uint8_t> seen_;
+  // Twice the number of the last scan that saw through the cell, and one more if the scan hit it.
   std::vector<uint32_t> touched_;
   // One bit for each cell that has a surface, `words_` words to a row: most cells have none, and looking for surfaces
   // is most of the work of matching.
@@ -102,7 +99,7 @@ void GridMap::visit_surfaces(const Cell& low, const Cell& high, Visit visit) con
       if (word == left / 64) bits &= ~uint64_t{0} << (left % 64);
       if (word == right / 64) bits &= ~uint64_t{0} >> (63 - right % 64);
       for (; bits != 0; bits &= bits - 1) {
-        visit(states_[static_cast<std::size_t>(row) * width_ + word * 64 + __builtin_ctzll(bits)].surface);
+        visit(surfaces_[static_cast<std::size_t>(row) * width_ + word * 64 + __builtin_ctzll(bits)]);
       }
     }
   }

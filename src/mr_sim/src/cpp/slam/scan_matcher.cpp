@@ -16,6 +16,7 @@ constexpr double kMatureScans = 5.0;  // same; what was hit in one scan only, su
 constexpr double kAgreement = 16.0;   // squared deviations within which scan and odometry agree
 constexpr double kSameSide = 0.7;     // cosine
 constexpr double kTrust = 0.5;        // of odometry's deviation where scan and odometry agree
+constexpr double kSamePlace = 0.005;  // m, a hit that moves less between two iterations keeps its line
 
 // Whether a hit is used must not depend on its own noise: asking how far it lies from the last one would prefer, on
 // each wall, hits that err in the direction of the sweep, and turn the robot a little with every match.
@@ -35,8 +36,16 @@ std::vector<const Beam*> choose_beams(const Scan& scan) {
 
 struct Line {
   Point through, normal;  // m; unit vector
+  double distance = 0.0;  // m, of the nearest surface
   double weight = 0.0;
   bool found = false;
+};
+
+// What was found for a hit, and where it was then.
+struct Association {
+  Point place;
+  double reach = 0.0;  // m; 0: nothing was looked for yet
+  Line line;
 };
 
 bool same_side(const Surface& surface, const Point& normal) {
@@ -67,6 +76,7 @@ Line line_near(const GridMap& map, const Point& point, const Point& normal, doub
   if (center == nullptr) return {};
   const Cell cell = map.cell_of({center->x, center->y});
   Line line;
+  line.distance = std::hypot(point.x - center->x, point.y - center->y);
   double hits = 0.0, scans = 0.0;
   map.visit_surfaces(around(cell, -kNeighbours), around(cell, kNeighbours), [&](const Surface& surface) {
     if (!same_side(surface, normal)) return;
@@ -86,6 +96,14 @@ Line line_near(const GridMap& map, const Point& point, const Point& normal, doub
   return line;
 }
 
+// The line within `reach` of a hit. Most of the time of matching went into finding the same lines again.
+const Line* line_of(const GridMap& map, const Point& point, const Point& normal, double reach, Association& known) {
+  const double dx = point.x - known.place.x, dy = point.y - known.place.y;
+  const bool holds = dx * dx + dy * dy < kSamePlace * kSamePlace && (known.line.found || reach <= known.reach);
+  if (known.reach == 0.0 || !holds) known = {point, reach, line_near(map, point, normal, reach)};
+  return known.line.found && known.line.distance < reach ? &known.line : nullptr;
+}
+
 struct Fit {
   Pose pose;
   double share = 0.0;
@@ -94,7 +112,8 @@ struct Fit {
 
 // Gauss-Newton on point-to-line distances with Cauchy weights and the odometry prior.
 Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose& start, const Pose& expected,
-           const Pose& deviation, double surface_deviation, const MatchOptions& options) {
+           const Pose& deviation, double surface_deviation, const MatchOptions& options,
+           std::vector<Association>& associations) {
   const double precision = 1.0 / (surface_deviation * surface_deviation);
   Fit fit{start, 0.0, 0.0};
   double reach = options.reach;
@@ -108,14 +127,15 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
     int on_surface = 0;
     double cost = 0.0;
     const Frame frame(pose);
-    for (const Beam* beam : beams) {
-      const Point arm = frame.turned(beam->end), normal = frame.turned(beam->normal);
+    for (std::size_t i = 0; i < beams.size(); ++i) {
+      const Point arm = frame.turned(beams[i]->end), normal = frame.turned(beams[i]->normal);
       const Point point{pose.x + arm.x, pose.y + arm.y};
-      const Line line = line_near(map, point, normal, reach);
-      if (!line.found) {
+      const Line* found = line_of(map, point, normal, reach, associations[i]);
+      if (found == nullptr) {
         cost += options.reach * options.reach;
         continue;
       }
+      const Line& line = *found;
       const double nx = line.normal.x, ny = line.normal.y;
       const double dx = point.x - line.through.x, dy = point.y - line.through.y;
       const double residual = nx * dx + ny * dy, beside = -ny * dx + nx * dy;
@@ -182,8 +202,9 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
                  const Pose& previous, const MatchOptions& options) {
   const std::vector<const Beam*> beams = choose_beams(scan);
   if (beams.size() < 10) return {expected, 0.0, false};
+  std::vector<Association> associations(beams.size());
   const auto fit = [&](const Pose& start) {
-    return refine(map, beams, start, start, deviation, options.surface_deviation, options);
+    return refine(map, beams, start, start, deviation, options.surface_deviation, options, associations);
   };
   Fit best = fit(expected);
   if (best.share < options.good_share) {
@@ -201,8 +222,8 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
   // where it explains the scan worse.
   const bool agreed = agree(best.pose, expected, deviation);
   const Pose trusted{kTrust * deviation.x, kTrust * deviation.y, deviation.yaw};
-  const Fit joint =
-      refine(map, beams, agreed ? best.pose : expected, expected, trusted, options.joint_deviation, options);
+  const Fit joint = refine(map, beams, agreed ? best.pose : expected, expected, trusted, options.joint_deviation,
+                           options, associations);
   if (!agreed && better(best, joint)) return {best.pose, best.share, true};
   return {joint.pose, joint.share, joint.share >= options.poor_share};
 }

@@ -120,14 +120,14 @@ def make_scan(
     ranges = np.where(valid, np.minimum(ranges, range_max), 0.0)
     hits = np.flatnonzero(valid & (ranges < range_max - 1e-3))
     directions = _directions(ranges.size, angle_min, angle_increment, mount[2])
-    points = directions[hits] * ranges[hits, None] + mount[:2]
-    return Scan(points, ranges, angle_min, angle_increment, range_max, mount)
+    points = directions.take(hits) * ranges.take(hits)
+    points += complex(mount[0], mount[1])
+    return Scan(points.view(float).reshape(-1, 2), ranges, angle_min, angle_increment, range_max, mount)
 
 
 @lru_cache(maxsize=16)
 def _directions(count: int, angle_min: float, angle_increment: float, yaw: float) -> np.ndarray:
-    """Unit vectors (count, 2) of the beams in the robot's frame."""
-    angles = yaw + angle_min + angle_increment * np.arange(count)
-    directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    """Unit vectors (count,) of the beams in the robot's frame, as complex numbers."""
+    directions = np.exp(1j * (yaw + angle_min + angle_increment * np.arange(count)))
     directions.flags.writeable = False
     return directions

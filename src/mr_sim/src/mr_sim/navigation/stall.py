@@ -19,14 +19,16 @@ class StallWatch:
 
     def clear(self) -> None:
         self._command_times: List[float] = []
-        self._commands: List[Tuple[float, float]] = []  # m/s, rad/s
+        # (m/s, rad/s) from then on, and way and turn (m, rad) that all before it asked for
+        self._commands: List[Tuple[float, float, float, float]] = []
         self._pose_times: List[float] = []
         self._poses: List[Pose] = []
 
     def command(self, now: float, velocity: Tuple[float, float]) -> None:
         """Records the command given at `now`."""
+        way, turn = self._asked_until(now)
         self._command_times.append(now)
-        self._commands.append(velocity)
+        self._commands.append((*velocity, way, turn))
         _shorten(self._command_times, self._commands)
 
     def blocked(self, now: float, pose: Pose) -> bool:
@@ -52,14 +54,18 @@ class StallWatch:
 
     def _commanded(self, start: float, end: float) -> Tuple[float, float]:
         """Signed way and turn, m and rad, that the commands between two times ask for."""
-        times, distance, turn = self._command_times, 0.0, 0.0
-        first, behind = max(0, bisect_right(times, start) - 1), bisect_left(times, end)
-        for index in range(first, behind):
-            until = min(times[index + 1], end) if index + 1 < len(times) else end
-            seconds = until - max(times[index], start)
-            distance += self._commands[index][0] * seconds
-            turn += self._commands[index][1] * seconds
-        return distance, turn
+        way, turn = self._asked_until(end)
+        way_before, turn_before = self._asked_until(start)
+        return way - way_before, turn - turn_before
+
+    def _asked_until(self, time: float) -> Tuple[float, float]:
+        """Signed way and turn, m and rad, that all commands known ask for until then."""
+        if not self._commands:
+            return 0.0, 0.0
+        index = max(0, bisect_right(self._command_times, time) - 1)
+        linear, angular, way, turn = self._commands[index]
+        seconds = max(0.0, time - self._command_times[index])
+        return way + linear * seconds, turn + angular * seconds
 
 
 def _shorten(times: List[float], values: List) -> None:

@@ -1,0 +1,38 @@
+#include "comparison.hpp"
+
+#include <cmath>
+
+#include "refinement.hpp"
+
+namespace map_merger {
+
+Comparison compare(const SurfaceIndex& target, const Raster& known, const std::uint8_t* clear,
+                   const std::vector<OrientedPoint>& source, const std::uint8_t* solid, const Motion& motion,
+                   double tolerance) {
+  Comparison result;
+  const Motion to_cells = known.origin.inverse();
+  double xx = 0.0, xy = 0.0, yy = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    const OrientedPoint moved = motion * source[i], cell = to_cells * moved;
+    const double row = std::floor(cell.y / known.resolution), column = std::floor(cell.x / known.resolution);
+    if (!(row >= 0.0 && row < known.rows && column >= 0.0 && column < known.columns)) continue;
+    const int r = static_cast<int>(row), c = static_cast<int>(column);
+    if (!known.at(r, c)) continue;
+    ++result.inside;
+    const std::ptrdiff_t partner = partner_of(target, moved, tolerance);
+    if (partner < 0) {
+      result.contradicted += clear[static_cast<std::int64_t>(r) * known.columns + c] && solid[i];
+      continue;
+    }
+    ++result.matched;
+    xx += moved.normal_x * moved.normal_x, xy += moved.normal_x * moved.normal_y, yy += moved.normal_y * moved.normal_y;
+    const OrientedPoint& found = target[partner];
+    const double residual = (moved.x - found.x) * found.normal_x + (moved.y - found.y) * found.normal_y;
+    squares += residual * residual;
+  }
+  result.minor = 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy);
+  result.mean_square = result.matched > 0 ? squares / static_cast<double>(result.matched) : 0.0;
+  return result;
+}
+
+}  // namespace map_merger

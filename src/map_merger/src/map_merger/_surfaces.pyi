@@ -1,0 +1,43 @@
+"""Walls as oriented points (src/cpp). Lengths in metres, transforms as (x, y, yaw)."""
+
+from typing import Sequence
+
+import numpy as np
+
+_Pose = tuple[float, float, float]
+
+class Comparison:
+    inside: int
+    matched: int
+    contradicted: int
+    minor: float
+    mean_square: float
+
+class SurfaceIndex:
+    def __init__(self, points: np.ndarray, normals: np.ndarray, normal_weight: float) -> None: ...
+    def nearest(self, points: np.ndarray, normals: np.ndarray, bound: float) -> np.ndarray: ...
+    def refined(self, points: np.ndarray, normals: np.ndarray, start: _Pose, reaches: Sequence[float]) -> _Pose: ...
+    def compare(
+        self,
+        known: np.ndarray,
+        clear: np.ndarray,
+        resolution: float,
+        origin: _Pose,
+        points: np.ndarray,
+        normals: np.ndarray,
+        solid: np.ndarray,
+        transform: _Pose,
+        tolerance: float,
+    ) -> Comparison: ...
+
+def border(
+    obstacles: np.ndarray, free: np.ndarray, resolution: float, origin: _Pose
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
+def raster(
+    points: np.ndarray,
+    transform: _Pose,
+    corner: tuple[float, float],
+    cell: float,
+    shape: tuple[int, int],
+    weight: float,
+) -> np.ndarray: ...

@@ -1,0 +1,139 @@
+"""The compiled parts: the search for the nearest like-facing point against a plain one, borders, refinement."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from map_merger._surfaces import SurfaceIndex, border, raster
+from map_merger.transform import Transform
+
+WEIGHT = 0.3
+
+
+def oriented(generator, count, extent):
+    angles = generator.uniform(-math.pi, math.pi, count)
+    points = generator.uniform(-0.5, 0.5, (count, 2)) * extent
+    return points, np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.integers(0, 2**32 - 1), st.integers(1, 300), st.floats(0.01, 200.0), st.floats(0.0, 200.0), st.floats(0.01, 3.0)
+)
+def test_nearest_is_the_nearest_of_all(seed, count, width, height, bound):
+    generator = np.random.default_rng(seed)
+    points, normals = oriented(generator, count, (width, height))
+    queries, facing = oriented(generator, 50, (1.2 * width, 1.2 * height + 0.1))
+    found = SurfaceIndex(points, normals, WEIGHT).nearest(queries, facing, bound)
+    here = np.hstack([points, WEIGHT * normals])
+    there = np.hstack([queries, WEIGHT * facing])
+    distance = np.linalg.norm(there[:, None, :] - here[None, :, :], axis=2)
+    least = distance.min(axis=1)
+    assert np.array_equal(found >= 0, least < bound)
+    chosen = distance[np.flatnonzero(found >= 0), found[found >= 0]]
+    assert chosen == pytest.approx(least[found >= 0], abs=1e-9)
+
+
+def test_no_points_no_neighbours():
+    nothing = np.empty((0, 2))
+    index = SurfaceIndex(nothing, nothing, WEIGHT)
+    assert list(index.nearest(np.zeros((2, 2)), np.zeros((2, 2)), 10.0)) == [-1, -1]
+    assert SurfaceIndex(np.zeros((1, 2)), np.zeros((1, 2)), WEIGHT).nearest(nothing, nothing, 10.0).shape == (0,)
+
+
+def test_points_far_apart_take_no_memory_for_what_lies_between():
+    points = np.array([[-1e5, -1e5], [1e5, 1e5]])
+    normals = np.array([[1.0, 0.0], [1.0, 0.0]])
+    assert list(SurfaceIndex(points, normals, WEIGHT).nearest(points + 0.1, normals, 1.0)) == [0, 1]
+
+
+@pytest.mark.parametrize(
+    "points, normals", [((2, 2), (3, 2)), ((2, 3), (2, 3)), ((4,), (4,))], ids=["lengths", "columns", "flat"]
+)
+def test_wrong_shapes_are_refused(points, normals):
+    with pytest.raises(ValueError, match="shape"):
+        SurfaceIndex(np.zeros(points), np.zeros(normals), WEIGHT)
+
+
+def test_what_is_no_number_is_refused():
+    with pytest.raises(ValueError, match="finite"):
+        SurfaceIndex(np.array([[math.nan, 0.0]]), np.array([[1.0, 0.0]]), WEIGHT)
+
+
+def room(width=6.0, height=4.0, step=0.05):
+    """The inner faces of a rectangular room's walls: points and normals."""
+    along, up = np.arange(0.0, width, step), np.arange(0.0, height, step)
+    sides = [
+        (np.column_stack([along, np.zeros_like(along)]), (0.0, 1.0)),
+        (np.column_stack([along, np.full_like(along, height)]), (0.0, -1.0)),
+        (np.column_stack([np.zeros_like(up), up]), (1.0, 0.0)),
+        (np.column_stack([np.full_like(up, width), up]), (-1.0, 0.0)),
+    ]
+    points = np.concatenate([points for points, _ in sides])
+    return points, np.concatenate([np.tile(normal, (len(points), 1)) for points, normal in sides])
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.floats(-0.15, 0.15), st.floats(-0.15, 0.15), st.floats(-0.03, 0.03), st.floats(-3.0, 3.0))
+def test_refinement_finds_the_way_back(x, y, turn, heading):
+    points, normals = room()
+    truth, error = Transform(2.0, -1.0, heading), Transform(x, y, turn)
+    target = SurfaceIndex(truth.apply(points), Transform(0.0, 0.0, heading).apply(normals), WEIGHT)
+    found = target.refined(points, normals, truth.compose(error).pose(), [0.6, 0.45, 0.3, 0.3, 0.2, 0.2, 0.2])
+    assert np.abs(Transform(*found).apply(points) - truth.apply(points)).max() < 0.02
+
+
+def test_walls_that_face_the_other_way_are_no_partners():
+    points, normals = room()
+    index = SurfaceIndex(points, normals, WEIGHT)
+    start = (0.1, 0.0, 0.0)
+    assert index.refined(points, -normals, start, [0.3]) == start
+
+
+def test_comparison_counts_what_agrees_and_what_contradicts():
+    points, normals = room(width=6.0, height=4.0)
+    index = SurfaceIndex(points, normals, WEIGHT)
+    known = np.ones((100, 140), bool)
+    known[:, 120:] = False
+    clear = known.copy()
+    solid = np.ones(len(points), bool)
+    origin = (-0.5, -0.5, 0.0)
+
+    def compared(transform, solid=solid):
+        return index.compare(known, clear, 0.05, origin, points, normals, solid, transform, 0.1)
+
+    same = compared((0.0, 0.0, 0.0))
+    assert same.inside == same.matched == (points[:, 0] < 5.499).sum()
+    assert same.contradicted == 0 and same.mean_square == pytest.approx(0.0, abs=1e-12)
+    assert same.minor == pytest.approx(min((normals[points[:, 0] < 5.499] ** 2).sum(axis=0)))
+    moved = compared((0.0, 0.5, 0.0))
+    assert moved.contradicted == moved.inside - moved.matched > 100
+    assert compared((0.0, 0.5, 0.0), ~solid).contradicted == 0
+
+
+def test_border_of_a_straight_wall_has_two_faces():
+    free = np.ones((20, 30), bool)
+    wall = np.array([[10, column] for column in range(5, 25)])
+    free[10, 5:25] = False
+    points, normals, numbers = border(wall, free, 0.05, (1.0, 2.0, 0.0))
+    assert len(points) == 2 * len(wall) and sorted(numbers) == sorted([*range(len(wall))] * 2)
+    assert np.abs(normals[:, 0]).max() < 0.2 and set(np.sign(normals[:, 1])) == {-1.0, 1.0}
+    assert points[:, 1] - 2.0 == pytest.approx((10.5 + 0.5 * normals[:, 1]) * 0.05)
+    free[11:] = False
+    assert (border(wall, free, 0.05, (1.0, 2.0, 0.0))[1][:, 1] < 0).all()
+
+
+def test_raster_counts_points_and_refuses_those_outside():
+    cells = raster(np.array([[0.1, 0.1], [0.15, 0.1], [0.5, 0.3]]), (0.2, 0.0, 0.0), (0.2, 0.0), 0.2, (2, 3), 0.5)
+    assert cells.tolist() == [[1.0, 0.0, 0.0], [0.0, 0.0, 0.5]]
+    for outside in ([-0.01, 0.1], [0.1, 0.5], [math.nan, 0.1]):
+        with pytest.raises(ValueError, match="outside"):
+            raster(np.array([outside]), (0.0, 0.0, 0.0), (0.0, 0.0), 0.2, (2, 3), 1.0)
+
+
+def test_border_refuses_obstacles_off_the_map():
+    with pytest.raises(ValueError, match="off the map"):
+        border(np.array([[2, 0]]), np.ones((2, 2), bool), 0.05, (0.0, 0.0, 0.0))
