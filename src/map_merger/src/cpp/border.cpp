@@ -17,15 +17,16 @@ struct Direction {
 
 // Second moments of the obstacles in the window around a cell, the cell itself among them.
 Direction direction_at(const std::vector<std::uint8_t>& mask, std::size_t stride, std::size_t centre) {
-  double count = 0.0, r = 0.0, c = 0.0, rr = 0.0, cc = 0.0, rc = 0.0;
+  int cells = 0, r = 0, c = 0, rr = 0, cc = 0, rc = 0;
   for (int row = -kReach; row <= kReach; ++row) {
     const std::uint8_t* cell = &mask[centre + row * static_cast<std::ptrdiff_t>(stride)];
+    int in_row = 0, sum = 0, squares = 0;
     for (int column = -kReach; column <= kReach; ++column) {
-      if (!cell[column]) continue;
-      count += 1.0, r += row, c += column, rr += row * row, cc += column * column, rc += row * column;
+      in_row += cell[column], sum += cell[column] * column, squares += cell[column] * column * column;
     }
+    cells += in_row, r += in_row * row, rr += in_row * row * row, c += sum, cc += squares, rc += sum * row;
   }
-  const double mean_row = r / count, mean_column = c / count;
+  const double count = cells, mean_row = r / count, mean_column = c / count;
   const double spread_row = rr / count - mean_row * mean_row, spread_column = cc / count - mean_column * mean_column;
   const double mixed = 2.0 * (rc / count - mean_row * mean_column), difference = spread_column - spread_row;
   const double tangent = 0.5 * std::atan2(mixed, difference);

@@ -1,7 +1,7 @@
 """All that is known about one other robot."""
 
 import math
-from typing import List, NamedTuple, Optional, Tuple
+from typing import NamedTuple, Optional
 
 import numpy as np
 
@@ -19,24 +19,22 @@ class Track:
     LONGEST_TRACK."""
 
     def __init__(self) -> None:
-        self._points: List[Tuple[float, float, float]] = []
-        self._array: Optional[np.ndarray] = None  # the same, once it was asked for
+        self._points = np.empty((0, 3))
 
     def add(self, x: float, y: float, time: float) -> bool:
         """Appends the place unless the robot has hardly moved; True if it was appended."""
-        if self._points and math.hypot(x - self._points[-1][0], y - self._points[-1][1]) < TRACK_SPACING_M:
-            return False
-        self._points.append((x, y, time))
-        self._array = None
+        if len(self._points):
+            last_x, last_y, _ = self._points[-1].tolist()
+            if math.hypot(x - last_x, y - last_y) < TRACK_SPACING_M:
+                return False
+        self._points = np.concatenate([self._points, [(x, y, time)]])
         if len(self._points) > LONGEST_TRACK:
-            self._points = self._points[::2]
+            self._points = self._points[::2].copy()
         return True
 
     def timed_points(self) -> np.ndarray:
         """Shape (n, 3): x and y in metres, time in seconds; oldest first. Not to be changed."""
-        if self._array is None:
-            self._array = np.array(self._points, dtype=float).reshape(-1, 3)
-        return self._array
+        return self._points
 
     def points(self) -> np.ndarray:
         """Shape (n, 2), metres, oldest first."""

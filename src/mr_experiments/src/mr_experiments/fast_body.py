@@ -12,7 +12,7 @@ from mr_experiments.body import GoalEnd
 from mr_experiments.stopwatch import Stopwatch
 from mr_sim import _world
 from mr_sim.navigation.options import Grid, NavigationOptions
-from mr_sim.navigation.planner import CostMap, path, plan, without_robots
+from mr_sim.navigation.planner import CostMap, Plan, path, plan, without_robots
 from mr_sim.pose import Pose, compose, placed, seen_from
 from mr_sim.raster import Grid as Raster
 from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, OccupancyMap
@@ -45,6 +45,7 @@ class FastBody:
         self._others: Mapping[str, tuple[float, float]] = {}
         self._goal: tuple[int, Pose] | None = None
         self._path: list[tuple[float, float]] = []
+        self._way: Plan | None = None
 
     @property
     def true_pose(self) -> Pose:
@@ -119,11 +120,11 @@ class FastBody:
     def _plan(self) -> None:
         if self._goal is None or self._costs is None:
             return
-        way = plan(self._costs, np.empty((0, 2)), self.pose, self._goal[1][:2], SEARCH_RADIUS)
-        if way is None:
+        self._way = plan(self._costs, np.empty((0, 2)), self.pose, self._goal[1][:2], SEARCH_RADIUS, self._way)
+        if self._way is None:
             self._end(False, "there is no way")
             return
-        self._path = path(way, self.pose)[1:]
+        self._path = path(self._way, self.pose)[1:]
 
     def _end(self, reached: bool, text: str) -> None:
         assert self._goal is not None

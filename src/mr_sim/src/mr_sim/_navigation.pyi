@@ -37,6 +37,9 @@ def march(
     limit: float = ...,
     former: tuple[np.ndarray, np.ndarray] | None = ...,
 ) -> np.ndarray: ...
+def hits(
+    ranges: Sequence[float] | np.ndarray, directions: np.ndarray, range_min: float, range_max: float, mount: _Pair
+) -> tuple[np.ndarray, np.ndarray]: ...
 
 class Inflation:
     def __init__(self, least: float, most: float, wall_cost: float) -> None: ...

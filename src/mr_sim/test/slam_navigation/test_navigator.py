@@ -336,3 +336,10 @@ def test_close_obstacles_are_not_thinned_out() -> None:
         _navigation.Margins(0.02, 0.05, 0.1, 0.2), 0.1, 1.3, 0.03,
     )  # fmt: skip
     assert sorted(rows[:, :2].tolist()) == sorted([*close, far[0]])
+
+
+def test_readings_become_ranges_and_hits() -> None:
+    readings = np.array([np.nan, -1.0, 0.05, 2.0, 4.0, np.inf, -np.inf])
+    scan = make_scan(readings, 0.0, math.pi / 2, 0.1, 4.0, (0.5, 0.25, 0.0))
+    assert scan.ranges.tolist() == [0.0, 0.0, 0.0, 2.0, 4.0, 4.0, 0.0]
+    assert scan.points == pytest.approx(np.array([[0.5, -1.75]]))

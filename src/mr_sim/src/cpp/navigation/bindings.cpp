@@ -197,6 +197,21 @@ PYBIND11_MODULE(_navigation, module) {
            }),
            py::arg("wall"), py::arg("obstacle"), py::arg("moving"), py::arg("reaction_time"));
   module.def(
+      "hits",
+      [](const Doubles& readings, const Doubles& directions, double range_min, double range_max, const Pair& mount) {
+        require(readings.ndim() == 1 && directions.ndim() == 2 && directions.shape(0) == readings.size() &&
+                    directions.shape(1) == 2,
+                "each of the ranges needs a direction");
+        Doubles ranges(readings.size());
+        std::copy_n(readings.data(), readings.size(), ranges.mutable_data());
+        const std::vector<Point> points =
+            hits(ranges.mutable_data(), static_cast<std::size_t>(ranges.size()),
+                 reinterpret_cast<const Point*>(directions.data()), range_min, range_max, {mount.first, mount.second});
+        return py::make_tuple(ranges, to_rows(points));
+      },
+      py::arg("ranges"), py::arg("directions"), py::arg("range_min"), py::arg("range_max"), py::arg("mount"),
+      "Ranges, float64 (m,), 0 where there is no valid reading, and hits in the robot's frame, float64 (n, 2).");
+  module.def(
       "remember",
       [](const Doubles& old, const Doubles& points, const Doubles& ranges, double angle_min, double angle_increment,
          const Triple& mount, const Triple& pose, const OwnedWalls& walls, const Memory& memory, double now) {

@@ -48,6 +48,11 @@ struct Margins {
   double wall, obstacle, moving, reaction_time;
 };
 
+// What a laser's readings say: sets those that are none to 0 and the rest to at most `range_max`, and returns the hits
+// in the robot's frame. `directions`: unit vectors of the beams; `mount`: place of the laser on the robot.
+std::vector<Point> hits(double* ranges, std::size_t count, const Point* directions, double range_min, double range_max,
+                        const Point& mount);
+
 // The memory after one more scan taken at `pose`: its hits that are no walls of the map, then what is left of the old.
 // Of several points in a square the first is kept.
 std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanView& scan, const Pose& pose,

@@ -6,6 +6,7 @@ from typing import Tuple
 
 import numpy as np
 
+from mr_sim import _navigation
 from mr_sim.pose import Pose
 
 FARTHEST = 1e5  # m from the origin of the frame; arithmetic on cells goes wrong with larger coordinates
@@ -114,20 +115,15 @@ def make_scan(
     ranges: np.ndarray, angle_min: float, angle_increment: float, range_min: float, range_max: float, mount: Pose
 ) -> Scan:
     """`ranges`: m, (m,), of beams from `angle_min` on, rad; infinity = nothing hit. `mount`: the laser on the robot."""
-    ranges = np.asarray(ranges, dtype=np.float64)
-    # Comparisons with what is no number are false.
-    valid = ranges >= max(range_min, 1e-3)
-    ranges = np.where(valid, np.minimum(ranges, range_max), 0.0)
-    hits = np.flatnonzero(valid & (ranges < range_max - 1e-3))
-    directions = _directions(ranges.size, angle_min, angle_increment, mount[2])
-    points = directions.take(hits) * ranges.take(hits)
-    points += complex(mount[0], mount[1])
-    return Scan(points.view(float).reshape(-1, 2), ranges, angle_min, angle_increment, range_max, mount)
+    directions = _directions(len(ranges), angle_min, angle_increment, mount[2])
+    ranges, points = _navigation.hits(ranges, directions, range_min, range_max, mount[:2])
+    return Scan(points, ranges, angle_min, angle_increment, range_max, mount)
 
 
 @lru_cache(maxsize=16)
 def _directions(count: int, angle_min: float, angle_increment: float, yaw: float) -> np.ndarray:
-    """Unit vectors (count,) of the beams in the robot's frame, as complex numbers."""
-    directions = np.exp(1j * (yaw + angle_min + angle_increment * np.arange(count)))
+    """Unit vectors (count, 2) of the beams in the robot's frame."""
+    angles = yaw + angle_min + angle_increment * np.arange(count)
+    directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     directions.flags.writeable = False
     return directions

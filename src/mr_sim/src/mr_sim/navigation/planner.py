@@ -34,6 +34,7 @@ class Plan:
     exact: bool  # whether it is the goal asked for
     slowness: np.ndarray  # float32 (rows, columns) that the cost was computed from
     seeds: Seeds  # cells that the cost was computed from
+    start: Tuple[int, int]  # cell of the robot; the cost goes FIELD_MARGIN beyond what it has there
 
     def cost_at(self, x: float, y: float) -> float:
         """Metres of free way from (x, y), infinity where there is none."""
@@ -131,15 +132,15 @@ def plan(
         seeds: Seeds = ((row, column, 0.0),)
         cost = _march(slowness, seeds, start, grid, former)
         if np.isfinite(cost[start]):
-            return Plan(grid, cost, goal, True, slowness, seeds)
+            return Plan(grid, cost, goal, True, slowness, seeds, start)
     seeds = _seeds_near(slowness, row, column, search_radius / grid.resolution)
     if not seeds:
         return None
     cost = _march(slowness, seeds, start, grid, former)
     if not np.isfinite(cost[start]):
         return None
-    end = path(Plan(grid, cost, goal, False, slowness, seeds), robot)[-1]
-    return Plan(grid, cost, end, False, slowness, seeds)
+    end = path(Plan(grid, cost, goal, False, slowness, seeds, start), robot)[-1]
+    return Plan(grid, cost, end, False, slowness, seeds, start)
 
 
 def _march(
@@ -147,6 +148,9 @@ def _march(
 ) -> np.ndarray:
     beside = None
     if former is not None and former.seeds == seeds and former.cost.shape == slowness.shape:
+        # Nothing has changed, and a robot that has come nearer needs no more than was computed.
+        if former.slowness is slowness and former.cost[start] <= former.cost[former.start]:
+            return former.cost
         beside = (former.slowness, former.cost)
     return _navigation.march(slowness, seeds, start, FIELD_MARGIN / grid.resolution, former=beside)
 
