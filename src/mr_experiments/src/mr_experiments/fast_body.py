@@ -103,7 +103,7 @@ class FastBody:
     def set_map(self, cells: np.ndarray, resolution: float, origin: tuple[float, float]) -> None:
         with self._stopwatch.span("navigation"):
             grid = without_robots(Grid(cells, resolution, origin), list(self._others.values()))
-            self._costs = CostMap(grid, self.options)
+            self._costs = CostMap(grid, self.options, self._costs)
             self._plan()
 
     def set_others(self, positions: Mapping[str, tuple[float, float]], now: float) -> None:

@@ -104,6 +104,18 @@ def test_a_march_beside_a_former_one_is_the_same_as_a_fresh_one(
     assert (resumed[np.isfinite(resumed)] == whole[np.isfinite(resumed)]).all()
 
 
+@given(grids(), st.lists(st.tuples(places, st.sampled_from([-1, 0, 100])), max_size=5))
+def test_costs_beside_former_ones_are_the_same_as_fresh_ones(grid: Grid, changes: List[Tuple[Tuple, int]]) -> None:
+    cells = grid.cells.copy()
+    for place, value in changes:
+        cells[grid.cell(*place)] = value
+    changed = Grid(cells, grid.resolution, grid.origin)
+    fresh, beside = CostMap(changed, OPTIONS), CostMap(changed, OPTIONS, CostMap(grid, OPTIONS))
+    assert (beside.wall_distance == fresh.wall_distance).all()
+    nothing = np.empty((0, 2))
+    assert (beside.slowness(nothing, None) == fresh.slowness(nothing, None)).all()
+
+
 @given(grids(), st.lists(places, max_size=5))
 def test_slowness_beside_obstacles_is_that_beside_walls(grid: Grid, points: List[Tuple[float, float]]) -> None:
     costs = CostMap(grid, OPTIONS)

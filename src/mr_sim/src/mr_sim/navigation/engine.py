@@ -162,7 +162,7 @@ class Navigator:
         self._costs_hold = True
         grid = without_robots(self._grid, list(self._others.values()))
         if self._costs is None or not grid.equals(self._costs.grid):
-            self._costs = CostMap(grid, self.options)
+            self._costs = CostMap(grid, self.options, self._costs)
         return self._costs
 
     def set_goal(self, goal: Pose, now: float) -> None:

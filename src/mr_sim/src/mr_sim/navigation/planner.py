@@ -47,13 +47,26 @@ class Plan:
 class CostMap:
     """Distances to walls of one map, m, 1000 where walls do not slow down, and slowness for planning over it."""
 
-    def __init__(self, grid: Grid, options: NavigationOptions) -> None:
+    def __init__(self, grid: Grid, options: NavigationOptions, former: Optional["CostMap"] = None) -> None:
+        """`former`: any earlier one with the same options; only what has changed since is computed again."""
         self.grid = grid
         self._inflation = _navigation.Inflation(options.inscribed_radius, options.inflation_radius, NEAR_WALL_COST)
-        self.wall_distance, self._of_walls = _navigation.inflate(
-            grid.cells, grid.resolution, self._inflation, not options.allow_unknown
-        )
+        reach = math.ceil(options.inflation_radius / grid.resolution)
+        changed = None if former is None else _changed(former.grid, grid, reach)
+        if former is None or changed is None:
+            self.wall_distance, self._of_walls = self._inflated(grid.cells, options)
+        else:
+            # What lies twice as far away has no influence on what may have changed.
+            seen, inner = _grown(changed, reach, grid.cells.shape)
+            distance, slowness = self._inflated(grid.cells[seen], options)
+            self.wall_distance, self._of_walls = former.wall_distance.copy(), former._of_walls.copy()
+            self.wall_distance[changed], self._of_walls[changed] = distance[inner], slowness[inner]
         self.walls = _navigation.Walls(grid.cells, self.wall_distance, grid.resolution, grid.origin)
+
+    def _inflated(self, cells: np.ndarray, options: NavigationOptions) -> Tuple[np.ndarray, np.ndarray]:
+        return _navigation.inflate(
+            np.ascontiguousarray(cells), self.grid.resolution, self._inflation, not options.allow_unknown
+        )
 
     def slowness(self, obstacles: np.ndarray, robot: Optional[Pose]) -> np.ndarray:
         """Cost per cell, float32 (rows, columns), infinity = blocked, with obstacle points (n, 2) beside the map's
@@ -84,6 +97,31 @@ class CostMap:
         walls[inside[:, 0], inside[:, 1]] = True
         window[~np.isfinite(window) & ~walls] = ESCAPE_COST
         return slowness
+
+
+Window = Tuple[slice, slice]
+"""Of rows and columns."""
+
+
+def _changed(before: Grid, after: Grid, reach: int) -> Optional[Window]:
+    """The cells within `reach` of those that differ; None if that is most of the grid or the grids are of different
+    places."""
+    if (before.resolution, before.origin, before.cells.shape) != (after.resolution, after.origin, after.cells.shape):
+        return None
+    differs = before.cells != after.cells
+    rows = differs.any(axis=1).nonzero()[0]
+    if not rows.size:
+        return slice(0, 0), slice(0, 0)
+    columns = differs[rows[0] : rows[-1] + 1].any(axis=0).nonzero()[0]
+    window, _ = _grown((slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)), reach, differs.shape)
+    return window if 2 * differs[window].size < differs.size else None
+
+
+def _grown(window: Window, reach: int, shape: Tuple[int, ...]) -> Tuple[Window, Window]:
+    """The window with `reach` cells more on each side as far as the grid goes, and where in it the old one lies."""
+    larger = tuple(slice(max(0, s.start - reach), min(n, s.stop + reach)) for s, n in zip(window, shape))
+    inner = tuple(slice(s.start - g.start, s.stop - g.start) for s, g in zip(window, larger))
+    return (larger[0], larger[1]), (inner[0], inner[1])
 
 
 def without_robots(grid: Grid, positions: List[Tuple[float, float]]) -> Grid:
