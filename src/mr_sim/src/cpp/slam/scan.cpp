@@ -36,6 +36,7 @@ bool fit_normal(const std::vector<Beam>& beams, std::size_t index, double window
 }  // namespace
 
 Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window) {
+  const Frame mount(geometry.mount);
   Scan scan;
   scan.eye = {geometry.mount.x, geometry.mount.y};
   scan.beams.reserve(size);
@@ -45,7 +46,7 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
     const bool hit = range < geometry.range_max - 1e-3;
     const double length = hit ? range : geometry.range_max;
     const double angle = geometry.angle_min + static_cast<double>(i) * geometry.angle_increment;
-    const Point end = geometry.mount * Point{length * std::cos(angle), length * std::sin(angle)};
+    const Point end = mount * Point{length * std::cos(angle), length * std::sin(angle)};
     scan.beams.push_back({end, hit, false, {}, 0.0});
   }
   for (std::size_t i = 0; i < scan.beams.size(); ++i) {
