@@ -53,6 +53,8 @@ class Mission:
         self.recorder = Recorder(trial, self.world, snapshot_period)
         starts = {name: self.world.pose(i) for i, name in enumerate(self.world.names)}
         self.robots = [self._robot(index, starts) for index in range(trial.robots)]
+        # Those that take part to the end, also if they join later.
+        self._survivors = [robot for robot in self.robots if robot.index not in trial.deaths]
         self.recorder.attach(self.robots, self.radio)
 
     def _robot(self, index: int, starts: dict[str, Pose]) -> Robot:
@@ -183,21 +185,15 @@ class Mission:
             return False
         if self.since_start > self.trial.limit:
             return True
-        if not self._survivors():
+        if not self._survivors:
             return not any(robot.running for robot in self.robots)
-        agents = [robot.explorer.agent for robot in self._survivors()]
-        finished = [agent.finished_at for agent in agents]
-        if any(time is None for time in finished):
+        agents = [robot.explorer.agent for robot in self._survivors]
+        if any(agent.finished_at is None for agent in agents):
             return False
-        last = max((time for time in finished if time is not None), default=self.now)
+        last = max(agent.finished_at for agent in agents if agent.finished_at is not None)
         return all(agent.state == State.FINISHED for agent in agents) or self.now - last > HOME_PATIENCE
-
-    def _survivors(self) -> list[Robot]:
-        """Those that take part to the end, also if they join later."""
-        return [robot for robot in self.robots if robot.index not in self.trial.deaths]
 
     @property
     def finished(self) -> bool:
         """There is a robot that lives, and every one that does has finished its exploration within the limit."""
-        survivors = self._survivors()
-        return bool(survivors) and all(robot.explorer.agent.finished_at is not None for robot in survivors)
+        return bool(self._survivors) and all(robot.explorer.agent.finished_at is not None for robot in self._survivors)
