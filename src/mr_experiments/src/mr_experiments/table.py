@@ -66,10 +66,15 @@ def to_csv(tables: Iterable[tuple[Chapter | None, Table]]) -> str:
     for chapter, table in tables:
         lead = {} if chapter is None else vars(chapter)
         names = [column.name for column in table.columns]
-        rows.extend({**lead, **dict(zip(names, row))} for row in table.rows)
+        rows.extend({**lead, **dict(zip(names, map(_plain, row)))} for row in table.rows)
         header = list(dict.fromkeys([*header, *lead, *names]))
     out = io.StringIO()
     writer = csv.DictWriter(out, header, restval="", lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
     return out.getvalue()
+
+
+def _plain(cell: Cell) -> Cell:
+    """Without the noise that sums of decimal fractions end in."""
+    return float(f"{cell:.6g}") if isinstance(cell, float) and abs(cell) < 1e6 else cell
