@@ -67,9 +67,10 @@ scenarios: build
 
 # The paper's trials in virtual time, then the report. A run that was stopped goes on where it was.
 EXPERIMENTS ?=
+EXPERIMENTS_OUT ?= out/experiments
 experiments: build
-	@$(ENVIRONMENT) rosrun mr_experiments run --out out/experiments $(EXPERIMENTS); \
-	rosrun mr_experiments report out/experiments
+	@$(ENVIRONMENT) rosrun mr_experiments run --out $(EXPERIMENTS_OUT) $(EXPERIMENTS); status=$$?; \
+	[ $$status -le 1 ] && rosrun mr_experiments report $(EXPERIMENTS_OUT) && exit $$status
 
 clean:
 	rm -rf build

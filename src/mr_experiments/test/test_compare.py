@@ -7,7 +7,7 @@ from sample_records import failed_record, make_record, write_random_set, write_r
 
 from mr_experiments.comparison import compare_sets, comparison_table
 from mr_experiments.record_set import RecordError, load_records
-from mr_experiments.report import compare
+from mr_experiments.report import make_report
 from mr_experiments.statistics import Verdict
 
 
@@ -15,7 +15,7 @@ def write_set(folder, trials, *, faster=0.0, more_bytes=0, **trial):
     for seed in range(1, trials + 1):
         # The scatter between the seeds is larger than any difference, so only pairs can show it.
         times = [100.0 + 40.0 * seed - faster - (seed % 2), 90.0]
-        record = make_record(2, seed, times=times, limit=999.0, with_maps=False, **trial)
+        record = make_record(2, seed, times=times, with_maps=False, **{"limit": 999.0, **trial})
         record["robots"]["robot_0"]["radio"]["bytes_sent"] += more_bytes
         write_record(folder, record)
     return load_records(folder)
@@ -74,11 +74,19 @@ def test_other_strategies_are_paired_only_on_request(tmp_path):
 def test_files_of_a_comparison(tmp_path):
     write_random_set(tmp_path / "a", generator_seed=1, with_maps=False)
     write_random_set(tmp_path / "b", generator_seed=2, slower=1.5, with_maps=False)
-    comparison, page = compare(tmp_path / "a", tmp_path / "b", tmp_path / "out")
-    assert page.read_text().count(">better<") >= 4
+    report = make_report(tmp_path / "a", tmp_path / "out", against=tmp_path / "b", with_bound=False)
+    assert report.page.read_text().count(">better<") >= 4
     with (tmp_path / "out" / "tables" / "comparison.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == len(comparison.rows)
+    assert report.comparison is not None and len(rows) == len(report.comparison.rows)
     times = [row for row in rows if "exploration time" in row["metric"]]
     assert [row["verdict"] for row in times] == ["better"] * 4
     assert all(float(row["difference_high"]) < 0.0 for row in times)
+
+
+def test_pairs_with_unequal_settings_are_named(tmp_path):
+    first, second = write_set(tmp_path / "a", 6, limit=900.0), write_set(tmp_path / "b", 6, limit=1800.0)
+    assert compare_sets(first, second).notes == (
+        "Comparison: setting limit differs between the two trials of 6 of 6 pairs",
+    )
+    assert compare_sets(first, first).notes == ()

@@ -24,8 +24,14 @@ def test_team_explores_everything_and_faster_than_alone():
         for robot in record["robots"].values():
             assert robot["map"]["coverage"] > 0.99 and robot["map"]["wrong_walls"] == 0.0
             assert all(merge["offset"] < 0.05 for merge in robot["merges"]) and len(robot["merges"]) >= robots - 1
-            assert robot["collisions"] == {"walls": 0, "robots": 0}
+            assert robot["collisions"] == {"walls": 0, "robots": 0, "times": []}
+            assert robot["map"]["error"] is None and "SLAM" in robot["map"]["error_reason"]
     assert times[2] < times[1]
+
+
+def test_seeds_make_different_missions():
+    times = {run_trial(Trial("small8x8", 2, seed, fast=True))["team"]["exploration_time"] for seed in (1, 2, 3, 4)}
+    assert len(times) > 1
 
 
 @pytest.fixture

@@ -53,7 +53,8 @@ def run_all():
         folder = Path(name)
         list(LocalPool(min(2, default_jobs())).run(TRIALS, folder))
         records = {trial.key: json.loads(record_path(folder, trial).read_text()) for trial in TRIALS}
-    return {"versions": versions(), "trials": {key: outcome_of(record) for key, record in records.items()}}
+    libraries = {name: version for name, version in versions().items() if name != "code"}
+    return {"versions": libraries, "trials": {key: outcome_of(record) for key, record in records.items()}}
 
 
 def same(figure, before, after):

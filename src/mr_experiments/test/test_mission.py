@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from mr_experiments.mission import Mission
+from mr_experiments.radio import RadioOptions
 from mr_experiments.record import record_of, run_trial
 from mr_experiments.trial import Trial, TrialError
 
@@ -81,6 +82,22 @@ def test_crash_of_an_engine_is_a_failed_record_with_its_time(monkeypatch):
     assert record["outcome"]["time"] == pytest.approx(5.0 - mission.begun_at, abs=0.1)
 
 
+def test_time_never_goes_back_and_is_known_to_those_who_hear(monkeypatch):
+    mission = Mission(Trial("small8x8", 3, 1, limit=30.0, radio=RadioOptions(loss=0.3)))
+    late, times = [], [0.0]
+    for robot in mission.robots:
+        on_packet = robot.on_packet
+
+        def hear(topic, message, now, on_packet=on_packet):
+            late.append(mission.now - now)
+            on_packet(topic, message, now)
+
+        monkeypatch.setattr(robot, "on_packet", hear)
+    mission.run(progress=lambda _: times.append(mission.now))
+    assert len(late) > 50 and set(late) == {0.0}
+    assert times == sorted(times)
+
+
 def test_crashed_mission_can_be_replayed_to_its_last_moment():
     first, again = Mission(SHORT), Mission(SHORT)
     first.run(until=8.0)
@@ -93,8 +110,19 @@ def test_robot_that_dies_does_not_hold_up_the_others():
     record = run_trial(Trial("small8x8", 2, 1, limit=300.0, deaths={1: 10.0}))
     assert record["outcome"]["status"] == "finished"
     assert record["robots"]["robot_1"]["died_at"] == pytest.approx(10.0, abs=0.1)
-    assert record["robots"]["robot_1"]["finished_at"] is None
+    dead = record["robots"]["robot_1"]
+    assert dead["finished_at"] is None and dead["moving"] > 0.5
+    assert dead["radio"]["bytes_sent"] == dead["series"]["bytes"][-1] > 0
+    assert dead["series"]["bytes"] == sorted(dead["series"]["bytes"])
     assert record["robots"]["robot_0"]["map"]["coverage"] > 0.95
+
+
+def test_robots_that_finish_before_they_would_die_do_not_spoil_the_record():
+    alone = Trial("small8x8", 2, 1, limit=300.0, radio=RadioOptions(range=0.1), deaths={0: 250.0})
+    record = run_trial(alone)
+    assert record["outcome"]["status"] == "finished"
+    finished = [robot["finished_at"] for robot in record["robots"].values() if robot["finished_at"] is not None]
+    assert record["team"]["exploration_time"] == max(finished)
 
 
 def test_robot_that_joins_late_takes_part():

@@ -41,7 +41,8 @@ def fake_mission(monkeypatch):
     """Trials with these seeds do this instead of a mission; the others leave a record at once."""
 
     def install(deeds):
-        def run(trial, _):
+        def run(trial, _, progress):
+            progress(12.5)
             return deeds.get(trial.seed, int)() or failed_record(trial, "made by the test")
 
         monkeypatch.setattr(trial_process, "run_trial", run)
@@ -83,6 +84,7 @@ def test_lost_process_is_a_failed_record_and_the_others_go_on(tmp_path, fake_mis
     assert recorded(tmp_path, TRIALS[1])["outcome"]["reason"] == done[2].reason
     if "SIGABRT" in reason:
         assert "Fatal Python error: Aborted" in recorded(tmp_path, TRIALS[1])["outcome"]["traceback"]
+    assert recorded(tmp_path, TRIALS[1])["outcome"]["time"] == (12.5 if "ended" in reason or "exit" in reason else 0.0)
     assert done[1].reason == done[3].reason == "made by the test"
 
 
@@ -125,6 +127,20 @@ def test_recorded_trials_are_not_run_again(tmp_path, fake_mission):
     left, done = split_done(TRIALS, tmp_path)
     assert left == [TRIALS[2]]
     assert [(entry.trial, entry.status) for entry in done] == [(TRIALS[0], "failed"), (TRIALS[1], "failed")]
+    assert split_done(TRIALS, tmp_path, retry_failed=True) == (TRIALS, [])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_records_of_other_code_are_told(short, tmp_path, capsys):
+    short = [*short, "--trials", "1"]
+    assert main(short) == 1
+    assert "other code" not in capsys.readouterr().out
+    for path in (tmp_path / "records").iterdir():
+        record = json.loads(path.read_text())
+        record["versions"]["code"] = "another"
+        path.write_text(json.dumps(record))
+    assert main(short) == 1
+    assert "1 of them were made by other code or parameters" in capsys.readouterr().out
 
 
 def broken(**values):
@@ -342,7 +358,7 @@ def test_letting_go_of_a_silent_cluster_is_no_fault(cluster, monkeypatch):
 def test_unfit_worker_is_told(cluster, tmp_path, monkeypatch):
     monkeypatch.setattr(cluster_module, "_CHILD", cluster_module._CHILD.replace("mr_experiments", "mr_nothing"))
     dask = DaskCluster(cluster.scheduler_address)
-    with pytest.raises(ClusterLostError, match=r"cannot run trials \(ModuleNotFoundError: .*mr_nothing"):
+    with pytest.raises(ClusterLostError, match=r"cannot run trials \(\S+: ModuleNotFoundError: .*mr_nothing"):
         list(dask.run(TRIALS, tmp_path))
     dask.close()
     assert list(tmp_path.iterdir()) == []

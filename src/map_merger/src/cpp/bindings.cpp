@@ -35,7 +35,8 @@ const std::uint8_t* bytes_of(const Flags& flags) { return reinterpret_cast<const
 
 Raster to_raster(const Flags& cells, double resolution, const Pose& origin) {
   require(cells.ndim() == 2, "cells need the shape (rows, columns)");
-  require(resolution > 0.0, "a resolution is positive");
+  require(std::isfinite(resolution) && resolution > 0.0, "a resolution is positive");
+  require(std::isfinite(std::get<0>(origin) + std::get<1>(origin) + std::get<2>(origin)), "an origin is finite");
   return {bytes_of(cells), static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1)), resolution,
           to_motion(origin)};
 }

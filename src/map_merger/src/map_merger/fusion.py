@@ -35,6 +35,7 @@ from .grid import (
     union_of,
     window,
 )
+from .obstacles import obstacles_of
 from .transform import Transform
 
 GROWTH_BLOCK = 20
@@ -126,9 +127,9 @@ def _corner_links(part: Grid) -> np.ndarray:
 def without_robots(grid: Grid, places: np.ndarray) -> Grid:
     """The map without small isolated obstacles around the places (n, 2; metres, in the map's frame) where robots
     were."""
-    if not len(places) or not grid.occupied.any():
+    if not len(places):
         return grid
-    obstacles = grid.obstacles()
+    obstacles = obstacles_of(grid.occupied)
     labels, statistics, centres = obstacles
     small = np.flatnonzero(obstacles.extents() * grid.info.resolution <= _SMUDGE_CELLS_M)
     small = small[small > 0]

@@ -6,9 +6,8 @@ resolution) in the frame of the grid's corner, x along the columns and y along t
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Iterable, Iterator, List, NamedTuple, Tuple
+from typing import Iterable, Iterator, Tuple
 
-import cv2
 import numpy as np
 
 from .transform import Transform
@@ -132,22 +131,6 @@ class Box:
 EMPTY_BOX = Box(0, 0, 0, 0)
 
 
-class Obstacles(NamedTuple):
-    """Connected obstacles (8 neighbours), numbered from 1; 0 is all the rest.
-
-    labels: int32 (rows, columns). statistics: int32 (n, 5), columns cv2.CC_STAT_*. centres: float64 (n, 2), column and
-    row.
-    """
-
-    labels: np.ndarray
-    statistics: np.ndarray
-    centres: np.ndarray
-
-    def extents(self) -> np.ndarray:
-        """Larger side of the box around each, in cells, (n,)."""
-        return np.maximum(self.statistics[:, cv2.CC_STAT_WIDTH], self.statistics[:, cv2.CC_STAT_HEIGHT])
-
-
 @dataclass(frozen=True, eq=False)
 class Grid:
     """A map: geometry and cells (int8, shape (rows, columns), -1 unknown, 0 free .. 100 occupied). Treated as
@@ -155,7 +138,6 @@ class Grid:
 
     info: GridInfo
     cells: np.ndarray
-    _obstacles: List["Obstacles"] = field(default_factory=list, repr=False)
 
     def __post_init__(self) -> None:
         if self.cells.shape != self.info.shape:
@@ -165,13 +147,6 @@ class Grid:
     def occupied(self) -> np.ndarray:
         """Boolean array of the obstacles."""
         return self.cells >= OCCUPIED_FROM
-
-    def obstacles(self) -> "Obstacles":
-        """The connected obstacles, sought once."""
-        if not self._obstacles:
-            _, *found = cv2.connectedComponentsWithStats(self.occupied.view(np.uint8), connectivity=8)
-            self._obstacles.append(Obstacles(*found))
-        return self._obstacles[0]
 
     @property
     def free(self) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ._surfaces import SurfaceIndex, border
 from .grid import UNKNOWN, Grid, GridInfo, cells_of, cropped, known_box
+from .obstacles import obstacles_of
 
 NORMAL_WEIGHT = 0.3
 """Metres that a unit difference of the normals counts in a search for the nearest surface."""
@@ -37,7 +38,7 @@ class Surface:
     normals: np.ndarray
     spacing: float
     solid: np.ndarray
-    _index: List[SurfaceIndex] = field(default_factory=list, repr=False)
+    _index: List[SurfaceIndex] = field(default_factory=list, init=False, repr=False)
 
     @property
     def length(self) -> float:
@@ -91,12 +92,10 @@ def landmarks_of(grid: Grid) -> Landmarks:
     if not (grid.cells != UNKNOWN).any():
         nothing = np.zeros(grid.cells.shape, bool)
         return Landmarks(grid, _surface(grid.info, np.empty((0, 2), int), np.empty(0, bool), nothing), nothing, nothing)
-    box = known_box(grid).grown(1)
-    part = cropped(grid, box)
+    part = cropped(grid, known_box(grid).grown(1))
     free = part.free
     clear = cv2.erode(free.view(np.uint8), _disc(CLEAR_CELLS)).view(bool)
-    cells, large = _walls(grid)
-    return Landmarks(part, _surface(part.info, cells - (box.top, box.left), large, free), clear, part.cells != UNKNOWN)
+    return Landmarks(part, _surface(part.info, *_walls(part), free), clear, part.cells != UNKNOWN)
 
 
 def _surface(info: GridInfo, walls: np.ndarray, large: np.ndarray, free: np.ndarray) -> Surface:
@@ -111,8 +110,8 @@ def _surface(info: GridInfo, walls: np.ndarray, large: np.ndarray, free: np.ndar
 def _walls(grid: Grid) -> Tuple[np.ndarray, np.ndarray]:
     """Cells (n, 2; row, column) of the obstacles without specks, and whether what they belong to is larger than a
     robot, bool (n,)."""
-    obstacles = grid.obstacles()
-    cells = np.flatnonzero(grid.occupied)
+    occupied = grid.occupied
+    obstacles, cells = obstacles_of(occupied), np.flatnonzero(occupied)
     labels = obstacles.labels.ravel()[cells]
     wall = obstacles.statistics[labels, cv2.CC_STAT_AREA] >= _SMALLEST_WALL
     large = obstacles.extents() * grid.info.resolution > LARGEST_MOVER_M

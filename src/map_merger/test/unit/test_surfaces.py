@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from map_merger._surfaces import SurfaceIndex, border, raster
+from map_merger.obstacles import obstacles_of
 from map_merger.transform import Transform
 
 WEIGHT = 0.3
@@ -137,3 +138,23 @@ def test_raster_counts_points_and_refuses_those_outside():
 def test_border_refuses_obstacles_off_the_map():
     with pytest.raises(ValueError, match="off the map"):
         border(np.array([[2, 0]]), np.ones((2, 2), bool), 0.05, (0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("shape", [(0, 5), (5, 0), (0, 0)])
+def test_a_map_without_cells_has_no_obstacles(shape):
+    obstacles = obstacles_of(np.ones(shape, bool))
+    assert obstacles.labels.shape == shape and obstacles.extents().tolist() == [0]
+
+
+@pytest.mark.parametrize("shape", [(1, 6), (6, 1)])
+def test_obstacles_of_a_narrow_map(shape):
+    obstacles = obstacles_of(np.array([0, 1, 1, 0, 1, 0], bool).reshape(shape))
+    assert obstacles.extents()[1:].tolist() == [2, 1]
+    assert obstacles.labels.ravel().tolist() == [0, 1, 1, 0, 2, 0]
+
+
+def test_what_is_no_number_is_no_geometry():
+    wall, free = np.array([[1, 1]]), np.ones((3, 3), bool)
+    for resolution, origin in ((math.inf, (0.0, 0.0, 0.0)), (0.05, (math.nan, 0.0, 0.0))):
+        with pytest.raises(ValueError):
+            border(wall, free, resolution, origin)

@@ -38,7 +38,9 @@ class Agreement:
 
     @property
     def holds(self) -> bool:
-        return self.ratio is not None and abs(self.ratio - 1.0) <= TOLERANCE and bool(self.error_within)
+        all_finished = not self.stack.unfinished and not self.virtual.unfinished
+        near = self.ratio is not None and abs(self.ratio - 1.0) <= TOLERANCE
+        return all_finished and near and bool(self.error_within)
 
 
 def stack_runs(folder: Path) -> dict[int, Runs]:
@@ -64,13 +66,21 @@ def stack_runs(folder: Path) -> dict[int, Runs]:
 
 
 def virtual_runs(folder: Path) -> dict[int, Runs]:
-    """By team size, from records."""
+    """By team size, from records of one world, scenario and strategy."""
     found: dict[int, list[Mapping[str, Any]]] = {}
+    kinds: set[tuple[Any, ...]] = set()
     for path in sorted(folder.glob("*.json")):
         record = read_document(path)
-        found.setdefault(int(record["trial"]["robots"]), []).append(record)
+        try:
+            kinds.add(tuple(record["trial"][key] for key in ("world", "scenario", "strategy")))
+            found.setdefault(int(record["trial"]["robots"]), []).append(record)
+            record["team"]["exploration_time"], record["outcome"]["status"], record["robots"].values()
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise RecordError(f"{path} is no record of a trial: {error!r}") from None
     if not found:
         raise RecordError(f"{folder} holds no records")
+    if len(kinds) > 1:
+        raise RecordError(f"{folder} holds records of several kinds: {sorted(kinds)}; keep each in a folder of its own")
     return {
         robots: Runs(
             tuple(r["team"]["exploration_time"] for r in records if r["outcome"]["status"] == "finished"),

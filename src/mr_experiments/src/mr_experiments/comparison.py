@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Sequence, Tuple
+from typing import Callable, Iterator, Sequence, Tuple
 
 from mr_experiments.derived import mean, moving_share
 from mr_experiments.record_set import Record, RecordError, RecordSet
@@ -70,6 +70,7 @@ class Comparison:
     pairs: int
     only_candidate: int
     only_baseline: int
+    notes: tuple[str, ...]  # what else differs between the trials of a pair than should
 
 
 def compare_sets(candidate: RecordSet, baseline: RecordSet, across: Sequence[str] = ()) -> Comparison:
@@ -98,7 +99,20 @@ def compare_sets(candidate: RecordSet, baseline: RecordSet, across: Sequence[str
         len(common),
         len(first) - len(common),
         len(second) - len(common),
+        tuple(_unequal_settings([(first[key], second[key]) for key in common], across)),
     )
+
+
+def _unequal_settings(pairs: Sequence[tuple[Record, Record]], across: Sequence[str]) -> Iterator[str]:
+    """Sentences on settings that differ between the trials of pairs, beside those that come with `across`."""
+    if "scenario" in across:  # which is a name for settings
+        return
+    wanted = {"seed", *across, *(("starts",) if "world" in across else ())}
+    names = sorted({name for pair in pairs for record in pair for name in record.settings} - wanted)
+    for name in names:
+        unequal = sum(first.settings.get(name) != second.settings.get(name) for first, second in pairs)
+        if unequal:
+            yield f"Comparison: setting {name} differs between the two trials of {unequal} of {len(pairs)} pairs"
 
 
 def _by_key(records: RecordSet, keys: Sequence[str]) -> dict[GroupKey, Record]:
@@ -169,5 +183,5 @@ def explanation(comparison: Comparison) -> str:
         "no partner. A metric uses the pairs that have it in both sets; times, for instance, only those that finished "
         "in both. Difference: this set minus the other one, with the 95 % bootstrap interval of its mean. A verdict "
         f"is given when the interval excludes zero and there are at least {MINIMUM_PAIRS} pairs. Of twenty verdicts on "
-        "metrics that did not change, about one is wrong."
+        "metrics that did not change, about one is wrong." + "".join(f" {note}." for note in comparison.notes)
     )

@@ -17,7 +17,14 @@ from typing import Any, Callable, Iterator, Optional, Sequence, Tuple
 from mr_experiments.record import write_record
 from mr_experiments.sweep import LONGEST, TELL_PERIOD, Done, Tell
 from mr_experiments.trial import Trial, TrialError
-from mr_experiments.trial_process import crash_text, failed_record, how_it_ended, record_path, took_too_long
+from mr_experiments.trial_process import (
+    crash_text,
+    failed_record,
+    how_it_ended,
+    read_clock,
+    record_path,
+    took_too_long,
+)
 
 ANSWER_PATIENCE = 10.0  # s of real time for an answer of a Dask scheduler
 
@@ -36,22 +43,24 @@ except Exception as error:
     print(f"{{type(error).__name__}}: {{error}}", file=sys.stderr)
     sys.exit({UNFIT})
 folder, parent = pathlib.Path(sys.argv[1]), int(sys.argv[2])
-trial_process.run_as_child(trial, folder, snapshot_period, parent, sys.stderr.buffer)
+trial_process.run_as_child(trial, folder, snapshot_period, parent, sys.stderr.buffer, folder / "clock")
 """
 
-Answer = Tuple[Optional[int], bytes, bytes]
-"""Of a worker: exit code (None: it took too long), the record if there is one, what was written to stderr."""
+Answer = Tuple[str, Optional[int], bytes, bytes, bytes]
+"""Of a worker: its computer, exit code (None: it took too long), the record if there is one, what was written to
+stderr, the virtual time (as ClockFile)."""
 
 
 def remote_call() -> Callable[[bytes, float], Answer]:
     """What a worker does with a trial: a Python of its own, which the worker's other threads do not disturb and which
     cannot harm the worker. A nested function travels as code and not as a name, so that a worker without this software
     can still say what it lacks."""
-    code = _CHILD
+    program = _CHILD
 
     def run_apart(request: bytes, longest: float) -> Answer:
         import os
         import pathlib
+        import platform
         import subprocess
         import sys
         import tempfile
@@ -59,13 +68,15 @@ def remote_call() -> Callable[[bytes, float], Answer]:
         with tempfile.TemporaryDirectory() as folder:
             try:
                 child = subprocess.run(
-                    [sys.executable, "-c", code, folder, str(os.getpid())],
+                    [sys.executable, "-c", program, folder, str(os.getpid())],
                     input=request, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, timeout=longest, check=False,
                 )  # fmt: skip
+                code, told = child.returncode, child.stderr
             except subprocess.TimeoutExpired:
-                return None, b"", b""
+                code, told = None, b""
             records = [path.read_bytes() for path in pathlib.Path(folder).glob("*.json")]
-            return child.returncode, b"".join(records), child.stderr
+            clock = pathlib.Path(folder, "clock")
+            return platform.node(), code, b"".join(records), told, clock.read_bytes() if clock.exists() else b""
 
     return run_apart
 
@@ -150,13 +161,13 @@ class DaskCluster:
         raise self._unfit(f"{type(error).__name__}: {error}")
 
     def _record_from(self, answer: Answer, trial: Trial) -> dict[str, Any]:
-        code, written, told = answer
+        host, code, written, told, clock = answer
         if code is None:
-            return failed_record(trial, took_too_long(self._longest))
+            return failed_record(trial, took_too_long(self._longest), time=read_clock(clock))
         if code == UNFIT:
-            raise self._unfit(told.decode(errors="replace").strip())
+            raise self._unfit(f"{host}: {told.decode(errors='replace').strip()}")
         if not written:
-            return failed_record(trial, how_it_ended(code), crash_text(told))
+            return failed_record(trial, how_it_ended(code), crash_text(told), read_clock(clock))
         record: dict[str, Any] = json.loads(written)
         return record
 

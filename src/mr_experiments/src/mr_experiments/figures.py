@@ -70,9 +70,11 @@ def progress_figure(scope: Scope) -> Figure | None:
     )
 
 
-def finishing_figure(scope: Scope) -> Figure:
-    """Fig. 5."""
-    curves = {robots: finishing_curve(records, robots) for robots, records in scope.teams.items()}
+def finishing_figure(scope: Scope) -> Figure | None:
+    """Fig. 5; None if all trials failed."""
+    curves = {robots: finishing_curve(scope.results(robots), robots) for robots in scope.teams if scope.results(robots)}
+    if not curves:
+        return None
     return _team_figure(scope, curves, "share of robots that have finished", paper.FINISHING_MARKS, steps=True)
 
 

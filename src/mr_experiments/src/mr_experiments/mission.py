@@ -22,6 +22,7 @@ from mr_experiments.stopwatch import Stopwatch
 from mr_experiments.trial import Trial
 from mr_experiments.trial_world import world_of
 from mr_sim.pose import Pose
+from mr_sim.world import World
 
 READY_PATIENCE = 30.0  # s until every robot must have a map and a pose
 HOME_PATIENCE = 180.0  # s from the end of exploration until all robots must be at rest
@@ -29,6 +30,8 @@ RADIO_PERIOD = 0.5  # s between two readings of the robots' places by the radio
 FAST_STEP = 0.1  # s, of the motion of robots with perfect maps
 FAST_TICK = 0.5  # s between ticks of their explorers
 VIEW_PERIOD = 0.5  # s between two looks
+START_SPREAD = 0.1  # m, to each side, of the start poses in fast mode
+START_TURN = 0.2  # rad, same
 
 
 class Mission:
@@ -50,8 +53,9 @@ class Mission:
             self.radio = PerfectRadio(self.agenda)
         else:
             self.radio = Radio(trial.radio, trial.seed, walls)
-        self.recorder = Recorder(trial, self.world, snapshot_period)
-        starts = {name: self.world.pose(i) for i, name in enumerate(self.world.names)}
+        poses = _start_poses(trial, self.world)
+        starts = dict(zip(self.world.names, poses))
+        self.recorder = Recorder(trial, self.world, poses, snapshot_period)
         self.robots = [self._robot(index, starts) for index in range(trial.robots)]
         # Those that take part to the end, also if they join later.
         self._survivors = [robot for robot in self.robots if robot.index not in trial.deaths]
@@ -102,9 +106,11 @@ class Mission:
         """To the next moment at which something happens."""
         due = self.agenda.next_time
         with self.stopwatch.span("radio"):
-            self.now = self.radio.advance(due)
-        if self.now >= due:
-            self.now = due
+            now = self.radio.advance(due)
+            # The medium counts in whole nanoseconds.
+            self.now = due if now >= due else max(self.now, now)
+            self.radio.tell(self.now)
+        if now >= due:
             self.agenda.run_due(due)
 
     def _step_world(self, now: float) -> None:
@@ -131,7 +137,7 @@ class Mission:
             if robot.running:
                 robot.body.drive(FAST_STEP)
             state["x"], state["y"], state["yaw"] = robot.body.true_pose
-            speed, turn = robot.body.velocity
+            speed, turn = robot.body.velocity if robot.running else (0.0, 0.0)
             state["velocity_x"], state["velocity_y"] = speed * math.cos(state["yaw"]), speed * math.sin(state["yaw"])
             state["velocity_yaw"] = turn
         with self.stopwatch.span("recording"):
@@ -197,3 +203,13 @@ class Mission:
     def finished(self) -> bool:
         """There is a robot that lives, and every one that does has finished its exploration within the limit."""
         return bool(self._survivors) and all(robot.explorer.agent.finished_at is not None for robot in self._survivors)
+
+
+def _start_poses(trial: Trial, world: World) -> list[Pose]:
+    """World frame. Nothing but these depends on the seed where sensors, motion and radio are perfect."""
+    poses = [world.pose(i) for i in range(trial.robots)]
+    if not trial.fast:
+        return poses
+    generator = np.random.default_rng(trial.seed)
+    shifts = generator.uniform(-1.0, 1.0, (trial.robots, 3)) * (START_SPREAD, START_SPREAD, START_TURN)
+    return [(x + dx, y + dy, yaw + turn) for (x, y, yaw), (dx, dy, turn) in zip(poses, shifts.tolist())]

@@ -87,3 +87,6 @@ class PerfectRadio:
     def advance(self, until: float) -> float:
         self._now = until
         return until
+
+    def tell(self, now: float) -> None:
+        """Messages come by the agenda."""

@@ -70,6 +70,8 @@ class TeamRadio(Protocol):
 
     def advance(self, until: float) -> float: ...
 
+    def tell(self, now: float) -> None: ...
+
     @property
     def trace(self) -> str: ...
 
@@ -92,6 +94,8 @@ class Radio:
         self._listeners: list[Listener] = []
         self._down: set[int] = set()
         self._waiting: dict[tuple[int, int], Done] = {}
+        self._heard: list[tuple[int, Any]] = []
+        self._last_statistics: dict[int, dict[str, Any]] = {}  # of robots whose radio is off
 
     def add(self, name: str, listener: Listener, place: Sequence[float], options: Any = None) -> int:
         """A robot at `place` (x, y in m, world frame)."""
@@ -102,6 +106,7 @@ class Radio:
 
     def switch_off(self, robot: int) -> None:
         """The robot's radio falls silent and forgets everything. Its sends fail."""
+        self._last_statistics[robot] = self.statistics(robot)
         self._down.add(robot)
         self._team.kill(robot)
         for key in [key for key in self._waiting if key[0] == robot]:
@@ -131,7 +136,8 @@ class Radio:
         return [] if robot in self._down else list(self._team.robots(robot))
 
     def statistics(self, robot: int) -> dict[str, Any]:
-        return {} if robot in self._down else dict(self._team.statistics(robot))
+        """Of a robot whose radio is off: the last ones."""
+        return self._last_statistics.get(robot, {}) if robot in self._down else dict(self._team.statistics(robot))
 
     @property
     def trace(self) -> str:
@@ -141,11 +147,15 @@ class Radio:
     def advance(self, until: float) -> float:
         """Runs to `until`, or to the first moment at which a robot hears something; returns the time reached."""
         goal = round(until * NANOSECONDS)
-        events = self._team.advance(goal)
-        now = until if self._team.now >= goal else self._team.now / NANOSECONDS
-        for robot, event in events:
+        self._heard = self._team.advance(goal)
+        return until if self._team.now >= goal else float(self._team.now / NANOSECONDS)
+
+    def tell(self, now: float) -> None:
+        """Tells the listeners what was heard at the time reached. Apart from `advance`, so that their clock shows that
+        time by then."""
+        heard, self._heard = self._heard, []
+        for robot, event in heard:
             self._report(robot, event, now)
-        return now
 
     def _report(self, robot: int, event: Any, now: float) -> None:
         if isinstance(event, adhoc_engine.SendFinished):

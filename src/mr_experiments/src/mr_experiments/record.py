@@ -10,12 +10,13 @@ import sys
 import time
 import traceback
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable
 
 import cv2
 import numpy as np
 import scipy
 
+from mr_experiments.code_version import code_version
 from mr_experiments.mission import Mission
 from mr_experiments.pictures import picture_of
 from mr_experiments.recorder import grid_as_map, occupancy_of
@@ -30,15 +31,17 @@ FORMAT = 1
 SLAM = "mrpt"  # its name in the references of maps
 
 
-def run_trial(trial: Trial, snapshot_period: float = math.inf) -> dict[str, Any]:
+def run_trial(
+    trial: Trial, snapshot_period: float = math.inf, progress: Callable[[float], None] = lambda _: None
+) -> dict[str, Any]:
     """The record of the trial. An engine that crashes makes a record of a failed trial; only a trial that cannot be
-    run at all raises TrialError."""
+    run at all raises TrialError. `progress` is told the virtual time."""
     cv2.setNumThreads(1)  # so that every run takes the same steps, and a pool its own cores only
     begun, cpu = time.time(), time.process_time()
     mission = Mission(trial, snapshot_period)
     failure = None
     try:
-        mission.run()
+        mission.run(progress=progress)
     except TrialError:
         raise
     except Exception as error:
@@ -67,7 +70,7 @@ def record_of(mission: Mission, failure: dict[str, str] | None) -> dict[str, Any
     outcome = {"status": status, "reason": reason, "time": round(mission.since_start, 3)}
     if failure:
         outcome["traceback"] = failure["traceback"]
-    times = [part["finished_at"] for part in robots.values() if part["died_at"] is None]
+    times = [part["finished_at"] for part in robots.values() if part["finished_at"] is not None]
     return {
         "format": FORMAT,
         "trial": mission.trial.to_json(),
@@ -89,7 +92,11 @@ def record_of(mission: Mission, failure: dict[str, str] | None) -> dict[str, Any
 def _unfinished(mission: Mission) -> str:
     if all(log.died_at is not None for log in mission.recorder.logs):
         return "no robot lives to the end"
-    late = [robot for robot in mission.robots if robot.explorer.agent.finished_at is None]
+    late = [
+        robot
+        for robot, log in zip(mission.robots, mission.recorder.logs)
+        if robot.explorer.agent.finished_at is None and log.died_at is None
+    ]
     states = "; ".join(f"{robot.name}: {robot.explorer.agent.text}" for robot in late)
     return f"limit of {mission.trial.limit:g} s reached: {states}"
 
@@ -99,7 +106,8 @@ def _robot_part(mission: Mission, robot: Robot) -> dict[str, Any]:
     begun = mission.begun_at or 0.0
     finished = None if agent.finished_at is None else round(agent.finished_at - begun, 3)
     truth = recorder.records(robot.index)
-    end = finished if finished is not None else mission.since_start
+    begin = mission.trial.joins.get(robot.index, 0.0)
+    end = finished if finished is not None else log.died_at if log.died_at is not None else mission.since_start
     task = truth[truth["time"] <= end] if len(truth) else truth
     hits = collisions(truth) if len(truth) else None
     return {
@@ -108,8 +116,13 @@ def _robot_part(mission: Mission, robot: Robot) -> dict[str, Any]:
         "died_at": log.died_at,
         "state": agent.state.name.lower(),
         "distance": round(float(np.hypot(np.diff(task["x"]), np.diff(task["y"])).sum()), 4) if len(task) else 0.0,
-        "moving": round(moving_share(truth, 0.0, end), 5) if len(truth) else 0.0,
-        "collisions": {"walls": hits.with_walls if hits else 0, "robots": hits.with_robots if hits else 0},
+        "moving": round(moving_share(truth, begin, max(begin, end)), 5) if len(truth) else 0.0,
+        "stalled": round(log.stalled, 3),
+        "collisions": {
+            "walls": hits.with_walls if hits else 0,
+            "robots": hits.with_robots if hits else 0,
+            "times": [round(time, 3) for time in hits.times] if hits else [],
+        },
         "map": _map_figures(mission, robot),
         "radio": mission.radio.statistics(robot.own_radio.index),
         "counters": {
@@ -133,6 +146,8 @@ def _map_figures(mission: Mission, robot: Robot) -> dict[str, Any]:
         return {}
     occupancy, truth = grid_as_map(grid), mission.recorder.truth
     try:
+        if mission.trial.fast:
+            raise MapReferenceError("the reference is of maps that SLAM made")
         error, why = error_of_map(find_world(mission.trial.world), occupancy, SLAM)
     except MapReferenceError as fault:
         error, why = None, str(fault)
@@ -157,6 +172,7 @@ def versions() -> dict[str, str]:
     """Of what a record depends on."""
     return {
         "mr_experiments": version_of("mr_experiments"),
+        "code": code_version(),
         "python": platform.python_version(),
         "numpy": np.__version__,
         "scipy": scipy.__version__,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from array import array
 from typing import Any, Sequence
 
 import numpy as np
@@ -42,10 +43,13 @@ class RobotLog:
     """One robot's."""
 
     def __init__(self) -> None:
-        self.truth: list[tuple[float, ...]] = []
+        self.truth = array("d")  # rows as RECORD; millions of numbers
+        self.place: tuple[float, float] | None = None
+        self.stalled = 0.0  # s
         self.series: dict[str, list[Any]] = {
             key: [] for key in (
-                "time", "x", "y", "yaw", "explored", "own", "distance", "bytes", "frames", "state", "neighbors",
+                "time", "x", "y", "yaw", "explored", "own", "distance", "stalled", "bytes", "frames", "bids", "state",
+                "neighbors",
             )
         }  # fmt: skip
         self.goals: list[dict[str, Any]] = []
@@ -59,15 +63,17 @@ class RobotLog:
 class Recorder:
     """Observes the robots. Times in the record count from the start of the mission."""
 
-    def __init__(self, trial: Trial, world: World, snapshot_period: float) -> None:
-        self.trial, self.world = trial, world
-        self.starts: list[Pose] = [world.pose(i) for i in range(trial.robots)]
+    def __init__(self, trial: Trial, world: World, starts: list[Pose], snapshot_period: float) -> None:
+        """`starts`: world frame."""
+        self.trial, self.world, self.starts = trial, world, starts
         self.truth = truth_for(trial, world)
         # The reference cells as the robots see them, by their true starts.
         self._reference = [seen_from(self.truth.reference, start) for start in self.starts]
         self.logs = [RobotLog() for _ in range(trial.robots)]
         self.merges = MergeLog(self.starts, world.names)
-        self.team: dict[str, list[float]] = {"time": [], "explored": [], "coverage": []}
+        self.team: dict[str, list[float]] = {
+            key: [] for key in ("time", "explored", "coverage", "distance", "bytes", "frames")
+        }
         self.notes: list[dict[str, Any]] = []
         self.snapshots: list[dict[str, Any]] = []
         self._snapshot_period = snapshot_period
@@ -103,9 +109,11 @@ class Recorder:
     def _follow(self, log: RobotLog, state: np.void, now: float) -> None:
         x, y, yaw, velocity_x, velocity_y, velocity_yaw, stalled, contact = state[MOTION].item()
         speed = velocity_x * math.cos(yaw) + velocity_y * math.sin(yaw)
-        if log.truth:
-            log.distance += math.hypot(x - log.truth[-1][2], y - log.truth[-1][3])
-        log.truth.append((now, now, x, y, yaw, speed, velocity_yaw, stalled, contact))
+        if log.place is not None:
+            log.distance += math.dist((x, y), log.place)
+        log.place = (x, y)
+        log.stalled += stalled * self.world.interval
+        log.truth.extend((now, now, x, y, yaw, speed, velocity_yaw, stalled, contact))
 
     def _sample(self, states: np.ndarray, now: float) -> None:
         assert self._radio is not None
@@ -120,8 +128,10 @@ class Recorder:
                 "explored": round(log.explored, 3),
                 "own": 0.0 if local is None else round(free_area(local.cells, local.resolution), 3),
                 "distance": round(log.distance, 4),
+                "stalled": round(log.stalled, 4),
                 "bytes": statistics.get("bytes_sent", 0),
                 "frames": statistics.get("frames_sent", 0),
+                "bids": robot.explorer.bids,
                 "state": int(robot.explorer.agent.state),
                 "neighbors": robot.own_radio.neighbors() if robot.running else [],
             }
@@ -138,6 +148,11 @@ class Recorder:
         self.team["time"].append(round(now, 4))
         self.team["coverage"].append(round(share, 5))
         self.team["explored"].append(round(float(known.sum()) * self.truth.cell_area, 3))
+        assert self._radio is not None
+        traffic = [self._radio.statistics(robot.own_radio.index) for robot in self._robots]
+        self.team["distance"].append(round(sum(log.distance for log in self.logs), 4))
+        self.team["bytes"].append(sum(one.get("bytes_sent", 0) for one in traffic))
+        self.team["frames"].append(sum(one.get("frames_sent", 0) for one in traffic))
 
     def known_cells(self) -> list[np.ndarray]:
         """For each robot, which of the reference cells its own local map knows: bool (N,)."""
@@ -150,7 +165,11 @@ class Recorder:
 
     def records(self, robot: int) -> np.ndarray:
         """True motion as a record array of mr_sim.trace."""
-        return np.array(self.logs[robot].truth, dtype=RECORD)
+        columns = np.array(self.logs[robot].truth).reshape(-1, len(RECORD)).T
+        records = np.zeros(columns.shape[1], dtype=RECORD)
+        for name, column in zip(RECORD.names or (), columns):
+            records[name] = column
+        return records
 
     # What the robots report.
 

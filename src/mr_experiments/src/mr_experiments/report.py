@@ -164,6 +164,8 @@ def make_report(
     comparison = compare_sets(records, load_records(against), across) if against is not None else None
     making = _Making(Path(out), progress)
     making.notes += records.mixed_settings()
+    if comparison:
+        making.notes += [f"Other set, {note}" for note in comparison.baseline.mixed_settings()] + [*comparison.notes]
     parts = scopes(records)
     chapters = [_chapter_section(scope, making, with_bound) for scope in parts]
     body = [
@@ -180,19 +182,6 @@ def make_report(
     path.write_text(page.page(f"Report on {records.folder.resolve().name}", "\n".join(body)), encoding="utf-8")
     tables = making.write_tables()
     return Report(records, path, tuple(making.figures), tuple(tables), comparison, tuple(making.notes))
-
-
-def compare(
-    folder: str | Path, other: str | Path, out: str | Path, across: Sequence[str] = ()
-) -> tuple[Comparison, Path]:
-    """Compare two folders of records alone: writes `comparison.html` and `tables/comparison.csv` into `out`."""
-    comparison = compare_sets(load_records(folder), load_records(other), across)
-    making = _Making(Path(out), _silent)
-    body = page.heading(1, "Two record sets compared") + comparison_section(comparison, making)
-    making.write_tables()
-    path = making.out / "comparison.html"
-    path.write_text(page.page("Comparison", body), encoding="utf-8")
-    return comparison, path
 
 
 def comparison_section(comparison: Comparison, making: _Making) -> str:

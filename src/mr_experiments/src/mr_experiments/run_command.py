@@ -16,6 +16,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
+from mr_experiments.code_version import code_version
 from mr_experiments.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.dask_cluster import ClusterLostError, DaskCluster
 from mr_experiments.scenario import DEFAULT, Scenario, known_scenarios, load_scenario
@@ -24,6 +25,7 @@ from mr_experiments.trial import Trial, TrialError
 from mr_experiments.trial_world import world_of
 
 LARGEST_SEED = 2**31
+LOST = 3  # exit code
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -31,8 +33,8 @@ def make_parser() -> argparse.ArgumentParser:
         prog="run",
         description="Whole missions in virtual time: one JSON record per trial. A run that was stopped goes on where "
         "it was when it is started again.",
-        epilog="Exit code: 0 every trial finished, 1 some did not (their records tell why) or could not be run, "
-        "2 bad options, 130 interrupted. "
+        epilog="Exit code: 0 every trial finished, 1 some did not (their records tell why), "
+        "2 bad options, 3 the cluster or the folder was lost on the way, 130 interrupted. "
         "Then: rosrun mr_experiments report DIR, rosrun mr_experiments show DIR/RECORD.json.",
     )
     add = parser.add_argument
@@ -48,8 +50,13 @@ def make_parser() -> argparse.ArgumentParser:
     add("--jobs", type=int, default=default_jobs(), metavar="N", help="trials at a time (default: the cores, "
         "%(default)s)")  # fmt: skip
     add("--scheduler", default="", metavar="tcp://HOST:PORT", help="run on a Dask cluster instead of here")
+    add(
+        "--retry-failed",
+        action="store_true",
+        help="do trials again whose records say that they crashed, hung or were killed",
+    )
     add("--snapshots", type=float, default=math.inf, metavar="S", help="store the growing maps every S seconds, for "
-        "show (default: only the last ones)")  # fmt: skip
+        "show (default: only the last ones); not for trials that are recorded already")  # fmt: skip
     return parser
 
 
@@ -74,7 +81,7 @@ def main(argv: Sequence[str]) -> int:
         return BAD_CALL
     except (ClusterLostError, OSError) as error:
         print(f"run: {error}; the same command goes on from here", file=sys.stderr)
-        return 1
+        return LOST
     except KeyboardInterrupt:
         print("run: interrupted; the same command goes on from here", file=sys.stderr)
         return INTERRUPTED
@@ -104,14 +111,25 @@ def _run(arguments: argparse.Namespace) -> int:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise TrialError(f"--out {folder}: {error.strerror}") from None
-    left, done = split_done(trials, folder)
+    left, done = split_done(trials, folder, arguments.retry_failed)
     console = Console(soft_wrap=True, width=None if sys.stdout.isatty() else 120)
     if done:
         console.print(f"{len(done)} of {len(trials)} trials are recorded in {folder} already.", highlight=False)
+        _warn_of_other_code(console, done)
     if left:
         done += _run_left(arguments, left, folder, console)
     _print_summary(console, done, folder)
     return 0 if all(entry.status == "finished" for entry in done) else 1
+
+
+def _warn_of_other_code(console: Console, done: Sequence[Done]) -> None:
+    other = sum(entry.code != code_version() for entry in done)
+    if other:
+        console.print(
+            f"Warning: {other} of them were made by other code or parameters than those here; for records that can be "
+            "compared choose another --out.",
+            highlight=False,
+        )
 
 
 def _check_numbers(arguments: argparse.Namespace) -> None:
@@ -179,4 +197,8 @@ def _print_summary(console: Console, done: list[Done], folder: Path) -> None:
             f"{statistics.mean(errors):+.2f} %" if errors else "-",
         )  # fmt: skip
     console.print(table)
+    if any(entry.status == "failed" for entry in done):
+        console.print("Failed trials are done again with --retry-failed.", highlight=False)
+    if len({entry.code for entry in done}) > 1:
+        console.print("Warning: these records were made by different code or parameters.", highlight=False)
     console.print(f"Records in {folder}. Next: rosrun mr_experiments report {folder}", highlight=False)

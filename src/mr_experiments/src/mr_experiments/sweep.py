@@ -24,6 +24,7 @@ from mr_experiments.trial_process import (
     crash_text,
     failed_record,
     how_it_ended,
+    read_clock,
     record_path,
     run_as_child,
     took_too_long,
@@ -47,6 +48,7 @@ class Done:
     exploration_time: float | None  # s
     map_errors: tuple[float, ...]  # percent, of the robots that have one
     real_time_factor: float | None
+    code: str  # that made it (code_version); "" if it does not say
 
     @classmethod
     def of(cls, trial: Trial, record: dict[str, Any]) -> Done:
@@ -55,19 +57,23 @@ class Done:
         return cls(
             trial, record["outcome"]["status"], record["outcome"]["reason"], record["team"]["exploration_time"],
             tuple(error for error in errors if error is not None), record.get("measured", {}).get("real_time_factor"),
+            record.get("versions", {}).get("code", ""),
         )  # fmt: skip
 
 
-def split_done(trials: Iterable[Trial], folder: Path) -> tuple[list[Trial], list[Done]]:
-    """What is left to do, and what an earlier run has recorded. Raises TrialError for a record of another trial."""
+def split_done(trials: Iterable[Trial], folder: Path, retry_failed: bool = False) -> tuple[list[Trial], list[Done]]:
+    """What is left to do, and what an earlier run has recorded. `retry_failed`: trials that crashed, hung or were
+    killed are to be done again. Raises TrialError for a record of another trial."""
     left: list[Trial] = []
     done: list[Done] = []
     for trial in trials:
         path = record_path(folder, trial)
-        if path.exists():
-            done.append(_read_done(trial, path))
-        else:
+        entry = _read_done(trial, path) if path.exists() else None
+        if entry is None or (retry_failed and entry.status == "failed"):
+            path.unlink(missing_ok=True)
             left.append(trial)
+        else:
+            done.append(entry)
     return left, done
 
 
@@ -108,6 +114,7 @@ class _Running:
     trial: Trial
     deadline: float  # s, monotonic
     crash: IO[bytes]
+    clock: IO[bytes]
     late: bool = False
 
     def over(self) -> bool:
@@ -150,10 +157,11 @@ class LocalPool:
         with contextlib.suppress(Exception):  # the trial itself says what is wrong with its world
             truth_for(trial, world_of(trial))
         crash = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
-        arguments = (trial, folder, self._snapshot_period, os.getpid(), crash)
+        clock = tempfile.NamedTemporaryFile()  # noqa: SIM115 - same
+        arguments = (trial, folder, self._snapshot_period, os.getpid(), crash, Path(clock.name))
         process = self._context.Process(target=run_as_child, args=arguments, daemon=True)
         process.start()
-        return _Running(process, trial, time.monotonic() + self._longest, crash)
+        return _Running(process, trial, time.monotonic() + self._longest, crash, clock)
 
     def _end(self, entry: _Running, folder: Path) -> Done:
         entry.process.join()
@@ -161,8 +169,10 @@ class LocalPool:
         if not path.exists():
             reason = took_too_long(self._longest) if entry.late else how_it_ended(entry.process.exitcode)
             entry.crash.seek(0)
-            write_record(failed_record(entry.trial, reason, crash_text(entry.crash.read())), path)
+            clock = read_clock(entry.clock.read())
+            write_record(failed_record(entry.trial, reason, crash_text(entry.crash.read()), clock), path)
         entry.crash.close()
+        entry.clock.close()
         return Done.of(entry.trial, json.loads(path.read_text(encoding="utf-8")))
 
 

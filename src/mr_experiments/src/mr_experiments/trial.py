@@ -46,6 +46,10 @@ class Trial:
                 if not 0 <= robot < self.robots:
                     raise TrialError(f"{what}: there is no robot {robot} in a team of {self.robots}")
 
+        for robot in self.joins.keys() & self.deaths.keys():
+            if self.joins[robot] >= self.deaths[robot]:
+                raise TrialError(f"robot {robot} would die before it joins")
+
     @property
     def key(self) -> str:
         """Names the trial among others, fit for a file name."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import faulthandler
 import os
 import signal
+import struct
 import threading
 import time
 import traceback
@@ -19,9 +20,9 @@ def record_path(folder: Path, trial: Trial) -> Path:
     return folder / f"{trial.key}.json"
 
 
-def failed_record(trial: Trial, reason: str, trace: str = "") -> dict[str, Any]:
-    """Of a trial that left none itself."""
-    outcome = {"status": "failed", "reason": reason, "time": 0.0}
+def failed_record(trial: Trial, reason: str, trace: str = "", time: float = 0.0) -> dict[str, Any]:
+    """Of a trial that left none itself and ended at this virtual time in s."""
+    outcome = {"status": "failed", "reason": reason, "time": round(time, 3)}
     if trace:
         outcome["traceback"] = trace
     return {
@@ -33,25 +34,43 @@ def failed_record(trial: Trial, reason: str, trace: str = "") -> dict[str, Any]:
         "robots": {},
         "maps": {},
         "snapshots": [],
+        "notes": [],
     }
 
 
-def _run_and_write(trial: Trial, folder: Path, snapshot_period: float) -> None:
+class ClockFile:
+    """The virtual time that a trial has come to, in a file, so that it is known when its process is no more."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("wb+", buffering=0)
+
+    def write(self, time: float) -> None:
+        os.pwrite(self._file.fileno(), struct.pack("d", time), 0)
+
+
+def read_clock(octets: bytes) -> float:
+    """What a ClockFile holds, in s; 0 if it holds nothing."""
+    return float(struct.unpack("d", octets)[0]) if len(octets) == struct.calcsize("d") else 0.0
+
+
+def _run_and_write(trial: Trial, folder: Path, snapshot_period: float, clock: ClockFile) -> None:
     path = record_path(folder, trial)
     try:
-        write_record(run_trial(trial, snapshot_period), path)
+        write_record(run_trial(trial, snapshot_period, clock.write), path)
     except Exception as error:
         write_record(failed_record(trial, f"{type(error).__name__}: {error}", traceback.format_exc()), path)
 
 
-def run_as_child(trial: Trial, folder: Path, snapshot_period: float, parent: int, crash: IO[bytes]) -> None:
+def run_as_child(
+    trial: Trial, folder: Path, snapshot_period: float, parent: int, crash: IO[bytes], clock: Path
+) -> None:
     """The whole life of a process that runs one trial. Ctrl-C is the parent's affair; without it there is no use.
-    Where an engine crashes goes to `crash`."""
+    Where an engine crashes goes to `crash`, the virtual time to the file `clock`."""
     faulthandler.enable(crash, all_threads=False)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     threading.Thread(target=_end_without, args=(parent,), daemon=True).start()
-    _run_and_write(trial, folder, snapshot_period)
+    _run_and_write(trial, folder, snapshot_period, ClockFile(clock))
 
 
 def _end_without(parent: int) -> None:

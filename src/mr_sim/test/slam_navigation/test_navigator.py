@@ -343,3 +343,4 @@ def test_readings_become_ranges_and_hits() -> None:
     scan = make_scan(readings, 0.0, math.pi / 2, 0.1, 4.0, (0.5, 0.25, 0.0))
     assert scan.ranges.tolist() == [0.0, 0.0, 0.0, 2.0, 4.0, 4.0, 0.0]
     assert scan.points == pytest.approx(np.array([[0.5, -1.75]]))
+    assert make_scan(readings, 0.0, math.pi / 2, 0.1, math.nan, (0.0, 0.0, 0.0)).points.size == 0

@@ -104,11 +104,34 @@ def test_a_march_beside_a_former_one_is_the_same_as_a_fresh_one(
     assert (resumed[np.isfinite(resumed)] == whole[np.isfinite(resumed)]).all()
 
 
-@given(grids(), st.lists(st.tuples(places, st.sampled_from([-1, 0, 100])), max_size=5))
-def test_costs_beside_former_ones_are_the_same_as_fresh_ones(grid: Grid, changes: List[Tuple[Tuple, int]]) -> None:
+@given(grids(), st.lists(places, min_size=2, max_size=6), places)
+def test_a_plan_beside_a_former_one_is_the_same_as_a_fresh_one(
+    grid: Grid, robots: List[Tuple[float, float]], goal: Tuple[float, float]
+) -> None:
+    costs = CostMap(grid, OPTIONS)
+    former = None
+    for robot in robots:
+        fresh = plan(costs, np.empty((0, 2)), (*robot, 0.0), goal, 0.3)
+        former = plan(costs, np.empty((0, 2)), (*robot, 0.0), goal, 0.3, former)
+        assert (former is None) == (fresh is None)
+        if former is not None and fresh is not None:
+            reached = np.isfinite(fresh.cost)
+            assert (former.cost[reached] == fresh.cost[reached]).all() and former.goal == fresh.goal
+            assert path(former, (*robot, 0.0)) == path(fresh, (*robot, 0.0))
+
+
+@given(
+    grids(),
+    st.lists(st.tuples(places, st.sampled_from([-1, 0, 100])), max_size=5),
+    st.sampled_from([0.03, 0.04, 0.05, 0.06]),
+)
+def test_costs_beside_former_ones_are_the_same_as_fresh_ones(
+    grid: Grid, changes: List[Tuple[Tuple, int]], resolution: float
+) -> None:
+    grid = Grid(grid.cells, resolution, grid.origin)
     cells = grid.cells.copy()
     for place, value in changes:
-        cells[grid.cell(*place)] = value
+        cells[tuple(np.clip(grid.cell(*place), 0, np.array(cells.shape) - 1))] = value
     changed = Grid(cells, grid.resolution, grid.origin)
     fresh, beside = CostMap(changed, OPTIONS), CostMap(changed, OPTIONS, CostMap(grid, OPTIONS))
     assert (beside.wall_distance == fresh.wall_distance).all()

@@ -218,3 +218,9 @@ def test_odometry_between_two_readings() -> None:
     assert history.at(2.1) is None and history.at(0.9) is None
     history.add(0.5, (5.0, 5.0, 0.0))
     assert history.at(1.5) is None, "the clock was set back"
+
+
+def test_a_laser_far_ahead_that_looks_back_is_on_the_map() -> None:
+    slam = Slam()
+    scan = LaserScan(np.full(181, 100.0, np.float32), -0.5, 1.0 / 180, 0.0, 200.0, (0.0, 190.0, -math.pi / 2))
+    assert slam.process(scan, (0.0, 0.0, 0.0)).inserted

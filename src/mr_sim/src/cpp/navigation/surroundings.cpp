@@ -142,7 +142,7 @@ std::vector<Point> hits(double* ranges, std::size_t count, const Point* directio
   for (std::size_t i = 0; i < count; ++i) {
     // Comparisons with what is no number are false.
     ranges[i] = ranges[i] >= std::max(range_min, kSmallest) ? std::min(ranges[i], range_max) : 0.0;
-    if (ranges[i] == 0.0 || ranges[i] >= range_max - kSmallest) continue;
+    if (!(ranges[i] > 0.0 && ranges[i] < range_max - kSmallest)) continue;
     points.push_back({directions[i].x * ranges[i] + mount.x, directions[i].y * ranges[i] + mount.y});
   }
   return points;

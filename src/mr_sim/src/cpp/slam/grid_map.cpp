@@ -103,11 +103,12 @@ void GridMap::change_odds(const Cell& cell, int step) {
 void GridMap::insert(const Scan& scan, const Pose& robot) {
   const Frame frame(robot);
   Cell low = cell_of({robot.x - 1.0, robot.y - 1.0}), high = cell_of({robot.x + 1.0, robot.y + 1.0});
-  for (const Beam& beam : scan.beams) {
-    const Cell cell = cell_of(frame * beam.end);
+  const auto include = [&](const Cell& cell) {
     low = {std::min(low.x, cell.x - 1), std::min(low.y, cell.y - 1)};
     high = {std::max(high.x, cell.x + 1), std::max(high.y, cell.y + 1)};
-  }
+  };
+  include(cell_of(frame * scan.eye));
+  for (const Beam& beam : scan.beams) include(cell_of(frame * beam.end));
   grow_to(low, high);
   ++scan_number_;
   // Hits first: what this scan touches, its other beams do not erase.

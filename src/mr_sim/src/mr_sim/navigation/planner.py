@@ -51,7 +51,7 @@ class CostMap:
         """`former`: any earlier one with the same options; only what has changed since is computed again."""
         self.grid = grid
         self._inflation = _navigation.Inflation(options.inscribed_radius, options.inflation_radius, NEAR_WALL_COST)
-        reach = math.ceil(options.inflation_radius / grid.resolution)
+        reach = math.ceil(options.inflation_radius / grid.resolution) + 1  # one more for what rounding leaves
         changed = None if former is None else _changed(former.grid, grid, reach)
         if former is None or changed is None:
             self.wall_distance, self._of_walls = self._inflated(grid.cells, options)

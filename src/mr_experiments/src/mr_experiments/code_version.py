@@ -1,0 +1,35 @@
+"""Which code a record was made with."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+from pathlib import Path
+from types import ModuleType
+
+import adhoc_engine
+
+import explorer
+import map_merger
+import mr_experiments
+import mr_sim
+from mr_experiments.ros_packages import folder_of
+
+
+@functools.lru_cache(maxsize=1)
+def code_version() -> str:
+    """Twelve digits that change with any module or parameter that a mission depends on."""
+    digest = hashlib.sha256(Path(str(adhoc_engine.__file__)).read_bytes())
+    for package in (explorer, map_merger, mr_sim, mr_experiments):
+        for path in _modules(package):
+            digest.update(path.name.encode() + path.read_bytes())
+    for path in sorted((folder_of("mr_launch") / "config").glob("*.yaml")):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def _modules(package: ModuleType) -> list[Path]:
+    """Compiled ones, and those in Python. In a devel space they lie in two folders, the sources in the last."""
+    folders = [Path(folder) for folder in package.__path__]
+    compiled = [path for folder in folders for path in folder.glob("*.so")]
+    return sorted(compiled) + sorted(folders[-1].rglob("*.py"))
