@@ -23,7 +23,7 @@ from mr_sim.worlds import find_world
 WORLD, ROBOTS = "office26x15", 3
 FULL_BAR, FAST_BAR = 10.0, 100.0  # s of virtual time per s of processor time
 SWEEP_BAR = 1.8  # times as fast with two workers as with one
-SWEEP_WORLD, SWEEP_ROBOTS, SWEEP_TRIALS, SWEEP_LIMIT = "small8x8", 2, 12, 60.0
+SWEEP_WORLD, SWEEP_ROBOTS, SWEEP_TRIALS, SWEEP_LIMIT = "small8x8", 2, 24, 60.0
 START_PATIENCE = 30.0  # s until a Dask cluster is up
 
 Row = dict  # what, bar, value, unit, holds, detail

@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 import scipy
 
+from mr_experiments.allocation import keep_freed_memory
 from mr_experiments.code_version import code_version
 from mr_experiments.mission import Mission
 from mr_experiments.pictures import picture_of
@@ -37,6 +38,7 @@ def run_trial(
     """The record of the trial. An engine that crashes makes a record of a failed trial; only a trial that cannot be
     run at all raises TrialError. `progress` is told the virtual time."""
     cv2.setNumThreads(1)  # so that every run takes the same steps, and a pool its own cores only
+    keep_freed_memory()
     begun, cpu = time.time(), time.process_time()
     mission = Mission(trial, snapshot_period)
     failure = None
