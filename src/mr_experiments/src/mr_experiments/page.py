@@ -56,8 +56,8 @@ def heading(level: int, text: str, anchor: str = "") -> str:
     return f"<h{level}{place}>{html.escape(text)}</h{level}>"
 
 
-def paragraph(text: str, kind: str = "") -> str:
-    return f'<p class="{kind}">{html.escape(text)}</p>' if kind else f"<p>{html.escape(text)}</p>"
+def paragraph(text: str) -> str:
+    return f"<p>{html.escape(text)}</p>"
 
 
 def notes(sentences: Sequence[str]) -> str:
@@ -75,8 +75,8 @@ def figure(svg: str, title: str, explanation: str) -> str:
     return heading(3, title) + paragraph(explanation) + f"<figure>{svg}</figure>"
 
 
-def table(data: Table, with_title: bool = True) -> str:
-    title = heading(3, data.title) + paragraph(data.explanation) if with_title else ""
+def table(data: Table) -> str:
+    title = heading(3, data.title) + paragraph(data.explanation)
     rows = "".join(f"<tr>{_cells(data.columns, row)}</tr>" for row in data.rows)
     return f'{title}<div class="scroll"><table><thead>{_head(data.columns)}</thead><tbody>{rows}</tbody></table></div>'
 

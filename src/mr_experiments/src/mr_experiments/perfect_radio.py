@@ -25,7 +25,7 @@ class PerfectRadio:
         self._checksum = 0
         self._now = 0.0
 
-    def add(self, name: str, listener: Listener, place: Sequence[float], options: Any = None) -> int:
+    def add(self, name: str, listener: Listener, place: Sequence[float]) -> int:
         self._names.append(name)
         self._listeners.append(listener)
         self._sent.append(0)

@@ -52,7 +52,7 @@ class Listener(Protocol):
 class TeamRadio(Protocol):
     """All robots' radios. Robots are numbered in the order in which they are added; times in s, places in m."""
 
-    def add(self, name: str, listener: Listener, place: Sequence[float], options: Any = None) -> int: ...
+    def add(self, name: str, listener: Listener, place: Sequence[float]) -> int: ...
 
     def switch_off(self, robot: int) -> None: ...
 
@@ -97,9 +97,9 @@ class Radio:
         self._heard: list[tuple[int, Any]] = []
         self._last_statistics: dict[int, dict[str, Any]] = {}  # of robots whose radio is off
 
-    def add(self, name: str, listener: Listener, place: Sequence[float], options: Any = None) -> int:
+    def add(self, name: str, listener: Listener, place: Sequence[float]) -> int:
         """A robot at `place` (x, y in m, world frame)."""
-        options = options or adhoc_engine.EngineOptions()
+        options = adhoc_engine.EngineOptions()
         options.robot_name = name
         self._listeners.append(listener)
         return int(self._team.add(options, place[0], place[1]))

@@ -212,6 +212,8 @@ class Recorder:
             self.notes.append(
                 {"at": self._since(now), "robot": self.world.names[robot], "text": text, "warning": warning}
             )
+            if len(self.notes) == MOST_NOTES:
+                self.notes[-1].update(text="further notes were dropped", warning=True)
 
     def on_death(self, robot: int, now: float) -> None:
         self.logs[robot].died_at = self._since(now)
