@@ -130,18 +130,16 @@ def without_robots(grid: Grid, places: np.ndarray) -> Grid:
     if not len(places):
         return grid
     obstacles = obstacles_of(grid.occupied)
-    labels, statistics, centres = obstacles
     small = np.flatnonzero(obstacles.extents() * grid.info.resolution <= _SMUDGE_CELLS_M)
     small = small[small > 0]
     if small.size == 0:
         return grid
-    middles = cell_centres(grid.info, centres[small, 1], centres[small, 0])
+    middles = cell_centres(grid.info, *obstacles.centres[small].T)
     distance, _ = cKDTree(places).query(middles, distance_upper_bound=ROBOT_REACH)
     cells = grid.cells.copy()
     for robot in small[np.isfinite(distance)]:
-        left, top, width, height, _ = statistics[robot]
-        box = Box(top, left, top + height, left + width).slices()
-        cells[box][labels[box] == robot] = FREE
+        box = Box(*obstacles.boxes[robot].tolist()).slices()
+        cells[box][obstacles.labels[box] == robot] = FREE
     return Grid(grid.info, cells)
 
 

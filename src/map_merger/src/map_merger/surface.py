@@ -78,13 +78,21 @@ def without_places(landmarks: Landmarks, places: np.ndarray, reach: float) -> La
     if not len(places) or not landmarks.clear.size:
         return landmarks
     rows, columns, inside = cells_of(landmarks.info, places)
-    elsewhere = np.ones(landmarks.clear.shape, np.uint8)
-    elsewhere[rows[inside], columns[inside]] = 0
-    if elsewhere.all():
+    rows, columns = rows[inside], columns[inside]
+    if not rows.size:
         return landmarks
     # Half a cell more, because a place may be anywhere in its cell.
-    far = cv2.erode(elsewhere, _disc(reach / landmarks.info.resolution + 0.5)).astype(bool)
-    return replace(landmarks, clear=landmarks.clear & far)
+    disc = _disc(reach / landmarks.info.resolution + 0.5)
+    margin = len(disc) // 2
+    window = np.s_[
+        max(0, rows.min() - margin) : rows.max() + margin + 1,
+        max(0, columns.min() - margin) : columns.max() + margin + 1,
+    ]
+    there = np.zeros(landmarks.clear.shape, np.uint8)
+    there[rows, columns] = 1
+    clear = landmarks.clear.copy()
+    clear[window] &= cv2.dilate(there[window], disc) == 0
+    return replace(landmarks, clear=clear)
 
 
 def landmarks_of(grid: Grid) -> Landmarks:
@@ -110,12 +118,11 @@ def _surface(info: GridInfo, walls: np.ndarray, large: np.ndarray, free: np.ndar
 def _walls(grid: Grid) -> Tuple[np.ndarray, np.ndarray]:
     """Cells (n, 2; row, column) of the obstacles without specks, and whether what they belong to is larger than a
     robot, bool (n,)."""
-    occupied = grid.occupied
-    obstacles, cells = obstacles_of(occupied), np.flatnonzero(occupied)
-    labels = obstacles.labels.ravel()[cells]
-    wall = obstacles.statistics[labels, cv2.CC_STAT_AREA] >= _SMALLEST_WALL
+    obstacles = obstacles_of(grid.occupied)
+    wall = obstacles.areas[obstacles.label_of] >= _SMALLEST_WALL
     large = obstacles.extents() * grid.info.resolution > LARGEST_MOVER_M
-    return np.column_stack(np.divmod(cells[wall], grid.info.width)), large[labels[wall]]
+    cells = np.column_stack(np.divmod(obstacles.cells[wall], grid.info.width))
+    return cells, large[obstacles.label_of[wall]]
 
 
 def subsample(surface: Surface, most: int) -> Surface:

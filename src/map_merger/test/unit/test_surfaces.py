@@ -2,6 +2,7 @@
 
 import math
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -158,3 +159,17 @@ def test_what_is_no_number_is_no_geometry():
     for resolution, origin in ((math.inf, (0.0, 0.0, 0.0)), (0.05, (math.nan, 0.0, 0.0))):
         with pytest.raises(ValueError):
             border(wall, free, resolution, origin)
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 30), st.integers(1, 30), st.floats(0.05, 0.8))
+def test_statistics_of_obstacles_are_those_of_opencv(seed, height, width, share):
+    occupied = np.random.default_rng(seed).random((height, width)) < share
+    count, labels, statistics, centres = cv2.connectedComponentsWithStats(occupied.view(np.uint8), connectivity=8)
+    found = obstacles_of(occupied)
+    assert np.array_equal(found.labels, labels)
+    if count > 1:
+        left, top, across, up, area = statistics[1:].T
+        assert np.array_equal(found.boxes[1:], np.stack([top, left, top + up, left + across], axis=1))
+        assert np.array_equal(found.areas[1:], area) and np.array_equal(found.extents()[1:], np.maximum(across, up))
+        assert found.centres[1:] == pytest.approx(centres[1:, ::-1])

@@ -12,38 +12,31 @@ class Stopwatch:
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = defaultdict(float)
-        self._running: list[str] = []
-        self._since = time.process_time()
+        self.running: list[str] = []  # the innermost last
+        self.since = time.process_time()
         self._spans: dict[str, _Span] = {}
 
     def span(self, component: str) -> ContextManager[None]:
-        if component not in self._spans:
-            self._spans[component] = _Span(self, component)
-        return self._spans[component]
-
-    def enter(self, component: str) -> None:
-        self._switch()
-        self._running.append(component)
-
-    def leave(self) -> None:
-        self._switch()
-        self._running.pop()
-
-    def _switch(self) -> None:
-        now = time.process_time()
-        if self._running:
-            self.seconds[self._running[-1]] += now - self._since
-        self._since = now
+        span = self._spans.get(component)
+        if span is None:
+            span = self._spans[component] = _Span(self, component)
+        return span
 
 
 class _Span:
-    """Kept and entered again: a mission enters hundreds of thousands."""
+    """Kept and entered again, without further calls: a mission enters tens of thousands."""
 
     def __init__(self, stopwatch: Stopwatch, component: str) -> None:
         self._stopwatch, self._component = stopwatch, component
 
     def __enter__(self) -> None:
-        self._stopwatch.enter(self._component)
+        watch, now = self._stopwatch, time.process_time()
+        if watch.running:
+            watch.seconds[watch.running[-1]] += now - watch.since
+        watch.running.append(self._component)
+        watch.since = now
 
     def __exit__(self, *_: object) -> None:
-        self._stopwatch.leave()
+        watch, now = self._stopwatch, time.process_time()
+        watch.seconds[watch.running.pop()] += now - watch.since
+        watch.since = now

@@ -76,14 +76,18 @@ class March {
   March(const float* slowness, int rows, int columns, Cells& cells)
       : rows_(rows), columns_(columns), stride_(columns + 2), cells_(cells) {
     const std::size_t size = static_cast<std::size_t>(rows + 2) * stride_;
-    cells_.slowness.assign(size, kUnreached);
-    cells_.cost.assign(size, kUnreached);
-    cells_.least.assign(size, -kUnreached);
+    cells_.slowness.resize(size);
+    cells_.cost.resize(size);
+    cells_.least.resize(size);
+    block_row(-1);
+    block_row(rows);
     for (int row = 0; row < rows; ++row) {
       const float* from = slowness + plain(row);
-      float *to = &cells_.slowness[at(row, 0)], *least = &cells_.least[at(row, 0)];
-      std::copy_n(from, columns, to);
+      float *cost = &cells_.cost[at(row, 0)], *least = &cells_.least[at(row, 0)];
+      std::copy_n(from, columns, &cells_.slowness[at(row, 0)]);
+      std::fill_n(cost - 1, stride_, kUnreached);
       for (int c = 0; c < columns; ++c) least[c] = from[c] < kUnreached ? kUnreached : -kUnreached;
+      least[-1] = least[columns] = -kUnreached;
     }
   }
 
@@ -143,6 +147,11 @@ class March {
   int at(int row, int column) const { return (row + 1) * stride_ + column + 1; }
   // Where a row begins in a grid without rim.
   std::size_t plain(int row) const { return static_cast<std::size_t>(row) * columns_; }
+
+  void block_row(int row) {
+    std::fill_n(&cells_.cost[at(row, -1)], stride_, kUnreached);
+    std::fill_n(&cells_.least[at(row, -1)], stride_, -kUnreached);
+  }
 
   // The span of the final costs of a row that has some.
   Span final_in(const float* cost) const {
