@@ -29,7 +29,10 @@ def code_version() -> str:
 
 
 def _modules(package: ModuleType) -> list[Path]:
-    """Compiled ones, and those in Python. In a devel space they lie in two folders, the sources in the last."""
-    folders = [Path(folder) for folder in package.__path__]
-    compiled = [path for folder in folders for path in folder.glob("*.so")]
-    return sorted(compiled) + sorted(folders[-1].rglob("*.py"))
+    """Those that are imported: of each name the first in the folders of the package, which in a devel space are several,
+    more so in an overlay. `__init__` is left out, because a devel space has one that names its path."""
+    found: dict[str, Path] = {}
+    for folder in map(Path, package.__path__):
+        for path in sorted([*folder.glob("*.so"), *folder.rglob("*.py")]):
+            found.setdefault(str(path.relative_to(folder)), path)
+    return [found[name] for name in sorted(found) if not name.endswith("__init__.py")]
