@@ -29,8 +29,8 @@ def code_version() -> str:
 
 
 def _modules(package: ModuleType) -> list[Path]:
-    """Those that are imported: of each name the first in the folders of the package, which in a devel space are several,
-    more so in an overlay. `__init__` is left out, because a devel space has one that names its path."""
+    """Those that are imported: of each name the first in the folders of the package, of which a devel space has several
+    and an overlay more. `__init__` is left out, because a devel space has one that names its path."""
     found: dict[str, Path] = {}
     for folder in map(Path, package.__path__):
         for path in sorted([*folder.glob("*.so"), *folder.rglob("*.py")]):
