@@ -84,7 +84,7 @@ def test_lost_process_is_a_failed_record_and_the_others_go_on(tmp_path, fake_mis
     assert recorded(tmp_path, TRIALS[1])["outcome"]["reason"] == done[2].reason
     if "SIGABRT" in reason:
         assert "Fatal Python error: Aborted" in recorded(tmp_path, TRIALS[1])["outcome"]["traceback"]
-    assert recorded(tmp_path, TRIALS[1])["outcome"]["time"] == (12.5 if "ended" in reason or "exit" in reason else 0.0)
+    assert recorded(tmp_path, TRIALS[1])["outcome"]["time"] == 12.5
     assert done[1].reason == done[3].reason == "made by the test"
 
 
@@ -128,7 +128,9 @@ def test_recorded_trials_are_not_run_again(tmp_path, fake_mission):
     assert left == [TRIALS[2]]
     assert [(entry.trial, entry.status) for entry in done] == [(TRIALS[0], "failed"), (TRIALS[1], "failed")]
     assert split_done(TRIALS, tmp_path, retry_failed=True) == (TRIALS, [])
-    assert list(tmp_path.iterdir()) == []
+    fake_mission({1: lambda: os._exit(7)})
+    again = list(LocalPool(1).run(TRIALS[:1], tmp_path))
+    assert "exit code 7" in again[0].reason
 
 
 def test_records_of_other_code_are_told(short, tmp_path, capsys):

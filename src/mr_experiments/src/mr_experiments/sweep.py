@@ -70,7 +70,6 @@ def split_done(trials: Iterable[Trial], folder: Path, retry_failed: bool = False
         path = record_path(folder, trial)
         entry = _read_done(trial, path) if path.exists() else None
         if entry is None or (retry_failed and entry.status == "failed"):
-            path.unlink(missing_ok=True)
             left.append(trial)
         else:
             done.append(entry)
@@ -154,6 +153,7 @@ class LocalPool:
                 entry.process.join()
 
     def _begin(self, trial: Trial, folder: Path) -> _Running:
+        record_path(folder, trial).unlink(missing_ok=True)  # of a failed trial that is done again
         with contextlib.suppress(Exception):  # the trial itself says what is wrong with its world
             truth_for(trial, world_of(trial))
         crash = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process

@@ -42,9 +42,11 @@ class ClockFile:
     """The virtual time that a trial has come to, in a file, so that it is known when its process is no more."""
 
     def __init__(self, path: Path) -> None:
+        self.time = 0.0  # s
         self._file = path.open("wb+", buffering=0)
 
     def write(self, time: float) -> None:
+        self.time = time
         os.pwrite(self._file.fileno(), struct.pack("d", time), 0)
 
 
@@ -58,7 +60,8 @@ def _run_and_write(trial: Trial, folder: Path, snapshot_period: float, clock: Cl
     try:
         write_record(run_trial(trial, snapshot_period, clock.write), path)
     except Exception as error:
-        write_record(failed_record(trial, f"{type(error).__name__}: {error}", traceback.format_exc()), path)
+        reason = f"{type(error).__name__}: {error}"
+        write_record(failed_record(trial, reason, traceback.format_exc(), clock.time), path)
 
 
 def run_as_child(
