@@ -2,6 +2,7 @@
 """rostest: exploration.launch starts the node in simulation mode; parameters arrive; bad ones end it with one clear
 message."""
 
+import os
 import subprocess
 import sys
 import threading
@@ -31,6 +32,7 @@ class TestLaunch(unittest.TestCase):
             ["rosrun", "explorer", "explorer", "__ns:=/robot_0", "__name:=counted"],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
+            env={**os.environ, "PYTHONUNBUFFERED": "1"},
         )
         watchdog = threading.Timer(30.0, node.kill)
         watchdog.start()

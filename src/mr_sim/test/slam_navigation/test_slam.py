@@ -147,6 +147,20 @@ def test_a_robot_that_drives_ahead_does_not_pull(draw_world: Callable[..., str],
     assert max(drives.loop.robots[0].drift) < 0.15
 
 
+@pytest.mark.parametrize("other", [(10.6, 2.2, 0.0), (11.0, 1.6, 0.0), (9.6, 2.2, 0.0)])
+@pytest.mark.parametrize("seed", [1, 3, 6])
+def test_a_robot_that_waited_beside_and_drives_along_does_not_pull(
+    draw_world: Callable[..., str], seed: int, other: Pose
+) -> None:
+    """While both turned, each became a landmark of the other; together they slipped by half a metre in four."""
+    drives = Drives(draw_world((30, 3), [], [(10.0, 1.0, 0.0), other]), robots=2, seed=seed)
+    drives.run(8.0, lambda robot, state, now: (0.0, 0.8))
+    drives.run(8.0, lambda robot, state, now: (0.5, 0.0))
+    for robot in drives.loop.robots:
+        # What odometry errs by on this way.
+        assert max(robot.drift) < 0.13
+
+
 def test_lattice_survives_growth() -> None:
     drives = Drives("office26x15")
     slam = drives.loop.robots[0].slam

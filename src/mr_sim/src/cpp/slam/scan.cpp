@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "small_objects.hpp"
+
 namespace mr_sim::slam {
 namespace {
 
@@ -47,8 +49,9 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
     const double length = hit ? range : geometry.range_max;
     const double angle = geometry.angle_min + static_cast<double>(i) * geometry.angle_increment;
     const Point end = mount * Point{length * std::cos(angle), length * std::sin(angle)};
-    scan.beams.push_back({end, hit, false, {}, 0.0});
+    scan.beams.push_back({end, hit});
   }
+  mark_small_objects(scan);
   for (std::size_t i = 0; i < scan.beams.size(); ++i) {
     Beam& beam = scan.beams[i];
     if (!beam.hit) continue;

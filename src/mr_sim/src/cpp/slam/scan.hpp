@@ -15,11 +15,12 @@ struct LaserGeometry {
 };
 
 struct Beam {
-  Point end;        // robot's frame; where free space ends
-  bool hit;         // false: nothing up to range_max, the beam shows free space only
-  bool has_normal;  // the surface is seen densely enough to know its direction
-  Point normal;     // robot's frame, towards the laser
-  double spacing;   // m along the surface from one beam to the next
+  Point end;  // robot's frame; where free space ends
+  bool hit;   // false: nothing up to range_max, the beam shows free space only
+  bool on_small_object = false;
+  bool has_normal = false;  // the surface is seen densely enough to know its direction
+  Point normal{};           // robot's frame, towards the laser
+  double spacing = 0.0;     // m along the surface from one beam to the next
 };
 
 struct Scan {

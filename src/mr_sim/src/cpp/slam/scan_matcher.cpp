@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kIterations = 12;
 constexpr double kSpacing = 0.04;     // m between the hits used, so that near walls do not outweigh far ones
+constexpr double kEnough = 0.7;       // share of the hits that must be left when small objects are not used
 constexpr double kOnSurface = 0.05;   // m
 constexpr double kTangential = 0.08;  // m, a surface reaches this far beside its mean
 constexpr int kNeighbours = 2;        // cells around a surface that make up its line
@@ -18,13 +19,24 @@ constexpr double kSameSide = 0.7;     // cosine
 constexpr double kTrust = 0.5;        // of odometry's deviation where scan and odometry agree
 constexpr double kSamePlace = 0.005;  // m, a hit that moves less between two iterations keeps its line
 
+// Small objects that drive along carry the pose with them. A narrow sensor may see little else.
+bool without_small_objects(const Scan& scan) {
+  int hits = 0, left = 0;
+  for (const Beam& beam : scan.beams) {
+    hits += beam.has_normal;
+    left += beam.has_normal && !beam.on_small_object;
+  }
+  return left >= kEnough * hits;
+}
+
 // Whether a hit is used must not depend on its own noise: asking how far it lies from the last one would prefer, on
 // each wall, hits that err in the direction of the sweep, and turn the robot a little with every match.
 std::vector<const Beam*> choose_beams(const Scan& scan) {
+  const bool walls_only = without_small_objects(scan);
   std::vector<const Beam*> chosen;
   double passed = kSpacing;
   for (const Beam& beam : scan.beams) {
-    if (!beam.hit || !beam.has_normal) continue;
+    if (!beam.has_normal || (walls_only && beam.on_small_object)) continue;
     if (passed >= kSpacing) {
       chosen.push_back(&beam);
       passed = 0.0;

@@ -1,0 +1,11 @@
+// Which beams of a scan hit something small that stands free, as robots and people do?
+#pragma once
+
+#include "scan.hpp"
+
+namespace mr_sim::slam {
+
+// Sets `on_small_object` of the hits. To be called when all beams have their ends.
+void mark_small_objects(Scan& scan);
+
+}  // namespace mr_sim::slam
