@@ -179,15 +179,34 @@ def test_failed_goals_give_a_frontier_up_and_a_changed_map_revives_it() -> None:
     assert not any(f.given_up for f in bench.agent.frontiers.ordered())
 
 
-def test_a_robot_in_the_way_does_not_make_a_frontier_unreachable() -> None:
-    bench = Bench(3).map(corridor(left=False)).join("robot_1", position=(1.0, 0.0))
-    for _ in range(4):
+def fail_behind_a_robot(bench: Bench, times: int) -> None:
+    for _ in range(times):
         bench.run(5.0)
         bench.agent.on_positions({"robot_1": (1.0, 0.0)}, bench.now)
         assert bench.agent.goal is not None
         bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "blocked", bench.now)
+
+
+def test_a_robot_in_the_way_does_not_make_a_frontier_unreachable() -> None:
+    bench = Bench(3).map(corridor(left=False)).join("robot_1", position=(1.0, 0.0))
+    fail_behind_a_robot(bench, 2)
     assert not any(f.given_up or f.failures for f in bench.agent.frontiers.ordered())
     assert bench.agent.state != State.FINISHED
+
+
+def test_a_robot_that_stays_in_the_way_does_not_keep_the_mission_from_ending() -> None:
+    """A robot that had finished in a door kept another one at its frontier behind it for the rest of the mission."""
+    bench = Bench(3).map(corridor(left=False)).join("robot_1", position=(1.0, 0.0))
+    fail_behind_a_robot(bench, 6)
+    assert any(f.given_up for f in bench.agent.frontiers.ordered())
+    for _ in range(40):
+        bench.run(5.0)
+        bench.agent.on_positions({"robot_1": (1.0, 0.0)}, bench.now)
+        if bench.agent.state == State.FINISHED:
+            break
+        if bench.agent.goal is not None:
+            bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "blocked", bench.now)
+    assert bench.agent.state == State.FINISHED
 
 
 def test_clusters_are_given_up_after_the_parameter() -> None:

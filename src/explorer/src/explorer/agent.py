@@ -66,6 +66,7 @@ TOLD_TIME = 8.0  # s that the merged map needs to show what another robot has ex
 TOLD_DISTANCE = 0.5  # m, own frontiers this near to an explored point of another robot are no goals
 NOTHING_TIME = 5.0  # s at rest after which a map that does not change counts as fresh
 BLOCKING_DISTANCE = 1.5  # m, a robot this near may be what makes a goal fail
+BLOCKED_TRIES = 3  # failures behind a robot that count as one: it may have come to stay
 TOUR_CELL = 0.2  # m, resolution at which ways between clusters are measured
 WORTH_A_LOOK = 4  # frontier points without a viewpoint that are worth a closer look before the end
 CLOSER_LOOKS = 20  # such looks in a mission
@@ -528,7 +529,7 @@ class ExplorerAgent:
         return sees(self.grid.occupied, self.map, pose.x, pose.y, pose.yaw, view, frontier)
 
     def _fail(self, goal: Goal, text: str, now: float) -> None:
-        """A goal failed: another robot in the way means another try soon, else the frontier is given up in the end."""
+        """A goal failed. The frontier is given up in the end; another robot in the way means further tries before."""
         self.counters.goals_failed += 1
         frontier = self.frontiers.frontiers.get(goal.frontier) if goal.frontier is not None else None
         blocked = self._robot_in_the_way(goal, now)
@@ -539,7 +540,8 @@ class ExplorerAgent:
             if math.hypot(other.x - frontier.x, other.y - frontier.y) > 0.5:
                 continue
             other.retry_at = now + (4.0 if blocked else 8.0)
-            if not blocked:
+            other.blocked += blocked
+            if not blocked or other.blocked % BLOCKED_TRIES == 0:
                 other.failures += 1
                 if other.failures >= 2:
                     self._give_up(other)

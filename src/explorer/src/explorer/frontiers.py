@@ -30,7 +30,7 @@ class Frontier:
     """A frontier point of this robot, in metres in its map frame.
 
     `visited`: it was looked at from close by and is still there, so it is no longer a goal. `failures` counts the
-    goals that failed; until `retry_at` it is not tried again, after `given_up` only when the map around it changed.
+    goals that failed, `blocked` those of them that failed behind another robot; until `retry_at` it is not tried again, after `given_up` only when the map around it changed.
     """
 
     number: int
@@ -39,6 +39,7 @@ class Frontier:
     visited: bool = False
     given_up: bool = False
     failures: int = 0
+    blocked: int = 0
     retry_at: float = -math.inf
     hidden_until: float = -math.inf
     looks: int = 0
@@ -153,7 +154,8 @@ class FrontierStore:
         for spot in reversed(self._spots):
             if abs(spot.x - frontier.x) < THINNING_DISTANCE and abs(spot.y - frontier.y) < THINNING_DISTANCE:
                 frontier.visited, frontier.given_up = spot.visited, spot.given_up
-                frontier.failures, frontier.retry_at = spot.failures, spot.retry_at
+                frontier.failures, frontier.blocked = spot.failures, spot.blocked
+                frontier.retry_at = spot.retry_at
                 break
         return frontier
 

@@ -37,10 +37,10 @@ class Body:
         self._rests = True
         self.on_goal_end: GoalEnd = lambda *_: None
 
-    def locate(self, ranges: np.ndarray, odometry: Pose) -> Pose:
+    def locate(self, ranges: np.ndarray, odometry: Pose, now: float) -> Pose:
         """The robot's pose in its map frame, from a scan."""
         with self._stopwatch.span("slam"):
-            self.pose = self.slam.process(LaserScan(ranges, *self._geometry), odometry).pose
+            self.pose = self.slam.process(LaserScan(ranges, *self._geometry), odometry, now).pose
         return self.pose
 
     def new_map(self, now: float) -> OccupancyMap | None:

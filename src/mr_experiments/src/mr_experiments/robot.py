@@ -78,7 +78,7 @@ class Robot:
     def on_scan(self, ranges: np.ndarray, odometry: Pose) -> tuple[float, float]:
         """Returns the velocities to drive with, m/s and rad/s."""
         assert isinstance(self.body, Body)
-        self._locate(self.body.locate(ranges, odometry))
+        self._locate(self.body.locate(ranges, odometry, self._clock()))
         return self.body.steer(ranges, self._clock())
 
     def on_view(self) -> None:

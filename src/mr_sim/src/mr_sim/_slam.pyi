@@ -12,6 +12,7 @@ class SlamOptions:
     match_angle: float
     insert_distance: float
     insert_angle: float
+    insert_interval: float
     surface_window: float
     def __init__(self) -> None: ...
 
@@ -26,6 +27,7 @@ class Slam:
         angle_increment: float,
         range_min: float,
         range_max: float,
+        time: float,
     ) -> tuple[_Pose, bool, bool, float]: ...
     def pose_at(self, odometry: _Pose) -> _Pose: ...
     def map_to_odometry(self) -> _Pose: ...

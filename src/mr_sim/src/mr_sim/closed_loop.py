@@ -76,7 +76,7 @@ class ClosedLoop:
         odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
         begun = time.process_time()
         geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, ranger.mount)
-        pose = robot.slam.process(LaserScan(ranges, *geometry), odometry).pose
+        pose = robot.slam.process(LaserScan(ranges, *geometry), odometry, now).pose
         if now - robot.map_at >= MAP_PERIOD:
             robot.map_at = now
             map_ = robot.slam.map()

@@ -37,7 +37,7 @@ class Drives:
         ranger = self.world.robots[robot.index].rangers[0]
         geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, ranger.mount)
         odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
-        pose = robot.slam.process(LaserScan(ranges, *geometry), odometry).pose
+        pose = robot.slam.process(LaserScan(ranges, *geometry), odometry, self.world.time).pose
         truth = robot.local((float(state["x"]), float(state["y"]), float(state["yaw"])))
         robot.drift.append(math.dist(pose[:2], truth[:2]))
 
@@ -139,6 +139,24 @@ def test_a_robot_that_drives_by_leaves_no_wall_and_does_not_pull(draw_world: Cal
     assert occupied(robot.slam, x, 4.0, 0.5) > 0, "where it stands now"
 
 
+def test_what_leaves_while_the_robot_stands_leaves_the_map(draw_world: Callable[..., str]) -> None:
+    """A robot that stood in a door had another one beside it, stayed walled in by it and blocked the door for good."""
+    drives = Drives(draw_world((10, 6), [], [(3.0, 3.0, 0.0), (4.0, 3.4, 0.0)]), robots=2)
+    drives.run(5.0, lambda robot, state, now: (0.0, 0.0))
+    slam = drives.loop.robots[0].slam
+    assert occupied(slam, 1.0, 0.4, 0.5) > 0
+    drives.run(15.0, lambda robot, state, now: (0.5 if robot == 1 and state["x"] < 8.0 else 0.0, 0.0))
+    assert occupied(slam, 1.0, 0.4, 0.5) == 0
+
+
+def test_a_robot_that_stands_among_walls_has_no_new_maps(draw_world: Callable[..., str]) -> None:
+    drives = Drives(draw_world((6, 4), [], [(2.0, 2.0, 0.0)]))
+    drives.run(20.0, lambda robot, state, now: (0.0, 0.0))
+    settled = drives.loop.robots[0].slam.revision
+    drives.run(20.0, lambda robot, state, now: (0.0, 0.0))
+    assert drives.loop.robots[0].slam.revision - settled <= 4
+
+
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_robot_that_drives_ahead_does_not_pull(draw_world: Callable[..., str], seed: int) -> None:
     """In a corridor only the robot ahead seemed to fix the position along it: the map was off by half a metre."""
@@ -182,7 +200,7 @@ def test_beams_without_echo_clear_and_make_no_walls() -> None:
     slam = Slam()
     nothing = np.full(541, np.inf, np.float32)
     geometry = (-2.356, 4.712 / 540, 0.0, 8.0, (0.0, 0.0, 0.0))
-    assert slam.process(LaserScan(nothing, *geometry), (0.0, 0.0, 0.0)).inserted
+    assert slam.process(LaserScan(nothing, *geometry), (0.0, 0.0, 0.0), 0.0).inserted
     map_ = slam.map()
     assert not (map_.cells == 100).any()
     row, column = round(-map_.origin[1] / 0.05), round((7.8 - map_.origin[0]) / 0.05)
@@ -207,14 +225,14 @@ def test_same_input_same_bits() -> None:
 )
 def test_unusable_input_is_named(ranges: np.ndarray, odometry: Pose, message: str) -> None:
     with pytest.raises(SlamError, match=message):
-        Slam().process(LaserScan(ranges, -1.0, 0.1, 0.0, 8.0, (0.0, 0.0, 0.0)), odometry)
+        Slam().process(LaserScan(ranges, -1.0, 0.1, 0.0, 8.0, (0.0, 0.0, 0.0)), odometry, 0.0)
 
 
 def test_scan_of_nothing_valid_is_survived() -> None:
     slam = Slam()
     scan = LaserScan(np.full(541, np.nan, np.float32), -2.356, 4.712 / 540, 0.0, 8.0, (0.0, 0.0, 0.0))
     for step in range(5):
-        update = slam.process(scan, (0.2 * step, 0.0, 0.0))
+        update = slam.process(scan, (0.2 * step, 0.0, 0.0), 0.1 * step)
     assert update.pose == pytest.approx((0.8, 0.0, 0.0))
 
 
@@ -237,4 +255,4 @@ def test_odometry_between_two_readings() -> None:
 def test_a_laser_far_ahead_that_looks_back_is_on_the_map() -> None:
     slam = Slam()
     scan = LaserScan(np.full(181, 100.0, np.float32), -0.5, 1.0 / 180, 0.0, 200.0, (0.0, 190.0, -math.pi / 2))
-    assert slam.process(scan, (0.0, 0.0, 0.0)).inserted
+    assert slam.process(scan, (0.0, 0.0, 0.0), 0.0).inserted

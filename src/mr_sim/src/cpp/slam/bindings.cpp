@@ -19,10 +19,10 @@ Pose to_pose(const PoseTuple& pose) { return {std::get<0>(pose), std::get<1>(pos
 PoseTuple to_tuple(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
 
 py::tuple process(Slam& slam, const Ranges& ranges, const PoseTuple& odometry, const PoseTuple& mount, double angle_min,
-                  double angle_increment, double range_min, double range_max) {
+                  double angle_increment, double range_min, double range_max, double time) {
   const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, to_pose(mount)};
   const SlamUpdate update =
-      slam.process(ranges.data(), static_cast<std::size_t>(ranges.size()), geometry, to_pose(odometry));
+      slam.process(ranges.data(), static_cast<std::size_t>(ranges.size()), geometry, to_pose(odometry), time);
   return py::make_tuple(to_tuple(update.pose), update.matched, update.inserted, update.share);
 }
 
@@ -70,11 +70,12 @@ PYBIND11_MODULE(_slam, module) {
       .def_readwrite("match_angle", &SlamOptions::match_angle)
       .def_readwrite("insert_distance", &SlamOptions::insert_distance)
       .def_readwrite("insert_angle", &SlamOptions::insert_angle)
+      .def_readwrite("insert_interval", &SlamOptions::insert_interval)
       .def_readwrite("surface_window", &SlamOptions::surface_window);
   py::class_<Slam>(module, "Slam")
       .def(py::init<const SlamOptions&>())
       .def("process", &process, py::arg("ranges"), py::arg("odometry"), py::arg("mount"), py::arg("angle_min"),
-           py::arg("angle_increment"), py::arg("range_min"), py::arg("range_max"))
+           py::arg("angle_increment"), py::arg("range_min"), py::arg("range_max"), py::arg("time"))
       .def("pose_at",
            [](const Slam& slam, const PoseTuple& odometry) { return to_tuple(slam.pose_at(to_pose(odometry))); })
       .def("map_to_odometry", [](const Slam& slam) { return to_tuple(slam.map_to_odometry()); })

@@ -96,11 +96,14 @@ void GridMap::mark_surface(const Cell& cell) {
 // `step`: added to the log-odds of being occupied.
 void GridMap::change_odds(const Cell& cell, int step) {
   auto& odds = grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x];
+  uint8_t& seen = seen_[index_of(cell)];
+  const bool was_occupied = odds < 0;
   odds = static_cast<std::decay_t<decltype(odds)>>(std::clamp(odds - step, -odds_limit_, odds_limit_));
-  seen_[index_of(cell)] = 1;
+  changed_ |= !seen || was_occupied != (odds < 0);
+  seen = 1;
 }
 
-void GridMap::insert(const Scan& scan, const Pose& robot) {
+bool GridMap::insert(const Scan& scan, const Pose& robot) {
   const Frame frame(robot);
   Cell low = cell_of({robot.x - 1.0, robot.y - 1.0}), high = cell_of({robot.x + 1.0, robot.y + 1.0});
   const auto include = [&](const Cell& cell) {
@@ -111,6 +114,7 @@ void GridMap::insert(const Scan& scan, const Pose& robot) {
   for (const Beam& beam : scan.beams) include(cell_of(frame * beam.end));
   grow_to(low, high);
   ++scan_number_;
+  changed_ = false;
   // Hits first: what this scan touches, its other beams do not erase.
   for (const Beam& beam : scan.beams) {
     if (beam.hit) add_hit(beam, frame);
@@ -118,6 +122,7 @@ void GridMap::insert(const Scan& scan, const Pose& robot) {
   const Point eye = frame * scan.eye;
   for (const Beam& beam : scan.beams) see_through(eye, frame * beam.end);
   free_footprint(robot);
+  return changed_;
 }
 
 void GridMap::add_hit(const Beam& beam, const Frame& robot) {

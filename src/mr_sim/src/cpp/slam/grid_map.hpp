@@ -35,7 +35,8 @@ class GridMap {
  public:
   explicit GridMap(const GridOptions& options);
 
-  void insert(const Scan& scan, const Pose& robot);
+  // Returns whether `occupancy` changed.
+  bool insert(const Scan& scan, const Pose& robot);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -86,6 +87,7 @@ class GridMap {
   Cell origin_;
   int width_ = 0, height_ = 0;
   uint32_t scan_number_ = 0;
+  bool changed_ = false;  // by the last scan
 };
 
 template <class Visit>

@@ -19,17 +19,28 @@ Pose Slam::pose_at(const Pose& odometry) const { return started_ ? pose_ * betwe
 
 Pose Slam::map_to_odometry() const { return pose_ * between(odometry_, Pose{}); }
 
-void Slam::start(const Scan& scan, const Pose& odometry, SlamUpdate* update) {
-  map_.insert(scan, pose_);
+// Returns whether that changed the map.
+bool Slam::insert(const Scan& scan, double time) {
+  inserted_ = pose_;
+  inserted_at_ = time;
+  return map_.insert(scan, pose_);
+}
+
+void Slam::start(const Scan& scan, const Pose& odometry, double time, SlamUpdate* update) {
+  insert(scan, time);
   odometry_ = odometry;
   started_ = true;
   update->matched = update->inserted = true;
   update->share = 1.0;
 }
 
-SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeometry& geometry, const Pose& odometry) {
+SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeometry& geometry, const Pose& odometry,
+                         double time) {
   SlamUpdate update;
-  if (started_ && !moved(odometry_, odometry, options_.match_distance, options_.match_angle)) {
+  const bool stands = started_ && !moved(odometry_, odometry, options_.match_distance, options_.match_angle);
+  // What has left while the robot stood must not stay in the map: it may be all that keeps the robot standing.
+  const bool due = refused_ == 0 && std::abs(time - inserted_at_) >= options_.insert_interval;
+  if (stands && !due) {
     update.pose = pose_at(odometry);
     update.matched = refused_ == 0;
     update.share = share_;
@@ -37,7 +48,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   }
   const Scan scan = make_scan(ranges, size, geometry, options_.surface_window);
   if (!started_) {
-    start(scan, odometry, &update);
+    start(scan, odometry, time, &update);
     return update;
   }
   const Pose motion = between(odometry_, odometry);
@@ -47,11 +58,9 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   pose_ = match.pose;
   odometry_ = odometry;
   refused_ = match.accepted ? 0 : refused_ + 1;
-  if (moved(inserted_, pose_, options_.insert_distance, options_.insert_angle) &&
+  if ((stands || moved(inserted_, pose_, options_.insert_distance, options_.insert_angle)) &&
       (match.accepted || refused_ > kRefusedLimit)) {
-    map_.insert(scan, pose_);
-    inserted_ = pose_;
-    update.inserted = true;
+    update.inserted = insert(scan, time);
   }
   update.pose = pose_;
   update.matched = match.accepted;

@@ -13,13 +13,14 @@ struct SlamOptions {
   double match_angle = 0.035;    // rad
   double insert_distance = 0.1;  // m after which a matched scan goes into the map
   double insert_angle = 0.087;   // rad
+  double insert_interval = 1.0;  // s after which a scan of a robot that stands goes into the map, too
   double surface_window = 0.15;  // m, see make_scan
 };
 
 struct SlamUpdate {
   Pose pose;              // robot in the map frame
   bool matched = false;   // the last match held; otherwise odometry alone gives the pose
-  bool inserted = false;  // the map changed
+  bool inserted = false;  // the map that is handed out changed
   double share = 0.0;     // of the scan on known surfaces
 };
 
@@ -27,8 +28,9 @@ class Slam {
  public:
   explicit Slam(const SlamOptions& options);
 
-  // `odometry`: robot in the odometry frame at the time of the scan.
-  SlamUpdate process(const float* ranges, std::size_t size, const LaserGeometry& geometry, const Pose& odometry);
+  // `odometry`: robot in the odometry frame at the time of the scan. `time`: s, of the scan.
+  SlamUpdate process(const float* ranges, std::size_t size, const LaserGeometry& geometry, const Pose& odometry,
+                     double time);
 
   Pose pose_at(const Pose& odometry) const;
   // Odometry frame in the map frame.
@@ -37,7 +39,8 @@ class Slam {
   const GridMap& map() const { return map_; }
 
  private:
-  void start(const Scan& scan, const Pose& odometry, SlamUpdate* update);
+  void start(const Scan& scan, const Pose& odometry, double time, SlamUpdate* update);
+  bool insert(const Scan& scan, double time);
   bool moved(const Pose& from, const Pose& to, double distance, double angle) const;
 
   SlamOptions options_;
@@ -46,6 +49,7 @@ class Slam {
   Pose pose_;           // at the last match, map frame
   Pose odometry_;       // same moment, odometry frame
   Pose inserted_;       // pose of the last scan in the map
+  double inserted_at_ = 0.0;  // s, its time
   double share_ = 1.0;  // of the last match
   int refused_ = 0;     // matches refused in a row
 };

@@ -25,13 +25,14 @@ class SlamError(ValueError):
 
 @dataclass(frozen=True)
 class SlamOptions:
-    """Lengths in metres, angles in radians."""
+    """Lengths in metres, angles in radians, times in seconds."""
 
     resolution: float = 0.05  # of the map
     match_distance: float = 0.04  # by odometry, after which a scan is matched
     match_angle: float = 0.035
     insert_distance: float = 0.1  # between scans that enter the map
     insert_angle: float = 0.087
+    insert_interval: float = 1.0  # s between scans that enter the map while the robot stands
     search_window: float = 0.4  # half width of the search when odometry does not lead to a match
     surface_window: float = 0.15  # hits this near to one another form a surface
     surface_deviation: float = 0.02  # standard deviation of hits around surfaces
@@ -59,7 +60,7 @@ class LaserScan:
 class SlamUpdate:
     pose: Pose  # robot in the map frame, at the time of the scan
     matched: bool  # whether the scan confirmed it; otherwise odometry alone
-    inserted: bool  # whether the map changed
+    inserted: bool  # whether the map that is handed out changed
     share: float  # of the scan that lies on known surfaces
 
 
@@ -117,18 +118,19 @@ class Slam:
         self._core = _slam.Slam(core)
         self.revision = 0  # counts changes of the map
 
-    def process(self, scan: LaserScan, odometry: Pose) -> SlamUpdate:
-        """`odometry`: robot in the odometry frame at the time of the scan. Raises SlamError for unusable input."""
+    def process(self, scan: LaserScan, odometry: Pose, time: float) -> SlamUpdate:
+        """`odometry`: robot in the odometry frame at the time of the scan. `time`: s, of the scan; only differences
+        count. Raises SlamError for unusable input."""
         ranges = np.ascontiguousarray(scan.ranges, dtype=np.float32)
         if ranges.ndim != 1 or ranges.size < 3:
             raise SlamError(f"a scan needs at least 3 ranges, not {ranges.size}")
         if not (0.0 < scan.range_max < 1000.0):
             raise SlamError(f"range_max of the scan must lie between 0 and 1000 m, not {scan.range_max!r}")
-        numbers = (*odometry, *scan.mount, scan.angle_min, scan.angle_increment, scan.range_min)
+        numbers = (*odometry, *scan.mount, scan.angle_min, scan.angle_increment, scan.range_min, time)
         if not np.isfinite(numbers).all():
-            raise SlamError("odometry or geometry of the scan is not finite")
+            raise SlamError("odometry, time or geometry of the scan is not finite")
         pose, matched, inserted, share = self._core.process(
-            ranges, odometry, scan.mount, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max
+            ranges, odometry, scan.mount, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, time
         )
         self.revision += inserted
         return SlamUpdate(pose, matched, inserted, share)

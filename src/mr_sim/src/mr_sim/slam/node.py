@@ -91,7 +91,7 @@ class SlamNode:
             # Too new: wait for the odometry of its time. Too old: of no use any more.
             self._pending = message if newest is not None and time > newest[0] else None
             return
-        update = self._slam.process(ros_io.scan_value(message, mount), odometry)
+        update = self._slam.process(ros_io.scan_value(message, mount), odometry, time)
         if not update.matched:
             rospy.logwarn_throttle(10.0, f"scan does not match the map ({update.share:.0%} of it does)")
         if not 0.0 <= time - self._published_at < self._map_interval:
