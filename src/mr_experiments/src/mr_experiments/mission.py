@@ -124,6 +124,7 @@ class Mission:
                 state = states[scan.robot]
                 odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
                 self.world.command(scan.robot, *robot.on_scan(scan.ranges, odometry))
+                self.recorder.on_pose(scan.robot, self.world.pose(scan.robot))
         with self.stopwatch.span("recording"):
             self.recorder.on_step(states, self.since_start)
         self._start_if_ready()
@@ -147,7 +148,9 @@ class Mission:
     def _view(self) -> None:
         for robot in self.robots:
             if robot.running:
+                assert isinstance(robot.body, FastBody)
                 robot.on_view()
+                self.recorder.on_pose(robot.index, robot.body.true_pose)
 
     def _tell_places(self) -> None:
         for robot in self.robots:

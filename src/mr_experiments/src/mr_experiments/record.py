@@ -19,8 +19,8 @@ import scipy
 from mr_experiments.allocation import keep_freed_memory
 from mr_experiments.code_version import code_version
 from mr_experiments.mission import Mission
+from mr_experiments.occupancy import grid_as_map, occupancy_of
 from mr_experiments.pictures import picture_of
-from mr_experiments.recorder import grid_as_map, occupancy_of
 from mr_experiments.robot import Robot
 from mr_experiments.ros_packages import version_of
 from mr_experiments.trial import Trial, TrialError

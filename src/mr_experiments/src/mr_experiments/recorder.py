@@ -11,13 +11,14 @@ import numpy as np
 
 from explorer import messages
 from map_merger.grid import Grid
+from mr_experiments.occupancy import free_area, grid_as_map, occupancy_of
 from mr_experiments.pictures import picture_of
 from mr_experiments.radio import TeamRadio
 from mr_experiments.robot import Robot
 from mr_experiments.transforms import MergeLog
 from mr_experiments.trial import Trial
 from mr_experiments.trial_world import world_of
-from mr_sim.measures import OccupancyMap, Truth
+from mr_sim.measures import Truth
 from mr_sim.pose import Pose, seen_from
 from mr_sim.trace import RECORD
 from mr_sim.world import World
@@ -137,7 +138,8 @@ class Recorder:
             }
             for key, value in values.items():
                 log.series[key].append(value)
-            self.merges.look(robot, robot.merger.agent, now)
+        for robot in self._robots:
+            self.merges.look(robot, self._robots, now)
 
     def cover(self, now: float) -> None:
         """Samples what the robots know together, by their own local maps."""
@@ -157,9 +159,7 @@ class Recorder:
     def known_cells(self) -> list[np.ndarray]:
         """For each robot, which of the reference cells its own local map knows: bool (N,)."""
         return [
-            np.zeros(len(places), dtype=bool)
-            if robot.local_map is None
-            else occupancy_of(robot.local_map).cells_at(places)[0] >= 0
+            occupancy_of(robot.local_map).cells_at(places)[0] >= 0
             for robot, places in zip(self._robots, self._reference)
         ]
 
@@ -172,6 +172,10 @@ class Recorder:
         return records
 
     # What the robots report.
+
+    def on_pose(self, robot: int, true: Pose) -> None:
+        """SLAM has a new pose; `true`: the robot's at that moment, world frame."""
+        self.merges.follow(self._robots[robot], true)
 
     def on_goal(self, robot: int, goal_id: int, pose: messages.Pose, now: float) -> None:
         self._end_goal(robot, "replaced", "", now)
@@ -217,17 +221,3 @@ class Recorder:
 
     def on_death(self, robot: int, now: float) -> None:
         self.logs[robot].died_at = self._since(now)
-
-
-def free_area(cells: np.ndarray, resolution: float) -> float:
-    """m^2 of explored free space."""
-    return float(np.count_nonzero((cells >= 0) & (cells < 50))) * resolution * resolution
-
-
-def grid_as_map(grid: Grid) -> OccupancyMap:
-    origin = grid.info.origin
-    return OccupancyMap(grid.cells, grid.info.resolution, (origin.x, origin.y, origin.yaw))
-
-
-def occupancy_of(local: Any) -> OccupancyMap:
-    return OccupancyMap(local.cells, local.resolution, (*local.origin, 0.0))

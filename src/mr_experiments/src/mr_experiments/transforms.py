@@ -7,58 +7,48 @@ from typing import Any, Sequence
 
 import numpy as np
 
-from map_merger.agent import Agent
-from map_merger.grid import Grid
-from map_merger.transform import Transform
-from mr_sim.pose import Pose, compose, inverse, normalized
+from map_merger.transform import Transform, displacement, rotation_between
+from mr_experiments.drift import FEWEST_POINTS, Track, best_rigid_fit, overlap
+from mr_experiments.occupancy import occupancy_of
+from mr_experiments.robot import Robot
+from mr_sim.pose import Pose, compose, inverse
 
 WRONG_OFFSET = 0.25  # m anywhere in the overlap
 WRONG_TURN = math.radians(2.0)
 
 
-def known_box(grid: Grid) -> np.ndarray | None:
-    """Corners (4, 2) in m, map frame, of the part of a map that is known; None if nothing is."""
-    rows, columns = np.nonzero(grid.cells >= 0)
-    if rows.size == 0:
-        return None
-    low = np.array([columns.min(), rows.min()]) * grid.info.resolution
-    high = np.array([columns.max() + 1, rows.max() + 1]) * grid.info.resolution
-    corners = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
-    return corners + np.array([grid.info.origin.x, grid.info.origin.y])
-
-
-def largest_offset(believed: Transform, true: Transform, points: np.ndarray) -> float:
-    """m by which the two transforms place one of the points (n, 2) differently, at most."""
-    return float(np.hypot(*(believed.apply(points) - true.apply(points)).T).max())
-
-
 class MergeLog:
-    """`starts`: true start poses, so that the true transform between any two map frames is known."""
+    """`starts`: true start poses, world frame, of `robots`."""
 
     def __init__(self, starts: Sequence[Pose], names: Sequence[str]) -> None:
         self._starts = dict(zip(names, starts))
+        self._tracks = {name: Track() for name in names}
         self._believed: dict[str, dict[str, Transform]] = {name: {} for name in names}
         self.entries: dict[str, list[dict[str, Any]]] = {name: [] for name in names}
 
-    def look(self, robot: Any, agent: Agent, now: float) -> None:
+    def follow(self, robot: Robot, true: Pose) -> None:
+        """Notes where a robot is, world frame, and where it believes to be."""
+        if robot.body.pose is not None:
+            self._tracks[robot.name].add(compose(inverse(self._starts[robot.name]), true), robot.body.pose)
+
+    def look(self, robot: Robot, team: Sequence[Robot], now: float) -> None:
         """Notes what has changed in the transforms of a robot's merger; later refinements count only for the error."""
-        before, present = self._believed[robot.name], agent.transforms()
+        before, present = self._believed[robot.name], robot.merger.agent.transforms()
         for other in sorted(before.keys() - present.keys()):
             self.entries[robot.name].append({"with": other, "at": round(now, 3), "transform": None})
+        partners = {one.name: one for one in team}
         for other, transform in present.items():
             if other not in before or _apart(before[other], transform):
-                self.entries[robot.name].append(self._entry(robot.name, other, transform, agent, now))
+                self.entries[robot.name].append(self._entry(robot, partners[other], transform, now))
                 before = {**before, other: transform}
         self._believed[robot.name] = {name: before[name] for name in present}
 
-    def _entry(self, robot: str, other: str, transform: Transform, agent: Agent, now: float) -> dict[str, Any]:
-        true = Transform(*compose(inverse(self._starts[robot]), self._starts[other]))
-        box = None if agent.local_map is None else known_box(agent.local_map)
-        points = np.zeros((1, 2)) if box is None else transform.inverse().apply(box)
-        offset = largest_offset(transform, true, points)
-        turn = abs(normalized(transform.yaw - true.yaw))
+    def _entry(self, robot: Robot, other: Robot, transform: Transform, now: float) -> dict[str, Any]:
+        true, points = self._truth(robot, other)
+        offset = float(displacement(transform, true, points).max())
+        turn = rotation_between(transform, true)
         return {
-            "with": other,
+            "with": other.name,
             "at": round(now, 3),
             "transform": [round(transform.x, 4), round(transform.y, 4), round(transform.yaw, 5)],
             "offset": round(offset, 4),
@@ -66,7 +56,20 @@ class MergeLog:
             "right": offset <= WRONG_OFFSET and turn <= WRONG_TURN,
         }
 
+    def _truth(self, robot: Robot, other: Robot) -> tuple[Transform, np.ndarray]:
+        """The best rigid fit over what both maps know, and those places (n, 2) in the other's map. Where they share too
+        little, that of the starts and all of the other's map."""
+        start = Transform(*compose(inverse(self._starts[robot.name]), self._starts[other.name]))
+        target, source = occupancy_of(robot.local_map), occupancy_of(other.local_map)
+        target_points, source_points = overlap(
+            target, self._tracks[robot.name], source, self._tracks[other.name], start
+        )
+        if len(source_points) >= FEWEST_POINTS:
+            return best_rigid_fit(target_points, source_points), source_points
+        places = source.centres(source.data >= 0)
+        return start, places if len(places) else np.zeros((1, 2))
+
 
 def _apart(first: Transform, second: Transform) -> bool:
     moved = math.hypot(first.x - second.x, first.y - second.y)
-    return moved > 0.05 or abs(normalized(first.yaw - second.yaw)) > 0.01
+    return moved > 0.05 or rotation_between(first, second) > 0.01
