@@ -30,7 +30,8 @@ class Frontier:
     """A frontier point of this robot, in metres in its map frame.
 
     `visited`: it was looked at from close by and is still there, so it is no longer a goal. `failures` counts the
-    goals that failed, `blocked` those of them that failed behind another robot; until `retry_at` it is not tried again, after `given_up` only when the map around it changed.
+    goals that failed, `blocked` those that failed behind another robot; until `retry_at` it is not tried again, after
+    `given_up` only when the map around it changed.
     """
 
     number: int
