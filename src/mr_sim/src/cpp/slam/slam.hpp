@@ -46,12 +46,12 @@ class Slam {
   SlamOptions options_;
   GridMap map_;
   bool started_ = false;
-  Pose pose_;           // at the last match, map frame
-  Pose odometry_;       // same moment, odometry frame
-  Pose inserted_;       // pose of the last scan in the map
+  Pose pose_;                 // at the last match, map frame
+  Pose odometry_;             // same moment, odometry frame
+  Pose inserted_;             // pose of the last scan in the map
   double inserted_at_ = 0.0;  // s, its time
-  double share_ = 1.0;  // of the last match
-  int refused_ = 0;     // matches refused in a row
+  double share_ = 1.0;        // of the last match
+  int refused_ = 0;           // matches refused in a row
 };
 
 }  // namespace mr_sim::slam

@@ -20,8 +20,8 @@ std::vector<Segment> segments_of(const Scan& scan) {
   double previous = 0.0;
   for (std::size_t i = 0; i < scan.beams.size(); ++i) {
     const Beam& beam = scan.beams[i];
-    const double range = beam.hit ? std::hypot(beam.end.x - scan.eye.x, beam.end.y - scan.eye.y)
-                                  : std::numeric_limits<double>::max();
+    const double range =
+        beam.hit ? std::hypot(beam.end.x - scan.eye.x, beam.end.y - scan.eye.y) : std::numeric_limits<double>::max();
     if (segments.empty() || std::abs(range - previous) > kStep) {
       if (!segments.empty()) segments.back().before_right = previous < range;
       segments.push_back({i, i, segments.empty() || range < previous, true});
