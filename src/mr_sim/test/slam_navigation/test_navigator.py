@@ -170,6 +170,20 @@ def test_a_way_out_gains_room_and_never_comes_nearer(points: List[Tuple[float, f
     assert _navigation.clearance(pose, obstacles, footprint) > before - 0.001
 
 
+@pytest.mark.parametrize("side, gap", [(1, 0.205), (1, 0.21), (-1, 0.205), (-1, 0.21)])
+def test_a_robot_that_stands_along_a_wall_gets_away_from_it(
+    draw_world: Callable[..., str], side: int, gap: float
+) -> None:
+    """Its corners would touch if it turned, and along the wall nothing was nearer: it stayed for half an hour."""
+    loop = ClosedLoop(draw_world((14, 10), [], [(7.013, 0.1 + gap if side > 0 else 9.9 - gap, 0.0)]), 1, 1)
+    loop.run(2.5)
+    robot = loop.robots[0]
+    robot.navigator.set_goal((0.0, 4.0 * side, 0.0), loop.world.time)
+    loop.run(62.5, lambda: bool(robot.results))
+    assert robot.results and robot.results[0][1] == "succeeded"
+    assert robot.contacts == 0
+
+
 def test_a_place_remembers_that_a_robot_was_stuck_there() -> None:
     """With every new goal at the same spot recovery began from the start."""
     places = StuckPlaces()

@@ -239,14 +239,14 @@ PYBIND11_MODULE(_navigation, module) {
   module.def(
       "escape",
       [](const Triple& pose, const Pair& velocity, const Doubles& obstacles, const Limits& limits,
-         const Footprint& footprint, const Horizon& horizon) -> std::optional<Pair> {
+         const Footprint& footprint, const Horizon& horizon) -> std::optional<Triple> {
         const auto found = escape(to_pose(pose), {velocity.first, velocity.second}, to_obstacles(obstacles), limits,
                                   footprint, horizon);
         if (!found) return std::nullopt;
-        return Pair{found->linear, found->angular};
+        return Triple{found->target.linear, found->target.angular, found->duration};
       },
       py::arg("pose"), py::arg("velocity"), py::arg("obstacles"), py::arg("limits"), py::arg("footprint"),
-      py::arg("horizon"), "Linear and angular velocity of the slow motion that gains most room, or None.");
+      py::arg("horizon"), "Linear and angular velocity and duration of the slow motion that gains room, or None.");
   module.def(
       "is_clear",
       [](const Triple& pose, const Pair& velocity, const Pair& target, const Doubles& obstacles, const Limits& limits,

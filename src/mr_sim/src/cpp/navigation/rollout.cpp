@@ -7,10 +7,14 @@
 namespace mr_sim::navigation {
 namespace {
 
-constexpr double kHidden = 1e3;     // m, clearance where there is no obstacle
-constexpr double kTouching = 0.03;  // m to obstacles, less than which may be a touch: poses and points are inexact
-constexpr double kClosest = 0.02;   // m to obstacles, less than which no slack is given
-constexpr double kRoomy = 0.08;     // m to obstacles, more than which does not matter to a robot that is stuck
+constexpr double kHidden = 1e3;         // m, clearance where there is no obstacle
+constexpr double kTouching = 0.03;      // m to obstacles, less than which may be a touch: poses and points are inexact
+constexpr double kClosest = 0.02;       // m to obstacles, less than which no slack is given
+constexpr double kRoomy = 0.08;         // m to obstacles, more than which does not matter to a robot that is stuck
+constexpr double kEscapeStep = 1.0;     // s by which motions that gain room are lengthened
+constexpr double kRoomPerSecond = 0.5;  // steps of room that make up for a second
+constexpr double kEscapeTurns[] = {0.0,   0.2,  -0.2,  0.4,  -0.4,  0.8,  -0.8, 0.01,
+                                   -0.01, 0.02, -0.02, 0.04, -0.04, 0.08, -0.08};  // rad/s
 
 double approach(double value, double target, double change) {
   return value + std::clamp(target - value, -change, change);
@@ -205,22 +209,32 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
   return best;
 }
 
-std::optional<Velocity> escape(const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
-                               const Limits& limits, const Footprint& footprint, const Horizon& horizon) {
+std::optional<Escape> escape(const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
+                             const Limits& limits, const Footprint& footprint, const Horizon& horizon) {
   const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
-  std::optional<Velocity> best;
+  const long before = room(at_start.bare);
+  const auto steps = static_cast<std::size_t>(std::lround(kEscapeStep / horizon.step));
+  std::optional<Escape> best;
   // Where there is enough room already, any motion will do that keeps it.
-  long most = room(at_start.bare) - (at_start.bare < kRoomy ? 0 : 1);
+  double most = at_start.bare < kRoomy ? 0.0 : -kEscapeStep * kRoomPerSecond - 1.0;
   for (const double linear : {-limits.reverse, -0.5 * limits.reverse, limits.reverse, 0.5 * limits.reverse, 0.0}) {
-    for (const double angular : {0.0, 0.2, -0.2, 0.4, -0.4, 0.8, -0.8}) {
+    for (const double angular : kEscapeTurns) {
       if (linear == 0.0 && angular == 0.0) continue;
       const Velocity target{linear, angular};
       const auto headings = turn(pose.yaw, velocity.angular, angular, limits, horizon);
-      const Motion motion = drive(nullptr, pose, velocity.linear, linear, headings, limits, horizon);
-      const long gained = room(clearance(motion.poses.back(), 0.0, obstacles, footprint).bare);
-      if (gained <= most || !way_clearance(motion, target, obstacles, at_start, footprint, horizon.slack)) continue;
-      most = gained;
-      best = target;
+      Motion motion = drive(nullptr, pose, velocity.linear, linear, headings, limits, horizon);
+      // The longest part of it that touches nothing.
+      while (!motion.poses.empty() && !way_clearance(motion, target, obstacles, at_start, footprint, horizon.slack)) {
+        motion.poses.resize(motion.poses.size() - std::min(motion.poses.size(), steps));
+      }
+      for (std::size_t count = steps; count <= motion.poses.size(); count += steps) {
+        const double duration = static_cast<double>(count) * horizon.step;
+        const long gained = room(clearance(motion.poses[count - 1], 0.0, obstacles, footprint).bare) - before;
+        const double value = static_cast<double>(gained) - kRoomPerSecond * duration;
+        if (value <= most || (at_start.bare < kRoomy && gained <= 0)) continue;
+        most = value;
+        best = {target, duration};
+      }
     }
   }
   return best;

@@ -68,11 +68,17 @@ Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>&
 Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
               const Limits& limits, const Footprint& footprint, const Horizon& horizon, double period);
 
-// The slow motion, up to `limits.reverse` either way, after which there is most room around the footprint; of equals
-// the first of back, ahead and on the spot. None comes nearer to anything than the robot is, once inside its margin.
-// Nothing if no motion gains room where it is short.
-std::optional<Velocity> escape(const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
-                               const Limits& limits, const Footprint& footprint, const Horizon& horizon);
+struct Escape {
+  Velocity target;
+  double duration;  // s
+};
+
+// The slow motion, up to `limits.reverse` either way and up to `horizon.duration` long, that gains room around the
+// footprint soonest; of equals the first of back, ahead and on the spot. Along a wall that is a long shallow arc,
+// because the corners of a robot that turns come nearer before its middle gets away. None comes nearer to anything than
+// the robot is, once inside its margin, but for `horizon.slack`. Nothing if no motion gains room where it is short.
+std::optional<Escape> escape(const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
+                             const Limits& limits, const Footprint& footprint, const Horizon& horizon);
 
 // Whether the motion ramping to `target` stays clear of the obstacles for `duration`.
 bool is_clear(const Pose& pose, const Velocity& velocity, const Velocity& target,

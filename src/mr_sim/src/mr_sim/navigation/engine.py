@@ -44,7 +44,7 @@ NO_WAY_PAUSE = 0.25  # s between them
 PROGRESS = 0.1  # m of way that count as progress
 BACK_OFF_SPEED = 0.15  # m/s
 BACK_OFF_TIME = 1.6  # s
-BACK_OFF_AHEAD = 1.0  # s for which a way to back off has to be clear
+BACK_OFF_LONGEST = 10.0  # s of a motion along a wall that leads away from it
 REVERSE_TIME = 10.0  # s for which a robot that stays stuck may drive its way backwards
 STUCK_SLACK = (
     0.002  # m; along a wall of the map, whose cells are not quite in line, a robot has to come this much nearer
@@ -117,6 +117,7 @@ class Navigator:
         self._mode_until = 0.0
         self._retreat: Optional[Plan] = None
         self._back: Optional[Tuple[float, float]] = None  # m/s and rad/s by which it backs off, once chosen
+        self._back_off_since = 0.0
         self._stuck_places = StuckPlaces()
         self._reverse_until = -math.inf
         self._progress_from: Optional[Tuple[float, float]] = None  # where the latest progress was made
@@ -280,18 +281,21 @@ class Navigator:
     def _back_off(self, pose: Pose, obstacles: np.ndarray) -> Command:
         """One motion for the whole of it: chosen anew in each step, ways to both sides undo one another."""
         if self._back is None:
-            self._back = _navigation.escape(
-                pose,
-                self._velocity,
-                obstacles,
-                self._back_limits,
-                self._footprint,
-                _horizon(BACK_OFF_AHEAD, STUCK_SLACK),
-            )
+            self._back = self._way_out(pose, obstacles)
         if self._back is not None and self._is_clear(pose, obstacles, self._back, 0.4):
             return Command(*self._approach(self._back), Status.ACTIVE)
         self._mode_until = -math.inf
         return self._brake(Status.ACTIVE)
+
+    def _way_out(self, pose: Pose, obstacles: np.ndarray) -> Optional[Tuple[float, float]]:
+        """The motion to back off with, for as long as it takes to gain room."""
+        horizon = _horizon(BACK_OFF_LONGEST, STUCK_SLACK)
+        found = _navigation.escape(pose, self._velocity, obstacles, self._back_limits, self._footprint, horizon)
+        if found is None:
+            return None
+        linear, angular, duration = found
+        self._mode_until = max(self._mode_until, self._back_off_since + duration)
+        return linear, angular
 
     def _give_way(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
         retreat = self._retreat
@@ -435,6 +439,7 @@ class Navigator:
     def _begin_back_off(self, now: float) -> Command:
         self.mode = Mode.BACK_OFF
         self._back = None
+        self._back_off_since = now
         self._mode_until = now + BACK_OFF_TIME * (0.5 + self._random.random())
         return self._brake(Status.ACTIVE)
 
