@@ -149,6 +149,16 @@ def test_what_leaves_while_the_robot_stands_leaves_the_map(draw_world: Callable[
     assert occupied(slam, 1.0, 0.4, 0.5) == 0
 
 
+def test_a_robot_that_stands_makes_no_thick_walls(draw_world: Callable[..., str]) -> None:
+    """Walls on the border of two cells: the longer the robot waited for its start, the more of them were two cells
+    thick."""
+    drives = Drives(draw_world((6, 4), [], [(2.0, 2.0, 0.0)]))
+    drives.run(5.0, lambda robot, state, now: (0.0, 0.0))
+    before = int((drives.loop.robots[0].slam.map().cells == 100).sum())
+    drives.run(60.0, lambda robot, state, now: (0.0, 0.0))
+    assert int((drives.loop.robots[0].slam.map().cells == 100).sum()) <= before
+
+
 def test_a_robot_that_stands_among_walls_has_no_new_maps(draw_world: Callable[..., str]) -> None:
     drives = Drives(draw_world((6, 4), [], [(2.0, 2.0, 0.0)]))
     drives.run(20.0, lambda robot, state, now: (0.0, 0.0))

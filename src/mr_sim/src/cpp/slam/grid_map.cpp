@@ -103,7 +103,7 @@ void GridMap::change_odds(const Cell& cell, int step) {
   seen = 1;
 }
 
-bool GridMap::insert(const Scan& scan, const Pose& robot) {
+void GridMap::begin_scan(const Scan& scan, const Pose& robot) {
   const Frame frame(robot);
   Cell low = cell_of({robot.x - 1.0, robot.y - 1.0}), high = cell_of({robot.x + 1.0, robot.y + 1.0});
   const auto include = [&](const Cell& cell) {
@@ -115,6 +115,11 @@ bool GridMap::insert(const Scan& scan, const Pose& robot) {
   grow_to(low, high);
   ++scan_number_;
   changed_ = false;
+}
+
+bool GridMap::insert(const Scan& scan, const Pose& robot) {
+  begin_scan(scan, robot);
+  const Frame frame(robot);
   // Hits first: what this scan touches, its other beams do not erase.
   for (const Beam& beam : scan.beams) {
     if (beam.hit) add_hit(beam, frame);
@@ -125,15 +130,29 @@ bool GridMap::insert(const Scan& scan, const Pose& robot) {
   return changed_;
 }
 
+bool GridMap::clear(const Scan& scan, const Pose& robot) {
+  begin_scan(scan, robot);
+  const Frame frame(robot);
+  for (const Beam& beam : scan.beams) {
+    if (beam.hit) touch(cell_of(frame * beam.end));
+  }
+  const Point eye = frame * scan.eye;
+  for (const Beam& beam : scan.beams) see_through(eye, frame * beam.end);
+  return changed_;
+}
+
+bool GridMap::touch(const Cell& cell) {
+  uint32_t& touched = touched_[index_of(cell)];
+  const bool first = touched != 2 * scan_number_ + 1;
+  touched = 2 * scan_number_ + 1;
+  return first;
+}
+
 void GridMap::add_hit(const Beam& beam, const Frame& robot) {
   const Point end = robot * beam.end;
   const Cell cell = cell_of(end);
-  uint32_t& touched = touched_[index_of(cell)];
-  const bool first = touched != 2 * scan_number_ + 1;
-  if (first) {
-    touched = 2 * scan_number_ + 1;
-    change_odds(cell, occupied_step_);
-  }
+  const bool first = touch(cell);
+  if (first) change_odds(cell, occupied_step_);
   if (!beam.has_normal) return;
   add_to_surface(surfaces_[index_of(cell)], end, robot.turned(beam.normal), first);
   mark_surface(cell);

@@ -35,8 +35,10 @@ class GridMap {
  public:
   explicit GridMap(const GridOptions& options);
 
-  // Returns whether `occupancy` changed.
+  // Both return whether `occupancy` changed.
   bool insert(const Scan& scan, const Pose& robot);
+  // Takes from the map what the scan sees through, and adds nothing.
+  bool clear(const Scan& scan, const Pose& robot);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -65,6 +67,9 @@ class GridMap {
   void mark_surface(const Cell& cell);
   void grow_to(Cell low, Cell high);
   void change_odds(const Cell& cell, int step);
+  void begin_scan(const Scan& scan, const Pose& robot);
+  // Whether it is the first of the scan in its cell.
+  bool touch(const Cell& cell);
   void add_hit(const Beam& beam, const Frame& robot);
   static void add_to_surface(Surface& surface, const Point& end, const Point& normal, bool first_of_scan);
   void see_through(const Point& eye, const Point& end);

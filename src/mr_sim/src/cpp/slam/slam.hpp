@@ -13,7 +13,7 @@ struct SlamOptions {
   double match_angle = 0.035;    // rad
   double insert_distance = 0.1;  // m after which a matched scan goes into the map
   double insert_angle = 0.087;   // rad
-  double insert_interval = 1.0;  // s after which a scan of a robot that stands goes into the map, too
+  double insert_interval = 1.0;  // s between scans of a robot that stands which change the map
   double surface_window = 0.15;  // m, see make_scan
 };
 
@@ -40,18 +40,20 @@ class Slam {
 
  private:
   void start(const Scan& scan, const Pose& odometry, double time, SlamUpdate* update);
-  bool insert(const Scan& scan, double time);
+  SlamUpdate rest(const Pose& odometry) const;
+  bool insert(const Scan& scan, bool stands, double time);
   bool moved(const Pose& from, const Pose& to, double distance, double angle) const;
 
   SlamOptions options_;
   GridMap map_;
   bool started_ = false;
-  Pose pose_;                 // at the last match, map frame
-  Pose odometry_;             // same moment, odometry frame
-  Pose inserted_;             // pose of the last scan in the map
-  double inserted_at_ = 0.0;  // s, its time
-  double share_ = 1.0;        // of the last match
-  int refused_ = 0;           // matches refused in a row
+  Pose pose_;                // at the last match, map frame
+  Pose odometry_;            // same moment, odometry frame
+  Pose inserted_;            // pose of the last scan in the map
+  double updated_at_ = 0.0;  // s, of the last scan in the map
+  int rested_ = 0;           // scans in the map since it moved
+  double share_ = 1.0;       // of the last match
+  int refused_ = 0;          // matches refused in a row
 };
 
 }  // namespace mr_sim::slam

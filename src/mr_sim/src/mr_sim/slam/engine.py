@@ -32,7 +32,7 @@ class SlamOptions:
     match_angle: float = 0.035
     insert_distance: float = 0.1  # between scans that enter the map
     insert_angle: float = 0.087
-    insert_interval: float = 1.0  # s between scans that enter the map while the robot stands
+    insert_interval: float = 1.0  # s between scans that change the map while the robot stands
     search_window: float = 0.4  # half width of the search when odometry does not lead to a match
     surface_window: float = 0.15  # hits this near to one another form a surface
     surface_deviation: float = 0.02  # standard deviation of hits around surfaces
