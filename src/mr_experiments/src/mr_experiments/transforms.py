@@ -7,14 +7,12 @@ from typing import Any, Sequence
 
 import numpy as np
 
+from map_merger.benchmark import classify
 from map_merger.transform import Transform, displacement, rotation_between
 from mr_experiments.drift import FEWEST_POINTS, Track, best_rigid_fit, overlap
 from mr_experiments.occupancy import occupancy_of
 from mr_experiments.robot import Robot
 from mr_sim.pose import Pose, compose, inverse
-
-WRONG_OFFSET = 0.25  # m anywhere in the overlap
-WRONG_TURN = math.radians(2.0)
 
 
 class MergeLog:
@@ -45,15 +43,15 @@ class MergeLog:
 
     def _entry(self, robot: Robot, other: Robot, transform: Transform, now: float) -> dict[str, Any]:
         true, points = self._truth(robot, other)
-        offset = float(displacement(transform, true, points).max())
+        offsets = displacement(transform, true, points)
         turn = rotation_between(transform, true)
         return {
             "with": other.name,
             "at": round(now, 3),
             "transform": [round(transform.x, 4), round(transform.y, 4), round(transform.yaw, 5)],
-            "offset": round(offset, 4),
+            "offset": round(float(offsets.max()), 4),
             "turn": round(turn, 5),
-            "right": offset <= WRONG_OFFSET and turn <= WRONG_TURN,
+            "right": classify(offsets, turn) != "wrong",
         }
 
     def _truth(self, robot: Robot, other: Robot) -> tuple[Transform, np.ndarray]:

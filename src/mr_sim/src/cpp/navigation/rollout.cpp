@@ -99,23 +99,38 @@ Motion drive(const Field* field, Pose pose, double linear, double target, const 
   return motion;
 }
 
-// The least clearance with margins on the way; nothing if the motion touches something.
-std::optional<double> way_clearance(const Motion& motion, const Velocity& target,
-                                    const std::vector<Obstacle>& obstacles, const Clearance& at_start,
-                                    const Footprint& footprint, double slack) {
+// How far a motion touches nothing, and the least clearance with margins on that way.
+struct ClearWay {
+  std::size_t count = 0;  // of its poses
+  double nearest = kHidden;
+};
+
+ClearWay clear_poses(const Motion& motion, const Velocity& target, const std::vector<Obstacle>& obstacles,
+                     const Clearance& at_start, const Footprint& footprint, double slack) {
   // From inside a margin only ways that lead no deeper are open.
   const double least = std::min(0.0, at_start.with_margins - 0.003);
   const double least_bare = std::min({kTouching, at_start.bare, std::max(at_start.bare - slack, kClosest)});
-  double nearest = kHidden, before = at_start.bare;
+  ClearWay way;
+  double before = at_start.bare;
   for (const Pose& pose : motion.poses) {
     const Clearance now = clearance(pose, std::abs(target.linear), obstacles, footprint);
     // Margins grow with speed; a motion that leads away may have it all the same, or no way out would be open.
     const bool leads_away = now.bare > before;
-    if ((now.with_margins < least && !leads_away) || now.bare < least_bare) return std::nullopt;
-    nearest = std::min(nearest, now.with_margins);
+    if ((now.with_margins < least && !leads_away) || now.bare < least_bare) break;
+    ++way.count;
+    way.nearest = std::min(way.nearest, now.with_margins);
     before = now.bare;
   }
-  return nearest;
+  return way;
+}
+
+// The least clearance with margins on the way; nothing if the motion touches something.
+std::optional<double> way_clearance(const Motion& motion, const Velocity& target,
+                                    const std::vector<Obstacle>& obstacles, const Clearance& at_start,
+                                    const Footprint& footprint, double slack) {
+  const ClearWay way = clear_poses(motion, target, obstacles, at_start, footprint, slack);
+  if (way.count < motion.poses.size()) return std::nullopt;
+  return way.nearest;
 }
 
 double time_left(const Field& field, const Motion& motion, const Limits& limits, const Horizon& horizon) {
@@ -224,9 +239,8 @@ std::optional<Escape> escape(const Pose& pose, const Velocity& velocity, const s
       const auto headings = turn(pose.yaw, velocity.angular, angular, limits, horizon);
       Motion motion = drive(nullptr, pose, velocity.linear, linear, headings, limits, horizon);
       // The longest part of it that touches nothing.
-      while (!motion.poses.empty() && !way_clearance(motion, target, obstacles, at_start, footprint, horizon.slack)) {
-        motion.poses.resize(motion.poses.size() - std::min(motion.poses.size(), steps));
-      }
+      const std::size_t clear = clear_poses(motion, target, obstacles, at_start, footprint, horizon.slack).count;
+      motion.poses.resize(clear / steps * steps);
       for (std::size_t count = steps; count <= motion.poses.size(); count += steps) {
         const double duration = static_cast<double>(count) * horizon.step;
         const long gained = room(clearance(motion.poses[count - 1], 0.0, obstacles, footprint).bare) - before;
