@@ -18,6 +18,7 @@ from mr_experiments.perfect_radio import PerfectRadio
 from mr_experiments.radio import Radio, TeamRadio, Walls
 from mr_experiments.recorder import Recorder
 from mr_experiments.robot import Robot
+from mr_experiments.start_up import StartUp
 from mr_experiments.stopwatch import Stopwatch
 from mr_experiments.trial import Trial
 from mr_experiments.trial_world import world_of
@@ -46,6 +47,8 @@ class Mission:
         self.now = 0.0
         self.begun_at: float | None = None
         self._switched_on = False
+        self._start_up = StartUp.at_once(trial.robots) if trial.fast else StartUp.of_team(trial.robots, trial.seed)
+        self._ordered = False
         visible = self.world.visible
         walls = Walls(visible.cells, visible.resolution, visible.origin)
         self.radio: TeamRadio
@@ -89,13 +92,17 @@ class Mission:
             if self.trial.joins.get(robot.index, 0.0) > 0.0:
                 self.radio.switch_off(robot.own_radio.index)
             else:
-                robot.switch_on(0.0)
+                self._boot(robot, 0.0)
         if self.trial.fast:
             self.agenda.every(FAST_STEP, 0.0, self._step_fast)
             self.agenda.every(VIEW_PERIOD, 0.0, lambda _: self._view())
         else:
             self._step_world(0.0)
             self.agenda.every(RADIO_PERIOD, 0.0, lambda _: self._tell_places())
+
+    def _boot(self, robot: Robot, now: float) -> None:
+        self.agenda.at(now + self._start_up.sensing[robot.index], lambda _: robot.start_sensing())
+        self.agenda.at(now + self._start_up.nodes[robot.index], robot.switch_on)
 
     @property
     def since_start(self) -> float:
@@ -120,7 +127,7 @@ class Mission:
             states = self.world.states()
         for scan in scans:
             robot = self.robots[scan.robot]
-            if scan.ranger == 0 and robot.running:
+            if scan.ranger == 0 and robot.senses:
                 state = states[scan.robot]
                 odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
                 self.world.command(scan.robot, *robot.on_scan(scan.ranges, odometry))
@@ -158,26 +165,32 @@ class Mission:
             self.radio.place(robot.own_radio.index, x, y)
 
     def _start_if_ready(self) -> None:
-        if self.begun_at is not None:
+        if self._ordered:
             return
-        present = [robot for robot in self.robots if robot.running]
-        if not all(robot.explorer.ready for robot in present):
-            if self.now > READY_PATIENCE:
-                missing = ", ".join(robot.name for robot in present if not robot.explorer.ready)
-                raise RuntimeError(f"{missing} had neither map nor pose after {READY_PATIENCE:.0f} s")
-            return
-        self.begun_at = self.now
-        self.recorder.begin(self.now)
-        for robot in present:
+        missing = ", ".join(robot.name for robot in self._first() if not robot.explorer.ready)
+        if not missing:
+            self._ordered = True
+            self.agenda.at(self.now + self._start_up.order, self._begin)
+        elif self.now > READY_PATIENCE:
+            raise RuntimeError(f"{missing} had neither map nor pose after {READY_PATIENCE:.0f} s")
+
+    def _first(self) -> list[Robot]:
+        """Those that are there from the start."""
+        return [robot for robot in self.robots if self.trial.joins.get(robot.index, 0.0) <= 0.0]
+
+    def _begin(self, now: float) -> None:
+        self.begun_at = now
+        self.recorder.begin(now)
+        for robot in self._first():
             robot.explorer.begin()
         for index, delay in self.trial.joins.items():
-            self.agenda.at(self.now + delay, functools.partial(self._join, self.robots[index]))
+            self.agenda.at(now + delay, functools.partial(self._join, self.robots[index]))
         for index, delay in self.trial.deaths.items():
-            self.agenda.at(self.now + delay, functools.partial(self._die, self.robots[index]))
+            self.agenda.at(now + delay, functools.partial(self._die, self.robots[index]))
 
     def _join(self, robot: Robot, now: float) -> None:
         self.radio.switch_on(robot.own_radio.index)
-        robot.switch_on(now)
+        self._boot(robot, now)
         self.agenda.every(1.0, now + 1.0, lambda _: self._begin_late(robot))
 
     @staticmethod

@@ -49,7 +49,8 @@ class Robot:
     ) -> None:  # fmt: skip
         """`tick`: s between two ticks of the explorer."""
         self.index, self.start_pose, self.name = index, start, merger.robot_name
-        self.running = False
+        self.senses = False  # drivers, SLAM and navigation run
+        self.running = False  # and all other nodes
         self._agenda, self._radio, self._observer, self._clock = agenda, radio, observer, clock
         self._stopwatch = stopwatch
         self.own_radio = RobotRadio(radio, stopwatch)
@@ -61,16 +62,22 @@ class Robot:
         self.local_map: OccupancyMap | None = None
         self.own_radio.index = radio.add(self.name, self, start)
 
+    def start_sensing(self) -> None:
+        """Drivers, SLAM and navigation start."""
+        self.senses = True
+
     def switch_on(self, now: float) -> None:
-        """All nodes start."""
+        """All other nodes start. The local map is latched, so they get it at once."""
         self.running = True
         self.merger.start(now)
         self.explorer.start(now)
+        if self.local_map is not None:
+            self._hand_out(self.local_map)
         self._agenda.every(STATUS_PERIOD, now, lambda _: self._on_status())
 
     def switch_off(self) -> None:
         """The robot is dead where it stands."""
-        self.running = False
+        self.senses = self.running = False
         self.merger.stop()
         self.explorer.stop()
         self._radio.switch_off(self.own_radio.index)
@@ -88,13 +95,18 @@ class Robot:
         self._locate(self.body.pose)
 
     def _locate(self, pose: Pose) -> None:
-        self.merger.on_pose(*pose)
-        self.explorer.on_pose(*pose)
+        if self.running:
+            self.merger.on_pose(*pose)
+            self.explorer.on_pose(*pose)
         local_map = self.body.new_map(self._clock())
         if local_map is not None:
             self.local_map = local_map
-            self.explorer.on_own_map()
-            self.merger.on_local_map(local_map.cells, local_map.resolution, local_map.origin)
+            if self.running:
+                self._hand_out(local_map)
+
+    def _hand_out(self, local_map: OccupancyMap) -> None:
+        self.explorer.on_own_map()
+        self.merger.on_local_map(local_map.cells, local_map.resolution, local_map.origin)
 
     # What the radio brings.
 
