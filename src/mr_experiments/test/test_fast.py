@@ -1,19 +1,23 @@
-"""Perfect local maps and radio: the strategy alone."""
+"""Perfect local maps, merging and radio: the strategy alone."""
 
 import itertools
 import math
+import time
 
 import numpy as np
 import pytest
 
 from mr_experiments.agenda import Agenda
 from mr_experiments.fast_body import FastBody
+from mr_experiments.perfect_merging import PerfectMerger, TeamSight
 from mr_experiments.perfect_radio import PerfectRadio
 from mr_experiments.record import run_trial
 from mr_experiments.stopwatch import Stopwatch
 from mr_experiments.trial import Trial
 from mr_experiments.trial_world import world_of
+from mr_experiments.true_map import TrueMap
 from mr_sim.measures import OccupancyMap, Truth, coverage, wrong_walls
+from mr_sim.pose import compose, inverse
 
 
 def test_teams_explore_everything_and_faster_than_one_alone():
@@ -40,9 +44,15 @@ def world():
     return world_of(Trial("small8x8", 1, 1))
 
 
+def body_in(world):
+    start = world.pose(0)
+    sight = TeamSight({"robot_0": start})
+    return FastBody("robot_0", start, world.robots[0].rangers[0], world.visible, sight, Stopwatch())
+
+
 def test_what_is_seen_is_true_and_bounded_by_walls(world):
     start = world.pose(0)
-    body = FastBody(start, world.robots[0].rangers[0], world.visible, Stopwatch())
+    body = body_in(world)
     body.look()
     seen = body.new_map(0.0)
     occupancy = OccupancyMap(seen.cells, seen.resolution, (*seen.origin, 0.0))
@@ -53,7 +63,7 @@ def test_what_is_seen_is_true_and_bounded_by_walls(world):
 
 
 def test_goals_end_as_the_action_would_end_them(world):
-    body = FastBody(world.pose(0), world.robots[0].rangers[0], world.visible, Stopwatch())
+    body = body_in(world)
     ends = []
     body.on_goal_end = lambda *end: ends.append(end)
     body.look()
@@ -105,3 +115,63 @@ def test_perfect_radio_reaches_exactly_those_meant():
     agenda.run_due(3.0)
     assert ears[0].present == ["robot_2"] and radio.neighbors(0) == ["robot_2"]
     assert np.isclose(radio.statistics(0)["bytes_sent"], 10)
+
+
+class Published:
+    def __init__(self):
+        self.grid, self.positions = None, {}
+
+    def on_global_map(self, grid, now):
+        self.grid = grid
+
+    def on_positions(self, positions, now):
+        self.positions = positions
+
+    def on_note(self, text, warning, now):
+        raise AssertionError(text)
+
+
+def known_cells(published):
+    return int((published.grid.cells >= 0).sum())
+
+
+def test_perfect_merger_knows_what_those_have_seen_who_were_on_the_radio(world):
+    starts = {"robot_0": (2.0, 2.0, 0.5), "robot_1": (5.0, 6.0, -2.0)}
+    sight, agenda, published = TeamSight(starts), Agenda(), Published()
+    merger = PerfectMerger(
+        "robot_0", TrueMap(world.visible, starts["robot_0"]), sight, agenda, Stopwatch(), published, lambda: 0.0
+    )
+    merger.start(0.0)
+    own, other = (np.array([[x, 2.0], [x + 1.0, 2.0], [x + 1.0, 3.0], [x, 3.0]]) for x in (2.0, 5.0))
+    sight.add("robot_0", own, (2.0, 2.0, 0.5))
+    sight.add("robot_1", other, (5.0, 7.0, -2.0))
+    merger.on_local_map(np.zeros((1, 1), dtype=np.int8), 0.1, (0.0, 0.0))
+    alone = known_cells(published)
+    assert alone == pytest.approx(100, rel=0.3)  # a square metre
+    assert merger.transforms() == {} and merger.transform_point("robot_1", (0.0, 0.0)) is None
+
+    merger.on_robot("robot_1")
+    merger.on_local_map(np.zeros((1, 1), dtype=np.int8), 0.1, (0.0, 0.0))
+    assert known_cells(published) == pytest.approx(2 * alone, rel=0.15)
+    expected = compose(inverse(starts["robot_0"]), compose(starts["robot_1"], (1.0, 0.0, 0.0)))
+    assert merger.transform_point("robot_1", (1.0, 0.0)) == pytest.approx(expected[:2])
+    agenda.run_due(0.0)
+    assert published.positions["robot_1"] == pytest.approx(compose(inverse(starts["robot_0"]), (5.0, 7.0, 0.0))[:2])
+
+    merger.on_robot_lost("robot_1")
+    merger.on_local_map(np.zeros((1, 1), dtype=np.int8), 0.1, (0.0, 0.0))
+    agenda.run_due(1.0)
+    assert known_cells(published) > 1.8 * alone and published.positions == {}
+
+
+def test_stopwatch_counts_an_inner_span_once_and_in_processor_time():
+    watch = Stopwatch()
+    begun = time.process_time()
+    with watch.span("outer"):
+        sum(range(300_000))
+        with watch.span("inner"):
+            sum(range(600_000))
+    spent = watch.seconds()
+    assert set(spent) == {"inner", "outer"}
+    assert 0.0 < spent["outer"] and 0.0 < spent["inner"]
+    assert spent["inner"] + spent["outer"] <= (time.process_time() - begun) * 1.05 + 1e-3

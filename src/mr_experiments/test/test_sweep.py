@@ -1,5 +1,6 @@
 """Sweeps: every trial leaves a record, whatever becomes of its process, its worker or the sweep itself."""
 
+import ctypes
 import json
 import os
 import signal
@@ -88,12 +89,18 @@ def test_lost_process_is_a_failed_record_and_the_others_go_on(tmp_path, fake_mis
     assert done[1].reason == done[3].reason == "made by the test"
 
 
-def test_trial_that_takes_too_long_is_ended(tmp_path, fake_mission):
-    fake_mission({2: lambda: time.sleep(60.0)})
+def test_trial_that_stands_still_is_ended_and_says_where(tmp_path, fake_mission):
+    def hang_in_compiled_code():
+        ctypes.PyDLL(None).sleep(60)  # with Python's lock held
+
+    fake_mission({2: hang_in_compiled_code})
     begun = time.monotonic()
-    done = {entry.trial.seed: entry for entry in LocalPool(2, longest=1.0).run(TRIALS, tmp_path)}
+    done = {entry.trial.seed: entry for entry in LocalPool(2, patience=1.0).run(TRIALS, tmp_path)}
     assert time.monotonic() - begun < 10.0
-    assert done[2].status == "failed" and done[2].reason == "took longer than 1 s of real time and was ended"
+    assert done[2].status == "failed"
+    assert done[2].reason == "made no progress for 1 s of real time and was ended"
+    outcome = recorded(tmp_path, TRIALS[1])["outcome"]
+    assert outcome["time"] == 12.5 and "hang_in_compiled_code" in outcome["traceback"]
     assert done[3].reason == "made by the test"
 
 
@@ -310,13 +317,14 @@ def test_killed_worker_loses_nothing(cluster, tmp_path):
     assert 'TrialError: no world "nowhere"' in recorded(there, trials[-1])["outcome"]["reason"]
 
 
-def test_trial_that_takes_a_worker_too_long_is_ended(cluster, tmp_path):
-    endless = Trial("office26x15", 3, 1)
-    dask = DaskCluster(cluster.scheduler_address, longest=2.5)
-    done = list(dask.run([endless], tmp_path))
+def test_trial_that_stands_still_on_a_worker_is_ended(cluster, tmp_path):
+    slow = Trial("large60x60", 3, 1)
+    dask = DaskCluster(cluster.scheduler_address, patience=0.1)  # less than it takes to get ready
+    done = list(dask.run([slow], tmp_path))
     dask.close()
-    assert done[0].reason == "took longer than 2.5 s of real time and was ended"
-    assert recorded(tmp_path, endless)["trial"]["robots"] == 3
+    assert done[0].reason == "made no progress for 0.1 s of real time and was ended"
+    outcome = recorded(tmp_path, slow)["outcome"]
+    assert outcome["time"] == 0.0 and "Timeout" in outcome["traceback"] and "run_trial" in outcome["traceback"]
 
 
 @pytest.mark.parametrize("killed", [False, True])
@@ -370,7 +378,7 @@ def test_process_of_a_worker_ends_with_it(tmp_path):
     """So that the trial does not go on beside the one that replaces it."""
     code = (
         "import pickle; from mr_experiments.dask_cluster import remote_call; from mr_experiments.trial import Trial;"
-        "remote_call()(pickle.dumps((Trial('office26x15', 3, 1), float('inf'))), 600.0)"
+        "remote_call()(pickle.dumps((Trial('office26x15', 3, 1), float('inf'), 600.0)))"
     )
     worker = subprocess.Popen([sys.executable, "-c", code], start_new_session=True)
     assert wait_for(lambda: len(members(worker.pid)) == 2)

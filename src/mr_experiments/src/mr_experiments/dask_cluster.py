@@ -12,21 +12,15 @@ import queue
 import time
 import urllib.parse
 from pathlib import Path
-from typing import Any, Callable, Iterator, Optional, Sequence, Tuple
+from typing import Any, Callable, Iterator, Sequence, Tuple
 
 from mr_experiments.record import write_record
-from mr_experiments.sweep import LONGEST, TELL_PERIOD, Done, Tell
+from mr_experiments.sweep import TELL_PERIOD, Done, Tell
 from mr_experiments.trial import Trial, TrialError
-from mr_experiments.trial_process import (
-    crash_text,
-    failed_record,
-    how_it_ended,
-    read_clock,
-    record_path,
-    took_too_long,
-)
+from mr_experiments.trial_process import PATIENCE, crash_text, failed_record, how_it_ended, read_clock, record_path
 
 ANSWER_PATIENCE = 10.0  # s of real time for an answer of a Dask scheduler
+RECORD_PATIENCE = 600.0  # s of real time for a record to come from a worker
 
 
 class ClusterLostError(RuntimeError):
@@ -38,26 +32,26 @@ _CHILD = f"""
 import os, pathlib, pickle, sys
 try:
     from mr_experiments import trial_process
-    trial, snapshot_period = pickle.load(sys.stdin.buffer)
+    trial, snapshot_period, patience = pickle.load(sys.stdin.buffer)
 except Exception as error:
     print(f"{{type(error).__name__}}: {{error}}", file=sys.stderr)
     sys.exit({UNFIT})
 folder, parent = pathlib.Path(sys.argv[1]), int(sys.argv[2])
-trial_process.run_as_child(trial, folder, snapshot_period, parent, sys.stderr.buffer, folder / "clock")
+trial_process.run_as_child(trial, folder, snapshot_period, patience, parent, sys.stderr.buffer, folder / "clock")
 """
 
-Answer = Tuple[str, Optional[int], bytes, bytes, bytes]
-"""Of a worker: its computer, exit code (None: it took too long), the record if there is one, what was written to
-stderr, the virtual time (as ClockFile)."""
+Answer = Tuple[str, int, bytes, bytes, bytes]
+"""Of a worker: its computer, exit code, the record if there is one, what was written to stderr, the virtual time (as
+ClockFile)."""
 
 
-def remote_call() -> Callable[[bytes, float], Answer]:
+def remote_call() -> Callable[[bytes], Answer]:
     """What a worker does with a trial: a Python of its own, which the worker's other threads do not disturb and which
     cannot harm the worker. A nested function travels as code and not as a name, so that a worker without this software
     can still say what it lacks."""
     program = _CHILD
 
-    def run_apart(request: bytes, longest: float) -> Answer:
+    def run_apart(request: bytes) -> Answer:
         import os
         import pathlib
         import platform
@@ -66,17 +60,14 @@ def remote_call() -> Callable[[bytes, float], Answer]:
         import tempfile
 
         with tempfile.TemporaryDirectory() as folder:
-            try:
-                child = subprocess.run(
-                    [sys.executable, "-c", program, folder, str(os.getpid())],
-                    input=request, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, timeout=longest, check=False,
-                )  # fmt: skip
-                code, told = child.returncode, child.stderr
-            except subprocess.TimeoutExpired:
-                code, told = None, b""
+            child = subprocess.run(
+                [sys.executable, "-c", program, folder, str(os.getpid())],
+                input=request, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, check=False,
+            )  # fmt: skip
             records = [path.read_bytes() for path in pathlib.Path(folder).glob("*.json")]
             clock = pathlib.Path(folder, "clock")
-            return platform.node(), code, b"".join(records), told, clock.read_bytes() if clock.exists() else b""
+            time = clock.read_bytes() if clock.exists() else b""
+            return platform.node(), child.returncode, b"".join(records), child.stderr, time
 
     return run_apart
 
@@ -85,8 +76,8 @@ class DaskCluster:
     """The same trials on the workers of a Dask scheduler. Records come back as values and are written here, so that
     the workers need this software and the worlds, but no folder in common."""
 
-    def __init__(self, scheduler: str, snapshot_period: float = math.inf, longest: float = LONGEST) -> None:
-        """Raises TrialError if Dask is not installed or the scheduler does not answer."""
+    def __init__(self, scheduler: str, snapshot_period: float = math.inf, patience: float = PATIENCE) -> None:
+        """`patience`: as of LocalPool. Raises TrialError if Dask is not installed or the scheduler does not answer."""
         try:
             import distributed
         except ImportError:
@@ -96,7 +87,7 @@ class DaskCluster:
         _check_address(scheduler)
         _silence("distributed")  # what matters of it is told here
         self._distributed, self._scheduler = distributed, scheduler
-        self._snapshot_period, self._longest = snapshot_period, longest
+        self._snapshot_period, self._patience = snapshot_period, patience
         try:
             self._client = distributed.Client(scheduler, timeout=ANSWER_PATIENCE, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
@@ -111,8 +102,8 @@ class DaskCluster:
         """Yields each trial when its record is written. A worker that dies loses nothing: others take over. Raises
         ClusterLostError if the scheduler is lost or no worker can run trials."""
         ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        requests = [pickle.dumps((trial, self._snapshot_period)) for trial in trials]
-        futures = self._client.map(remote_call(), requests, longest=self._longest, pure=False)
+        requests = [pickle.dumps((trial, self._snapshot_period, self._patience)) for trial in trials]
+        futures = self._client.map(remote_call(), requests, pure=False)
         waiting = {future.key: (future, trial) for future, trial in zip(futures, trials)}
         for future in futures:
             future.add_done_callback(ended.put)
@@ -151,7 +142,7 @@ class DaskCluster:
                 raise ConnectionError("the connection broke")
             error = future.exception(timeout=ANSWER_PATIENCE)
             if error is None:
-                return self._record_from(future.result(timeout=LONGEST), trial)
+                return self._record_from(future.result(timeout=RECORD_PATIENCE), trial)
         except ClusterLostError:
             raise
         except Exception as fault:
@@ -162,12 +153,11 @@ class DaskCluster:
 
     def _record_from(self, answer: Answer, trial: Trial) -> dict[str, Any]:
         host, code, written, told, clock = answer
-        if code is None:
-            return failed_record(trial, took_too_long(self._longest), time=read_clock(clock))
         if code == UNFIT:
             raise self._unfit(f"{host}: {told.decode(errors='replace').strip()}")
         if not written:
-            return failed_record(trial, how_it_ended(code), crash_text(told), read_clock(clock))
+            text = crash_text(told)
+            return failed_record(trial, how_it_ended(code, text, self._patience), text, read_clock(clock))
         record: dict[str, Any] = json.loads(written)
         return record
 

@@ -130,6 +130,10 @@ class Merger:
         self.do(lambda now: getattr(self.agent, kind.method)(kind.value_of(message), now))
         return True
 
+    def transforms(self) -> dict[str, Transform]:
+        """From the frame of each other robot to the own one, where they are known."""
+        return self.agent.transforms()
+
     def transform_point(self, robot: str, point: tuple[float, float]) -> tuple[float, float] | None:
         """What the service transformPoint answers."""
         try:

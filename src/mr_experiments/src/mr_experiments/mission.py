@@ -14,6 +14,7 @@ from mr_experiments.body import Body
 from mr_experiments.exploring import TICK
 from mr_experiments.fast_body import FastBody
 from mr_experiments.parameters import explorer_options, merger_options, navigation_options
+from mr_experiments.perfect_merging import TeamSight
 from mr_experiments.perfect_radio import PerfectRadio
 from mr_experiments.radio import Radio, TeamRadio, Walls
 from mr_experiments.recorder import Recorder
@@ -29,8 +30,8 @@ READY_PATIENCE = 30.0  # s until every robot must have a map and a pose
 HOME_PATIENCE = 180.0  # s from the end of exploration until all robots must be at rest
 RADIO_PERIOD = 0.5  # s between two readings of the robots' places by the radio
 FAST_STEP = 0.1  # s, of the motion of robots with perfect maps
-FAST_TICK = 0.5  # s between ticks of their explorers
 VIEW_PERIOD = 0.5  # s between two looks
+FAST_TICK = 0.5  # s between ticks of their explorers
 START_SPREAD = 0.1  # m, to each side, of the start poses in fast mode
 START_TURN = 0.2  # rad, same
 
@@ -58,6 +59,7 @@ class Mission:
             self.radio = Radio(trial.radio, trial.seed, walls)
         poses = _start_poses(trial, self.world)
         starts = dict(zip(self.world.names, poses))
+        self._sight = TeamSight(starts)
         self.recorder = Recorder(trial, self.world, poses, snapshot_period)
         self.robots = [self._robot(index, starts) for index in range(trial.robots)]
         # Those that take part to the end, also if they join later.
@@ -68,14 +70,14 @@ class Mission:
         name, ranger = self.world.names[index], self.world.robots[index].rangers[0]
         body: Body | FastBody
         if self.trial.fast:
-            body = FastBody(starts[name], ranger, self.world.visible, self.stopwatch)
+            body = FastBody(name, starts[name], ranger, self.world.visible, self._sight, self.stopwatch)
         else:
             body = Body(name, ranger, navigation_options(ranger), self.trial.seed, self.stopwatch)
         return Robot(
             index, starts[name], merger_options(self.trial, name, starts),
             explorer_options(self.trial, name, index, ranger), body, self.trial.seed, self.agenda, self.radio,
             self.stopwatch, self.recorder, lambda: self.now,
-            FAST_TICK if self.trial.fast else TICK,
+            FAST_TICK if self.trial.fast else TICK, self._sight,
         )  # fmt: skip
 
     def run(self, until: float = math.inf, progress: Callable[[float], None] = lambda _: None) -> None:
@@ -94,8 +96,8 @@ class Mission:
             else:
                 self._boot(robot, 0.0)
         if self.trial.fast:
-            self.agenda.every(FAST_STEP, 0.0, self._step_fast)
-            self.agenda.every(VIEW_PERIOD, 0.0, lambda _: self._view())
+            self.agenda.every(FAST_STEP, 0.0, lambda _: self._drive())
+            self.agenda.every(VIEW_PERIOD, 0.0, lambda _: self._look())
         else:
             self._step_world(0.0)
             self.agenda.every(RADIO_PERIOD, 0.0, lambda _: self._tell_places())
@@ -137,27 +139,28 @@ class Mission:
         self._start_if_ready()
         self.agenda.at((self.world.steps + 1) * self.world.interval, self._step_world)
 
-    def _step_fast(self, now: float) -> None:
+    def _drive(self) -> None:
+        for robot in self.robots:
+            if robot.running:
+                assert isinstance(robot.body, FastBody)
+                robot.body.drive(FAST_STEP)
+
+    def _look(self) -> None:
         """Robots that are where they want to be: no sensors, no contacts."""
         states = np.zeros(len(self.robots), dtype=self.world.states().dtype)
         for robot, state in zip(self.robots, states):
             assert isinstance(robot.body, FastBody)
+            speed, turn = 0.0, 0.0
             if robot.running:
-                robot.body.drive(FAST_STEP)
+                robot.on_view()
+                self.recorder.on_pose(robot.index, robot.body.true_pose)
+                speed, turn = robot.body.velocity
             state["x"], state["y"], state["yaw"] = robot.body.true_pose
-            speed, turn = robot.body.velocity if robot.running else (0.0, 0.0)
             state["velocity_x"], state["velocity_y"] = speed * math.cos(state["yaw"]), speed * math.sin(state["yaw"])
             state["velocity_yaw"] = turn
         with self.stopwatch.span("recording"):
             self.recorder.on_step(states, self.since_start)
         self._start_if_ready()
-
-    def _view(self) -> None:
-        for robot in self.robots:
-            if robot.running:
-                assert isinstance(robot.body, FastBody)
-                robot.on_view()
-                self.recorder.on_pose(robot.index, robot.body.true_pose)
 
     def _tell_places(self) -> None:
         for robot in self.robots:

@@ -54,7 +54,7 @@ def run_trial(
         "wall": round(wall, 3),
         "cpu": round(time.process_time() - cpu, 3),
         "real_time_factor": round(mission.now / wall, 3) if wall > 0.0 else None,
-        "cpu_by_component": {name: round(spent, 3) for name, spent in sorted(mission.stopwatch.seconds.items())},
+        "cpu_by_component": {name: round(spent, 3) for name, spent in mission.stopwatch.seconds().items()},
         "host": platform.node(),
         "started": time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(begun)),
     }

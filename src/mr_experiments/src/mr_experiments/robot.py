@@ -16,6 +16,7 @@ from mr_experiments.body import Body
 from mr_experiments.exploring import Explorer
 from mr_experiments.fast_body import FastBody
 from mr_experiments.merging import Merger
+from mr_experiments.perfect_merging import PerfectMerger, TeamSight
 from mr_experiments.radio import TeamRadio
 from mr_experiments.robot_radio import RobotRadio
 from mr_experiments.stopwatch import Stopwatch
@@ -45,9 +46,9 @@ class Robot:
     def __init__(
         self, index: int, start: Pose, merger: MergerOptions, explorer: ExplorerOptions,
         body: Body | FastBody, seed: int, agenda: Agenda, radio: TeamRadio, stopwatch: Stopwatch,
-        observer: Observer, clock: Callable[[], float], tick: float,
+        observer: Observer, clock: Callable[[], float], tick: float, sight: TeamSight,
     ) -> None:  # fmt: skip
-        """`tick`: s between two ticks of the explorer."""
+        """`tick`: s between two ticks of the explorer; `sight`: for robots with perfect maps."""
         self.index, self.start_pose, self.name = index, start, merger.robot_name
         self.senses = False  # drivers, SLAM and navigation run
         self.running = False  # and all other nodes
@@ -55,7 +56,11 @@ class Robot:
         self._stopwatch = stopwatch
         self.own_radio = RobotRadio(radio, stopwatch)
         boot: Boot = (seed % 2**31, index + 1)
-        self.merger = Merger(merger, boot, agenda, self.own_radio, stopwatch, self, clock)
+        self.merger: Merger | PerfectMerger
+        if isinstance(body, FastBody):
+            self.merger = PerfectMerger(self.name, body.true_map, sight, agenda, stopwatch, self, clock)
+        else:
+            self.merger = Merger(merger, boot, agenda, self.own_radio, stopwatch, self, clock)
         self.explorer = Explorer(explorer, agenda, self.own_radio, stopwatch, self, clock, tick)
         self.body = body
         self.body.on_goal_end = self._on_goal_end

@@ -8,12 +8,17 @@ from typing import ContextManager
 
 
 class Stopwatch:
-    """Adds up processor time in s under names; what runs inside another span counts for the inner one alone."""
+    """Adds up time under names; what runs inside another span counts for the inner one alone.
+
+    Spans are told apart by wall time and scaled to processor time in the end: asking the system for processor time at
+    every border would take longer than some components do.
+    """
 
     def __init__(self) -> None:
-        self.seconds: dict[str, float] = defaultdict(float)
+        self.spent: dict[str, float] = defaultdict(float)  # s of wall time
         self.running: list[str] = []  # the innermost last
-        self.since = time.process_time()
+        self.since = self._begun = time.perf_counter()
+        self._begun_cpu = time.process_time()
         self._spans: dict[str, _Span] = {}
 
     def span(self, component: str) -> ContextManager[None]:
@@ -21,6 +26,12 @@ class Stopwatch:
         if span is None:
             span = self._spans[component] = _Span(self, component)
         return span
+
+    def seconds(self) -> dict[str, float]:
+        """s of processor time that each component has used so far."""
+        wall, cpu = time.perf_counter() - self._begun, time.process_time() - self._begun_cpu
+        scale = cpu / wall if wall > 0.0 else 1.0
+        return {component: spent * scale for component, spent in sorted(self.spent.items())}
 
 
 class _Span:
@@ -30,13 +41,13 @@ class _Span:
         self._stopwatch, self._component = stopwatch, component
 
     def __enter__(self) -> None:
-        watch, now = self._stopwatch, time.process_time()
+        watch, now = self._stopwatch, time.perf_counter()
         if watch.running:
-            watch.seconds[watch.running[-1]] += now - watch.since
+            watch.spent[watch.running[-1]] += now - watch.since
         watch.running.append(self._component)
         watch.since = now
 
     def __exit__(self, *_: object) -> None:
-        watch, now = self._stopwatch, time.process_time()
-        watch.seconds[watch.running.pop()] += now - watch.since
+        watch, now = self._stopwatch, time.perf_counter()
+        watch.spent[watch.running.pop()] += now - watch.since
         watch.since = now

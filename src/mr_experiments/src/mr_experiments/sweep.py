@@ -9,7 +9,6 @@ import multiprocessing
 import multiprocessing.connection
 import os
 import tempfile
-import time
 from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -21,17 +20,16 @@ from mr_experiments.record import FORMAT, write_record
 from mr_experiments.recorder import truth_for
 from mr_experiments.trial import Trial, TrialError
 from mr_experiments.trial_process import (
+    PATIENCE,
     crash_text,
     failed_record,
     how_it_ended,
     read_clock,
     record_path,
     run_as_child,
-    took_too_long,
 )
 from mr_experiments.trial_world import world_of
 
-LONGEST = 3600.0  # s of real time for one trial
 TELL_PERIOD = 0.5  # s of real time between two words on how it goes
 
 Tell = Callable[[int, str], None]
@@ -111,25 +109,16 @@ class Runner(Protocol):
 class _Running:
     process: BaseProcess
     trial: Trial
-    deadline: float  # s, monotonic
     crash: IO[bytes]
     clock: IO[bytes]
-    late: bool = False
-
-    def over(self) -> bool:
-        if self.process.is_alive() and time.monotonic() > self.deadline:
-            self.late = True
-            self.process.kill()
-            self.process.join()
-        return not self.process.is_alive()
 
 
 class LocalPool:
     """Each trial in a process of its own, so that none can harm another; `jobs` at a time."""
 
-    def __init__(self, jobs: int, snapshot_period: float = math.inf, longest: float = LONGEST) -> None:
-        """`longest`: s of real time after which a trial is ended."""
-        self._jobs, self._snapshot_period, self._longest = jobs, snapshot_period, longest
+    def __init__(self, jobs: int, snapshot_period: float = math.inf, patience: float = PATIENCE) -> None:
+        """`patience`: s of real time after which a trial whose virtual time stands still is ended."""
+        self._jobs, self._snapshot_period, self._patience = jobs, snapshot_period, patience
         # What this process has loaded and computed is there in each of them at once.
         self._context = multiprocessing.get_context("fork")
         cv2.setNumThreads(1)  # threads do not survive a fork, and a pool of them would wait for each other
@@ -144,7 +133,7 @@ class LocalPool:
                     running.append(self._begin(waiting.pop(0), folder))
                 tell(len(running), "")
                 multiprocessing.connection.wait([entry.process.sentinel for entry in running], TELL_PERIOD)
-                for entry in [entry for entry in running if entry.over()]:
+                for entry in [entry for entry in running if not entry.process.is_alive()]:
                     running.remove(entry)
                     yield self._end(entry, folder)
         finally:
@@ -158,19 +147,19 @@ class LocalPool:
             truth_for(trial, world_of(trial))
         crash = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
         clock = tempfile.NamedTemporaryFile()  # noqa: SIM115 - same
-        arguments = (trial, folder, self._snapshot_period, os.getpid(), crash, Path(clock.name))
+        arguments = (trial, folder, self._snapshot_period, self._patience, os.getpid(), crash, Path(clock.name))
         process = self._context.Process(target=run_as_child, args=arguments, daemon=True)
         process.start()
-        return _Running(process, trial, time.monotonic() + self._longest, crash, clock)
+        return _Running(process, trial, crash, clock)
 
     def _end(self, entry: _Running, folder: Path) -> Done:
         entry.process.join()
         path = record_path(folder, entry.trial)
         if not path.exists():
-            reason = took_too_long(self._longest) if entry.late else how_it_ended(entry.process.exitcode)
             entry.crash.seek(0)
-            clock = read_clock(entry.clock.read())
-            write_record(failed_record(entry.trial, reason, crash_text(entry.crash.read()), clock), path)
+            told, clock = crash_text(entry.crash.read()), read_clock(entry.clock.read())
+            reason = how_it_ended(entry.process.exitcode, told, self._patience)
+            write_record(failed_record(entry.trial, reason, told, clock), path)
         entry.crash.close()
         entry.clock.close()
         return Done.of(entry.trial, json.loads(path.read_text(encoding="utf-8")))

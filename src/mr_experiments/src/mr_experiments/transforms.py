@@ -31,7 +31,7 @@ class MergeLog:
 
     def look(self, robot: Robot, team: Sequence[Robot], now: float) -> None:
         """Notes what has changed in the transforms of a robot's merger; later refinements count only for the error."""
-        before, present = self._believed[robot.name], robot.merger.agent.transforms()
+        before, present = self._believed[robot.name], robot.merger.transforms()
         for other in sorted(before.keys() - present.keys()):
             self.entries[robot.name].append({"with": other, "at": round(now, 3), "transform": None})
         partners = {one.name: one for one in team}

@@ -26,7 +26,7 @@ class Trial:
     scenario: str = "paper"
     strategy: int = 7
     limit: float = 1800.0  # s from the start of the mission
-    fast: bool = False  # perfect local maps and radio
+    fast: bool = False  # perfect local maps, merging and radio
     radio: RadioOptions = field(default_factory=RadioOptions)
     known_poses: bool = False  # the robots are told each other's start poses
     starts: tuple[Pose, ...] = ()  # instead of the world file's, world frame

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import faulthandler
+import math
 import os
 import signal
 import struct
@@ -14,6 +15,8 @@ from typing import IO, Any
 
 from mr_experiments.record import FORMAT, run_trial, versions, write_record
 from mr_experiments.trial import Trial
+
+PATIENCE = 600.0  # s of real time that a trial may stand still
 
 
 def record_path(folder: Path, trial: Trial) -> Path:
@@ -50,30 +53,54 @@ class ClockFile:
         os.pwrite(self._file.fileno(), struct.pack("d", time), 0)
 
 
+class HangWatch:
+    """Ends this process if virtual time stands still for `patience` s of real time, and writes to `crash` where it was.
+
+    Works also while compiled code runs. As missions have a limit in virtual time, all of them come to an end.
+    """
+
+    def __init__(self, crash: IO[bytes], patience: float) -> None:
+        self._crash, self._patience = crash, patience
+        self._time, self._armed_at = -math.inf, -math.inf
+        self.progress(0.0)
+
+    def progress(self, virtual: float) -> None:
+        """Virtual time in s, the more often the better."""
+        now = time.monotonic()
+        if virtual > self._time and now - self._armed_at > 0.1 * self._patience:
+            self._time, self._armed_at = virtual, now
+            faulthandler.dump_traceback_later(self._patience, exit=True, file=self._crash)
+
+
 def read_clock(octets: bytes) -> float:
     """What a ClockFile holds, in s; 0 if it holds nothing."""
     return float(struct.unpack("d", octets)[0]) if len(octets) == struct.calcsize("d") else 0.0
 
 
-def _run_and_write(trial: Trial, folder: Path, snapshot_period: float, clock: ClockFile) -> None:
+def _run_and_write(trial: Trial, folder: Path, snapshot_period: float, clock: ClockFile, watch: HangWatch) -> None:
     path = record_path(folder, trial)
+
+    def progress(virtual: float) -> None:
+        clock.write(virtual)
+        watch.progress(virtual)
+
     try:
-        write_record(run_trial(trial, snapshot_period, clock.write), path)
+        write_record(run_trial(trial, snapshot_period, progress), path)
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
         write_record(failed_record(trial, reason, traceback.format_exc(), clock.time), path)
 
 
 def run_as_child(
-    trial: Trial, folder: Path, snapshot_period: float, parent: int, crash: IO[bytes], clock: Path
+    trial: Trial, folder: Path, snapshot_period: float, patience: float, parent: int, crash: IO[bytes], clock: Path
 ) -> None:
     """The whole life of a process that runs one trial. Ctrl-C is the parent's affair; without it there is no use.
-    Where an engine crashes goes to `crash`, the virtual time to the file `clock`."""
+    Where an engine crashes or hangs goes to `crash`, the virtual time to the file `clock`."""
     faulthandler.enable(crash, all_threads=False)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     threading.Thread(target=_end_without, args=(parent,), daemon=True).start()
-    _run_and_write(trial, folder, snapshot_period, ClockFile(clock))
+    _run_and_write(trial, folder, snapshot_period, ClockFile(clock), HangWatch(crash, patience))
 
 
 def _end_without(parent: int) -> None:
@@ -82,8 +109,10 @@ def _end_without(parent: int) -> None:
     os._exit(1)
 
 
-def how_it_ended(code: int | None) -> str:
-    """In words, of a process that left no record. Negative: the signal that ended it."""
+def how_it_ended(code: int | None, told: str, patience: float) -> str:
+    """In words, of a process that left no record; `told`: its crash text. Negative: the signal that ended it."""
+    if told.startswith("Timeout ("):
+        return f"made no progress for {patience:g} s of real time and was ended"
     if code is None or code >= 0:
         return f"its process ended with exit code {code}"
     name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
@@ -94,7 +123,3 @@ def how_it_ended(code: int | None) -> str:
 def crash_text(told: bytes) -> str:
     """Of what Python's faulthandler writes: where it happened, without the list of all modules."""
     return told.decode(errors="replace").split("\nExtension modules")[0][:4000]
-
-
-def took_too_long(longest: float) -> str:
-    return f"took longer than {longest:g} s of real time and was ended"
