@@ -99,3 +99,16 @@ def test_bid_of_strategy_7() -> None:
     assert travel_bid(5.0, 0.0, turn=1.0) > travel_bid(5.0, 0.0)
     assert travel_bid(5.0, 0.0, detour=3.0) > travel_bid(5.0, 0.0)
     assert travel_bid(0.0, 1000.0) >= 0.0
+
+
+def test_views_that_take_over_from_former_ones_are_the_same() -> None:
+    """From another place, on another map of the same size, and from a place that reaches other cells."""
+    first = drawn(["##########", "#...#....#", "#...#....#", "#...#....#", "##########"], scale=4)
+    second = drawn(["##########", "#...#....#", "#...  ...#", "#...#....#", "##########"], scale=4)
+    points = np.array([(1.5, 1.0), (0.7, 1.2), (2.6, 1.0), (3.2, 0.9)])
+    former = None
+    for occupancy, start in [(first, (0.9, 1.0)), (first, (1.1, 0.9)), (second, (1.1, 0.9)), (second, (2.8, 1.0))]:
+        field = TravelGrid(occupancy, 0.25, 0.6).field_from(*start)
+        fresh, former = Views(occupancy, field, 1.5), Views(occupancy, field, 1.5, former)
+        assert former.of(points) == fresh.of(points)
+        assert former.gain(2.0, 1.0) == fresh.gain(2.0, 1.0)

@@ -370,7 +370,7 @@ class ExplorerAgent:
             self._take_map(now)
         assert self.grid is not None
         self._field = self.grid.field_from(self.pose.x, self.pose.y)
-        self._views = Views(self.map, self._field, self.options.view_distance)
+        self._views = Views(self.map, self._field, self.options.view_distance, self._views)
         self._field_place, self._field_time = (self.pose.x, self.pose.y), now
         self._map_changed = self._dirty = False
         self._assess(now)

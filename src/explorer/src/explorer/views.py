@@ -25,15 +25,22 @@ View = Tuple[float, float, float]
 class Views:
     """Viewpoints for frontier points, on one map from one place of the robot."""
 
-    def __init__(self, occupancy: OccupancyMap, field: CostField, view_distance: float) -> None:
+    def __init__(
+        self, occupancy: OccupancyMap, field: CostField, view_distance: float, like: Optional["Views"] = None
+    ) -> None:
+        """`like`: former views, of which is taken over what is the same; much is, while the robot drives."""
         self._occupancy = occupancy
         self._field = field
         self._view_distance = view_distance
         grid = field.grid
         self._reachable = field.reachable
         comfortable = self._reachable & (grid.coarse_clearance >= PREFERRED_CLEARANCE) & grid.away_from_unknown
-        self._lookups = [_NearestCell(mask) for mask in (comfortable, self._reachable) if mask.any()]
-        self._unknown_sum = cv2.integral(occupancy.unknown.view(np.uint8))
+        former = [] if like is None else like._lookups
+        self._lookups = [_NearestCell.of(mask, former) for mask in (comfortable, self._reachable) if mask.any()]
+        if like is not None and like._occupancy is occupancy:
+            self._unknown_sum: np.ndarray = like._unknown_sum
+        else:
+            self._unknown_sum = cv2.integral(occupancy.unknown.view(np.uint8))
 
     def of(self, points: np.ndarray, groups: Optional[np.ndarray] = None) -> List[Optional[View]]:
         """For each of (n, 2) points in metres the place (x, y) to look from and its cost, all in metres; None where
@@ -150,6 +157,11 @@ class _NearestCell:
 
     def __init__(self, mask: np.ndarray) -> None:
         self._mask = mask
+
+    @classmethod
+    def of(cls, mask: np.ndarray, former: Sequence["_NearestCell"]) -> "_NearestCell":
+        """One of the former if it is of the same cells."""
+        return next((lookup for lookup in former if np.array_equal(lookup._mask, mask)), None) or cls(mask)
 
     @cached_property
     def cells(self) -> np.ndarray:

@@ -4,6 +4,7 @@ Pure: time moves only by `step`, randomness comes from the seed, nothing is read
 commands at the same steps give the same bits.
 """
 
+import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ import numpy as np
 from mr_sim import _world
 from mr_sim.pose import Pose
 from mr_sim.raster import Grid, rasterise
-from mr_sim.world_model import RobotDescription, WorldDescription
+from mr_sim.world_model import Obstacle, RobotDescription, WorldDescription
 
 COMMAND_TIMEOUT = 0.5  # s of simulated time without a fresh command after which a robot stops
 
@@ -65,10 +66,10 @@ class World:
         self.robots: tuple[RobotDescription, ...] = description.robots[:count]
         self.names: tuple[str, ...] = tuple(robot.name for robot in self.robots)
         self.interval = description.interval
-        solid = [obstacle for obstacle in description.obstacles if obstacle.solid]
-        visible = [obstacle for obstacle in description.obstacles if obstacle.visible]
-        self.obstacles = rasterise(solid, description.resolution)
-        self.visible = self.obstacles if visible == solid else rasterise(visible, description.resolution)
+        solid = tuple(obstacle for obstacle in description.obstacles if obstacle.solid)
+        visible = tuple(obstacle for obstacle in description.obstacles if obstacle.visible)
+        self.obstacles = _raster_of(solid, description.resolution)
+        self.visible = _raster_of(visible, description.resolution)
         self.core = _world.World(_core_raster(self.obstacles), _core_raster(self.visible), description.interval)
         self.odometry_bias: list[tuple[float, float]] = []  # per robot: shares by which distance and turn count wrong
         for index, robot in enumerate(self.robots):
@@ -161,6 +162,14 @@ class World:
         """True pose in the world frame."""
         state = self.core.states()[robot]
         return float(state["x"]), float(state["y"]), float(state["yaw"])
+
+
+@functools.lru_cache(maxsize=4)
+def _raster_of(obstacles: tuple[Obstacle, ...], resolution: float) -> Grid:
+    """Read-only. Kept, because hundreds of missions are run in one world."""
+    grid = rasterise(obstacles, resolution)
+    grid.cells.flags.writeable = False
+    return grid
 
 
 def _core_raster(grid: Grid) -> _world.Raster:
