@@ -173,5 +173,5 @@ def test_stopwatch_counts_an_inner_span_once_and_in_processor_time():
             sum(range(600_000))
     spent = watch.seconds()
     assert set(spent) == {"inner", "outer"}
-    assert 0.0 < spent["outer"] and 0.0 < spent["inner"]
+    assert min(spent.values()) > 0.0
     assert spent["inner"] + spent["outer"] <= (time.process_time() - begun) * 1.05 + 1e-3

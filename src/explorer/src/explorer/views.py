@@ -35,8 +35,10 @@ class Views:
         grid = field.grid
         self._reachable = field.reachable
         comfortable = self._reachable & (grid.coarse_clearance >= PREFERRED_CLEARANCE) & grid.away_from_unknown
-        former = [] if like is None else like._lookups
-        self._lookups = [_NearestCell.of(mask, former) for mask in (comfortable, self._reachable) if mask.any()]
+        former: Sequence[_NearestCell] = [] if like is None else like._lookups
+        self._lookups: List[_NearestCell] = [
+            _NearestCell.of(mask, former) for mask in (comfortable, self._reachable) if mask.any()
+        ]
         if like is not None and like._occupancy is occupancy:
             self._unknown_sum: np.ndarray = like._unknown_sum
         else:
@@ -161,7 +163,8 @@ class _NearestCell:
     @classmethod
     def of(cls, mask: np.ndarray, former: Sequence["_NearestCell"]) -> "_NearestCell":
         """One of the former if it is of the same cells."""
-        return next((lookup for lookup in former if np.array_equal(lookup._mask, mask)), None) or cls(mask)
+        same = [lookup for lookup in former if np.array_equal(lookup._mask, mask)]
+        return same[0] if same else cls(mask)
 
     @cached_property
     def cells(self) -> np.ndarray:

@@ -34,7 +34,9 @@ class TrueMap:
         left, low, width, height = cv2.boundingRect(seen)
         window = np.s_[low : low + height, left : left + width]
         cells = np.where(seen[window] > 0, self._cells[window], np.int8(-1))
-        return OccupancyMap(cells, RESOLUTION, (self._origin[0] + left * RESOLUTION, self._origin[1] + low * RESOLUTION))
+        return OccupancyMap(
+            cells, RESOLUTION, (self._origin[0] + left * RESOLUTION, self._origin[1] + low * RESOLUTION)
+        )
 
 
 def _in_map_frame(walls: Raster, start: Pose) -> tuple[np.ndarray, np.ndarray]:
