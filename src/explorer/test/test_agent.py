@@ -24,6 +24,7 @@ from explorer.messages import (
     WriteLog,
 )
 from explorer.options import Options
+from explorer.travel import TravelGrid
 
 IDENTITY = np.array([[1.0, 0, 0], [0, 1.0, 0]])
 
@@ -825,3 +826,23 @@ def test_frontier_that_no_look_changes_does_not_hold_the_robot_for_ever() -> Non
             bench.agent.on_goal_result(goal.goal_id, REACHED, "", bench.now)
         bench.run(0.4)
     assert bench.agent.finished_at is not None
+
+
+def test_costs_for_the_robots_of_a_large_team_are_computed_once_for_a_map(monkeypatch: pytest.MonkeyPatch) -> None:
+    places = {f"robot_{i}": (-3.0 + 0.5 * i, 0.5) for i in range(1, 13)}
+    computed: List[tuple] = []
+    field_from = TravelGrid.field_from
+
+    def counted(grid: TravelGrid, x: float, y: float) -> Any:
+        if (x, y) in places.values():
+            computed.append((x, y))
+        return field_from(grid, x, y)
+
+    monkeypatch.setattr(TravelGrid, "field_from", counted)
+    bench = Bench(7, auction_timeout=1.0).map(corridor())
+    bench.join(*places, position=(0.0, 0.0))
+    for _ in range(20):
+        bench.agent.on_positions(places, bench.now)
+        bench.run(1.0)
+    assert sum(auction.start for auction in bench.auctions()) >= 2
+    assert sorted(computed) == sorted(places.values())

@@ -58,6 +58,14 @@ def test_robot_that_joins_late_comes_up_as_the_others():
     assert late.explorer.agent.started_at is not None
 
 
+def test_robot_that_dies_while_its_nodes_come_up_stays_dead():
+    mission = Mission(Trial("small8x8", 2, 1, limit=30.0, joins={1: 10.0}, deaths={1: 11.0}))
+    mission.run(until=10.5)
+    assert not mission.robots[1].running
+    mission.run(until=20.0)
+    assert not mission.robots[1].senses and not mission.robots[1].running
+
+
 def test_nothing_waits_where_only_the_strategy_is_asked_for():
     mission = Mission(Trial("small8x8", 2, 1, limit=5.0, fast=True))
     mission.run(until=0.5)

@@ -67,6 +67,7 @@ TOLD_DISTANCE = 0.5  # m, own frontiers this near to an explored point of anothe
 NOTHING_TIME = 5.0  # s at rest after which a map that does not change counts as fresh
 BLOCKING_DISTANCE = 1.5  # m, a robot this near may be what makes a goal fail
 BLOCKED_TRIES = 3  # failures behind a robot that count as one: it may have come to stay
+FEWEST_FIELDS = 8  # of other robots' costs that are kept, more in a larger team
 TOUR_CELL = 0.2  # m, resolution at which ways between clusters are measured
 WORTH_A_LOOK = 4  # frontier points without a viewpoint that are worth a closer look before the end
 CLOSER_LOOKS = 20  # such looks in a mission
@@ -884,11 +885,13 @@ class ExplorerAgent:
         """Costs from another robot's place, kept until the map changes or the robot has moved on."""
         assert self.grid is not None
         place = (round(2 * position[0]) / 2, round(2 * position[1]) / 2)
-        if place not in self._other_fields:
-            while len(self._other_fields) >= 8:
+        field = self._other_fields.pop(place, None)
+        if field is None:
+            field = self.grid.field_from(*place)
+            while len(self._other_fields) >= max(FEWEST_FIELDS, len(self.team.known())):
                 del self._other_fields[next(iter(self._other_fields))]
-            self._other_fields[place] = self.grid.field_from(*place)
-        return self._other_fields[place]
+        self._other_fields[place] = field  # the last one used comes last
+        return field
 
     def _answer(self, auction: Auction, now: float) -> None:
         """Bids for each cluster on offer that is one of the own ones (40 % rule); no list at all if this robot has

@@ -42,6 +42,7 @@ class FastBody:
         self._raster = _world.Raster(walls.cells, walls.resolution, walls.origin)
         self.true_map = TrueMap(walls, start)
         self._seen = self.true_map.nothing()
+        self._looked_from: Pose | None = None
         self._map_at = -math.inf
         self._costs: CostMap | None = None
         self._goal: tuple[int, Pose] | None = None
@@ -55,6 +56,9 @@ class FastBody:
 
     def look(self) -> None:
         """Adds the area visible from here to the map."""
+        if self.pose == self._looked_from:
+            return
+        self._looked_from = self.pose
         with self._stopwatch.span("visibility"):
             ranger = self._ranger
             eye = compose(self.true_pose, ranger.mount)

@@ -31,7 +31,7 @@ def _configuration(node: str) -> dict[str, Any]:
 
 
 def merger_options(trial: Trial, name: str, starts: dict[str, Pose]) -> map_merger.options.Options:
-    """`starts`: all robots' true start poses, told if the trial says so, or if only the strategy is asked for."""
+    """`starts`: all robots' true start poses, told if the trial says so."""
     given = dict(_configuration("map_merger"), robot_name=name)
     if trial.known_poses:
         given["initial_poses"] = {robot: list(pose) for robot, pose in starts.items()}

@@ -50,6 +50,7 @@ class Robot:
     ) -> None:  # fmt: skip
         """`tick`: s between two ticks of the explorer; `sight`: for robots with perfect maps."""
         self.index, self.start_pose, self.name = index, start, merger.robot_name
+        self.alive = True
         self.senses = False  # drivers, SLAM and navigation run
         self.running = False  # and all other nodes
         self._agenda, self._radio, self._observer, self._clock = agenda, radio, observer, clock
@@ -69,10 +70,12 @@ class Robot:
 
     def start_sensing(self) -> None:
         """Drivers, SLAM and navigation start."""
-        self.senses = True
+        self.senses = self.alive
 
     def switch_on(self, now: float) -> None:
         """All other nodes start. The local map is latched, so they get it at once."""
+        if not self.alive:
+            return
         self.running = True
         self.merger.start(now)
         self.explorer.start(now)
@@ -82,7 +85,7 @@ class Robot:
 
     def switch_off(self) -> None:
         """The robot is dead where it stands."""
-        self.senses = self.running = False
+        self.alive = self.senses = self.running = False
         self.merger.stop()
         self.explorer.stop()
         self._radio.switch_off(self.own_radio.index)
