@@ -116,6 +116,7 @@ class Navigator:
         self._planned_at = -math.inf
         self._mode_until = 0.0
         self._retreat: Optional[Plan] = None
+        self._retreat_from = (0.0, 0.0)
         self._back: Optional[Tuple[float, float]] = None  # m/s and rad/s by which it backs off, once chosen
         self._back_off_since = 0.0
         self._stuck_places = StuckPlaces()
@@ -300,6 +301,9 @@ class Navigator:
     def _give_way(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
         retreat = self._retreat
         if retreat is None or now >= self._mode_until or math.dist(pose[:2], retreat.goal) < 0.2:
+            if math.dist(pose[:2], self._retreat_from) < PROGRESS:
+                # It cannot move either way; what seemed to be in the way may be a wall that the map shows elsewhere.
+                return self._recover(now, pose, "no room to give way")
             self.mode = Mode.WAIT
             self._mode_until = now + 1.5 + 3.0 * self._random.random()
             return self._brake(Status.ACTIVE)
@@ -433,6 +437,7 @@ class Navigator:
         if self._retreat is None:
             return self._begin_back_off(now)
         self.mode = Mode.RETREAT
+        self._retreat_from = pose[:2]
         self._mode_until = now + RETREAT_TIME
         return self._brake(Status.ACTIVE)
 
