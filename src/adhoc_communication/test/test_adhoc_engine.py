@@ -124,3 +124,13 @@ def test_bad_input_names_the_culprit():
     team.kill(0)
     with pytest.raises(ValueError, match="robot 0 was killed"):
         team.neighbors(0)
+
+
+def test_a_message_of_any_type_arrives_and_its_type_is_checked():
+    team = team_of(2)
+    run(team, 2.0)
+    team.send_message(0, "robot_1", "level", "std_msgs/UInt8", "7c8164229e7d2c17eb95e9231617fdee", "uint8 data\n", b"*")
+    (packet,) = packets(run(team, 1.0), 1)
+    assert (packet.topic, packet.message()) == ("level", ("std_msgs/UInt8", b"*"))
+    with pytest.raises(adhoc_engine.PayloadError, match="32 hexadecimal digits"):
+        team.send_message(0, "robot_1", "level", "std_msgs/UInt8", "none", "", b"*")

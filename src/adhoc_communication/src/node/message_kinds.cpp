@@ -7,6 +7,8 @@
 namespace adhoc_communication {
 namespace {
 
+constexpr std::size_t kBulkSize = 50'000;  ///< octets from which a message of any type yields to others
+
 constexpr MessageKind kKinds[] = {
     {"send_string", PayloadType::kString, Priority::kNormal},
     {"send_map", PayloadType::kMap, Priority::kBulk},
@@ -30,6 +32,14 @@ const MessageKind& kind_of(const std::string& service) {
   if (found == std::end(kKinds))
     throw std::invalid_argument("there is no service '" + service + "' that sends a message");
   return *found;
+}
+
+SendRequest any_message_request(const std::string& destination, const std::string& topic,
+                                const SerializedMessage& message) {
+  check_type(message.type, message.md5sum);
+  const Priority priority = message.bytes.size() < kBulkSize ? Priority::kNormal : Priority::kBulk;
+  return {destination, topic, static_cast<std::uint8_t>(PayloadType::kAnyMessage), encode_any_message(message),
+          priority};
 }
 
 }  // namespace adhoc_communication

@@ -1,4 +1,4 @@
-// What the typed services send: which payload, and how urgent it is.
+// What the services send: which payload, and how urgent it is.
 #pragma once
 
 #include <string>
@@ -16,5 +16,10 @@ struct MessageKind {
 
 /// Throws std::invalid_argument for a service that sends no message of one type.
 const MessageKind& kind_of(const std::string& service);
+
+/// What send_message sends: with its definition each time, urgent unless it is large. Throws PayloadError for a type
+/// or MD5 sum that is none.
+SendRequest any_message_request(const std::string& destination, const std::string& topic,
+                                const SerializedMessage& message);
 
 }  // namespace adhoc_communication

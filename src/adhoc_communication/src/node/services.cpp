@@ -35,7 +35,6 @@ namespace {
 constexpr std::size_t kMaxSendThreads = 64;
 constexpr int kMaxWaitingCalls = 60;  ///< fewer than threads, so that one call too many is refused at once
 constexpr std::size_t kMaxQueryThreads = 4;
-constexpr std::size_t kBulkSize = 50'000;  ///< octets from which a message of any type yields to others
 
 Bytes bytes_of_text(const std::string& text) {
   if (text.empty()) throw PayloadError("data is empty: there is nothing to send");
@@ -106,12 +105,8 @@ void Services::advertise_sends(ros::NodeHandle& node) {
                             bytes_of_text(request.data), kind.priority});
   });
   advertise<SendMessage>(node, sends_, "send_message", [this](auto& request, auto& response) {
-    check_type(request.type, request.md5sum);
     const SerializedMessage message{request.type, request.md5sum, request.definition, request.data};
-    const Priority priority = message.bytes.size() < kBulkSize ? Priority::kNormal : Priority::kBulk;
-    response.status =
-        send("send_message", {request.dst_robot, request.topic, static_cast<std::uint8_t>(PayloadType::kAnyMessage),
-                              encode_any_message(message), priority});
+    response.status = send("send_message", any_message_request(request.dst_robot, request.topic, message));
   });
   advertise_send<SendOccupancyGrid>(node, "send_map", &SendOccupancyGrid::Request::map);
   advertise_send<SendMmRobotPosition>(node, "send_position", &SendMmRobotPosition::Request::position);

@@ -59,6 +59,11 @@ class Team:
         """Runs to `until`, or to the first moment at which robots report something."""
     def send(self, robot: int, service: str, destination: str, topic: str, message: bytes) -> int:
         """What a call of the node's service does with this serialised message; returns the id of its SendFinished."""
+    def send_message(
+        self, robot: int, destination: str, topic: str, type: str, md5sum: str, definition: str, data: bytes
+    ) -> int:
+        """What a call of the node's service send_message does; returns the id of its SendFinished. Raises PayloadError
+        for a type or MD5 sum that is none."""
     def kill(self, robot: int) -> None: ...
     def restart(self, robot: int) -> None: ...
     def set_position(self, robot: int, x: float, y: float) -> None: ...

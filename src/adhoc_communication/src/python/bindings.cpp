@@ -63,6 +63,13 @@ class PythonTeam {
         team_.now());
   }
 
+  SendId send_message(std::size_t robot, const std::string& destination, const std::string& topic,
+                      const std::string& type, const std::string& md5sum, const std::string& definition,
+                      const py::bytes& data) {
+    const SerializedMessage message{type, md5sum, definition, bytes_of(data)};
+    return engine(robot).send(any_message_request(destination, topic, message), team_.now());
+  }
+
   void set_key(const py::bytes& key) {
     const Bytes octets = bytes_of(key);
     TeamKey team_key{};
@@ -152,6 +159,8 @@ void bind_team(py::module_& module) {
       .def("advance", &PythonTeam::advance, py::arg("until"))
       .def("send", &PythonTeam::send, py::arg("robot"), py::arg("service"), py::arg("destination"), py::arg("topic"),
            py::arg("message"))
+      .def("send_message", &PythonTeam::send_message, py::arg("robot"), py::arg("destination"), py::arg("topic"),
+           py::arg("type"), py::arg("md5sum"), py::arg("definition"), py::arg("data"))
       .def(
           "kill", [](PythonTeam& team, std::size_t robot) { team.team().kill(robot); }, py::arg("robot"))
       .def(

@@ -182,6 +182,10 @@ class Merger:
         """Sends one payload as the message that the node would send."""
         with self._stopwatch.span("messages"):
             call = ros_io.radio_call(payload, self._options, rospy.Time.from_sec(self._clock()))  # type: ignore[arg-type]
+        if call.service == "send_message":
+            self._radio.send_typed(destination, call.topic, call.message, done)
+            return
+        with self._stopwatch.span("messages"):
             octets = BytesIO()
             call.message.serialize(octets)
         self._radio.send(call.service, destination, call.topic, octets.getvalue(), done)

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any, Sequence
 
 from mr_experiments.agenda import Agenda
-from mr_experiments.radio import Done, Listener
+from mr_experiments.radio import Done, Listener, TypedMessage
 
 DELAY = 0.01  # s
 
@@ -59,6 +59,9 @@ class PerfectRadio:
         if not destination.startswith("mc_"):
             receivers = [i for i in receivers if self._names[i] == destination]
         self._agenda.at(self._now + DELAY, partial(self._arrive, receivers, topic, message, done))
+
+    def send_message(self, robot: int, destination: str, topic: str, message: TypedMessage, done: Done) -> None:
+        self.send(robot, "send_message", destination, topic, message.data, done)
 
     def _arrive(self, receivers: list[int], topic: str, message: bytes, done: Done, now: float) -> None:
         self._now = now

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from dataclasses import dataclass
-from typing import Any, Callable, Protocol, Sequence
+from typing import Any, Callable, NamedTuple, Protocol, Sequence
 
 import adhoc_engine
 import numpy as np
@@ -15,6 +15,15 @@ EVERYWHERE = 1e6  # m, the reach of a radio without limits
 
 Done = Callable[[bool, str], None]
 """Called at the end of a send: whether it was delivered, and why not."""
+
+
+class TypedMessage(NamedTuple):
+    """A message of any type, as the service send_message takes it."""
+
+    type: str  # package/Name
+    md5sum: str
+    definition: str  # full text, as in bag files
+    data: bytes  # ROS serialisation
 
 
 @dataclass(frozen=True)
@@ -61,6 +70,8 @@ class TeamRadio(Protocol):
     def place(self, robot: int, x: float, y: float) -> None: ...
 
     def send(self, robot: int, service: str, destination: str, topic: str, message: bytes, done: Done) -> None: ...
+
+    def send_message(self, robot: int, destination: str, topic: str, message: TypedMessage, done: Done) -> None: ...
 
     def neighbors(self, robot: int) -> list[str]: ...
 
@@ -123,10 +134,17 @@ class Radio:
 
     def send(self, robot: int, service: str, destination: str, topic: str, message: bytes, done: Done) -> None:
         """What a call of adhoc_communication's service does; `done` is its answer."""
+        self._begin(robot, done, lambda: self._team.send(robot, service, destination, topic, message))
+
+    def send_message(self, robot: int, destination: str, topic: str, message: TypedMessage, done: Done) -> None:
+        """What a call of its service send_message does. The receiver hears `message.data` on the topic."""
+        self._begin(robot, done, lambda: self._team.send_message(robot, destination, topic, *message))
+
+    def _begin(self, robot: int, done: Done, send: Callable[[], int]) -> None:
         if robot in self._down:
             done(False, "the radio is switched off")
             return
-        self._waiting[robot, self._team.send(robot, service, destination, topic, message)] = done
+        self._waiting[robot, send()] = done
 
     def neighbors(self, robot: int) -> list[str]:
         return [] if robot in self._down else list(self._team.neighbors(robot))

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from mr_experiments.radio import Done, TeamRadio
+from io import BytesIO
+
+import genpy
+
+from mr_experiments.radio import Done, TeamRadio, TypedMessage
 from mr_experiments.stopwatch import Stopwatch
 
 
@@ -16,6 +20,15 @@ class RobotRadio:
     def send(self, service: str, destination: str, topic: str, message: bytes, done: Done) -> None:
         with self._stopwatch.span("radio"):
             self._radio.send(self.index, service, destination, topic, message, done)
+
+    def send_typed(self, destination: str, topic: str, message: genpy.Message, done: Done) -> None:
+        """The service send_message: `message` may be of any type. The others hear its serialisation on `topic`."""
+        with self._stopwatch.span("messages"):
+            octets = BytesIO()
+            message.serialize(octets)
+            typed = TypedMessage(message._type, message._md5sum, message._full_text, octets.getvalue())
+        with self._stopwatch.span("radio"):
+            self._radio.send_message(self.index, destination, topic, typed, done)
 
     def neighbors(self) -> list[str]:
         return self._radio.neighbors(self.index)
