@@ -17,9 +17,11 @@ from mr_sim.worlds import find_world
 
 WORLDS = {
     "office26x15": 16, "office26x15_mixed": 16, "office26x15_turtlebots": 16, "small8x8": 4, "narrow": 16,
-    "large60x60": 16,
+    "equalrooms26x15": 16, "large60x60": 16,
 }  # fmt: skip
-SIZES = {"office26x15": (26, 15), "small8x8": (8, 8), "narrow": (15, 12), "large60x60": (60, 60)}  # m
+SIZES = {
+    "office26x15": (26, 15), "small8x8": (8, 8), "narrow": (15, 12), "equalrooms26x15": (26, 15), "large60x60": (60, 60),
+}  # m  # fmt: skip
 WAY = 0.25  # m that a robot's middle keeps from walls on its way
 GENERATOR = Path(__file__).parents[4] / "tools" / "make_worlds"
 
@@ -87,6 +89,17 @@ def test_narrow_world_lets_one_robot_through_and_not_two():
     assert rooms >= 15
 
 
+def test_equal_rooms_are_copies_and_the_floor_looks_the_same_turned():
+    cells = World(load_world(find_world("equalrooms26x15"))).obstacles.cells
+    assert np.array_equal(cells, np.rot90(cells, 2))
+    pitch, first = 102, 4  # cells of 0.05 m
+    room = cells[:124, first : first + 104]  # 6.2 m x 5.2 m with its walls
+    assert 0 < np.count_nonzero(room[2:-2, 2:-2]), "furnished"
+    for left in range(first, first + 5 * pitch, pitch):
+        assert np.array_equal(cells[:124, left : left + 104], room)
+    assert np.count_nonzero(room[-1] == 0) >= 0.9 / 0.05, "a door wide enough"
+
+
 def test_sensors_of_the_teams():
     fields = {name: [robot.rangers[0].field_of_view for robot in World(load_world(find_world(name))).robots]
               for name in ("office26x15", "office26x15_turtlebots", "office26x15_mixed")}  # fmt: skip
@@ -113,7 +126,7 @@ def test_start_poses_of_the_office():
 def test_pictures_are_those_of_their_generator(tmp_path):
     subprocess.run([sys.executable, str(GENERATOR), str(tmp_path)], check=True)
     made = sorted(path.name for path in tmp_path.iterdir())
-    assert made == ["large60x60.png", "narrow.png"]
+    assert made == ["equalrooms26x15.png", "large60x60.png", "narrow.png"]
     for name in made:
         kept = cv2.imread(str(find_world(name.replace(".png", "")).parent / name), cv2.IMREAD_GRAYSCALE)
         assert np.array_equal(cv2.imread(str(tmp_path / name), cv2.IMREAD_GRAYSCALE), kept), f"{name}: run make_worlds"
