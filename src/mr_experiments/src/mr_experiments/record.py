@@ -25,7 +25,7 @@ from mr_experiments.robot import Robot
 from mr_experiments.ros_packages import version_of
 from mr_experiments.trial import Trial, TrialError
 from mr_sim.measures import collisions, coverage, moving_share, overlap_between_robots, wrong_walls
-from mr_sim.reference import MapReferenceError, error_of_map
+from mr_sim.reference import VIRTUAL_TIME, MapReferenceError, error_of_map
 from mr_sim.worlds import find_world
 
 FORMAT = 1
@@ -150,7 +150,7 @@ def _map_figures(mission: Mission, robot: Robot) -> dict[str, Any]:
     try:
         if mission.trial.fast:
             raise MapReferenceError("the reference is of maps that SLAM made")
-        error, why = error_of_map(find_world(mission.trial.world), occupancy, SLAM)
+        error, why = error_of_map(find_world(mission.trial.world), occupancy, SLAM, VIRTUAL_TIME)
     except MapReferenceError as fault:
         error, why = None, str(fault)
     return {

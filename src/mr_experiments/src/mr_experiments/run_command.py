@@ -10,17 +10,17 @@ import sys
 from contextlib import closing, contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import Generator, Iterator, Sequence, cast
+from typing import Iterator, Sequence
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
 from mr_experiments.code_version import code_version
 from mr_experiments.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.dask_cluster import ClusterLostError, DaskCluster
+from mr_experiments.following import follow
 from mr_experiments.scenario import DEFAULT, Scenario, known_scenarios, load_scenario
-from mr_experiments.sweep import Done, LocalPool, Runner, default_jobs, split_done
+from mr_experiments.sweep import Done, LocalPool, default_jobs, split_done
 from mr_experiments.trial import Trial, TrialError
 from mr_experiments.trial_world import world_of
 
@@ -144,40 +144,9 @@ def _check_numbers(arguments: argparse.Namespace) -> None:
 
 def _run_left(arguments: argparse.Namespace, left: list[Trial], folder: Path, console: Console) -> list[Done]:
     if not arguments.scheduler:
-        return _follow(LocalPool(arguments.jobs, arguments.snapshots), left, folder, console)
+        return follow(LocalPool(arguments.jobs, arguments.snapshots), left, folder, console)
     with closing(DaskCluster(arguments.scheduler, arguments.snapshots)) as cluster:
-        return _follow(cluster, left, folder, console)
-
-
-def _follow(runner: Runner, left: list[Trial], folder: Path, console: Console) -> list[Done]:
-    done = []
-    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
-               TextColumn("{task.description}"))  # fmt: skip
-    # Without a refreshing thread: processes are forked meanwhile.
-    with Progress(*columns, console=console, auto_refresh=False, disable=not console.is_terminal) as progress:
-        task = progress.add_task("", total=len(left))
-        last_trouble = ""
-
-        def tell(running: int, trouble: str) -> None:
-            nonlocal last_trouble
-            if trouble and trouble != last_trouble:
-                progress.console.print(trouble, highlight=False, markup=False)
-            last_trouble = trouble
-            progress.update(task, description="" if trouble else f"({running} running)", refresh=True)
-
-        # Closed here, so that trials end before anything is said about an interruption.
-        with closing(cast("Generator[Done, None, None]", runner.run(left, folder, tell))) as results:
-            for entry in results:
-                done.append(entry)
-                progress.update(task, advance=1, refresh=True)
-                progress.console.print(_line(entry), highlight=False, markup=False)
-    return done
-
-
-def _line(entry: Done) -> str:
-    time, factor = entry.exploration_time, entry.real_time_factor
-    told = f"{time:.1f} s" if time is not None else f"{entry.status}: {entry.reason}"
-    return f"{entry.trial.key}: {told}" + (f"  ({factor:.1f} x real time)" if factor else "")
+        return follow(cluster, left, folder, console)
 
 
 def _print_summary(console: Console, done: list[Done], folder: Path) -> None:

@@ -45,13 +45,15 @@ class MergeLog:
         true, points = self._truth(robot, other)
         offsets = displacement(transform, true, points)
         turn = rotation_between(transform, true)
+        kind = classify(offsets, turn)
         return {
             "with": other.name,
             "at": round(now, 3),
             "transform": [round(transform.x, 4), round(transform.y, 4), round(transform.yaw, 5)],
             "offset": round(float(offsets.max()), 4),
             "turn": round(turn, 5),
-            "right": classify(offsets, turn) != "wrong",
+            "class": kind,
+            "right": kind != "wrong",
         }
 
     def _truth(self, robot: Robot, other: Robot) -> tuple[Transform, np.ndarray]:

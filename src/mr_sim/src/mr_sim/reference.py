@@ -1,7 +1,7 @@
 """P_ref of a world: how many free cells one robot alone explores there, kept beside the world.
 
 The file `<world>.reference.json` holds the values with the seeds of their missions. It counts only for maps of the same
-resolution made by the same SLAM.
+resolution made by the same SLAM, in missions of the same host: who starts the nodes and when shows in the maps.
 """
 
 import json
@@ -13,6 +13,7 @@ from pathlib import Path
 from mr_sim.measures import OccupancyMap, map_error
 
 MINIMUM_MISSIONS = 10
+VIRTUAL_TIME = "mr_experiments"  # the host of the references in `worlds/`
 
 
 class MapReferenceError(ValueError):
@@ -21,11 +22,14 @@ class MapReferenceError(ValueError):
 
 @dataclass(frozen=True)
 class Reference:
-    """`free_cells`: explored free cells of the robot's final map by seed of the mission."""
+    """`free_cells`: explored free cells of the robot's final map by seed of the mission; `host`: who ran the missions;
+    `code`: the host's name for the code that did."""
 
     world: str
-    resolution: float
+    resolution: float  # m
     slam: str
+    host: str
+    code: str
     free_cells: dict[int, int]
 
     @property
@@ -50,51 +54,47 @@ def load_reference(world: str | Path) -> Reference | None:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
         missions = {int(mission["seed"]): int(mission["free_cells"]) for mission in document["missions"]}
-        reference = Reference(document["world"], float(document["resolution"]), document["slam"], missions)
+        reference = Reference(
+            document["world"], float(document["resolution"]), document["slam"], document["host"], document["code"],
+            missions,
+        )  # fmt: skip
     except (OSError, KeyError, TypeError, ValueError) as error:
-        raise MapReferenceError(f"{path} is not a reference of map sizes: {error}") from error
+        told = f"{error} is missing" if isinstance(error, KeyError) else str(error)
+        raise MapReferenceError(f"{path} is not a reference of map sizes: {told}") from error
     if not missions or any(cells <= 0 for cells in missions.values()):
         raise MapReferenceError(f"{path} holds no missions or one without free cells")
     return reference
 
 
-def add_to_reference(world: str | Path, seed: int, free_cells: int, resolution: float, slam: str) -> Reference:
-    """Add the outcome of a finished one-robot mission, replacing one of the same seed, and write the file.
-
-    Raises MapReferenceError when resolution or SLAM differ from the missions that are there already.
-    """
-    if free_cells <= 0:
-        raise MapReferenceError(f"a finished mission explores more than {free_cells} free cells")
-    known = load_reference(world)
-    if known and (known.resolution != resolution or known.slam != slam):
-        raise MapReferenceError(
-            f"{reference_path(world)} holds missions with {known.slam} at {known.resolution:g} m; "
-            f"one with {slam} at {resolution:g} m cannot be compared: start a new file"
-        )
-    missions = dict(sorted({**(known.free_cells if known else {}), seed: free_cells}.items()))
-    reference = Reference(Path(world).stem, resolution, slam, missions)
+def write_reference(world: str | Path, reference: Reference) -> Path:
+    """Writes the reference of a world file, in place of one that is there, and returns its path."""
     document = {
         "world": reference.world,
         "what": "explored free cells of the final map of one robot alone, by seed of the mission",
-        "resolution": resolution,
-        "slam": slam,
+        "resolution": reference.resolution,
+        "slam": reference.slam,
+        "host": reference.host,
+        "code": reference.code,
         "median": reference.median,
-        "missions": [{"seed": s, "free_cells": cells} for s, cells in missions.items()],
+        "missions": [{"seed": seed, "free_cells": cells} for seed, cells in sorted(reference.free_cells.items())],
     }
     path = reference_path(world)
     partial = path.with_suffix(".partial")
     partial.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
     os.replace(partial, path)
-    return reference
+    return path
 
 
-def error_of_map(world: str | Path, occupancy: OccupancyMap, slam: str) -> tuple[float | None, str]:
-    """e of a robot's final map in percent, or None and the reason why there is none. Raises MapReferenceError."""
+def error_of_map(world: str | Path, occupancy: OccupancyMap, slam: str, host: str) -> tuple[float | None, str]:
+    """e of a robot's final map in percent against the missions of `host`, or None and the reason why there is none.
+    Raises MapReferenceError for a broken file."""
     reference = load_reference(world)
     if reference is None:
         return None, "the world has no stored one-robot missions to compare with"
     if not reference.is_sufficient:
         return None, f"only {len(reference.free_cells)} of {MINIMUM_MISSIONS} one-robot missions are stored"
+    if reference.host != host:
+        return None, f"the stored missions are of another host: {reference.host}, not {host}"
     if reference.slam != slam or reference.resolution != round(occupancy.resolution, 6):
         return None, f"the stored missions are with {reference.slam} at {reference.resolution:g} m per cell"
     return map_error(occupancy.explored_free_cells, reference.median), ""

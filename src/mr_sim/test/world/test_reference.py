@@ -2,45 +2,68 @@
 
 import json
 
+import numpy as np
 import pytest
 
-from mr_sim.reference import MapReferenceError, add_to_reference, load_reference, reference_path
+from mr_sim.measures import OccupancyMap
+from mr_sim.reference import MapReferenceError, Reference, error_of_map, load_reference, reference_path, write_reference
+
+CELLS = {seed: 1000 + seed for seed in range(11)}
 
 
-def test_missions_are_added_and_their_median_is_kept(tmp_path):
+def reference(**changes):
+    return Reference(**{"world": "flat", "resolution": 0.05, "slam": "mrpt", "host": "here", "code": "c0de",
+                        "free_cells": CELLS, **changes})  # fmt: skip
+
+
+def map_of(free_cells, resolution=0.05):
+    return OccupancyMap(np.zeros((1, free_cells), np.int8), resolution)
+
+
+def test_what_is_written_is_read(tmp_path):
     world = tmp_path / "flat.world"
     assert load_reference(world) is None
-    for seed, cells in ((1, 1000), (2, 1100), (3, 1010)):
-        reference = add_to_reference(world, seed, cells, 0.05, "mr_sim")
-    assert reference == load_reference(world)
-    assert reference.median == 1010 and not reference.is_sufficient
-    assert reference_path(world).name == "flat.reference.json"
+    write_reference(world, reference(free_cells={7: 1}))
+    assert write_reference(world, reference()) == reference_path(world) == tmp_path / "flat.reference.json"
+    assert load_reference(world) == reference() and reference().median == 1005 and reference().is_sufficient
     document = json.loads(reference_path(world).read_text())
-    assert document["median"] == 1010 and document["missions"][0] == {"seed": 1, "free_cells": 1000}
+    assert document["median"] == 1005 and document["missions"][0] == {"seed": 0, "free_cells": 1000}
     assert list(tmp_path.iterdir()) == [reference_path(world)]
 
 
-def test_same_seed_replaces_and_ten_suffice(tmp_path):
-    world = tmp_path / "flat.world"
-    for seed in (*range(10), 0):
-        reference = add_to_reference(world, seed, 1000 + seed, 0.05, "mr_sim")
-    assert len(reference.free_cells) == 10 and reference.is_sufficient
+def test_error_is_taken_against_the_median(tmp_path):
+    write_reference(tmp_path / "flat.world", reference())
+    error, reason = error_of_map(tmp_path / "flat.world", map_of(2010), "mrpt", "here")
+    assert (error, reason) == (pytest.approx(100.0), "")
 
 
-def test_what_cannot_be_compared_is_refused(tmp_path):
-    world = tmp_path / "flat.world"
-    add_to_reference(world, 1, 1000, 0.05, "mr_sim")
-    with pytest.raises(MapReferenceError, match="cannot be compared"):
-        add_to_reference(world, 2, 1000, 0.1, "mr_sim")
-    with pytest.raises(MapReferenceError, match="cannot be compared"):
-        add_to_reference(world, 2, 1000, 0.05, "gmapping")
-    with pytest.raises(MapReferenceError, match="more than 0 free cells"):
-        add_to_reference(world, 2, 0, 0.05, "mr_sim")
+@pytest.mark.parametrize(
+    "changes, reason",
+    [
+        ({"host": "elsewhere"}, "of another host: elsewhere, not here"),
+        ({"slam": "gmapping"}, "with gmapping at 0.05 m"),
+        ({"resolution": 0.1}, "with mrpt at 0.1 m"),
+        ({"free_cells": {1: 1000}}, "only 1 of 10"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused_in_words(tmp_path, changes, reason):
+    write_reference(tmp_path / "flat.world", reference(**changes))
+    error, told = error_of_map(tmp_path / "flat.world", map_of(1005), "mrpt", "here")
+    assert error is None and reason in told
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"world": "x", "resolution": 0.05, "slam": "y", "missions": []}'])
-def test_broken_reference(tmp_path, text):
+@pytest.mark.parametrize(
+    "text, reason",
+    [
+        ("", "Expecting value"),
+        ("[]", "indices"),
+        ("{}", "'missions' is missing"),
+        ('{"world": "x", "resolution": 0.05, "slam": "y", "missions": []}', "'host' is missing"),
+        ('{"world": "x", "resolution": 0.05, "slam": "y", "host": "z", "code": "", "missions": []}', "no missions"),
+    ],
+)
+def test_broken_reference(tmp_path, text, reason):
     world = tmp_path / "flat.world"
     reference_path(world).write_text(text)
-    with pytest.raises(MapReferenceError, match=r"flat\.reference\.json"):
+    with pytest.raises(MapReferenceError, match=rf"flat\.reference\.json.*{reason}"):
         load_reference(world)
