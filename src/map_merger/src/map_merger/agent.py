@@ -2,13 +2,14 @@
 
 import math
 from collections import deque
-from typing import Deque, Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
+from typing import Deque, Dict, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
 from . import fusion
 from .alignment import Job, LandmarkCache, Member, Versioned
 from .effects import (
+    GROUP_PREFIX,
     AskNeighbors,
     BroadcastTransforms,
     Effect,
@@ -19,21 +20,18 @@ from .effects import (
     PublishTrack,
     Purpose,
     Register,
-    SaveDebugImages,
     Send,
 )
-from .exchange import MOST_MAP_CELLS, MapSender
-from .grid import Grid, GridError, GridInfo, empty_grid
+from .exchange import Exchange
+from .grid import Grid, GridInfo
 from .messages import Anchor, Boot, Payload, Position, Request, Tile
 from .options import Options
-from .peer import HeardPose, Peer, Retry, Track
+from .peer import HeardPose, Peer, Track
 from .registration import Limits, Prior, Registration, Verdict
 from .sighting import LONGEST_LAG_S, LONGEST_MAP_LAG_S, Sighting, View, moved, nowhere, view_of
+from .timer import Timer
 from .transform import FARTHEST_M, Transform, rotation_between
 
-MOST_ROBOTS = 64
-MOST_STORED_CELLS = 40_000_000
-"""Cells of the maps of all other robots together (200 MB); what goes beyond is not taken."""
 NEIGHBOR_QUESTION_S = 5.0
 """Seconds after the start at which the neighbours are asked for (contract 2.4)."""
 TRANSFORM_PERIOD_S = 0.5
@@ -42,6 +40,9 @@ SHORTEST_PUBLISH_S = 1.0
 SHORTEST_VIEW_S = 1.0
 """Another robot's map, which comes in parts, is looked at this often for the own robot."""
 POSITION_AGE_S = 30.0
+BASE_LOST_S = 60.0
+"""A base station that has merged nothing takes another reference when the present one is lost, or without map, for so
+long."""
 MOST_MARKERS = 500
 MOST_POSES = 32
 """Own poses of the last seconds that are kept."""
@@ -62,23 +63,6 @@ class LogFigures(NamedTuple):
     transforms: int
 
 
-class _Timer:
-    """Fires at most once per period; a clock that jumps back restarts it."""
-
-    def __init__(self, period: float, first: float = 0.0) -> None:
-        self.period = period
-        self._due: Optional[float] = None
-        self._first = first
-
-    def fires(self, now: float) -> bool:
-        if self._due is None or self._due - now > self.period + self._first + 1.0:
-            self._due = now + self._first
-        if now < self._due:
-            return False
-        self._due = now + self.period
-        return True
-
-
 class Agent:
     """One robot's map merger. Every `on_...` call and `tick` takes the present time in seconds; then collect
     `effects()`."""
@@ -87,13 +71,15 @@ class Agent:
         """`boot` names this run (see messages.Boot)."""
         self._options = options
         self.name = options.robot_name
-        self._sender = MapSender(self.name, options.split_size if options.splitted else None, boot)
+        self.exchange = Exchange(options, boot)
+        """The own map's way to others and theirs to here; for reading."""
         self._peers: Dict[str, Peer] = {}
         self._effects: List[Effect] = []
         self._local: Optional[Grid] = None
         self._local_version = 0
         self._global: Optional[Grid] = None
         self._base: Optional[str] = None
+        self._base_lost: Optional[float] = None
         self._own_pose: Optional[Transform] = None
         self._own_track = Track()
         self._own_poses: Deque[Tuple[float, Transform]] = deque(maxlen=MOST_POSES)
@@ -103,22 +89,15 @@ class Agent:
         self._cache = LandmarkCache()
         self._registering = False
         self._sends = 0
-        self._outstanding: Set[Purpose] = set()
-        self._undelivered: Set[int] = set()
-        self._announced = False
-        self._resend = Retry(float(options.seconds_send_timer), 60.0)
+        self._position_outstanding = False
         self._warned: Set[Tuple[str, str]] = set()
-        self._sent_before: Optional[Grid] = None
         self._changed_local, self._changed_foreign = False, False
         self._asked_neighbors = False
-        self._publish_timer = _Timer(options.seconds_pub_timer, options.seconds_pub_timer)
-        self._local_timer = _Timer(SHORTEST_PUBLISH_S)
-        self._send_timer = _Timer(options.seconds_send_timer)
-        self._position_timer = _Timer(options.seconds_send_position)
-        self._anchor_timer = _Timer(options.seconds_meta_timer, options.seconds_meta_timer)
-        self._transform_timer = _Timer(TRANSFORM_PERIOD_S)
-        self._repair_timer = _Timer(1.0)
-        self._question_timer = _Timer(NEIGHBOR_QUESTION_S, NEIGHBOR_QUESTION_S)
+        self._publish_timer = Timer(options.seconds_pub_timer, options.seconds_pub_timer)
+        self._local_timer = Timer(SHORTEST_PUBLISH_S)
+        self._position_timer = Timer(options.seconds_send_position)
+        self._transform_timer = Timer(TRANSFORM_PERIOD_S)
+        self._question_timer = Timer(NEIGHBOR_QUESTION_S, NEIGHBOR_QUESTION_S)
 
     # What comes in
 
@@ -126,12 +105,8 @@ class Agent:
         """The local SLAM map changed. Ignored in base station mode."""
         if not self._options.has_local_map:
             return
-        try:
-            self._sender.set_map(grid)
-        except GridError as error:
-            self._warn(f"local map ignored: {error}")
-            return
-        self._set_local(grid, now)
+        if self.exchange.on_local_map(grid):
+            self._set_local(grid, now)
 
     def on_local_pose(self, pose: Transform, now: float) -> None:
         """The robot's pose in its map frame."""
@@ -141,87 +116,50 @@ class Agent:
 
     def on_robot(self, name: str, now: float, returned: bool = False) -> None:
         """A robot is there. `returned`: the radio announced it anew (new_robot), so what was sent last may be lost."""
-        known = name in self._peers
-        peer = self._peer(name)
-        if peer is None:
-            return
-        was_present, peer.present = peer.present, True
-        if known and (returned or not was_present):
-            peer.retry.progress()
-            self._answer(peer, self._sender.last())
+        self.exchange.on_robot(name, now, returned)
+        self._peer(name)
 
     def on_robot_lost(self, name: str, now: float) -> None:
         """The radio lost the robot. Its map and transform stay."""
-        if name in self._peers:
-            self._peers[name].present = False
+        self.exchange.on_robot_lost(name)
 
     def on_anchor(self, anchor: Anchor, now: float) -> None:
         """A robot announced its anchor."""
-        peer = self._peer(anchor.robot)
-        if peer is None:
-            return
-        if peer.map.set_anchor(anchor, self._room_for(peer)):
-            peer.restart()
-            self._note(f"{peer.name} restarted: its former map and transform are dropped")
-            if peer.name == self._base:
-                self._forget_frame()
-        peer.retry.progress()
-        self._changed_foreign = True
-        self._adopt_base(peer, now)
+        self.exchange.on_anchor(anchor, now)
+        self._follow(anchor.robot, now)
 
     def on_tile(self, tile: Tile, now: float) -> None:
         """Map cells of another robot arrived."""
-        peer = self._peer(tile.robot)
-        if peer is None:
-            return
-        try:
-            changed = peer.map.add(tile, self._room_for(peer))
-        except GridError as error:
-            self._warn(f"map update of {peer.name} ignored: {error}")
-            return
-        peer.retry.progress()
-        if changed:
-            self._changed_foreign = True
-            self._adopt_base(peer, now)
+        self.exchange.on_tile(tile, now)
+        self._follow(tile.robot, now)
 
     def on_request(self, request: Request, now: float) -> None:
         """A robot asks for updates: none listed = everything, first one -1 = ignore (contract 2.4)."""
-        peer = self._peer(request.robot)
-        if peer is None or (request.numbers and request.numbers[0] == -1):
-            return
-        self._answer(
-            peer,
-            self._sender.again(request.numbers) if request.numbers else self._sender.everything(),
-            always=not request.numbers,
-        )
+        self.exchange.on_request(request, now)
 
     def on_position(self, position: Position, now: float) -> None:
         """A robot told its pose."""
         peer = self._peer(position.robot)
         if peer is None or not self._options.exchange_position:
             return
+        self.exchange.on_heard(peer.name)
         peer.position = HeardPose(position.pose, now)
         peer.track.add(position.pose.x, position.pose.y, now)
         self._look_for(peer, now)
 
-    def on_sent(self, send: Send, delivered: bool, now: float, too_large: Optional[Tile] = None) -> None:
-        """The host finished a Send. `too_large`: the tile that the radio refused for its size."""
-        if too_large is not None:
-            self._halve(too_large)
-        if send.purpose in (Purpose.ANSWER, Purpose.REQUEST):
-            peer = self._peers.get(send.destination)
-            if peer is not None and send.purpose is Purpose.ANSWER:
-                peer.answering = False
-            return
-        self._outstanding.discard(send.purpose)
-        if send.purpose is Purpose.CHANGES:
-            numbers = [number for payload in send.payloads if isinstance(payload, Tile) for number in payload.numbers]
-            if delivered:
-                self._announced = True
-                self._undelivered.difference_update(numbers)
-                self._resend.progress()
-            else:
-                self._undelivered.update(numbers)
+    def on_sent(
+        self,
+        send: Send,
+        delivered: bool,
+        now: float,
+        too_large: Optional[Tile] = None,
+        undelivered: Sequence[Payload] = (),
+    ) -> None:
+        """The host finished a Send; see `Exchange.on_sent`."""
+        if send.purpose is Purpose.POSITION:
+            self._position_outstanding = False
+        else:
+            self.exchange.on_sent(send, delivered, now, too_large, undelivered)
 
     def on_registered(self, effect: Register, result: Registration, now: float) -> None:
         """The host finished a registration."""
@@ -258,14 +196,13 @@ class Agent:
         if not self._asked_neighbors and self._question_timer.fires(now):
             self._asked_neighbors = True
             self._effects.append(AskNeighbors())
-        if self._options.has_local_map and self._send_timer.fires(now):
-            self._send_changes(now)
-        if self._anchor_timer.fires(now):
-            self._send_anchor()
+        self.exchange.tick(now)
         if self._options.exchange_position and self._position_timer.fires(now):
             self._send_position(now)
-        if self._repair_timer.fires(now):
-            self._request_missing(now)
+        for name in self.exchange.robots():
+            self._follow(name, now)
+        if self._base is not None:
+            self._reconsider_base(self._base, now)
         self._start_registration(now)
         self._publish(now)
         if self._transform_timer.fires(now):
@@ -273,7 +210,7 @@ class Agent:
 
     def effects(self) -> List[Effect]:
         """What is to be done since the last call."""
-        effects, self._effects = self._effects, []
+        effects, self._effects = self.exchange.effects() + self._effects, []
         return effects
 
     # What others ask
@@ -321,103 +258,71 @@ class Agent:
             0 if self._local is None else int(self._local.free.sum()),
             pose.x,
             pose.y,
-            self._sender.updates,
+            self.exchange.updates,
             len(self.transforms()),
         )
 
-    # Exchange
+    # Robots
 
     def _peer(self, name: str) -> Optional[Peer]:
-        if not name or name == self.name:
+        if not self.exchange.meet(name):
             return None
         if name not in self._peers:
-            if len(self._peers) >= MOST_ROBOTS:
-                self._warn(f"{name} ignored: there are {MOST_ROBOTS} robots already")
-                return None
             self._peers[name] = Peer(name)
-            self._note(f"{name} is new")
         return self._peers[name]
 
-    def _room_for(self, peer: Peer) -> int:
-        """Cells that the map of the robot may have."""
-        others = sum(other.map.stored for other in self._peers.values() if other is not peer)
-        return min(MOST_MAP_CELLS, MOST_STORED_CELLS - others)
-
-    def _send(self, purpose: Purpose, destination: str, payloads: Iterable[Payload]) -> None:
-        self._sends += 1
-        self._effects.append(Send(self._sends, purpose, destination, tuple(payloads)))
-
-    def _group_send(self, purpose: Purpose, payloads: Iterable[Payload]) -> None:
-        self._outstanding.add(purpose)
-        self._send(purpose, f"mc_{self.name}", payloads)
-
-    def _send_changes(self, now: float) -> None:
-        anchor = self._sender.anchor()
-        if anchor is None or Purpose.CHANGES in self._outstanding:
+    def _follow(self, name: str, now: float) -> None:
+        """Takes over what changed in the map of a robot."""
+        peer, run, version = self._peer(name), self.exchange.run_of(name), self.exchange.version_of(name)
+        if peer is None or version == peer.version:
             return
-        try:
-            tiles = self._sender.changes()
-        except GridError as error:
-            self._warn_once("sending", self.name, f"local map not sent: {error}")
-            return
-        if tiles and self._options.debug and self._local is not None:
-            before = self._sent_before or empty_grid(self._local.info)
-            self._effects.append(SaveDebugImages(self._local, before))
-            self._sent_before = self._local
-        if self._undelivered and self._resend.ready(now):
-            tiles += self._sender.again(self._undelivered)
-        if tiles:
-            payloads: List[Payload] = [] if self._announced else [anchor]
-            self._group_send(Purpose.CHANGES, payloads + list(tiles))
-
-    def _halve(self, refused: Tile) -> None:
-        rows, columns = refused.cells.shape
-        size = f"a piece of the map of {rows} x {columns} cells is larger than adhoc_communication sends"
-        if self._sender.halve(refused):
-            self._resend.progress()
-            self._warn_once("halving", self.name, f"{size}: pieces are halved until they fit; see max_packet_size")
-        else:
-            self._warn_once("refused", self.name, f"{size}, and is not cut further: raise max_packet_size")
-
-    def _send_anchor(self) -> None:
-        anchor = self._sender.anchor()
-        if anchor is not None and self._peers and Purpose.ANCHOR not in self._outstanding:
-            self._group_send(Purpose.ANCHOR, [anchor])
+        peer.version = version
+        self._changed_foreign = True
+        if run != peer.run:
+            if peer.run:
+                peer.restart()
+                if name == self._base:
+                    self._forget_frame()
+            peer.run = run
+        self._adopt_base(peer, now)
 
     def _send_position(self, now: float) -> None:
-        if self._own_pose is not None and self._options.has_local_map and Purpose.POSITION not in self._outstanding:
-            self._group_send(Purpose.POSITION, [Position(self.name, self._own_pose)])
+        if self._own_pose is not None and self._options.has_local_map and not self._position_outstanding:
+            self._sends += 1
+            self._position_outstanding = True
+            position = Position(self.name, self._own_pose)
+            self._effects.append(Send(self._sends, Purpose.POSITION, GROUP_PREFIX + self.name, (position,)))
         places = tuple(self._places(now))
         self._effects.append(PublishPositions(places))
         self._effects.append(PublishTrack(self.name, self._own_track.points()[-MOST_MARKERS:]))
         for name, transform in self._transforms_with_base().items():
             self._effects.append(PublishTrack(name, transform.apply(self._peers[name].track.points()[-MOST_MARKERS:])))
 
-    def _answer(self, peer: Peer, tiles: List[Tile], always: bool = False) -> None:
-        anchor = self._sender.anchor()
-        if anchor is None or peer.answering or not (tiles or always):
-            return
-        peer.answering = True
-        payloads: List[Payload] = [anchor]
-        self._send(Purpose.ANSWER, peer.name, payloads + list(tiles))
-
-    def _request_missing(self, now: float) -> None:
-        for peer in self._peers.values():
-            wanted = peer.map.wanted()
-            if wanted is not None and peer.present and peer.retry.ready(now):
-                self._send(Purpose.REQUEST, peer.name, [Request(self.name, wanted)])
-
     # Base station
 
     def _adopt_base(self, peer: Peer, now: float) -> None:
         if self._options.has_local_map:
             return
-        if self._base is None:
+        grid = self.exchange.map_of(peer.name)
+        if self._base is None and grid is not None:
             self._base = peer.name
             self._note(f"base station: the map of {peer.name} is the reference")
-        grid = peer.map.grid()
         if self._base == peer.name and grid is not None:
             self._set_local(grid, now)
+
+    def _reconsider_base(self, base: str, now: float) -> None:
+        if self.transforms() or (self.exchange.present(base) and self.exchange.map_of(base) is not None):
+            self._base_lost = None
+            return
+        if self._base_lost is None or now < self._base_lost:
+            self._base_lost = now
+        others = [name for name in self.exchange.robots() if name != base and self.exchange.present(name)]
+        others = [name for name in others if self.exchange.map_of(name) is not None]
+        if others and now - self._base_lost >= BASE_LOST_S:
+            self._note(f"base station: {base}, whose map was the reference, is lost")
+            self._base, self._base_lost = None, None
+            self._forget_frame()
+            self._adopt_base(self._peers[others[0]], now)
 
     def _forget_frame(self) -> None:
         """The reference robot has a new frame, so no transform into the former one and nothing drawn in it holds."""
@@ -460,9 +365,9 @@ class Agent:
     def _look_through(self, peer: Peer, grid: Grid, now: float) -> None:
         """Keeps what the other robot's map shows together with the places where the own robot was just before."""
         soon = 0.0 <= now - peer.viewed_at < SHORTEST_VIEW_S
-        if soon or peer.viewed == peer.map.version or peer.alignment.transform is not None:
+        if soon or peer.viewed == self.exchange.version_of(peer.name) or peer.alignment.transform is not None:
             return
-        peer.viewed, peer.viewed_at = peer.map.version, now
+        peer.viewed, peer.viewed_at = self.exchange.version_of(peer.name), now
         view = view_of(grid, None if peer.position is None else peer.position.pose)
         for time, pose in self._own_poses:
             if 0.0 <= now - time <= LONGEST_MAP_LAG_S:
@@ -475,7 +380,7 @@ class Agent:
             return
         target = Versioned((self.name, self._local_version), self._local)
         for peer in sorted(self._peers.values(), key=lambda peer: peer.alignment.started_before(now)):
-            grid = peer.map.grid()
+            grid = self.exchange.map_of(peer.name)
             if grid is None or peer.name == self._base:
                 continue
             self._look_through(peer, grid, now)
@@ -484,17 +389,20 @@ class Agent:
                 period = self._options.seconds_recompute_transform
                 if period < 0:
                     continue
-            source = Versioned((peer.name, peer.generation, peer.map.version), grid)
+            source = self._versioned(peer, grid)
             if peer.alignment.due(now, target, source):
                 peer.alignment.started(now, target, source, period)
                 self._registering = True
                 self._effects.append(Register(self._job(peer, target, source), peer.generation))
                 return
 
+    def _versioned(self, peer: Peer, grid: Grid) -> Versioned:
+        return Versioned((peer.name, peer.generation, self.exchange.version_of(peer.name)), grid)
+
     def _job(self, peer: Peer, target: Versioned, source: Versioned) -> Job:
         team = tuple(
-            Member(Versioned((other.name, other.generation, other.map.version), grid), other.alignment.transform)
-            for other, grid in ((other, other.map.grid()) for _, other in sorted(self._peers.items()))
+            Member(self._versioned(other, grid), other.alignment.transform)
+            for other, grid in ((other, self.exchange.map_of(other.name)) for _, other in sorted(self._peers.items()))
             if other is not peer and grid is not None and other.alignment.transform is not None
         )
         return Job(
@@ -523,7 +431,7 @@ class Agent:
             other
             for other in self._peers.values()
             if other.name not in (peer.name, self._base)
-            and (other.position is not None or other.map.grid() is not None)
+            and (other.position is not None or self.exchange.map_of(other.name) is not None)
         ]
         tracks = [
             moved(other.track.timed_points(), other.alignment.proposed)
@@ -563,7 +471,7 @@ class Agent:
         layers = {name: self._layer(self._peers[name], transforms[name], local) for name in order}
         fitting = fusion.fitting(local, [layer for layer in layers.values() if layer is not None])
         for name, layer in layers.items():
-            if self._peers[name].map.grid() is not None and not any(layer is each for each in fitting):
+            if self.exchange.map_of(name) is not None and not any(layer is each for each in fitting):
                 self._warn_once(
                     "drawing",
                     name,
@@ -573,11 +481,11 @@ class Agent:
         return fusion.fused(local, fitting)
 
     def _layer(self, peer: Peer, transform: Transform, local: Grid) -> Optional[fusion.Layer]:
-        grid = peer.map.grid()
+        grid = self.exchange.map_of(peer.name)
         if grid is None:
             return None
         lattice = (local.info.resolution, local.info.origin)
-        key: tuple = (peer.generation, peer.map.version, lattice)
+        key: tuple = (peer.generation, self.exchange.version_of(peer.name), lattice)
         if peer.name in self._layers:
             (*known, drawn_at), layer = self._layers[peer.name]
             if tuple(known) == key and _nearly(drawn_at, transform):

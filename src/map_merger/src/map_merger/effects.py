@@ -11,9 +11,12 @@ from .grid import Grid
 from .messages import Payload
 from .transform import Transform
 
+GROUP_PREFIX = "mc_"
+"""Group names of adhoc_communication begin with it."""
+
 
 class Purpose(Enum):
-    """Why something is sent."""
+    """Why something is sent. What has different purposes does not wait for one another: each is a lane of its own."""
 
     CHANGES = "changes"
     ANSWER = "answer"
@@ -24,12 +27,21 @@ class Purpose(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Send:
-    """Send the payloads in order to a robot or group; stop at the first that fails. Report with `Agent.on_sent`."""
+    """Send the payloads in order to a robot or group. Report with `Agent.on_sent`, with those that were not delivered.
+
+    To a robot: stop at the first that fails; it and the rest were not delivered. To a group, whose members have
+    different luck: each payload stands by itself, so go on with the next.
+    """
 
     number: int
     purpose: Purpose
     destination: str
     payloads: Tuple[Payload, ...]
+
+    @property
+    def to_group(self) -> bool:
+        """True if the destination is a group of robots."""
+        return self.destination.startswith(GROUP_PREFIX)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ resolution) in the frame of the grid's corner, x along the columns and y along t
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Iterable, Iterator, Tuple
 
 import numpy as np
@@ -62,6 +62,11 @@ class Box:
     left: int
     bottom: int
     right: int
+
+    @property
+    def edges(self) -> Tuple[int, int, int, int]:
+        """(top, left, bottom, right)."""
+        return self.top, self.left, self.bottom, self.right
 
     @property
     def area(self) -> int:
@@ -263,83 +268,3 @@ def union_of(boxes: Iterable[Box]) -> Box:
     for box in boxes:
         result = result.union(box)
     return result
-
-
-class Canvas:
-    """A map on an unbounded lattice: cells are written at any offset from the anchor's corner.
-
-    A stamped canvas also remembers with which stamp each cell was written, and leaves newer cells alone.
-    """
-
-    def __init__(self, anchor: GridInfo, stamped: bool = False) -> None:
-        self.anchor = replace(anchor, width=0, height=0)
-        self._box = EMPTY_BOX
-        self._cells = np.empty((0, 0), np.int8)
-        self._stamps = np.empty((0, 0), np.int32) if stamped else None
-
-    @property
-    def stored(self) -> int:
-        """Number of cells that take memory."""
-        return self._box.area
-
-    def write_known(self, top: int, left: int, cells: np.ndarray, most: int, stamp: int = 0) -> Box:
-        """Writes the known cells at the offset; returns the box of cells whose value changed.
-
-        GridError if more than `most` cells would be stored.
-        """
-        known = bounding_box(cells != UNKNOWN)
-        if known.empty:
-            return EMPTY_BOX
-        cells = cells[known.slices()]
-        target = known.shifted(top, left)
-        self._reserve(target, most)
-        place = target.shifted(-self._box.top, -self._box.left).slices()
-        view, written = self._cells[place], cells != UNKNOWN
-        if self._stamps is not None:
-            written &= self._stamps[place] <= stamp
-            self._stamps[place][written] = stamp
-        changed = written & (cells != view)
-        np.copyto(view, cells, where=changed)
-        return bounding_box(changed).shifted(target.top, target.left) if changed.any() else EMPTY_BOX
-
-    def read(self, box: Box) -> np.ndarray:
-        """Copy of the cells of the box, unknown where nothing was written."""
-        result = np.full(box.shape, UNKNOWN, np.int8)
-        inside = box.intersection(self._box)
-        if not inside.empty:
-            result[inside.shifted(-box.top, -box.left).slices()] = self._cells[
-                inside.shifted(-self._box.top, -self._box.left).slices()
-            ]
-        return result
-
-    def known_box(self) -> Box:
-        """Smallest box around the known cells."""
-        box = bounding_box(self._cells != UNKNOWN)
-        return box if box.empty else box.shifted(self._box.top, self._box.left)
-
-    def grid(self) -> Grid:
-        """Snapshot of the known part."""
-        box = self.known_box()
-        return Grid(window(self.anchor, box), self.read(box))
-
-    def _reserve(self, target: Box, most: int) -> None:
-        if self._box.contains(target):
-            return
-        # Whole blocks, so that a growing map is not copied for every new row.
-        box = self._box.union(target.aligned(64))
-        if box.area > most:
-            rows, columns = box.shape
-            raise GridError(
-                f"a tile at row {target.top}, column {target.left} would make the map {columns} x {rows} cells, and "
-                f"there is room for {most}"
-            )
-        self._cells = self._moved(self._cells, box, UNKNOWN)
-        if self._stamps is not None:
-            self._stamps = self._moved(self._stamps, box, 0)
-        self._box = box
-
-    def _moved(self, store: np.ndarray, box: Box, filler: int) -> np.ndarray:
-        result = np.full(box.shape, filler, store.dtype)
-        if not self._box.empty:
-            result[self._box.shifted(-box.top, -box.left).slices()] = store
-        return result

@@ -6,7 +6,6 @@ from typing import NamedTuple, Optional
 import numpy as np
 
 from .alignment import Alignment
-from .exchange import PeerMap
 from .sighting import Views
 from .transform import Transform
 
@@ -41,27 +40,6 @@ class Track:
         return self.timed_points()[:, :2]
 
 
-class Retry:
-    """Spaces repeated requests: the pause doubles from `first` to `longest` seconds until there is progress."""
-
-    def __init__(self, first: float, longest: float) -> None:
-        self._first, self._longest = first, max(first, longest)
-        self._pause = first
-        self._due = -math.inf
-
-    def ready(self, now: float) -> bool:
-        """True once a pause has passed or the clock has jumped back; starts the next, longer pause."""
-        if now < self._due <= now + self._longest:
-            return False
-        self._due = now + self._pause
-        self._pause = min(2.0 * self._pause, self._longest)
-        return True
-
-    def progress(self) -> None:
-        """Something arrived: the next pauses are short again."""
-        self._pause = self._first
-
-
 class HeardPose(NamedTuple):
     """A pose in the robot's frame and when it was heard (own clock, s)."""
 
@@ -70,11 +48,10 @@ class HeardPose(NamedTuple):
 
 
 class Peer:
-    """Another robot: its map, its transform, its track, and what is being exchanged with it."""
+    """Another robot: its transform, its track, and what was seen of it. Its map is the exchange's."""
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self.map = PeerMap(name)
         self.alignment = Alignment()
         self.track = Track()
         self.position: Optional[HeardPose] = None
@@ -85,10 +62,11 @@ class Peer:
         self.viewed = -1
         """Version of the robot's map that was looked at last, and when (own clock, s)."""
         self.viewed_at = -math.inf
-        self.present = True
-        self.answering = False
+        self.run = 0
+        """Run of the robot (Exchange.run_of) whose frame all this is about."""
+        self.version = 0
+        """Version of the robot's map (Exchange.version_of) that was taken over last."""
         self.generation = 0
-        self.retry = Retry(2.0, 30.0)
 
     def restart(self) -> None:
         """The robot's frame is a new one."""

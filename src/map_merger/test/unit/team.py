@@ -7,6 +7,7 @@ from typing import Callable, Dict, List
 import numpy as np
 
 from map_merger.agent import Agent
+from map_merger.delivery import Delivery
 from map_merger.effects import (
     AskNeighbors,
     BroadcastTransforms,
@@ -68,9 +69,7 @@ class Team:
 
     def _carry_out(self, name, agent, effect):
         if isinstance(effect, Send):
-            large = [each for each in effect.payloads if isinstance(each, Tile) and each.cells.size > self.largest_tile]
-            too_large = large[0] if large else None
-            agent.on_sent(effect, not large and self._deliver(name, effect), self.now, too_large)
+            self._deliver(name, agent, effect)
         elif isinstance(effect, Register):
             self.jobs += 1
             agent.on_registered(effect, effect.job.run(), self.now)
@@ -87,20 +86,21 @@ class Team:
         elif isinstance(effect, SaveDebugImages):
             self.images.setdefault(name, []).append(effect)
 
-    def _deliver(self, sender, send):
-        group = send.destination.startswith("mc_")
-        receivers = [name for name in self.agents if name != sender] if group else [send.destination]
-        for payload in send.payloads:
+    def _deliver(self, sender, agent, send):
+        """A group send does not tell whom it missed."""
+        delivery = Delivery(send)
+        receivers = [name for name in self.agents if name != sender] if send.to_group else [send.destination]
+        while delivery.next is not None:
+            payload = delivery.next
+            if isinstance(payload, Tile) and payload.cells.size > self.largest_tile:
+                delivery.ended(False, too_large=True)
+                continue
             self.sends.append((self.now, sender, send.destination, payload))
-            missed = False
-            for receiver in receivers:
-                if receiver not in self.agents or self.lost(sender, receiver, payload):
-                    missed = True
-                    continue
+            heard = [name for name in receivers if name in self.agents and not self.lost(sender, name, payload)]
+            for receiver in heard:
                 take(self.agents[receiver], payload, self.now)
-            if missed and not group:
-                return False
-        return True
+            delivery.ended(send.to_group or bool(heard))
+        delivery.report(agent, self.now)
 
     def sent(self, kind, sender=None, destination=None):
         """Payloads of a kind that were sent."""

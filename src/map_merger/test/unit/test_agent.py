@@ -133,7 +133,7 @@ def test_pieces_that_are_too_large_to_be_sent_are_halved_and_that_is_said_once(m
     team.agents["robot_0"].on_local_map(maps[0].grid, team.now)
     team.run(40.0)
     assert max(rows * columns for rows, columns in cells_of(team, "robot_0")) > 500
-    assert known(team.agents["robot_1"]._peers["robot_0"].map.grid()) == known(maps[0].grid)
+    assert known(team.agents["robot_1"].exchange.map_of("robot_0")) == known(maps[0].grid)
     assert len([note for note in team.notes["robot_0"] if "max_packet_size" in note]) == 1
 
 
@@ -154,7 +154,7 @@ def test_an_answer_that_is_too_large_comes_in_smaller_pieces(maps):
     team.agents["robot_1"] = Agent(options("robot_1"), (1, 5))
     team.agents["robot_1"].on_robot("robot_0", team.now)
     team.run(60.0)
-    assert known(team.agents["robot_1"]._peers["robot_0"].map.grid()) == known(maps[0].grid)
+    assert known(team.agents["robot_1"].exchange.map_of("robot_0")) == known(maps[0].grid)
 
 
 def test_an_unknown_sender_is_added_and_asked_for_its_anchor():
@@ -477,7 +477,7 @@ def test_waiting_tiles_that_do_not_fit_do_not_hide_a_restart(maps):
 
 
 def test_all_maps_of_others_together_are_bounded(monkeypatch):
-    monkeypatch.setattr("map_merger.agent.MOST_STORED_CELLS", 3 * 64 * 64)
+    monkeypatch.setattr("map_merger.exchange.bounds.MOST_STORED_CELLS", 3 * 64 * 64)
     agent = Agent(options("robot_0"), (1, 0))
     for number in range(1, 5):
         robot = f"robot_{number}"
@@ -489,7 +489,7 @@ def test_all_maps_of_others_together_are_bounded(monkeypatch):
 
 def test_a_local_map_that_grows_too_large_to_be_sent_is_reported_once(monkeypatch):
     """It raised out of tick and ended the node."""
-    monkeypatch.setattr("map_merger.exchange.MOST_MAP_CELLS", 64 * 64)
+    monkeypatch.setattr("map_merger.exchange.bounds.MOST_MAP_CELLS", 64 * 64)
     team = team_of("robot_0")
     for size in (20, 100, 120):
         team.agents["robot_0"].on_local_map(square(size), team.now)

@@ -12,7 +12,6 @@ from map_merger.grid import (
     MAX_CELLS,
     UNKNOWN,
     Box,
-    Canvas,
     Grid,
     GridError,
     GridInfo,
@@ -154,29 +153,3 @@ def test_cropping_keeps_the_cells_in_place(box):
         if box.contains(Box(row, column, row + 1, column + 1)):
             assert part.cells[row - box.top, column - box.left] == cells[row, column]
     assert (part.cells != UNKNOWN).sum() == np.prod(box.intersection(full_box(grid.info)).shape)
-
-
-@given(st.lists(st.tuples(boxes, st.integers(0, 100)), min_size=1, max_size=6))
-def test_canvas_remembers_what_was_written_at_any_offset(writes):
-    canvas = Canvas(GridInfo(0, 0, 0.05))
-    reference = np.full((300, 300), UNKNOWN, np.int8)
-    for box, value in writes:
-        changed = canvas.write_known(box.top, box.left, np.full(box.shape, value, np.int8), MAX_CELLS)
-        view = reference[box.shifted(150, 150).slices()]
-        assert changed.empty == bool((view == value).all())
-        view[:] = value
-    whole = Box(-150, -150, 150, 150)
-    assert np.array_equal(canvas.read(whole), reference)
-    assert canvas.known_box() == bounding_box(reference != UNKNOWN).shifted(-150, -150)
-
-
-def test_canvas_skips_unknown_cells_and_refuses_absurd_offsets():
-    canvas = Canvas(GridInfo(0, 0, 0.05))
-    canvas.write_known(0, 0, np.array([[5, -1]], np.int8), MAX_CELLS)
-    assert canvas.write_known(0, 0, np.array([[-1, -1]], np.int8), MAX_CELLS).empty
-    assert canvas.read(Box(0, 0, 1, 2)).tolist() == [[5, -1]]
-    with pytest.raises(GridError, match="row 2000000"):
-        canvas.write_known(2000000, 2000000, np.zeros((1, 1), np.int8), MAX_CELLS)
-    assert canvas.stored == 64 * 64
-    with pytest.raises(GridError, match="room for 8000"):
-        canvas.write_known(0, 64, np.zeros((1, 1), np.int8), 8000)

@@ -12,7 +12,8 @@ import rospy
 from map_merger import ros_io
 from map_merger.agent import Agent, NoTransform
 from map_merger.alignment import outcome_of
-from map_merger.effects import AskNeighbors, Effect, Note, PublishMap, PublishPositions, Register, Send
+from map_merger.delivery import Delivery
+from map_merger.effects import AskNeighbors, Effect, Note, PublishMap, PublishPositions, Purpose, Register, Send
 from map_merger.grid import Grid, GridInfo
 from map_merger.messages import Boot, Tile
 from map_merger.options import Options
@@ -37,7 +38,7 @@ class MergerListener(Protocol):
 
 
 class _Sends:
-    """Sends one after the other, each payload when the one before has arrived."""
+    """Sends one after the other, each payload when the one before has ended."""
 
     def __init__(self, merger: Merger) -> None:
         self._merger = merger
@@ -52,27 +53,21 @@ class _Sends:
     def _begin(self) -> None:
         self._busy = bool(self._waiting)
         if self._busy:
-            self._deliver(self._waiting[0], 0)
+            self._deliver(Delivery(self._waiting[0]))
 
-    def _deliver(self, send: Send, index: int) -> None:
-        if index == len(send.payloads):
-            self._end(send, True, None)
+    def _deliver(self, delivery: Delivery) -> None:
+        payload = delivery.next
+        if payload is None:
+            self._waiting.popleft()
+            self._merger.do(lambda now: delivery.report(self._merger.agent, now))
+            self._begin()
             return
-        payload = send.payloads[index]
 
         def done(delivered: bool, reason: str) -> None:
-            if delivered:
-                self._deliver(send, index + 1)
-            else:
-                too_large = isinstance(payload, Tile) and ros_io.REFUSED_FOR_SIZE in reason
-                self._end(send, False, payload if too_large else None)  # type: ignore[arg-type]
+            delivery.ended(delivered, isinstance(payload, Tile) and ros_io.REFUSED_FOR_SIZE in reason)
+            self._deliver(delivery)
 
-        self._merger.transmit(send.destination, payload, done)
-
-    def _end(self, send: Send, delivered: bool, too_large: Tile | None) -> None:
-        self._waiting.popleft()
-        self._merger.do(lambda now: self._merger.agent.on_sent(send, delivered, now, too_large=too_large))
-        self._begin()
+        self._merger.transmit(delivery.send.destination, payload, done)
 
 
 class Merger:
@@ -86,7 +81,7 @@ class Merger:
         self._options = options
         self._agenda, self._radio, self._stopwatch = agenda, radio, stopwatch
         self._listener, self._clock = listener, clock
-        self._group_sends, self._sends = _Sends(self), _Sends(self)
+        self._sends = {purpose: _Sends(self) for purpose in Purpose}
         self._incoming = ros_io.incoming(options)
         self._pose_at = -POSE_PERIOD
         self._running = True
@@ -156,7 +151,7 @@ class Merger:
 
     def _carry_out(self, effect: Effect, now: float) -> None:
         if isinstance(effect, Send):
-            (self._group_sends if effect.destination.startswith("mc_") else self._sends).put(effect)
+            self._sends[effect.purpose].put(effect)
         elif isinstance(effect, Register):
             self._register(effect, now)
         elif isinstance(effect, PublishMap):

@@ -1,0 +1,124 @@
+"""What the own robot tells its group: the anchor, changes of the map, and again what was not delivered."""
+
+from typing import List, Optional, Sequence, Set
+
+from ..effects import GROUP_PREFIX, Effect, Note, Purpose, SaveDebugImages, Send
+from ..grid import Grid, GridError, empty_grid
+from ..messages import Anchor, Boot, Payload, Tile
+from ..options import Options
+from ..timer import Timer
+from . import bounds
+from .retry import Retry
+from .sender import MapSender
+
+
+class Broadcast:
+    """At most one send of changes and one of the anchor are under way; the next waits for its end."""
+
+    def __init__(self, options: Options, boot: Boot) -> None:
+        self.sender = MapSender(options.robot_name, options.split_size if options.splitted else None, boot)
+        self._name = options.robot_name
+        self._debug = options.debug
+        self._local: Optional[Grid] = None
+        self._sent_before: Optional[Grid] = None
+        self._effects: List[Effect] = []
+        self._sends = 0
+        self._outstanding: Set[Purpose] = set()
+        self._undelivered: Set[int] = set()
+        self._announced = False
+        self._said: Set[str] = set()
+        self._retry = Retry(bounds.FIRST_PAUSE_S, bounds.LONGEST_RESEND_PAUSE_S)
+        self._changes_timer = Timer(options.seconds_send_timer)
+        self._repair_timer = Timer(bounds.REPAIR_PERIOD_S)
+        self._anchor_timer = Timer(options.seconds_meta_timer, options.seconds_meta_timer)
+
+    def on_local_map(self, grid: Grid) -> bool:
+        """The local map changed. False, and a warning, if it cannot be that of this run."""
+        try:
+            self.sender.set_map(grid)
+        except GridError as error:
+            self._effects.append(Note(f"local map ignored: {error}", warning=True))
+            return False
+        self._local = grid
+        return True
+
+    def on_sent(self, send: Send, undelivered: Sequence[Payload], too_large: Optional[Tile] = None) -> None:
+        """A send of this object ended; `undelivered`: those of its payloads that somebody missed."""
+        self._outstanding.discard(send.purpose)
+        if send.purpose is not Purpose.CHANGES:
+            return
+        missed = set(_numbers(undelivered))
+        self._undelivered.difference_update(_numbers(send.payloads))
+        self._undelivered.update(missed)
+        self._undelivered.difference_update(sorted(self._undelivered)[: -bounds.MOST_RESENT])
+        self._announced = self._announced or not any(isinstance(payload, Anchor) for payload in undelivered)
+        if len(missed) < len(set(_numbers(send.payloads))) or not undelivered:
+            self._retry.progress()
+        if too_large is not None:
+            self.halve(too_large)
+
+    def halve(self, refused: Tile) -> None:
+        """The tile was too large to be sent."""
+        rows, columns = refused.cells.shape
+        size = f"a piece of the map of {rows} x {columns} cells is larger than adhoc_communication sends"
+        if self.sender.halve(refused):
+            self._retry.at_once()
+            self._warn_once("halving", f"{size}: pieces are halved until they fit; see max_packet_size")
+        else:
+            self._warn_once("refused", f"{size}, and is not cut further: raise max_packet_size")
+
+    def tick(self, now: float, heard: bool) -> None:
+        """Sends what is due. `heard`: there are other robots."""
+        due = self._changes_timer.fires(now)
+        resend = self._repair_timer.fires(now) and bool(self._undelivered)
+        if (due or resend) and Purpose.CHANGES not in self._outstanding:
+            self._send_changes(now, due)
+        if self._anchor_timer.fires(now) and heard:
+            self._send_anchor()
+
+    def repeat_at_once(self) -> None:
+        """A robot is back: what was not delivered is sent again without a pause."""
+        self._retry.at_once()
+
+    def effects(self) -> List[Effect]:
+        """Sends and notes since the last call."""
+        effects, self._effects = self._effects, []
+        return effects
+
+    def _send_changes(self, now: float, news: bool) -> None:
+        tiles = self._news() if news else []
+        if self._undelivered and self._retry.ready(now):
+            tiles += self.sender.repeated(self._undelivered)
+        anchor = self.sender.anchor()
+        if tiles and anchor is not None:
+            self._send(Purpose.CHANGES, [*([] if self._announced else [anchor]), *tiles])
+
+    def _news(self) -> List[Tile]:
+        try:
+            tiles = self.sender.changes()
+        except GridError as error:
+            self._warn_once("sending", f"local map not sent: {error}")
+            return []
+        if tiles and self._debug and self._local is not None:
+            self._effects.append(SaveDebugImages(self._local, self._sent_before or empty_grid(self._local.info)))
+            self._sent_before = self._local
+        return tiles
+
+    def _send_anchor(self) -> None:
+        anchor = self.sender.anchor()
+        if anchor is not None and Purpose.ANCHOR not in self._outstanding:
+            self._send(Purpose.ANCHOR, [anchor])
+
+    def _send(self, purpose: Purpose, payloads: Sequence[Payload]) -> None:
+        self._sends += 1
+        self._outstanding.add(purpose)
+        self._effects.append(Send(self._sends, purpose, GROUP_PREFIX + self._name, tuple(payloads)))
+
+    def _warn_once(self, subject: str, text: str) -> None:
+        if subject not in self._said:
+            self._said.add(subject)
+            self._effects.append(Note(text, warning=True))
+
+
+def _numbers(payloads: Sequence[Payload]) -> List[int]:
+    return [number for payload in payloads if isinstance(payload, Tile) for number in payload.numbers]
