@@ -1,4 +1,8 @@
 from catkin_pkg.python_setup import generate_distutils_setup
 from setuptools import setup
 
-setup(**generate_distutils_setup(packages=["map_merger"], package_dir={"": "src"}))
+setup(
+    **generate_distutils_setup(
+        packages=["map_merger", "map_merger.benchmark", "map_merger.synthetic"], package_dir={"": "src"}
+    )
+)
