@@ -6,7 +6,7 @@ declines.
 """
 
 import math
-from typing import List, Optional
+from typing import List, NamedTuple, Optional, Tuple
 
 import cv2
 import numpy as np
@@ -17,7 +17,6 @@ from .search import Prior
 from .surface import Landmarks
 from .transform import Transform
 
-_LARGEST_MATCH_DISTANCE = 60
 _SCALE_TOLERANCE = 0.05
 _ROUNDS = 4
 
@@ -30,7 +29,7 @@ def register(
     prior: Optional[Prior] = None,
 ) -> Registration:
     """Finds the transform source -> target from ORB features, or declines."""
-    return choose(target, source, _proposals(target.grid, source.grid), criteria, limits, prior)
+    return choose(target, source, estimates(target.grid, source.grid, orb(), _ROUNDS), criteria, limits, prior)
 
 
 def image_of(grid: Grid) -> np.ndarray:
@@ -41,19 +40,29 @@ def image_of(grid: Grid) -> np.ndarray:
     return image
 
 
-def _proposals(target: Grid, source: Grid) -> List[Transform]:
-    """Transforms from repeated estimates, each on the matches that the earlier ones left over."""
-    detector = cv2.ORB_create(nfeatures=1500, fastThreshold=5)
-    target_keys, target_descriptors = detector.detectAndCompute(image_of(target), None)
-    source_keys, source_descriptors = detector.detectAndCompute(image_of(source), None)
-    if target_descriptors is None or source_descriptors is None:
-        return []
-    matches = cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True).match(source_descriptors, target_descriptors)
-    matches = [match for match in matches if match.distance <= _LARGEST_MATCH_DISTANCE]
-    here = _points(source, [source_keys[match.queryIdx].pt for match in matches])
-    there = _points(target, [target_keys[match.trainIdx].pt for match in matches])
+class Detector(NamedTuple):
+    """An OpenCV feature detector, and the largest Hamming distance of descriptors that may be the same."""
+
+    features: cv2.Feature2D
+    largest_distance: float
+
+
+def orb() -> Detector:
+    """ORB (Rublee et al. 2011)."""
+    return Detector(cv2.ORB_create(nfeatures=1500, fastThreshold=5), 60.0)
+
+
+def akaze() -> Detector:
+    """AKAZE (Alcantarilla et al. 2013)."""
+    return Detector(cv2.AKAZE_create(threshold=0.0005), 120.0)
+
+
+def estimates(target: Grid, source: Grid, detector: Detector, most: int) -> List[Transform]:
+    """At most `most` transforms source -> target, each from the matches that the earlier ones left over; those with a
+    scale near 1."""
+    here, there = _matches(target, source, detector)
     found: List[Transform] = []
-    for _ in range(_ROUNDS):
+    for _ in range(most):
         if len(here) < 4:
             break
         matrix, inliers = cv2.estimateAffinePartial2D(here, there, ransacReprojThreshold=0.2, maxIters=4000)
@@ -64,6 +73,18 @@ def _proposals(target: Grid, source: Grid) -> List[Transform]:
         outside = inliers.ravel() == 0
         here, there = here[outside], there[outside]
     return found
+
+
+def _matches(target: Grid, source: Grid, detector: Detector) -> Tuple[np.ndarray, np.ndarray]:
+    """Places (n, 2; m) in the source and in the target of key points that are each other's best match."""
+    target_keys, target_descriptors = detector.features.detectAndCompute(image_of(target), None)
+    source_keys, source_descriptors = detector.features.detectAndCompute(image_of(source), None)
+    if target_descriptors is None or source_descriptors is None:
+        return np.empty((0, 2)), np.empty((0, 2))
+    matches = cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True).match(source_descriptors, target_descriptors)
+    matches = [match for match in matches if match.distance <= detector.largest_distance]
+    here = _points(source, [source_keys[match.queryIdx].pt for match in matches])
+    return here, _points(target, [target_keys[match.trainIdx].pt for match in matches])
 
 
 def _points(grid: Grid, pixels: list) -> np.ndarray:

@@ -34,6 +34,8 @@ class Criteria:
 DEFAULT_CRITERIA = Criteria()
 PRIOR_CRITERIA = Criteria(matched=6.0, minor=1.5, plausible=0.6)
 """With a prior most rivals are excluded beforehand."""
+ONCE_CRITERIA = Criteria()
+"""For two maps alone."""
 STRONG_CRITERIA = Criteria(matched=40.0, minor=10.0, conflict=0.03)
 """Enough to be believed without a prior or a meeting: more than the walls of two rooms, which may have copies."""
 KEEP_CRITERIA = Criteria(matched=4.0, minor=1.0, conflict=0.2, explained=0.3)
@@ -128,6 +130,16 @@ def register(
     return choose(target, source, [candidate.transform for candidate in coarse], criteria, limits, prior)
 
 
+def register_once(
+    target: Landmarks, source: Landmarks, limits: Limits = UNLIMITED, prior: Optional[Prior] = None
+) -> Registration:
+    """`register` for two maps of which nothing else is or will be known: no meeting, no growth can confirm the result.
+
+    An exact copy of the place that both maps show cannot be told from the place itself.
+    """
+    return register(target, source, ONCE_CRITERIA if prior is None else PRIOR_CRITERIA, limits, prior)
+
+
 def choose(
     target: Landmarks,
     source: Landmarks,
@@ -137,7 +149,7 @@ def choose(
     prior: Optional[Prior],
 ) -> Registration:
     """Refines every start, ranks them by evidence and decides whether the best one can be believed."""
-    ranked = _ranked(target, source, starts)
+    ranked = ranked_by_evidence(target, source, starts)
     if not ranked:
         return Registration(Verdict.NO_CANDIDATE)
     _, transform = ranked[0]
@@ -161,7 +173,10 @@ def follow(target: Landmarks, source: Landmarks, transform: Transform) -> Tuple[
     return better, compare(target, source, better)
 
 
-def _ranked(target: Landmarks, source: Landmarks, starts: List[Transform]) -> List[Tuple[Evidence, Transform]]:
+def ranked_by_evidence(
+    target: Landmarks, source: Landmarks, starts: List[Transform]
+) -> List[Tuple[Evidence, Transform]]:
+    """Every start refined, and what speaks for it, the best first."""
     sample = subsample(source.surface, 500)
     result = []
     for start in starts:
