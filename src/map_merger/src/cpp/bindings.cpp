@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <tuple>
@@ -11,6 +12,7 @@
 
 #include "border.hpp"
 #include "comparison.hpp"
+#include "drawing.hpp"
 #include "refinement.hpp"
 #include "surface_index.hpp"
 
@@ -136,6 +138,32 @@ py::array_t<float> raster(const Doubles& points, const Pose& transform, std::pai
   return result;
 }
 
+using Cells = py::array_t<std::int8_t, py::array::c_style | py::array::forcecast>;
+using Six = std::array<double, 6>;
+using Four = std::array<std::int64_t, 4>;
+
+Affine to_affine(const Six& values) {
+  for (const double value : values) require(std::isfinite(value), "a mapping of cells is finite");
+  return {{values[0], values[1], values[2]}, {values[3], values[4], values[5]}};
+}
+
+py::array_t<std::int8_t> draw(const Cells& cells, const Six& to_source, const Six& to_target, const Four& part,
+                              const Four& box, bool all) {
+  require(cells.ndim() == 2, "cells need the shape (rows, columns)");
+  const MapCells source{cells.data(), cells.shape(0), cells.shape(1)};
+  const Window from{part[0], part[1], part[2], part[3]}, window{box[0], box[1], box[2], box[3]};
+  require(from.top >= 0 && from.left >= 0 && from.bottom <= source.rows && from.right <= source.columns,
+          "the part lies in the source");
+  require(window.top <= window.bottom && window.left <= window.right, "a box is not inverted");
+  const Affine back = to_affine(to_source), forth = to_affine(to_target);
+  py::array_t<std::int8_t> drawn({window.bottom - window.top, window.right - window.left});
+  std::int8_t* first = drawn.mutable_data();
+  py::gil_scoped_release release;
+  draw_under_centres(source, back, window, first);
+  draw_links(source, from, forth, all, window, first);
+  return drawn;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_surfaces, module) {
@@ -170,4 +198,9 @@ PYBIND11_MODULE(_surfaces, module) {
   module.def("border", &border, py::arg("obstacles"), py::arg("free"), py::arg("resolution"), py::arg("origin"),
              "Faces of the obstacle cells (n, 2: row, column) to free cells, bool (rows, columns): points and normals, "
              "float64 (m, 2), and the numbers of the cells they belong to, int64 (m,).");
+  module.def("draw", &draw, py::arg("cells"), py::arg("to_source"), py::arg("to_target"), py::arg("part"),
+             py::arg("box"), py::arg("all_walls"),
+             "int8 (rows, columns) of `box` (top, left, bottom, right): the value of the cell under each middle, and "
+             "the links of walls in `part` of the cells. to_source: (x0, x1, x2, y0, y1, y2) of column = x0 + x1 * c "
+             "+ x2 * r and row = y0 + y1 * c + y2 * r; to_target: its inverse.");
 }

@@ -41,3 +41,11 @@ def raster(
     shape: tuple[int, int],
     weight: float,
 ) -> np.ndarray: ...
+def draw(
+    cells: np.ndarray,
+    to_source: Sequence[float],
+    to_target: Sequence[float],
+    part: Sequence[int],
+    box: Sequence[int],
+    all_walls: bool,
+) -> np.ndarray: ...

@@ -1,0 +1,187 @@
+"""The global map of a robot: its local map and those of the others as one, on the lattice of the local map.
+
+State in, changes out: each change marks the tiles that it can touch, and `render` computes these anew. The map depends
+on what was set, not on the order. How cells are weighed is in `weighing`, which obstacles are robots in `ghosts`.
+"""
+
+from dataclasses import replace
+from enum import Enum
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+
+from . import ghosts, weighing
+from .board import Board, DirtyTiles
+from .drawing import whole_shift
+from .grid import EMPTY_BOX, UNKNOWN, Box, Grid, GridInfo, full_box, union_of, window
+from .layers import Layer, difference
+from .places import Places
+from .transform import Transform
+
+GROWTH_BLOCK = 20
+"""The global map grows beyond the local one by whole blocks of cells, so that its size does not change with every
+refinement."""
+MOST_GLOBAL_CELLS = 16_000_000
+"""Others' maps may not make the global map larger than this (200 m x 200 m of 0.05 m)."""
+
+
+class Policy(Enum):
+    """What the local map's known cells are worth. STRICT: they stay as they are, but for robots in them. EVIDENCE: they
+    count like those of any other map."""
+
+    STRICT = "strict"
+    EVIDENCE = "evidence"
+
+
+class Update(NamedTuple):
+    """A new global map, and the box of its cells that may differ from the one before."""
+
+    grid: Grid
+    changed: Box
+
+
+class GlobalMap:
+    """The maps, transforms and tracks of a team as one map. Grids that are passed in may not be changed afterwards."""
+
+    def __init__(self, name: str, policy: Policy = Policy.STRICT) -> None:
+        """`name`: the robot whose map the local one is."""
+        self._name, self._policy = name, policy
+        self._local: Optional[Grid] = None
+        self._at = EMPTY_BOX  # of the local map on the lattice, which counts from the corner of the first local map
+        self._lattice = GridInfo(0, 0, 1.0)
+        self._layers: Dict[str, Layer] = {}
+        self._places: Dict[str, Places] = {}
+        self._drawn: Tuple[str, ...] = ()
+        self._board, self._dirty = Board(), DirtyTiles()
+        self._published: Optional[Grid] = None
+
+    @property
+    def left_out(self) -> Tuple[str, ...]:
+        """Robots whose maps would have made the last rendered map larger than MOST_GLOBAL_CELLS, and are not in it."""
+        return tuple(name for name in sorted(self._layers) if name not in self._drawn)
+
+    def set_local(self, grid: Grid) -> None:
+        """The local map; it may grow to all sides. Another resolution, heading or a shift by a part of a cell draws
+        everything anew."""
+        before, shift = self._local, whole_shift(grid.info, self._lattice)
+        self._local = grid
+        relative = None if before is None else whole_shift(before.info, grid.info)
+        if before is None or shift is None or relative is None:
+            self._start_anew(grid)
+            return
+        self._at = full_box(grid.info).shifted(*shift)
+        self._mark(difference(before, grid, relative).shifted(*shift))
+
+    def set_layer(
+        self, name: str, source: Grid, version: object, transform: Transform, changed: Optional[Box] = None
+    ) -> None:
+        """The map of another robot; `transform`: its frame -> own frame. Nothing happens while `version` is the one
+        that was drawn and the transform hardly moved (drawing.STILL_M, STILL_RAD).
+
+        `changed`: the cells of the source that may differ from those of the version that was set before; None: the two
+        are compared. ValueError for the own name.
+        """
+        if name == self._name:
+            raise ValueError(f"the map of {name} is the local one")
+        layer = self._layers.setdefault(name, Layer())
+        if not layer.follows(version, transform):
+            self._mark(layer.set(source, version, transform, changed, self._lattice))
+
+    def remove_layer(self, name: str) -> None:
+        """The robot's map does not count any more; nothing happens if there is none."""
+        if name in self._layers:
+            self._mark(self._layers[name].box)
+            del self._layers[name]
+
+    def set_places(self, name: str, places: np.ndarray) -> None:
+        """Where a robot (also the own one) has been: (n, 2) in m, own frame, oldest first, the last one is where it is
+        now. Empty: nothing is known. Places that moved by less than places.SAME_PLACE_M stay where they are."""
+        track = self._places.setdefault(name, Places())
+        margin = ghosts.effect(self._lattice.resolution)
+        for box in track.set(places, self._lattice):
+            self._mark(box.grown(margin))
+
+    def render(self) -> Optional[Update]:
+        """The map now; None without a local map, or if it is the one that was returned before."""
+        if self._local is None:
+            return None
+        self._choose_layers()
+        changed = union_of([self._computed(box) for box in self._dirty.taken()])
+        outer = self._extent(self._drawn)
+        info = window(self._local.info, outer.shifted(-self._at.top, -self._at.left))
+        if self._published is not None and self._published.info == info:
+            changed = changed.intersection(outer)
+            if changed.empty:
+                return None
+        else:
+            changed = outer
+        self._published = Grid(info, self._board.read(outer).copy())
+        return Update(self._published, changed.shifted(-outer.top, -outer.left))
+
+    def _start_anew(self, local: Grid) -> None:
+        self._lattice = replace(local.info, width=0, height=0)
+        self._at = full_box(local.info)
+        self._board, self._published = Board(), None
+        self._mark(self._at)
+        for layer in self._layers.values():
+            self._mark(layer.redrawn(self._lattice))
+        for track in self._places.values():
+            track.draw(self._lattice)
+
+    def _mark(self, box: Box) -> None:
+        if not box.empty and self._local is not None:
+            margin = weighing.reach(len(self._layers)) + ghosts.reach(self._lattice.resolution)
+            self._dirty.add(box, margin)
+
+    def _choose_layers(self) -> None:
+        """Those with which the map is not too large, by name."""
+        most = max(MOST_GLOBAL_CELLS, self._at.area)
+        chosen: List[str] = []
+        for name in sorted(self._layers):
+            if self._extent([*chosen, name]).area <= most:
+                chosen.append(name)
+        for name in set(chosen).symmetric_difference(self._drawn):
+            if name in self._layers:
+                self._mark(self._layers[name].box)
+        self._drawn = tuple(chosen)
+
+    def _extent(self, names: Sequence[str]) -> Box:
+        """The cells of the global map with these layers."""
+        foreign = union_of(self._layers[name].box for name in names)
+        if self._at.contains(foreign):
+            return self._at
+        # Whole blocks, counted from the corner of the local map.
+        blocks = foreign.shifted(-self._at.top, -self._at.left).aligned(GROWTH_BLOCK)
+        return self._at.union(blocks.shifted(self._at.top, self._at.left))
+
+    def _computed(self, box: Box) -> Box:
+        """Computes the cells of the box; returns the box of those that changed."""
+        box = box.intersection(self._extent(self._drawn))
+        if box.empty:
+            return EMPTY_BOX
+        margin = weighing.reach(len(self._drawn)) + ghosts.reach(self._lattice.resolution)
+        around = box.grown(margin)
+        maps = self._maps(around)
+        robots = {
+            name: ghosts.presence(places.cells, self._lattice.resolution, around)
+            for name, places in sorted(self._places.items())
+        }
+        maps = ghosts.without_ghosts(maps, robots, self._lattice.resolution, self._name)
+        foreign = [maps[name] for name in self._drawn if name in maps]
+        cells = weighing.weighed(maps[self._name], foreign, self._policy is Policy.STRICT)
+        return self._board.write(box, cells[box.shifted(-around.top, -around.left).slices()])
+
+    def _maps(self, box: Box) -> Dict[str, np.ndarray]:
+        """The local map and those of the others that know something in the box."""
+        assert self._local is not None
+        local = np.full(box.shape, UNKNOWN, np.int8)
+        inside = box.intersection(self._at)
+        if not inside.empty:
+            target = inside.shifted(-box.top, -box.left).slices()
+            local[target] = self._local.cells[inside.shifted(-self._at.top, -self._at.left).slices()]
+        maps = {self._name: local}
+        for name in self._drawn:
+            cells = self._layers[name].board.read(box)
+            if (cells != UNKNOWN).any():
+                maps[name] = cells
+        return maps

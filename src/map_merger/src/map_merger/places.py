@@ -1,0 +1,52 @@
+"""Where a robot has been, on a lattice."""
+
+from typing import List
+
+import numpy as np
+
+from .grid import Box, GridInfo, continuous_cells
+
+MOST_PLACES = 4000
+"""Places of one robot that count; of more, every second one."""
+SAME_PLACE_M = 0.02
+"""Places that moved by less, as a transform is refined, stay where they are."""
+_BLOCK = 16
+"""Edge in cells of the blocks in which changes are told."""
+
+
+class Places:
+    """The places of one robot; `cells`: row and column on the lattice, int64 (n, 2), oldest first."""
+
+    def __init__(self) -> None:
+        self.points = np.empty((0, 2))
+        self.cells = np.empty((0, 2), np.int64)
+
+    def set(self, points: np.ndarray, lattice: GridInfo) -> List[Box]:
+        """Points (n, 2) in m, own frame, oldest first; returns boxes that hold all cells that came, went, or were or
+        are the last one. ValueError for another shape or what is no number."""
+        points = np.array(points, float)
+        if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
+            raise ValueError(f"places are finite numbers of shape (n, 2), not {points.shape}")
+        while len(points) > MOST_PLACES:
+            points = points[(len(points) - 1) % 2 :: 2]  # the last one stays
+        same = self._same(points)
+        points[:same] = self.points[:same]
+        before = self.cells
+        self.points = points
+        self.draw(lattice)
+        return _blocks(np.concatenate([before[max(0, same - 1) :], self.cells[max(0, same - 1) :], before[-1:]]))
+
+    def draw(self, lattice: GridInfo) -> None:
+        """The lattice is another one."""
+        self.cells = np.floor(np.stack(continuous_cells(lattice, self.points), axis=1)).astype(np.int64)
+
+    def _same(self, points: np.ndarray) -> int:
+        """How many of the first points are those of before."""
+        common = min(len(points), len(self.points))
+        moved = np.hypot(*(points[:common] - self.points[:common]).T) > SAME_PLACE_M
+        return int(np.argmax(moved)) if moved.any() else common
+
+
+def _blocks(cells: np.ndarray) -> List[Box]:
+    corners = np.unique(cells // _BLOCK, axis=0) * _BLOCK
+    return [Box(row, column, row + _BLOCK, column + _BLOCK) for row, column in corners.tolist()]

@@ -1,0 +1,137 @@
+"""What several maps on one lattice say together about each cell.
+
+Two maps of one wall lie up to `SAME_WALL` cells apart: by drift, by the error of the transform, by rounding to cells. So
+
+1. a wall goes where another map saw floor and nothing but floor within `SEEN_THROUGH` cells (an open door, a robot that
+   has left); otherwise floor does not remove it;
+2. a wall beside one that is there already is the same wall and not drawn again, unless it closes off floor, or joins
+   the one that is there to its own continuation;
+3. floor that lies pinched between a wall that is there and the own wall is an error of alignment, no space;
+4. a wall that may not be drawn on local floor closes the unknown cells beside it: what the local map saw of the floor
+   in front of a wall must not open it;
+5. unknown gaps up to two cells wide between maps are closed: by wall beside walls, by floor between floor.
+
+What a cell becomes depends on the cells within `reach` of it only, so that a part can be computed by itself.
+"""
+
+from typing import List, Sequence
+
+import cv2
+import numpy as np
+
+from .grid import FREE, OCCUPIED, OCCUPIED_FROM, UNKNOWN
+
+SAME_WALL = 2
+SEEN_THROUGH = 3
+
+_CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.uint8)
+
+
+def reach(foreign: int) -> int:
+    """Cells from a cell within which what `foreign` maps know can change it."""
+    return SEEN_THROUGH + 2 * SAME_WALL * foreign + 7
+
+
+def square(radius: int) -> np.ndarray:
+    """Kernel of all cells within `radius` cells."""
+    return np.ones((2 * radius + 1, 2 * radius + 1), np.uint8)
+
+
+def walls_of(cells: np.ndarray) -> np.ndarray:
+    """uint8, 1 where an obstacle is."""
+    return (cells >= OCCUPIED_FROM).view(np.uint8)
+
+
+def floor_of(cells: np.ndarray) -> np.ndarray:
+    """uint8, 1 where a cell is free."""
+    return ((cells >= 0) & (cells < OCCUPIED_FROM)).view(np.uint8)
+
+
+def seen_through(cells: np.ndarray, radius: int = SEEN_THROUGH) -> np.ndarray:
+    """uint8, 1 where all cells within `radius` are free; also at the border of the array."""
+    return cv2.erode(floor_of(cells), square(radius))
+
+
+def weighed(local: np.ndarray, foreign: Sequence[np.ndarray], locked: bool) -> np.ndarray:
+    """The global map, int8 (rows, columns), of the local one and others of the same shape, which count in their order.
+
+    `locked`: known local cells stay as they are; otherwise the local map is the first among equals.
+    """
+    open_floor = np.zeros(local.shape, np.uint8)
+    for cells in (local, *foreign):
+        open_floor |= seen_through(cells)
+    kept = (local != UNKNOWN) if locked else np.zeros(local.shape, bool)
+    cells = np.where(kept, local, _without_walls(local, open_floor))
+    kept_floor = (kept & (local < OCCUPIED_FROM)).view(np.uint8)
+    refused = np.zeros(local.shape, np.uint8)
+    for layer in foreign:
+        refused |= _add(cells, _without_walls(layer, open_floor), kept_floor)
+    if locked:
+        _close_beside(cells, refused, local)
+    _close_gaps(cells, [local, *foreign], kept)
+    return cells
+
+
+def _without_walls(cells: np.ndarray, where: np.ndarray) -> np.ndarray:
+    return np.where((cells >= OCCUPIED_FROM) & where.view(bool), np.int8(FREE), cells)
+
+
+def _add(cells: np.ndarray, layer: np.ndarray, kept_floor: np.ndarray) -> np.ndarray:
+    """Draws the layer into the cells; returns its walls that may not be drawn, uint8."""
+    present, wall, unknown = walls_of(cells), walls_of(layer), cells == UNKNOWN
+    floor = floor_of(layer) & unknown.view(np.uint8)
+    floor &= ~_pinched(present, wall)
+    beside = cv2.dilate(present, square(SAME_WALL))
+    alone = wall & ~beside
+    # Reaches over the other wall's tolerance, so that the two hang together.
+    joint = wall & cv2.dilate(alone, square(SAME_WALL))
+    any_floor = floor_of(cells) | floor
+    closing = wall & cv2.dilate(any_floor, _CROSS) & unknown.view(np.uint8)
+    drawn = (joint | closing) & ~present
+    refused = drawn & kept_floor
+    cells[floor.view(bool)] = FREE
+    cells[(drawn & ~kept_floor).view(bool)] = OCCUPIED
+    return refused
+
+
+def _pinched(present: np.ndarray, wall: np.ndarray) -> np.ndarray:
+    """uint8, 1 between a wall that is there and one of the layer, each within SAME_WALL cells, on opposite sides."""
+    result = np.zeros_like(wall)
+    for axis in (0, 1):
+        before, after = _side(axis, first=True), _side(axis, first=False)
+        result |= cv2.dilate(present, before) & cv2.dilate(wall, after)
+        result |= cv2.dilate(present, after) & cv2.dilate(wall, before)
+    return result
+
+
+def _side(axis: int, first: bool) -> np.ndarray:
+    """Kernel of the SAME_WALL cells on one side along an axis."""
+    line = np.zeros(2 * SAME_WALL + 1, np.uint8)
+    line[:SAME_WALL] = 1
+    line = line if first else line[::-1]
+    return np.ascontiguousarray(line.reshape((-1, 1) if axis == 0 else (1, -1)))
+
+
+def _close_beside(cells: np.ndarray, refused: np.ndarray, local: np.ndarray) -> None:
+    if refused.any():
+        border = cv2.dilate(refused, square(1)).view(bool)
+        cells[border & (local == UNKNOWN)] = OCCUPIED
+
+
+def _close_gaps(cells: np.ndarray, maps: List[np.ndarray], kept: np.ndarray) -> None:
+    gaps = _gaps(cells != UNKNOWN)
+    if not gaps.any():
+        return
+    for each in maps:
+        # What one robot by itself did not see between what it saw is no seam.
+        gaps &= ~_gaps(each != UNKNOWN)
+    gaps &= cv2.dilate(floor_of(cells), square(1))
+    solid = gaps & cv2.dilate(walls_of(cells), square(1))
+    cells[gaps.view(bool)] = FREE
+    cells[solid.view(bool)] = OCCUPIED
+
+
+def _gaps(known: np.ndarray) -> np.ndarray:
+    """uint8, 1 in unknown gaps up to two cells wide."""
+    seen = known.view(np.uint8)
+    return cv2.morphologyEx(seen, cv2.MORPH_CLOSE, square(1)) & (seen ^ 1)
