@@ -1,0 +1,1 @@
+"""Robots that are heard and seen at the same time."""

@@ -1,0 +1,262 @@
+"""Which transforms between two robots' frames their sightings suggest, and what speaks for and against each."""
+
+import math
+from dataclasses import dataclass, field
+from typing import List, Mapping, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from .fitting import Fits, Moments, covariance_of, fits_of, fitted, moments_of, transform_from
+from .pairing import Pairs, paired
+from .sweeps import Sweeps
+from .tracking import Fragment, at_times
+from .values import NO_SENSOR, Hypothesis, Sensor
+
+_DEVIATION_M = 0.05
+"""Of a sighting: the laser sees surfaces, poses and times are not exact."""
+_REACH_M = 0.2
+"""A sighting farther from where it should be is of something else."""
+_SEED_ERROR_M = 0.12
+_SEED_SPREAD_M = 0.12
+_MOST_SEEDS = 40
+_MOST_KEPT = 6
+_SAME_M = 0.25
+_SAME_TURN = math.radians(10.0)
+_FEWEST_SIGHTINGS = 5
+_EMPTY_AT_LEAST = 4
+_EMPTY_SHARE = 0.2
+_UNSEEN_AT_LEAST = 10
+_UNSEEN_SHARE = 0.2
+_VIEW_MARGIN = math.radians(15.0)
+SHORTEST_PATH_M = 0.3
+SHORTEST_BEND_M = 0.15
+SHORTEST_SECONDS = 2.0
+_RIVAL_SHARE = 0.5
+_ALIKE_M = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Sightings:
+    """All that is known for the comparison of the own robot with another. Times are of the own clock.
+
+    own, told: tracks (n, >= 3: time, x, y, ...) of the own robot and the other, each in its own frame; told also has
+    the yaw. objects, told_objects: what each saw, in its own frame. sensor: the other's. others: tracks of the further
+    robots that are heard, in their frames, as the other may be mistaken for them.
+    """
+
+    robot: str
+    own: np.ndarray
+    told: np.ndarray
+    objects: Tuple[Fragment, ...]
+    told_objects: Tuple[Fragment, ...]
+    sweeps: Sweeps
+    sensor: Sensor = NO_SENSOR
+    others: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    def hypotheses(self) -> Tuple[Hypothesis, ...]:
+        """The transforms that are not refuted, best supported first."""
+        pairs = paired(self.told, self.objects, self.own, self.told_objects)
+        found = [_support(self, pairs, turn, shift) for turn, shift in _seeds(pairs)]
+        kept = _distinct([each for each in found if each is not None], pairs)
+        return tuple(_weighed(self, pairs, each, kept) for each in kept)
+
+
+class _Support(NamedTuple):
+    """A transform and the pairs that agree with it (bool (n,))."""
+
+    turn: complex
+    shift: complex
+    agree: np.ndarray
+    sightings: float
+    error: float
+    unseen: bool
+
+
+def _seeds(pairs: Pairs) -> List[Tuple[complex, complex]]:
+    """Transforms to begin with: from each fragment that has an extent, and from every two of both robots."""
+    if not pairs.fragments:
+        return []
+    sums = moments_of(pairs.source, pairs.target, pairs.label, pairs.fragments)
+    own, told = _part(sums, slice(0, pairs.own)), _part(sums, slice(pairs.own, None))
+    both = Moments(*(mine[:, None] for mine in own)).plus(Moments(*(theirs[None, :] for theirs in told)))
+    recent = _recent(pairs)
+    seeds: List[Tuple[float, complex, complex]] = []
+    for moments in (sums, both, recent):
+        seeds += _usable(fits_of(moments), moments.count)
+    seeds.sort(key=lambda seed: seed[0])
+    return [(turn, shift) for _, turn, shift in seeds[:_MOST_SEEDS]]
+
+
+def _recent(pairs: Pairs, knots: int = 10) -> Moments:
+    """Of the latest knots of each fragment: before, it may have followed something else."""
+    rank = np.zeros(len(pairs.label), int)
+    ends = np.append(np.flatnonzero(np.diff(pairs.label)), len(pairs.label) - 1)
+    rank = ends[np.searchsorted(ends, np.arange(len(rank)))] - np.arange(len(rank))
+    late = rank < knots
+    return moments_of(pairs.source[late], pairs.target[late], pairs.label[late], pairs.fragments)
+
+
+def _part(moments: Moments, part: slice) -> Moments:
+    return Moments(*(values[part] for values in moments))
+
+
+def _usable(fits: Fits, count: np.ndarray) -> List[Tuple[float, complex, complex]]:
+    good = (fits.error < _SEED_ERROR_M) & (fits.spread > _SEED_SPREAD_M) & (count >= 2)
+    uncertain = fits.error[good] / fits.spread[good]
+    return list(zip(uncertain.tolist(), fits.turn[good].tolist(), fits.shift[good].tolist()))
+
+
+def _support(sightings: Sightings, pairs: Pairs, turn: complex, shift: complex) -> Optional[_Support]:
+    """The transform fitted to all that agrees with it; None if it is refuted or next to nothing agrees."""
+    agree = np.zeros(len(pairs.source), bool)
+    for reach in (1.5 * _REACH_M, _REACH_M, _REACH_M):
+        agree = np.abs(turn * pairs.source + shift - pairs.target) < reach
+        if agree.sum() < 2:
+            return None
+        turn, shift = fitted(pairs.source[agree], pairs.target[agree])
+    if pairs.count[agree].sum() < _FEWEST_SIGHTINGS:
+        return None
+    error = float(np.sqrt(np.mean(np.abs(turn * pairs.source + shift - pairs.target)[agree] ** 2)))
+    refuted, unseen = _checked(sightings, pairs, agree, turn, shift)
+    return None if refuted else _Support(turn, shift, agree, float(pairs.count[agree].sum()), error, unseen)
+
+
+def _checked(
+    sightings: Sightings, pairs: Pairs, agree: np.ndarray, turn: complex, shift: complex
+) -> Tuple[bool, bool]:
+    """Whether own scans show nothing where the other robot should be, and whether the other, with a free line of sight,
+    sees nothing where the own robot should be."""
+    sweeps = sightings.sweeps
+    places, known = at_times(sightings.told, sweeps.times)
+    seen = sweeps.look(turn * places + shift, known)
+    empty, there = int(seen.empty.sum()), int(seen.there.sum())
+    refuted = empty >= _EMPTY_AT_LEAST and empty > _EMPTY_SHARE * (empty + there)
+    if refuted or sightings.sensor.farthest <= 0.0 or not seen.there.any():
+        return refuted, False
+    should = sweeps.times[seen.there & _in_view(sightings, turn, shift, places)]
+    back = np.sort(pairs.time[agree & ~pairs.seen_by_own])
+    if len(should) < _UNSEEN_AT_LEAST:
+        return False, False
+    saw = np.searchsorted(back, should + 1.5) > np.searchsorted(back, should - 1.5)
+    return False, bool(saw.mean() < _UNSEEN_SHARE)
+
+
+def _in_view(sightings: Sightings, turn: complex, shift: complex, places: np.ndarray) -> np.ndarray:
+    """Whether, at the times of the sweeps, the own robot was within the other's field of view."""
+    times = sightings.sweeps.times
+    own, known = at_times(sightings.own, times)
+    yaw = sightings.told[np.clip(np.searchsorted(sightings.told[:, 0], times), 0, len(sightings.told) - 1), 3]
+    seen = ((own - shift) * np.conjugate(turn) - places) * np.exp(-1j * yaw)
+    near, far = max(sightings.sensor.nearest, 0.3) + 0.3, min(sightings.sensor.farthest, 5.0) - 0.4
+    inside = (np.abs(seen) > near) & (np.abs(seen) < far)
+    return known & inside & (np.abs(np.angle(seen)) < 0.5 * sightings.sensor.view - _VIEW_MARGIN)
+
+
+def _distinct(found: List[_Support], pairs: Pairs) -> List[_Support]:
+    """The best supported of those that are about the same, at most _MOST_KEPT."""
+    kept: List[_Support] = []
+    for each in sorted(found, key=lambda each: (-each.sightings, each.error)):
+        if len(kept) < _MOST_KEPT and all(apart(each, other, pairs) > 0.0 for other in kept):
+            kept.append(each)
+    return kept
+
+
+def apart(first: _Support, second: _Support, pairs: Pairs) -> float:
+    """m by which two transforms place what was seen differently; 0 if that is about the same."""
+    middle = pairs.source[first.agree].mean()
+    distance = abs(first.turn * middle + first.shift - second.turn * middle - second.shift)
+    turned = abs(float(np.angle(first.turn * second.turn.conjugate())))
+    return 0.0 if distance < _SAME_M and turned < _SAME_TURN else distance
+
+
+def _weighed(sightings: Sightings, pairs: Pairs, support: _Support, all_found: List[_Support]) -> Hypothesis:
+    agree = support.agree
+    source = pairs.source[agree]
+    ways = _ways(sightings, pairs, support)
+    mutual = bool((agree & pairs.seen_by_own).any() and (agree & ~pairs.seen_by_own).any())
+    seconds = float(np.ptp(pairs.time[agree]))
+    middle = complex(source.mean())
+    doubts = _doubts_of_motion(sightings.robot, ways, seconds) or _doubts_of_rivals(pairs, support, all_found)
+    if not doubts and support.unseen:
+        doubts = f"{sightings.robot} does not see this robot, though nothing hides it"
+    return Hypothesis(
+        transform_from(support.turn, support.shift),
+        covariance_of(source, _DEVIATION_M),
+        (middle.real, middle.imag),
+        int(support.sightings),
+        support.error,
+        seconds,
+        max((way.length for way in ways), default=0.0),
+        _bend(ways),
+        mutual,
+        doubts,
+    )
+
+
+class _Way(NamedTuple):
+    """What one robot saw of the other's way. length, width: m. alike: a further robot that moved alike, or ''."""
+
+    length: float
+    width: float
+    alike: str
+
+
+def _ways(sightings: Sightings, pairs: Pairs, support: _Support) -> List[_Way]:
+    result = []
+    for mine in (True, False):
+        chosen = support.agree & (pairs.seen_by_own == mine)
+        if chosen.sum() < 3:
+            continue
+        told, seen = (pairs.source, pairs.target) if mine else (pairs.target, pairs.source)
+        alike = _alike(sightings, pairs.time[chosen], seen[chosen], support.error)
+        result.append(_Way(*_extent(told[chosen]), alike))
+    return result
+
+
+def _extent(way: np.ndarray) -> Tuple[float, float]:
+    """Length and width, in m, of places (complex (n,))."""
+    plane = np.column_stack([way.real, way.imag])
+    plane -= plane.mean(axis=0)
+    _, axes = np.linalg.eigh(plane.T @ plane)
+    width, length = np.ptp(plane @ axes, axis=0).tolist()
+    return length, width
+
+
+def _bend(ways: List[_Way]) -> float:
+    """m by which the ways, of those that no further robot can have driven, differ from straight lines."""
+    return math.hypot(*(way.width for way in ways if not way.alike))
+
+
+def _doubts_of_motion(robot: str, ways: List[_Way], seconds: float) -> str:
+    path = max((way.length for way in ways), default=0.0)
+    if path < SHORTEST_PATH_M:
+        return f"waits to see {robot} move"
+    if _bend(ways) < SHORTEST_BEND_M:
+        alike = " and ".join(sorted({way.alike for way in ways if way.alike}))
+        if alike:
+            return f"{robot} and {alike} move alike"
+        return f"waits to see {robot} turn: a straight drive of {path:.1f} m is like others"
+    if seconds < SHORTEST_SECONDS:
+        return f"has seen {robot} for {seconds:.1f} s only"
+    return ""
+
+
+def _alike(sightings: Sightings, times: np.ndarray, seen: np.ndarray, error: float) -> str:
+    """A further robot whose way would be seen as what was seen."""
+    for name, track in sightings.others.items():
+        places, known = at_times(track, times)
+        if known.sum() >= max(3, 0.5 * len(times)):
+            if _fit_error(places[known], seen[known]) < max(_ALIKE_M, 2.0 * error):
+                return name
+    return ""
+
+
+def _fit_error(source: np.ndarray, target: np.ndarray) -> float:
+    return float(fits_of(moments_of(source, target, np.zeros(len(source), np.intp), 1)).error[0])
+
+
+def _doubts_of_rivals(pairs: Pairs, support: _Support, all_found: List[_Support]) -> str:
+    for other in all_found:
+        if other is not support and other.sightings >= _RIVAL_SHARE * support.sightings:
+            return f"two solutions {apart(support, other, pairs):.1f} m apart"
+    return ""

@@ -1,0 +1,171 @@
+"""Finds other robots among what the own robot sees, from what they tell of themselves."""
+
+import math
+from collections import OrderedDict
+from typing import Collection, Dict, FrozenSet, Optional, Tuple
+
+import numpy as np
+
+from ..grid import Grid
+from ..messages import NO_BOOT, Boot
+from ..transform import Transform
+from .detection import FARTHEST_M, objects_in_scan
+from .heard import Heard
+from .hypotheses import Sightings
+from .map_objects import objects_in_map
+from .sweeps import SweepHistory
+from .telling import Telling
+from .tracking import ObjectTracks, Trail
+from .values import NO_SENSOR, Hypothesis, LaserScan, Sensor, TrackReport
+
+SCAN_PERIOD_S = 0.2
+MAP_PERIOD_S = 1.0
+_POSE_PERIOD_S = 0.1
+_MOST_ROBOTS = 64
+_SILENT_S = 30.0
+
+
+class Meetings:
+    """All that is known of the tracks of the own and the other robots. One owner, no thread: the `Sightings` that it
+    hands out are values.
+
+    name, boot: of the own robot's run. body_radius: m, half the depth of a robot's body.
+    """
+
+    def __init__(self, name: str, boot: Boot = NO_BOOT, body_radius: float = 0.2) -> None:
+        self._name, self._boot, self._body_radius = name, boot, body_radius
+        self._own = Trail(4, _POSE_PERIOD_S)
+        self._objects = ObjectTracks()
+        self._sweeps = SweepHistory()
+        self._sensor: Sensor = NO_SENSOR
+        self._heard: "OrderedDict[str, Heard]" = OrderedDict()
+        self._unplaced: FrozenSet[str] = frozenset()
+        self._telling = Telling()
+        self._looked_at = -math.inf
+        self._latest: Dict[str, Tuple[Hypothesis, ...]] = {}
+
+    def on_team(self, hearing: Collection[str], placed: Collection[str]) -> None:
+        """Who is heard on the radio, and of whom the transform is known."""
+        self._unplaced = frozenset(hearing) - frozenset(placed) - {self._name}
+
+    @property
+    def watching(self) -> bool:
+        """False when everybody in hearing is placed, by this robot and by those that tell their tracks: scans need not
+        be handed in and nothing is told."""
+        return bool(self._unplaced) or any(each.unplaced for each in self._heard.values())
+
+    def on_own_pose(self, pose: Transform, now: float) -> None:
+        """The own robot in its map frame."""
+        if len(self._own.rows) and now < self._own.rows[-1, 0] - _POSE_PERIOD_S:
+            self._restart_clock()
+        self._own.add((now, *pose.pose()))
+
+    def on_scan(self, scan: LaserScan, pose: Transform, now: float) -> None:
+        """A sweep and the own pose in the map frame at its time."""
+        self.on_own_pose(pose, now)
+        self._sensor = scan.sensor
+        if not self._due_to_look(now, SCAN_PERIOD_S):
+            return
+        centres = objects_in_scan(scan, self._body_radius).centres
+        self._sweeps.add(now, scan, pose)
+        self._follow(centres, pose, now)
+
+    def on_map(self, grid: Grid, now: float) -> None:
+        """In place of scans: the own map, whenever there is a new one."""
+        if not len(self._own.rows) or not self._due_to_look(now, MAP_PERIOD_S):
+            return
+        pose = Transform(*self._own.rows[-1, 1:4].tolist())
+        self._follow(pose.inverse().apply(objects_in_map(grid, pose, FARTHEST_M)), pose, now)
+
+    def on_report(self, report: TrackReport, now: float) -> None:
+        """What another robot tells. A new run forgets the former one."""
+        if report.robot == self._name:
+            return
+        if report.robot not in self._heard and len(self._heard) >= _MOST_ROBOTS:
+            self._heard.popitem(last=False)
+        heard = self._heard.setdefault(report.robot, Heard())
+        if heard.take(report, now):
+            self._latest.pop(report.robot, None)
+        self._heard.move_to_end(report.robot)
+
+    def forget(self, robot: str) -> None:
+        """The robot is gone, or its frame is a new one."""
+        self._heard.pop(robot, None)
+        self._latest.pop(robot, None)
+
+    def forget_own(self) -> None:
+        """The own frame is a new one."""
+        self._own.clear()
+        self._objects.clear()
+        self._sweeps.clear()
+        self._latest.clear()
+
+    def report(self, now: float) -> Optional[TrackReport]:
+        """What to tell the others now, if it is time."""
+        if not self.watching or not len(self._own.rows) or not self._telling.due(now, self._lively(now)):
+            return None
+        poses, objects = self._telling.taken(now, self._own.rows, self._objects.present())
+        return TrackReport(
+            self._name,
+            self._boot,
+            now,
+            self._body_radius,
+            self._sensor,
+            poses,
+            objects,
+            tuple(sorted(self._unplaced))[:_MOST_ROBOTS],
+        )
+
+    def sightings(self, robot: str, now: float) -> Optional[Sightings]:
+        """All that speaks about the robot, for `hypotheses` here or in another thread; None if it told nothing."""
+        heard = self._heard.get(robot)
+        if heard is None or now - heard.heard_at > _SILENT_S:
+            return None
+        others = {name: each.track() for name, each in self._heard.items() if name != robot}
+        return Sightings(
+            robot,
+            self._own.rows,
+            heard.track(),
+            self._objects.fragments(now),
+            heard.fragments(),
+            self._sweeps.all(),
+            heard.sensor,
+            others,
+        )
+
+    def hypotheses(self, robot: str, now: float) -> Tuple[Hypothesis, ...]:
+        """The transforms of the robot's frame to the own one that are not refuted, best supported first."""
+        sightings = self.sightings(robot, now)
+        found = () if sightings is None else sightings.hypotheses()
+        self._latest[robot] = found
+        return found
+
+    def why(self, robot: str) -> str:
+        """In words, why the robot is not placed by sightings; '' if nothing speaks against the best hypothesis."""
+        if robot not in self._heard:
+            return f"{robot} does not tell its track"
+        found = self._latest.get(robot, ())
+        return found[0].doubts if found else "not seen"
+
+    def _due_to_look(self, now: float, period: float) -> bool:
+        if 0.0 <= now - self._looked_at < period - 0.01:
+            return False
+        self._looked_at = now
+        return True
+
+    def _follow(self, centres: np.ndarray, pose: Transform, now: float) -> None:
+        order = np.argsort(np.hypot(centres[:, 0], centres[:, 1]), kind="stable")
+        self._objects.take(now, pose.apply(centres[order]))
+
+    def _lively(self, now: float) -> bool:
+        """Something of a robot's size moves, here or by what others told."""
+        return self._telling.lively(now, self._own.rows, self._objects.present()) or any(
+            each.lively(now) for each in self._heard.values()
+        )
+
+    def _restart_clock(self) -> None:
+        """Times from before the clock jumped back cannot be compared with those to come."""
+        self.forget_own()
+        self._heard.clear()
+        self._looked_at = -math.inf
+        self._telling = Telling()

@@ -1,0 +1,97 @@
+"""Recent scans: whether a place was in sight, and empty."""
+
+import math
+from collections import deque
+from typing import Deque, NamedTuple, Tuple
+
+import numpy as np
+
+from ..transform import Transform
+from .values import LaserScan
+
+_MOST = 120
+_FAR_M = 5.5
+_NEAR_M = 0.5
+_MARGIN_M = 0.3
+_SIDE_M = 0.1
+_EDGE_BEAMS = 6
+
+
+class Seen(NamedTuple):
+    """Of places at the times of the sweeps, bool (n,): an obstacle is there; the place and its surroundings are empty.
+    Neither where it is hidden or out of sight."""
+
+    there: np.ndarray
+    empty: np.ndarray
+
+
+class Sweeps(NamedTuple):
+    """times: float (n,), s. eyes: complex (n,), m, and headings: unit complex (n,), of the sensor in the map frame.
+    ranges: float32 (n, beams), m, 0 = invalid. first, step: rad. farthest: m."""
+
+    times: np.ndarray
+    eyes: np.ndarray
+    headings: np.ndarray
+    ranges: np.ndarray
+    first: float
+    step: float
+    farthest: float
+
+    def look(self, places: np.ndarray, known: np.ndarray) -> Seen:
+        """places: complex (n,), m, one for each sweep, of which those that are not `known` were not looked at."""
+        if not len(self.times):
+            return Seen(np.zeros(0, bool), np.zeros(0, bool))
+        seen = (places - self.eyes) * self.headings.conjugate()
+        distance = np.abs(seen)
+        beam = (np.angle(seen) - self.first) / self.step
+        beams = self.ranges.shape[1]
+        side = _SIDE_M / np.maximum(distance, 0.1) / abs(self.step)
+        near, far = _NEAR_M, min(_FAR_M, self.farthest - _MARGIN_M)
+        inside = known & (distance > near) & (distance < far)
+        inside &= (beam - side > _EDGE_BEAMS) & (beam + side < beams - 1 - _EDGE_BEAMS)
+        there, empty = np.zeros(len(inside), bool), inside.copy()
+        rows = np.arange(len(inside))
+        for offset in (-side, 0.0, side):
+            ranges = self.ranges[rows, np.clip(np.rint(beam + offset), 0, beams - 1).astype(int)]
+            there |= inside & (ranges > 0.0) & (np.abs(ranges - distance) < _MARGIN_M + 0.1)
+            empty &= ranges > distance + _MARGIN_M
+        return Seen(there, empty)
+
+
+class SweepHistory:
+    """The latest scans of one sensor, bounded."""
+
+    def __init__(self) -> None:
+        self._kept: Deque[Tuple[float, Transform, np.ndarray]] = deque(maxlen=_MOST)
+        self._geometry: Tuple[float, float, float, int] = (0.0, 1.0, 0.0, 0)
+
+    def add(self, now: float, scan: LaserScan, pose: Transform) -> None:
+        """Scans of another sensor, or a clock that jumped back, begin the history anew."""
+        geometry = (scan.angle_min, scan.angle_increment, scan.range_max, scan.ranges.size)
+        if geometry != self._geometry or (self._kept and now < self._kept[-1][0]):
+            self._kept.clear()
+            self._geometry = geometry
+        with np.errstate(invalid="ignore"):
+            ranges = np.where(scan.ranges >= scan.range_min, scan.ranges, 0.0).astype(np.float32)
+        self._kept.append((now, pose.compose(scan.mount), ranges))
+
+    def clear(self) -> None:
+        """Forgets everything."""
+        self._kept.clear()
+
+    def all(self) -> Sweeps:
+        """As arrays."""
+        first, step, farthest, _ = self._geometry
+        if not self._kept:
+            none = np.zeros(0)
+            return Sweeps(none, none.astype(complex), none.astype(complex), np.zeros((0, 1), np.float32), 0.0, 1.0, 0.0)
+        times, eyes, ranges = zip(*self._kept)
+        return Sweeps(
+            np.array(times),
+            np.array([complex(eye.x, eye.y) for eye in eyes]),
+            np.array([complex(math.cos(eye.yaw), math.sin(eye.yaw)) for eye in eyes]),
+            np.stack(ranges),
+            first,
+            step,
+            farthest,
+        )
