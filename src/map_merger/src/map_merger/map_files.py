@@ -10,7 +10,7 @@ from typing import Any, Mapping, NamedTuple, Tuple
 
 import cv2
 import numpy as np
-import yaml
+import yaml  # type: ignore[import-untyped]
 
 from .features import image_of
 from .grid import MAX_CELLS, OCCUPIED, UNKNOWN, Grid, GridError, GridInfo

@@ -81,12 +81,12 @@ class _Search:
         return reason_of(self._pairs[pair], criteria_for(None))
 
     def _best(self) -> Optional[Tuple[int, int]]:
-        useful = [
-            pair
+        scores = [
+            (result.evidence.score, pair)
             for pair, result in self._pairs.items()
             if result.accepted and pair[1] in self.open and pair not in self._refused
         ]
-        return max(useful, key=lambda pair: self._pairs[pair].evidence.score, default=None)
+        return max(scores)[1] if scores else None
 
     def _transform(self, pair: Tuple[int, int]) -> Transform:
         found = self._pairs[pair].transform

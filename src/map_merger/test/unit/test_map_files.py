@@ -26,7 +26,10 @@ PIXELS = np.array([[0, 254, 205], [100, 50, 230]], np.uint8)
 P5 = b"P5\n# CREATOR: map_saver.cpp 0.050 m/pix\n3 2\n255\n"
 
 
-def files(folder, picture=P5 + PIXELS.tobytes(), name="map.pgm", **changes):
+GOOD_PICTURE = P5 + PIXELS.tobytes()
+
+
+def files(folder, picture=GOOD_PICTURE, name="map.pgm", **changes):
     """A map's files with changed keys (None = left out); the path of the .yaml file."""
     keys = {**GOOD, "image": name, **changes}
     (folder / "map.yaml").write_text("".join(f"{key}: {value}\n" for key, value in keys.items() if value is not None))
@@ -121,7 +124,7 @@ def test_a_bad_value_is_named_with_the_file(tmp_path, changes, problem):
     "name, picture, problem",
     [
         ("map.pgm", None, "No such file"),
-        ("map.pgm", P5 + PIXELS.tobytes()[:-1], "cut off"),
+        ("map.pgm", GOOD_PICTURE[:-1], "cut off"),
         ("map.pgm", b"P2 3 2 255\n0 1 2 3", "cut off"),
         ("map.pgm", b"P5 100000 100000 255\n", "a map of 100000 x 100000 cells is not accepted"),
         ("map.pgm", b"P5 0 4 255\n", "0 x 4 cells"),
@@ -139,7 +142,8 @@ def test_a_bad_picture_is_named(tmp_path, name, picture, problem):
 
 
 @pytest.mark.parametrize(
-    "content", [b"just text", b"- a\n- b\n", b"", b"a: [", b"\xff\xfe\x00", b"x: " + b"[" * 5000, b"\x00", b" " * 200_000]
+    "content",
+    [b"just text", b"- a\n- b\n", b"", b"a: [", b"\xff\xfe\x00", b"x: " + b"[" * 5000, b"\x00", b" " * 200_000],
 )
 def test_what_is_no_description_is_refused(tmp_path, content):
     (tmp_path / "map.yaml").write_bytes(content)

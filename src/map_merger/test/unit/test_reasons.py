@@ -16,7 +16,10 @@ GOOD = {"matched": 30.0, "minor": 9.0, "conflict": 0.01, "explained": 0.9, "erro
         ({}, "shared wall 30.0 m"),
         ({"matched": 7.2}, "shared wall 7.2 m of 14 m"),
         ({"minor": 2.5}, "shared wall in the weaker direction 2.5 m of 4 m"),
-        ({"conflict": 0.081, "against": 2.4}, "2.4 m of wall in free space of the other map: 8.1 % of the walls, at most 6 %"),
+        (
+            {"conflict": 0.081, "against": 2.4},
+            "2.4 m of wall in free space of the other map: 8.1 % of the walls, at most 6 %",
+        ),
         ({"explained": 0.42}, "42 % of the walls found in the other map of 50 %"),
     ],
 )

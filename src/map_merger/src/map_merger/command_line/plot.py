@@ -16,7 +16,7 @@ def draw(path: str, target: Landmarks, source: Landmarks, result: Registration, 
     """Writes the picture: A in blue, B in orange at its transform, even if that was not accepted (then the title says
     so). OSError if the file cannot be written."""
     transform = result.transform if result.transform is not None else Transform()
-    figure = Figure(figsize=(10.0, 8.0), layout="constrained")
+    figure = Figure(figsize=(10.0, 8.0))
     axes = figure.subplots()
     for name, landmarks, motion, colour in (
         ("A", target, Transform(), FIRST),
@@ -30,7 +30,7 @@ def draw(path: str, target: Landmarks, source: Landmarks, result: Registration, 
     axes.set(xlabel="x in m", ylabel="y in m")
     axes.set_title(("B in the frame of A: " if result.accepted else "not accepted: ") + reason)
     axes.legend(loc="upper right")
-    figure.savefig(path, dpi=120)
+    figure.savefig(path, dpi=120, bbox_inches="tight")
 
 
 def _cells(info: GridInfo, mask: np.ndarray) -> np.ndarray:
