@@ -77,6 +77,14 @@ class Verdict(Enum):
     FAILED = "registration failed"
 
 
+class Rival(NamedTuple):
+    """A different transform, what speaks for it, and how far (m, median) it lays the source's walls from the best."""
+
+    transform: Transform
+    evidence: Evidence
+    apart: float
+
+
 class Registration(NamedTuple):
     """Outcome: `transform` maps the source's frame to the target's and is to be used only if the verdict is
     ACCEPTED."""
@@ -90,6 +98,8 @@ class Registration(NamedTuple):
     """True if a rough transform was given beforehand."""
     met: bool = False
     """True if one of the robots was seen by the other where the transform says it was (sighting)."""
+    rival: Optional[Rival] = None
+    """The different transform that makes this one ambiguous, or else the best different one."""
 
     @property
     def accepted(self) -> bool:
@@ -156,15 +166,21 @@ def choose(
     transform = refined(target.surface, subsample(source.surface, 2500), transform, FINE_REACH)
     evidence = compare(target, source, transform)
     points = source.surface.points
-    rivals = [other for other in ranked[1:] if _different(transform, other[1], points)]
+    others = [
+        Rival(other, its, float(np.median(displacement(transform, other, points))))
+        for its, other in ranked[1:]
+        if _different(transform, other, points)
+    ]
+    serious = [other for other in others if _rivals(evidence, other.evidence, criteria)]
     verdict = judge(evidence, criteria)
-    if verdict is Verdict.ACCEPTED and any(_rivals(evidence, other, criteria) for other, _ in rivals):
+    if verdict is Verdict.ACCEPTED and serious:
         verdict = Verdict.AMBIGUOUS
     if verdict is Verdict.ACCEPTED and not limits.allow(transform):
         verdict = Verdict.BEYOND_LIMITS
     if verdict is Verdict.ACCEPTED and prior is not None and not _near_prior(transform, prior, points):
         verdict = Verdict.NO_CANDIDATE
-    return Registration(verdict, transform, evidence, target.surface.length + source.surface.length, prior is not None)
+    surveyed, rival = target.surface.length + source.surface.length, next(iter(serious or others), None)
+    return Registration(verdict, transform, evidence, surveyed, prior is not None, rival=rival)
 
 
 def follow(target: Landmarks, source: Landmarks, transform: Transform) -> Tuple[Transform, Evidence]:

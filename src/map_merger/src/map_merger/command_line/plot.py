@@ -1,0 +1,38 @@
+"""Picture of one map drawn over another. Imports matplotlib, which nothing else here needs."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..grid import GridInfo, cell_centres
+from ..registration import Registration
+from ..surface import Landmarks
+from ..transform import Transform
+
+FIRST, SECOND = "#0072b2", "#d55e00"
+"""Blue and vermilion: told apart with any colour vision."""
+
+
+def draw(path: str, target: Landmarks, source: Landmarks, result: Registration, reason: str) -> None:
+    """Writes the picture: A in blue, B in orange at its transform, even if that was not accepted (then the title says
+    so). OSError if the file cannot be written."""
+    transform = result.transform if result.transform is not None else Transform()
+    figure = Figure(figsize=(10.0, 8.0))
+    axes = figure.subplots()
+    for name, landmarks, motion, colour in (
+        ("A", target, Transform(), FIRST),
+        ("B", source, transform, SECOND),
+    ):
+        free = motion.apply(_cells(landmarks.info, landmarks.grid.free))
+        walls = motion.apply(_cells(landmarks.info, landmarks.grid.occupied))
+        axes.scatter(*free.T, s=1.0, color=colour, alpha=0.04, linewidths=0.0, rasterized=True)
+        axes.scatter(*walls.T, s=2.0, color=colour, linewidths=0.0, label=f"walls of {name}")
+    axes.set_aspect("equal")
+    axes.set(xlabel="x in m", ylabel="y in m")
+    axes.set_title(("B in the frame of A: " if result.accepted else "not accepted: ") + reason)
+    axes.legend(loc="upper right")
+    figure.savefig(path, dpi=120, bbox_inches="tight")
+
+
+def _cells(info: GridInfo, mask: np.ndarray) -> np.ndarray:
+    rows, columns = np.nonzero(mask)
+    return cell_centres(info, rows, columns)

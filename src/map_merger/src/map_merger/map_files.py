@@ -1,0 +1,217 @@
+"""Maps as files in the format of map_server: a picture (.pgm or .png) and a .yaml file that describes it.
+
+The first row of a picture is the one with the highest y. Everything in a file is checked before it is used.
+"""
+
+import math
+import os
+import re
+from typing import Any, Mapping, NamedTuple, Tuple
+
+import cv2
+import numpy as np
+import yaml  # type: ignore[import-untyped]
+
+from .features import image_of
+from .grid import MAX_CELLS, OCCUPIED, UNKNOWN, Grid, GridError, GridInfo
+from .transform import FARTHEST_M, Transform
+
+MOST_YAML_BYTES = 100_000
+MOST_PICTURE_BYTES = 5 * MAX_CELLS
+"""The largest map as text (P2): three digits and a space per cell, and the header."""
+MODES = ("trinary", "scale", "raw")
+_PGM_HEADER = re.compile(rb"P[25](?:\s|#[^\n]*\n)+(\d{1,9})(?:\s|#[^\n]*\n)+(\d{1,9})(?:\s|#[^\n]*\n)+(\d{1,9})\s")
+_PNG_START, _PNG_END = b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"
+
+
+class MapFileError(ValueError):
+    """A file that cannot be used; the text is one line that names the file and the problem."""
+
+
+class Description(NamedTuple):
+    """What the .yaml file says. resolution in m per cell, origin: pose (m, rad) of the lower left corner, thresholds as
+    probability."""
+
+    image: str
+    resolution: float
+    origin: Transform
+    negate: bool
+    occupied_thresh: float
+    free_thresh: float
+    mode: str
+
+
+def read_map(path: str) -> Grid:
+    """The map that a .yaml file describes. MapFileError names the file and what is wrong with it."""
+    description = _description(path)
+    picture = os.path.join(os.path.dirname(path), description.image)
+    pixels = _pixels(picture)
+    try:
+        info = GridInfo(pixels.shape[1], pixels.shape[0], description.resolution, description.origin)
+    except GridError as error:
+        raise MapFileError(f"{path}: {error}") from error
+    return Grid(info, np.ascontiguousarray(cells_of_picture(pixels, description)[::-1]))
+
+
+def write_map(stem: str, grid: Grid) -> Tuple[str, str]:
+    """Writes `stem`.pgm and `stem`.yaml and returns both paths; OSError if that is not possible.
+
+    Each file appears complete or not at all; the picture comes first.
+    """
+    picture, text = stem + ".pgm", stem + ".yaml"
+    _write(picture, pgm_of(grid))
+    _write(text, yaml_of(grid, os.path.basename(picture)).encode())
+    return picture, text
+
+
+def pgm_of(grid: Grid) -> bytes:
+    """The map as binary PGM with map_server's three values: free 254, obstacle 0, unknown 205."""
+    header = f"P5\n# {grid.info.resolution:.6g} m per pixel\n{grid.info.width} {grid.info.height}\n255\n"
+    return header.encode() + image_of(grid)[::-1].tobytes()
+
+
+def yaml_of(grid: Grid, image: str) -> str:
+    """The description that belongs to `pgm_of`."""
+    origin = grid.info.origin
+    return (
+        f"image: {yaml.safe_dump(image, width=math.inf).splitlines()[0]}\n"
+        f"resolution: {grid.info.resolution:.9f}\n"
+        f"origin: [{origin.x:.9f}, {origin.y:.9f}, {origin.yaw:.9f}]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+
+
+def cells_of_picture(pixels: np.ndarray, description: Description) -> np.ndarray:
+    """Cells (int8, -1 unknown, 0 free .. 100 occupied) of pixels (uint8, (rows, columns) or with colours), by the rules
+    of map_server; transparent pixels are unknown, and so are values above 100 in mode raw."""
+    grey, transparent = _grey(pixels)
+    values = np.arange(256)
+    bright = 255 - values if description.negate else values
+    table = _table(bright, description)
+    # Colours have averages between the values of the table.
+    cells = table[np.round(grey).astype(np.uint8)]
+    cells[transparent] = UNKNOWN
+    return cells
+
+
+def _table(bright: np.ndarray, description: Description) -> np.ndarray:
+    """Cell for each value of a pixel, given how bright it is."""
+    if description.mode == "raw":
+        return np.where(bright <= OCCUPIED, bright, UNKNOWN).astype(np.int8)
+    occupancy = (255 - bright) / 255.0
+    low, high = description.free_thresh, description.occupied_thresh
+    between = 99.0 * (occupancy - low) / (high - low) if description.mode == "scale" else np.full(256, UNKNOWN)
+    return np.select([occupancy > high, occupancy < low], [OCCUPIED, 0], between).astype(np.int8)
+
+
+def _grey(pixels: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Mean of the colours (rows, columns), and the mask of the transparent pixels."""
+    if pixels.ndim == 2:
+        return pixels, np.zeros(pixels.shape, bool)
+    if pixels.shape[2] == 4:
+        return pixels[:, :, :3].mean(axis=2), pixels[:, :, 3] == 0
+    return pixels.mean(axis=2), np.zeros(pixels.shape[:2], bool)
+
+
+def _description(path: str) -> Description:
+    try:
+        given = yaml.safe_load(_contents(path, MOST_YAML_BYTES).decode())
+    except (yaml.YAMLError, UnicodeDecodeError, RecursionError, ValueError) as error:
+        if isinstance(error, MapFileError):
+            raise
+        raise MapFileError(f"{path}: not YAML ({' '.join(str(error).split())[:200]})") from error
+    if not isinstance(given, dict):
+        raise MapFileError(f"{path}: not the description of a map (image, resolution, origin, ...)")
+    try:
+        return _checked(given)
+    except ValueError as error:
+        raise MapFileError(f"{path}: {error}") from error
+
+
+def _checked(given: Mapping[Any, Any]) -> Description:
+    for key in ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh"):
+        if key not in given:
+            raise ValueError(f"{key} is missing")
+    image, origin, mode = given["image"], given["origin"], given.get("mode", "trinary")
+    if not isinstance(image, str) or not image or "\0" in image:
+        raise ValueError(f"image must be the name of a file, not {image!r:.60}")
+    if not isinstance(origin, list) or len(origin) != 3:
+        raise ValueError(f"origin must be [x, y, yaw], not {origin!r:.60}")
+    pose = [_number(value, "origin", -FARTHEST_M, FARTHEST_M) for value in origin]
+    if given["negate"] not in (0, 1):
+        raise ValueError(f"negate must be 0 or 1, not {given['negate']!r:.60}")
+    if mode not in MODES:
+        raise ValueError(f"mode must be one of {', '.join(MODES)}, not {mode!r:.60}")
+    high, low = (_number(given[key], key, 0.0, 1.0) for key in ("occupied_thresh", "free_thresh"))
+    if low >= high:
+        raise ValueError(f"free_thresh must be less than occupied_thresh, not {low:g} and {high:g}")
+    resolution = _number(given["resolution"], "resolution", 0.0, math.inf)
+    return Description(image, resolution, Transform(*pose), bool(given["negate"]), high, low, mode)
+
+
+def _number(value: Any, key: str, least: float, most: float) -> float:
+    # YAML 1.1 takes numbers like 1e-3 for text.
+    try:
+        number = math.nan if isinstance(value, bool) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not (math.isfinite(number) and least <= number <= most):
+        bounds = f"of at least {least:g}" if math.isinf(most) else f"from {least:g} to {most:g}"
+        raise ValueError(f"{key} must be a number {bounds}, not {value!r:.60}")
+    return number
+
+
+def _pixels(path: str) -> np.ndarray:
+    """The picture as uint8, (rows, columns) or (rows, columns, colours)."""
+    data = _contents(path, MOST_PICTURE_BYTES)
+    width, height = _size(path, data)
+    if not 0 < width * height <= MAX_CELLS:
+        raise MapFileError(f"{path}: a map of {width} x {height} cells is not accepted (at most {MAX_CELLS} cells)")
+    if data[:2] == b"P5" and len(data) < _header_of(path, data).end() + width * height:
+        raise MapFileError(f"{path}: cut off, {width} x {height} pixels do not fit into {len(data)} bytes")
+    if data[:8] == _PNG_START and _PNG_END not in data[-64:]:
+        raise MapFileError(f"{path}: cut off, the end of the picture is missing")
+    try:
+        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:
+        pixels = None
+    if pixels is None:
+        raise MapFileError(f"{path}: damaged or cut off, {width} x {height} pixels cannot be read")
+    if pixels.dtype != np.uint8:
+        raise MapFileError(f"{path}: a picture with 8 bits per colour is needed")
+    return pixels
+
+
+def _size(path: str, data: bytes) -> Tuple[int, int]:
+    """(width, height) by the header, before memory is taken for the pixels."""
+    if data[:8] == _PNG_START and len(data) >= 24:
+        return int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
+    width, height, levels = (int(number) for number in _header_of(path, data).groups())
+    if levels != 255:
+        raise MapFileError(f"{path}: a picture with grey values up to 255 is needed, this one says {levels}")
+    return width, height
+
+
+def _header_of(path: str, data: bytes) -> "re.Match[bytes]":
+    match = _PGM_HEADER.match(data[:4096])
+    if match is None:
+        raise MapFileError(f"{path}: not a picture in format PGM (P5 or P2) or PNG")
+    return match
+
+
+def _contents(path: str, most: int) -> bytes:
+    try:
+        with open(path, "rb") as file:
+            data = file.read(most + 1)
+    except (OSError, ValueError) as error:
+        raise MapFileError(f"{path}: {getattr(error, 'strerror', None) or error}") from error
+    if len(data) > most:
+        raise MapFileError(f"{path}: larger than {most} bytes")
+    return data
+
+
+def _write(path: str, data: bytes) -> None:
+    part = path + ".part"
+    with open(part, "wb") as file:
+        file.write(data)
+    os.replace(part, path)

@@ -1,0 +1,42 @@
+"""Decision on two maps alone: no sightings, no later maps, no team. What the command line and the benchmark judge by.
+
+Two maps alone cannot tell a room from an exact copy of it that neither map shows. What can be told is whether one of them
+holds a copy: then two transforms fit, and the pair is declined. A robot that explores asks for more before it believes;
+here `confidence_of` says how much wall, how little contradiction and which rival there was.
+"""
+
+import math
+from typing import Optional
+
+from .registration import DEFAULT_CRITERIA, PRIOR_CRITERIA, Criteria, Registration, register
+from .search import Prior
+from .surface import Landmarks
+
+_TELLING_WALL_M = 16.0
+"""Shared wall that takes away all but a third of the doubt: about that of one room, of which there may be copies."""
+
+
+def criteria_for(prior: Optional[Prior]) -> Criteria:
+    """What a transform must show."""
+    return DEFAULT_CRITERIA if prior is None else PRIOR_CRITERIA
+
+
+def decide(target: Landmarks, source: Landmarks, prior: Optional[Prior] = None) -> Registration:
+    """The transform source -> target, or why there is none."""
+    return register(target, source, criteria_for(prior), prior=prior)
+
+
+def confidence_of(result: Registration) -> float:
+    """Confidence in an accepted transform, 0 to 1; 0 for one that was not accepted.
+
+    The product of three shares: length of the shared wall, 1 - exp(-wall / 16 m), with a prior 1 - exp(-wall / 8 m);
+    agreement, one minus six times the share of contradicted wall; uniqueness, one minus what the best different
+    transform's score (relative to this one's) has beyond a third.
+    """
+    if not result.accepted:
+        return 0.0
+    evidence = result.evidence
+    length = 1.0 - math.exp(-evidence.matched / (_TELLING_WALL_M if not result.prior else 0.5 * _TELLING_WALL_M))
+    agreement = max(0.0, 1.0 - 6.0 * evidence.conflict)
+    rival = result.rival.evidence.score / evidence.score if result.rival is not None and evidence.score else 0.0
+    return length * agreement * (1.0 - max(0.0, rival - 1.0 / 3.0))

@@ -1,0 +1,42 @@
+"""Verdicts in words: each with the figure that decided and its bound."""
+
+import pytest
+
+from map_merger.evidence import Evidence
+from map_merger.reasons import reason_of
+from map_merger.registration import DEFAULT_CRITERIA, Registration, Rival, Verdict, judge
+from map_merger.transform import Transform
+
+GOOD = {"matched": 30.0, "minor": 9.0, "conflict": 0.01, "explained": 0.9, "error": 0.02, "against": 0.3}
+
+
+@pytest.mark.parametrize(
+    "changes, text",
+    [
+        ({}, "shared wall 30.0 m"),
+        ({"matched": 7.2}, "shared wall 7.2 m of 14 m"),
+        ({"minor": 2.5}, "shared wall in the weaker direction 2.5 m of 4 m"),
+        (
+            {"conflict": 0.081, "against": 2.4},
+            "2.4 m of wall in free space of the other map: 8.1 % of the walls, at most 6 %",
+        ),
+        ({"explained": 0.42}, "42 % of the walls found in the other map of 50 %"),
+    ],
+)
+def test_what_decided_is_told_with_its_bound(changes, text):
+    evidence = Evidence(**{**GOOD, **changes})
+    result = Registration(judge(evidence, DEFAULT_CRITERIA), Transform(), evidence)
+    assert reason_of(result, DEFAULT_CRITERIA) == text
+
+
+def test_two_solutions_are_told_with_their_distance():
+    rival = Rival(Transform(2.1, 0.0, 3.0), Evidence(**{**GOOD, "matched": 27.0}), 2.1)
+    result = Registration(Verdict.AMBIGUOUS, Transform(), Evidence(**GOOD), rival=rival)
+    text = "two solutions 2.1 m and 172 deg apart, with 30.0 m and 27.0 m of shared wall"
+    assert reason_of(result, DEFAULT_CRITERIA) == text
+
+
+@pytest.mark.parametrize("verdict", list(Verdict))
+def test_every_verdict_has_words(verdict):
+    assert reason_of(Registration(verdict), DEFAULT_CRITERIA)
+    assert reason_of(Registration(verdict, Transform(), Evidence(**GOOD)), DEFAULT_CRITERIA)
