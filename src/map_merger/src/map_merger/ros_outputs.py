@@ -109,7 +109,7 @@ def placement_message(placement: status.RobotPlacement) -> RobotPlacement:
         x=x,
         y=y,
         yaw=yaw,
-        covariance=list(placement.covariance),
+        covariance=[value for row in placement.covariance for value in row],
         confidence=placement.confidence,
         shared_wall_m=placement.shared_wall,
         age_s=placement.age,

@@ -7,27 +7,26 @@ from .transform import Transform
 
 NEVER = -1.0
 """Age of a robot of which nothing was heard yet."""
-NO_COVARIANCE = (0.0,) * 9
+Rows = Tuple[Tuple[float, float, float], Tuple[float, float, float], Tuple[float, float, float]]
+NO_COVARIANCE: Rows = ((0.0, 0.0, 0.0),) * 3
 
 
 @dataclass(frozen=True)
 class RobotPlacement:
-    """One other robot. transform: its map frame -> the own one, None unless believed; covariance of (x, y, yaw), row by
-    row; via: robot through which it is placed, empty if by own evidence; age in s since its last news."""
+    """One other robot. transform: its map frame -> the own one, None unless believed; covariance of its (x, y, yaw);
+    via: robot through which it is placed, empty if by own evidence; shared wall in m; age in s since its last news."""
 
     robot: str
     why: str
     transform: Optional[Transform] = None
     via: str = ""
-    covariance: Tuple[float, ...] = NO_COVARIANCE
+    covariance: Rows = NO_COVARIANCE
     confidence: float = 0.0
     shared_wall: float = 0.0
     age: float = NEVER
     bytes_received: int = 0
 
     def __post_init__(self) -> None:
-        if len(self.covariance) != 9:
-            raise ValueError(f"a covariance of (x, y, yaw) has 9 values, not {len(self.covariance)}")
         if not 0.0 <= self.confidence <= 1.0:
             raise ValueError(f"a confidence is from 0 to 1, not {self.confidence:g}")
 

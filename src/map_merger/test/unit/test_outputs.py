@@ -73,9 +73,9 @@ def test_a_name_always_has_the_same_colour_and_others_another():
 def test_a_placement_is_checked():
     assert not RobotPlacement("robot_1", "not heard").placed
     assert RobotPlacement("robot_1", "", Transform()).placed
-    for wrong in ({"covariance": (0.0,) * 6}, {"confidence": 1.5}, {"confidence": float("nan")}):
+    for wrong in (-0.1, 1.5, float("nan")):
         with pytest.raises(ValueError):
-            RobotPlacement("robot_1", "", **wrong)
+            RobotPlacement("robot_1", "", confidence=wrong)
     with pytest.raises(dataclasses.FrozenInstanceError):
         RobotPlacement("robot_1", "").why = "x"
 

@@ -48,9 +48,8 @@ def test_an_update_outside_the_map_is_refused(box):
 
 
 def test_the_status_carries_every_figure_and_robots_by_name():
-    placed = RobotPlacement(
-        "b", "shared wall 41.0 m", Transform(1.0, 2.0, 0.5), "c", tuple(map(float, range(9))), 0.9, 41.0, 3.5, 2**40
-    )
+    rows = ((0.0, 1.0, 2.0), (3.0, 4.0, 5.0), (6.0, 7.0, 8.0))
+    placed = RobotPlacement("b", "shared wall 41.0 m", Transform(1.0, 2.0, 0.5), "c", rows, 0.9, 41.0, 3.5, 2**40)
     waiting = RobotPlacement("a", "shared wall 7.0 m of 14 m", shared_wall=7.0)
     message = ros_outputs.status_message(MergerStatus("r", "centralized", "base", (placed, waiting)), "map", STAMP)
     received = over_the_wire(message, MergerStatusMessage)
