@@ -71,7 +71,7 @@ def test_recorder_is_there_only_with_a_file():
 def test_arguments_reach_the_nodes():
     text = roslaunch(
         "--dump-params", "robot.launch", "robot_name:=anna", "interface:=wlan7", "frontier_selection:=3",
-        "autostart:=false", "initial_poses:={anna: [1.0, 2.0, 0.5]}",
+        "autostart:=false", "initial_poses:={anna: [1.0, 2.0, 0.5]}", "topology:=centralized", "base_station:=7",
     )  # fmt: skip
     parameters = yaml.safe_load(text)
     assert {parameters[f"/{node}/robot_name"] for node in ("adhoc_communication", "map_merger", "explorer")} == {"anna"}
@@ -79,6 +79,7 @@ def test_arguments_reach_the_nodes():
     assert parameters["/explorer/frontier_selection"] == 3
     assert parameters["/explorer/autostart"] is False
     assert parameters["/map_merger/initial_poses/anna"] == [1.0, 2.0, 0.5]
+    assert (parameters["/map_merger/topology"], parameters["/map_merger/base_station"]) == ("centralized", "7")
 
 
 @pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)

@@ -6,7 +6,7 @@ The first row of a picture is the one with the highest y. Everything in a file i
 import math
 import os
 import re
-from typing import Any, Mapping, NamedTuple, Tuple
+from typing import Any, Mapping, NamedTuple, Optional, Tuple
 
 import cv2
 import numpy as np
@@ -62,6 +62,19 @@ def write_map(stem: str, grid: Grid) -> Tuple[str, str]:
     _write(picture, pgm_of(grid))
     _write(text, yaml_of(grid, os.path.basename(picture)).encode())
     return picture, text
+
+
+def save_map(path: str, grid: Optional[Grid]) -> Tuple[str, str]:
+    """`write_map` for people: absolute paths of the files. MapFileError if there is no map or it cannot be written."""
+    if not path or path.endswith(os.sep) or "\0" in path:
+        raise MapFileError(f"path must be that of a file without extension, not {path!r:.200}")
+    if grid is None:
+        raise MapFileError("there is no map yet")
+    stem = os.path.abspath(os.path.expanduser(path))
+    try:
+        return write_map(stem, grid)
+    except OSError as error:
+        raise MapFileError(f"{stem} not written: {error.strerror or error}") from error
 
 
 def pgm_of(grid: Grid) -> bytes:

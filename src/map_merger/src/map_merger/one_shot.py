@@ -1,7 +1,7 @@
 """Decision on two maps alone: no sightings, no later maps, no team. What the command line and the benchmark judge by.
 
-Two maps alone cannot tell a room from an exact copy of it that neither map shows. What can be told is whether one of them
-holds a copy: then two transforms fit, and the pair is declined. A robot that explores asks for more before it believes;
+Two maps alone cannot tell a room from an exact copy of it that neither map shows. What can be told is whether one of
+them holds a copy: then two transforms fit, and the pair is declined. A robot asks for more before it believes;
 here `confidence_of` says how much wall, how little contradiction and which rival there was.
 """
 

@@ -43,11 +43,15 @@ PARAMETERS: Dict[str, Parameter] = {
     "seconds_send_position": Parameter(int, 2, least=1),
     "seconds_meta_timer": Parameter(int, 5, least=1),
     "max_trans_robots": Parameter(float, -1.0, least=0.0, also=-1.0),
-    "max_rotation_robots": Parameter(float, 5.0, least=0.0, also=-1.0),
+    "max_rotation_robots": Parameter(float, -1.0, least=0.0, also=-1.0),
     "debug": Parameter(bool, True),
     "log_path": Parameter(str, ""),
     "registration": Parameter(str, "correlation", choices=("correlation", "features")),
     "initial_poses": Parameter(dict, {}),
+    "scan_topic": Parameter(str, ""),
+    "local_priority": Parameter(str, "strict", choices=("strict", "evidence")),
+    "topology": Parameter(str, "distributed", choices=("distributed", "centralized")),
+    "base_station": Parameter(str, ""),
 }
 """Every parameter of the node."""
 
@@ -92,11 +96,25 @@ class Options:
     seconds_send_position: int = 2
     seconds_meta_timer: int = 5
     max_trans_robots: float = -1.0
-    max_rotation_robots: float = 5.0
+    max_rotation_robots: float = -1.0
     debug: bool = True
     log_path: str = ""
     registration: str = "correlation"
     initial_poses: Mapping[str, Transform] = field(default_factory=dict)
+    scan_topic: str = ""
+    local_priority: str = "strict"
+    topology: str = "distributed"
+    base_station: str = ""
+
+    @property
+    def centralized(self) -> bool:
+        """True if one base merges for all."""
+        return self.topology == "centralized"
+
+    @property
+    def is_base(self) -> bool:
+        """True if this is the base that merges for all."""
+        return self.centralized and self.base_station == self.robot_name
 
 
 def options_of(given: Mapping[str, Any], host_name: str) -> Options:
@@ -106,24 +124,42 @@ def options_of(given: Mapping[str, Any], host_name: str) -> Options:
         raise OptionError(f"parameter {unknown[0]} is not known")
     values = {name: _checked(name, given[name]) for name in PARAMETERS if name in given}
     values["robot_name"] = values.get("robot_name") or host_name
-    if "/" in values["robot_name"]:
-        raise OptionError(f"parameter robot_name must not contain a slash: {values['robot_name']!r}")
+    for name in ("robot_name", "base_station"):
+        if "/" in values.get(name, ""):
+            raise OptionError(f"parameter {name} must not contain a slash: {values[name]!r}")
     values["initial_poses"] = _poses(values.get("initial_poses", {}))
+    _settle_roles(values)
     return Options(**values)
 
 
 def warnings_of(given: Mapping[str, Any]) -> List[str]:
     """One text for each parameter that was set though it has no effect."""
-    return [
-        f"parameter {name} has no effect: {WITHOUT_EFFECT[name]}" for name in sorted(given) if name in WITHOUT_EFFECT
-    ]
+    reasons = dict(WITHOUT_EFFECT)
+    if given.get("topology", "distributed") == "distributed" and given.get("base_station"):
+        reasons["base_station"] = "topology is distributed"
+    return [f"parameter {name} has no effect: {reasons[name]}" for name in sorted(given) if name in reasons]
+
+
+def _settle_roles(values: Dict[str, Any]) -> None:
+    """Who is the base, in place. In the centralized topology a robot without a map can be nothing else."""
+    if values.get("topology") != "centralized":
+        return
+    own, base = values["robot_name"], values.get("base_station", "")
+    if values.get("has_local_map", True) and not base:
+        raise OptionError("parameter base_station must name the base when topology is centralized")
+    if not values.get("has_local_map", True) and base not in ("", own):
+        raise OptionError(
+            f"parameter has_local_map must be true on {own}: with topology centralized only the base, {base}, may be "
+            f"without a map"
+        )
+    values["base_station"] = base or own
 
 
 def _checked(name: str, value: Any) -> Any:
     parameter: Parameter = PARAMETERS[name]
     if parameter.kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
-    if parameter.kind is str and name == "robot_name" and type(value) is int:
+    if name in ("robot_name", "base_station") and type(value) is int:
         value = str(value)
     expected: Any = parameter.kind
     if type(value) is not expected:

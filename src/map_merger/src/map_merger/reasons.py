@@ -1,8 +1,9 @@
 """Why a registration gave a transform or none, in words with numbers."""
 
 import math
+from typing import Optional
 
-from .registration import Criteria, Registration, Verdict
+from .registration import STRONG_CRITERIA, Criteria, Registration, Verdict, judge
 from .transform import rotation_between
 
 
@@ -29,6 +30,21 @@ def reason_of(result: Registration, criteria: Criteria) -> str:
     if verdict is Verdict.AMBIGUOUS:
         return _rivalry(result)
     return verdict.value
+
+
+def waiting_reason(robot: str, result: Optional[Registration], criteria: Criteria, sightings: str = "") -> str:
+    """Why a robot is not placed: its last result (None: none yet), and what the sightings of it lack, if anything."""
+    if result is None:
+        reason = "no map to compare yet"
+    elif not result.accepted:
+        reason = reason_of(result, criteria)
+    elif result.prior:
+        reason = f"{reason_of(result, criteria)} at the given pose; waits until more is shared"
+    else:
+        alone = judge(result.evidence, STRONG_CRITERIA)
+        reason = reason_of(result._replace(verdict=alone), STRONG_CRITERIA)
+        sightings = sightings or f"waits to see {robot} move"
+    return f"{reason}; {sightings}" if sightings else reason
 
 
 def _rivalry(result: Registration) -> str:

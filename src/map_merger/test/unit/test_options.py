@@ -26,7 +26,6 @@ CONTRACT = {
     "seconds_send_position": 2,
     "seconds_meta_timer": 5,
     "max_trans_robots": -1.0,
-    "max_rotation_robots": 5.0,
     "debug": True,
     "log_path": "",
 }
@@ -38,6 +37,12 @@ def test_defaults_are_those_of_the_contract():
         assert getattr(options, name) == value and type(getattr(options, name)) is type(value), name
         assert PARAMETERS[name].default == value, name
     assert options == Options(robot_name="host", initial_poses={})
+
+
+def test_any_heading_is_accepted_unless_a_limit_is_given():
+    """The contract's default of 5 degrees would never merge robots that start with different headings."""
+    assert options_of({}, "host").max_rotation_robots == -1.0
+    assert options_of({"max_rotation_robots": 5}, "host").max_rotation_robots == 5.0
 
 
 def test_the_table_and_the_fields_agree():
@@ -74,6 +79,10 @@ def test_the_robot_name_is_the_host_name_unless_given():
         ("robot_name", "a/b"),
         ("map_topic_over_network", ""),
         ("local_map_topic", 5),
+        ("scan_topic", 1),
+        ("local_priority", "always"),
+        ("topology", "star"),
+        ("base_station", "a/b"),
         ("initial_poses", {"robot_1": [1, 2]}),
         ("initial_poses", {"robot_1": "x"}),
         ("initial_poses", [1]),
@@ -110,3 +119,22 @@ def test_a_parameter_without_effect_gives_one_warning_with_the_reason():
         (warning,) = warnings_of({name: "x", "split_size": 4})
         assert name in warning and reason in warning
     assert warnings_of({"split_size": 4}) == []
+
+
+def test_the_centralized_topology_needs_a_base_and_every_robot_but_the_base_a_map():
+    given = {"topology": "centralized", "base_station": "base"}
+    robot, base = options_of(given, "robot_0"), options_of({**given, "has_local_map": False}, "base")
+    assert (robot.centralized, robot.is_base) == (True, False) and (base.centralized, base.is_base) == (True, True)
+    assert options_of({"topology": "centralized", "has_local_map": False}, "base") == base
+    assert not options_of({"base_station": "host"}, "host").is_base
+    with pytest.raises(OptionError, match="base_station must name the base"):
+        options_of({"topology": "centralized"}, "robot_0")
+    with pytest.raises(OptionError, match="has_local_map must be true on robot_0"):
+        options_of({**given, "has_local_map": False}, "robot_0")
+
+
+def test_a_base_in_the_distributed_topology_gives_one_warning():
+    (warning,) = warnings_of({"base_station": "base"})
+    assert "base_station has no effect: topology is distributed" in warning
+    assert warnings_of({"base_station": "base", "topology": "centralized"}) == []
+    assert warnings_of({"base_station": ""}) == []

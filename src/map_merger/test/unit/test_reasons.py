@@ -3,7 +3,7 @@
 import pytest
 
 from map_merger.evidence import Evidence
-from map_merger.reasons import reason_of
+from map_merger.reasons import reason_of, waiting_reason
 from map_merger.registration import DEFAULT_CRITERIA, Registration, Rival, Verdict, judge
 from map_merger.transform import Transform
 
@@ -40,3 +40,18 @@ def test_two_solutions_are_told_with_their_distance():
 def test_every_verdict_has_words(verdict):
     assert reason_of(Registration(verdict), DEFAULT_CRITERIA)
     assert reason_of(Registration(verdict, Transform(), Evidence(**GOOD)), DEFAULT_CRITERIA)
+
+
+def test_a_robot_that_waits_says_for_what():
+    found = Registration(Verdict.ACCEPTED, Transform(), Evidence(**GOOD))
+    thin = found._replace(evidence=Evidence(**{**GOOD, "matched": 50.0}))
+    told = {
+        "shared wall in the weaker direction 9.0 m of 10 m; waits to see robot_2 move": (thin, ""),
+        "no map to compare yet": (None, ""),
+        "no map to compare yet; seen for 2 s of 4 s": (None, "seen for 2 s of 4 s"),
+        "shared wall 30.0 m of 40 m; waits to see robot_2 move": (found, ""),
+        "shared wall 30.0 m of 40 m; seen for 2 s of 4 s": (found, "seen for 2 s of 4 s"),
+        "shared wall 30.0 m at the given pose; waits until more is shared": (found._replace(prior=True), ""),
+    }
+    for text, (result, sightings) in told.items():
+        assert waiting_reason("robot_2", result, DEFAULT_CRITERIA, sightings) == text
