@@ -27,8 +27,10 @@ class Anchor(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tile:
-    """Cells (int8, -1 unknown) at `row`, `column` from the anchor's corner, and the update numbers that they
-    complete."""
+    """Cells (int8) at `row`, `column` from the anchor's corner, and the update numbers that they complete.
+
+    `whole`: cells of -1 are unknown. Otherwise they say nothing, as those of the original.
+    """
 
     robot: str
     numbers: Tuple[int, ...]
@@ -38,6 +40,7 @@ class Tile:
     resolution: float
     boot: Boot = NO_BOOT
     updates: int = 0
+    whole: bool = False
 
     @property
     def box(self) -> Box:

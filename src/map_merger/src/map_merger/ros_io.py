@@ -93,7 +93,8 @@ def anchor_of(message: OccupancyGrid) -> Anchor:
 
 
 def tile_message(tile: Tile) -> MmMapUpdate:
-    """A tile (contract 2.4): first row in origin.position.x, first column in origin.position.y, in cells."""
+    """A tile (contract 2.4): first row in origin.position.x, first column in origin.position.y, in cells; a z of 1 says
+    that it is whole."""
     rows, columns = tile.cells.shape
     message = NumpyMapUpdate()
     message.src_robot = tile.robot
@@ -104,7 +105,7 @@ def tile_message(tile: Tile) -> MmMapUpdate:
         tile.resolution,
         columns,
         rows,
-        Pose(Point(float(tile.row), float(tile.column), 0.0), Quaternion(0.0, 0.0, 0.0, 1.0)),
+        Pose(Point(float(tile.row), float(tile.column), float(tile.whole)), Quaternion(0.0, 0.0, 0.0, 1.0)),
     )
     message.map.data = np.ascontiguousarray(tile.cells, dtype=np.int8).ravel()
     return message
@@ -133,6 +134,7 @@ def tile_of(message: MmMapUpdate) -> Tile:
         info.resolution,
         _boot_of(message.map.info),
         message.map.header.seq,
+        offset.z == 1.0,
     )
 
 

@@ -32,8 +32,7 @@ class PeerMap:
     """The map of one robot.
 
     A run of the robot has one anchor. Tiles and anchors of a former run come late and are ignored; runs are only ever
-    compared for equality, since a robot's clock may be set back. Of each cell the newest word counts, and a cell that
-    is unknown in a tile is unknown, except from senders that do not name their run (NO_BOOT): theirs says nothing.
+    compared for equality, since a robot's clock may be set back. Of each cell the newest word counts.
     """
 
     def __init__(self, robot: str) -> None:
@@ -178,7 +177,7 @@ class PeerMap:
         assert self._canvas is not None
         # An answer may overtake an update, or the other way round: of each cell the newest word counts.
         stamp = min(tile.updates, bounds.HIGHEST_NUMBER)
-        write = self._canvas.write_known if tile.boot == NO_BOOT else self._canvas.write
+        write = self._canvas.write if tile.whole else self._canvas.write_known
         return write(tile.row, tile.column, tile.cells, room, stamp)
 
     def _changed(self, box: Box) -> None:

@@ -7,7 +7,7 @@ from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from ..grid import EMPTY_BOX, Box, Grid, bounding_box, cropped, known_box, offset_between, union_of
+from ..grid import EMPTY_BOX, UNKNOWN, Box, Grid, bounding_box, cropped, known_box, offset_between, union_of
 from ..messages import Anchor, Boot, Tile
 from . import bounds
 from .canvas import Canvas
@@ -16,7 +16,8 @@ from .canvas import Canvas
 class MapSender:
     """Finds changed cells, numbers them, and answers requests.
 
-    Every tile holds all that is known of its cells: unknown ones too, so that a wall that was taken back disappears.
+    A tile of changes holds the cells that changed only, which is little when compressed. Where known cells became
+    unknown, and in answers, tiles are whole (see messages.Tile), so that a wall that was taken back disappears.
     """
 
     def __init__(self, robot: str, tile_size: Optional[int], boot: Boot) -> None:
@@ -63,13 +64,18 @@ class MapSender:
             return []
         present = cropped(self._local, box.shifted(-rows, -columns)).cells
         changed = present != self._told.read(box)
+        lost = changed & (present == UNKNOWN)
         self._told.write(box.top, box.left, present, bounds.MOST_MAP_CELLS)
         self._reached = self._reached.union(box)
         tiles = []
         for part in self._cut(bounding_box(changed)):
             news = bounding_box(changed[part.slices()])
-            if not news.empty:
-                tiles.append(self._numbered(news.shifted(part.top + box.top, part.left + box.left)))
+            if news.empty:
+                continue
+            news = news.shifted(part.top, part.left)
+            inside = news.slices()
+            cells = None if lost[inside].any() else np.where(changed[inside], present[inside], np.int8(UNKNOWN))
+            tiles.append(self._numbered(news.shifted(box.top, box.left), cells))
         return tiles
 
     def everything(self) -> List[Tile]:
@@ -129,12 +135,12 @@ class MapSender:
                 regions.append((box, [number]))
         return regions
 
-    def _numbered(self, box: Box) -> Tile:
+    def _numbered(self, box: Box, cells: Optional[np.ndarray] = None) -> Tile:
         number = self._next
         self._next += 1
         self._boxes[number] = box
         self._boxes.pop(number - bounds.MOST_BOXES, None)
-        return self._tile(box, (number,))
+        return self._tile(box, (number,), cells)
 
     def _answer(self, parts: List[Box], numbers: Sequence[int]) -> List[Tile]:
         """Whoever receives a beginning of the tiles, in order, has all of the numbers that came with them."""
@@ -152,17 +158,19 @@ class MapSender:
         touched = (first_row < bottom) & (top < last_row) & (first_column < right) & (left < last_column)
         return (len(parts) - 1 - touched[:, ::-1].argmax(axis=1)).tolist()
 
-    def _tile(self, box: Box, numbers: Tuple[int, ...]) -> Tile:
+    def _tile(self, box: Box, numbers: Tuple[int, ...], cells: Optional[np.ndarray] = None) -> Tile:
+        """The known cells of a tile, or a whole one with its present content."""
         assert self._told is not None
         return Tile(
             self._robot,
             numbers,
             box.top,
             box.left,
-            self._told.read(box),
+            self._told.read(box) if cells is None else cells,
             self._told.anchor.resolution,
             self._boot,
             self._next,
+            cells is None,
         )
 
     def _cut(self, box: Box) -> Iterable[Box]:
