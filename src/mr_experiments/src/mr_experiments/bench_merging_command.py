@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import Sequence
 
@@ -15,7 +16,8 @@ from mr_experiments.bench_merging import PARTS, Part, Record, Request, Row, reco
 from mr_experiments.code_version import code_version
 from mr_experiments.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.following import follow
-from mr_experiments.sweep import LocalPool, default_jobs, split_done
+from mr_experiments.merge_times import all_settled_at, classes_of_pairs
+from mr_experiments.sweep import Done, LocalPool, default_jobs, split_done
 from mr_experiments.trial import Trial, TrialError
 from mr_experiments.trial_process import record_path
 
@@ -81,8 +83,17 @@ def _records(part: Part, request: Request, options: argparse.Namespace, console:
     folder.mkdir(parents=True, exist_ok=True)
     left = _left(trials, folder)
     console.print(f"{part.name}: {len(left)} of {len(trials)} missions to run", highlight=False)
-    follow(LocalPool(options.jobs), left, folder, console)
+    follow(LocalPool(options.jobs), left, folder, console, lambda done: _line(done, folder))
     return records_of(trials, folder)
+
+
+def _line(done: Done, folder: Path) -> str:
+    if done.status == "failed":
+        return f"{done.trial.key}: failed: {done.reason}"
+    record = json.loads(record_path(folder, done.trial).read_text(encoding="utf-8"))
+    time, kinds = all_settled_at(record), Counter(classes_of_pairs(record))
+    merged = "never merged" if math.isinf(time) else f"merged after {time:.0f} s"
+    return f"{done.trial.key}: {merged} ({', '.join(f'{count} {kind}' for kind, count in kinds.items())})"
 
 
 def _left(trials: Sequence[Trial], folder: Path) -> list[Trial]:

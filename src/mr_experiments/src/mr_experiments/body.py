@@ -37,10 +37,14 @@ class Body:
         self._rests = True
         self.on_goal_end: GoalEnd = lambda *_: None
 
-    def locate(self, ranges: np.ndarray, odometry: Pose, now: float) -> Pose:
+    def scan_of(self, ranges: np.ndarray) -> LaserScan:
+        """What the driver makes of the laser's ranges, m."""
+        return LaserScan(ranges, *self._geometry)
+
+    def locate(self, scan: LaserScan, odometry: Pose, now: float) -> Pose:
         """The robot's pose in its map frame, from a scan."""
         with self._stopwatch.span("slam"):
-            self.pose = self.slam.process(LaserScan(ranges, *self._geometry), odometry, now).pose
+            self.pose = self.slam.process(scan, odometry, now).pose
         return self.pose
 
     def new_map(self, now: float) -> OccupancyMap | None:
@@ -51,12 +55,12 @@ class Body:
         with self._stopwatch.span("slam"):
             return self.slam.map()
 
-    def steer(self, ranges: np.ndarray, now: float) -> tuple[float, float]:
+    def steer(self, scan: LaserScan, now: float) -> tuple[float, float]:
         """Velocities in m/s and rad/s until the next scan."""
         if self._goal is None and self._rests:
             return 0.0, 0.0
         with self._stopwatch.span("navigation"):
-            command = self.navigator.step(now, self.pose, make_scan(ranges, *self._geometry))
+            command = self.navigator.step(now, self.pose, make_scan(scan.ranges, *self._geometry))
         self._rests = command.linear == 0.0 and command.angular == 0.0
         if self._goal is not None and command.status in (Status.SUCCEEDED, Status.ABORTED):
             goal, self._goal = self._goal, None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import closing
 from pathlib import Path
-from typing import Generator, Sequence, cast
+from typing import Callable, Generator, Sequence, cast
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -13,8 +13,18 @@ from mr_experiments.sweep import Done, Runner
 from mr_experiments.trial import Trial
 
 
-def follow(runner: Runner, left: Sequence[Trial], folder: Path, console: Console) -> list[Done]:
-    """Runs the trials, writes their records into the folder and tells on the console how it goes."""
+def line_of(entry: Done) -> str:
+    """How long the mission took, or why not."""
+    time, factor = entry.exploration_time, entry.real_time_factor
+    told = f"{time:.1f} s" if time is not None else f"{entry.status}: {entry.reason}"
+    return f"{entry.trial.key}: {told}" + (f"  ({factor:.1f} x real time)" if factor else "")
+
+
+def follow(
+    runner: Runner, left: Sequence[Trial], folder: Path, console: Console, line: Callable[[Done], str] = line_of
+) -> list[Done]:
+    """Runs the trials, writes their records into the folder and tells on the console how it goes; `line`: of one that
+    is done."""
     done = []
     columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
                TextColumn("{task.description}"))  # fmt: skip
@@ -35,11 +45,5 @@ def follow(runner: Runner, left: Sequence[Trial], folder: Path, console: Console
             for entry in results:
                 done.append(entry)
                 progress.update(task, advance=1, refresh=True)
-                progress.console.print(_line(entry), highlight=False, markup=False)
+                progress.console.print(line(entry), highlight=False, markup=False)
     return done
-
-
-def _line(entry: Done) -> str:
-    time, factor = entry.exploration_time, entry.real_time_factor
-    told = f"{time:.1f} s" if time is not None else f"{entry.status}: {entry.reason}"
-    return f"{entry.trial.key}: {told}" + (f"  ({factor:.1f} x real time)" if factor else "")

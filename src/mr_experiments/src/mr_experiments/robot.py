@@ -93,8 +93,9 @@ class Robot:
     def on_scan(self, ranges: np.ndarray, odometry: Pose) -> tuple[float, float]:
         """Returns the velocities to drive with, m/s and rad/s."""
         assert isinstance(self.body, Body)
-        self._locate(self.body.locate(ranges, odometry, self._clock()))
-        return self.body.steer(ranges, self._clock())
+        scan = self.body.scan_of(ranges)
+        self._locate(self.body.locate(scan, odometry, self._clock()))
+        return self.body.steer(scan, self._clock())
 
     def on_view(self) -> None:
         """In place of a scan, where the map is perfect."""
