@@ -3,7 +3,8 @@
 from typing import List, Optional, Protocol, Sequence
 
 from .effects import Send
-from .messages import Payload, Tile
+from .messages import Tile
+from .payload import Payload
 
 
 class Sender(Protocol):

@@ -6,11 +6,11 @@ from typing import NamedTuple, Tuple, Union
 
 import numpy as np
 
-from .alignment import Job
-from .grid import Grid
-from .messages import Payload
+from .grid import Box, Grid
+from .job import Job
+from .payload import Payload
 from .transform import Transform
-
+from .whereabouts import Place
 GROUP_PREFIX = "mc_"
 """Group names of adhoc_communication begin with it."""
 
@@ -23,6 +23,8 @@ class Purpose(Enum):
     REQUEST = "request"
     POSITION = "position"
     ANCHOR = "anchor"
+    TRACK = "track"
+    EDGES = "edges"
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,17 +56,10 @@ class Register:
 
 @dataclass(frozen=True, eq=False)
 class PublishMap:
-    """The global map changed."""
+    """The global map, and the box of its cells that differ from the one before."""
 
     grid: Grid
-
-
-class Place(NamedTuple):
-    """Where a robot is in the own frame, metres."""
-
-    robot: str
-    x: float
-    y: float
+    changed: Box
 
 
 class PublishPositions(NamedTuple):
@@ -107,5 +102,13 @@ class Note(NamedTuple):
 
 
 Effect = Union[
-    Send, Register, PublishMap, PublishPositions, PublishTrack, BroadcastTransforms, AskNeighbors, SaveDebugImages, Note
+    Send,
+    Register,
+    PublishMap,
+    PublishPositions,
+    PublishTrack,
+    BroadcastTransforms,
+    AskNeighbors,
+    SaveDebugImages,
+    Note,
 ]

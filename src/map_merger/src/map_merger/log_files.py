@@ -5,9 +5,9 @@ from enum import IntFlag
 import cv2
 import numpy as np
 
-from .agent import LogFigures
 from .features import image_of
 from .grid import Grid, continuous_cells
+from .report import LogFigures
 
 
 class LogBits(IntFlag):

@@ -1,7 +1,7 @@
 """What the agents tell one another, as plain values. `ros_io` converts them to the messages of the contract."""
 
 from dataclasses import dataclass
-from typing import NamedTuple, Tuple, Union
+from typing import NamedTuple, Tuple
 
 import numpy as np
 
@@ -60,6 +60,3 @@ class Position(NamedTuple):
 
     robot: str
     pose: Transform
-
-
-Payload = Union[Anchor, Tile, Request, Position]

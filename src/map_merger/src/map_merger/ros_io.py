@@ -13,7 +13,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from .effects import Place
 from .grid import Grid, GridError, GridInfo, grid_of
-from .messages import Anchor, Boot, Payload, Position, Request, Tile
+from .messages import Anchor, Boot, Position, Request, Tile
+from .payload import Payload
 from .options import Options
 from .transform import FARTHEST_M, Transform
 

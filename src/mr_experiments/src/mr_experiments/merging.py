@@ -9,9 +9,9 @@ from typing import Callable, Protocol
 import numpy as np
 import rospy
 
-from map_merger import ros_io
+from map_merger import meetings, ros_io
 from map_merger.agent import Agent, NoTransform
-from map_merger.alignment import outcome_of
+from map_merger.job import outcome_of
 from map_merger.delivery import Delivery
 from map_merger.effects import AskNeighbors, Effect, Note, PublishMap, PublishPositions, Purpose, Register, Send
 from map_merger.grid import Grid, GridInfo
@@ -24,6 +24,7 @@ from mr_experiments.stopwatch import Stopwatch
 
 TICK = 0.2  # s
 POSE_PERIOD = 0.5  # s
+SCAN_PERIOD = 0.2  # s
 REGISTRATION_TIME = 0.3  # s that a registration takes on a robot
 
 
@@ -84,6 +85,7 @@ class Merger:
         self._sends = {purpose: _Sends(self) for purpose in Purpose}
         self._incoming = ros_io.incoming(options)
         self._pose_at = -POSE_PERIOD
+        self._scan_at = -SCAN_PERIOD
         self._running = True
 
     def start(self, now: float) -> None:
@@ -108,6 +110,16 @@ class Merger:
         if now - self._pose_at >= POSE_PERIOD - 1e-6:
             self._pose_at = now
             self.do(lambda now: self.agent.on_local_pose(Transform(x, y, yaw), now))
+
+    def on_scan(self, scan: LaserScan, pose: Pose) -> None:
+        """A scan and the robot's pose in its map frame at that time."""
+        now = self._clock()
+        if self._running and self.agent.wants_scans and now - self._scan_at >= SCAN_PERIOD - 1e-6:
+            self._scan_at = now
+            seen = meetings.LaserScan(
+                scan.ranges, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, Transform(*scan.mount)
+            )
+            self.do(lambda now: self.agent.on_scan(seen, Transform(*pose), now))
 
     def on_robot(self, name: str, returned: bool = False) -> None:
         self.do(lambda now: self.agent.on_robot(name, now, returned=returned))

@@ -94,7 +94,10 @@ class Robot:
         """Returns the velocities to drive with, m/s and rad/s."""
         assert isinstance(self.body, Body)
         scan = self.body.scan_of(ranges)
-        self._locate(self.body.locate(scan, odometry, self._clock()))
+        pose = self.body.locate(scan, odometry, self._clock())
+        self._locate(pose)
+        if self.running and isinstance(self.merger, Merger):
+            self.merger.on_scan(scan, pose)
         return self.body.steer(scan, self._clock())
 
     def on_view(self) -> None:

@@ -6,7 +6,8 @@ import numpy as np
 
 from ..effects import Effect, Note, Purpose, Send
 from ..grid import Box, Grid, GridError, GridInfo
-from ..messages import Anchor, Boot, Payload, Request, Tile
+from ..messages import Anchor, Boot, Request, Tile
+from ..payload import Payload
 from ..options import Options
 from ..timer import Timer
 from . import bounds

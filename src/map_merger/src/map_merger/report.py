@@ -1,0 +1,100 @@
+"""What people and programs are told: notes, positions, status, figures. Nothing here decides."""
+
+import math
+from typing import List, Mapping, NamedTuple, Optional
+
+from .alignment import Alignment
+from .graph.team import Placement
+from .effects import Effect, Note, PublishPositions, PublishTrack
+from .grid import Grid
+from .options import Options
+from .registration import Registration, Verdict
+from .status import RobotPlacement
+from .transform import Transform
+from .whereabouts import Whereabouts
+
+POSITION_AGE_S = 30.0
+MOST_MARKERS = 500
+_RIGHT_M = 0.25
+
+
+class LogFigures(NamedTuple):
+    """What a line of periodical.log holds (contract 2.7)."""
+
+    global_free: int
+    local_free: int
+    x: float
+    y: float
+    updates_sent: int
+    transforms: int
+
+
+def figures_of(
+    merged: Optional[Grid], local: Optional[Grid], pose: Optional[Transform], updates: int, transforms: int
+) -> LogFigures:
+    """Figures for the log."""
+    pose = pose or Transform()
+    free = [0 if grid is None else int(grid.free.sum()) for grid in (merged, local)]
+    return LogFigures(free[0], free[1], pose.x, pose.y, updates, transforms)
+
+
+def positions_of(
+    options: Options, whereabouts: Whereabouts, transforms: Mapping[str, Transform], now: float
+) -> List[Effect]:
+    """Where everybody is and has been, own frame."""
+    longest = max(POSITION_AGE_S, 10.0 * options.seconds_send_position)
+    effects: List[Effect] = [PublishPositions(whereabouts.places(transforms, now, longest))]
+    effects.append(PublishTrack(options.robot_name, whereabouts.own_track.points()[-MOST_MARKERS:]))
+    for name, transform in transforms.items():
+        effects.append(PublishTrack(name, transform.apply(whereabouts.track(name).points()[-MOST_MARKERS:])))
+    return effects
+
+
+def news_of(robot: str, news: str, alignment: Alignment, result: Registration) -> List[Effect]:
+    """What became of a registration, in words."""
+    if news == "revoked":
+        return [Note(f"transform to {robot} revoked: {alignment.reason}", warning=True)]
+    if news in ("accepted", "moved"):
+        verb = "is" if news == "accepted" else "moved to"
+        wall = f"{result.evidence.matched:.1f} m of wall in both maps"
+        return [Note(f"transform to {robot} {verb} {described(alignment.transform)}, {wall}")]
+    return []
+
+
+def beyond_limits(robot: str, result: Registration) -> Optional[str]:
+    """The warning about a transform that was found and refused for the limits; None if that was not so."""
+    if result.verdict is not Verdict.BEYOND_LIMITS:
+        return None
+    return (
+        f"transform to {robot} found ({described(result.transform)}) but refused by max_trans_robots or "
+        f"max_rotation_robots; -1 lifts a limit"
+    )
+
+
+def placement_of(
+    robot: str, placement: Optional[Placement], alignment: Alignment, sightings: str, age: float, octets: int
+) -> RobotPlacement:
+    """One robot of the status. sightings: why they do not place it, '' if they would."""
+    if placement is None:
+        why = alignment.reason + (f"; {sightings}" if sightings else "")
+        return RobotPlacement(robot, why, age=age, bytes_received=octets)
+    belief = alignment.belief
+    wall = 0.0 if belief is None else belief.evidence.matched
+    via = placement.via[0] if placement.via else ""
+    why = f"through {via}" if via else "seen, " * (belief is not None and belief.met) + f"shared wall {wall:.1f} m"
+    covariance = tuple(value for row in placement.covariance for value in row)
+    confidence = confidence_in(placement)
+    return RobotPlacement(robot, why, placement.transform, via, covariance, confidence, wall, age, octets)
+
+
+def confidence_in(placement: Placement) -> float:
+    """0 to 1: how probable it is that the frame's origin is within 0.25 m of its place, by the covariance."""
+    variance = max(placement.covariance[0][0], placement.covariance[1][1])
+    return float(1.0 - math.exp(-0.5 * _RIGHT_M**2 / max(variance, 1e-9)))
+
+
+def described(transform: Optional[Transform]) -> str:
+    """A transform for people."""
+    if transform is None:
+        return "none"
+    return f"x {transform.x:.2f} m, y {transform.y:.2f} m, {math.degrees(transform.yaw):.1f} deg"
