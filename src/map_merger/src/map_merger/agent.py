@@ -7,7 +7,6 @@ from typing import Deque, Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
 import numpy as np
 
 from . import fusion
-from .alignment import Job, LandmarkCache, Member, Versioned
 from .effects import (
     AskNeighbors,
     BroadcastTransforms,
@@ -24,6 +23,7 @@ from .effects import (
 )
 from .exchange import MOST_MAP_CELLS, MapSender
 from .grid import Grid, GridError, GridInfo, empty_grid
+from .job import Job, LandmarkCache, Member, Versioned
 from .messages import Anchor, Boot, Payload, Position, Request, Tile
 from .options import Options
 from .peer import HeardPose, Peer, Retry, Track

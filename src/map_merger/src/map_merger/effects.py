@@ -6,8 +6,8 @@ from typing import NamedTuple, Tuple, Union
 
 import numpy as np
 
-from .alignment import Job
 from .grid import Grid
+from .job import Job
 from .messages import Payload
 from .transform import Transform
 

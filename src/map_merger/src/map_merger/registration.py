@@ -10,6 +10,7 @@ from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from .covariance import Covariance
 from .evidence import Evidence, compare
 from .refine import COARSE_REACH, FINE_REACH, refined
 from .search import Prior, candidates
@@ -88,6 +89,10 @@ class Registration(NamedTuple):
     """True if a rough transform was given beforehand."""
     met: bool = False
     """True if one of the robots was seen by the other where the transform says it was (sighting)."""
+    rivals: Tuple[Transform, ...] = ()
+    """With AMBIGUOUS: the different transforms, best first, that could as well be the true one."""
+    covariance: Optional[Covariance] = None
+    """Of the transform, where it is accepted by a Job."""
 
     @property
     def accepted(self) -> bool:
@@ -144,15 +149,26 @@ def choose(
     transform = refined(target.surface, subsample(source.surface, 2500), transform, FINE_REACH)
     evidence = compare(target, source, transform)
     points = source.surface.points
-    rivals = [other for other in ranked[1:] if _different(transform, other[1], points)]
+    rivals = tuple(
+        other
+        for found, other in ranked[1:]
+        if _different(transform, other, points) and _rivals(evidence, found, criteria)
+    )
     verdict = judge(evidence, criteria)
-    if verdict is Verdict.ACCEPTED and any(_rivals(evidence, other, criteria) for other, _ in rivals):
+    if verdict is Verdict.ACCEPTED and rivals:
         verdict = Verdict.AMBIGUOUS
     if verdict is Verdict.ACCEPTED and not limits.allow(transform):
         verdict = Verdict.BEYOND_LIMITS
     if verdict is Verdict.ACCEPTED and prior is not None and not _near_prior(transform, prior, points):
         verdict = Verdict.NO_CANDIDATE
-    return Registration(verdict, transform, evidence, target.surface.length + source.surface.length, prior is not None)
+    return Registration(
+        verdict,
+        transform,
+        evidence,
+        target.surface.length + source.surface.length,
+        prior is not None,
+        rivals=rivals if verdict is Verdict.AMBIGUOUS else (),
+    )
 
 
 def follow(target: Landmarks, source: Landmarks, transform: Transform) -> Tuple[Transform, Evidence]:

@@ -11,9 +11,9 @@ import rospy
 
 from map_merger import ros_io
 from map_merger.agent import Agent, NoTransform
-from map_merger.alignment import outcome_of
 from map_merger.effects import AskNeighbors, Effect, Note, PublishMap, PublishPositions, Register, Send
 from map_merger.grid import Grid, GridInfo
+from map_merger.job import outcome_of
 from map_merger.messages import Boot, Tile
 from map_merger.options import Options
 from map_merger.transform import Transform
