@@ -174,7 +174,12 @@ PYBIND11_MODULE(_surfaces, module) {
       .def_readonly("matched", &Comparison::matched)
       .def_readonly("contradicted", &Comparison::contradicted)
       .def_readonly("minor", &Comparison::minor)
-      .def_readonly("mean_square", &Comparison::mean_square);
+      .def_readonly("mean_square", &Comparison::mean_square)
+      .def_property_readonly("middle", [](const Comparison& own) { return std::make_pair(own.middle_x, own.middle_y); })
+      .def_property_readonly("information", [](const Comparison& own) {
+        const auto& [xx, xy, xt, yy, yt, tt] = own.information;
+        return std::array<std::array<double, 3>, 3>{{{xx, xy, xt}, {xy, yy, yt}, {xt, yt, tt}}};
+      });
 
   py::class_<SurfaceIndex>(module, "SurfaceIndex")
       .def(py::init(&make_index), py::arg("points"), py::arg("normals"), py::arg("normal_weight"),

@@ -5,6 +5,17 @@
 #include "refinement.hpp"
 
 namespace map_merger {
+namespace {
+
+// Of the distance from the partner's line, for a point (arm_x, arm_y) m away from where the motion puts the origin.
+void add_information(const OrientedPoint& partner, double arm_x, double arm_y, std::array<double, 6>& sum) {
+  const double x = partner.normal_x, y = partner.normal_y, yaw = arm_x * y - arm_y * x;
+  sum[0] += x * x, sum[1] += x * y, sum[2] += x * yaw;
+  sum[3] += y * y, sum[4] += y * yaw;
+  sum[5] += yaw * yaw;
+}
+
+}  // namespace
 
 Comparison compare(const SurfaceIndex& target, const Raster& known, const std::uint8_t* clear,
                    const std::vector<OrientedPoint>& source, const std::uint8_t* solid, const Motion& motion,
@@ -29,9 +40,14 @@ Comparison compare(const SurfaceIndex& target, const Raster& known, const std::u
     const OrientedPoint& found = target[partner];
     const double residual = (moved.x - found.x) * found.normal_x + (moved.y - found.y) * found.normal_y;
     squares += residual * residual;
+    add_information(found, moved.x - motion.x, moved.y - motion.y, result.information);
+    result.middle_x += moved.x, result.middle_y += moved.y;
   }
   result.minor = 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy);
-  result.mean_square = result.matched > 0 ? squares / static_cast<double>(result.matched) : 0.0;
+  if (result.matched == 0) return result;
+  const double count = static_cast<double>(result.matched);
+  result.mean_square = squares / count;
+  result.middle_x /= count, result.middle_y /= count;
   return result;
 }
 

@@ -1,6 +1,7 @@
 // What of a moved surface agrees with a map and what contradicts it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -9,13 +10,17 @@
 
 namespace map_merger {
 
-// Numbers of points, but for `minor` and `mean_square`.
+// Numbers of points, but for the last four.
 struct Comparison {
-  std::int64_t inside = 0;        // on known cells of the map
-  std::int64_t matched = 0;       // of these, with a like-facing partner
-  std::int64_t contradicted = 0;  // of these, without partner, solid and in clear space
-  double minor = 0.0;             // smaller eigenvalue of the scatter of the matched normals
-  double mean_square = 0.0;       // m^2, distance of the matched points from their partners' lines
+  std::int64_t inside = 0;                // on known cells of the map
+  std::int64_t matched = 0;               // of these, with a like-facing partner
+  std::int64_t contradicted = 0;          // of these, without partner, solid and in clear space
+  double minor = 0.0;                     // smaller eigenvalue of the scatter of the matched normals
+  double mean_square = 0.0;               // m^2, distance of the matched points from their partners' lines
+  double middle_x = 0.0, middle_y = 0.0;  // m, of the matched points where the motion puts them
+  // Sum of the products of the distances' derivatives with respect to x (m), y (m) and yaw (rad) of the motion: xx, xy,
+  // x yaw, yy, y yaw, yaw yaw.
+  std::array<double, 6> information{};
 };
 
 // `source`: a surface, moved by `motion` into the frame of the target; `solid`: which of its points may contradict.

@@ -12,6 +12,8 @@ class Comparison:
     contradicted: int
     minor: float
     mean_square: float
+    middle: tuple[float, float]
+    information: list[list[float]]
 
 class SurfaceIndex:
     def __init__(self, points: np.ndarray, normals: np.ndarray, normal_weight: float) -> None: ...

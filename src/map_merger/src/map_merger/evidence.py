@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 
+from ._surfaces import Comparison
 from .surface import Landmarks
 from .transform import Transform
 
@@ -39,9 +40,8 @@ def compare(target: Landmarks, source: Landmarks, transform: Transform) -> Evide
     """Evidence for `transform` (source -> target)."""
     if not len(target.surface.points) or not len(source.surface.points):
         return Evidence()
-    tolerance = match_tolerance(target, source)
-    forward = _one_way(target, source, transform, tolerance)
-    backward = _one_way(source, target, transform.inverse(), tolerance)
+    forward = _one_way(target, source, transform)
+    backward = _one_way(source, target, transform.inverse())
     return Evidence(
         matched=min(forward.matched, backward.matched),
         minor=min(forward.minor, backward.minor),
@@ -57,9 +57,9 @@ def match_tolerance(target: Landmarks, source: Landmarks) -> float:
     return max(0.1, 2.0 * max(target.info.resolution, source.info.resolution))
 
 
-def _one_way(target: Landmarks, source: Landmarks, transform: Transform, tolerance: float) -> Evidence:
-    spacing = source.surface.spacing
-    found = target.surface.index().compare(
+def comparison_of(target: Landmarks, source: Landmarks, transform: Transform) -> Comparison:
+    """How the walls of the source, moved by `transform`, agree with the target."""
+    return target.surface.index().compare(
         target.known,
         target.clear,
         target.info.resolution,
@@ -68,8 +68,13 @@ def _one_way(target: Landmarks, source: Landmarks, transform: Transform, toleran
         source.surface.normals,
         source.surface.solid,
         transform.pose(),
-        tolerance,
+        match_tolerance(target, source),
     )
+
+
+def _one_way(target: Landmarks, source: Landmarks, transform: Transform) -> Evidence:
+    spacing = source.surface.spacing
+    found = comparison_of(target, source, transform)
     if found.matched == 0:
         return Evidence(against=found.contradicted * spacing)
     return Evidence(

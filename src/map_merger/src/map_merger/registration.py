@@ -10,6 +10,7 @@ from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from .covariance import Covariance
 from .evidence import Evidence, compare
 from .refine import COARSE_REACH, FINE_REACH, refined
 from .search import Prior, candidates
@@ -100,6 +101,10 @@ class Registration(NamedTuple):
     """True if one of the robots was seen by the other where the transform says it was (sighting)."""
     rival: Optional[Rival] = None
     """The different transform that makes this one ambiguous, or else the best different one."""
+    rivals: Tuple[Transform, ...] = ()
+    """With AMBIGUOUS: the different transforms, best first, that could as well be the true one."""
+    covariance: Optional[Covariance] = None
+    """Of the transform, where it is accepted by a Job."""
 
     @property
     def accepted(self) -> bool:
@@ -180,7 +185,8 @@ def choose(
     if verdict is Verdict.ACCEPTED and prior is not None and not _near_prior(transform, prior, points):
         verdict = Verdict.NO_CANDIDATE
     surveyed, rival = target.surface.length + source.surface.length, next(iter(serious or others), None)
-    return Registration(verdict, transform, evidence, surveyed, prior is not None, rival=rival)
+    rivals = tuple(each.transform for each in serious) if verdict is Verdict.AMBIGUOUS else ()
+    return Registration(verdict, transform, evidence, surveyed, prior is not None, rival=rival, rivals=rivals)
 
 
 def follow(target: Landmarks, source: Landmarks, transform: Transform) -> Tuple[Transform, Evidence]:

@@ -11,12 +11,16 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 from visualization_msgs.msg import Marker, MarkerArray
 
+from map_merger.msg import TransformEdge, TransformEdges
+
+from .covariance import as_covariance
 from .effects import Place
+from .graph.edges import MOST_EDGES, Edge, EdgeReport
 from .grid import Grid, GridError, GridInfo, grid_of
 from .messages import Anchor, Boot, Position, Request, Tile
 from .payload import Payload
 from .options import Options
-from .transform import FARTHEST_M, Transform
+from .transform import FARTHEST_M, Transform, wrap_angle
 
 NumpyOccupancyGrid = numpy_msg(OccupancyGrid)
 NumpyMapUpdate = numpy_msg(MmMapUpdate)
@@ -237,3 +241,37 @@ def track_message(points: np.ndarray, frame: str, stamp: rospy.Time) -> MarkerAr
 
 def _boot_of(info: MapMetaData) -> Boot:
     return info.map_load_time.secs, info.map_load_time.nsecs
+
+
+def edges_message(report: EdgeReport) -> TransformEdges:
+    """A robot's own edges."""
+    return TransformEdges(report.robot, rospy.Time(*report.boot), [_edge_message(edge) for edge in report.edges])
+
+
+def edges_of(message: TransformEdges) -> EdgeReport:
+    """Edges as told, not yet checked (graph.edges.check). MessageError for a yaw that cannot be an angle."""
+    boot = message.boot.secs, message.boot.nsecs
+    edges = tuple(_edge_of(message.robot, boot, edge) for edge in message.edges[: MOST_EDGES + 1])
+    return EdgeReport(message.robot, boot, edges)
+
+
+def _edge_message(edge: Edge) -> TransformEdge:
+    covariance = [value for row in edge.covariance for value in row]
+    boot = rospy.Time(*edge.target_run)
+    return TransformEdge(edge.target, boot, *edge.transform.pose(), covariance, edge.shared_wall, edge.met, edge.age)
+
+
+def _edge_of(robot: str, boot: Boot, message: TransformEdge) -> Edge:
+    if not math.isfinite(message.yaw):
+        raise MessageError(f"a transform {robot} - {message.target} with a yaw that is not finite")
+    return Edge(
+        robot,
+        message.target,
+        boot,
+        (message.target_boot.secs, message.target_boot.nsecs),
+        Transform(message.x, message.y, wrap_angle(message.yaw)),
+        as_covariance(np.array(message.covariance).reshape(3, 3)),
+        message.shared_wall,
+        message.met,
+        message.age,
+    )

@@ -7,10 +7,11 @@ import pytest
 from team import Team, options, survey, team_of
 
 from map_merger.agent import Agent, NoTransform
-from map_merger.alignment import Alignment, Versioned
+from map_merger.alignment import Alignment
 from map_merger.effects import Note, PublishMap, Send
 from map_merger.evidence import Evidence
 from map_merger.grid import UNKNOWN, Grid, GridInfo
+from map_merger.job import Versioned
 from map_merger.messages import Anchor, Position, Request, Tile
 from map_merger.registration import Registration, Verdict
 from map_merger.synthetic import pair_of

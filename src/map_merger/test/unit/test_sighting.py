@@ -7,10 +7,11 @@ import pytest
 from team import options
 
 from map_merger.agent import Agent
-from map_merger.alignment import Alignment, outcome_of
+from map_merger.alignment import Alignment
 from map_merger.effects import Register
 from map_merger.evidence import Evidence
 from map_merger.grid import FREE, OCCUPIED, UNKNOWN, Grid, GridInfo
+from map_merger.job import outcome_of
 from map_merger.messages import Anchor, Position, Tile
 from map_merger.registration import Registration, Verdict
 from map_merger.sighting import Sighting, Views, nowhere, places_seen, view_of

@@ -1,0 +1,179 @@
+"""Poses of robots by least squares over transforms between them: a small pose graph, all at once in arrays.
+
+Grisetti et al., "A tutorial on graph-based SLAM", 2010, in the plane. Errors are those of the transform's own x, y (m)
+and yaw (rad), as in its covariance.
+"""
+
+from typing import List, NamedTuple, Sequence, Tuple
+
+import numpy as np
+
+from ..transform import Transform, wrap_angle
+
+_MOST_STEPS = 8
+_SMALL_STEP = 1e-7
+
+
+class Links(NamedTuple):
+    """Transforms between nodes, which are numbers.
+
+    first, second: int (m,), the transform maps the frame of the second to that of the first. mean: (m, 3). covariance:
+    (m, 3, 3). weight: (m,). pair: int (m,), the same for both directions of two nodes.
+    """
+
+    first: np.ndarray
+    second: np.ndarray
+    mean: np.ndarray
+    covariance: np.ndarray
+    weight: np.ndarray
+    pair: np.ndarray
+
+
+class Poses(NamedTuple):
+    """Poses (n, 3: x, y, yaw) of the nodes and their covariances, (n, n, 3, 3), all zero for a node that was held."""
+
+    mean: np.ndarray
+    covariance: np.ndarray
+
+
+def wrapped(angles: np.ndarray) -> np.ndarray:
+    """The same angles in [-pi, pi)."""
+    return (angles + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def spanning_tree(links: Links, order: Sequence[int], count: int) -> List[int]:
+    """Numbers of the links that join `count` nodes without a cycle, taken in `order` (Kruskal)."""
+    leader = list(range(count))
+
+    def leader_of(node: int) -> int:
+        while leader[node] != node:
+            leader[node] = leader[leader[node]]
+            node = leader[node]
+        return node
+
+    first, second = links.first.tolist(), links.second.tolist()
+    tree = []
+    for number in order:
+        one, other = leader_of(first[number]), leader_of(second[number])
+        if one != other:
+            leader[max(one, other)] = min(one, other)
+            tree.append(number)
+    return tree
+
+
+def placed_along(links: Links, tree: Sequence[int], count: int) -> Tuple[np.ndarray, np.ndarray]:
+    """Poses (count, 3) along the links of a tree, the lowest node of each component at the origin; and which those are,
+    bool (count,)."""
+    neighbours: List[List[Tuple[int, Transform]]] = [[] for _ in range(count)]
+    for number in tree:
+        first, second = int(links.first[number]), int(links.second[number])
+        transform = Transform(*links.mean[number].tolist())
+        neighbours[first].append((second, transform))
+        neighbours[second].append((first, transform.inverse()))
+    poses: List[Transform] = [Transform()] * count
+    held, seen = np.zeros(count, bool), [False] * count
+    for root in range(count):
+        if seen[root]:
+            continue
+        held[root] = seen[root] = True
+        waiting = [root]
+        while waiting:
+            node = waiting.pop()
+            for neighbour, transform in neighbours[node]:
+                if not seen[neighbour]:
+                    seen[neighbour] = True
+                    poses[neighbour] = poses[node].compose(transform)
+                    waiting.append(neighbour)
+    return np.array([pose.pose() for pose in poses]), held
+
+
+def relative(poses: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Transforms (m, 3) from the frames of `second` to those of `first`."""
+    here, there = poses[first], poses[second]
+    cosine, sine = np.cos(here[:, 2]), np.sin(here[:, 2])
+    x, y = (there - here)[:, 0], (there - here)[:, 1]
+    return np.column_stack([cosine * x + sine * y, cosine * y - sine * x, wrapped(there[:, 2] - here[:, 2])])
+
+
+def _derivatives(poses: np.ndarray, first: np.ndarray, second: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Of `relative` with respect to the poses of the first and of the second nodes, (m, 3, 3) each."""
+    between = relative(poses, first, second)
+    cosine, sine = np.cos(poses[first, 2]), np.sin(poses[first, 2])
+    by_second = np.zeros((len(first), 3, 3))
+    by_second[:, 0, 0] = by_second[:, 1, 1] = cosine
+    by_second[:, 0, 1], by_second[:, 1, 0] = sine, -sine
+    by_second[:, 2, 2] = 1.0
+    by_first = -by_second
+    by_first[:, 0, 2], by_first[:, 1, 2] = between[:, 1], -between[:, 0]
+    return by_first, by_second
+
+
+def solved(links: Links, tree: Sequence[int], count: int) -> Poses:
+    """The most likely poses. tree: numbers of those of the links that start the search (see `placed_along`)."""
+    poses, held = placed_along(links, tree, count)
+    free = np.flatnonzero(np.repeat(~held, 3))
+    information = np.linalg.inv(links.covariance)
+    matrix = np.zeros((len(free), len(free)))
+    for _ in range(_MOST_STEPS if len(tree) < len(links.first) else 1):
+        matrix, gradient = _normal_equations(links, information, poses)
+        matrix = matrix[np.ix_(free, free)]
+        step = np.zeros(3 * count)
+        step[free] = np.linalg.solve(matrix, -gradient[free])
+        poses = poses + step.reshape(-1, 3)
+        if np.abs(step).max(initial=0.0) < _SMALL_STEP:
+            break
+    poses[:, 2] = wrapped(poses[:, 2])
+    covariance = np.zeros((3 * count, 3 * count))
+    covariance[np.ix_(free, free)] = np.linalg.inv(matrix)
+    return Poses(poses, covariance.reshape(count, 3, count, 3).swapaxes(1, 2))
+
+
+def _normal_equations(links: Links, information: np.ndarray, poses: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    count = len(poses)
+    first, second = links.first, links.second
+    by_first, by_second = _derivatives(poses, first, second)
+    weighted_first, weighted_second = (np.swapaxes(by, 1, 2) @ information for by in (by_first, by_second))
+    mixed = weighted_first @ by_second
+    blocks = _summed(
+        np.concatenate(
+            [first * count + first, second * count + second, first * count + second, second * count + first]
+        ),
+        np.concatenate([weighted_first @ by_first, weighted_second @ by_second, mixed, np.swapaxes(mixed, 1, 2)]),
+        count * count,
+    )
+    residual = difference(links, poses)[:, :, None]
+    gradient = _summed(
+        np.concatenate([first, second]), np.concatenate([weighted_first @ residual, weighted_second @ residual]), count
+    )
+    return blocks.reshape(count, count, 3, 3).swapaxes(1, 2).reshape(3 * count, 3 * count), gradient.ravel()
+
+
+def _summed(places: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
+    """Sums, (count, ...), of the values (k, ...) that have the same place, int (k,)."""
+    columns = values.reshape(len(values), int(np.prod(values.shape[1:]))).T
+    return np.stack([np.bincount(places, column, count) for column in columns], axis=1).reshape(
+        count, *values.shape[1:]
+    )
+
+
+def difference(links: Links, poses: np.ndarray) -> np.ndarray:
+    """What the poses say minus what the links say, (m, 3: x, y in m, yaw in rad)."""
+    residual = relative(poses, links.first, links.second) - links.mean
+    residual[:, 2] = wrapped(residual[:, 2])
+    return residual
+
+
+def relative_covariance(poses: Poses, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Covariances (m, 3, 3) of `relative`."""
+    by_first, by_second = _derivatives(poses.mean, first, second)
+    both = np.concatenate([by_first, by_second], axis=2)
+    covariance = np.empty((len(first), 6, 6))
+    covariance[:, :3, :3], covariance[:, :3, 3:] = poses.covariance[first, first], poses.covariance[first, second]
+    covariance[:, 3:, :3], covariance[:, 3:, 3:] = poses.covariance[second, first], poses.covariance[second, second]
+    return both @ covariance @ np.swapaxes(both, 1, 2)
+
+
+def transform_between(poses: Poses, first: int, second: int) -> Transform:
+    """The transform from the second node's frame to the first one's."""
+    x, y, yaw = relative(poses.mean, np.array([first]), np.array([second]))[0].tolist()
+    return Transform(x, y, wrap_angle(yaw))

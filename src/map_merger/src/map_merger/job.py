@@ -1,0 +1,194 @@
+"""One registration to compute: pure, may run in another thread."""
+
+from collections import OrderedDict
+from dataclasses import dataclass, field
+from typing import Callable, Hashable, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from . import features, registration
+from .covariance import covariance_of
+from .evidence import compare
+from .fusion import fused, resampled
+from .grid import Grid
+from .registration import (
+    DEFAULT_CRITERIA,
+    KEEP_CRITERIA,
+    PRIOR_CRITERIA,
+    Limits,
+    Prior,
+    Registration,
+    Verdict,
+    follow,
+    judge,
+    judge_kept,
+)
+from .search import same_place
+from .sighting import SIGHTINGS_NEEDED, Sighting, moved, nowhere, places_seen
+from .surface import Landmarks, landmarks_of, without_places
+from .transform import Transform
+
+LONGEST_STEP_M = 0.5
+"""What moves the walls further is no refinement but a jump, as after a loop closure, and is searched for."""
+BETTER_THAN_STAYING = 1.5
+"""Factor of the scores from which on a jump is made."""
+_ROBOT_REACH_M = 0.35
+"""A robot hides that much around its centre from the others' lasers."""
+_CACHED_MAPS = 24
+_CACHED_CELLS = 40_000_000
+
+
+class Versioned(NamedTuple):
+    """A map and a key that changes whenever the map does."""
+
+    key: Hashable
+    grid: Grid
+
+
+class Member(NamedTuple):
+    """Another robot of the team whose transform to the own frame is believed."""
+
+    map: Versioned
+    transform: Transform
+
+
+class LandmarkCache:
+    """Landmarks of the most recently used maps, bounded in number and in cells. Used by one job at a time."""
+
+    def __init__(self) -> None:
+        self._known: OrderedDict[Hashable, Landmarks] = OrderedDict()
+
+    def of(self, key: Hashable, grid: Callable[[], Grid]) -> Landmarks:
+        """Landmarks of the map with this key, computed when needed."""
+        if key not in self._known:
+            self._known[key] = landmarks_of(grid())
+        self._known.move_to_end(key)
+        while len(self._known) > _CACHED_MAPS or (len(self._known) > 1 and self._cells() > _CACHED_CELLS):
+            self._known.popitem(last=False)
+        return self._known[key]
+
+    def _cells(self) -> int:
+        return sum(landmarks.clear.size for landmarks in self._known.values())
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """A search for the transform from the source's frame to the target's, or a look whether `current` still holds.
+
+    `run` does not change anything but the cache.
+    """
+
+    robot: str
+    target: Versioned
+    source: Versioned
+    team: Tuple[Member, ...]
+    current: Optional[Transform]
+    prior: Optional[Prior]
+    limits: Limits
+    method: str
+    cache: LandmarkCache
+    target_track: np.ndarray = field(default_factory=nowhere)
+    source_track: np.ndarray = field(default_factory=nowhere)
+    """Where and when the robots of both maps have been, each (n, 3: x, y, time) in the frame of its own map."""
+    other_tracks: np.ndarray = field(default_factory=nowhere)
+    """The same of all other robots whose transform is known or proposed, in the target's frame."""
+    others_placed: bool = True
+    """False if another robot is on the move whose transform is neither known nor proposed."""
+    seen: Tuple[Sighting, ...] = ()
+    saw: Tuple[Sighting, ...] = ()
+    """What the target's maps showed where the source's robot was, and the other way round."""
+
+    def run(self) -> Registration:
+        """The outcome; for a followed transform the verdict says whether it may be kept."""
+        target = self.cache.of(self.target.key, lambda: self.target.grid)
+        source = self.cache.of(self.source.key, lambda: self.source.grid)
+        target = without_places(target, self.target_track[:, :2], _ROBOT_REACH_M)
+        source = without_places(source, self.source_track[:, :2], _ROBOT_REACH_M)
+        if self.current is not None:
+            return self._follow(target, source, self.current)
+        result = self._searched(target, source)
+        if result.accepted and result.transform is not None:
+            return result._replace(met=self._met(result.transform))
+        return result
+
+    def _searched(self, target: Landmarks, source: Landmarks) -> Registration:
+        result = self._search(target, source)
+        if not self.team:
+            return result
+        merged = self._merged()
+        if not result.accepted and result.verdict is not Verdict.BEYOND_LIMITS:
+            result = self._search(merged, source)
+        if result.accepted and result.transform is not None:
+            against = compare(merged, source, result.transform)
+            if against.conflict > 1.5 * DEFAULT_CRITERIA.conflict:
+                return result._replace(verdict=Verdict.CONTRADICTS_TEAM)
+        return result
+
+    def _search(self, target: Landmarks, source: Landmarks) -> Registration:
+        criteria = DEFAULT_CRITERIA if self.prior is None else PRIOR_CRITERIA
+        method = features.register if self.method == "features" else registration.register
+        result = method(target, source, criteria, self.limits, self.prior)
+        if result.rivals:
+            result = self._chosen_by_meeting(target, source, result)
+        return _with_covariance(target, source, result)
+
+    def _chosen_by_meeting(self, target: Landmarks, source: Landmarks, result: Registration) -> Registration:
+        """Walls alone cannot choose between rivals; that the robots met by exactly one of them can."""
+        rivals = [each for each in (result.transform, *result.rivals) if each is not None and self._met(each)]
+        if len(rivals) != 1:
+            return result
+        transform, evidence = follow(target, source, rivals[0])
+        verdict = judge(evidence, DEFAULT_CRITERIA if self.prior is None else PRIOR_CRITERIA)
+        if verdict is Verdict.ACCEPTED and not self.limits.allow(transform):
+            verdict = Verdict.BEYOND_LIMITS
+        return result._replace(verdict=verdict, transform=transform, evidence=evidence, rivals=())
+
+    def _met(self, transform: Transform) -> bool:
+        """True if the robots saw one another where the transform says. Every other evidence of a meeting belongs here,
+        since this decides between rivals as well."""
+        back = transform.inverse()
+        seen = places_seen(self.target.grid, self.seen, self.source_track, transform, self.other_tracks)
+        saw = places_seen(self.source.grid, self.saw, self.target_track, back, moved(self.other_tracks, back))
+        return seen + saw >= (1 if self.others_placed else SIGHTINGS_NEEDED)
+
+    def _follow(self, target: Landmarks, source: Landmarks, current: Transform) -> Registration:
+        better, evidence = follow(target, source, current)
+        if evidence.matched < KEEP_CRITERIA.matched and self.team:
+            target = self._merged()
+            better, evidence = follow(target, source, current)
+        jumps = not same_place(better, current, source.surface.points, LONGEST_STEP_M)
+        if jumps:
+            better, evidence = current, compare(target, source, current)
+        verdict = judge_kept(evidence)
+        if jumps or verdict is Verdict.CONTRADICTED:
+            found = self._searched_nearby(target, source, current)
+            if found.accepted and found.evidence.score > BETTER_THAN_STAYING * evidence.score:
+                return _with_covariance(target, source, found)
+        return _with_covariance(target, source, Registration(verdict, better, evidence))
+
+    def _searched_nearby(self, target: Landmarks, source: Landmarks, current: Transform) -> Registration:
+        """Either robot's SLAM may have closed a loop, which moves its map by little: not a matter of any transform."""
+        return registration.register(target, source, PRIOR_CRITERIA, self.limits, Prior(current))
+
+    def _merged(self) -> Landmarks:
+        key = (self.target.key, tuple((member.map.key, member.transform) for member in self.team))
+
+        def merge() -> Grid:
+            layers = [resampled(member.map.grid, member.transform, self.target.grid) for member in self.team]
+            return fused(self.target.grid, [layer for layer in layers if layer is not None])
+
+        return without_places(self.cache.of(key, merge), self.target_track[:, :2], _ROBOT_REACH_M)
+
+
+def _with_covariance(target: Landmarks, source: Landmarks, result: Registration) -> Registration:
+    if not result.accepted or result.transform is None:
+        return result
+    return result._replace(covariance=covariance_of(target, source, result.transform))
+
+
+def outcome_of(job: Job) -> Tuple[Registration, Optional[Exception]]:
+    """Runs a job in the host's thread. A fault is an outcome too: the next job must find its thread alive."""
+    try:
+        return job.run(), None
+    except Exception as fault:
+        return Registration(Verdict.FAILED), fault
