@@ -6,7 +6,7 @@ import numpy as np
 
 from ..effects import Effect, Note, Purpose, Send
 from ..grid import Box, Grid, GridError, GridInfo
-from ..messages import Anchor, Boot, Request, Tile
+from ..messages import NO_BOOT, Anchor, Boot, Request, Tile
 from ..payload import Payload
 from ..options import Options
 from ..timer import Timer
@@ -91,6 +91,10 @@ class Exchange:
         """The radio lost the robot. Its map stays."""
         if name in self._peers:
             self._peers[name].present = False
+
+    def forget(self, name: str) -> bool:
+        """Nothing that came from the robot counts any more; False if it was not met."""
+        return self._peers.pop(name, None) is not None
 
     def on_heard(self, name: str) -> None:
         """Anything else came from the robot."""
@@ -177,6 +181,10 @@ class Exchange:
     def run_of(self, robot: str) -> int:
         """0 before the robot's first anchor; another number means that its map frame is a new one."""
         return self._peers[robot].map.run if robot in self._peers else 0
+
+    def boot_of(self, robot: str) -> Boot:
+        """The robot's present run as it names it; NO_BOOT before its first anchor."""
+        return self._peers[robot].map.boot if robot in self._peers else NO_BOOT
 
     def lattice_of(self, robot: str) -> Optional[GridInfo]:
         """Corner and resolution of the robot's map, fixed per run; None before the first anchor."""

@@ -60,6 +60,11 @@ class PeerMap:
         return self._waiting_cells + (0 if self._canvas is None else self._canvas.stored)
 
     @property
+    def boot(self) -> Boot:
+        """Names the present run; NO_BOOT before the first anchor."""
+        return NO_BOOT if self._anchor is None else self._anchor.boot
+
+    @property
     def lattice(self) -> Optional[GridInfo]:
         """Corner from which cells are counted, and resolution; None before the first anchor. Fixed per run."""
         return None if self._anchor is None else replace(self._anchor.info, width=0, height=0)
