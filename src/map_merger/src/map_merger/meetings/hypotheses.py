@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import List, Mapping, NamedTuple, Optional, Tuple
+from typing import Iterable, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from .values import NO_SENSOR, Hypothesis, Sensor
 
 _DEVIATION_M = 0.05
 """Of a sighting: the laser sees surfaces, poses and times are not exact."""
-_REACH_M = 0.2
+_REACH_M = 0.15
 """A sighting farther from where it should be is of something else."""
 _SEED_ERROR_M = 0.12
 _SEED_SPREAD_M = 0.12
@@ -22,16 +22,22 @@ _MOST_SEEDS = 40
 _MOST_KEPT = 6
 _SAME_M = 0.25
 _SAME_TURN = math.radians(10.0)
-_FEWEST_SIGHTINGS = 5
+_FEWEST_AGREEING = 5
 _EMPTY_AT_LEAST = 4
 _EMPTY_SHARE = 0.2
 _UNSEEN_AT_LEAST = 10
 _UNSEEN_SHARE = 0.2
 _VIEW_MARGIN = math.radians(15.0)
 SHORTEST_PATH_M = 0.3
-SHORTEST_BEND_M = 0.15
-SHORTEST_SECONDS = 2.0
-_RIVAL_SHARE = 0.5
+SHORTEST_BEND_M = 0.12
+BEND_PER_ERROR = 10.0
+"""A way that is a straight line to within so many times the error of the fit is like those of others. Ways of other
+robots that began alike fit to within a fifth of their bend."""
+LARGEST_ERROR_M = 0.04
+SMALLEST_SHARE = 0.95
+SHORTEST_SECONDS = 3.0
+FEWEST_SIGHTINGS = 15
+RIVAL_SHARE = 0.5
 _ALIKE_M = 0.1
 
 
@@ -58,7 +64,7 @@ class Sightings:
         pairs = paired(self.told, self.objects, self.own, self.told_objects)
         found = [_support(self, pairs, turn, shift) for turn, shift in _seeds(pairs)]
         kept = _distinct([each for each in found if each is not None], pairs)
-        return tuple(_weighed(self, pairs, each, kept) for each in kept)
+        return tuple(_weighed(self, pairs, each) for each in kept)
 
 
 class _Support(NamedTuple):
@@ -114,7 +120,7 @@ def _support(sightings: Sightings, pairs: Pairs, turn: complex, shift: complex) 
         if agree.sum() < 2:
             return None
         turn, shift = fitted(pairs.source[agree], pairs.target[agree])
-    if pairs.count[agree].sum() < _FEWEST_SIGHTINGS:
+    if pairs.count[agree].sum() < _FEWEST_AGREEING:
         return None
     error = float(np.sqrt(np.mean(np.abs(turn * pairs.source + shift - pairs.target)[agree] ** 2)))
     refuted, unseen = _checked(sightings, pairs, agree, turn, shift)
@@ -156,29 +162,26 @@ def _distinct(found: List[_Support], pairs: Pairs) -> List[_Support]:
     """The best supported of those that are about the same, at most _MOST_KEPT."""
     kept: List[_Support] = []
     for each in sorted(found, key=lambda each: (-each.sightings, each.error)):
-        if len(kept) < _MOST_KEPT and all(apart(each, other, pairs) > 0.0 for other in kept):
+        if len(kept) < _MOST_KEPT and all(_different(each, other, pairs) for other in kept):
             kept.append(each)
     return kept
 
 
-def apart(first: _Support, second: _Support, pairs: Pairs) -> float:
-    """m by which two transforms place what was seen differently; 0 if that is about the same."""
+def _different(first: _Support, second: _Support, pairs: Pairs) -> bool:
     middle = pairs.source[first.agree].mean()
     distance = abs(first.turn * middle + first.shift - second.turn * middle - second.shift)
-    turned = abs(float(np.angle(first.turn * second.turn.conjugate())))
-    return 0.0 if distance < _SAME_M and turned < _SAME_TURN else distance
+    return distance > _SAME_M or abs(float(np.angle(first.turn * second.turn.conjugate()))) > _SAME_TURN
 
 
-def _weighed(sightings: Sightings, pairs: Pairs, support: _Support, all_found: List[_Support]) -> Hypothesis:
+def _weighed(sightings: Sightings, pairs: Pairs, support: _Support) -> Hypothesis:
     agree = support.agree
     source = pairs.source[agree]
     ways = _ways(sightings, pairs, support)
     mutual = bool((agree & pairs.seen_by_own).any() and (agree & ~pairs.seen_by_own).any())
     seconds = float(np.ptp(pairs.time[agree]))
     middle = complex(source.mean())
-    doubts = _doubts_of_motion(sightings.robot, ways, seconds) or _doubts_of_rivals(pairs, support, all_found)
-    if not doubts and support.unseen:
-        doubts = f"{sightings.robot} does not see this robot, though nothing hides it"
+    share = _share(pairs, agree)
+    doubts = _doubts_of_motion(sightings.robot, ways, support) or _doubts_of_fit(sightings.robot, share, seconds, support)
     return Hypothesis(
         transform_from(support.turn, support.shift),
         covariance_of(source, _DEVIATION_M),
@@ -189,8 +192,17 @@ def _weighed(sightings: Sightings, pairs: Pairs, support: _Support, all_found: L
         max((way.length for way in ways), default=0.0),
         _bend(ways),
         mutual,
+        share,
         doubts,
     )
+
+
+def _share(pairs: Pairs, agree: np.ndarray) -> float:
+    """Of what was seen of the objects that agree at some time, the part that agrees."""
+    per_object = np.bincount(pairs.label[agree], pairs.count[agree], pairs.fragments)
+    objects = per_object >= _FEWEST_AGREEING
+    seen = np.bincount(pairs.label, pairs.count, pairs.fragments)
+    return float(per_object[objects].sum() / max(seen[objects].sum(), 1.0))
 
 
 class _Way(NamedTuple):
@@ -227,17 +239,27 @@ def _bend(ways: List[_Way]) -> float:
     return math.hypot(*(way.width for way in ways if not way.alike))
 
 
-def _doubts_of_motion(robot: str, ways: List[_Way], seconds: float) -> str:
+def _doubts_of_motion(robot: str, ways: List[_Way], support: _Support) -> str:
     path = max((way.length for way in ways), default=0.0)
     if path < SHORTEST_PATH_M:
         return f"waits to see {robot} move"
-    if _bend(ways) < SHORTEST_BEND_M:
-        alike = " and ".join(sorted({way.alike for way in ways if way.alike}))
-        if alike:
-            return f"{robot} and {alike} move alike"
-        return f"waits to see {robot} turn: a straight drive of {path:.1f} m is like others"
-    if seconds < SHORTEST_SECONDS:
-        return f"has seen {robot} for {seconds:.1f} s only"
+    if _bend(ways) >= max(SHORTEST_BEND_M, BEND_PER_ERROR * support.error):
+        return ""
+    alike = " and ".join(sorted({way.alike for way in ways if way.alike}))
+    if alike:
+        return f"{robot} and {alike} move alike"
+    return f"waits to see {robot} turn: a straight drive of {path:.1f} m is like others"
+
+
+def _doubts_of_fit(robot: str, share: float, seconds: float, support: _Support) -> str:
+    if support.error > LARGEST_ERROR_M:
+        return f"what moves is {support.error:.2f} m off what {robot} tells"
+    if share < SMALLEST_SHARE:
+        return f"only {100.0 * share:.0f} % of what moves is where {robot} tells"
+    if seconds < SHORTEST_SECONDS or support.sightings < FEWEST_SIGHTINGS:
+        return f"has seen {robot} {support.sightings:.0f} times in {seconds:.1f} s only"
+    if support.unseen:
+        return f"{robot} does not see this robot, though nothing hides it"
     return ""
 
 
@@ -255,8 +277,9 @@ def _fit_error(source: np.ndarray, target: np.ndarray) -> float:
     return float(fits_of(moments_of(source, target, np.zeros(len(source), np.intp), 1)).error[0])
 
 
-def _doubts_of_rivals(pairs: Pairs, support: _Support, all_found: List[_Support]) -> str:
-    for other in all_found:
-        if other is not support and other.sightings >= _RIVAL_SHARE * support.sightings:
-            return f"two solutions {apart(support, other, pairs):.1f} m apart"
-    return ""
+def rival_of(hypothesis: Hypothesis, others: Iterable[Hypothesis]) -> Optional[Hypothesis]:
+    """A different transform for which nearly as much speaks."""
+    for other in others:
+        if other is not hypothesis and other.samples >= RIVAL_SHARE * hypothesis.samples:
+            return other
+    return None

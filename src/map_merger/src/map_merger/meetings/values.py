@@ -112,7 +112,8 @@ class Hypothesis:
     covariance: float (3, 3) of (x, y, yaw) at `centre`, a point of the other robot's frame in which the rotation pivots.
     samples: sightings that agree. error: their root mean square distance, m. seconds: time they span. path: m over which
     something moved and was seen to. bend: m by which that path differs from a straight line; straight drives of equal
-    speed are all alike. mutual: both robots saw the other. doubts: why it is not to be believed yet, '' if it is.
+    speed are all alike. mutual: both robots saw the other. share: of what was seen of the objects that are taken for the
+    other robot, the part that agrees. doubts: why it is not to be believed yet, '' if it is.
     """
 
     transform: Transform
@@ -124,6 +125,7 @@ class Hypothesis:
     path: float
     bend: float
     mutual: bool
+    share: float
     doubts: str = ""
 
     @property
