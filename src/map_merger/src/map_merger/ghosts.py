@@ -95,9 +95,9 @@ def _cleaned(
     cells = maps[name]
     ghosts = np.zeros(cells.shape, bool)
     for robot in near:
-        ghosts |= robots[robot].body.view(bool)
+        left = (1 - robots[robot].present) if name == own != robot else np.uint8(1)
+        ghosts |= (robots[robot].body & left).view(bool)
         if robot != name:
-            left = (1 - robots[robot].present) if name == own else np.uint8(1)
             ghosts |= _overrun(name, maps, robots[robot].touching & left)
             ghosts |= _alone(cells, robots[robot].near & left, maps.get(robot), resolution)
     ghosts &= cells >= OCCUPIED_FROM
@@ -118,7 +118,8 @@ def _alone(cells: np.ndarray, near: np.ndarray, witness: Optional[np.ndarray], r
     """Small obstacles by themselves whose middle is near the robot and which the robot itself did not see."""
     result = np.zeros(cells.shape, bool)
     obstacles = obstacles_of(cells >= OCCUPIED_FROM)
-    rows, columns = np.round(obstacles.centres).astype(int).T
+    # Not np.round, with which the cell would depend on where the window begins.
+    rows, columns = np.floor(obstacles.centres + 0.5).astype(int).T
     suspects = (obstacles.areas > 0) & (obstacles.extents() * resolution <= LARGEST_M)
     suspects &= near[rows, columns].view(bool)
     if not suspects.any():

@@ -124,7 +124,8 @@ class GlobalMap:
         self._board, self._published = Board(), None
         self._mark(self._at)
         for layer in self._layers.values():
-            self._mark(layer.redrawn(self._lattice))
+            layer.redrawn(self._lattice)
+            self._mark(layer.box)
         for track in self._places.values():
             track.draw(self._lattice)
 
@@ -156,9 +157,6 @@ class GlobalMap:
 
     def _computed(self, box: Box) -> Box:
         """Computes the cells of the box; returns the box of those that changed."""
-        box = box.intersection(self._extent(self._drawn))
-        if box.empty:
-            return EMPTY_BOX
         margin = weighing.reach(len(self._drawn)) + ghosts.reach(self._lattice.resolution)
         around = box.grown(margin)
         maps = self._maps(around)

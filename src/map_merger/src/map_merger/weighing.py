@@ -2,19 +2,20 @@
 
 Two maps of one wall lie up to `SAME_WALL` cells apart: by drift, by the error of the transform, by rounding to cells. So
 
-1. a wall goes where another map saw floor and nothing but floor within `SEEN_THROUGH` cells (an open door, a robot that
-   has left); otherwise floor does not remove it;
-2. a wall beside one that is there already is the same wall and not drawn again, unless it closes off floor, or joins
+1. what more maps hold for wall than for floor, or as many, is wall;
+2. a wall goes where another map saw floor and nothing but floor within `SEEN_THROUGH` cells (an open door, a robot that
+   has left); floor beside an own wall or unknown cells does not remove it;
+3. a wall beside one that is there already is the same wall and not drawn again, unless it closes off floor, or joins
    the one that is there to its own continuation;
-3. floor that lies pinched between a wall that is there and the own wall is an error of alignment, no space;
-4. a wall that may not be drawn on local floor closes the unknown cells beside it: what the local map saw of the floor
+4. floor that lies pinched between a wall that is there and the own wall is an error of alignment, no space;
+5. a wall that may not be drawn on local floor closes the unknown cells beside it: what the local map saw of the floor
    in front of a wall must not open it;
-5. unknown gaps up to two cells wide between maps are closed: by wall beside walls, by floor between floor.
+6. unknown gaps up to two cells wide between maps are closed: by wall beside walls, by floor between floor.
 
 What a cell becomes depends on the cells within `reach` of it only, so that a part can be computed by itself.
 """
 
-from typing import List, Sequence
+from typing import List, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -60,12 +61,17 @@ def weighed(local: np.ndarray, foreign: Sequence[np.ndarray], locked: bool) -> n
     open_floor = np.zeros(local.shape, np.uint8)
     for cells in (local, *foreign):
         open_floor |= seen_through(cells)
+    layers = [_without_walls(each, open_floor) for each in (foreign if locked else (local, *foreign))]
     kept = (local != UNKNOWN) if locked else np.zeros(local.shape, bool)
-    cells = np.where(kept, local, _without_walls(local, open_floor))
+    votes, disputed = _votes(layers, local.shape)
+    solid = disputed & (votes >= 0)
+    if not locked:
+        solid |= (local >= OCCUPIED_FROM) & (votes >= 0)
+    cells = np.where(kept, local, np.where(solid, np.int8(OCCUPIED), np.int8(UNKNOWN)))
     kept_floor = (kept & (local < OCCUPIED_FROM)).view(np.uint8)
     refused = np.zeros(local.shape, np.uint8)
-    for layer in foreign:
-        refused |= _add(cells, _without_walls(layer, open_floor), kept_floor)
+    for layer in layers:
+        refused |= _add(cells, layer, kept_floor)
     if locked:
         _close_beside(cells, refused, local)
     _close_gaps(cells, [local, *foreign], kept)
@@ -74,6 +80,17 @@ def weighed(local: np.ndarray, foreign: Sequence[np.ndarray], locked: bool) -> n
 
 def _without_walls(cells: np.ndarray, where: np.ndarray) -> np.ndarray:
     return np.where((cells >= OCCUPIED_FROM) & where.view(bool), np.int8(FREE), cells)
+
+
+def _votes(layers: Sequence[np.ndarray], shape: Tuple[int, ...]) -> Tuple[np.ndarray, np.ndarray]:
+    """How many more maps hold wall than floor, int8, and whether some hold the one and some the other, bool."""
+    votes, floor, wall = np.zeros(shape, np.int8), np.zeros(shape, np.uint8), np.zeros(shape, np.uint8)
+    for layer in layers:
+        walls_here, floor_here = walls_of(layer), floor_of(layer)
+        votes += walls_here.view(np.int8) - floor_here.view(np.int8)
+        wall |= walls_here
+        floor |= floor_here
+    return votes, (wall & floor).view(bool)
 
 
 def _add(cells: np.ndarray, layer: np.ndarray, kept_floor: np.ndarray) -> np.ndarray:
