@@ -326,6 +326,81 @@ def test_when_its_reference_robot_restarts_the_base_station_drops_every_transfor
     assert error_of(team, "base", "robot_2", maps, own=2, index=1) < 0.2
 
 
+def test_anchors_that_are_heard_again_redraw_nothing(maps):
+    """Every anchor counted as news of the map: all was drawn and published again every five seconds."""
+    team = team_of("robot_0", "robot_1")
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(60.0)
+    assert team.agents["robot_0"].transforms()
+    before, anchors = len(team.maps["robot_0"]), len(team.sent(Anchor, "robot_1"))
+    team.run(60.0)
+    assert len(team.sent(Anchor, "robot_1")) >= anchors + 10
+    assert len(team.maps["robot_0"]) == before
+
+
+def test_a_robot_that_announces_no_anchor_is_merged_after_a_while_with_one_warning(maps):
+    """The original has no anchors: its map was never drawn."""
+    team = team_of("robot_0")
+    agent, grid = team.agents["robot_0"], maps[1].grid
+    agent.on_local_map(maps[0].grid, team.now)
+    agent.on_tile(Tile("robot_1", (0,), 0, 0, grid.cells, grid.info.resolution), team.now)
+    team.run(9.0)
+    assert not agent.transforms()
+    team.run(60.0)
+    from_corner = pair_of(maps[0], maps[1]).truth.compose(grid.info.origin)
+    points = np.array([[0.0, 0.0], [8.0, 0.0], [0.0, 8.0]])
+    assert displacement(from_corner, agent.transforms()["robot_1"], points).max() < 0.2
+    assert sum("announces no anchor" in note for note in team.notes["robot_0"]) == 1
+
+
+def base_with(*heard):
+    """A base station that has heard of these robots."""
+    team = Team({"base": Agent(options("base", has_local_map=False), (1, 9))})
+    for name in heard:
+        team.agents["base"].on_robot(name, team.now)
+    return team, team.agents["base"]
+
+
+def send_map(team, agent, robot, grid, boot=(1, 1)):
+    agent.on_anchor(Anchor(robot, grid.info, boot, 1), team.now)
+    agent.on_tile(Tile(robot, (0,), 0, 0, grid.cells, grid.info.resolution, boot, 1), team.now)
+
+
+def test_the_base_station_does_not_wait_for_a_robot_that_never_sends_a_map():
+    """It adopted the first robot heard, and had no map for ever when that one sent none."""
+    team, base = base_with("robot_1", "robot_2")
+    base.on_anchor(Anchor("robot_1", square().info, (1, 1), 0), team.now)
+    assert base.local_map is None
+    send_map(team, base, "robot_2", square(value=100))
+    assert base.local_map is not None and base.transform_point("robot_2", 1.0, 2.0) == (1.0, 2.0)
+
+
+def test_the_base_station_takes_another_robot_when_the_first_is_lost_for_long_before_anything_was_merged():
+    team, base = base_with("robot_1", "robot_2")
+    send_map(team, base, "robot_1", square())
+    send_map(team, base, "robot_2", square(value=100), (1, 2))
+    base.on_robot_lost("robot_1", team.now)
+    team.run(50.0)
+    assert base.transform_point("robot_1", 1.0, 2.0) == (1.0, 2.0), "it may come back"
+    team.run(15.0)
+    assert base.transform_point("robot_2", 1.0, 2.0) == (1.0, 2.0)
+    assert np.array_equal(base.local_map.cells, square(value=100).cells)
+    with pytest.raises(NoTransform):
+        base.transform_point("robot_1", 1.0, 2.0)
+
+
+def test_the_base_station_keeps_a_reference_into_which_it_has_merged(maps):
+    team, base = base_with("robot_1", "robot_2")
+    send_map(team, base, "robot_1", maps[0].grid)
+    send_map(team, base, "robot_2", maps[1].grid, (1, 2))
+    team.run(20.0)
+    assert base.transforms()
+    base.on_robot_lost("robot_1", team.now)
+    team.run(200.0)
+    assert base.transform_point("robot_1", 1.0, 2.0) == (1.0, 2.0)
+
+
 def test_initial_poses_are_a_prior_and_not_a_fact(maps):
     truth = pair_of(maps[0], maps[1]).truth
     for offset, found in ((Transform(1.0, -1.0, 0.2), True), (Transform(9.0, 9.0, 2.0), False)):

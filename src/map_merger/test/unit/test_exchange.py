@@ -282,3 +282,261 @@ def test_reordered_tiles_never_bring_back_old_cells(seed):
         peer.add(tile, 0.0)
     assert peer.wanted() is None
     assert same_cells(peer.grid(), grid_at(0, 0, cells))
+
+
+# Runs
+
+
+def told(peer, sender, tiles, now=0.0):
+    peer.set_anchor(sender.anchor(), now)
+    for tile in tiles:
+        peer.add(tile, now)
+
+
+def runs(*boots, size=4):
+    """A sender for each run, each with a map of its own value, and its tiles."""
+    senders = [MapSender("robot_0", 32, boot) for boot in boots]
+    for value, sender in enumerate(senders):
+        sender.set_map(grid_at(0, 0, np.full((size, size), value)))
+    return [(sender, sender.changes()) for sender in senders]
+
+
+def values(peer):
+    return set(peer.grid().cells.ravel().tolist())
+
+
+def test_a_late_tile_of_a_former_run_is_ignored():
+    """It waited for its anchor, so that everything was asked for, for ever (210 requests in 10 minutes)."""
+    (old, old_tiles), (new, new_tiles) = runs((1, 0), (2, 0))
+    peer = PeerMap("robot_0")
+    told(peer, old, old_tiles)
+    told(peer, new, new_tiles)
+    assert not peer.add(old_tiles[0], 1.0)
+    assert peer.wanted() is None and values(peer) == {1} and peer.stored == 64 * 64
+
+
+def test_a_tile_of_an_unknown_run_waits_only_so_long():
+    (present, tiles), (_, others) = runs((1, 0), (2, 0))
+    peer = PeerMap("robot_0")
+    told(peer, present, tiles)
+    peer.add(others[0], 5.0)
+    peer.expire(5.0 + bounds.LONGEST_WAIT_S - 0.1)
+    assert peer.wanted() == ()
+    peer.expire(5.0 + bounds.LONGEST_WAIT_S)
+    assert peer.wanted() is None and peer.stored == 64 * 64
+    peer.add(others[0], 5.0)
+    peer.expire(1.0)
+    assert peer.wanted() is None, "the clock jumped back"
+
+
+def test_the_anchor_of_a_run_that_waited_too_long_is_believed_all_the_same():
+    (present, tiles), (new, others) = runs((1, 0), (2, 0))
+    peer = PeerMap("robot_0")
+    told(peer, present, tiles)
+    peer.add(others[0], 5.0)
+    peer.expire(60.0)
+    assert peer.set_anchor(new.anchor(), 61.0) and peer.wanted() == (0,)
+
+
+@pytest.mark.parametrize(("first", "second"), [((1, 0), (2, 0)), ((2, 0), (1, 0))])
+def test_a_late_anchor_of_a_former_run_does_not_throw_the_new_map_away(first, second):
+    """Whichever start time is the higher one: a robot's clock may be set back."""
+    (old, old_tiles), (new, new_tiles) = runs(first, second)
+    peer = PeerMap("robot_0")
+    told(peer, old, old_tiles)
+    told(peer, new, new_tiles)
+    version, run = peer.version, peer.run
+    for now in (1.0, 2.0, 500.0):
+        assert not peer.set_anchor(old.anchor(), now)
+        assert not peer.set_anchor(new.anchor(), now)
+    assert (peer.version, peer.run) == (version, run), "an anchor of the present run is no news"
+    assert values(peer) == {1}
+
+
+def test_a_former_run_that_alone_goes_on_is_believed_again():
+    """A late anchor that was taken for a restart would lock the living run out."""
+    (alive, tiles), (dead, _) = runs((2, 0), (1, 0))
+    peer = PeerMap("robot_0")
+    told(peer, alive, tiles)
+    assert peer.set_anchor(dead.anchor(), 1.0)
+    assert [peer.set_anchor(alive.anchor(), now) for now in (2.0, 7.0, 11.0, 12.0)] == [False, False, False, True]
+    told(peer, alive, alive.everything(), 12.0)
+    assert values(peer) == {0}
+
+
+def test_former_runs_are_bounded():
+    peer = PeerMap("robot_0")
+    for number in range(1, 3 * bounds.MOST_FORMER_RUNS):
+        peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05), (number, 0)), 0.0)
+    assert len(peer._former) == bounds.MOST_FORMER_RUNS
+
+
+def test_what_changed_is_told_once_and_only_of_the_present_run():
+    (old, old_tiles), (new, new_tiles) = runs((1, 0), (2, 0))
+    peer = PeerMap("robot_0")
+    assert peer.take_changed() is None and peer.lattice is None and (peer.cells(Box(0, 0, 2, 2)) == UNKNOWN).all()
+    told(peer, old, old_tiles)
+    assert peer.take_changed() == Box(0, 0, 4, 4)
+    assert peer.take_changed() is None
+    peer.add(old_tiles[0], 0.0)
+    assert peer.take_changed() is None
+    run = peer.run
+    peer.set_anchor(new.anchor(), 0.0)
+    assert peer.take_changed() is None and peer.run != run
+    peer.add(new_tiles[0], 0.0)
+    assert peer.take_changed() == Box(0, 0, 4, 4)
+    assert (peer.cells(Box(0, 0, 4, 4)) == 1).all() and peer.lattice == new.anchor().info
+
+
+# Cells that become unknown again
+
+
+def test_cells_that_become_unknown_again_are_told():
+    """They stayed in the maps of the others for ever."""
+    cells = np.full((10, 12), 100)
+    sender, peer = sender_with(grid_at(0, 0, cells)), PeerMap("robot_0")
+    told(peer, sender, sender.changes())
+    cells[3:5, 6:9] = UNKNOWN
+    sender.set_map(grid_at(0, 0, cells))
+    (tile,) = sender.changes()
+    assert tile.box == Box(3, 6, 5, 9) and tile.whole
+    assert peer.add(tile, 0.0) and peer.take_changed() == Box(0, 0, 10, 12)
+    assert same_cells(peer.grid(), grid_at(0, 0, cells))
+
+
+def test_cells_that_the_local_map_no_longer_covers_are_unknown_again():
+    sender, peer = sender_with(grid_at(0, 0, np.zeros((10, 12)))), PeerMap("robot_0")
+    told(peer, sender, sender.changes())
+    moved = grid_at(5, 5, np.zeros((10, 12)))
+    sender.set_map(moved)
+    told(peer, sender, sender.changes())
+    assert same_cells(peer.grid(), moved)
+
+
+def test_everything_takes_back_cells_beyond_what_is_known_now():
+    cells = np.zeros((30, 30))
+    sender, peer = sender_with(grid_at(0, 0, cells), 8), PeerMap("robot_0")
+    told(peer, sender, sender.changes())
+    cells[:, 10:] = UNKNOWN
+    sender.set_map(grid_at(0, 0, cells))
+    sender.changes()
+    told(peer, sender, sender.everything())
+    assert peer.wanted() is None
+    assert same_cells(peer.grid(), grid_at(0, 0, cells))
+
+
+def test_a_late_answer_with_its_margin_does_not_erase_what_a_newer_tile_wrote():
+    sender, peer = sender_with(grid_at(0, 0, np.zeros((4, 4)))), PeerMap("robot_0")
+    told(peer, sender, sender.changes())
+    late = sender.everything()
+    larger = grid_at(-3, -3, np.zeros((9, 9)))
+    sender.set_map(larger)
+    told(peer, sender, sender.changes() + late)
+    assert same_cells(peer.grid(), larger)
+
+
+def test_unknown_cells_of_the_original_say_nothing():
+    """Its tiles are the bounding box of what changed, and others never took -1 as a value."""
+    peer = PeerMap("robot_0")
+    peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05), NO_BOOT), 0.0)
+    peer.add(Tile("robot_0", (0,), 0, 0, np.array([[0, 100]], np.int8), 0.05), 0.0)
+    assert not peer.add(Tile("robot_0", (1,), 0, 0, np.full((1, 2), UNKNOWN, np.int8), 0.05, NO_BOOT, 2), 0.0)
+    assert peer.grid().cells.tolist() == [[0, 100]]
+
+
+def test_tiles_of_changes_hold_what_changed_only():
+    cells = np.zeros((10, 12))
+    sender = sender_with(grid_at(0, 0, cells))
+    sender.changes()
+    cells[2, 2], cells[4, 5] = 100, 100
+    sender.set_map(grid_at(0, 0, cells))
+    (tile,) = sender.changes()
+    assert tile.box == Box(2, 2, 5, 6) and not tile.whole
+    assert (tile.cells != UNKNOWN).sum() == 2
+    assert sender.again([1])[0].whole and (sender.again([1])[0].cells != UNKNOWN).all()
+
+
+# Senders without anchor
+
+
+def corner(grid):
+    return grid.info.origin.x, grid.info.origin.y
+
+
+def test_a_sender_without_anchor_is_drawn_at_the_corner_after_a_while_and_a_real_anchor_wins():
+    """The original announces none; its map was never drawn."""
+    peer = PeerMap("robot_0")
+    tile = Tile("robot_0", (0,), 3, 4, np.zeros((2, 2), np.int8), 0.05, NO_BOOT)
+    peer.add(tile, 5.0)
+    assert not peer.expire(14.9) and peer.grid() is None
+    assert peer.expire(15.0) and not peer.expire(99.0)
+    assert corner(peer.grid()) == pytest.approx((0.2, 0.15)) and peer.wanted() is None
+    run = peer.run
+    assert peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05, Transform(1.0, 2.0, 0.0)), (7, 7), 1), 20.0)
+    assert peer.run != run and peer.wanted() == (0,)
+    peer.add(tile, 21.0)
+    assert corner(peer.grid()) == pytest.approx((1.2, 2.15))
+
+
+def test_a_sender_that_names_its_run_announces_its_anchor_sooner_or_later():
+    peer = PeerMap("robot_0")
+    peer.add(Tile("robot_0", (0,), 3, 4, np.zeros((2, 2), np.int8), 0.05, BOOT), 0.0)
+    assert not peer.expire(100.0)
+    assert peer.wanted() == () and peer.run == 0
+
+
+def test_the_run_is_learned_from_the_second_anchor():
+    """An anchor that did not name the run stood for every run, but tiles that named theirs waited for ever."""
+    sender, peer = sender_with(grid_at(0, 0, np.zeros((3, 3)))), PeerMap("robot_0")
+    peer.set_anchor(sender.anchor()._replace(boot=NO_BOOT), 0.0)
+    assert not peer.set_anchor(sender.anchor(), 0.0)
+    assert peer.add(sender.changes()[0], 0.0)
+
+
+# Sending again
+
+
+def test_repeated_tiles_need_no_other_ones_even_when_they_are_halved():
+    """Of an answer cut into pieces only the last one had the numbers: a lost piece of a group send was never missed."""
+    sender = sender_with(grid_at(0, 0, np.zeros((64, 64))), None)
+    (refused,) = sender.changes()
+    assert sender.halve(refused)
+    tiles = sender.repeated([0])
+    assert [tile.numbers for tile in tiles] == [(1,), (2,), (3,), (0,)]
+    for lost in range(4):
+        peer = PeerMap("robot_0")
+        peer.set_anchor(sender.anchor(), 0.0)
+        for index, tile in enumerate(tiles):
+            if index != lost:
+                peer.add(tile, 0.0)
+        assert peer.wanted() == tiles[lost].numbers
+        told(peer, sender, sender.again(peer.wanted()))
+        assert same_cells(peer.grid(), grid_at(0, 0, np.zeros((64, 64))))
+
+
+def test_repeated_regions_within_another_one_go_with_it():
+    cells = np.zeros((10, 12))
+    sender = sender_with(grid_at(0, 0, cells))
+    sender.changes()
+    cells[4, 4] = 100
+    sender.set_map(grid_at(0, 0, cells))
+    sender.changes()
+    assert [tile.numbers for tile in sender.repeated([1, 0, 77])] == [(0, 1)]
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_every_beginning_of_an_answer_completes_the_numbers_that_came_with_it(seed):
+    """An answer whose end is lost is of use: its numbers are not asked for again, and their cells are right."""
+    random = np.random.default_rng(seed)
+    cells = np.full((20, 20), UNKNOWN)
+    sender, peer = MapSender("robot_0", 6, BOOT), PeerMap("robot_0")
+    for _ in range(4):
+        cells[random.random((20, 20)) < 0.1] = random.integers(-1, 101)
+        sender.set_map(grid_at(0, 0, cells))
+        sender.changes()
+    tiles = sender.everything()
+    peer.set_anchor(sender.anchor(), 0.0)
+    for tile in tiles[: random.integers(0, len(tiles) + 1)]:
+        peer.add(tile, 0.0)
+    repair(sender, peer)
+    assert same_cells(peer.grid(), grid_at(0, 0, cells))
