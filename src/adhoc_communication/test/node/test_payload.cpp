@@ -10,6 +10,7 @@
 #include <random>
 
 #include "node/injector.hpp"
+#include "node/message_kinds.hpp"
 #include "node/payload.hpp"
 
 namespace adhoc_communication {
@@ -107,6 +108,18 @@ TEST(Payload, AnyMessageKeepsTypeDefinitionAndBytes) {
   EXPECT_EQ(received.md5sum, sent.md5sum);
   EXPECT_EQ(received.definition, sent.definition);
   EXPECT_EQ(received.bytes, sent.bytes);
+}
+
+TEST(Payload, MessageOfAnyTypeCarriesItsDefinitionAndYieldsWhenItIsLarge) {
+  SerializedMessage sent{"std_msgs/UInt8", "7c8164229e7d2c17eb95e9231617fdee", "uint8 data\n", {42}};
+  const SendRequest small = any_message_request("bob", "level", sent);
+  EXPECT_EQ(small.payload_type, static_cast<std::uint8_t>(PayloadType::kAnyMessage));
+  EXPECT_EQ(small.payload, encode_any_message(sent));
+  EXPECT_EQ(small.priority, Priority::kNormal);
+  sent.bytes.resize(50'000);
+  EXPECT_EQ(any_message_request("bob", "level", sent).priority, Priority::kBulk);
+  sent.md5sum = "none";
+  EXPECT_THROW(any_message_request("bob", "level", sent), PayloadError);
 }
 
 TEST(Payload, MessageWithoutDefinitionKeepsTypeAndBytes) {
