@@ -154,6 +154,22 @@ def test_a_folder_is_no_map(tmp_path):
     refused(str(tmp_path), tmp_path.name, "directory")
 
 
+@given(st.booleans(), st.integers(0, 10**6), st.binary(max_size=8), st.integers(0, 8))
+def test_damaged_files_give_a_map_or_one_line(tmp_path_factory, in_picture, where, bytes_in, bytes_out):
+    folder = tmp_path_factory.mktemp("damaged")
+    path = files(folder)
+    damaged = folder / ("map.pgm" if in_picture else "map.yaml")
+    data = damaged.read_bytes()
+    where %= len(data) + 1
+    damaged.write_bytes(data[:where] + bytes_in + data[where + bytes_out :])
+    try:
+        grid = read_map(path)
+    except MapFileError as error:
+        assert "\n" not in str(error) and "map." in str(error)
+    else:
+        assert set(np.unique(grid.cells)) <= set(range(-1, 101))
+
+
 def refused(path, name, problem):
     with pytest.raises(MapFileError) as caught:
         read_map(path)
