@@ -126,6 +126,7 @@ def test_a_bad_value_is_named_with_the_file(tmp_path, changes, problem):
         ("map.pgm", None, "No such file"),
         ("map.pgm", GOOD_PICTURE[:-1], "cut off"),
         ("map.pgm", b"P2 3 2 255\n0 1 2 3", "cut off"),
+        ("map.pgm", b"P2 3 2 255\n0 1 x 3 4 5", "cut off"),
         ("map.pgm", b"P5 100000 100000 255\n", "a map of 100000 x 100000 cells is not accepted"),
         ("map.pgm", b"P5 0 4 255\n", "0 x 4 cells"),
         ("map.pgm", b"P5 3 2 65535\n" + bytes(12), "grey values up to 255"),
@@ -134,11 +135,14 @@ def test_a_bad_value_is_named_with_the_file(tmp_path, changes, problem):
         ("map.pgm", b"", "not a picture"),
         ("map.png", cv2.imencode(".png", PIXELS)[1].tobytes()[:-20], "cut off"),
         ("map.png", cv2.imencode(".png", PIXELS)[1].tobytes()[:10], "not a picture|cut off"),
+        ("map.png", cv2.imencode(".png", PIXELS)[1].tobytes().replace(b"IDAT", b"IDAU"), "checksum"),
         ("map.png", cv2.imencode(".png", PIXELS.astype(np.uint16))[1].tobytes(), "8 bits"),
     ],
 )
-def test_a_bad_picture_is_named(tmp_path, name, picture, problem):
+@pytest.mark.filterwarnings("ignore:string or file could not be read")
+def test_a_bad_picture_is_named(tmp_path, capfd, name, picture, problem):
     refused(files(tmp_path, picture, name), name, problem)
+    assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize(
