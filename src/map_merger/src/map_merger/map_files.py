@@ -6,6 +6,7 @@ The first row of a picture is the one with the highest y. Everything in a file i
 import math
 import os
 import re
+import zlib
 from typing import Any, Mapping, NamedTuple, Optional, Tuple
 
 import cv2
@@ -21,7 +22,7 @@ MOST_PICTURE_BYTES = 5 * MAX_CELLS
 """The largest map as text (P2): three digits and a space per cell, and the header."""
 MODES = ("trinary", "scale", "raw")
 _PGM_HEADER = re.compile(rb"P[25](?:\s|#[^\n]*\n)+(\d{1,9})(?:\s|#[^\n]*\n)+(\d{1,9})(?:\s|#[^\n]*\n)+(\d{1,9})\s")
-_PNG_START, _PNG_END = b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"
+_PNG_START = b"\x89PNG\r\n\x1a\n"
 
 
 class MapFileError(ValueError):
@@ -177,39 +178,49 @@ def _number(value: Any, key: str, least: float, most: float) -> float:
 def _pixels(path: str) -> np.ndarray:
     """The picture as uint8, (rows, columns) or (rows, columns, colours)."""
     data = _contents(path, MOST_PICTURE_BYTES)
-    width, height = _size(path, data)
+    if data[:8] == _PNG_START and len(data) >= 24:
+        # The size by the header, before memory is taken for the pixels.
+        _check_size(path, int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big"))
+        return _png_pixels(path, data)
+    header = _PGM_HEADER.match(data[:4096])
+    if header is None:
+        raise MapFileError(f"{path}: not a picture in format PGM (P5 or P2) or PNG")
+    width, height, levels = (int(number) for number in header.groups())
+    _check_size(path, width, height)
+    if levels != 255:
+        raise MapFileError(f"{path}: a picture with grey values up to 255 is needed, this one says {levels}")
+    text, body = data[:2] == b"P2", data[header.end() :]
+    values = np.fromstring(body, np.int32, sep=" ") if text else np.frombuffer(body, np.uint8)
+    if values.size < width * height:
+        raise MapFileError(f"{path}: damaged or cut off, {values.size} of {width} x {height} pixels can be read")
+    return values[: width * height].clip(0, 255).astype(np.uint8).reshape(height, width)
+
+
+def _check_size(path: str, width: int, height: int) -> None:
     if not 0 < width * height <= MAX_CELLS:
         raise MapFileError(f"{path}: a map of {width} x {height} cells is not accepted (at most {MAX_CELLS} cells)")
-    if data[:2] == b"P5" and len(data) < _header_of(path, data).end() + width * height:
-        raise MapFileError(f"{path}: cut off, {width} x {height} pixels do not fit into {len(data)} bytes")
-    if data[:8] == _PNG_START and _PNG_END not in data[-64:]:
-        raise MapFileError(f"{path}: cut off, the end of the picture is missing")
-    try:
-        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error:
-        pixels = None
+
+
+def _png_pixels(path: str, data: bytes) -> np.ndarray:
+    pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if _sound_png(data) else None
     if pixels is None:
-        raise MapFileError(f"{path}: damaged or cut off, {width} x {height} pixels cannot be read")
+        raise MapFileError(f"{path}: damaged or cut off, a checksum is wrong or the end of the picture is missing")
     if pixels.dtype != np.uint8:
         raise MapFileError(f"{path}: a picture with 8 bits per colour is needed")
     return pixels
 
 
-def _size(path: str, data: bytes) -> Tuple[int, int]:
-    """(width, height) by the header, before memory is taken for the pixels."""
-    if data[:8] == _PNG_START and len(data) >= 24:
-        return int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
-    width, height, levels = (int(number) for number in _header_of(path, data).groups())
-    if levels != 255:
-        raise MapFileError(f"{path}: a picture with grey values up to 255 is needed, this one says {levels}")
-    return width, height
-
-
-def _header_of(path: str, data: bytes) -> "re.Match[bytes]":
-    match = _PGM_HEADER.match(data[:4096])
-    if match is None:
-        raise MapFileError(f"{path}: not a picture in format PGM (P5 or P2) or PNG")
-    return match
+def _sound_png(data: bytes) -> bool:
+    """True if all parts are there with right checksums. The decoder sees that too, but writes to the console."""
+    start = len(_PNG_START)
+    while start + 12 <= len(data):
+        end = start + 12 + int.from_bytes(data[start : start + 4], "big")
+        if zlib.crc32(data[start + 4 : end - 4]) != int.from_bytes(data[end - 4 : end], "big"):
+            return False
+        if data[start + 4 : start + 8] == b"IEND":
+            return True
+        start = end
+    return False
 
 
 def _contents(path: str, most: int) -> bytes:

@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import pytest
 
+from map_merger import placement
 from map_merger.command_line.arguments import main
 from map_merger.grid import Grid, GridInfo, empty_grid
 from map_merger.map_files import read_map, write_map
@@ -54,7 +55,7 @@ def test_two_maps_give_a_transform_as_json(three, folder, capsys):
     answer = json.loads(capsys.readouterr().out)
     found, truth = Transform(answer["x"], answer["y"], answer["yaw"]), three[1][0]
     assert math.hypot(found.x - truth.x, found.y - truth.y) < 0.1 and rotation_between(found, truth) < 0.01
-    assert answer["accepted"] and 0.5 < answer["confidence"] <= 1.0 and answer["shared_wall_m"] >= 25.0
+    assert answer["accepted"] and 0.9 < answer["confidence"] <= 1.0 and answer["shared_wall_m"] >= 25.0
 
 
 def test_a_pair_that_is_declined_gives_the_reason_with_numbers_and_exit_code_3(folder, capsys):
@@ -115,6 +116,20 @@ def test_a_map_is_placed_through_another_one(tmp_path, capsys):
     assert x == pytest.approx(int(0.6 * width) * resolution, abs=0.1)
 
 
+def test_a_map_whose_walls_stand_in_the_free_space_of_the_others_is_not_placed(three, monkeypatch):
+    maps, _ = three
+
+    def misled(target, source):
+        result = decide(target, source)
+        if source.info.origin != landmarks_of(maps[2]).info.origin:
+            return result
+        return result._replace(transform=Transform(1.5, 1.0, 0.0).compose(result.transform))
+
+    monkeypatch.setattr(placement, "decide", misled)
+    found = placement.place(maps)
+    assert set(found.placed) == {1} and "free space" in found.declined[2]
+
+
 def test_a_room_of_several_equal_ones_is_declined_with_both_solutions():
     random = np.random.default_rng(3)
     surveyor = Surveyor(bare_rooms_plan(random))
@@ -143,6 +158,7 @@ def test_a_picture_shows_both_maps(folder, tmp_path, capsys):
     [
         (["register", "{a}", "missing.yaml"], "missing.yaml: No such file"),
         (["merge", "{a}", "{b}", "-o", "/nowhere/at/all"], "/nowhere/at/all"),
+        (["merge", *["{a}"] * 65, "-o", "all"], "at most 64 maps"),
         (["register", "{a}", "{b}", "--plot", "/nowhere/at/all.png"], "/nowhere/at/all.png"),
     ],
 )

@@ -126,6 +126,7 @@ def test_a_bad_value_is_named_with_the_file(tmp_path, changes, problem):
         ("map.pgm", None, "No such file"),
         ("map.pgm", GOOD_PICTURE[:-1], "cut off"),
         ("map.pgm", b"P2 3 2 255\n0 1 2 3", "cut off"),
+        ("map.pgm", b"P2 3 2 255\n0 1 x 3 4 5", "cut off"),
         ("map.pgm", b"P5 100000 100000 255\n", "a map of 100000 x 100000 cells is not accepted"),
         ("map.pgm", b"P5 0 4 255\n", "0 x 4 cells"),
         ("map.pgm", b"P5 3 2 65535\n" + bytes(12), "grey values up to 255"),
@@ -134,11 +135,14 @@ def test_a_bad_value_is_named_with_the_file(tmp_path, changes, problem):
         ("map.pgm", b"", "not a picture"),
         ("map.png", cv2.imencode(".png", PIXELS)[1].tobytes()[:-20], "cut off"),
         ("map.png", cv2.imencode(".png", PIXELS)[1].tobytes()[:10], "not a picture|cut off"),
+        ("map.png", cv2.imencode(".png", PIXELS)[1].tobytes().replace(b"IDAT", b"IDAU"), "checksum"),
         ("map.png", cv2.imencode(".png", PIXELS.astype(np.uint16))[1].tobytes(), "8 bits"),
     ],
 )
-def test_a_bad_picture_is_named(tmp_path, name, picture, problem):
+@pytest.mark.filterwarnings("ignore:string or file could not be read")
+def test_a_bad_picture_is_named(tmp_path, capfd, name, picture, problem):
     refused(files(tmp_path, picture, name), name, problem)
+    assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize(
@@ -152,6 +156,22 @@ def test_what_is_no_description_is_refused(tmp_path, content):
 
 def test_a_folder_is_no_map(tmp_path):
     refused(str(tmp_path), tmp_path.name, "directory")
+
+
+@given(st.booleans(), st.integers(0, 10**6), st.binary(max_size=8), st.integers(0, 8))
+def test_damaged_files_give_a_map_or_one_line(tmp_path_factory, in_picture, where, bytes_in, bytes_out):
+    folder = tmp_path_factory.mktemp("damaged")
+    path = files(folder)
+    damaged = folder / ("map.pgm" if in_picture else "map.yaml")
+    data = damaged.read_bytes()
+    where %= len(data) + 1
+    damaged.write_bytes(data[:where] + bytes_in + data[where + bytes_out :])
+    try:
+        grid = read_map(path)
+    except MapFileError as error:
+        assert "\n" not in str(error) and "map." in str(error)
+    else:
+        assert set(np.unique(grid.cells)) <= set(range(-1, 101))
 
 
 def refused(path, name, problem):

@@ -3,6 +3,7 @@
 import pytest
 
 from map_merger.evidence import Evidence
+from map_merger.one_shot import confidence_of
 from map_merger.reasons import reason_of, waiting_reason
 from map_merger.registration import DEFAULT_CRITERIA, Registration, Rival, Verdict, judge
 from map_merger.transform import Transform
@@ -55,3 +56,15 @@ def test_a_robot_that_waits_says_for_what():
     }
     for text, (result, sightings) in told.items():
         assert waiting_reason("robot_2", result, DEFAULT_CRITERIA, sightings) == text
+
+
+def test_confidence_falls_with_less_wall_more_contradiction_and_a_closer_rival():
+    def confidence(rival=0.0, **changes):
+        evidence = Evidence(**{**GOOD, **changes})
+        other = Rival(Transform(2.0, 0.0, 0.0), Evidence(**{**GOOD, "matched": rival * GOOD["matched"]}), 2.0)
+        return confidence_of(Registration(Verdict.ACCEPTED, Transform(), evidence, rival=other))
+
+    assert 0.0 < confidence(matched=14.0) < confidence() < confidence(matched=60.0) < 1.0
+    assert confidence(conflict=0.05) < confidence(conflict=0.01)
+    assert confidence(rival=0.7) < confidence(rival=0.5) < confidence(rival=0.2) == confidence()
+    assert confidence_of(Registration(Verdict.AMBIGUOUS, Transform(), Evidence(**GOOD))) == 0.0

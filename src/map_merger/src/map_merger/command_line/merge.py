@@ -4,13 +4,18 @@ import argparse
 import math
 import sys
 
-from ..map_files import read_map, write_map
+from ..map_files import MapFileError, read_map, write_map
 from ..placement import Placed, merged, place
 from .register import NOT_PLACED
+
+MOST_MAPS = 64
+"""As many as robots in a team; every pair may have to be registered."""
 
 
 def run(options: argparse.Namespace) -> int:
     """Places all maps, writes the merged one and says what became of each."""
+    if len(options.maps) > MOST_MAPS:
+        raise MapFileError(f"at most {MOST_MAPS} maps are merged at once, not {len(options.maps)}")
     maps = [read_map(path) for path in options.maps]
     placement = place(maps)
     for number in sorted(placement.placed):

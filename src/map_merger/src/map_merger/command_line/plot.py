@@ -18,18 +18,19 @@ def draw(path: str, target: Landmarks, source: Landmarks, result: Registration, 
     transform = result.transform if result.transform is not None else Transform()
     figure = Figure(figsize=(10.0, 8.0))
     axes = figure.subplots()
-    for name, landmarks, motion, colour in (
-        ("A", target, Transform(), FIRST),
-        ("B", source, transform, SECOND),
+    # Smaller dots for B, so that walls in both maps show both colours.
+    for name, landmarks, motion, colour, size in (
+        ("A", target, Transform(), FIRST, 6.0),
+        ("B", source, transform, SECOND, 1.5),
     ):
         free = motion.apply(_cells(landmarks.info, landmarks.grid.free))
         walls = motion.apply(_cells(landmarks.info, landmarks.grid.occupied))
-        axes.scatter(*free.T, s=1.0, color=colour, alpha=0.04, linewidths=0.0, rasterized=True)
-        axes.scatter(*walls.T, s=2.0, color=colour, linewidths=0.0, label=f"walls of {name}")
+        axes.scatter(*free.T, s=1.0, color=colour, alpha=0.1, linewidths=0.0, rasterized=True)
+        axes.scatter(*walls.T, s=size, color=colour, linewidths=0.0, label=f"walls of {name}")
     axes.set_aspect("equal")
     axes.set(xlabel="x in m", ylabel="y in m")
     axes.set_title(("B in the frame of A: " if result.accepted else "not accepted: ") + reason)
-    axes.legend(loc="upper right")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), markerscale=3.0)
     figure.savefig(path, dpi=120, bbox_inches="tight")
 
 
