@@ -255,7 +255,7 @@ class Agent:
             robot,
             self._graph.placed().get(robot),
             self._registrar.alignment(robot),
-            self._meetings.why(robot),
+            self._registrar.why(robot),
             self._hearing.age(robot, now),
             self._hearing.octets(robot),
         )

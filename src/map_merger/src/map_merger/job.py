@@ -7,14 +7,16 @@ from typing import Callable, Hashable, NamedTuple, Optional, Tuple
 import numpy as np
 
 from . import features, registration
-from .covariance import covariance_of
+from .covariance import covariance_at_origin, covariance_of
 from .evidence import compare
 from .fusion import fused, resampled
 from .grid import Grid
+from .meetings import Sightings, confirmed
 from .registration import (
     DEFAULT_CRITERIA,
     KEEP_CRITERIA,
     PRIOR_CRITERIA,
+    REFUTING_WALL,
     Limits,
     Prior,
     Registration,
@@ -97,6 +99,10 @@ class Job:
     seen: Tuple[Sighting, ...] = ()
     saw: Tuple[Sighting, ...] = ()
     """What the target's maps showed where the source's robot was, and the other way round."""
+    meeting: Optional[Sightings] = None
+    """What the robots' lasers show of one another. It is looked at first."""
+    search: bool = True
+    """False: nothing but the meeting is looked at."""
 
     def run(self) -> Registration:
         """The outcome; for a followed transform the verdict says whether it may be kept."""
@@ -106,21 +112,37 @@ class Job:
         source = without_places(source, self.source_track[:, :2], _ROBOT_REACH_M)
         if self.current is not None:
             return self._follow(target, source, self.current)
+        if self.meeting is not None:
+            result = self._confirmed(target, source, self.meeting)
+            if result.accepted or not self.search:
+                return result
         result = self._searched(target, source)
         if result.accepted and result.transform is not None:
             return result._replace(met=self._met(result.transform))
         return result
 
+    def _confirmed(self, target: Landmarks, source: Landmarks, meeting: Sightings) -> Registration:
+        """What the sightings say if the walls of both maps, and those of the team, have nothing against it."""
+        found = confirmed(target, source, meeting.hypotheses(), self.limits)
+        result = found.registration._replace(words=found.words)
+        if not result.accepted or result.transform is None:
+            return result
+        return self._unless_team_contradicts(source, result)._replace(
+            covariance=covariance_at_origin(result.transform, found.covariance, found.centre)
+        )
+
     def _searched(self, target: Landmarks, source: Landmarks) -> Registration:
         result = self._search(target, source)
         if not self.team:
             return result
-        merged = self._merged()
         if not result.accepted and result.verdict is not Verdict.BEYOND_LIMITS:
-            result = self._search(merged, source)
-        if result.accepted and result.transform is not None:
-            against = compare(merged, source, result.transform)
-            if against.conflict > 1.5 * DEFAULT_CRITERIA.conflict:
+            result = self._search(self._merged(), source)
+        return self._unless_team_contradicts(source, result)
+
+    def _unless_team_contradicts(self, source: Landmarks, result: Registration) -> Registration:
+        if self.team and result.accepted and result.transform is not None:
+            against = compare(self._merged(), source, result.transform)
+            if against.against >= REFUTING_WALL and against.conflict > 1.5 * DEFAULT_CRITERIA.conflict:
                 return result._replace(verdict=Verdict.CONTRADICTS_TEAM)
         return result
 

@@ -1,6 +1,7 @@
 """Which pair is registered when, with what evidence, and what came of it."""
 
 import math
+from dataclasses import replace
 from typing import Dict, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -10,18 +11,18 @@ from .covariance import prior_from
 from .effects import Register
 from .job import Job, LandmarkCache, Member, Versioned
 from .map_sightings import MapSightings
-from .meetings import Hypothesis, Meetings
+from .meetings import Meetings
 from .options import Options
-from .registration import Limits, Registration
+from .registration import Limits, Registration, Verdict
 from .search import Prior
 from .sighting import moved, nowhere
-from .transform import Transform
+from .timer import Timer
 from .graph.team import Placement
 from .whereabouts import Whereabouts
 
 
-SHORTEST_PAUSE_S = 0.5
-"""Between two registrations of a pair while there is news from sightings."""
+LOOK_PERIOD_S = 0.5
+"""Between two looks at the sightings of a robot that is not placed."""
 
 
 class Team(NamedTuple):
@@ -46,6 +47,9 @@ class Registrar:
         self._alignments: Dict[str, Alignment] = {}
         self._generations: Dict[str, int] = {}
         self._cache = LandmarkCache()
+        self._look_timers: Dict[str, Timer] = {}
+        self._words: Dict[str, str] = {}
+        self._started: Dict[str, float] = {}
         self._busy = False
 
     def alignment(self, robot: str) -> Alignment:
@@ -59,24 +63,44 @@ class Registrar:
     def forget(self, robot: str) -> None:
         """The robot's frame or the own one is a new one: nothing that was found out between them holds."""
         self._alignments.pop(robot, None)
+        self._look_timers.pop(robot, None)
+        self._words.pop(robot, None)
         self._generations[robot] = self._generations.get(robot, 0) + 1
 
     def next_job(self, now: float, team: Team) -> Optional[Register]:
         """The registration to start now; None if one is under way or none is due."""
         if self._busy:
             return None
-        for robot in sorted(team.maps, key=lambda robot: self.alignment(robot).started_before(now)):
+        for robot in sorted(team.maps, key=lambda robot: self._last_job(robot, now)):
             if robot == team.base:
                 continue
-            alignment, source = self.alignment(robot), team.maps[robot]
-            hypotheses = self._meetings.hypotheses(robot, now) if alignment.transform is None else ()
-            news = sum(each.samples for each in hypotheses)
-            period = self._period(alignment, bool(hypotheses))
-            if period is not None and alignment.due(now, team.target, source, news):
-                alignment.started(now, team.target, source, period, news)
-                self._busy = True
-                return Register(self._job(robot, team, hypotheses), self._generations.get(robot, 0))
+            job = self._due_job(robot, now, team)
+            if job is not None:
+                self._busy, self._started[robot] = True, now
+                return Register(job, self._generations.get(robot, 0))
         return None
+
+    def _due_job(self, robot: str, now: float, team: Team) -> Optional[Job]:
+        alignment, source = self.alignment(robot), team.maps[robot]
+        period = self._period(alignment)
+        seen, saw = self._sightings.of(robot)
+        news = len(seen) + len(saw) if alignment.awaits_meeting else 0
+        search = period is not None and alignment.due(now, team.target, source, news)
+        look = alignment.transform is None and self._look_timer(robot).fires(now)
+        meeting = self._meetings.sightings(robot, now) if look else None
+        if search and period is not None:
+            alignment.started(now, team.target, source, period, news)
+        elif meeting is None:
+            return None
+        return replace(self._job(robot, team), meeting=meeting, search=search)
+
+    def _last_job(self, robot: str, now: float) -> float:
+        """When the last one was started; minus infinity if none was, or the clock has jumped back since."""
+        last = self._started.get(robot, -math.inf)
+        return last if last <= now else -math.inf
+
+    def _look_timer(self, robot: str) -> Timer:
+        return self._look_timers.setdefault(robot, Timer(LOOK_PERIOD_S))
 
     def finished(self, effect: Register, result: Registration) -> Optional[str]:
         """Takes the outcome of a job; `accepted`, `moved` or `revoked` if the transform came, jumped or went, '' if it
@@ -85,16 +109,26 @@ class Registrar:
         robot = effect.job.robot
         if effect.generation != self._generations.get(robot, 0):
             return None
+        if result.words:
+            self._words[robot] = result.words
+        if not (effect.job.search or result.accepted or result.verdict is Verdict.FAILED):
+            return ""
         return self.alignment(robot).finished(result)
 
-    def _period(self, alignment: Alignment, sighted: bool) -> Optional[float]:
+    def why(self, robot: str) -> str:
+        """Why there is (no) transform to the robot, in words."""
+        alignment = self.alignment(robot)
+        words = self._words.get(robot) or self._meetings.why(robot)
+        return alignment.reason if alignment.belief is not None or not words else f"{alignment.reason}; {words}"
+
+    def _period(self, alignment: Alignment) -> Optional[float]:
         """Shortest time in seconds between two registrations; None if there are none."""
         if alignment.transform is None:
-            return SHORTEST_PAUSE_S if sighted else float(self._options.seconds_pub_timer)
+            return float(self._options.seconds_pub_timer)
         period = self._options.seconds_recompute_transform
         return None if period < 0 else float(period)
 
-    def _job(self, robot: str, team: Team, hypotheses: Tuple[Hypothesis, ...]) -> Job:
+    def _job(self, robot: str, team: Team) -> Job:
         members = tuple(
             Member(team.maps[name], team.placed[name].transform)
             for name in sorted(team.maps)
@@ -118,7 +152,6 @@ class Registrar:
             all_placed,
             seen,
             saw,
-            hypotheses,
         )
 
     def _others(self, robot: str, team: Team) -> Tuple[np.ndarray, bool]:

@@ -105,6 +105,8 @@ class Registration(NamedTuple):
     """The different transform that makes this one ambiguous, or else the best different one."""
     rivals: Tuple[Transform, ...] = ()
     """With AMBIGUOUS: the different transforms, best first, that could as well be the true one."""
+    words: str = ""
+    """Why a meeting was not believed."""
     covariance: Optional[Covariance] = None
     """Of the transform, where it is accepted by a Job."""
 

@@ -72,11 +72,10 @@ def beyond_limits(robot: str, result: Registration) -> Optional[str]:
 
 
 def placement_of(
-    robot: str, placement: Optional[Placement], alignment: Alignment, sightings: str, age: float, octets: int
+    robot: str, placement: Optional[Placement], alignment: Alignment, why: str, age: float, octets: int
 ) -> RobotPlacement:
-    """One robot of the status. sightings: why they do not place it, '' if they would."""
+    """One robot of the status. why: the reason if it is not placed."""
     if placement is None:
-        why = alignment.reason + (f"; {sightings}" if sightings else "")
         return RobotPlacement(robot, why, age=age, bytes_received=octets)
     belief = alignment.belief
     wall = 0.0 if belief is None else belief.evidence.matched

@@ -1,7 +1,7 @@
 """Conversion between ROS messages and the values of this package. Nothing else here touches ROS types."""
 
 import math
-from typing import Any, Callable, Dict, Iterable, NamedTuple, Tuple
+from typing import Iterable, Tuple
 
 import numpy as np
 import rospy
@@ -11,16 +11,10 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 from visualization_msgs.msg import Marker, MarkerArray
 
-from map_merger.msg import TransformEdge, TransformEdges
-
-from .covariance import as_covariance
-from .effects import Place
-from .graph.edges import MOST_EDGES, Edge, EdgeReport
 from .grid import Grid, GridError, GridInfo, grid_of
 from .messages import Anchor, Boot, Position, Request, Tile
-from .payload import Payload
-from .options import Options
-from .transform import FARTHEST_M, Transform, wrap_angle
+from .transform import FARTHEST_M, Transform
+from .whereabouts import Place
 
 NumpyOccupancyGrid = numpy_msg(OccupancyGrid)
 NumpyMapUpdate = numpy_msg(MmMapUpdate)
@@ -166,46 +160,6 @@ def position_of(message: MmRobotPosition) -> Position:
     return Position(message.src_robot, transform_of_pose(message.position.pose))
 
 
-class RadioCall(NamedTuple):
-    """A call of one of adhoc_communication's send services."""
-
-    service: str
-    topic: str
-    message: Any
-
-
-def radio_call(payload: Payload, options: Options, stamp: rospy.Time) -> RadioCall:
-    """How a payload goes to another robot or a group."""
-    if isinstance(payload, Tile):
-        return RadioCall("send_map_update", options.map_topic_over_network, tile_message(payload))
-    if isinstance(payload, Anchor):
-        return RadioCall("send_map", options.meta_topic_over_network, anchor_message(payload))
-    if isinstance(payload, Request):
-        return RadioCall("send_control_message", options.control_topic, request_message(payload))
-    message = position_message(payload, options.local_map_frame_id, stamp)
-    return RadioCall("send_position", options.position_other_robots_topic, message)
-
-
-class Incoming(NamedTuple):
-    """What arrives on a topic: its message type, the conversion to a value, and the agent's method that takes that."""
-
-    kind: type
-    value_of: Callable[[Any], Any]
-    method: str
-
-
-def incoming(options: Options) -> Dict[str, Incoming]:
-    """Everything that other robots send, by topic."""
-    topics = {
-        options.map_topic_over_network: Incoming(NumpyMapUpdate, tile_of, "on_tile"),
-        options.meta_topic_over_network: Incoming(NumpyOccupancyGrid, anchor_of, "on_anchor"),
-        options.control_topic: Incoming(MmControl, request_of, "on_request"),
-    }
-    if options.exchange_position:
-        topics[options.position_other_robots_topic] = Incoming(MmRobotPosition, position_of, "on_position")
-    return topics
-
-
 def points_message(places: Iterable[Place]) -> MmListOfPoints:
     """The other robots' places in the own frame."""
     return MmListOfPoints([MmPoint(place.robot, place.x, place.y) for place in places])
@@ -241,37 +195,3 @@ def track_message(points: np.ndarray, frame: str, stamp: rospy.Time) -> MarkerAr
 
 def _boot_of(info: MapMetaData) -> Boot:
     return info.map_load_time.secs, info.map_load_time.nsecs
-
-
-def edges_message(report: EdgeReport) -> TransformEdges:
-    """A robot's own edges."""
-    return TransformEdges(report.robot, rospy.Time(*report.boot), [_edge_message(edge) for edge in report.edges])
-
-
-def edges_of(message: TransformEdges) -> EdgeReport:
-    """Edges as told, not yet checked (graph.edges.check). MessageError for a yaw that cannot be an angle."""
-    boot = message.boot.secs, message.boot.nsecs
-    edges = tuple(_edge_of(message.robot, boot, edge) for edge in message.edges[: MOST_EDGES + 1])
-    return EdgeReport(message.robot, boot, edges)
-
-
-def _edge_message(edge: Edge) -> TransformEdge:
-    covariance = [value for row in edge.covariance for value in row]
-    boot = rospy.Time(*edge.target_run)
-    return TransformEdge(edge.target, boot, *edge.transform.pose(), covariance, edge.shared_wall, edge.met, edge.age)
-
-
-def _edge_of(robot: str, boot: Boot, message: TransformEdge) -> Edge:
-    if not math.isfinite(message.yaw):
-        raise MessageError(f"a transform {robot} - {message.target} with a yaw that is not finite")
-    return Edge(
-        robot,
-        message.target,
-        boot,
-        (message.target_boot.secs, message.target_boot.nsecs),
-        Transform(message.x, message.y, wrap_angle(message.yaw)),
-        as_covariance(np.array(message.covariance).reshape(3, 3)),
-        message.shared_wall,
-        message.met,
-        message.age,
-    )

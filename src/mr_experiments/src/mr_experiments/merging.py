@@ -9,7 +9,7 @@ from typing import Callable, Protocol
 import numpy as np
 import rospy
 
-from map_merger import meetings, ros_io
+from map_merger import meetings, ros_io, ros_radio
 from map_merger.agent import Agent, NoTransform
 from map_merger.job import outcome_of
 from map_merger.delivery import Delivery
@@ -83,7 +83,7 @@ class Merger:
         self._agenda, self._radio, self._stopwatch = agenda, radio, stopwatch
         self._listener, self._clock = listener, clock
         self._sends = {purpose: _Sends(self) for purpose in Purpose}
-        self._incoming = ros_io.incoming(options)
+        self._incoming = ros_radio.incoming(options)
         self._pose_at = -POSE_PERIOD
         self._scan_at = -SCAN_PERIOD
         self._running = True
@@ -188,7 +188,7 @@ class Merger:
     def transmit(self, destination: str, payload: object, done: Callable[[bool, str], None]) -> None:
         """Sends one payload as the message that the node would send."""
         with self._stopwatch.span("messages"):
-            call = ros_io.radio_call(payload, self._options, rospy.Time.from_sec(self._clock()))  # type: ignore[arg-type]
+            call = ros_radio.radio_call(payload, self._options, rospy.Time.from_sec(self._clock()))  # type: ignore[arg-type]
         if call.service == "send_message":
             self._radio.send_typed(destination, call.topic, call.message, done)
             return
