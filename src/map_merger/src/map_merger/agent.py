@@ -18,26 +18,26 @@ from .effects import (
     Send,
 )
 from .exchange import Exchange
+from .global_map import MOST_GLOBAL_CELLS
 from .graph.edges import Edge, EdgeReport
 from .graph.team import Placement, TeamGraph
 from .graph.telling import Telling
-from .global_map import MOST_GLOBAL_CELLS
 from .grid import Grid
 from .hearing import Hearing
 from .job import Versioned
 from .map_sightings import MapSightings
-from .markers import RobotMarker, marker_of
+from .markers import RobotMarker, marker_of, outline_of
 from .meetings import LaserScan, Meetings, TrackReport
 from .merged_map import MergedMap
 from .messages import Anchor, Boot, Position, Request, Tile
-from .payload import Payload
 from .options import Options
 from .own_edges import own_edges
+from .payload import Payload
 from .reference import Reference
 from .registrar import Registrar, Team
 from .registration import Registration
 from .report import LogFigures, figures_of, news_of, placement_of, positions_of
-from .sighting import LONGEST_MAP_LAG_S
+from .sighting import LONGEST_MAP_LAG_S, nowhere
 from .status import MergerStatus, RobotPlacement
 from .timer import Timer
 from .transform import FARTHEST_M, Transform
@@ -162,7 +162,7 @@ class Agent:
             self._update_graph()
 
     def forget(self, robot: str) -> bool:
-        """Nothing that was known of the robot counts any more; False if nothing was. If it is heard again, it is new."""
+        """Nothing that was known of the robot counts any more; False if nothing was. Heard again, it is new."""
         if not self.exchange.forget(robot):
             return False
         self._forget_frame_of(robot)
@@ -238,7 +238,9 @@ class Agent:
 
     def status(self, now: float) -> MergerStatus:
         """Who is placed, and why the others are not."""
-        robots = tuple(self._placement(robot, now) for robot in self.exchange.robots() if robot != self._reference.robot)
+        robots = tuple(
+            self._placement(robot, now) for robot in self.exchange.robots() if robot != self._reference.robot
+        )
         return MergerStatus(self.name, self._options.topology, self._options.base_station, robots)
 
     def markers(self) -> Tuple[RobotMarker, ...]:
@@ -248,7 +250,10 @@ class Agent:
             heard = self._whereabouts.position(robot)
             pose = None if heard is None else heard.pose
             places.append((robot, transform, pose, self.exchange.map_of(robot)))
-        return tuple(marker_of(robot, pose, grid, transform) for robot, transform, pose, grid in places)
+        return tuple(
+            marker_of(robot, pose, nowhere() if grid is None else outline_of(grid), transform)
+            for robot, transform, pose, grid in places
+        )
 
     def _placement(self, robot: str, now: float) -> RobotPlacement:
         return placement_of(
@@ -387,7 +392,9 @@ class Agent:
         if update is not None:
             self._effects.append(PublishMap(update.grid, update.changed))
         self._effects += [
-            Note(f"map of {robot} not drawn: with it the global map would have more than {MOST_GLOBAL_CELLS} cells", True)
+            Note(
+                f"map of {robot} not drawn: with it the global map would have more than {MOST_GLOBAL_CELLS} cells", True
+            )
             for robot in self._merged.news()
         ]
         if self._transform_timer.fires(now) and self.transforms():

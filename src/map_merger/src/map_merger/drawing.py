@@ -42,9 +42,7 @@ def _affine(begin: GridInfo, end: GridInfo, transform: Transform) -> Tuple[float
     """Cells of `begin` -> position in `end`, with `transform` from the frame of `begin` to that of `end`."""
     middles = cell_centres(begin, np.array([0, 0, 1]), np.array([0, 1, 0]))
     rows, columns = continuous_cells(end, transform.apply(middles))
-    return tuple(
-        float(value) for at in (columns, rows) for value in (at[0], at[1] - at[0], at[2] - at[0])
-    )
+    return tuple(float(value) for at in (columns, rows) for value in (at[0], at[1] - at[0], at[2] - at[0]))
 
 
 def mapping_of(source: GridInfo, transform: Transform, lattice: GridInfo) -> Mapping:

@@ -90,7 +90,12 @@ def without_ghosts(
 
 
 def _cleaned(
-    name: str, maps: Dict[str, np.ndarray], robots: Dict[str, Presence], near: Sequence[str], resolution: float, own: str
+    name: str,
+    maps: Dict[str, np.ndarray],
+    robots: Dict[str, Presence],
+    near: Sequence[str],
+    resolution: float,
+    own: str,
 ) -> np.ndarray:
     cells = maps[name]
     ghosts = np.zeros(cells.shape, bool)
@@ -130,4 +135,3 @@ def _alone(cells: np.ndarray, near: np.ndarray, witness: Optional[np.ndarray], r
         suspects &= confirmed < _CONFIRMED * obstacles.areas
     result.ravel()[obstacles.cells] = suspects[obstacles.label_of]
     return result
-

@@ -423,7 +423,9 @@ def operations(random, count):
             cells[changed.slices()] = random.choice([UNKNOWN] if kind == "back" else [UNKNOWN, FREE, OCCUPIED], (8, 8))
             maps[name] = Grid(grid.info, cells)
         elif kind == "grow":
-            maps[name] = cropped(grid, Box(-int(random.integers(9)), -int(random.integers(9)), grid.info.height + 3, 95))
+            maps[name] = cropped(
+                grid, Box(-int(random.integers(9)), -int(random.integers(9)), grid.info.height + 3, 95)
+            )
         elif kind == "places":
             places[name] = np.concatenate([places[name], random.uniform(-1.0, 5.0, (3, 2))])[-8:]
             calls.append(("set_places", (name, places[name])))

@@ -5,8 +5,8 @@ from typing import List, Optional, Sequence, Set
 from ..effects import GROUP_PREFIX, Effect, Note, Purpose, SaveDebugImages, Send
 from ..grid import Grid, GridError, empty_grid
 from ..messages import Anchor, Boot, Tile
-from ..payload import Payload
 from ..options import Options
+from ..payload import Payload
 from ..timer import Timer
 from . import bounds
 from .retry import Retry

@@ -7,8 +7,8 @@ import numpy as np
 from ..effects import Effect, Note, Purpose, Send
 from ..grid import Box, Grid, GridError, GridInfo
 from ..messages import NO_BOOT, Anchor, Boot, Request, Tile
-from ..payload import Payload
 from ..options import Options
+from ..payload import Payload
 from ..timer import Timer
 from . import bounds
 from .broadcast import Broadcast

@@ -127,9 +127,7 @@ def _support(sightings: Sightings, pairs: Pairs, turn: complex, shift: complex) 
     return None if refuted else _Support(turn, shift, agree, float(pairs.count[agree].sum()), error, unseen)
 
 
-def _checked(
-    sightings: Sightings, pairs: Pairs, agree: np.ndarray, turn: complex, shift: complex
-) -> Tuple[bool, bool]:
+def _checked(sightings: Sightings, pairs: Pairs, agree: np.ndarray, turn: complex, shift: complex) -> Tuple[bool, bool]:
     """Whether own scans show nothing where the other robot should be, and whether the other, with a free line of sight,
     sees nothing where the own robot should be."""
     sweeps = sightings.sweeps
@@ -181,7 +179,9 @@ def _weighed(sightings: Sightings, pairs: Pairs, support: _Support) -> Hypothesi
     seconds = float(np.ptp(pairs.time[agree]))
     middle = complex(source.mean())
     share = _share(pairs, agree)
-    doubts = _doubts_of_motion(sightings.robot, ways, support) or _doubts_of_fit(sightings.robot, share, seconds, support)
+    doubts = _doubts_of_motion(sightings.robot, ways, support) or _doubts_of_fit(
+        sightings.robot, share, seconds, support
+    )
     return Hypothesis(
         transform_from(support.turn, support.shift),
         covariance_of(source, _DEVIATION_M),

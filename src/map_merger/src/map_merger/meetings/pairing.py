@@ -32,9 +32,7 @@ class Pairs(NamedTuple):
         return self.label < self.own
 
 
-def paired(
-    told: np.ndarray, objects: Sequence[Fragment], own: np.ndarray, told_objects: Sequence[Fragment]
-) -> Pairs:
+def paired(told: np.ndarray, objects: Sequence[Fragment], own: np.ndarray, told_objects: Sequence[Fragment]) -> Pairs:
     """told, own: tracks of the other and of the own robot (n, 3 or more: time, x, y, ...)."""
     parts: List[Tuple[np.ndarray, np.ndarray, np.ndarray]] = []
     for fragment in objects:

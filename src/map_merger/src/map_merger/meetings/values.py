@@ -45,7 +45,7 @@ class LaserScan:
         numbers = (self.angle_min, self.angle_increment, self.range_min, self.range_max, *self.mount.pose())
         if self.ranges.ndim != 1 or self.ranges.size < 3 or not all(math.isfinite(number) for number in numbers):
             raise ValueError("a scan needs at least 3 ranges and a finite geometry")
-        if self.angle_increment == 0.0 or not 0.0 < self.range_max:
+        if self.angle_increment == 0.0 or not self.range_max > 0.0:
             raise ValueError("a scan needs an angle between its beams and a longest range")
 
     @property
