@@ -8,7 +8,7 @@ here `confidence_of` says how much wall, how little contradiction and which riva
 import math
 from typing import Optional
 
-from .registration import DEFAULT_CRITERIA, PRIOR_CRITERIA, Criteria, Registration, register
+from .registration import ONCE_CRITERIA, PRIOR_CRITERIA, Criteria, Registration, register_once
 from .search import Prior
 from .surface import Landmarks
 
@@ -19,12 +19,12 @@ wrong answers on generated pairs of all kinds of buildings; one in sixteen was a
 
 def criteria_for(prior: Optional[Prior]) -> Criteria:
     """What a transform must show."""
-    return DEFAULT_CRITERIA if prior is None else PRIOR_CRITERIA
+    return ONCE_CRITERIA if prior is None else PRIOR_CRITERIA
 
 
 def decide(target: Landmarks, source: Landmarks, prior: Optional[Prior] = None) -> Registration:
     """The transform source -> target, or why there is none."""
-    return register(target, source, criteria_for(prior), prior=prior)
+    return register_once(target, source, prior=prior)
 
 
 def confidence_of(result: Registration) -> float:

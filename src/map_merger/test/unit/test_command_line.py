@@ -141,6 +141,12 @@ def test_a_room_of_several_equal_ones_is_declined_with_both_solutions():
     assert confidence_of(result) == 0.0
 
 
+def test_the_benchmark_prints_a_table_of_so_many_pairs(capsys):
+    assert main(["bench", "1"]) == 0
+    table = capsys.readouterr().out
+    assert "right imprecise wrong declined" in table and "two maps" in table
+
+
 def test_a_picture_shows_both_maps(folder, tmp_path, capsys):
     path = tmp_path / "over.png"
     assert main(["register", str(folder / "a.yaml"), str(folder / "b.yaml"), "--plot", str(path)]) == 0
