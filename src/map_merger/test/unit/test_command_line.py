@@ -55,7 +55,7 @@ def test_two_maps_give_a_transform_as_json(three, folder, capsys):
     answer = json.loads(capsys.readouterr().out)
     found, truth = Transform(answer["x"], answer["y"], answer["yaw"]), three[1][0]
     assert math.hypot(found.x - truth.x, found.y - truth.y) < 0.1 and rotation_between(found, truth) < 0.01
-    assert answer["accepted"] and 0.9 < answer["confidence"] <= 1.0 and answer["shared_wall_m"] >= 25.0
+    assert answer["accepted"] and 0.85 < answer["confidence"] <= 0.93 and answer["shared_wall_m"] >= 25.0
 
 
 def test_a_pair_that_is_declined_gives_the_reason_with_numbers_and_exit_code_3(folder, capsys):
