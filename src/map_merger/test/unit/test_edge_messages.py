@@ -9,7 +9,7 @@ pytest.importorskip("rospy")
 
 from test_graph import Truth
 
-from map_merger import ros_team
+from map_merger import ros_io, ros_team
 from map_merger.graph.edges import MOST_EDGES
 
 
