@@ -23,7 +23,7 @@ def over_the_radio(message):
 
 def test_edges_arrive_as_they_were_told():
     report = Truth(4, 1).find_all().report_of("robot_1")
-    received = ros_team.edges_of(over_the_radio(ros_io.edges_message(report)))
+    received = ros_team.edges_of(over_the_radio(ros_team.edges_message(report)))
     assert received == report and [edge.age for edge in received.edges] == [0.0] * 3
 
 
