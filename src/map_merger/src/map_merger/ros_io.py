@@ -11,8 +11,11 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 from visualization_msgs.msg import Marker, MarkerArray
 
+from map_merger.msg import RobotTrack
+
 from .effects import Place
 from .grid import Grid, GridError, GridInfo, grid_of
+from .meetings.values import Sensor, ToldObject, TrackReport
 from .messages import Anchor, Boot, Payload, Position, Request, Tile
 from .options import Options
 from .transform import FARTHEST_M, Transform
@@ -234,3 +237,60 @@ def track_message(points: np.ndarray, frame: str, stamp: rospy.Time) -> MarkerAr
 
 def _boot_of(info: MapMetaData) -> Boot:
     return info.map_load_time.secs, info.map_load_time.nsecs
+
+
+_MM = 1000.0
+_YAW_STEPS = 32768.0 / math.pi
+_FARTHEST_MM = 32767
+
+
+def robot_track_message(report: TrackReport) -> RobotTrack:
+    """A track in whole milliseconds and millimetres; places farther than 32 m from the latest pose are left out."""
+    origin = report.poses[-1, 1:3] if len(report.poses) else np.zeros(2)
+    message = RobotTrack(robot=report.robot, boot=rospy.Time(*report.boot), uptime=report.uptime)
+    message.body_radius, message.unplaced = report.body_radius, list(report.unplaced)
+    message.view, message.nearest, message.farthest = report.sensor
+    message.origin_x, message.origin_y = origin.tolist()
+    parts = [_near(report.poses, origin)]
+    message.yaw = np.round(parts[0][:, 3] * _YAW_STEPS).astype(np.int64).astype(np.int16).tolist()
+    parts += [_near(each.samples, origin) for each in report.objects]
+    message.objects = [each.number % 2**32 for each in report.objects]
+    message.places = [len(part) for part in parts[1:]]
+    rows = np.concatenate([part[:, :3] for part in parts])
+    message.ages = np.clip(np.round(rows[:, 0] * 1000.0), 0, 65535).astype(int).tolist()
+    message.x, message.y = (np.round((rows[:, 1:3] - origin) * _MM).astype(int).T).tolist()
+    return message
+
+
+def _near(rows: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    return rows[(np.abs(rows[:, 1:3] - origin) * _MM < _FARTHEST_MM).all(axis=1)]
+
+
+def track_report_of(message: RobotTrack) -> TrackReport:
+    """Track from its message. MessageError if it cannot be used."""
+    count, lengths = len(message.yaw), list(message.places)
+    if len({len(message.ages), len(message.x), len(message.y), count + sum(lengths)}) != 1:
+        raise MessageError(f"a track of {message.robot!r} with lists of different lengths")
+    if len(lengths) != len(message.objects):
+        raise MessageError(f"a track of {message.robot!r} with {len(message.objects)} objects in {len(lengths)} parts")
+    rows = np.column_stack(
+        [
+            np.array(message.ages, float) / 1000.0,
+            np.array(message.x, float) / _MM + message.origin_x,
+            np.array(message.y, float) / _MM + message.origin_y,
+        ]
+    )
+    parts = np.split(rows[count:], np.cumsum(lengths)[:-1]) if lengths else []
+    try:
+        return TrackReport(
+            message.robot,
+            (message.boot.secs, message.boot.nsecs),
+            message.uptime,
+            message.body_radius,
+            Sensor(message.view, message.nearest, message.farthest),
+            np.column_stack([rows[:count], np.array(message.yaw, float) / _YAW_STEPS]),
+            tuple(ToldObject(number, part) for number, part in zip(message.objects, parts)),
+            tuple(message.unplaced),
+        )
+    except ValueError as error:
+        raise MessageError(str(error)) from error

@@ -13,7 +13,7 @@ from ..transform import Transform
 class Moments(NamedTuple):
     """Sums over pairs of points source -> target; arrays of any shape, so sums of many sets of pairs are one value."""
 
-    count: np.ndarray
+    weight: np.ndarray
     source: np.ndarray
     target: np.ndarray
     source_square: np.ndarray
@@ -55,7 +55,7 @@ class Fits(NamedTuple):
 
 def fits_of(moments: Moments) -> Fits:
     """The best transform of each set; sets without extent keep their rotation of 0."""
-    count = np.maximum(moments.count, 1.0)
+    count = np.maximum(moments.weight, 1.0)
     mean_source, mean_target = moments.source / count, moments.target / count
     product = moments.product - mean_target * moments.source.conjugate()
     length = np.abs(product)

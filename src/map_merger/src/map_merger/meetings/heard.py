@@ -33,7 +33,7 @@ class Heard:
         self.sensor = NO_SENSOR
         self.unplaced: Tuple[str, ...] = ()
         self._poses = Trail(4, _SPACING_S)
-        self._objects: "OrderedDict[int, Trail]" = OrderedDict()
+        self._objects: OrderedDict[int, Trail] = OrderedDict()
         self._differences: Deque[Tuple[float, float]] = deque(maxlen=_DELAYS)
         self._newest = -math.inf
         self.heard_at = -math.inf

@@ -88,7 +88,7 @@ def _seeds(pairs: Pairs) -> List[Tuple[complex, complex]]:
     recent = _recent(pairs)
     seeds: List[Tuple[float, complex, complex]] = []
     for moments in (sums, both, recent):
-        seeds += _usable(fits_of(moments), moments.count)
+        seeds += _usable(fits_of(moments), moments.weight)
     seeds.sort(key=lambda seed: seed[0])
     return [(turn, shift) for _, turn, shift in seeds[:_MOST_SEEDS]]
 
@@ -120,16 +120,14 @@ def _support(sightings: Sightings, pairs: Pairs, turn: complex, shift: complex) 
         if agree.sum() < 2:
             return None
         turn, shift = fitted(pairs.source[agree], pairs.target[agree])
-    if pairs.count[agree].sum() < _FEWEST_AGREEING:
+    if pairs.sightings[agree].sum() < _FEWEST_AGREEING:
         return None
     error = float(np.sqrt(np.mean(np.abs(turn * pairs.source + shift - pairs.target)[agree] ** 2)))
     refuted, unseen = _checked(sightings, pairs, agree, turn, shift)
-    return None if refuted else _Support(turn, shift, agree, float(pairs.count[agree].sum()), error, unseen)
+    return None if refuted else _Support(turn, shift, agree, float(pairs.sightings[agree].sum()), error, unseen)
 
 
-def _checked(
-    sightings: Sightings, pairs: Pairs, agree: np.ndarray, turn: complex, shift: complex
-) -> Tuple[bool, bool]:
+def _checked(sightings: Sightings, pairs: Pairs, agree: np.ndarray, turn: complex, shift: complex) -> Tuple[bool, bool]:
     """Whether own scans show nothing where the other robot should be, and whether the other, with a free line of sight,
     sees nothing where the own robot should be."""
     sweeps = sightings.sweeps
@@ -181,7 +179,9 @@ def _weighed(sightings: Sightings, pairs: Pairs, support: _Support) -> Hypothesi
     seconds = float(np.ptp(pairs.time[agree]))
     middle = complex(source.mean())
     share = _share(pairs, agree)
-    doubts = _doubts_of_motion(sightings.robot, ways, support) or _doubts_of_fit(sightings.robot, share, seconds, support)
+    doubts = _doubts_of_motion(sightings.robot, ways, support) or _doubts_of_fit(
+        sightings.robot, share, seconds, support
+    )
     return Hypothesis(
         transform_from(support.turn, support.shift),
         covariance_of(source, _DEVIATION_M),
@@ -199,9 +199,9 @@ def _weighed(sightings: Sightings, pairs: Pairs, support: _Support) -> Hypothesi
 
 def _share(pairs: Pairs, agree: np.ndarray) -> float:
     """Of what was seen of the objects that agree at some time, the part that agrees."""
-    per_object = np.bincount(pairs.label[agree], pairs.count[agree], pairs.fragments)
+    per_object = np.bincount(pairs.label[agree], pairs.sightings[agree], pairs.fragments)
     objects = per_object >= _FEWEST_AGREEING
-    seen = np.bincount(pairs.label, pairs.count, pairs.fragments)
+    seen = np.bincount(pairs.label, pairs.sightings, pairs.fragments)
     return float(per_object[objects].sum() / max(seen[objects].sum(), 1.0))
 
 

@@ -38,7 +38,7 @@ class Meetings:
         self._objects = ObjectTracks()
         self._sweeps = SweepHistory()
         self._sensor: Sensor = NO_SENSOR
-        self._heard: "OrderedDict[str, Heard]" = OrderedDict()
+        self._heard: OrderedDict[str, Heard] = OrderedDict()
         self._unplaced: FrozenSet[str] = frozenset()
         self._telling = Telling()
         self._looked_at = -math.inf

@@ -131,7 +131,7 @@ class ObjectTracks:
                 self._followed.append(_Followed(self._count, now, place))
 
     def _assigned(self, now: float, places: List[complex]) -> List[Tuple[_Followed, int]]:
-        pairs = []
+        pairs: List[Tuple[float, int, _Followed, int]] = []
         for each in self._followed:
             gate = _GATE_M + _FASTEST * 0.3 * min(now - each.time, 1.0)
             predicted = each.predicted(now)

@@ -45,7 +45,7 @@ class LaserScan:
         numbers = (self.angle_min, self.angle_increment, self.range_min, self.range_max, *self.mount.pose())
         if self.ranges.ndim != 1 or self.ranges.size < 3 or not all(math.isfinite(number) for number in numbers):
             raise ValueError("a scan needs at least 3 ranges and a finite geometry")
-        if self.angle_increment == 0.0 or not 0.0 < self.range_max:
+        if self.angle_increment == 0.0 or not self.range_max > 0.0:
             raise ValueError("a scan needs an angle between its beams and a longest range")
 
     @property
@@ -94,7 +94,9 @@ class TrackReport:
             if len(each.samples) > MOST_SAMPLES:
                 raise ValueError(f"a track of {self.robot!r} that is too long")
             _check(self.robot, np.asarray(each.samples, float).reshape(-1, 3))
-        if not (math.isfinite(self.uptime) and 0.0 < self.body_radius < 10.0):
+        if not all(math.isfinite(number) for number in (self.uptime, *self.sensor)):
+            raise ValueError(f"a track of {self.robot!r} with numbers that are not finite")
+        if not 0.0 < self.body_radius < 10.0:
             raise ValueError(f"a track of {self.robot!r} with a body of {self.body_radius:g} m")
 
 
