@@ -130,7 +130,7 @@ class Scene:
     def scan(self, robot: Actor) -> LaserScan:
         """With 1 cm of noise, half a degree between beams."""
         pose = robot.way(self.time)
-        count = int(round(robot.view / math.radians(0.5))) + 1
+        count = round(robot.view / math.radians(0.5)) + 1
         angles = np.linspace(-0.5 * robot.view, 0.5 * robot.view, count)
         beams = np.exp(1j * (angles + pose.yaw))
         ranges = np.full(count, robot.farthest)

@@ -42,7 +42,7 @@ class Heard:
         """True if it comes from another run than what was known, which is forgotten."""
         other_run = report.boot != self.boot or report.uptime < self._newest - _SET_BACK_S
         known = self._newest > -math.inf
-        if other_run or now < self.heard_at:
+        if other_run or now < self.heard_at - _LIVELY_S:
             self._forget()
         if report.uptime >= self._newest:
             self.boot, self.body_radius, self.sensor = report.boot, report.body_radius, report.sensor
