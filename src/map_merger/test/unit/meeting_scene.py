@@ -106,7 +106,7 @@ class Scene:
         for robot in self.robots:
             meetings = self.meetings[robot.name]
             names = {other.name for other in self.robots if other.radio and other is not robot}
-            meetings.on_team(names if robot.radio else (), ())
+            meetings.on_team(names if robot.radio else (), {})
             pose = self.frame(robot).inverse().compose(robot.way(self.time))
             meetings.on_scan(self.scan(robot), pose, self.time)
             report = meetings.report(self.time) if robot.radio else None

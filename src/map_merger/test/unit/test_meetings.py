@@ -222,9 +222,9 @@ def test_a_clock_that_jumps_back_begins_anew_and_meets_again():
 def test_who_is_placed_everywhere_neither_tells_nor_watches():
     meetings = Meetings("a")
     meetings.on_own_pose(Transform(), 0.0)
-    meetings.on_team({"b"}, ())
+    meetings.on_team({"b"}, {})
     assert meetings.watching and meetings.report(0.0).unplaced == ("b",)
-    meetings.on_team({"b"}, {"b"})
+    meetings.on_team({"b"}, {"b": Transform()})
     assert not meetings.watching and meetings.report(10.0) is None
     meetings.on_report(TrackReport("b", unplaced=("a",)), 10.0)
     assert meetings.watching and meetings.report(10.0).unplaced == ()

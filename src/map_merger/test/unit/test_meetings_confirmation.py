@@ -33,7 +33,7 @@ def seen_from(cells, pose):
     return landmarks_of(Grid(GridInfo(columns, rows, RESOLUTION, pose.inverse().compose(corner)), cells))
 
 
-def hypothesis(transform, shift=0.05, turn=math.radians(1.5), **fields):
+def hypothesis(transform, shift=0.05, turn=0.026, **fields):
     known = dict(
         transform=transform,
         covariance=np.diag([shift**2, shift**2, turn**2]),

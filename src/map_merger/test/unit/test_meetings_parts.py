@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from meeting_scene import Actor, Scene, room, standing
+from meeting_scene import WIDE, Actor, Scene, room, standing
 
 from map_merger.grid import Grid, GridInfo
 from map_merger.meetings.detection import objects_in_scan
@@ -19,7 +19,7 @@ from map_merger.meetings.values import LaserScan, TrackReport
 from map_merger.transform import Transform
 
 
-def scan_of(others, walls=(), view=math.radians(270.0)):
+def scan_of(others, walls=(), view=WIDE):
     scene = Scene([Actor("a", standing(0.0, 0.0), view=view)], walls, others)
     return scene.scan(scene.robots[0])
 

@@ -23,8 +23,8 @@ _SET_BACK_S = 20.0
 class Heard:
     """The track of another robot, and those of the objects that it sees, in its frame and on its clock.
 
-    A report arrives some time after it was sent. The least difference between arrival and uptime, of the last minute, is
-    that of the fastest report, and the best guess of the difference between both clocks.
+    A report arrives some time after it was sent. The least difference between arrival and uptime, of the last minute,
+    is that of the fastest report, and the best guess of the difference between both clocks.
     """
 
     def __init__(self) -> None:

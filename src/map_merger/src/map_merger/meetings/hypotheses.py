@@ -6,9 +6,11 @@ from typing import Iterable, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from ..transform import Transform
 from .fitting import Fits, Moments, covariance_of, fits_of, fitted, moments_of, transform_from
+from .identity import is_empty, who_moves_alike, who_was_there
 from .pairing import Pairs, paired
-from .sweeps import Sweeps
+from .sweeps import NO_SWEEPS, Sweeps
 from .tracking import Fragment, at_times
 from .values import NO_SENSOR, Hypothesis, Sensor
 
@@ -23,8 +25,6 @@ _MOST_KEPT = 6
 _SAME_M = 0.25
 _SAME_TURN = math.radians(10.0)
 _FEWEST_AGREEING = 5
-_EMPTY_AT_LEAST = 4
-_EMPTY_SHARE = 0.2
 _UNSEEN_AT_LEAST = 10
 _UNSEEN_SHARE = 0.2
 _VIEW_MARGIN = math.radians(15.0)
@@ -36,9 +36,8 @@ robots that began alike fit to within a fifth of their bend."""
 LARGEST_ERROR_M = 0.04
 SMALLEST_SHARE = 0.95
 SHORTEST_SECONDS = 3.0
-FEWEST_SIGHTINGS = 15
+FEWEST_SIGHTINGS = 10
 RIVAL_SHARE = 0.5
-_ALIKE_M = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +46,8 @@ class Sightings:
 
     own, told: tracks (n, >= 3: time, x, y, ...) of the own robot and the other, each in its own frame; told also has
     the yaw. objects, told_objects: what each saw, in its own frame. sensor: the other's. others: tracks of the further
-    robots that are heard, in their frames, as the other may be mistaken for them.
+    robots that are heard, in their frames, as the other may be mistaken for them. placed: the believed ones of their
+    transforms to the own frame.
     """
 
     robot: str
@@ -58,6 +58,7 @@ class Sightings:
     sweeps: Sweeps
     sensor: Sensor = NO_SENSOR
     others: Mapping[str, np.ndarray] = field(default_factory=dict)
+    placed: Mapping[str, Transform] = field(default_factory=dict)
 
     def hypotheses(self) -> Tuple[Hypothesis, ...]:
         """The transforms that are not refuted, best supported first."""
@@ -132,11 +133,11 @@ def _checked(sightings: Sightings, pairs: Pairs, agree: np.ndarray, turn: comple
     sees nothing where the own robot should be."""
     sweeps = sightings.sweeps
     places, known = at_times(sightings.told, sweeps.times)
+    if is_empty(sweeps, turn * places + shift, known):
+        return True, False
     seen = sweeps.look(turn * places + shift, known)
-    empty, there = int(seen.empty.sum()), int(seen.there.sum())
-    refuted = empty >= _EMPTY_AT_LEAST and empty > _EMPTY_SHARE * (empty + there)
-    if refuted or sightings.sensor.farthest <= 0.0 or not seen.there.any():
-        return refuted, False
+    if sightings.sensor.farthest <= 0.0 or not seen.there.any():
+        return False, False
     should = sweeps.times[seen.there & _in_view(sightings, turn, shift, places)]
     back = np.sort(pairs.time[agree & ~pairs.seen_by_own])
     if len(should) < _UNSEEN_AT_LEAST:
@@ -220,7 +221,7 @@ def _ways(sightings: Sightings, pairs: Pairs, support: _Support) -> List[_Way]:
         if chosen.sum() < 3:
             continue
         told, seen = (pairs.source, pairs.target) if mine else (pairs.target, pairs.source)
-        alike = _alike(sightings, pairs.time[chosen], seen[chosen], support.error)
+        alike = _alike(sightings, support, mine, pairs.time[chosen], seen[chosen])
         result.append(_Way(*_extent(told[chosen]), alike))
     return result
 
@@ -263,18 +264,18 @@ def _doubts_of_fit(robot: str, share: float, seconds: float, support: _Support) 
     return ""
 
 
-def _alike(sightings: Sightings, times: np.ndarray, seen: np.ndarray, error: float) -> str:
-    """A further robot whose way would be seen as what was seen."""
-    for name, track in sightings.others.items():
-        places, known = at_times(track, times)
-        if known.sum() >= max(3, 0.5 * len(times)):
-            if _fit_error(places[known], seen[known]) < max(_ALIKE_M, 2.0 * error):
-                return name
-    return ""
-
-
-def _fit_error(source: np.ndarray, target: np.ndarray) -> float:
-    return float(fits_of(moments_of(source, target, np.zeros(len(source), np.intp), 1)).error[0])
+def _alike(sightings: Sightings, support: _Support, mine: bool, times: np.ndarray, seen: np.ndarray) -> str:
+    """A further robot that may have been seen as what was seen, or ''. mine: it was the own robot that saw."""
+    to_own = transform_from(support.turn, support.shift)
+    to_viewer = Transform() if mine else to_own.inverse()
+    placed = {
+        name: (sightings.others[name], to_viewer.compose(transform))
+        for name, transform in sightings.placed.items()
+        if name in sightings.others
+    }
+    unplaced = {name: track for name, track in sightings.others.items() if name not in placed}
+    sweeps = sightings.sweeps if mine else NO_SWEEPS
+    return who_was_there(placed, times, seen) or who_moves_alike(unplaced, times, seen, support.error, sweeps)
 
 
 def rival_of(hypothesis: Hypothesis, others: Iterable[Hypothesis]) -> Optional[Hypothesis]:

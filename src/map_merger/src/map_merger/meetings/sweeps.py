@@ -58,6 +58,9 @@ class Sweeps(NamedTuple):
         return Seen(there, empty)
 
 
+NO_SWEEPS = Sweeps(np.zeros(0), np.zeros(0, complex), np.zeros(0, complex), np.zeros((0, 1), np.float32), 0.0, 1.0, 0.0)
+
+
 class SweepHistory:
     """The latest scans of one sensor, bounded."""
 
@@ -83,8 +86,7 @@ class SweepHistory:
         """As arrays."""
         first, step, farthest, _ = self._geometry
         if not self._kept:
-            none = np.zeros(0)
-            return Sweeps(none, none.astype(complex), none.astype(complex), np.zeros((0, 1), np.float32), 0.0, 1.0, 0.0)
+            return NO_SWEEPS
         times, eyes, ranges = zip(*self._kept)
         return Sweeps(
             np.array(times),
