@@ -21,6 +21,7 @@ _REACH_M = 0.15
 _SEED_ERROR_M = 0.12
 _SEED_SPREAD_M = 0.12
 _MOST_SEEDS = 40
+_MOST_CHECKED = 12
 _MOST_KEPT = 6
 _SAME_M = 0.25
 _SAME_TURN = math.radians(10.0)
@@ -63,9 +64,11 @@ class Sightings:
     def hypotheses(self) -> Tuple[Hypothesis, ...]:
         """The transforms that are not refuted, best supported first."""
         pairs = paired(self.told, self.objects, self.own, self.told_objects)
-        found = [_support(self, pairs, turn, shift) for turn, shift in _seeds(pairs)]
-        kept = _distinct([each for each in found if each is not None], pairs)
-        return tuple(_weighed(self, pairs, each) for each in kept)
+        found = [_support(pairs, turn, shift) for turn, shift in _seeds(pairs)]
+        distinct = _distinct([each for each in found if each is not None], pairs)
+        looks = _looks_of(self)
+        checked = [each._replace(unseen=_unseen(self, pairs, each, looks)) for each in distinct if _stands(each, looks)]
+        return tuple(_weighed(self, pairs, each) for each in checked[:_MOST_KEPT])
 
 
 class _Support(NamedTuple):
@@ -113,55 +116,74 @@ def _usable(fits: Fits, count: np.ndarray) -> List[Tuple[float, complex, complex
     return list(zip(uncertain.tolist(), fits.turn[good].tolist(), fits.shift[good].tolist()))
 
 
-def _support(sightings: Sightings, pairs: Pairs, turn: complex, shift: complex) -> Optional[_Support]:
-    """The transform fitted to all that agrees with it; None if it is refuted or next to nothing agrees."""
+def _support(pairs: Pairs, turn: complex, shift: complex) -> Optional[_Support]:
+    """The transform fitted to all that agrees with it; None if next to nothing does."""
     agree = np.zeros(len(pairs.source), bool)
     for reach in (1.5 * _REACH_M, _REACH_M, _REACH_M):
         agree = np.abs(turn * pairs.source + shift - pairs.target) < reach
         if agree.sum() < 2:
             return None
         turn, shift = fitted(pairs.source[agree], pairs.target[agree])
-    if pairs.sightings[agree].sum() < _FEWEST_AGREEING:
+    sightings = float(pairs.sightings[agree].sum())
+    if sightings < _FEWEST_AGREEING:
         return None
     error = float(np.sqrt(np.mean(np.abs(turn * pairs.source + shift - pairs.target)[agree] ** 2)))
-    refuted, unseen = _checked(sightings, pairs, agree, turn, shift)
-    return None if refuted else _Support(turn, shift, agree, float(pairs.sightings[agree].sum()), error, unseen)
+    return _Support(turn, shift, agree, sightings, error, False)
 
 
-def _checked(sightings: Sightings, pairs: Pairs, agree: np.ndarray, turn: complex, shift: complex) -> Tuple[bool, bool]:
-    """Whether own scans show nothing where the other robot should be, and whether the other, with a free line of sight,
-    sees nothing where the own robot should be."""
-    sweeps = sightings.sweeps
-    places, known = at_times(sightings.told, sweeps.times)
-    if is_empty(sweeps, turn * places + shift, known):
-        return True, False
-    seen = sweeps.look(turn * places + shift, known)
-    if sightings.sensor.farthest <= 0.0 or not seen.there.any():
-        return False, False
-    should = sweeps.times[seen.there & _in_view(sightings, turn, shift, places)]
-    back = np.sort(pairs.time[agree & ~pairs.seen_by_own])
+class _Looks(NamedTuple):
+    """At the times of the own sweeps: where the other told that it was (complex (n,), its yaw (n,)) and where the own
+    robot was, each in its own frame, and whether that is known."""
+
+    sweeps: Sweeps
+    told: np.ndarray
+    yaw: np.ndarray
+    told_known: np.ndarray
+    own: np.ndarray
+    own_known: np.ndarray
+
+
+def _looks_of(sightings: Sightings) -> _Looks:
+    times, told = sightings.sweeps.times, sightings.told
+    yaw = np.zeros(len(times))
+    if len(told):
+        yaw = told[np.clip(np.searchsorted(told[:, 0], times), 0, len(told) - 1), 3]
+    places, known = at_times(told, times)
+    return _Looks(sightings.sweeps, places, yaw, known, *at_times(sightings.own, times))
+
+
+def _stands(support: _Support, looks: _Looks) -> bool:
+    """False if own scans show nothing where the other robot should be."""
+    return not is_empty(looks.sweeps, support.turn * looks.told + support.shift, looks.told_known)
+
+
+def _unseen(sightings: Sightings, pairs: Pairs, support: _Support, looks: _Looks) -> bool:
+    """True if the other, with a free line of sight, sees nothing where the own robot should be."""
+    if sightings.sensor.farthest <= 0.0:
+        return False
+    seen = looks.sweeps.look(support.turn * looks.told + support.shift, looks.told_known)
+    should = looks.sweeps.times[seen.there & _in_view(sightings.sensor, support, looks)]
     if len(should) < _UNSEEN_AT_LEAST:
-        return False, False
+        return False
+    back = np.sort(pairs.time[support.agree & ~pairs.seen_by_own])
     saw = np.searchsorted(back, should + 1.5) > np.searchsorted(back, should - 1.5)
-    return False, bool(saw.mean() < _UNSEEN_SHARE)
+    return bool(saw.mean() < _UNSEEN_SHARE)
 
 
-def _in_view(sightings: Sightings, turn: complex, shift: complex, places: np.ndarray) -> np.ndarray:
-    """Whether, at the times of the sweeps, the own robot was within the other's field of view."""
-    times = sightings.sweeps.times
-    own, known = at_times(sightings.own, times)
-    yaw = sightings.told[np.clip(np.searchsorted(sightings.told[:, 0], times), 0, len(sightings.told) - 1), 3]
-    seen = ((own - shift) * np.conjugate(turn) - places) * np.exp(-1j * yaw)
-    near, far = max(sightings.sensor.nearest, 0.3) + 0.3, min(sightings.sensor.farthest, 5.0) - 0.4
+def _in_view(sensor: Sensor, support: _Support, looks: _Looks) -> np.ndarray:
+    """Whether the own robot was well within the other's field of view."""
+    own = (looks.own - support.shift) * support.turn.conjugate()
+    seen = (own - looks.told) * np.exp(-1j * looks.yaw)
+    near, far = max(sensor.nearest, 0.3) + 0.3, min(sensor.farthest, 5.0) - 0.4
     inside = (np.abs(seen) > near) & (np.abs(seen) < far)
-    return known & inside & (np.abs(np.angle(seen)) < 0.5 * sightings.sensor.view - _VIEW_MARGIN)
+    return looks.own_known & inside & (np.abs(np.angle(seen)) < 0.5 * sensor.view - _VIEW_MARGIN)
 
 
 def _distinct(found: List[_Support], pairs: Pairs) -> List[_Support]:
-    """The best supported of those that are about the same, at most _MOST_KEPT."""
+    """The best supported of those that are about the same, at most _MOST_CHECKED."""
     kept: List[_Support] = []
     for each in sorted(found, key=lambda each: (-each.sightings, each.error)):
-        if len(kept) < _MOST_KEPT and all(_different(each, other, pairs) for other in kept):
+        if len(kept) < _MOST_CHECKED and all(_different(each, other, pairs) for other in kept):
             kept.append(each)
     return kept
 

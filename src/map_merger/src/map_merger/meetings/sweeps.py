@@ -52,7 +52,7 @@ class Sweeps(NamedTuple):
         there, empty = np.zeros(len(inside), bool), inside.copy()
         rows = np.arange(len(inside))
         for offset in (-side, 0.0, side):
-            ranges = self.ranges[rows, np.clip(np.rint(beam + offset), 0, beams - 1).astype(int)]
+            ranges = self.ranges[rows, np.minimum(np.maximum(np.rint(beam + offset), 0.0), beams - 1.0).astype(int)]
             there |= inside & (ranges > 0.0) & (np.abs(ranges - distance) < _MARGIN_M + 0.1)
             empty &= ranges > distance + _MARGIN_M
         return Seen(there, empty)

@@ -69,10 +69,10 @@ def at_times(rows: np.ndarray, times: np.ndarray) -> Tuple[np.ndarray, np.ndarra
     between rows far apart unless the robot rested."""
     if len(rows) < 2:
         return np.zeros(len(times), complex), np.zeros(len(times), bool)
-    after = np.clip(np.searchsorted(rows[:, 0], times), 1, len(rows) - 1)
+    after = np.minimum(np.maximum(np.searchsorted(rows[:, 0], times), 1), len(rows) - 1)
     before = after - 1
     start, span = rows[before, 0], rows[after, 0] - rows[before, 0]
-    share = np.clip((times - start) / np.maximum(span, 1e-9), 0.0, 1.0)
+    share = np.minimum(np.maximum((times - start) / np.maximum(span, 1e-9), 0.0), 1.0)
     place = rows[:, 1] + 1j * rows[:, 2]
     moved = place[after] - place[before]
     rests = (np.abs(moved) < _REST_M) & (span <= _LONGEST_REST_S)
