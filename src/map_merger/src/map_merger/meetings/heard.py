@@ -23,8 +23,8 @@ _SET_BACK_S = 20.0
 class Heard:
     """The track of another robot, and those of the objects that it sees, in its frame and on its clock.
 
-    A report arrives some time after it was sent. The least difference between arrival and uptime, of the last minute, is
-    that of the fastest report, and the best guess of the difference between both clocks.
+    A report arrives some time after it was sent. The least difference between arrival and uptime, of the last minute,
+    is that of the fastest report, and the best guess of the difference between both clocks.
     """
 
     def __init__(self) -> None:
@@ -42,7 +42,7 @@ class Heard:
         """True if it comes from another run than what was known, which is forgotten."""
         other_run = report.boot != self.boot or report.uptime < self._newest - _SET_BACK_S
         known = self._newest > -math.inf
-        if other_run or now < self.heard_at:
+        if other_run or now < self.heard_at - _LIVELY_S:
             self._forget()
         if report.uptime >= self._newest:
             self.boot, self.body_radius, self.sensor = report.boot, report.body_radius, report.sensor
