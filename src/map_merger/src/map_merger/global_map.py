@@ -94,8 +94,7 @@ class GlobalMap:
             del self._layers[name]
 
     def set_places(self, name: str, places: np.ndarray) -> None:
-        """Where a robot (also the own one) has been: (n, 2) in m, own frame, oldest first, the last one is where it is
-        now. Empty: nothing is known. Places that moved by less than places.SAME_PLACE_M stay where they are."""
+        """Where a robot (also the own one) has been: (n, 2) in m, own frame, oldest first. Empty: nothing is known. Places that moved by less than places.SAME_PLACE_M stay where they are."""
         track = self._places.setdefault(name, Places())
         margin = ghosts.effect(self._lattice.resolution)
         for box in track.set(places, self._lattice):
@@ -164,7 +163,7 @@ class GlobalMap:
             name: ghosts.presence(places.cells, self._lattice.resolution, around)
             for name, places in sorted(self._places.items())
         }
-        maps = ghosts.without_ghosts(maps, robots, self._lattice.resolution, self._name)
+        maps = ghosts.without_ghosts(maps, robots, self._lattice.resolution)
         foreign = [maps[name] for name in self._drawn if name in maps]
         cells = weighing.weighed(maps[self._name], foreign, self._policy is Policy.STRICT)
         return self._board.write(box, cells[box.shifted(-around.top, -around.left).slices()])

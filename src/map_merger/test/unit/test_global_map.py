@@ -347,11 +347,13 @@ def test_robots_are_no_obstacles_in_the_maps_of_others():
     assert (result.occupied.sum(), result.free.sum()) == (room().occupied.sum(), room().free.sum())
 
 
-def test_a_mate_that_left_is_removed_from_the_local_map_and_one_that_stands_there_is_not():
+def test_mates_are_removed_from_the_local_map():
+    """Robots that started side by side closed each other's way home for ever."""
     local, elsewhere = smudged(), (unknown(), Transform())
+    assert value_at(merged(local, elsewhere, places=[("a", [THERE, HERE])]), *HERE) == FREE
     assert value_at(merged(local, elsewhere, places=[("a", [HERE, THERE])]), *HERE) == FREE
-    assert value_at(merged(local, elsewhere, places=[("a", [THERE, HERE])]), *HERE) == OCCUPIED
     assert value_at(merged(local, elsewhere, places=[("a", [THERE])]), *HERE) == OCCUPIED
+    assert value_at(merged(local, elsewhere, places=[("own", [(1.0, 1.1)])]), *HERE) == OCCUPIED
 
 
 def test_a_pillar_that_the_robot_itself_saw_is_none():
