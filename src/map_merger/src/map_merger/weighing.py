@@ -73,7 +73,9 @@ def weighed(local: np.ndarray, foreign: Sequence[np.ndarray], locked: bool) -> n
     for layer in layers:
         refused |= _add(cells, layer, kept_floor)
     if locked:
-        _close_beside(cells, refused, local)
+        _close_beside(cells, refused, local == UNKNOWN)
+        for layer in layers:
+            _close_beside(cells, walls_of(layer) & kept_floor, cells == UNKNOWN)
     _close_gaps(cells, [local, *foreign], kept)
     return cells
 
@@ -129,10 +131,10 @@ def _side(axis: int, first: bool) -> np.ndarray:
     return np.ascontiguousarray(line.reshape((-1, 1) if axis == 0 else (1, -1)))
 
 
-def _close_beside(cells: np.ndarray, refused: np.ndarray, local: np.ndarray) -> None:
+def _close_beside(cells: np.ndarray, refused: np.ndarray, where: np.ndarray) -> None:
+    """Obstacles in those cells of `where` (bool) that are beside a refused wall."""
     if refused.any():
-        border = cv2.dilate(refused, square(1)).view(bool)
-        cells[border & (local == UNKNOWN)] = OCCUPIED
+        cells[cv2.dilate(refused, square(1)).view(bool) & where] = OCCUPIED
 
 
 def _close_gaps(cells: np.ndarray, maps: List[np.ndarray], kept: np.ndarray) -> None:
