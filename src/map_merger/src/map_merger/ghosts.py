@@ -15,8 +15,9 @@ from typing import Dict, NamedTuple, Sequence, Tuple
 import cv2
 import numpy as np
 
+from . import _surfaces
 from .grid import FREE, OCCUPIED_FROM, Box
-from .obstacles import obstacles_of
+from .obstacles import Obstacles, obstacles_of
 from .weighing import seen_through, square, walls_of
 
 BODY_M = 0.1
@@ -53,21 +54,31 @@ def effect(resolution: float) -> int:
 
 def presence(places: np.ndarray, resolution: float, box: Box) -> Presence:
     """Of a robot in the cells of `box`; places: row and column of the cells in which it was, int (n, 2)."""
-    distance = _distance(places, math.ceil(NEAR_M / resolution), box) * resolution
-    return Presence(*((distance <= radius).view(np.uint8) for radius in (BODY_M, TOUCHING_M, NEAR_M)))
+    edges = (box.top, box.left, box.bottom, box.right)
+    squares = _surfaces.squares_to(places, edges, math.ceil(NEAR_M / resolution))
+    body, touching, near = (
+        (squares <= (radius / resolution) ** 2).view(np.uint8) for radius in (BODY_M, TOUCHING_M, NEAR_M)
+    )
+    return Presence(body, touching, near)
 
 
-def _distance(places: np.ndarray, margin: int, box: Box) -> np.ndarray:
-    """Cells from each cell of the box to the next of the places that are at most `margin` from the box."""
-    outer = box.grown(margin)
-    rows, columns = (places - (outer.top, outer.left)).T
-    inside = (rows >= 0) & (columns >= 0) & (rows < outer.shape[0]) & (columns < outer.shape[1])
-    if not inside.any():
-        return np.full(box.shape, np.inf, np.float32)
-    elsewhere = np.ones(outer.shape, np.uint8)
-    elsewhere[rows[inside], columns[inside]] = 0
-    distance = cv2.distanceTransform(elsewhere, cv2.DIST_L2, cv2.DIST_MASK_5)
-    return distance[margin : margin + box.shape[0], margin : margin + box.shape[1]]
+def possible(cells: np.ndarray, robot: Presence, resolution: float) -> bool:
+    """False if the robot can be no obstacle of this map."""
+    walls = walls_of(cells)
+    if (walls & robot.touching).any():
+        return True
+    obstacles = obstacles_of(walls.view(bool))
+    return bool((_small(obstacles, resolution) & _at_middles(obstacles, robot.near)).any())
+
+
+def _small(obstacles: Obstacles, resolution: float) -> np.ndarray:
+    return (obstacles.areas > 0) & (obstacles.extents() * resolution <= LARGEST_M)
+
+
+def _at_middles(obstacles: Obstacles, mask: np.ndarray) -> np.ndarray:
+    # Not np.round, with which the cell would depend on where the window begins.
+    rows, columns = np.floor(obstacles.centres + 0.5).astype(int).T
+    return mask[rows, columns].view(bool)
 
 
 class _Seen(NamedTuple):
@@ -123,12 +134,10 @@ def _alone(cells: np.ndarray, near: Dict[str, np.ndarray], seen: Dict[str, _Seen
     """Small obstacles by themselves whose middle is near a robot that did not see them itself, bool."""
     result = np.zeros(cells.shape, bool)
     obstacles = obstacles_of(cells >= OCCUPIED_FROM)
-    small = (obstacles.areas > 0) & (obstacles.extents() * resolution <= LARGEST_M)
-    # Not np.round, with which the cell would depend on where the window begins.
-    rows, columns = np.floor(obstacles.centres + 0.5).astype(int).T
+    small = _small(obstacles, resolution)
     ghost = np.zeros(small.shape, bool)
     for robot, mask in near.items():
-        suspects = small & mask[rows, columns].view(bool)
+        suspects = small & _at_middles(obstacles, mask)
         if suspects.any() and robot in seen:
             held = seen[robot].near_wall.ravel()[obstacles.cells]
             confirmed = np.bincount(obstacles.label_of, weights=held, minlength=len(small))
