@@ -167,7 +167,7 @@ py::array_t<std::int8_t> draw(const Cells& cells, const Six& to_source, const Si
 }
 
 py::array_t<std::int32_t> squares_to(const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>& places,
-                                    const Four& box, std::int64_t radius) {
+                                     const Four& box, std::int64_t radius) {
   require(places.ndim() == 2 && places.shape(1) == 2, "places need the shape (n, 2)");
   require(radius >= 0 && radius < 10000, "a radius is 0 to 10000 cells");
   const Window window{box[0], box[1], box[2], box[3]};
@@ -175,7 +175,8 @@ py::array_t<std::int32_t> squares_to(const py::array_t<std::int64_t, py::array::
   py::array_t<std::int32_t> squares({window.bottom - window.top, window.right - window.left});
   std::int32_t* first = squares.mutable_data();
   std::fill_n(first, squares.size(), std::numeric_limits<std::int32_t>::max());
-  for (py::ssize_t i = 0; i < places.shape(0); ++i) lower_around({places.at(i, 0), places.at(i, 1)}, radius, window, first);
+  for (py::ssize_t i = 0; i < places.shape(0); ++i)
+    lower_around({places.at(i, 0), places.at(i, 1)}, radius, window, first);
   return squares;
 }
 

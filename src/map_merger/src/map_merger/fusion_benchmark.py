@@ -1,7 +1,7 @@
 """Measures the global map: time and memory of updates of a large team, quality of merged maps of synthetic teams.
 
-Wrong walls: share of the obstacle cells farther than 0.15 m from a true wall. Seams: free cells beside unknown ones that
-some map holds as known, and beside no obstacle: what an explorer would take for a frontier and is none.
+Wrong walls: share of the obstacle cells farther than 0.15 m from a true wall. Seams: free cells beside unknown ones
+that some map holds as known, and beside no obstacle: what an explorer would take for a frontier and is none.
 """
 
 import math
@@ -57,7 +57,9 @@ def timing_rows(robots: int, edge: int, updates: int, seed: int, command: str) -
     first = time.process_time() - began
     seconds = [_timed_update(merged, random, maps, transforms, version) for version in range(1, updates + 1)]
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-    detail = f"{robots} robots, {edge} x {edge} cells, {updates} updates, all at once {first:.2f} s, seed {seed}; {command}"
+    detail = (
+        f"{robots} robots, {edge} x {edge} cells, {updates} updates, all at once {first:.2f} s, seed {seed}; {command}"
+    )
     median, longest = 1e3 * float(np.median(seconds)), 1e3 * max(seconds)
     return [
         row("global map after one tile, median", "<= 50", round(median, 1), "ms", median <= 50.0, detail),

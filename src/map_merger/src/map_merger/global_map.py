@@ -94,7 +94,11 @@ class GlobalMap:
             del self._layers[name]
 
     def set_places(self, name: str, places: np.ndarray) -> None:
-        """Where a robot (also the own one) has been: (n, 2) in m, own frame, oldest first. Empty: nothing is known. Places that moved by less than places.SAME_PLACE_M stay where they are."""
+        """Where a robot (also the own one) has been: (n, 2) in m, own frame, oldest first; none: nothing is known.
+
+        Places that moved by less than places.SAME_PLACE_M stay where they are. ValueError for another shape or what is
+        no number.
+        """
         changed = self._places.setdefault(name, Places()).set(places, self._lattice)
         if self._local is None:
             return
@@ -188,3 +192,15 @@ class GlobalMap:
             if (cells != UNKNOWN).any():
                 maps[name] = cells
         return maps
+
+
+def merged(local: Grid, others: Sequence[Tuple[Grid, Transform]]) -> Grid:
+    """All maps as one in the frame and on the lattice of the local one, by evidence; `others` with their transforms to
+    the local frame."""
+    together = GlobalMap("", Policy.EVIDENCE)
+    together.set_local(local)
+    for number, (grid, transform) in enumerate(others):
+        together.set_layer(f"{number:06d}", grid, 0, transform)
+    update = together.render()
+    assert update is not None
+    return update.grid

@@ -1,6 +1,7 @@
 """What several maps on one lattice say together about each cell.
 
-Two maps of one wall lie up to `SAME_WALL` cells apart: by drift, by the error of the transform, by rounding to cells. So
+Two maps of one wall lie up to `SAME_WALL` cells apart: by drift, by the error of the transform, by rounding to cells.
+So
 
 1. what more maps hold for wall than for floor, or as many, is wall;
 2. a wall goes where another map saw floor and nothing but floor within `SEEN_THROUGH` cells (an open door, a robot that
