@@ -74,6 +74,8 @@ class PeerMap:
                 self._anchor = anchor
             self._claim = None
             self._expect(anchor.updates)
+            # What waits is of another run, and the robot does not speak of that one.
+            self._waiting, self._waiting_cells = deque(), 0
             return False
         if anchor.boot in self._former and not self._believed(anchor.boot, now):
             return False
