@@ -131,9 +131,9 @@ class PeerMap:
 
     def grid(self) -> Optional[Grid]:
         """The known part of the map; None while nothing is known."""
-        if self._snapshot is None and self._canvas is not None and not self._canvas.known_box().empty:
+        if self._snapshot is None and self._canvas is not None:
             self._snapshot = self._canvas.grid()
-        return self._snapshot
+        return self._snapshot if self._snapshot is not None and self._snapshot.cells.size else None
 
     def cells(self, box: Box) -> np.ndarray:
         """Copy of the cells of a box (counted from the corner of `lattice`), unknown where nothing is known."""
