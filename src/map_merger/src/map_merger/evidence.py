@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from .surface import Landmarks
+from .surface import Landmarks, Surface
 from .transform import Transform
 
 
@@ -37,11 +37,19 @@ class Evidence:
 
 def compare(target: Landmarks, source: Landmarks, transform: Transform) -> Evidence:
     """Evidence for `transform` (source -> target)."""
-    if not len(target.surface.points) or not len(source.surface.points):
+    return compare_samples(target, source, target.surface, source.surface, transform)
+
+
+def compare_samples(
+    target: Landmarks, source: Landmarks, target_sample: Surface, source_sample: Surface, transform: Transform
+) -> Evidence:
+    """Evidence for `transform` (source -> target) from samples of both surfaces: each is sought in the whole of the
+    other."""
+    if not len(target_sample.points) or not len(source_sample.points):
         return Evidence()
     tolerance = match_tolerance(target, source)
-    forward = _one_way(target, source, transform, tolerance)
-    backward = _one_way(source, target, transform.inverse(), tolerance)
+    forward = _one_way(target, source_sample, transform, tolerance)
+    backward = _one_way(source, target_sample, transform.inverse(), tolerance)
     return Evidence(
         matched=min(forward.matched, backward.matched),
         minor=min(forward.minor, backward.minor),
@@ -57,16 +65,16 @@ def match_tolerance(target: Landmarks, source: Landmarks) -> float:
     return max(0.1, 2.0 * max(target.info.resolution, source.info.resolution))
 
 
-def _one_way(target: Landmarks, source: Landmarks, transform: Transform, tolerance: float) -> Evidence:
-    spacing = source.surface.spacing
+def _one_way(target: Landmarks, source: Surface, transform: Transform, tolerance: float) -> Evidence:
+    spacing = source.spacing
     found = target.surface.index().compare(
         target.known,
         target.clear,
         target.info.resolution,
         target.info.origin.pose(),
-        source.surface.points,
-        source.surface.normals,
-        source.surface.solid,
+        source.points,
+        source.normals,
+        source.solid,
         transform.pose(),
         tolerance,
     )

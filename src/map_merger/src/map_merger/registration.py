@@ -10,7 +10,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from .evidence import Evidence, compare
+from .evidence import Evidence, compare, compare_samples
 from .refine import COARSE_REACH, FINE_REACH, refined
 from .search import Prior, candidates
 from .surface import Landmarks, subsample
@@ -59,6 +59,8 @@ REFUTING_WALL = 1.0
 KEEP_CRITERIA, at the length of KEEP_CRITERIA."""
 PLAUSIBLE_CONFLICT = 0.08
 """A transform with no more contradictions could be true."""
+_RANKED_POINTS = 20_000
+"""Of larger surfaces (1 km of wall) so many points tell which transforms are worth a closer look."""
 
 
 class Limits(NamedTuple):
@@ -210,10 +212,11 @@ def ranked_by_evidence(
 ) -> List[Tuple[Evidence, Transform]]:
     """Every start refined, and what speaks for it, the best first."""
     sample = subsample(source.surface, 500)
+    target_sample, source_sample = (subsample(part.surface, _RANKED_POINTS) for part in (target, source))
     result = []
     for start in starts:
         transform = refined(target.surface, sample, start, COARSE_REACH)
-        result.append((compare(target, source, transform), transform))
+        result.append((compare_samples(target, source, target_sample, source_sample, transform), transform))
     result.sort(key=lambda pair: -pair[0].score)
     return result
 
