@@ -39,9 +39,9 @@ PRIOR_CRITERIA = Criteria(matched=6.0, minor=1.5, plausible=0.6)
 Rule = Sequence[Criteria]
 """Enough for any of them is enough."""
 ONCE_RULE: Rule = (
-    Criteria(matched=7.0, minor=1.0, explained=0.35, plausible=0.4),
-    Criteria(matched=18.0, minor=2.0, explained=0.35, rival=0.9, plausible=0.95),
-    Criteria(matched=25.0, minor=4.0, conflict=0.12, explained=0.35, plausible=0.3, plausible_wall=4.0),
+    Criteria(matched=7.0, minor=1.0, conflict=0.03, explained=0.35, plausible=0.4, plausible_wall=5.0),
+    Criteria(matched=18.0, minor=2.0, conflict=0.03, explained=0.35, rival=0.9, plausible=0.95),
+    Criteria(matched=16.0, minor=4.0, conflict=0.15, explained=0.55, rival=0.5, plausible=0.1, plausible_wall=2.0),
 )
 """For two maps alone: little wall without a rival, much wall unless a rival is as good, or, where people have moved
 things, walls in free space if nothing else fits at all."""
