@@ -5,7 +5,7 @@ from typing import Optional, Tuple
 
 import numpy as np
 
-from .evidence import comparison_of
+from .evidence import comparison_of, match_tolerance
 from .search import Prior
 from .surface import Landmarks
 from .transform import Transform
@@ -31,7 +31,7 @@ def covariance_of(target: Landmarks, source: Landmarks, transform: Transform) ->
     2007, without the term of the second order) with a standard deviation of half a cell, at least 0.02 m and at least
     what remained. To it comes what drift may have done to the maps, about the middle of the shared walls.
     """
-    found = comparison_of(target, source, transform)
+    found = comparison_of(target, source.surface, transform, match_tolerance(target, source))
     cell = max(target.info.resolution, source.info.resolution)
     variance = max(_SMALLEST_ERROR_M, 0.5 * cell, math.sqrt(found.mean_square)) ** 2
     share = min(1.0, source.surface.spacing / _INDEPENDENT_M)

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from ._surfaces import Comparison
-from .surface import Landmarks
+from .surface import Landmarks, Surface
 from .transform import Transform
 
 
@@ -38,10 +38,19 @@ class Evidence:
 
 def compare(target: Landmarks, source: Landmarks, transform: Transform) -> Evidence:
     """Evidence for `transform` (source -> target)."""
-    if not len(target.surface.points) or not len(source.surface.points):
+    return compare_samples(target, source, target.surface, source.surface, transform)
+
+
+def compare_samples(
+    target: Landmarks, source: Landmarks, target_sample: Surface, source_sample: Surface, transform: Transform
+) -> Evidence:
+    """Evidence for `transform` (source -> target) from samples of both surfaces: each is sought in the whole of the
+    other."""
+    if not len(target_sample.points) or not len(source_sample.points):
         return Evidence()
-    forward = _one_way(target, source, transform)
-    backward = _one_way(source, target, transform.inverse())
+    tolerance = match_tolerance(target, source)
+    forward = _one_way(target, source_sample, transform, tolerance)
+    backward = _one_way(source, target_sample, transform.inverse(), tolerance)
     return Evidence(
         matched=min(forward.matched, backward.matched),
         minor=min(forward.minor, backward.minor),
@@ -57,24 +66,24 @@ def match_tolerance(target: Landmarks, source: Landmarks) -> float:
     return max(0.1, 2.0 * max(target.info.resolution, source.info.resolution))
 
 
-def comparison_of(target: Landmarks, source: Landmarks, transform: Transform) -> Comparison:
-    """How the walls of the source, moved by `transform`, agree with the target."""
+def comparison_of(target: Landmarks, source: Surface, transform: Transform, tolerance: float) -> Comparison:
+    """How the walls of the source, moved by `transform`, agree with the target up to `tolerance` (m)."""
     return target.surface.index().compare(
         target.known,
         target.clear,
         target.info.resolution,
         target.info.origin.pose(),
-        source.surface.points,
-        source.surface.normals,
-        source.surface.solid,
+        source.points,
+        source.normals,
+        source.solid,
         transform.pose(),
-        match_tolerance(target, source),
+        tolerance,
     )
 
 
-def _one_way(target: Landmarks, source: Landmarks, transform: Transform) -> Evidence:
-    spacing = source.surface.spacing
-    found = comparison_of(target, source, transform)
+def _one_way(target: Landmarks, source: Surface, transform: Transform, tolerance: float) -> Evidence:
+    spacing = source.spacing
+    found = comparison_of(target, source, transform, tolerance)
     if found.matched == 0:
         return Evidence(against=found.contradicted * spacing)
     return Evidence(

@@ -29,7 +29,7 @@ def register(
     prior: Optional[Prior] = None,
 ) -> Registration:
     """Finds the transform source -> target from ORB features, or declines."""
-    return choose(target, source, estimates(target.grid, source.grid, orb(), _ROUNDS), criteria, limits, prior)
+    return choose(target, source, estimates(target.grid, source.grid, orb(), _ROUNDS), (criteria,), limits, prior)
 
 
 def image_of(grid: Grid) -> np.ndarray:

@@ -8,7 +8,7 @@ here `confidence_of` says how much wall, how little contradiction and which riva
 import math
 from typing import Optional
 
-from .registration import ONCE_CRITERIA, PRIOR_CRITERIA, Criteria, Registration, register_once
+from .registration import ONCE_PRIOR_RULE, ONCE_RULE, Criteria, Registration, register_once
 from .search import Prior
 from .surface import Landmarks
 
@@ -21,7 +21,7 @@ wall is shared, two maps cannot show that there is no copy elsewhere."""
 
 def criteria_for(prior: Optional[Prior]) -> Criteria:
     """What a transform must show."""
-    return ONCE_CRITERIA if prior is None else PRIOR_CRITERIA
+    return (ONCE_RULE if prior is None else ONCE_PRIOR_RULE)[0]
 
 
 def decide(target: Landmarks, source: Landmarks, prior: Optional[Prior] = None) -> Registration:

@@ -6,12 +6,12 @@ The decision prefers no answer to a wrong one. README.md says what is refused an
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import List, NamedTuple, Optional, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from .covariance import Covariance
-from .evidence import Evidence, compare
+from .evidence import Evidence, compare, compare_samples
 from .refine import COARSE_REACH, FINE_REACH, refined
 from .search import Prior, candidates
 from .surface import Landmarks, subsample
@@ -29,14 +29,28 @@ class Criteria:
     rival: float = 0.75
     """Largest allowed score of a different transform, relative to the best."""
     plausible: float = 0.3
-    """A different transform without contradictions is a rival from this share of the best one's matched wall on."""
+    """A different transform without contradictions is a rival from this share of the best one's matched wall on..."""
+    plausible_wall: float = 6.0
+    """...and from this length on."""
 
 
 DEFAULT_CRITERIA = Criteria()
 PRIOR_CRITERIA = Criteria(matched=6.0, minor=1.5, plausible=0.6)
 """With a prior most rivals are excluded beforehand."""
-ONCE_CRITERIA = Criteria()
-"""For two maps alone."""
+Rule = Sequence[Criteria]
+"""Enough for any of them is enough."""
+ONCE_RULE: Rule = (
+    Criteria(matched=7.0, minor=1.0, conflict=0.03, explained=0.35, plausible=0.4, plausible_wall=5.0),
+    Criteria(matched=18.0, minor=2.0, conflict=0.03, explained=0.35, rival=0.9, plausible=0.95),
+    Criteria(matched=16.0, minor=4.0, conflict=0.15, explained=0.55, rival=0.5, plausible=0.1, plausible_wall=2.0),
+)
+"""For two maps alone: little wall without a rival, much wall unless a rival is as good, or, where people have moved
+things, walls in free space if nothing else fits at all."""
+ONCE_PRIOR_RULE: Rule = (
+    Criteria(matched=2.5, minor=0.05, explained=0.3, plausible=0.7, plausible_wall=2.5),
+    Criteria(matched=8.0, minor=1.0, conflict=0.15, explained=0.3, plausible=0.25, plausible_wall=2.5),
+)
+"""The same with a prior, which excludes most rivals beforehand."""
 STRONG_CRITERIA = Criteria(matched=40.0, minor=10.0, conflict=0.03)
 """Enough to be believed without a prior or a meeting: more than the walls of two rooms, which may have copies."""
 KEEP_CRITERIA = Criteria(matched=4.0, minor=1.0, conflict=0.2, explained=0.3)
@@ -45,8 +59,9 @@ REFUTING_WALL = 1.0
 """So many metres in free space of the other map refute a transform even where hardly any wall is shared: the share of
 KEEP_CRITERIA, at the length of KEEP_CRITERIA."""
 PLAUSIBLE_CONFLICT = 0.08
-PLAUSIBLE_WALL = 6.0
-"""A transform with no more contradictions and at least this much wall (m) could be true."""
+"""A transform with no more contradictions could be true."""
+_RANKED_POINTS = 20_000
+"""Of larger surfaces (1 km of wall) so many points tell which transforms are worth a closer look."""
 
 
 class Limits(NamedTuple):
@@ -145,8 +160,7 @@ def register(
     prior: Optional[Prior] = None,
 ) -> Registration:
     """Finds the transform source -> target by correlation, or declines."""
-    coarse = candidates(target, source, 16 if prior is None else 8, prior)
-    return choose(target, source, [candidate.transform for candidate in coarse], criteria, limits, prior)
+    return choose(target, source, _starts(target, source, prior), (criteria,), limits, prior)
 
 
 def register_once(
@@ -156,14 +170,15 @@ def register_once(
 
     An exact copy of the place that both maps show cannot be told from the place itself.
     """
-    return register(target, source, ONCE_CRITERIA if prior is None else PRIOR_CRITERIA, limits, prior)
+    rule = ONCE_RULE if prior is None else ONCE_PRIOR_RULE
+    return choose(target, source, _starts(target, source, prior), rule, limits, prior)
 
 
 def choose(
     target: Landmarks,
     source: Landmarks,
     starts: List[Transform],
-    criteria: Criteria,
+    rule: Rule,
     limits: Limits,
     prior: Optional[Prior],
 ) -> Registration:
@@ -180,10 +195,8 @@ def choose(
         for its, other in ranked[1:]
         if _different(transform, other, points)
     ]
-    serious = [other for other in others if _rivals(evidence, other.evidence, criteria)]
-    verdict = judge(evidence, criteria)
-    if verdict is Verdict.ACCEPTED and serious:
-        verdict = Verdict.AMBIGUOUS
+    serious = [other for other in others if any(_rivals(evidence, other.evidence, criteria) for criteria in rule)]
+    verdict = _verdict(evidence, [other.evidence for other in others], rule)
     if verdict is Verdict.ACCEPTED and not limits.allow(transform):
         verdict = Verdict.BEYOND_LIMITS
     if verdict is Verdict.ACCEPTED and prior is not None and not _near_prior(transform, prior, points):
@@ -191,6 +204,23 @@ def choose(
     surveyed, rival = target.surface.length + source.surface.length, next(iter(serious or others), None)
     rivals = tuple(each.transform for each in serious) if verdict is Verdict.AMBIGUOUS else ()
     return Registration(verdict, transform, evidence, surveyed, prior is not None, rival=rival, rivals=rivals)
+
+
+def _starts(target: Landmarks, source: Landmarks, prior: Optional[Prior]) -> List[Transform]:
+    return [candidate.transform for candidate in candidates(target, source, 16 if prior is None else 8, prior)]
+
+
+def _verdict(evidence: Evidence, rivals: Sequence[Evidence], rule: Rule) -> Verdict:
+    """ACCEPTED if the evidence is enough for one of the rule's criteria, else what the first of them misses."""
+    verdicts = []
+    for criteria in rule:
+        verdict = judge(evidence, criteria)
+        if verdict is Verdict.ACCEPTED and any(_rivals(evidence, other, criteria) for other in rivals):
+            verdict = Verdict.AMBIGUOUS
+        verdicts.append(verdict)
+    if Verdict.ACCEPTED in verdicts:
+        return Verdict.ACCEPTED
+    return Verdict.AMBIGUOUS if Verdict.AMBIGUOUS in verdicts else verdicts[0]
 
 
 def follow(target: Landmarks, source: Landmarks, transform: Transform) -> Tuple[Transform, Evidence]:
@@ -204,10 +234,11 @@ def ranked_by_evidence(
 ) -> List[Tuple[Evidence, Transform]]:
     """Every start refined, and what speaks for it, the best first."""
     sample = subsample(source.surface, 500)
+    target_sample, source_sample = (subsample(part.surface, _RANKED_POINTS) for part in (target, source))
     result = []
     for start in starts:
         transform = refined(target.surface, sample, start, COARSE_REACH)
-        result.append((compare(target, source, transform), transform))
+        result.append((compare_samples(target, source, target_sample, source_sample, transform), transform))
     result.sort(key=lambda pair: -pair[0].score)
     return result
 
@@ -215,7 +246,7 @@ def ranked_by_evidence(
 def _rivals(best: Evidence, other: Evidence, criteria: Criteria) -> bool:
     """True if the other transform could as well be the true one: as good, or shorter but without contradictions."""
     plausible = other.conflict <= PLAUSIBLE_CONFLICT and other.matched >= max(
-        PLAUSIBLE_WALL, criteria.plausible * best.matched
+        criteria.plausible_wall, criteria.plausible * best.matched
     )
     return plausible or other.score > criteria.rival * best.score
 
@@ -230,6 +261,6 @@ def _different(first: Transform, second: Transform, points: np.ndarray) -> bool:
 def _near_prior(transform: Transform, prior: Prior, points: np.ndarray) -> bool:
     centre = points.mean(axis=0, keepdims=True)
     return (
-        rotation_between(transform, prior.transform) <= 1.2 * prior.rotation
-        and float(displacement(transform, prior.transform, centre)[0]) <= 1.2 * prior.distance + 0.5
+        rotation_between(transform, prior.transform) <= prior.rotation + math.radians(3.0)
+        and float(displacement(transform, prior.transform, centre)[0]) <= prior.distance + 0.5
     )

@@ -10,7 +10,7 @@ from map_merger import benchmark
 from map_merger.benchmark import figures, real_logs, report
 from map_merger.benchmark.families import self_alias
 from map_merger.benchmark.outcome import thinned
-from map_merger.grid import Grid, GridInfo
+from map_merger.grid import Grid, GridInfo, known_box
 from map_merger.surface import landmarks_of
 from map_merger.synthetic import KINDS, Survey, Surveyor, cast, generated, office_plan, pair_of, rearranged
 from map_merger.transform import Transform
@@ -128,6 +128,17 @@ def test_logs_are_read_plain_or_packed_and_cut_into_pairs(tmp_path):
     assert (packed.name, plain.name) == ("packed", "plain") and np.array_equal(packed.ranges, plain.ranges)
     cases = list(real_logs.cases_of(plain, 1, 3))
     assert len(cases) == 3 and max(case.shared for case in cases) > 5.0
+
+
+def test_failed_readings_are_not_free_space():
+    """Readings of the laser's full scale were drawn as free up to 12 m, through walls of glass."""
+    ranges = np.full((40, 181), 3.0)
+    ranges[:, 100] = 80.0
+    poses = np.column_stack([np.linspace(0.0, 20.0, 40), np.zeros(40), np.zeros(40)])
+    log = real_logs.Log("log", poses, ranges)
+    case = next(real_logs.cases_of(log, 1, 1))
+    free = case.target[-1].free
+    assert free.any() and known_box(case.target[-1]).shape[0] * 0.05 < 8.0
 
 
 def test_folders_without_logs_are_named(tmp_path):

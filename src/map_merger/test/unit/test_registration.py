@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from map_merger import benchmark, features, registration
 from map_merger.alignment import Alignment
-from map_merger.evidence import Evidence, compare
+from map_merger.evidence import Evidence, compare, compare_samples
 from map_merger.grid import Grid, GridInfo, cells_of, empty_grid
 from map_merger.job import Job, LandmarkCache, Member, Versioned
 from map_merger.refine import FINE_REACH, refined
@@ -23,8 +23,9 @@ from map_merger.registration import (
     Verdict,
     follow,
     register,
+    register_once,
 )
-from map_merger.surface import landmarks_of
+from map_merger.surface import landmarks_of, subsample
 from map_merger.synthetic import Survey, Surveyor, office_plan, pair_of
 from map_merger.transform import Transform, displacement, rotation_between
 
@@ -249,6 +250,47 @@ def test_another_transform_does_not_confirm():
 def test_strong_evidence_is_believed_at_once():
     alignment = Alignment()
     assert alignment.finished(look(STRONG_CRITERIA.matched + 1.0)) == "accepted"
+
+
+def test_two_maps_alone_need_less_wall_where_nothing_rivals():
+    random = np.random.default_rng(9)
+    surveyor = Surveyor(office_plan(random))
+    first = surveyor.explore(random, Survey(path_length=2.0), start=(2.0, 2.4))
+    pair = pair_of(first, surveyor.explore(random, Survey(path_length=2.0), start=(2.6, 3.0)))
+    target, source = landmarks_of(pair.target.grid), landmarks_of(pair.source.grid)
+    once = register_once(target, source)
+    assert 7.0 <= once.evidence.matched < 20.0
+    assert once.accepted, once
+    assert error(pair, once.transform) < 0.1
+
+
+def test_the_rival_of_a_square_room_is_as_good():
+    cells = np.zeros((200, 200), np.int8)
+    cells[[0, -1]] = 100
+    cells[:, [0, -1]] = 100
+    square = landmarks_of(Grid(GridInfo(200, 200, 0.05), cells))
+    once = register_once(square, square)
+    assert once.verdict is Verdict.AMBIGUOUS
+    assert once.rival.evidence.score > 0.95 * once.evidence.score
+
+
+def test_a_copy_beyond_the_bounds_of_the_prior_is_declined(overlapping):
+    """It was accepted up to 4.1 m from a prior of 3 m: in the next room of a row of equal ones."""
+    target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
+    for distance, accepted in ((2.5, True), (3.8, False)):
+        prior = Prior(Transform(distance, 0.0, 0.0).compose(overlapping.truth), 3.0)
+        assert register_once(target, source, prior=prior).accepted == accepted
+
+
+def test_samples_tell_what_the_whole_surfaces_tell(overlapping):
+    target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
+    whole = compare(target, source, overlapping.truth)
+    part = compare_samples(
+        target, source, subsample(target.surface, 600), subsample(source.surface, 600), overlapping.truth
+    )
+    assert part.matched == pytest.approx(whole.matched, rel=0.1)
+    assert part.explained == pytest.approx(whole.explained, abs=0.05)
+    assert part.minor == pytest.approx(whole.minor, rel=0.2)
 
 
 @pytest.fixture(scope="module")

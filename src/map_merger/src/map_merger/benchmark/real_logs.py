@@ -21,6 +21,8 @@ from .outcome import best_rigid_fit, shared_wall
 REACH_M = 12.0
 RESOLUTION = 0.05
 _SHORTEST_M, _LONGEST_M = 8.0, 70.0
+_FULL_SCALE = 0.97
+"""Readings from this share of the largest one on are failures (glass, black things), not free space."""
 _NEAR_M = 8.0
 """Only pieces whose paths come this near to one another are of interest."""
 
@@ -112,10 +114,12 @@ def _maps(log: Log, piece: np.ndarray, start: Transform, random: np.random.Gener
     count = log.ranges.shape[1]
     step = math.pi / count if count % 2 == 0 else math.pi / (count - 1)
     angles = -0.5 * math.pi + step * np.arange(count)
+    no_return = _FULL_SCALE * log.ranges.max()
     ends = [max(1, round(share * len(piece))) - 1 for share in STAGES]
     stages: List[Grid] = []
     for index, scan in enumerate(piece):
         pose = to_map.compose(Transform(*log.poses[scan].tolist()))
-        drawer.add(pose, angles, np.minimum(log.ranges[scan], REACH_M), REACH_M)
+        returned = log.ranges[scan] < no_return
+        drawer.add(pose, angles[returned], np.minimum(log.ranges[scan][returned], REACH_M), REACH_M)
         stages.extend([drawer.grid()] * ends.count(index))
     return tuple(stages)

@@ -64,7 +64,7 @@ def akaze(case: Case) -> Answer:
 def verified_orb(case: Case) -> Answer:
     """ORB proposes, the walls decide."""
     target, source = landmarks_of(case.target[-1]), landmarks_of(case.source[-1])
-    return _answer(features.register(target, source, registration.ONCE_CRITERIA))
+    return _answer(features.register(target, source))
 
 
 RULES: Dict[str, Rule] = {
@@ -93,7 +93,7 @@ def rough_prior(case: Case) -> Prior:
     there = case.truth.apply(centre[None])[0]
     turned = Transform(0.0, 0.0, case.truth.yaw + yaw)
     shift = there + np.array([x, y]) - turned.apply(centre[None])[0]
-    return Prior(Transform(float(shift[0]), float(shift[1]), turned.yaw))
+    return Prior(Transform(float(shift[0]), float(shift[1]), turned.yaw), math.hypot(PRIOR_M, PRIOR_M), PRIOR_RAD)
 
 
 def known_centre(grid: Grid) -> np.ndarray:
