@@ -21,7 +21,8 @@ SHORTEST_GROWTH = 1.15
 SURVEY_GROWTH = 1.4
 """Or both maps together by this factor, without a contradiction and without a rival having come up."""
 REHABILITATION = 1.5
-"""A refuted transform is believed again when it has so many times the shared wall."""
+REHABILITATION_M = 5.0
+"""A refuted transform is believed again when it has so many times the shared wall, and so many metres more."""
 FIRST_CREDIT = 8
 MOST_CREDIT = 12
 CREDIT = {Verdict.ACCEPTED: 1, Verdict.CONTRADICTED: -4, Verdict.UNEXPLAINED: -2}
@@ -137,7 +138,8 @@ class Alignment:
         return (
             refuted is not None
             and _agree(refuted.transform, result.transform)
-            and result.evidence.matched < REHABILITATION * refuted.evidence.matched
+            and result.evidence.matched
+            < max(REHABILITATION * refuted.evidence.matched, refuted.evidence.matched + REHABILITATION_M)
         )
 
     def _confirms(self, result: Registration) -> bool:

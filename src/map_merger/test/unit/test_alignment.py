@@ -173,6 +173,14 @@ def test_the_refuted_transform_is_not_believed_again_without_more_evidence_but_a
     assert elsewhere.finished(look(wall, Transform(4.0, 2.0, 0.5))) == "accepted"
 
 
+def test_a_refuted_meeting_without_walls_is_not_believed_again_at_once():
+    alignment = Alignment()
+    assert alignment.finished(look(0.0, met=True)) == "accepted"
+    alignment.refuted("contradicts robot_1 - robot_0 by 3.0 m, 0 deg")
+    assert alignment.finished(look(0.0, met=True)) == ""
+    assert alignment.finished(look(6.0, met=True)) == "accepted"
+
+
 def test_a_robot_with_a_new_frame_starts_with_nothing():
     alignment = believed()
     alignment.refuted("contradicts robot_1 - robot_0 by 3.0 m, 0 deg")
