@@ -54,13 +54,12 @@ class TeamGraph:
         self._reports: Dict[str, Dict[Boot, EdgeReport]] = {}
         self._solution: Optional[_Solution] = None
 
-    def set_own(self, edges: Iterable[Edge]) -> None:
-        """All edges that this robot has found itself. EdgeError for one that nobody could use."""
-        edges = tuple(sorted(edges, key=lambda edge: edge.target))
-        for edge in edges:
-            check(edge)
-        if edges != self._own_edges:
-            self._own_edges, self._solution = edges, None
+    def set_own(self, edges: Iterable[Edge]) -> Tuple[str, ...]:
+        """All edges that this robot has found itself. Returns why some are refused, as `heard` does for others."""
+        usable, refused = _usable(tuple(edges))
+        if usable != self._own_edges:
+            self._own_edges, self._solution = usable, None
+        return refused
 
     def set_run(self, robot: str, run: Boot) -> None:
         """The present run of a robot; edges of its former ones vanish."""
@@ -75,7 +74,7 @@ class TeamGraph:
             return (f"transforms told in the name of {report.robot!r} ignored",)
         if report.robot not in self._reports and len(self._reports) >= MOST_ROBOTS - 1:
             return (f"transforms of {report.robot} ignored: {MOST_ROBOTS} robots tell theirs already",)
-        edges, refused = _usable(report)
+        edges, refused = _usable(report.edges, (report.robot, report.boot))
         runs = self._reports.setdefault(report.robot, {})
         before = runs.pop(report.boot, None)
         runs[report.boot] = EdgeReport(report.robot, report.boot, edges)
@@ -133,23 +132,24 @@ class TeamGraph:
         return list(present.values())
 
 
-def _usable(report: EdgeReport) -> Tuple[Tuple[Edge, ...], Tuple[str, ...]]:
-    """What may be used of a report, one edge to each robot, and why the rest may not."""
+def _usable(
+    told: Tuple[Edge, ...], teller: Optional[Tuple[str, Boot]] = None
+) -> Tuple[Tuple[Edge, ...], Tuple[str, ...]]:
+    """What may be used of what was told, one edge to each robot, and why the rest may not."""
     edges: Dict[str, Edge] = {}
     refused = []
-    for edge in report.edges[: MOST_EDGES + 1]:
+    for edge in told[:MOST_EDGES]:
         try:
             check(edge)
-            if (edge.reporter, edge.reporter_run) != (report.robot, report.boot):
-                raise EdgeError(f"transform {edge.reporter} - {edge.target}: told by {report.robot}")
+            if teller is not None and (edge.reporter, edge.reporter_run) != teller:
+                raise EdgeError(f"transform {edge.reporter} - {edge.target}: told by {teller[0]}")
             if edge.target in edges:
                 raise EdgeError(f"transform {edge.reporter} - {edge.target}: told twice")
             edges[edge.target] = edge
         except EdgeError as error:
             refused.append(f"{error}; refused")
-    if len(report.edges) > MOST_EDGES:
-        edges = dict(list(edges.items())[:MOST_EDGES])
-        refused.append(f"{report.robot} tells {len(report.edges)} transforms; those beyond {MOST_EDGES} are refused")
+    if len(told) > MOST_EDGES:
+        refused.append(f"{told[0].reporter} tells {len(told)} transforms; those beyond {MOST_EDGES} are refused")
     return tuple(edges[target] for target in sorted(edges)), tuple(refused)
 
 
