@@ -85,13 +85,15 @@ class Alignment:
         """True if the walls have given one or several transforms, and a sighting could decide."""
         return self._belief is None and (self._candidate is not None or self.verdict is Verdict.AMBIGUOUS)
 
-    def due(self, now: float, target: Versioned, source: Versioned, news: int = 0) -> bool:
+    def due(self, now: float, target: Versioned, source: Versioned, news: int = 0, disputed: bool = False) -> bool:
         """True if a job is worth its time.
 
         news: how many pieces of evidence other than the maps there have been, such as sightings. More than at the last
-        start make a job due after the plain period, whatever the maps.
+        start make a job due after the plain period, whatever the maps. disputed: the transform and those of the rest of
+        the team contradict one another, so it is looked at again after each period: the walls may tell who is wrong.
         """
-        return self._attempts.due(now, target, source, news, self.proposed is not None)
+        disputed = disputed and self._belief is not None
+        return self._attempts.due(now, target, source, news, self.proposed is not None, disputed)
 
     def started(self, now: float, target: Versioned, source: Versioned, period: float, news: int = 0) -> None:
         """A job is under way; `period` is the shortest time in seconds to the next one."""

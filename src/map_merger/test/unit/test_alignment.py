@@ -228,6 +228,16 @@ def test_a_new_sighting_is_worth_a_try_though_the_maps_are_the_same():
     assert len(times) == 2 and times[1] == pytest.approx(20.0)
 
 
+def test_a_disputed_transform_is_looked_at_again_though_the_maps_are_the_same():
+    same, alignment = Versioned("map", square(100)), believed()
+    alignment.started(0.0, same, same, 5.0)
+    assert not alignment.due(100.0, same, same)
+    assert alignment.due(5.0, same, same, disputed=True) and not alignment.due(4.9, same, same, disputed=True)
+    alignment.forget()
+    alignment.started(100.0, same, same, 5.0)
+    assert not alignment.due(200.0, same, same, disputed=True), "there is nothing to dispute"
+
+
 def test_walls_that_leave_rivals_wait_for_a_meeting():
     alignment = Alignment()
     assert not alignment.awaits_meeting

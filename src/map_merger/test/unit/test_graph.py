@@ -134,6 +134,16 @@ def test_in_a_team_of_three_the_lightest_edge_around_the_cycle_goes():
     assert graph.placed()["robot_1"].via == ("robot_2",)
 
 
+def test_the_robots_around_a_contradiction_look_at_their_edges_again():
+    truth = Truth(4, 1).find([("robot_0", "robot_1"), ("robot_0", "robot_2"), ("robot_1", "robot_2")])
+    truth.find([("robot_2", "robot_3")])
+    assert truth.graph_of("robot_0").disputed() == set()
+    truth.mislead("robot_0", "robot_1", Transform(2.0, 0.0, 0.0), wall=60.0)
+    assert truth.graph_of("robot_0").disputed() == {"robot_1", "robot_2"}
+    assert truth.graph_of("robot_2").disputed() == {"robot_0", "robot_1"}
+    assert truth.graph_of("robot_3").disputed() == set()
+
+
 def test_two_directions_of_one_pair_are_a_cycle():
     truth = Truth(2, 1).find_all()
     truth.edges["robot_1", "robot_0"] = truth.edge("robot_1", "robot_0", Transform(1.0, 0.0, 0.0), wall=14.0)

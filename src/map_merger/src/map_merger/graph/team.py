@@ -1,6 +1,6 @@
 """The robots of a team, the transforms that anybody has found between them, and where that places each robot."""
 
-from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
@@ -27,10 +27,16 @@ class Placement(NamedTuple):
 
 
 class Dropped(NamedTuple):
-    """An edge that the others contradict, and how."""
+    """An edge that the others contradict, and how. via: the robots along which they do."""
 
     edge: Edge
     words: str
+    via: Tuple[str, ...]
+
+    @property
+    def cycle(self) -> Tuple[str, ...]:
+        """The robots around the contradiction."""
+        return (self.edge.reporter, *self.via, self.edge.target)
 
 
 class _Solution(NamedTuple):
@@ -108,6 +114,14 @@ class TeamGraph:
         """Own edges among the dropped: the other robot's name, and how they are contradicted."""
         return {each.edge.target: each.words for each in self.dropped() if each.edge.reporter == self._own}
 
+    def disputed(self) -> Set[str]:
+        """The robots whose own edge is part of a contradiction, dropped or not: one of those around it is wrong."""
+        robots: Set[str] = set()
+        for cycle in (each.cycle for each in self.dropped()):
+            for first, second in zip(cycle, (*cycle[1:], cycle[0])):
+                robots.update({first, second} if self._own in (first, second) else ())
+        return robots - {self._own}
+
     def _bound_runs(self, robot: str) -> None:
         runs = self._reports[robot]
         while len(runs) > _KEPT_RUNS:
@@ -174,11 +188,11 @@ def _solution_of(own: str, edges: List[Edge]) -> _Solution:
     left_out = [edge for edge, chosen in zip(edges, choice.chosen) if not chosen]
     neighbours = _neighbours(kept)
     routes = {robot: _routes(robot, neighbours) for robot in {edge.reporter for edge in left_out}}
-    dropped = tuple(
-        Dropped(edge, contradiction(edge, choice.poses, nodes, routes[edge.reporter].get(edge.target, ())))
-        for edge in left_out
-    )
-    return _Solution(_placements(choice.poses, nodes, own, _routes(own, neighbours)), kept, dropped)
+    dropped = []
+    for edge in left_out:
+        via = routes[edge.reporter].get(edge.target, ())
+        dropped.append(Dropped(edge, contradiction(edge, choice.poses, nodes, via), via))
+    return _Solution(_placements(choice.poses, nodes, own, _routes(own, neighbours)), kept, tuple(dropped))
 
 
 def _placements(poses: Poses, nodes: List[str], own: str, routes: Dict[str, Tuple[str, ...]]) -> Dict[str, Placement]:
