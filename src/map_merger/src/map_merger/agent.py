@@ -4,7 +4,7 @@ It hands values from one owner of state to the next: the exchange of maps, where
 registrations, the team's graph, and the global map.
 """
 
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Set, Tuple
 
 from .announcements import Announcements
 from .effects import (
@@ -18,26 +18,26 @@ from .effects import (
     Send,
 )
 from .exchange import Exchange
+from .global_map import MOST_GLOBAL_CELLS
 from .graph.edges import Edge, EdgeReport
 from .graph.team import Placement, TeamGraph
 from .graph.telling import Telling
-from .global_map import MOST_GLOBAL_CELLS
 from .grid import Grid
 from .hearing import Hearing
 from .job import Versioned
 from .map_sightings import MapSightings
-from .markers import RobotMarker, marker_of
+from .markers import RobotMarker, marker_of, outline_of
 from .meetings import LaserScan, Meetings, TrackReport
 from .merged_map import MergedMap
 from .messages import Anchor, Boot, Position, Request, Tile
-from .payload import Payload
 from .options import Options
 from .own_edges import own_edges
+from .payload import Payload
 from .reference import Reference
 from .registrar import Registrar, Team
 from .registration import Registration
-from .report import LogFigures, figures_of, news_of, placement_of, positions_of
-from .sighting import LONGEST_MAP_LAG_S
+from .report import LogFigures, beyond_limits, figures_of, news_of, placement_of, positions_of
+from .sighting import LONGEST_MAP_LAG_S, nowhere
 from .status import MergerStatus, RobotPlacement
 from .timer import Timer
 from .transform import FARTHEST_M, Transform
@@ -72,6 +72,7 @@ class Agent:
         self._hearing = Hearing()
         self._effects: List[Effect] = []
         self._runs: Dict[str, int] = {}
+        self._refused: Set[str] = set()
         self._frame = 0
         self._question: Optional[Timer] = Timer(NEIGHBOR_QUESTION_S, NEIGHBOR_QUESTION_S)
         self._position_timer = Timer(options.seconds_send_position)
@@ -111,12 +112,13 @@ class Agent:
         """A robot announced its anchor."""
         self._hear(anchor.robot, now)
         self.exchange.on_anchor(anchor, now)
-        self._follow_run(anchor.robot)
+        self._follow(anchor.robot, now)
 
     def on_tile(self, tile: Tile, now: float) -> None:
         """Map cells of another robot arrived."""
         self._hear(tile.robot, now, tile.cells.size)
         self.exchange.on_tile(tile, now)
+        self._follow(tile.robot, now)
 
     def on_request(self, request: Request, now: float) -> None:
         """A robot asks for updates: none listed = everything, first one -1 = ignore (contract 2.4)."""
@@ -157,12 +159,16 @@ class Agent:
         if news:
             # They have served, and if they misled they would do so again.
             self._sightings.forget(robot)
+        refusal = beyond_limits(robot, result)
+        if refusal is not None and robot not in self._refused:
+            self._refused.add(robot)
+            self._effects.append(Note(refusal, warning=True))
         if news is not None:
             self._effects += news_of(robot, news, self._registrar.alignment(robot), result)
             self._update_graph()
 
     def forget(self, robot: str) -> bool:
-        """Nothing that was known of the robot counts any more; False if nothing was. If it is heard again, it is new."""
+        """Nothing that was known of the robot counts any more; False if nothing was. Heard again, it is new."""
         if not self.exchange.forget(robot):
             return False
         self._forget_frame_of(robot)
@@ -180,9 +186,7 @@ class Agent:
             self._effects.append(AskNeighbors())
         self.exchange.tick(now)
         for robot in self.exchange.robots():
-            self._follow_run(robot)
-        if not self._options.has_local_map:
-            self._follow_base(now)
+            self._follow(robot, now)
         self._announce(now)
         self._register(now)
         self._publish(now)
@@ -238,7 +242,9 @@ class Agent:
 
     def status(self, now: float) -> MergerStatus:
         """Who is placed, and why the others are not."""
-        robots = tuple(self._placement(robot, now) for robot in self.exchange.robots() if robot != self._reference.robot)
+        robots = tuple(
+            self._placement(robot, now) for robot in self.exchange.robots() if robot != self._reference.robot
+        )
         return MergerStatus(self.name, self._options.topology, self._options.base_station, robots)
 
     def markers(self) -> Tuple[RobotMarker, ...]:
@@ -248,7 +254,10 @@ class Agent:
             heard = self._whereabouts.position(robot)
             pose = None if heard is None else heard.pose
             places.append((robot, transform, pose, self.exchange.map_of(robot)))
-        return tuple(marker_of(robot, pose, grid, transform) for robot, transform, pose, grid in places)
+        return tuple(
+            marker_of(robot, pose, nowhere() if grid is None else outline_of(grid), transform)
+            for robot, transform, pose, grid in places
+        )
 
     def _placement(self, robot: str, now: float) -> RobotPlacement:
         return placement_of(
@@ -270,15 +279,16 @@ class Agent:
         self._hearing.on_news(robot, now, octets)
         return True
 
-    def _follow_run(self, robot: str) -> None:
-        """A robot that restarted has a new frame."""
-        run = self.exchange.run_of(robot)
-        if run == self._runs.get(robot, 0):
-            return
-        if self._runs.get(robot, 0):
-            self._forget_frame_of(robot)
-        self._runs[robot] = run
-        self._graph.set_run(robot, self.exchange.boot_of(robot))
+    def _follow(self, robot: str, now: float) -> None:
+        """A robot that restarted has a new frame. A base station's own map is that of another robot."""
+        before, run = self._runs.get(robot, 0), self.exchange.run_of(robot)
+        if run != before:
+            self._runs[robot] = run
+            self._graph.set_run(robot, self.exchange.boot_of(robot))
+            if before:
+                self._forget_frame_of(robot)
+        if not self._options.has_local_map:
+            self._follow_base(now)
 
     def _forget_frame_of(self, robot: str) -> None:
         self._whereabouts.forget(robot)
@@ -370,7 +380,8 @@ class Agent:
             self._sightings.look_through(robot, grid, version, position, own_poses, now)
 
     def _edges(self) -> List[Edge]:
-        return own_edges(self.name, self._boot, self._registrar, self.exchange, self._reference.robot)
+        base = self._reference.robot if self._reference.grid is not None else None
+        return own_edges(self.name, self._boot, self._registrar, self.exchange, base)
 
     def _update_graph(self) -> None:
         """The own transforms changed. One that the team contradicts is given up."""
@@ -387,7 +398,9 @@ class Agent:
         if update is not None:
             self._effects.append(PublishMap(update.grid, update.changed))
         self._effects += [
-            Note(f"map of {robot} not drawn: with it the global map would have more than {MOST_GLOBAL_CELLS} cells", True)
+            Note(
+                f"map of {robot} not drawn: with it the global map would have more than {MOST_GLOBAL_CELLS} cells", True
+            )
             for robot in self._merged.news()
         ]
         if self._transform_timer.fires(now) and self.transforms():

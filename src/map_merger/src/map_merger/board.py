@@ -1,14 +1,14 @@
 """Cells on an unbounded lattice, and which of its tiles are to be computed anew."""
 
-from typing import Iterator, Set, Tuple
+from typing import Dict, Iterator, Set, Tuple
 
 import numpy as np
 
 from .grid import EMPTY_BOX, UNKNOWN, Box, bounding_box
 
-TILE = 64
+TILE = 32
 """Edge in cells of a tile."""
-CHUNK = 8
+CHUNK = 16
 """Edge in tiles of what is computed at once: bounds the memory of a computation."""
 
 
@@ -67,10 +67,14 @@ class DirtyTiles:
 
     def taken(self) -> Iterator[Box]:
         """Boxes, no larger than a chunk, that hold all the tiles; none are left afterwards."""
-        chunks: dict = {}
-        for row, column in self._tiles:
+        tiles, self._tiles = self._tiles, set()
+        if not tiles:
+            return iter(())
+        # A small change is computed at once wherever it lies.
+        first = (min(row for row, _ in tiles), min(column for _, column in tiles))
+        chunks: Dict[Tuple[int, int], Box] = {}
+        for row, column in tiles:
             tile = Box(row * TILE, column * TILE, (row + 1) * TILE, (column + 1) * TILE)
-            key = (row // CHUNK, column // CHUNK)
+            key = ((row - first[0]) // CHUNK, (column - first[1]) // CHUNK)
             chunks[key] = chunks.get(key, EMPTY_BOX).union(tile)
-        self._tiles = set()
         return iter([chunks[key] for key in sorted(chunks)])

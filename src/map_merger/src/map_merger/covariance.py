@@ -45,11 +45,9 @@ def covariance_of(target: Landmarks, source: Landmarks, transform: Transform) ->
     return as_covariance(arm @ at_walls @ arm.T)
 
 
-def covariance_at_origin(
-    transform: Transform, covariance: np.ndarray, centre: Tuple[float, float]
-) -> Covariance:
-    """The covariance (3, 3) of x, y (m) and yaw (rad) of the transform, given with the rotation about `centre`, a point of
-    the source's frame (m)."""
+def covariance_at_origin(transform: Transform, covariance: np.ndarray, centre: Tuple[float, float]) -> Covariance:
+    """The covariance (3, 3) of x, y (m) and yaw (rad) of the transform, given with the rotation about `centre`, a point
+    of the source's frame (m)."""
     x, y = transform.apply_point(*centre)
     arm = np.eye(3)
     arm[0, 2], arm[1, 2] = y - transform.y, transform.x - x

@@ -5,13 +5,13 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 from . import _surfaces
-from .grid import Box, Grid, GridInfo, bounding_box, box_around, cell_centres, continuous_cells, corners, window
+from .grid import Box, Grid, GridInfo, box_around, cell_centres, continuous_cells, corners, window
 from .transform import Transform, rotation_between
 
 STILL_M, STILL_RAD = 0.005, 0.03 * np.pi / 180.0
 """A transform that changes by less moves hardly a cell, and nothing is drawn anew."""
-_SEEN_M = 1e-3
-"""Shift of a lattice in cells that is only rounding."""
+_ROUNDING = 1e-3
+"""Shift of a lattice in cells, or share of a resolution, that is only rounding."""
 
 
 def nearly(first: Transform, second: Transform) -> bool:
@@ -26,7 +26,7 @@ def whole_shift(info: GridInfo, reference: GridInfo) -> Optional[Tuple[int, int]
         return None
     corner = reference.origin.inverse().compose(info.origin)
     row, column = corner.y / info.resolution, corner.x / info.resolution
-    if max(abs(row - round(row)), abs(column - round(column))) > _SEEN_M:
+    if max(abs(row - round(row)), abs(column - round(column))) > _ROUNDING:
         return None
     return round(row), round(column)
 
@@ -42,9 +42,7 @@ def _affine(begin: GridInfo, end: GridInfo, transform: Transform) -> Tuple[float
     """Cells of `begin` -> position in `end`, with `transform` from the frame of `begin` to that of `end`."""
     middles = cell_centres(begin, np.array([0, 0, 1]), np.array([0, 1, 0]))
     rows, columns = continuous_cells(end, transform.apply(middles))
-    return tuple(
-        float(value) for at in (columns, rows) for value in (at[0], at[1] - at[0], at[2] - at[0])
-    )
+    return tuple(float(value) for at in (columns, rows) for value in (at[0], at[1] - at[0], at[2] - at[0]))
 
 
 def mapping_of(source: GridInfo, transform: Transform, lattice: GridInfo) -> Mapping:
@@ -71,11 +69,5 @@ def drawn(source: Grid, part: Box, transform: Transform, lattice: GridInfo, box:
         mapping.to_target,
         (part.top, part.left, part.bottom, part.right),
         (box.top, box.left, box.bottom, box.right),
-        source.info.resolution < (1.0 - _SEEN_M) * lattice.resolution,
+        source.info.resolution < (1.0 - _ROUNDING) * lattice.resolution,
     )
-
-
-def differences(first: np.ndarray, second: np.ndarray, box: Box) -> Box:
-    """Box around the cells that differ between two arrays of the cells of `box`."""
-    changed = bounding_box(first != second)
-    return changed if changed.empty else changed.shifted(box.top, box.left)

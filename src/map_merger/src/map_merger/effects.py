@@ -11,6 +11,7 @@ from .job import Job
 from .payload import Payload
 from .transform import Transform
 from .whereabouts import Place
+
 GROUP_PREFIX = "mc_"
 """Group names of adhoc_communication begin with it."""
 

@@ -1,7 +1,7 @@
 """Measures the exchange on virtual time: how fast maps become equal after losses, and what the messages weigh.
 
-The radio loses whole messages, independently for each receiver, and knows of each whether it arrived. Real radios repeat
-frames, so this is harder than the same loss per frame.
+The radio loses whole messages, independently for each receiver, and knows of each whether it arrived. Real radios
+repeat frames, so this is harder than the same loss per frame.
 """
 
 import zlib
@@ -14,8 +14,9 @@ from .delivery import Delivery
 from .effects import Send
 from .exchange import Exchange
 from .grid import UNKNOWN, Grid, GridInfo, known_box, offset_between
-from .messages import Anchor, Payload, Request, Tile
+from .messages import Anchor, Request, Tile
 from .options import Options
+from .payload import Payload
 
 STEP_S = 0.1
 NOTICED_S = 1.0
@@ -134,7 +135,7 @@ def reconnect(seed: int, robots: int = 4, loss: float = 0.3, patience: float = 6
     random = np.random.default_rng(seed)
     names = [f"robot_{number}" for number in range(robots)]
     team = LossyTeam({name: _exchange(name, (1, number)) for number, name in enumerate(names)}, random, loss)
-    for name, exchange in team.exchanges.items():
+    for exchange in team.exchanges.values():
         for other in names:
             exchange.on_robot(other, team.now)
     maps = {name: GrowingMap(random) for name in names}
@@ -204,9 +205,7 @@ def traffic(stages: Sequence[Grid], split_size: int) -> Traffic:
     """One robot tells another the stages of its map, one each PERIOD_S, without losses. Anchors, requests and answers
     count; `whole` is the known box of each stage as one message."""
     names = ("robot_0", "robot_1")
-    options = [
-        Options(name, debug=False, split_size=split_size, seconds_send_timer=int(PERIOD_S)) for name in names
-    ]
+    options = [Options(name, debug=False, split_size=split_size, seconds_send_timer=int(PERIOD_S)) for name in names]
     team = LossyTeam(
         {each.robot_name: Exchange(each, (1, number)) for number, each in enumerate(options)}, np.random.default_rng(0)
     )
@@ -237,7 +236,8 @@ def _octets(payload: Payload) -> bytes:
     if isinstance(payload, Anchor):
         origin = payload.info.origin
         place = np.array([origin.x, origin.y, 0.0, 0.0, 0.0, origin.yaw, 1.0])
-        return payload.robot.encode() + bytes(24) + np.array([payload.updates, *payload.boot]).tobytes() + place.tobytes()
+        numbers = np.array([payload.updates, *payload.boot], np.int32)
+        return payload.robot.encode() + bytes(24) + numbers.tobytes() + place.tobytes()
     if isinstance(payload, Request):
         return payload.robot.encode() + bytes(8) + np.array(payload.numbers, np.int32).tobytes()
     return bytes(100)

@@ -1,7 +1,8 @@
 """Robots in maps: obstacles where a robot has been are not walls.
 
-Robots start side by side and meet later, and the map of each then holds the others as obstacles. When the robot has
-left, only who looks there again removes the ghost from the own map. By the tracks of all robots
+Robots start side by side and meet later, and the map of each then holds the others as obstacles, until it looks there
+again when they have left. Where robots are is told by their positions; a global map holds none. By the tracks of all
+robots
 
 - nothing stands within `BODY_M` of where a robot's centre has been;
 - a small obstacle by itself, close to the track of another robot whose own map shows nothing there, is that robot;
@@ -9,13 +10,14 @@ left, only who looks there again removes the ghost from the own map. By the trac
 """
 
 import math
-from typing import Dict, NamedTuple, Optional, Sequence
+from typing import Dict, NamedTuple, Sequence, Tuple
 
 import cv2
 import numpy as np
 
+from . import _surfaces
 from .grid import FREE, OCCUPIED_FROM, Box
-from .obstacles import obstacles_of
+from .obstacles import Obstacles, obstacles_of
 from .weighing import seen_through, square, walls_of
 
 BODY_M = 0.1
@@ -26,8 +28,6 @@ NEAR_M = 0.45
 """Metres from a robot's centre within which an obstacle by itself is taken for the robot."""
 LARGEST_M = 0.8
 """Largest extent in metres of such an obstacle."""
-PRESENT_M = 0.8
-"""Metres from a robot's present place in which the own map rightly holds it."""
 _CONFIRMED = 0.25
 """Share of an obstacle that the robot's own map must hold for it to be a real one."""
 _OFF = 2
@@ -35,13 +35,11 @@ _OFF = 2
 
 
 class Presence(NamedTuple):
-    """Where one robot has been, as masks (uint8) of the cells within BODY_M, TOUCHING_M, NEAR_M, and PRESENT_M of its
-    last place."""
+    """Where one robot has been, as masks (uint8) of the cells within BODY_M, TOUCHING_M and NEAR_M."""
 
     body: np.ndarray
     touching: np.ndarray
     near: np.ndarray
-    present: np.ndarray
 
 
 def reach(resolution: float) -> int:
@@ -51,83 +49,99 @@ def reach(resolution: float) -> int:
 
 def effect(resolution: float) -> int:
     """Cells from a place within which cells can be ghosts by it."""
-    return math.ceil((LARGEST_M + PRESENT_M) / resolution) + 1
+    return math.ceil((LARGEST_M + NEAR_M) / resolution) + 1
 
 
 def presence(places: np.ndarray, resolution: float, box: Box) -> Presence:
-    """Of a robot in the cells of `box`; places: row and column of the cells in which it was, int (n, 2), oldest first."""
-    distance = _distance(places, math.ceil(NEAR_M / resolution), box) * resolution
-    present = _distance(places[-1:], math.ceil(PRESENT_M / resolution), box) * resolution
-    body, touching, near = ((distance <= radius).view(np.uint8) for radius in (BODY_M, TOUCHING_M, NEAR_M))
-    return Presence(body, touching, near, (present <= PRESENT_M).view(np.uint8))
+    """Of a robot in the cells of `box`; places: row and column of the cells in which it was, int (n, 2)."""
+    edges = (box.top, box.left, box.bottom, box.right)
+    squares = _surfaces.squares_to(places, edges, math.ceil(NEAR_M / resolution))
+    body, touching, near = (
+        (squares <= (radius / resolution) ** 2).view(np.uint8) for radius in (BODY_M, TOUCHING_M, NEAR_M)
+    )
+    return Presence(body, touching, near)
 
 
-def _distance(places: np.ndarray, margin: int, box: Box) -> np.ndarray:
-    """Cells from each cell of the box to the next of the places that are at most `margin` from the box."""
-    outer = box.grown(margin)
-    rows, columns = (places - (outer.top, outer.left)).T
-    inside = (rows >= 0) & (columns >= 0) & (rows < outer.shape[0]) & (columns < outer.shape[1])
-    if not inside.any():
-        return np.full(box.shape, np.inf, np.float32)
-    elsewhere = np.ones(outer.shape, np.uint8)
-    elsewhere[rows[inside], columns[inside]] = 0
-    distance = cv2.distanceTransform(elsewhere, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return distance[margin : margin + box.shape[0], margin : margin + box.shape[1]]
+def possible(cells: np.ndarray, robot: Presence, resolution: float) -> bool:
+    """False if the robot can be no obstacle of this map."""
+    walls = walls_of(cells)
+    if (walls & robot.touching).any():
+        return True
+    obstacles = obstacles_of(walls.view(bool))
+    return bool((_small(obstacles, resolution) & _at_middles(obstacles, robot.near)).any())
+
+
+def _small(obstacles: Obstacles, resolution: float) -> np.ndarray:
+    return (obstacles.areas > 0) & (obstacles.extents() * resolution <= LARGEST_M)
+
+
+def _at_middles(obstacles: Obstacles, mask: np.ndarray) -> np.ndarray:
+    # Not np.round, with which the cell would depend on where the window begins.
+    rows, columns = np.floor(obstacles.centres + 0.5).astype(int).T
+    return mask[rows, columns].view(bool)
+
+
+class _Seen(NamedTuple):
+    """What a map says about others' obstacles, uint8: floor all around, walls within one and within _OFF cells."""
+
+    floor: np.ndarray
+    beside_wall: np.ndarray
+    near_wall: np.ndarray
+
+
+def _seen(cells: np.ndarray) -> _Seen:
+    walls = walls_of(cells)
+    return _Seen(seen_through(cells, _OFF), cv2.dilate(walls, square(1)), cv2.dilate(walls, square(_OFF)))
 
 
 def without_ghosts(
-    maps: Dict[str, np.ndarray], robots: Dict[str, Presence], resolution: float, own: str
+    maps: Dict[str, np.ndarray], robots: Dict[str, Presence], resolution: float
 ) -> Dict[str, np.ndarray]:
-    """The maps, int8 of equal shape by the names of the robots that made them, without robots.
-
-    `own`: the robot that still sees the others where they stand, so these stay in its map. Maps without a robot in
-    them are returned as they are.
-    """
-    near = [name for name, robot in robots.items() if robot.near.any()]
-    if not near:
+    """The maps, int8 of equal shape by the names of the robots that made them, without robots; those that hold none as
+    they are."""
+    robots = {name: robot for name, robot in robots.items() if robot.near.any()}
+    if not robots:
         return maps
-    return {name: _cleaned(name, maps, robots, near, resolution, own) for name in maps}
+    seen = {name: _seen(cells) for name, cells in maps.items()}
+    return {name: _cleaned(name, cells, seen, robots, resolution) for name, cells in maps.items()}
 
 
 def _cleaned(
-    name: str, maps: Dict[str, np.ndarray], robots: Dict[str, Presence], near: Sequence[str], resolution: float, own: str
+    name: str, cells: np.ndarray, seen: Dict[str, _Seen], robots: Dict[str, Presence], resolution: float
 ) -> np.ndarray:
-    cells = maps[name]
-    ghosts = np.zeros(cells.shape, bool)
-    for robot in near:
-        left = (1 - robots[robot].present) if name == own != robot else np.uint8(1)
-        ghosts |= (robots[robot].body & left).view(bool)
-        if robot != name:
-            ghosts |= _overrun(name, maps, robots[robot].touching & left)
-            ghosts |= _alone(cells, robots[robot].near & left, maps.get(robot), resolution)
+    others = [robot for robot in robots if robot != name]
+    ghosts = _any_of([robot.body for robot in robots.values()], cells.shape)
+    touching = _any_of([robots[other].touching for other in others], cells.shape)
+    if touching.any():
+        floor = _any_of([each.floor for other, each in seen.items() if other != name], cells.shape)
+        wall = _any_of([each.beside_wall for other, each in seen.items() if other != name], cells.shape)
+        ghosts |= touching & floor & (wall ^ 1)
+    ghosts = ghosts.view(bool)
+    if others:
+        ghosts |= _alone(cells, {other: robots[other].near for other in others}, seen, resolution)
     ghosts &= cells >= OCCUPIED_FROM
     return np.where(ghosts, np.int8(FREE), cells) if ghosts.any() else cells
 
 
-def _overrun(name: str, maps: Dict[str, np.ndarray], touching: np.ndarray) -> np.ndarray:
-    """Cells in a robot's reach where another map shows floor and none a wall."""
-    floor, wall = np.zeros_like(touching), np.zeros_like(touching)
-    for other, cells in maps.items():
-        if other != name:
-            floor |= seen_through(cells, _OFF)
-            wall |= walls_of(cells)
-    return (touching & floor & ~cv2.dilate(wall, square(1))).view(bool)
-
-
-def _alone(cells: np.ndarray, near: np.ndarray, witness: Optional[np.ndarray], resolution: float) -> np.ndarray:
-    """Small obstacles by themselves whose middle is near the robot and which the robot itself did not see."""
-    result = np.zeros(cells.shape, bool)
-    obstacles = obstacles_of(cells >= OCCUPIED_FROM)
-    # Not np.round, with which the cell would depend on where the window begins.
-    rows, columns = np.floor(obstacles.centres + 0.5).astype(int).T
-    suspects = (obstacles.areas > 0) & (obstacles.extents() * resolution <= LARGEST_M)
-    suspects &= near[rows, columns].view(bool)
-    if not suspects.any():
-        return result
-    if witness is not None:
-        seen = cv2.dilate(walls_of(witness), square(_OFF)).ravel()[obstacles.cells]
-        confirmed = np.bincount(obstacles.label_of, weights=seen, minlength=len(obstacles.areas))
-        suspects &= confirmed < _CONFIRMED * obstacles.areas
-    result.ravel()[obstacles.cells] = suspects[obstacles.label_of]
+def _any_of(masks: Sequence[np.ndarray], shape: Tuple[int, ...]) -> np.ndarray:
+    result = np.zeros(shape, np.uint8)
+    for mask in masks:
+        result |= mask
     return result
 
+
+def _alone(cells: np.ndarray, near: Dict[str, np.ndarray], seen: Dict[str, _Seen], resolution: float) -> np.ndarray:
+    """Small obstacles by themselves whose middle is near a robot that did not see them itself, bool."""
+    result = np.zeros(cells.shape, bool)
+    obstacles = obstacles_of(cells >= OCCUPIED_FROM)
+    small = _small(obstacles, resolution)
+    ghost = np.zeros(small.shape, bool)
+    for robot, mask in near.items():
+        suspects = small & _at_middles(obstacles, mask)
+        if suspects.any() and robot in seen:
+            held = seen[robot].near_wall.ravel()[obstacles.cells]
+            confirmed = np.bincount(obstacles.label_of, weights=held, minlength=len(small))
+            suspects &= confirmed < _CONFIRMED * obstacles.areas
+        ghost |= suspects
+    result.ravel()[obstacles.cells] = ghost[obstacles.label_of]
+    return result

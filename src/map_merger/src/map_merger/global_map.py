@@ -6,7 +6,7 @@ on what was set, not on the order. How cells are weighed is in `weighing`, which
 
 from dataclasses import replace
 from enum import Enum
-from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from .board import Board, DirtyTiles
 from .drawing import whole_shift
 from .grid import EMPTY_BOX, UNKNOWN, Box, Grid, GridInfo, full_box, union_of, window
 from .layers import Layer, difference
-from .places import Places
+from .places import Places, blocks
 from .transform import Transform
 
 GROWTH_BLOCK = 20
@@ -94,12 +94,21 @@ class GlobalMap:
             del self._layers[name]
 
     def set_places(self, name: str, places: np.ndarray) -> None:
-        """Where a robot (also the own one) has been: (n, 2) in m, own frame, oldest first, the last one is where it is
-        now. Empty: nothing is known. Places that moved by less than places.SAME_PLACE_M stay where they are."""
-        track = self._places.setdefault(name, Places())
+        """Where a robot (also the own one) has been: (n, 2) in m, own frame, oldest first; none: nothing is known.
+
+        Places that moved by less than places.SAME_PLACE_M stay where they are. ValueError for another shape or what is
+        no number.
+        """
+        changed = self._places.setdefault(name, Places()).set(places, self._lattice)
+        if self._local is None:
+            return
         margin = ghosts.effect(self._lattice.resolution)
-        for box in track.set(places, self._lattice):
-            self._mark(box.grown(margin))
+        for block in blocks(changed):
+            box = block.grown(margin)
+            robot = ghosts.presence(changed, self._lattice.resolution, box)
+            maps = self._maps(box, self._layers).values()
+            if any(ghosts.possible(cells, robot, self._lattice.resolution) for cells in maps):
+                self._dirty.add(box, weighing.reach(len(self._layers)))
 
     def render(self) -> Optional[Update]:
         """The map now; None without a local map, or if it is the one that was returned before."""
@@ -159,18 +168,18 @@ class GlobalMap:
         """Computes the cells of the box; returns the box of those that changed."""
         margin = weighing.reach(len(self._drawn)) + ghosts.reach(self._lattice.resolution)
         around = box.grown(margin)
-        maps = self._maps(around)
+        maps = self._maps(around, self._drawn)
         robots = {
             name: ghosts.presence(places.cells, self._lattice.resolution, around)
             for name, places in sorted(self._places.items())
         }
-        maps = ghosts.without_ghosts(maps, robots, self._lattice.resolution, self._name)
+        maps = ghosts.without_ghosts(maps, robots, self._lattice.resolution)
         foreign = [maps[name] for name in self._drawn if name in maps]
         cells = weighing.weighed(maps[self._name], foreign, self._policy is Policy.STRICT)
         return self._board.write(box, cells[box.shifted(-around.top, -around.left).slices()])
 
-    def _maps(self, box: Box) -> Dict[str, np.ndarray]:
-        """The local map and those of the others that know something in the box."""
+    def _maps(self, box: Box, names: Iterable[str]) -> Dict[str, np.ndarray]:
+        """The local map and those of these others that know something in the box."""
         assert self._local is not None
         local = np.full(box.shape, UNKNOWN, np.int8)
         inside = box.intersection(self._at)
@@ -178,8 +187,20 @@ class GlobalMap:
             target = inside.shifted(-box.top, -box.left).slices()
             local[target] = self._local.cells[inside.shifted(-self._at.top, -self._at.left).slices()]
         maps = {self._name: local}
-        for name in self._drawn:
+        for name in names:
             cells = self._layers[name].board.read(box)
             if (cells != UNKNOWN).any():
                 maps[name] = cells
         return maps
+
+
+def merged(local: Grid, others: Sequence[Tuple[Grid, Transform]]) -> Grid:
+    """All maps as one in the frame and on the lattice of the local one, by evidence; `others` with their transforms to
+    the local frame."""
+    together = GlobalMap("", Policy.EVIDENCE)
+    together.set_local(local)
+    for number, (grid, transform) in enumerate(others):
+        together.set_layer(f"{number:06d}", grid, 0, transform)
+    update = together.render()
+    assert update is not None
+    return update.grid

@@ -3,7 +3,7 @@
 from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from .evidence import compare
-from .fusion import Layer, fused, resampled
+from .global_map import GlobalMap
 from .grid import Grid
 from .one_shot import confidence_of, criteria_for, decide
 from .reasons import reason_of
@@ -40,10 +40,13 @@ def place(maps: Sequence[Grid]) -> Placement:
 
 
 def merged(maps: Sequence[Grid], placed: Dict[int, Placed]) -> Grid:
-    """The placed maps on the lattice of the first one, best supported first."""
-    order = sorted(placed, key=lambda each: (-placed[each].shared_wall, each))
-    layers: List[Optional[Layer]] = [resampled(maps[each], placed[each].transform, maps[0]) for each in order]
-    return fused(maps[0], [layer for layer in layers if layer is not None])
+    """The placed maps on the lattice of the first one."""
+    whole = GlobalMap("0")
+    whole.set_local(maps[0])
+    for number in sorted(placed):
+        whole.set_layer(str(number), maps[number], 0, placed[number].transform)
+    update = whole.render()
+    return maps[0] if update is None else update.grid
 
 
 class _Search:

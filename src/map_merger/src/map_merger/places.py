@@ -21,20 +21,20 @@ class Places:
         self.points = np.empty((0, 2))
         self.cells = np.empty((0, 2), np.int64)
 
-    def set(self, points: np.ndarray, lattice: GridInfo) -> List[Box]:
-        """Points (n, 2) in m, own frame, oldest first; returns boxes that hold all cells that came, went, or were or
-        are the last one. ValueError for another shape or what is no number."""
+    def set(self, points: np.ndarray, lattice: GridInfo) -> np.ndarray:
+        """Points (n, 2) in m, own frame, oldest first; returns the cells, (m, 2), that came or went.
+        ValueError for another shape or what is no number."""
         points = np.array(points, float)
         if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
             raise ValueError(f"places are finite numbers of shape (n, 2), not {points.shape}")
         while len(points) > MOST_PLACES:
-            points = points[(len(points) - 1) % 2 :: 2]  # the last one stays
+            points = points[::2]
         same = self._same(points)
         points[:same] = self.points[:same]
         before = self.cells
         self.points = points
         self.draw(lattice)
-        return _blocks(np.concatenate([before[max(0, same - 1) :], self.cells[max(0, same - 1) :], before[-1:]]))
+        return np.concatenate([before[same:], self.cells[same:]])
 
     def draw(self, lattice: GridInfo) -> None:
         """The lattice is another one."""
@@ -47,6 +47,7 @@ class Places:
         return int(np.argmax(moved)) if moved.any() else common
 
 
-def _blocks(cells: np.ndarray) -> List[Box]:
+def blocks(cells: np.ndarray) -> List[Box]:
+    """Boxes that hold all the cells (n, 2)."""
     corners = np.unique(cells // _BLOCK, axis=0) * _BLOCK
     return [Box(row, column, row + _BLOCK, column + _BLOCK) for row, column in corners.tolist()]

@@ -5,7 +5,7 @@ from typing import List, Optional
 from .exchange import Exchange
 from .grid import Grid
 
-BASE_LOST_S = 30.0
+BASE_LOST_S = 60.0
 """A base station that could not merge anything gives up an adopted robot that is gone for so long, in s."""
 
 

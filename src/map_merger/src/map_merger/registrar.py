@@ -9,6 +9,7 @@ import numpy as np
 from .alignment import Alignment
 from .covariance import prior_from
 from .effects import Register
+from .graph.team import Placement
 from .job import Job, LandmarkCache, Member, Versioned
 from .map_sightings import MapSightings
 from .meetings import Meetings
@@ -17,17 +18,15 @@ from .registration import Limits, Registration, Verdict
 from .search import Prior
 from .sighting import moved, nowhere
 from .timer import Timer
-from .graph.team import Placement
 from .whereabouts import Whereabouts
-
 
 LOOK_PERIOD_S = 0.5
 """Between two looks at the sightings of a robot that is not placed."""
 
 
 class Team(NamedTuple):
-    """What is known for registrations now. maps: of the other robots. placed: those whose frame is placed in the own one.
-    base: robot whose map is the own one."""
+    """What is known for registrations now. maps: of the other robots. placed: those whose frame is placed in the own
+    one. base: robot whose map is the own one."""
 
     target: Versioned
     maps: Mapping[str, Versioned]
@@ -38,9 +37,7 @@ class Team(NamedTuple):
 class Registrar:
     """Owns the alignments with all other robots and the one registration under way."""
 
-    def __init__(
-        self, options: Options, whereabouts: Whereabouts, sightings: MapSightings, meetings: Meetings
-    ) -> None:
+    def __init__(self, options: Options, whereabouts: Whereabouts, sightings: MapSightings, meetings: Meetings) -> None:
         """Reads all but `options` anew for each registration."""
         self._options = options
         self._whereabouts, self._sightings, self._meetings = whereabouts, sightings, meetings

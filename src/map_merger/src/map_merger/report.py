@@ -4,8 +4,8 @@ import math
 from typing import List, Mapping, NamedTuple, Optional
 
 from .alignment import Alignment
-from .graph.team import Placement
 from .effects import Effect, Note, PublishPositions, PublishTrack
+from .graph.team import Placement
 from .grid import Grid
 from .options import Options
 from .registration import Registration, Verdict
@@ -81,9 +81,8 @@ def placement_of(
     wall = 0.0 if belief is None else belief.evidence.matched
     via = placement.via[0] if placement.via else ""
     why = f"through {via}" if via else "seen, " * (belief is not None and belief.met) + f"shared wall {wall:.1f} m"
-    covariance = tuple(value for row in placement.covariance for value in row)
     confidence = confidence_in(placement)
-    return RobotPlacement(robot, why, placement.transform, via, covariance, confidence, wall, age, octets)
+    return RobotPlacement(robot, why, placement.transform, via, placement.covariance, confidence, wall, age, octets)
 
 
 def confidence_in(placement: Placement) -> float:

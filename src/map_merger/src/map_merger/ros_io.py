@@ -9,9 +9,11 @@ from adhoc_communication.msg import MmControl, MmListOfPoints, MmMapUpdate, MmPo
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, TransformStamped
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from rospy.numpy_msg import numpy_msg
+from sensor_msgs.msg import LaserScan as LaserScanMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from .grid import Grid, GridError, GridInfo, grid_of
+from .meetings.values import LaserScan
 from .messages import Anchor, Boot, Position, Request, Tile
 from .transform import FARTHEST_M, Transform
 from .whereabouts import Place
@@ -195,3 +197,13 @@ def track_message(points: np.ndarray, frame: str, stamp: rospy.Time) -> MarkerAr
 
 def _boot_of(info: MapMetaData) -> Boot:
     return info.map_load_time.secs, info.map_load_time.nsecs
+
+
+def scan_of(message: LaserScanMessage, mount: Transform) -> LaserScan:
+    """A scan; `mount`: the sensor in the robot's frame. MessageError if its geometry cannot be used."""
+    ranges = np.array(message.ranges, np.float32)
+    geometry = (message.angle_min, message.angle_increment, message.range_min, message.range_max)
+    try:
+        return LaserScan(ranges, *geometry, mount)
+    except ValueError as error:
+        raise MessageError(str(error)) from error

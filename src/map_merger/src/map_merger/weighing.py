@@ -1,6 +1,7 @@
 """What several maps on one lattice say together about each cell.
 
-Two maps of one wall lie up to `SAME_WALL` cells apart: by drift, by the error of the transform, by rounding to cells. So
+Two maps of one wall lie up to `SAME_WALL` cells apart: by drift, by the error of the transform, by rounding to cells.
+So
 
 1. what more maps hold for wall than for floor, or as many, is wall;
 2. a wall goes where another map saw floor and nothing but floor within `SEEN_THROUGH` cells (an open door, a robot that
@@ -73,7 +74,9 @@ def weighed(local: np.ndarray, foreign: Sequence[np.ndarray], locked: bool) -> n
     for layer in layers:
         refused |= _add(cells, layer, kept_floor)
     if locked:
-        _close_beside(cells, refused, local)
+        _close_beside(cells, refused, local == UNKNOWN)
+        for layer in layers:
+            _close_beside(cells, walls_of(layer) & kept_floor, cells == UNKNOWN)
     _close_gaps(cells, [local, *foreign], kept)
     return cells
 
@@ -129,10 +132,10 @@ def _side(axis: int, first: bool) -> np.ndarray:
     return np.ascontiguousarray(line.reshape((-1, 1) if axis == 0 else (1, -1)))
 
 
-def _close_beside(cells: np.ndarray, refused: np.ndarray, local: np.ndarray) -> None:
+def _close_beside(cells: np.ndarray, refused: np.ndarray, where: np.ndarray) -> None:
+    """Obstacles in those cells of `where` (bool) that are beside a refused wall."""
     if refused.any():
-        border = cv2.dilate(refused, square(1)).view(bool)
-        cells[border & (local == UNKNOWN)] = OCCUPIED
+        cells[cv2.dilate(refused, square(1)).view(bool) & where] = OCCUPIED
 
 
 def _close_gaps(cells: np.ndarray, maps: List[np.ndarray], kept: np.ndarray) -> None:

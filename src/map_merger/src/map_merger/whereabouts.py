@@ -106,11 +106,3 @@ class Whereabouts:
             for heard in [self._positions.get(name)]
             if heard is not None and abs(now - heard.heard) <= longest
         )
-
-    def points_of(self, transforms: Mapping[str, Transform], without: str) -> np.ndarray:
-        """Where the own robot and those of `transforms` have been, (n, 2), own frame, m, but for the robot `without`."""
-        parts = [self.own_track.points()]
-        parts += [
-            transform.apply(self.track(name).points()) for name, transform in transforms.items() if name != without
-        ]
-        return np.concatenate(parts)

@@ -9,9 +9,8 @@ pytest.importorskip("rospy")
 
 from test_graph import Truth
 
-from map_merger import ros_team
+from map_merger import ros_io, ros_team
 from map_merger.graph.edges import MOST_EDGES
-from map_merger.ros_io import MessageError
 
 
 def over_the_radio(message):
@@ -31,7 +30,7 @@ def test_edges_arrive_as_they_were_told():
 def test_a_yaw_that_is_no_angle_is_refused():
     message = ros_team.edges_message(Truth(2, 1).find_all().report_of("robot_1"))
     message.edges[0].yaw = math.inf
-    with pytest.raises(MessageError, match="robot_1 - robot_0"):
+    with pytest.raises(ros_io.MessageError, match="robot_1 - robot_0"):
         ros_team.edges_of(message)
 
 

@@ -329,6 +329,16 @@ def test_a_tile_of_an_unknown_run_waits_only_so_long():
     assert peer.wanted() is None, "the clock jumped back"
 
 
+def test_an_anchor_of_the_present_run_ends_the_wait_for_another_one():
+    (present, tiles), (_, others) = runs((1, 0), (2, 0))
+    peer = PeerMap("robot_0")
+    told(peer, present, tiles)
+    peer.add(others[0], 5.0)
+    assert peer.wanted() == ()
+    peer.set_anchor(present.anchor(), 5.1)
+    assert peer.wanted() is None and peer.stored == 64 * 64
+
+
 def test_the_anchor_of_a_run_that_waited_too_long_is_believed_all_the_same():
     (present, tiles), (new, others) = runs((1, 0), (2, 0))
     peer = PeerMap("robot_0")

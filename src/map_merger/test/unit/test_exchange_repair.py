@@ -1,5 +1,7 @@
 """Exchanges of several robots on virtual time: losses, restarts, partitions, and what a lost message may hold up."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -65,7 +67,7 @@ def test_one_late_tile_of_another_run_is_asked_about_a_few_times_only():
     exchange.on_anchor(Anchor("robot_1", INFO, (1, 1), 1), 0.0)
     exchange.on_tile(tile(0), 0.0)
     exchange.on_tile(tile(7, boot=(5, 5)), 0.0)
-    assert 1 <= len(requests(drive(exchange, 0.0, 600.0))) <= 5
+    assert 1 <= len(requests(drive(exchange, 0.0, 600.0))) <= 6
 
 
 def test_one_late_tile_of_a_former_run_is_not_asked_about():
@@ -125,6 +127,18 @@ def test_the_first_message_of_a_lost_robot_is_as_good_as_its_return():
     exchange.on_heard("robot_1")
     assert exchange.present("robot_1")
     assert requests(drive(exchange, 300.0, 302.0))[0] <= 301.0
+
+
+def test_a_tile_that_does_not_fit_is_asked_for_with_growing_pauses():
+    """It came again every two seconds, for ever."""
+    exchange, asked = exchange_of(), 0
+    exchange.on_anchor(Anchor("robot_1", INFO, (1, 1), 1), 0.0)
+    for second in range(600):
+        found = requests(drive(exchange, float(second), second + 1.0))
+        asked += len(found)
+        for now in found:
+            exchange.on_tile(replace(tile(0), resolution=0.1), now)
+    assert 15 <= asked <= 30
 
 
 def test_a_robot_that_has_no_map_yet_is_not_asked_more_often_for_telling_its_position():

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from map_merger import global_map, weighing
+from map_merger import fusion_benchmark, global_map, weighing
 from map_merger.global_map import GlobalMap, Policy
-from map_merger.grid import FREE, OCCUPIED, UNKNOWN, Box, Grid, GridInfo, cropped, full_box, offset_between
+from map_merger.grid import FREE, OCCUPIED, UNKNOWN, Box, Grid, GridInfo, cropped, full_box, offset_between, window
 from map_merger.transform import Transform
 
 RESOLUTION = 0.05
@@ -347,11 +347,13 @@ def test_robots_are_no_obstacles_in_the_maps_of_others():
     assert (result.occupied.sum(), result.free.sum()) == (room().occupied.sum(), room().free.sum())
 
 
-def test_a_mate_that_left_is_removed_from_the_local_map_and_one_that_stands_there_is_not():
+def test_mates_are_removed_from_the_local_map():
+    """Robots that started side by side closed each other's way home for ever."""
     local, elsewhere = smudged(), (unknown(), Transform())
+    assert value_at(merged(local, elsewhere, places=[("a", [THERE, HERE])]), *HERE) == FREE
     assert value_at(merged(local, elsewhere, places=[("a", [HERE, THERE])]), *HERE) == FREE
-    assert value_at(merged(local, elsewhere, places=[("a", [THERE, HERE])]), *HERE) == OCCUPIED
     assert value_at(merged(local, elsewhere, places=[("a", [THERE])]), *HERE) == OCCUPIED
+    assert value_at(merged(local, elsewhere, places=[("own", [(1.0, 1.1)])]), *HERE) == OCCUPIED
 
 
 def test_a_pillar_that_the_robot_itself_saw_is_none():
@@ -423,7 +425,8 @@ def operations(random, count):
             cells[changed.slices()] = random.choice([UNKNOWN] if kind == "back" else [UNKNOWN, FREE, OCCUPIED], (8, 8))
             maps[name] = Grid(grid.info, cells)
         elif kind == "grow":
-            maps[name] = cropped(grid, Box(-int(random.integers(9)), -int(random.integers(9)), grid.info.height + 3, 95))
+            top, left = (-int(value) for value in random.integers(0, 9, 2))
+            maps[name] = cropped(grid, Box(top, left, grid.info.height + 3, 95))
         elif kind == "places":
             places[name] = np.concatenate([places[name], random.uniform(-1.0, 5.0, (3, 2))])[-8:]
             calls.append(("set_places", (name, places[name])))
@@ -500,3 +503,44 @@ def test_one_changed_tile_computes_the_tiles_around_it_only(monkeypatch):
     fusion.set_layer("a", changed, 1, Transform(0.1, 0.1, 0.1), Box(600, 600, 632, 632))
     assert fusion.render().changed.area < 64 * 64
     assert sum(computed) < 320 * 320
+
+
+def test_a_map_that_never_saw_its_robot_costs_nothing(monkeypatch):
+    """Places come several times a second; where nothing stands they change nothing, and nothing is computed."""
+    fusion = GlobalMap("own")
+    fusion.set_local(room())
+    fusion.set_layer("a", room(), 0, Transform())
+    fusion.render()
+    monkeypatch.setattr(weighing, "weighed", lambda *_: pytest.fail("computed"))
+    fusion.set_places("a", np.array([[1.5, 1.0], [1.6, 1.0]]))
+    assert fusion.render() is None
+
+
+def test_all_maps_as_one():
+    result = global_map.merged(unknown(), [(room(), Transform()), (room(), Transform(0.5, 0.0, 0.0))])
+    assert value_at(result, 0.025, 1.0) == OCCUPIED
+    assert value_at(result, 1.5, 1.0) == FREE
+    local = room()
+    assert np.array_equal(global_map.merged(local, []).cells, local.cells)
+
+
+# The benchmark
+
+
+def test_the_benchmark_measures_what_it_says():
+    rows = fusion_benchmark.timing_rows(3, 200, 3, 1, "test")
+    assert [row["unit"] for row in rows] == ["ms", "ms", "MB"]
+    assert all(row["value"] > 0.0 for row in rows)
+    assert all(row["holds"] for row in fusion_benchmark.quality_rows(1, 1, "test"))
+
+
+def test_the_benchmark_counts_wrong_walls_and_seams():
+    team = fusion_benchmark.synthetic_team(np.random.default_rng(1))
+    good = fusion_benchmark.merged_map(team, Policy.STRICT)
+    cells = good.cells.copy()
+    row, column = (int(value) for value in np.argwhere(good.free)[good.free.sum() // 2])
+    cells[row - 3 : row + 4, column - 3 : column + 4] = UNKNOWN
+    seams = fusion_benchmark.quality_of(team, Grid(good.info, cells)).seams
+    assert seams >= fusion_benchmark.quality_of(team, good).seams + 20
+    moved = Grid(window(good.info, Box(20, 20, *(size + 20 for size in good.info.shape))), good.cells)
+    assert fusion_benchmark.quality_of(team, moved).wrong_walls > 20.0

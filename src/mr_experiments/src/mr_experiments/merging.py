@@ -11,16 +11,18 @@ import rospy
 
 from map_merger import meetings, ros_io, ros_radio
 from map_merger.agent import Agent, NoTransform
-from map_merger.job import outcome_of
 from map_merger.delivery import Delivery
 from map_merger.effects import AskNeighbors, Effect, Note, PublishMap, PublishPositions, Purpose, Register, Send
 from map_merger.grid import Grid, GridInfo
+from map_merger.job import outcome_of
 from map_merger.messages import Boot, Tile
 from map_merger.options import Options
 from map_merger.transform import Transform
 from mr_experiments.agenda import Agenda
 from mr_experiments.robot_radio import RobotRadio
 from mr_experiments.stopwatch import Stopwatch
+from mr_sim.pose import Pose
+from mr_sim.slam.engine import LaserScan
 
 TICK = 0.2  # s
 POSE_PERIOD = 0.5  # s
@@ -117,7 +119,12 @@ class Merger:
         if self._running and self.agent.wants_scans and now - self._scan_at >= SCAN_PERIOD - 1e-6:
             self._scan_at = now
             seen = meetings.LaserScan(
-                scan.ranges, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, Transform(*scan.mount)
+                scan.ranges,
+                scan.angle_min,
+                scan.angle_increment,
+                scan.range_min,
+                scan.range_max,
+                Transform(*scan.mount),
             )
             self.do(lambda now: self.agent.on_scan(seen, Transform(*pose), now))
 

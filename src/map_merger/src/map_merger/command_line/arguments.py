@@ -55,7 +55,7 @@ def _parser() -> argparse.ArgumentParser:
     several.set_defaults(run=merge.run)
     measured = commands.add_parser("bench", help="measure registration", description=bench.__doc__)
     measured.add_argument(
-        "pairs", nargs="?", type=_count, default=20, metavar="PAIRS", help="pairs per family (default 20)"
+        "pairs", nargs="?", type=_count, default=20, metavar="PAIRS", help="number of pairs (default 20)"
     )
     measured.set_defaults(run=bench.run)
     return parser

@@ -38,4 +38,7 @@ FULL_MAP_MARGIN = 5
 REPAIR_PERIOD_S = 1.0
 """Gaps are looked for this often."""
 FIRST_PAUSE_S, LONGEST_REQUEST_PAUSE_S, LONGEST_RESEND_PAUSE_S = 1.0, 30.0, 60.0
-"""Pauses between requests to a robot that is not heard, and between repeated sends to the group, double up to these."""
+"""Pauses between requests to a robot that does not answer, and between repeated sends to the group, double up to
+these."""
+STEADY_REQUESTS = 4
+"""So many requests follow one another with the first pause, since one of them may get lost."""

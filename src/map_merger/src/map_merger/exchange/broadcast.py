@@ -5,8 +5,8 @@ from typing import List, Optional, Sequence, Set
 from ..effects import GROUP_PREFIX, Effect, Note, Purpose, SaveDebugImages, Send
 from ..grid import Grid, GridError, empty_grid
 from ..messages import Anchor, Boot, Tile
-from ..payload import Payload
 from ..options import Options
+from ..payload import Payload
 from ..timer import Timer
 from . import bounds
 from .retry import Retry
@@ -43,7 +43,7 @@ class Broadcast:
         self._local = grid
         return True
 
-    def on_sent(self, send: Send, undelivered: Sequence[Payload], too_large: Optional[Tile] = None) -> None:
+    def on_sent(self, send: Send, undelivered: Sequence[Payload], now: float, too_large: Optional[Tile]) -> None:
         """A send of this object ended; `undelivered`: those of its payloads that somebody missed."""
         self._outstanding.discard(send.purpose)
         if send.purpose is not Purpose.CHANGES:
@@ -54,7 +54,7 @@ class Broadcast:
         self._undelivered.difference_update(sorted(self._undelivered)[: -bounds.MOST_RESENT])
         self._announced = self._announced or not any(isinstance(payload, Anchor) for payload in undelivered)
         if len(missed) < len(set(_numbers(send.payloads))) or not undelivered:
-            self._retry.progress()
+            self._retry.progress(now)
         if too_large is not None:
             self.halve(too_large)
 

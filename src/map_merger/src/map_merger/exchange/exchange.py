@@ -7,8 +7,8 @@ import numpy as np
 from ..effects import Effect, Note, Purpose, Send
 from ..grid import Box, Grid, GridError, GridInfo
 from ..messages import NO_BOOT, Anchor, Boot, Request, Tile
-from ..payload import Payload
 from ..options import Options
+from ..payload import Payload
 from ..timer import Timer
 from . import bounds
 from .broadcast import Broadcast
@@ -24,7 +24,7 @@ class _Peer:
         self.present = True
         self.answering = False
         self.failures = 0
-        self.retry = Retry(bounds.FIRST_PAUSE_S, bounds.LONGEST_REQUEST_PAUSE_S)
+        self.retry = Retry(bounds.FIRST_PAUSE_S, bounds.LONGEST_REQUEST_PAUSE_S, bounds.STEADY_REQUESTS)
 
     def heard(self) -> None:
         """Something came from the robot: if it was lost, what is missing is asked for at once."""
@@ -32,10 +32,10 @@ class _Peer:
             self.retry.at_once()
         self.present = True
 
-    def progress(self) -> None:
+    def progress(self, now: float) -> None:
         """Something came that concerns maps: it may be asked soon."""
         self.heard()
-        self.retry.progress()
+        self.retry.progress(now)
 
 
 class Exchange:
@@ -106,7 +106,7 @@ class Exchange:
         if not self.meet(anchor.robot):
             return
         peer = self._peers[anchor.robot]
-        peer.progress()
+        peer.progress(now)
         if peer.map.set_anchor(anchor, now, self._room_for(peer)):
             self._effects.append(Note(f"{anchor.robot} restarted: its former map is dropped"))
 
@@ -115,17 +115,19 @@ class Exchange:
         if not self.meet(tile.robot):
             return
         peer = self._peers[tile.robot]
-        peer.progress()
+        peer.heard()
         try:
             peer.map.add(tile, now, self._room_for(peer))
+            peer.progress(now)
         except GridError as error:
+            # It will not fit the next time either, so the pauses between requests for it go on growing.
             self._effects.append(Note(f"map update of {tile.robot} ignored: {error}", warning=True))
 
     def on_request(self, request: Request, now: float) -> None:
         """A robot asks for updates: none listed = everything, first one -1 = ignore (contract 2.4)."""
         if not self.meet(request.robot) or (request.numbers and request.numbers[0] == -1):
             return
-        self._peers[request.robot].progress()
+        self._peers[request.robot].progress(now)
         tiles = self._sender.again(request.numbers) if request.numbers else self._sender.everything()
         self._answer(request.robot, tiles, always=not request.numbers)
 
@@ -141,7 +143,7 @@ class Exchange:
         none is named though it was not `delivered`. `too_large`: the first tile that the radio refused for its size."""
         missed = () if delivered else undelivered or send.payloads
         if send.to_group:
-            self._broadcast.on_sent(send, missed, too_large)
+            self._broadcast.on_sent(send, missed, now, too_large)
             return
         if too_large is not None:
             self._broadcast.halve(too_large)

@@ -79,6 +79,8 @@ class PeerMap:
                 self._anchor = anchor
             self._claim = None
             self._expect(anchor.updates)
+            # What waits is of another run, and the robot does not speak of that one.
+            self._waiting, self._waiting_cells = deque(), 0
             return False
         if anchor.boot in self._former and not self._believed(anchor.boot, now):
             return False
@@ -134,9 +136,9 @@ class PeerMap:
 
     def grid(self) -> Optional[Grid]:
         """The known part of the map; None while nothing is known."""
-        if self._snapshot is None and self._canvas is not None and not self._canvas.known_box().empty:
+        if self._snapshot is None and self._canvas is not None:
             self._snapshot = self._canvas.grid()
-        return self._snapshot
+        return self._snapshot if self._snapshot is not None and self._snapshot.cells.size else None
 
     def cells(self, box: Box) -> np.ndarray:
         """Copy of the cells of a box (counted from the corner of `lattice`), unknown where nothing is known."""

@@ -109,7 +109,7 @@ class MapSender:
         for box, inside in self._regions([number for number in sorted(numbers) if number in self._boxes]):
             *pieces, last = self._cut(box)
             tiles.extend(self._numbered(piece) for piece in pieces)
-            self._boxes.update((number, last) for number in inside if pieces)
+            self._boxes.update((number, last) for number in inside if pieces and number in self._boxes)
             tiles.append(self._tile(last, tuple(inside)))
         return tiles
 

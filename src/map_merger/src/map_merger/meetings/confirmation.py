@@ -24,6 +24,8 @@ _REACHES = (0.35, 0.3, 0.25, 0.2, 0.15, 0.12)
 _WALL_DEVIATION_M = 0.05
 _WALL_LENGTH_M = 0.5
 """Standard deviation of a wall's place, and the length of wall that has an error of its own."""
+_COMMON_ERROR = np.diag([0.02**2, 0.02**2, math.radians(0.3) ** 2])
+"""Covariance of what all sightings have in common: where the laser says that a body's middle is, and delays."""
 _MOST_POINTS = 1200
 _AGAINST_M = 1.0
 _AGAINST_SHARE = 0.08
@@ -117,7 +119,8 @@ def _with_walls(target: Surface, source: Surface, hypothesis: Hypothesis) -> Tup
     covariance, and the distance in m from the centre of the hypothesis to the farthest shared wall."""
     sample = subsample(source, _MOST_POINTS)
     centre, start = np.array(hypothesis.centre), hypothesis.transform
-    seen = np.linalg.inv(hypothesis.covariance)
+    sighted = hypothesis.covariance + _COMMON_ERROR
+    seen = np.linalg.inv(sighted)
     transform, information, reach = start, seen, _OPEN_M
     for distance in _REACHES:
         rows, offsets, far = _wall_equations(target, sample, transform, centre, distance)
@@ -128,7 +131,7 @@ def _with_walls(target: Surface, source: Surface, hypothesis: Hypothesis) -> Tup
         reach = max(_OPEN_M, far)
     strayed = _difference(start, transform, centre)
     if float(strayed @ seen @ strayed) > _STRAYED**2:
-        return start, hypothesis.covariance, reach
+        return start, sighted, reach
     return transform, np.linalg.inv(information), reach
 
 

@@ -60,9 +60,7 @@ def _in_front(seen: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     return first[front], last[front]
 
 
-def _measured(
-    points: np.ndarray, first: np.ndarray, last: np.ndarray, eye: complex, body_radius: float
-) -> Objects:
+def _measured(points: np.ndarray, first: np.ndarray, last: np.ndarray, eye: complex, body_radius: float) -> Objects:
     centres, widths = [], []
     for start, end in zip(first.tolist(), last.tolist()):
         part = points[start : end + 1]

@@ -13,7 +13,7 @@ from ..transform import Transform
 class Moments(NamedTuple):
     """Sums over pairs of points source -> target; arrays of any shape, so sums of many sets of pairs are one value."""
 
-    count: np.ndarray
+    weight: np.ndarray
     source: np.ndarray
     target: np.ndarray
     source_square: np.ndarray
@@ -55,7 +55,7 @@ class Fits(NamedTuple):
 
 def fits_of(moments: Moments) -> Fits:
     """The best transform of each set; sets without extent keep their rotation of 0."""
-    count = np.maximum(moments.count, 1.0)
+    count = np.maximum(moments.weight, 1.0)
     mean_source, mean_target = moments.source / count, moments.target / count
     product = moments.product - mean_target * moments.source.conjugate()
     length = np.abs(product)
@@ -68,8 +68,10 @@ def fits_of(moments: Moments) -> Fits:
 
 def fitted(source: np.ndarray, target: np.ndarray) -> Tuple[complex, complex]:
     """Turn and shift for one set of pairs."""
-    fit = fits_of(moments_of(source, target, np.zeros(len(source), np.intp), 1))
-    return complex(fit.turn[0]), complex(fit.shift[0])
+    mean_source, mean_target = source.mean(), target.mean()
+    product = np.vdot(source - mean_source, target - mean_target)
+    turn = complex(product / abs(product)) if abs(product) > 1e-9 else 1.0 + 0j
+    return turn, complex(mean_target - turn * mean_source)
 
 
 def transform_from(turn: complex, shift: complex) -> Transform:

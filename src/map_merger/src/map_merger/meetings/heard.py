@@ -23,8 +23,8 @@ _SET_BACK_S = 20.0
 class Heard:
     """The track of another robot, and those of the objects that it sees, in its frame and on its clock.
 
-    A report arrives some time after it was sent. The least difference between arrival and uptime, of the last minute, is
-    that of the fastest report, and the best guess of the difference between both clocks.
+    A report arrives some time after it was sent. The least difference between arrival and uptime, of the last minute,
+    is that of the fastest report, and the best guess of the difference between both clocks.
     """
 
     def __init__(self) -> None:
@@ -33,7 +33,7 @@ class Heard:
         self.sensor = NO_SENSOR
         self.unplaced: Tuple[str, ...] = ()
         self._poses = Trail(4, _SPACING_S)
-        self._objects: "OrderedDict[int, Trail]" = OrderedDict()
+        self._objects: OrderedDict[int, Trail] = OrderedDict()
         self._differences: Deque[Tuple[float, float]] = deque(maxlen=_DELAYS)
         self._newest = -math.inf
         self.heard_at = -math.inf
@@ -42,7 +42,7 @@ class Heard:
         """True if it comes from another run than what was known, which is forgotten."""
         other_run = report.boot != self.boot or report.uptime < self._newest - _SET_BACK_S
         known = self._newest > -math.inf
-        if other_run or now < self.heard_at:
+        if other_run or now < self.heard_at - _LIVELY_S:
             self._forget()
         if report.uptime >= self._newest:
             self.boot, self.body_radius, self.sensor = report.boot, report.body_radius, report.sensor

@@ -6,9 +6,11 @@ from typing import Iterable, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from ..transform import Transform
 from .fitting import Fits, Moments, covariance_of, fits_of, fitted, moments_of, transform_from
+from .identity import is_empty, who_moves_alike, who_was_there
 from .pairing import Pairs, paired
-from .sweeps import Sweeps
+from .sweeps import NO_SWEEPS, Sweeps
 from .tracking import Fragment, at_times
 from .values import NO_SENSOR, Hypothesis, Sensor
 
@@ -19,12 +21,11 @@ _REACH_M = 0.15
 _SEED_ERROR_M = 0.12
 _SEED_SPREAD_M = 0.12
 _MOST_SEEDS = 40
+_MOST_CHECKED = 12
 _MOST_KEPT = 6
 _SAME_M = 0.25
 _SAME_TURN = math.radians(10.0)
 _FEWEST_AGREEING = 5
-_EMPTY_AT_LEAST = 4
-_EMPTY_SHARE = 0.2
 _UNSEEN_AT_LEAST = 10
 _UNSEEN_SHARE = 0.2
 _VIEW_MARGIN = math.radians(15.0)
@@ -36,9 +37,8 @@ robots that began alike fit to within a fifth of their bend."""
 LARGEST_ERROR_M = 0.04
 SMALLEST_SHARE = 0.95
 SHORTEST_SECONDS = 3.0
-FEWEST_SIGHTINGS = 15
+FEWEST_SIGHTINGS = 10
 RIVAL_SHARE = 0.5
-_ALIKE_M = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,8 @@ class Sightings:
 
     own, told: tracks (n, >= 3: time, x, y, ...) of the own robot and the other, each in its own frame; told also has
     the yaw. objects, told_objects: what each saw, in its own frame. sensor: the other's. others: tracks of the further
-    robots that are heard, in their frames, as the other may be mistaken for them.
+    robots that are heard, in their frames, as the other may be mistaken for them. placed: the believed ones of their
+    transforms to the own frame.
     """
 
     robot: str
@@ -58,13 +59,16 @@ class Sightings:
     sweeps: Sweeps
     sensor: Sensor = NO_SENSOR
     others: Mapping[str, np.ndarray] = field(default_factory=dict)
+    placed: Mapping[str, Transform] = field(default_factory=dict)
 
     def hypotheses(self) -> Tuple[Hypothesis, ...]:
         """The transforms that are not refuted, best supported first."""
         pairs = paired(self.told, self.objects, self.own, self.told_objects)
-        found = [_support(self, pairs, turn, shift) for turn, shift in _seeds(pairs)]
-        kept = _distinct([each for each in found if each is not None], pairs)
-        return tuple(_weighed(self, pairs, each) for each in kept)
+        found = [_support(pairs, turn, shift) for turn, shift in _seeds(pairs)]
+        distinct = _distinct([each for each in found if each is not None], pairs)
+        looks = _looks_of(self)
+        checked = [each._replace(unseen=_unseen(self, pairs, each, looks)) for each in distinct if _stands(each, looks)]
+        return tuple(_weighed(self, pairs, each) for each in checked[:_MOST_KEPT])
 
 
 class _Support(NamedTuple):
@@ -88,7 +92,7 @@ def _seeds(pairs: Pairs) -> List[Tuple[complex, complex]]:
     recent = _recent(pairs)
     seeds: List[Tuple[float, complex, complex]] = []
     for moments in (sums, both, recent):
-        seeds += _usable(fits_of(moments), moments.count)
+        seeds += _usable(fits_of(moments), moments.weight)
     seeds.sort(key=lambda seed: seed[0])
     return [(turn, shift) for _, turn, shift in seeds[:_MOST_SEEDS]]
 
@@ -112,57 +116,74 @@ def _usable(fits: Fits, count: np.ndarray) -> List[Tuple[float, complex, complex
     return list(zip(uncertain.tolist(), fits.turn[good].tolist(), fits.shift[good].tolist()))
 
 
-def _support(sightings: Sightings, pairs: Pairs, turn: complex, shift: complex) -> Optional[_Support]:
-    """The transform fitted to all that agrees with it; None if it is refuted or next to nothing agrees."""
+def _support(pairs: Pairs, turn: complex, shift: complex) -> Optional[_Support]:
+    """The transform fitted to all that agrees with it; None if next to nothing does."""
     agree = np.zeros(len(pairs.source), bool)
     for reach in (1.5 * _REACH_M, _REACH_M, _REACH_M):
         agree = np.abs(turn * pairs.source + shift - pairs.target) < reach
         if agree.sum() < 2:
             return None
         turn, shift = fitted(pairs.source[agree], pairs.target[agree])
-    if pairs.count[agree].sum() < _FEWEST_AGREEING:
+    sightings = float(pairs.sightings[agree].sum())
+    if sightings < _FEWEST_AGREEING:
         return None
     error = float(np.sqrt(np.mean(np.abs(turn * pairs.source + shift - pairs.target)[agree] ** 2)))
-    refuted, unseen = _checked(sightings, pairs, agree, turn, shift)
-    return None if refuted else _Support(turn, shift, agree, float(pairs.count[agree].sum()), error, unseen)
+    return _Support(turn, shift, agree, sightings, error, False)
 
 
-def _checked(
-    sightings: Sightings, pairs: Pairs, agree: np.ndarray, turn: complex, shift: complex
-) -> Tuple[bool, bool]:
-    """Whether own scans show nothing where the other robot should be, and whether the other, with a free line of sight,
-    sees nothing where the own robot should be."""
-    sweeps = sightings.sweeps
-    places, known = at_times(sightings.told, sweeps.times)
-    seen = sweeps.look(turn * places + shift, known)
-    empty, there = int(seen.empty.sum()), int(seen.there.sum())
-    refuted = empty >= _EMPTY_AT_LEAST and empty > _EMPTY_SHARE * (empty + there)
-    if refuted or sightings.sensor.farthest <= 0.0 or not seen.there.any():
-        return refuted, False
-    should = sweeps.times[seen.there & _in_view(sightings, turn, shift, places)]
-    back = np.sort(pairs.time[agree & ~pairs.seen_by_own])
+class _Looks(NamedTuple):
+    """At the times of the own sweeps: where the other told that it was (complex (n,), its yaw (n,)) and where the own
+    robot was, each in its own frame, and whether that is known."""
+
+    sweeps: Sweeps
+    told: np.ndarray
+    yaw: np.ndarray
+    told_known: np.ndarray
+    own: np.ndarray
+    own_known: np.ndarray
+
+
+def _looks_of(sightings: Sightings) -> _Looks:
+    times, told = sightings.sweeps.times, sightings.told
+    yaw = np.zeros(len(times))
+    if len(told):
+        yaw = told[np.clip(np.searchsorted(told[:, 0], times), 0, len(told) - 1), 3]
+    places, known = at_times(told, times)
+    return _Looks(sightings.sweeps, places, yaw, known, *at_times(sightings.own, times))
+
+
+def _stands(support: _Support, looks: _Looks) -> bool:
+    """False if own scans show nothing where the other robot should be."""
+    return not is_empty(looks.sweeps, support.turn * looks.told + support.shift, looks.told_known)
+
+
+def _unseen(sightings: Sightings, pairs: Pairs, support: _Support, looks: _Looks) -> bool:
+    """True if the other, with a free line of sight, sees nothing where the own robot should be."""
+    if sightings.sensor.farthest <= 0.0:
+        return False
+    seen = looks.sweeps.look(support.turn * looks.told + support.shift, looks.told_known)
+    should = looks.sweeps.times[seen.there & _in_view(sightings.sensor, support, looks)]
     if len(should) < _UNSEEN_AT_LEAST:
-        return False, False
+        return False
+    back = np.sort(pairs.time[support.agree & ~pairs.seen_by_own])
     saw = np.searchsorted(back, should + 1.5) > np.searchsorted(back, should - 1.5)
-    return False, bool(saw.mean() < _UNSEEN_SHARE)
+    return bool(saw.mean() < _UNSEEN_SHARE)
 
 
-def _in_view(sightings: Sightings, turn: complex, shift: complex, places: np.ndarray) -> np.ndarray:
-    """Whether, at the times of the sweeps, the own robot was within the other's field of view."""
-    times = sightings.sweeps.times
-    own, known = at_times(sightings.own, times)
-    yaw = sightings.told[np.clip(np.searchsorted(sightings.told[:, 0], times), 0, len(sightings.told) - 1), 3]
-    seen = ((own - shift) * np.conjugate(turn) - places) * np.exp(-1j * yaw)
-    near, far = max(sightings.sensor.nearest, 0.3) + 0.3, min(sightings.sensor.farthest, 5.0) - 0.4
+def _in_view(sensor: Sensor, support: _Support, looks: _Looks) -> np.ndarray:
+    """Whether the own robot was well within the other's field of view."""
+    own = (looks.own - support.shift) * support.turn.conjugate()
+    seen = (own - looks.told) * np.exp(-1j * looks.yaw)
+    near, far = max(sensor.nearest, 0.3) + 0.3, min(sensor.farthest, 5.0) - 0.4
     inside = (np.abs(seen) > near) & (np.abs(seen) < far)
-    return known & inside & (np.abs(np.angle(seen)) < 0.5 * sightings.sensor.view - _VIEW_MARGIN)
+    return looks.own_known & inside & (np.abs(np.angle(seen)) < 0.5 * sensor.view - _VIEW_MARGIN)
 
 
 def _distinct(found: List[_Support], pairs: Pairs) -> List[_Support]:
-    """The best supported of those that are about the same, at most _MOST_KEPT."""
+    """The best supported of those that are about the same, at most _MOST_CHECKED."""
     kept: List[_Support] = []
     for each in sorted(found, key=lambda each: (-each.sightings, each.error)):
-        if len(kept) < _MOST_KEPT and all(_different(each, other, pairs) for other in kept):
+        if len(kept) < _MOST_CHECKED and all(_different(each, other, pairs) for other in kept):
             kept.append(each)
     return kept
 
@@ -181,7 +202,9 @@ def _weighed(sightings: Sightings, pairs: Pairs, support: _Support) -> Hypothesi
     seconds = float(np.ptp(pairs.time[agree]))
     middle = complex(source.mean())
     share = _share(pairs, agree)
-    doubts = _doubts_of_motion(sightings.robot, ways, support) or _doubts_of_fit(sightings.robot, share, seconds, support)
+    doubts = _doubts_of_motion(sightings.robot, ways, support) or _doubts_of_fit(
+        sightings.robot, share, seconds, support
+    )
     return Hypothesis(
         transform_from(support.turn, support.shift),
         covariance_of(source, _DEVIATION_M),
@@ -199,9 +222,9 @@ def _weighed(sightings: Sightings, pairs: Pairs, support: _Support) -> Hypothesi
 
 def _share(pairs: Pairs, agree: np.ndarray) -> float:
     """Of what was seen of the objects that agree at some time, the part that agrees."""
-    per_object = np.bincount(pairs.label[agree], pairs.count[agree], pairs.fragments)
+    per_object = np.bincount(pairs.label[agree], pairs.sightings[agree], pairs.fragments)
     objects = per_object >= _FEWEST_AGREEING
-    seen = np.bincount(pairs.label, pairs.count, pairs.fragments)
+    seen = np.bincount(pairs.label, pairs.sightings, pairs.fragments)
     return float(per_object[objects].sum() / max(seen[objects].sum(), 1.0))
 
 
@@ -220,7 +243,7 @@ def _ways(sightings: Sightings, pairs: Pairs, support: _Support) -> List[_Way]:
         if chosen.sum() < 3:
             continue
         told, seen = (pairs.source, pairs.target) if mine else (pairs.target, pairs.source)
-        alike = _alike(sightings, pairs.time[chosen], seen[chosen], support.error)
+        alike = _alike(sightings, support, mine, pairs.time[chosen], seen[chosen])
         result.append(_Way(*_extent(told[chosen]), alike))
     return result
 
@@ -263,18 +286,18 @@ def _doubts_of_fit(robot: str, share: float, seconds: float, support: _Support) 
     return ""
 
 
-def _alike(sightings: Sightings, times: np.ndarray, seen: np.ndarray, error: float) -> str:
-    """A further robot whose way would be seen as what was seen."""
-    for name, track in sightings.others.items():
-        places, known = at_times(track, times)
-        if known.sum() >= max(3, 0.5 * len(times)):
-            if _fit_error(places[known], seen[known]) < max(_ALIKE_M, 2.0 * error):
-                return name
-    return ""
-
-
-def _fit_error(source: np.ndarray, target: np.ndarray) -> float:
-    return float(fits_of(moments_of(source, target, np.zeros(len(source), np.intp), 1)).error[0])
+def _alike(sightings: Sightings, support: _Support, mine: bool, times: np.ndarray, seen: np.ndarray) -> str:
+    """A further robot that may have been seen as what was seen, or ''. mine: it was the own robot that saw."""
+    to_own = transform_from(support.turn, support.shift)
+    to_viewer = Transform() if mine else to_own.inverse()
+    placed = {
+        name: (sightings.others[name], to_viewer.compose(transform))
+        for name, transform in sightings.placed.items()
+        if name in sightings.others
+    }
+    unplaced = {name: track for name, track in sightings.others.items() if name not in placed}
+    sweeps = sightings.sweeps if mine else NO_SWEEPS
+    return who_was_there(placed, times, seen) or who_moves_alike(unplaced, times, seen, support.error, sweeps)
 
 
 def rival_of(hypothesis: Hypothesis, others: Iterable[Hypothesis]) -> Optional[Hypothesis]:

@@ -2,7 +2,7 @@
 
 import math
 from collections import OrderedDict
-from typing import Collection, Dict, FrozenSet, Optional, Tuple
+from typing import Collection, Dict, FrozenSet, Mapping, Optional, Tuple
 
 import numpy as np
 
@@ -38,14 +38,16 @@ class Meetings:
         self._objects = ObjectTracks()
         self._sweeps = SweepHistory()
         self._sensor: Sensor = NO_SENSOR
-        self._heard: "OrderedDict[str, Heard]" = OrderedDict()
+        self._heard: OrderedDict[str, Heard] = OrderedDict()
         self._unplaced: FrozenSet[str] = frozenset()
+        self._placed: Mapping[str, Transform] = {}
         self._telling = Telling()
         self._looked_at = -math.inf
         self._latest: Dict[str, Tuple[Hypothesis, ...]] = {}
 
-    def on_team(self, hearing: Collection[str], placed: Collection[str]) -> None:
-        """Who is heard on the radio, and of whom the transform is known."""
+    def on_team(self, hearing: Collection[str], placed: Mapping[str, Transform]) -> None:
+        """Who is heard on the radio, and the transforms to the own frame that are believed."""
+        self._placed = dict(placed)
         self._unplaced = frozenset(hearing) - frozenset(placed) - {self._name}
 
     @property
@@ -131,6 +133,7 @@ class Meetings:
             self._sweeps.all(),
             heard.sensor,
             others,
+            {name: transform for name, transform in self._placed.items() if name in others},
         )
 
     def hypotheses(self, robot: str, now: float) -> Tuple[Hypothesis, ...]:

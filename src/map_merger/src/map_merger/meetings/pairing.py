@@ -13,15 +13,15 @@ _FEWEST = 3
 
 
 class Pairs(NamedTuple):
-    """source: complex (n,), m, in the other robot's frame. target: complex (n,), m, in the own one. time: float (n,), s.
-    count: float (n,), sightings of which each is the mean. label: int (n,), which fragment it is of: one of `own`
+    """source: complex (n,), m, in the other robot's frame. target: complex (n,), m, in the own one. time: float (n,),
+    s. sightings: float (n,), of how many each is the mean. label: int (n,), which fragment it is of: one of `own`
     objects of the own robot (source: where the other says it was) or, from there on, one of the other's objects
     (target: where the own robot was)."""
 
     source: np.ndarray
     target: np.ndarray
     time: np.ndarray
-    count: np.ndarray
+    sightings: np.ndarray
     label: np.ndarray
     own: int
     fragments: int
@@ -32,9 +32,7 @@ class Pairs(NamedTuple):
         return self.label < self.own
 
 
-def paired(
-    told: np.ndarray, objects: Sequence[Fragment], own: np.ndarray, told_objects: Sequence[Fragment]
-) -> Pairs:
+def paired(told: np.ndarray, objects: Sequence[Fragment], own: np.ndarray, told_objects: Sequence[Fragment]) -> Pairs:
     """told, own: tracks of the other and of the own robot (n, 3 or more: time, x, y, ...)."""
     parts: List[Tuple[np.ndarray, np.ndarray, np.ndarray]] = []
     for fragment in objects:

@@ -52,10 +52,13 @@ class Sweeps(NamedTuple):
         there, empty = np.zeros(len(inside), bool), inside.copy()
         rows = np.arange(len(inside))
         for offset in (-side, 0.0, side):
-            ranges = self.ranges[rows, np.clip(np.rint(beam + offset), 0, beams - 1).astype(int)]
+            ranges = self.ranges[rows, np.minimum(np.maximum(np.rint(beam + offset), 0.0), beams - 1.0).astype(int)]
             there |= inside & (ranges > 0.0) & (np.abs(ranges - distance) < _MARGIN_M + 0.1)
             empty &= ranges > distance + _MARGIN_M
         return Seen(there, empty)
+
+
+NO_SWEEPS = Sweeps(np.zeros(0), np.zeros(0, complex), np.zeros(0, complex), np.zeros((0, 1), np.float32), 0.0, 1.0, 0.0)
 
 
 class SweepHistory:
@@ -83,8 +86,7 @@ class SweepHistory:
         """As arrays."""
         first, step, farthest, _ = self._geometry
         if not self._kept:
-            none = np.zeros(0)
-            return Sweeps(none, none.astype(complex), none.astype(complex), np.zeros((0, 1), np.float32), 0.0, 1.0, 0.0)
+            return NO_SWEEPS
         times, eyes, ranges = zip(*self._kept)
         return Sweeps(
             np.array(times),

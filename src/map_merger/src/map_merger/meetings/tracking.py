@@ -69,10 +69,10 @@ def at_times(rows: np.ndarray, times: np.ndarray) -> Tuple[np.ndarray, np.ndarra
     between rows far apart unless the robot rested."""
     if len(rows) < 2:
         return np.zeros(len(times), complex), np.zeros(len(times), bool)
-    after = np.clip(np.searchsorted(rows[:, 0], times), 1, len(rows) - 1)
+    after = np.minimum(np.maximum(np.searchsorted(rows[:, 0], times), 1), len(rows) - 1)
     before = after - 1
     start, span = rows[before, 0], rows[after, 0] - rows[before, 0]
-    share = np.clip((times - start) / np.maximum(span, 1e-9), 0.0, 1.0)
+    share = np.minimum(np.maximum((times - start) / np.maximum(span, 1e-9), 0.0), 1.0)
     place = rows[:, 1] + 1j * rows[:, 2]
     moved = place[after] - place[before]
     rests = (np.abs(moved) < _REST_M) & (span <= _LONGEST_REST_S)
@@ -131,7 +131,7 @@ class ObjectTracks:
                 self._followed.append(_Followed(self._count, now, place))
 
     def _assigned(self, now: float, places: List[complex]) -> List[Tuple[_Followed, int]]:
-        pairs = []
+        pairs: List[Tuple[float, int, _Followed, int]] = []
         for each in self._followed:
             gate = _GATE_M + _FASTEST * 0.3 * min(now - each.time, 1.0)
             predicted = each.predicted(now)

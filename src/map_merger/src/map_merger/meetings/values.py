@@ -29,6 +29,9 @@ NO_SENSOR = Sensor()
 """Of a robot that does not look for others in scans: not seeing somebody proves nothing."""
 
 
+IN_THE_MIDDLE = Transform()
+
+
 @dataclass(frozen=True, eq=False)
 class LaserScan:
     """One sweep. ranges: float (n,), m, NaN or below `range_min` = invalid, `range_max` or above = nothing there.
@@ -39,13 +42,13 @@ class LaserScan:
     angle_increment: float
     range_min: float
     range_max: float
-    mount: Transform = Transform()
+    mount: Transform = IN_THE_MIDDLE
 
     def __post_init__(self) -> None:
         numbers = (self.angle_min, self.angle_increment, self.range_min, self.range_max, *self.mount.pose())
         if self.ranges.ndim != 1 or self.ranges.size < 3 or not all(math.isfinite(number) for number in numbers):
             raise ValueError("a scan needs at least 3 ranges and a finite geometry")
-        if self.angle_increment == 0.0 or not 0.0 < self.range_max:
+        if self.angle_increment == 0.0 or not self.range_max > 0.0:
             raise ValueError("a scan needs an angle between its beams and a longest range")
 
     @property
@@ -94,7 +97,9 @@ class TrackReport:
             if len(each.samples) > MOST_SAMPLES:
                 raise ValueError(f"a track of {self.robot!r} that is too long")
             _check(self.robot, np.asarray(each.samples, float).reshape(-1, 3))
-        if not (math.isfinite(self.uptime) and 0.0 < self.body_radius < 10.0):
+        if not all(math.isfinite(number) for number in (self.uptime, *self.sensor)):
+            raise ValueError(f"a track of {self.robot!r} with numbers that are not finite")
+        if not 0.0 < self.body_radius < 10.0:
             raise ValueError(f"a track of {self.robot!r} with a body of {self.body_radius:g} m")
 
 
@@ -109,11 +114,11 @@ def _check(robot: str, rows: np.ndarray) -> None:
 class Hypothesis:
     """A transform of another robot's frame to the own one that the sightings suggest.
 
-    covariance: float (3, 3) of (x, y, yaw) at `centre`, a point of the other robot's frame in which the rotation pivots.
-    samples: sightings that agree. error: their root mean square distance, m. seconds: time they span. path: m over which
-    something moved and was seen to. bend: m by which that path differs from a straight line; straight drives of equal
-    speed are all alike. mutual: both robots saw the other. share: of what was seen of the objects that are taken for the
-    other robot, the part that agrees. doubts: why it is not to be believed yet, '' if it is.
+    covariance: float (3, 3) of (x, y, yaw), with the rotation about `centre`, a point of the other robot's frame (m).
+    samples: sightings that agree. error: their root mean square distance, m. seconds: time they span. path: m over
+    which something moved and was seen to. bend: m by which that path differs from a straight line; straight drives of
+    equal speed are all alike. mutual: both robots saw the other. share: of what was seen of the objects that are taken
+    for the other robot, the part that agrees. doubts: why it is not to be believed yet, '' if it is.
     """
 
     transform: Transform
