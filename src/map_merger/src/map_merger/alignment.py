@@ -21,7 +21,8 @@ SHORTEST_GROWTH = 1.15
 SURVEY_GROWTH = 1.4
 """Or both maps together by this factor, without a contradiction and without a rival having come up."""
 REHABILITATION = 1.5
-"""A refuted transform is believed again when it has so many times the shared wall."""
+REHABILITATION_M = 5.0
+"""A refuted transform is believed again when it has so many times the shared wall, and so many metres more."""
 FIRST_CREDIT = 8
 MOST_CREDIT = 12
 CREDIT = {Verdict.ACCEPTED: 1, Verdict.CONTRADICTED: -4, Verdict.UNEXPLAINED: -2}
@@ -84,13 +85,15 @@ class Alignment:
         """True if the walls have given one or several transforms, and a sighting could decide."""
         return self._belief is None and (self._candidate is not None or self.verdict is Verdict.AMBIGUOUS)
 
-    def due(self, now: float, target: Versioned, source: Versioned, news: int = 0) -> bool:
+    def due(self, now: float, target: Versioned, source: Versioned, news: int = 0, disputed: bool = False) -> bool:
         """True if a job is worth its time.
 
         news: how many pieces of evidence other than the maps there have been, such as sightings. More than at the last
-        start make a job due after the plain period, whatever the maps.
+        start make a job due after the plain period, whatever the maps. disputed: the transform and those of the rest of
+        the team contradict one another, so it is looked at again after each period: the walls may tell who is wrong.
         """
-        return self._attempts.due(now, target, source, news, self.proposed is not None)
+        disputed = disputed and self._belief is not None
+        return self._attempts.due(now, target, source, news, self.proposed is not None, disputed)
 
     def started(self, now: float, target: Versioned, source: Versioned, period: float, news: int = 0) -> None:
         """A job is under way; `period` is the shortest time in seconds to the next one."""
@@ -137,7 +140,8 @@ class Alignment:
         return (
             refuted is not None
             and _agree(refuted.transform, result.transform)
-            and result.evidence.matched < REHABILITATION * refuted.evidence.matched
+            and result.evidence.matched
+            < max(REHABILITATION * refuted.evidence.matched, refuted.evidence.matched + REHABILITATION_M)
         )
 
     def _confirms(self, result: Registration) -> bool:

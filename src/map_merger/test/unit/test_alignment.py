@@ -173,6 +173,14 @@ def test_the_refuted_transform_is_not_believed_again_without_more_evidence_but_a
     assert elsewhere.finished(look(wall, Transform(4.0, 2.0, 0.5))) == "accepted"
 
 
+def test_a_refuted_meeting_without_walls_is_not_believed_again_at_once():
+    alignment = Alignment()
+    assert alignment.finished(look(0.0, met=True)) == "accepted"
+    alignment.refuted("contradicts robot_1 - robot_0 by 3.0 m, 0 deg")
+    assert alignment.finished(look(0.0, met=True)) == ""
+    assert alignment.finished(look(6.0, met=True)) == "accepted"
+
+
 def test_a_robot_with_a_new_frame_starts_with_nothing():
     alignment = believed()
     alignment.refuted("contradicts robot_1 - robot_0 by 3.0 m, 0 deg")
@@ -218,6 +226,16 @@ def test_a_new_sighting_is_worth_a_try_though_the_maps_are_the_same():
     assert len(tries(Alignment(), 60.0, lambda now: same, lambda now: 0)) == 1
     times = tries(Alignment(), 60.0, lambda now: same, lambda now: int(now >= 20.0))
     assert len(times) == 2 and times[1] == pytest.approx(20.0)
+
+
+def test_a_disputed_transform_is_looked_at_again_though_the_maps_are_the_same():
+    same, alignment = Versioned("map", square(100)), believed()
+    alignment.started(0.0, same, same, 5.0)
+    assert not alignment.due(100.0, same, same)
+    assert alignment.due(5.0, same, same, disputed=True) and not alignment.due(4.9, same, same, disputed=True)
+    alignment.forget()
+    alignment.started(100.0, same, same, 5.0)
+    assert not alignment.due(200.0, same, same, disputed=True), "there is nothing to dispute"
 
 
 def test_walls_that_leave_rivals_wait_for_a_meeting():

@@ -13,6 +13,7 @@ from map_merger.alignment import Alignment
 from map_merger.covariance import as_covariance
 from map_merger.evidence import Evidence
 from map_merger.graph.edges import MOST_EDGES, MOST_ROBOTS, Edge, EdgeError, EdgeReport, check
+from map_merger.graph.patience import PATIENCE_S, Patience
 from map_merger.graph.team import TeamGraph
 from map_merger.graph.telling import REPETITION_S, SHORTEST_PAUSE_S, Telling
 from map_merger.messages import NO_BOOT
@@ -131,6 +132,16 @@ def test_in_a_team_of_three_the_lightest_edge_around_the_cycle_goes():
     graph = truth.graph_of("robot_0")
     assert is_dropped(graph, ("robot_0", "robot_1"))
     assert graph.placed()["robot_1"].via == ("robot_2",)
+
+
+def test_the_robots_around_a_contradiction_look_at_their_edges_again():
+    truth = Truth(4, 1).find([("robot_0", "robot_1"), ("robot_0", "robot_2"), ("robot_1", "robot_2")])
+    truth.find([("robot_2", "robot_3")])
+    assert truth.graph_of("robot_0").disputed() == set()
+    truth.mislead("robot_0", "robot_1", Transform(2.0, 0.0, 0.0), wall=60.0)
+    assert truth.graph_of("robot_0").disputed() == {"robot_1", "robot_2"}
+    assert truth.graph_of("robot_2").disputed() == {"robot_0", "robot_1"}
+    assert truth.graph_of("robot_3").disputed() == set()
 
 
 def test_two_directions_of_one_pair_are_a_cycle():
@@ -324,6 +335,26 @@ def test_garbage_is_refused_with_a_text_and_the_rest_is_taken(change, words):
     (refused,) = graph.heard(EdgeReport("robot_1", run_of("robot_1"), (good, replace(bad, **change))))
     assert words in refused and refused.startswith("transform robot_1 - ")
     assert sorted(graph.placed()) == ["robot_1"]
+
+
+def test_an_own_edge_that_cannot_be_used_is_refused_and_ends_nothing():
+    truth = Truth(3, 3).find_all()
+    graph = TeamGraph("robot_0", run_of("robot_0"))
+    vague = replace(truth.edges["robot_0", "robot_1"], covariance=VAGUE)
+    (refused,) = graph.set_own([vague, truth.edges["robot_0", "robot_2"]])
+    assert "known to 20.0 m" in refused and sorted(graph.placed()) == ["robot_2"]
+
+
+def test_a_contradiction_must_last_before_a_transform_is_given_up():
+    """After a loop closure right transforms contradict one another until all robots have followed."""
+    patience, words = Patience(), {"robot_1": "contradicts robot_1 - robot_0 by 1.0 m, 0 deg"}
+    assert patience.lasting(words, 100.0) == {}
+    assert patience.lasting(words, 99.9 + PATIENCE_S) == {}
+    assert patience.lasting(words, 100.0 + PATIENCE_S) == words
+    assert patience.lasting({}, 101.0 + PATIENCE_S) == {}
+    assert patience.lasting(words, 102.0 + PATIENCE_S) == {}, "it began anew"
+    assert patience.lasting(words, 5.0) == {}, "the clock jumped back"
+    assert patience.lasting(words, 5.0 + PATIENCE_S) == words
 
 
 def test_nobody_tells_edges_of_another_robot_or_the_same_twice():

@@ -1,6 +1,6 @@
 """The robots of a team, the transforms that anybody has found between them, and where that places each robot."""
 
-from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
@@ -27,10 +27,16 @@ class Placement(NamedTuple):
 
 
 class Dropped(NamedTuple):
-    """An edge that the others contradict, and how."""
+    """An edge that the others contradict, and how. via: the robots along which they do."""
 
     edge: Edge
     words: str
+    via: Tuple[str, ...]
+
+    @property
+    def cycle(self) -> Tuple[str, ...]:
+        """The robots around the contradiction."""
+        return (self.edge.reporter, *self.via, self.edge.target)
 
 
 class _Solution(NamedTuple):
@@ -54,13 +60,12 @@ class TeamGraph:
         self._reports: Dict[str, Dict[Boot, EdgeReport]] = {}
         self._solution: Optional[_Solution] = None
 
-    def set_own(self, edges: Iterable[Edge]) -> None:
-        """All edges that this robot has found itself. EdgeError for one that nobody could use."""
-        edges = tuple(sorted(edges, key=lambda edge: edge.target))
-        for edge in edges:
-            check(edge)
-        if edges != self._own_edges:
-            self._own_edges, self._solution = edges, None
+    def set_own(self, edges: Iterable[Edge]) -> Tuple[str, ...]:
+        """All edges that this robot has found itself. Returns why some are refused, as `heard` does for others."""
+        usable, refused = _usable(tuple(edges))
+        if usable != self._own_edges:
+            self._own_edges, self._solution = usable, None
+        return refused
 
     def set_run(self, robot: str, run: Boot) -> None:
         """The present run of a robot; edges of its former ones vanish."""
@@ -75,7 +80,7 @@ class TeamGraph:
             return (f"transforms told in the name of {report.robot!r} ignored",)
         if report.robot not in self._reports and len(self._reports) >= MOST_ROBOTS - 1:
             return (f"transforms of {report.robot} ignored: {MOST_ROBOTS} robots tell theirs already",)
-        edges, refused = _usable(report)
+        edges, refused = _usable(report.edges, (report.robot, report.boot))
         runs = self._reports.setdefault(report.robot, {})
         before = runs.pop(report.boot, None)
         runs[report.boot] = EdgeReport(report.robot, report.boot, edges)
@@ -109,6 +114,14 @@ class TeamGraph:
         """Own edges among the dropped: the other robot's name, and how they are contradicted."""
         return {each.edge.target: each.words for each in self.dropped() if each.edge.reporter == self._own}
 
+    def disputed(self) -> Set[str]:
+        """The robots whose own edge is part of a contradiction, dropped or not: one of those around it is wrong."""
+        robots: Set[str] = set()
+        for cycle in (each.cycle for each in self.dropped()):
+            for first, second in zip(cycle, (*cycle[1:], cycle[0])):
+                robots.update({first, second} if self._own in (first, second) else ())
+        return robots - {self._own}
+
     def _bound_runs(self, robot: str) -> None:
         runs = self._reports[robot]
         while len(runs) > _KEPT_RUNS:
@@ -133,23 +146,24 @@ class TeamGraph:
         return list(present.values())
 
 
-def _usable(report: EdgeReport) -> Tuple[Tuple[Edge, ...], Tuple[str, ...]]:
-    """What may be used of a report, one edge to each robot, and why the rest may not."""
+def _usable(
+    told: Tuple[Edge, ...], teller: Optional[Tuple[str, Boot]] = None
+) -> Tuple[Tuple[Edge, ...], Tuple[str, ...]]:
+    """What may be used of what was told, one edge to each robot, and why the rest may not."""
     edges: Dict[str, Edge] = {}
     refused = []
-    for edge in report.edges[: MOST_EDGES + 1]:
+    for edge in told[:MOST_EDGES]:
         try:
             check(edge)
-            if (edge.reporter, edge.reporter_run) != (report.robot, report.boot):
-                raise EdgeError(f"transform {edge.reporter} - {edge.target}: told by {report.robot}")
+            if teller is not None and (edge.reporter, edge.reporter_run) != teller:
+                raise EdgeError(f"transform {edge.reporter} - {edge.target}: told by {teller[0]}")
             if edge.target in edges:
                 raise EdgeError(f"transform {edge.reporter} - {edge.target}: told twice")
             edges[edge.target] = edge
         except EdgeError as error:
             refused.append(f"{error}; refused")
-    if len(report.edges) > MOST_EDGES:
-        edges = dict(list(edges.items())[:MOST_EDGES])
-        refused.append(f"{report.robot} tells {len(report.edges)} transforms; those beyond {MOST_EDGES} are refused")
+    if len(told) > MOST_EDGES:
+        refused.append(f"{told[0].reporter} tells {len(told)} transforms; those beyond {MOST_EDGES} are refused")
     return tuple(edges[target] for target in sorted(edges)), tuple(refused)
 
 
@@ -174,11 +188,11 @@ def _solution_of(own: str, edges: List[Edge]) -> _Solution:
     left_out = [edge for edge, chosen in zip(edges, choice.chosen) if not chosen]
     neighbours = _neighbours(kept)
     routes = {robot: _routes(robot, neighbours) for robot in {edge.reporter for edge in left_out}}
-    dropped = tuple(
-        Dropped(edge, contradiction(edge, choice.poses, nodes, routes[edge.reporter].get(edge.target, ())))
-        for edge in left_out
-    )
-    return _Solution(_placements(choice.poses, nodes, own, _routes(own, neighbours)), kept, dropped)
+    dropped = []
+    for edge in left_out:
+        via = routes[edge.reporter].get(edge.target, ())
+        dropped.append(Dropped(edge, contradiction(edge, choice.poses, nodes, via), via))
+    return _Solution(_placements(choice.poses, nodes, own, _routes(own, neighbours)), kept, tuple(dropped))
 
 
 def _placements(poses: Poses, nodes: List[str], own: str, routes: Dict[str, Tuple[str, ...]]) -> Dict[str, Placement]:
