@@ -339,7 +339,7 @@ class Agent:
                 self._tell(Purpose.POSITION, Position(self.name, whereabouts.own_pose))
             self._effects += positions_of(self._options, whereabouts, self.transforms(), now)
         if self._announcements.free(Purpose.TRACK):
-            self._meetings.on_team(self._driving(), self._graph.placed())
+            self._meetings.on_team(self._driving(), self.transforms())
             self._tell(Purpose.TRACK, self._meetings.report(now))
         if self._announcements.free(Purpose.EDGES):
             self._tell(Purpose.EDGES, self._telling.due(self._edges(), now))
