@@ -15,7 +15,7 @@ from rich.console import Console
 from mr_experiments.bench_merging import PARTS, Part, Record, Request, Row, records_of, text_of, wrong_row
 from mr_experiments.code_version import code_version
 from mr_experiments.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
-from mr_experiments.following import follow
+from mr_experiments.following import follow, line_of
 from mr_experiments.merge_times import all_settled_at, classes_of_pairs
 from mr_experiments.sweep import Done, LocalPool, default_jobs, split_done
 from mr_experiments.trial import Trial, TrialError
@@ -88,8 +88,8 @@ def _records(part: Part, request: Request, options: argparse.Namespace, console:
 
 
 def _line(done: Done, folder: Path) -> str:
-    if done.status == "failed":
-        return f"{done.trial.key}: failed: {done.reason}"
+    if done.status == "failed" or done.trial.robots == 1:
+        return line_of(done)
     record = json.loads(record_path(folder, done.trial).read_text(encoding="utf-8"))
     time, kinds = all_settled_at(record), Counter(classes_of_pairs(record))
     merged = "never merged" if math.isinf(time) else f"merged after {time:.0f} s"
