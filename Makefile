@@ -35,8 +35,10 @@ bench-adhoc-long: build
 	  --json out/bench/adhoc_intact.json
 	@$(ENVIRONMENT) rosrun adhoc_communication bench_engine --part mobile --minutes 10 --json out/bench/adhoc_mobile.json
 
+# REAL_LOGS=DIR: also pairs of pieces of the CARMEN logs in that folder.
 bench-merge: build
-	@mkdir -p out/bench && $(ENVIRONMENT) rosrun map_merger bench_registration --out out/bench/merge.json
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun map_merger bench_registration --out out/bench/merge.json \
+	  $(if $(REAL_LOGS),--real-logs $(REAL_LOGS))
 
 bench-explore: build
 	@mkdir -p out/bench && $(ENVIRONMENT) tools/bench_missions --out out/bench/missions.json
