@@ -35,8 +35,10 @@ bench-adhoc-long: build
 	  --json out/bench/adhoc_intact.json
 	@$(ENVIRONMENT) rosrun adhoc_communication bench_engine --part mobile --minutes 10 --json out/bench/adhoc_mobile.json
 
+# REAL_LOGS=DIR: also pairs of pieces of the CARMEN logs in that folder.
 bench-merge: build
-	@mkdir -p out/bench && $(ENVIRONMENT) rosrun map_merger bench_registration --out out/bench/merge.json
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun map_merger bench_registration --out out/bench/merge.json \
+	  $(if $(REAL_LOGS),--real-logs $(REAL_LOGS))
 
 # How soon robots find one another, in missions in virtual time: an hour and a half on two cores. Goes on where it was stopped.
 bench-meet: build
