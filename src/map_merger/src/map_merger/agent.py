@@ -20,6 +20,7 @@ from .effects import (
 from .exchange import Exchange
 from .global_map import MOST_GLOBAL_CELLS
 from .graph.edges import Edge, EdgeReport
+from .graph.patience import Patience
 from .graph.team import Placement, TeamGraph
 from .graph.telling import Telling
 from .grid import Grid
@@ -68,6 +69,7 @@ class Agent:
         self._registrar = Registrar(options, self._whereabouts, self._sightings, self._meetings)
         self._graph, self._telling = TeamGraph(self.name, boot), Telling(self.name, boot)
         self._merged = MergedMap(options)
+        self._patience = Patience()
         self._announcements = Announcements(self.name)
         self._hearing = Hearing()
         self._effects: List[Effect] = []
@@ -187,6 +189,7 @@ class Agent:
         self.exchange.tick(now)
         for robot in self.exchange.robots():
             self._follow(robot, now)
+        self._give_up_refuted(now)
         self._announce(now)
         self._register(now)
         self._publish(now)
@@ -369,7 +372,8 @@ class Agent:
                 maps[robot] = Versioned((robot, self.exchange.run_of(robot), version), grid)
                 self._look_through(robot, grid, version, now)
         target = Versioned((self.name, self._reference.frame, self._reference.version), self._reference.grid)
-        job = self._registrar.next_job(now, Team(target, maps, self._graph.placed(), self._reference.robot))
+        team = Team(target, maps, self._graph.placed(), self._graph.disputed(), self._reference.robot)
+        job = self._registrar.next_job(now, team)
         if job is not None:
             self._effects.append(job)
 
@@ -384,14 +388,17 @@ class Agent:
         return own_edges(self.name, self._boot, self._registrar, self.exchange, base)
 
     def _update_graph(self) -> None:
-        """The own transforms changed. One that the team contradicts is given up."""
-        self._graph.set_own(self._edges())
-        refuted = self._graph.refuted()
+        """The own transforms changed."""
+        self._effects += [Note(text, warning=True) for text in self._graph.set_own(self._edges())]
+
+    def _give_up_refuted(self, now: float) -> None:
+        """A transform that the team contradicts for long is given up."""
+        refuted = self._patience.lasting(self._graph.refuted(), now)
         for robot, words in refuted.items():
             if self._registrar.alignment(robot).refuted(words):
                 self._effects.append(Note(f"transform to {robot} revoked: {words}", warning=True))
         if refuted:
-            self._graph.set_own(self._edges())
+            self._update_graph()
 
     def _publish(self, now: float) -> None:
         update = self._merged.step(self._reference, self.exchange, self.transforms(), self._whereabouts, now)

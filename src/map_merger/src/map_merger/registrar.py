@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from typing import Dict, Mapping, NamedTuple, Optional, Tuple
+from typing import Collection, Dict, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -26,11 +26,12 @@ LOOK_PERIOD_S = 0.5
 
 class Team(NamedTuple):
     """What is known for registrations now. maps: of the other robots. placed: those whose frame is placed in the own
-    one. base: robot whose map is the own one."""
+    one. disputed: those to whom an own transform is part of a contradiction. base: robot whose map is the own one."""
 
     target: Versioned
     maps: Mapping[str, Versioned]
     placed: Mapping[str, Placement]
+    disputed: Collection[str]
     base: Optional[str]
 
 
@@ -82,7 +83,7 @@ class Registrar:
         period = self._period(alignment)
         seen, saw = self._sightings.of(robot)
         news = len(seen) + len(saw) if alignment.awaits_meeting else 0
-        search = period is not None and alignment.due(now, team.target, source, news)
+        search = period is not None and alignment.due(now, team.target, source, news, robot in team.disputed)
         look = alignment.transform is None and self._look_timer(robot).fires(now)
         meeting = self._meetings.sightings(robot, now) if look else None
         if search and period is not None:
