@@ -153,6 +153,9 @@ class GlobalMap:
         for name in set(chosen).symmetric_difference(self._drawn):
             if name in self._layers:
                 self._mark(self._layers[name].box)
+        if bool(chosen) != bool(self._drawn):
+            # A map alone stays as it is.
+            self._mark(self._at)
         self._drawn = tuple(chosen)
 
     def _extent(self, names: Sequence[str]) -> Box:
@@ -175,7 +178,8 @@ class GlobalMap:
         }
         maps = ghosts.without_ghosts(maps, robots, self._lattice.resolution)
         foreign = [maps[name] for name in self._drawn if name in maps]
-        cells = weighing.weighed(maps[self._name], foreign, self._policy is Policy.STRICT)
+        local = maps[self._name]
+        cells = weighing.weighed(local, foreign, self._policy is Policy.STRICT) if self._drawn else local
         return self._board.write(box, cells[box.shifted(-around.top, -around.left).slices()])
 
     def _maps(self, box: Box, names: Iterable[str]) -> Dict[str, np.ndarray]:

@@ -9,7 +9,7 @@ import numpy as np
 from . import features, registration
 from .covariance import covariance_at_origin, covariance_of
 from .evidence import compare
-from .fusion import fused, resampled
+from .global_map import merged
 from .grid import Grid
 from .meetings import Sightings, confirmed
 from .registration import (
@@ -196,8 +196,7 @@ class Job:
         key = (self.target.key, tuple((member.map.key, member.transform) for member in self.team))
 
         def merge() -> Grid:
-            layers = [resampled(member.map.grid, member.transform, self.target.grid) for member in self.team]
-            return fused(self.target.grid, [layer for layer in layers if layer is not None])
+            return merged(self.target.grid, [(member.map.grid, member.transform) for member in self.team])
 
         return without_places(self.cache.of(key, merge), self.target_track[:, :2], _ROBOT_REACH_M)
 

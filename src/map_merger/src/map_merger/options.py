@@ -50,7 +50,7 @@ PARAMETERS: Dict[str, Parameter] = {
     "initial_poses": Parameter(dict, {}),
     "scan_topic": Parameter(str, ""),
     "body_radius": Parameter(float, 0.2, least=0.02, most=2.0),
-    "local_priority": Parameter(str, "strict", choices=("strict", "evidence")),
+    "local_priority": Parameter(str, "evidence", choices=("strict", "evidence")),
     "topology": Parameter(str, "distributed", choices=("distributed", "centralized")),
     "base_station": Parameter(str, ""),
 }
@@ -104,7 +104,7 @@ class Options:
     initial_poses: Mapping[str, Transform] = field(default_factory=dict)
     scan_topic: str = ""
     body_radius: float = 0.2
-    local_priority: str = "strict"
+    local_priority: str = "evidence"
     topology: str = "distributed"
     base_station: str = ""
 
