@@ -147,12 +147,12 @@ def test_a_silent_twin_that_turns_alike_at_first_is_not_believed():
     """For a moment its way is unmistakable; then it goes another way."""
 
     def way(after):
-        return lambda time: 0.8 if 1.0 < time < 2.0 else after if time > 2.8 else 0.0
+        return lambda time: 0.8 if 1.0 < time < 2.0 else after if time > 3.6 else 0.0
 
     scene = Scene(
         [
             Actor("a", standing(-6.0, 0.0)),
-            Actor("b", driving(-5.0, -2.0, turn=way(0.7))),
+            Actor("b", driving(-5.0, -2.0, turn=way(0.7)), view=NARROW),
             Actor("silent", driving(-5.0, -2.0, turn=way(-0.7)), radio=False),
         ],
         WALLS,
@@ -161,6 +161,22 @@ def test_a_silent_twin_that_turns_alike_at_first_is_not_believed():
     for step in range(1, 81):
         scene.run(0.2 * step)
         assert scene.settled("a", "b") is None
+
+
+def test_a_robot_that_should_see_the_own_one_and_does_not_is_somebody_else():
+    turn = weave(0.5, 9.0)
+    scene = Scene(
+        [
+            Actor("a", standing(-4.0, 0.0)),
+            Actor("b", driving(0.0, -2.0, math.pi, 0.25, turn)),
+            Actor("silent", driving(0.0, -2.0, math.pi, 0.25, turn), radio=False),
+        ],
+        WALLS,
+        worlds={"b": 1},
+    )
+    scene.run(12.0)
+    assert scene.settled("a", "b") is None
+    assert scene.meetings["a"].why("b") == "b does not see this robot, though nothing hides it"
 
 
 def test_of_two_robots_the_one_that_is_heard_is_found():

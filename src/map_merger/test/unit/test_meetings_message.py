@@ -23,10 +23,8 @@ def some_report(poses=8, objects=3, places=4):
     random = np.random.default_rng(1)
     x, y, yaw = 500.0 + random.random(poses), random.random(poses), random.uniform(-3.1, 3.1, poses)
     way = np.column_stack([np.linspace(1.5, 0.0, poses), x, y, yaw])
-    seen = [
-        ToldObject(7 + k, np.column_stack([np.linspace(1.0, 0.0, places), random.random((places, 2)) + [[500.0, 0.0]]]))
-        for k in range(objects)
-    ]
+    ages, beside = np.linspace(1.0, 0.0, places), 500.0 + random.random(places)
+    seen = [ToldObject(7 + k, np.column_stack([ages, beside, random.random(places)])) for k in range(objects)]
     sensor = Sensor(math.radians(270.0), 0.0, 8.0)
     return TrackReport("robot_1", (12, 34), 5678.25, 0.2, sensor, way, tuple(seen), ("robot_2",))
 
