@@ -39,6 +39,8 @@ SMALLEST_SHARE = 0.95
 SHORTEST_SECONDS = 3.0
 PROBATION_S = 1.5
 """A way must have been unmistakable for so long, in time of sightings, and must have agreed ever since."""
+OUT_OF_SIGHT_S = 6.0
+"""Or it must have been so long ago."""
 FEWEST_SIGHTINGS = 10
 RIVAL_SHARE = 0.5
 
@@ -241,7 +243,7 @@ class _Way(NamedTuple):
 def _ways(sightings: Sightings, pairs: Pairs, support: _Support) -> List[_Way]:
     """Without the last moments: what has just begun to differ still agrees."""
     result = []
-    proven = support.agree & (pairs.time <= pairs.time[support.agree].max() - PROBATION_S)
+    proven = support.agree & (pairs.time <= _proven_until(sightings, pairs.time[support.agree].max()))
     for mine in (True, False):
         chosen = proven & (pairs.seen_by_own == mine)
         if chosen.sum() < 3:
@@ -250,6 +252,11 @@ def _ways(sightings: Sightings, pairs: Pairs, support: _Support) -> List[_Way]:
         alike = _alike(sightings, support, mine, pairs.time[chosen], seen[chosen])
         result.append(_Way(*_extent(told[chosen]), alike))
     return result
+
+
+def _proven_until(sightings: Sightings, last: float) -> float:
+    now = float(sightings.own[-1, 0]) if len(sightings.own) else last
+    return max(last - PROBATION_S, now - OUT_OF_SIGHT_S)
 
 
 def _extent(way: np.ndarray) -> Tuple[float, float]:
