@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from meeting_scene import NARROW, Actor, Scene, driving, room, standing
 
+from map_merger.grid import Grid, GridInfo
 from map_merger.meetings.hypotheses import rival_of
 from map_merger.meetings.meetings import Meetings
 from map_merger.meetings.values import MOST_OBJECTS, MOST_POSES, MOST_SAMPLES, ToldObject, TrackReport
@@ -60,7 +61,7 @@ def test_robots_that_see_one_another_agree_and_are_exact():
         ],
         WALLS,
     )
-    scene.run(8.0)
+    scene.run(10.0)
     there, back = scene.settled("a", "b"), scene.settled("b", "a")
     assert_right(there, scene.truth("b", "a"), 0.15)
     assert_right(back, scene.truth("a", "b"), 0.15)
@@ -140,6 +141,42 @@ def test_a_third_robot_without_radio_that_starts_alike_is_not_taken_for_the_one_
     for until in range(2, 16):
         scene.run(float(until))
         assert scene.settled("a", "b") is None
+
+
+def test_a_silent_twin_that_turns_alike_at_first_is_not_believed():
+    """For a moment its way is unmistakable; then it goes another way."""
+
+    def way(after):
+        return lambda time: 0.8 if 1.0 < time < 2.0 else after if time > 3.6 else 0.0
+
+    scene = Scene(
+        [
+            Actor("a", standing(-6.0, 0.0)),
+            Actor("b", driving(-5.0, -2.0, turn=way(0.7)), view=NARROW),
+            Actor("silent", driving(-5.0, -2.0, turn=way(-0.7)), radio=False),
+        ],
+        WALLS,
+        worlds={"b": 1},
+    )
+    for step in range(1, 81):
+        scene.run(0.2 * step)
+        assert scene.settled("a", "b") is None
+
+
+def test_a_robot_that_should_see_the_own_one_and_does_not_is_somebody_else():
+    turn = weave(0.5, 9.0)
+    scene = Scene(
+        [
+            Actor("a", standing(-4.0, 0.0)),
+            Actor("b", driving(0.0, -2.0, math.pi, 0.25, turn)),
+            Actor("silent", driving(0.0, -2.0, math.pi, 0.25, turn), radio=False),
+        ],
+        WALLS,
+        worlds={"b": 1},
+    )
+    scene.run(12.0)
+    assert scene.settled("a", "b") is None
+    assert scene.meetings["a"].why("b") == "b does not see this robot, though nothing hides it"
 
 
 def test_of_two_robots_the_one_that_is_heard_is_found():
@@ -282,3 +319,27 @@ def test_a_rival_is_a_transform_for_which_nearly_as_much_speaks():
     best = scene.hypotheses("a", "b")[0]
     assert rival_of(best, [best, replace(best, samples=best.samples // 3)]) is None
     assert rival_of(best, [best, replace(best, samples=best.samples - 3)]) is not None
+
+
+def test_without_a_laser_a_robot_is_found_in_the_maps():
+    """Drawn as a map shows it: where the robot is now."""
+    way = driving(1.0, -1.0, 0.5, 0.3, turn=weave())
+    watcher, driver = Meetings("a", (1, 0)), Meetings("b", (1, 1))
+    info = GridInfo(160, 160, 0.05, Transform(-4.0, -4.0))
+    rows, columns = np.mgrid[:160, :160]
+    for step in range(1, 150):
+        time, place = 0.1 * step, way(0.1 * step)
+        for meetings, other in ((watcher, "b"), (driver, "a")):
+            meetings.on_team({other}, {})
+        watcher.on_own_pose(Transform(), time)
+        if step % 10 == 0:
+            centres = (columns + 0.5) * 0.05 - 4.0, (rows + 0.5) * 0.05 - 4.0
+            body = np.hypot(centres[0] - place.x, centres[1] - place.y) < 0.2
+            watcher.on_map(Grid(info, np.where(body, 100, 0).astype(np.int8)), time)
+        driver.on_own_pose(way(0.0).inverse().compose(place), time)
+        report = driver.report(time)
+        if report is not None:
+            watcher.on_report(report, time)
+    best = watcher.hypotheses("b", 14.9)[0]
+    assert best.settled
+    assert_right(best.transform, way(0.0), 0.25, 3.0)

@@ -123,6 +123,15 @@ def test_walls_do_not_drag_a_sighting_far_from_where_it_was():
     assert displacement(transform, exact.transform, np.zeros((1, 2)))[0] < 0.1
 
 
+def test_the_covariance_grows_with_the_distance_from_where_the_robots_met():
+    there = hypothesis(TRUTH, 0.02, math.radians(0.5), centre=(3.0, 0.0))
+    result = confirmed(NO_WALLS, NO_WALLS, [there])
+    at_origin = result.covariance_at_origin()
+    assert at_origin[2, 2] == pytest.approx(result.covariance[2, 2])
+    grown = np.trace(at_origin[:2, :2]) - np.trace(result.covariance[:2, :2])
+    assert grown == pytest.approx(3.0**2 * result.covariance[2, 2])
+
+
 def test_limits_and_nothing_seen():
     assert confirmed(TARGET, SOURCE, []).registration.verdict is Verdict.NO_CANDIDATE
     result = confirmed(TARGET, SOURCE, [hypothesis(TRUTH)], Limits(rotation=math.radians(5.0)))

@@ -13,7 +13,7 @@ from ..evidence import Evidence, compare
 from ..registration import UNLIMITED, Limits, Registration, Verdict
 from ..surface import Landmarks, Surface, subsample
 from ..transform import Transform, wrap_angle
-from .hypotheses import rival_of
+from .hypotheses import doubts_of
 from .values import Hypothesis
 
 LARGEST_SHIFT_M = 0.25
@@ -44,6 +44,14 @@ class Confirmation(NamedTuple):
     centre: Tuple[float, float]
     words: str
 
+    def covariance_at_origin(self) -> np.ndarray:
+        """Covariance (3, 3) of the transform's own x, y (m) and yaw (rad)."""
+        if self.registration.transform is None:
+            return self.covariance
+        arm_x, arm_y = Transform(yaw=self.registration.transform.yaw).apply_point(-self.centre[0], -self.centre[1])
+        carried = np.array([[1.0, 0.0, -arm_y], [0.0, 1.0, arm_x], [0.0, 0.0, 1.0]])
+        return carried @ self.covariance @ carried.T
+
 
 class _Judged(NamedTuple):
     hypothesis: Hypothesis
@@ -67,12 +75,9 @@ def confirmed(
     if not left:
         return _result(judged[0], Verdict.CONTRADICTED, _words_of_contradiction(judged[0].evidence))
     best = left[0]
-    if not best.hypothesis.settled:
-        return _result(best, Verdict.UNSETTLED, best.hypothesis.doubts)
-    rival = rival_of(best.hypothesis, [each.hypothesis for each in left])
-    if rival is not None:
-        distance = _apart(best.hypothesis, rival)
-        return _result(best, Verdict.AMBIGUOUS, f"two solutions {distance:.1f} m apart")
+    doubts = doubts_of([each.hypothesis for each in left])
+    if doubts:
+        return _result(best, Verdict.AMBIGUOUS if best.hypothesis.settled else Verdict.UNSETTLED, doubts)
     doubts = _inexact(best)
     if doubts:
         return _result(best, Verdict.INEXACT, doubts)
@@ -102,11 +107,6 @@ def _inexact(judged: _Judged) -> str:
     if turn > LARGEST_TURN or shift > LARGEST_SHIFT_M:
         return f"known to {shift:.2f} m and {math.degrees(turn):.1f} deg only"
     return ""
-
-
-def _apart(first: Hypothesis, second: Hypothesis) -> float:
-    here, there = (each.transform.apply_point(*first.centre) for each in (first, second))
-    return math.hypot(here[0] - there[0], here[1] - there[1])
 
 
 def _result(judged: _Judged, verdict: Verdict, words: str) -> Confirmation:

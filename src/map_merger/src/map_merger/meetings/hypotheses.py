@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Iterable, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -37,6 +37,10 @@ robots that began alike fit to within a fifth of their bend."""
 LARGEST_ERROR_M = 0.04
 SMALLEST_SHARE = 0.95
 SHORTEST_SECONDS = 3.0
+PROBATION_S = 1.5
+"""A way must have been unmistakable for so long, in time of sightings, and must have agreed ever since."""
+OUT_OF_SIGHT_S = 6.0
+"""Or it must have been so long ago."""
 FEWEST_SIGHTINGS = 10
 RIVAL_SHARE = 0.5
 
@@ -237,15 +241,22 @@ class _Way(NamedTuple):
 
 
 def _ways(sightings: Sightings, pairs: Pairs, support: _Support) -> List[_Way]:
+    """Without the last moments: what has just begun to differ still agrees."""
     result = []
+    proven = support.agree & (pairs.time <= _proven_until(sightings, pairs.time[support.agree].max()))
     for mine in (True, False):
-        chosen = support.agree & (pairs.seen_by_own == mine)
+        chosen = proven & (pairs.seen_by_own == mine)
         if chosen.sum() < 3:
             continue
         told, seen = (pairs.source, pairs.target) if mine else (pairs.target, pairs.source)
         alike = _alike(sightings, support, mine, pairs.time[chosen], seen[chosen])
         result.append(_Way(*_extent(told[chosen]), alike))
     return result
+
+
+def _proven_until(sightings: Sightings, last: float) -> float:
+    now = float(sightings.own[-1, 0]) if len(sightings.own) else last
+    return max(last - PROBATION_S, now - OUT_OF_SIGHT_S)
 
 
 def _extent(way: np.ndarray) -> Tuple[float, float]:
@@ -306,3 +317,15 @@ def rival_of(hypothesis: Hypothesis, others: Iterable[Hypothesis]) -> Optional[H
         if other is not hypothesis and other.samples >= RIVAL_SHARE * hypothesis.samples:
             return other
     return None
+
+
+def doubts_of(hypotheses: Sequence[Hypothesis]) -> str:
+    """Why the first of them is not to be believed yet, in words; '' if nothing speaks against it."""
+    if not hypotheses:
+        return "not seen"
+    best = hypotheses[0]
+    rival = rival_of(best, hypotheses)
+    if best.settled and rival is not None:
+        here, there = (each.transform.apply_point(*best.centre) for each in (best, rival))
+        return f"two solutions {math.hypot(here[0] - there[0], here[1] - there[1]):.1f} m apart"
+    return best.doubts

@@ -11,7 +11,7 @@ from ..messages import NO_BOOT, Boot
 from ..transform import Transform
 from .detection import FARTHEST_M, objects_in_scan
 from .heard import Heard
-from .hypotheses import Sightings
+from .hypotheses import Sightings, doubts_of
 from .map_objects import objects_in_map
 from .sweeps import SweepHistory
 from .telling import Telling
@@ -147,8 +147,7 @@ class Meetings:
         """In words, why the robot is not placed by sightings; '' if nothing speaks against the best hypothesis."""
         if robot not in self._heard:
             return f"{robot} does not tell its track"
-        found = self._latest.get(robot, ())
-        return found[0].doubts if found else "not seen"
+        return doubts_of(self._latest.get(robot, ()))
 
     def _due_to_look(self, now: float, period: float) -> bool:
         if 0.0 <= now - self._looked_at < period - 0.01:
