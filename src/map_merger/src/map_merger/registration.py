@@ -31,6 +31,8 @@ class Criteria:
     """A different transform without contradictions is a rival from this share of the best one's matched wall on..."""
     plausible_wall: float = 6.0
     """...and from this length on."""
+    doubtful: float = math.inf
+    """So is, from this share on, one with few contradictions: where a longer one is wrong, so may be the shorter."""
 
 
 DEFAULT_CRITERIA = Criteria()
@@ -39,7 +41,7 @@ PRIOR_CRITERIA = Criteria(matched=6.0, minor=1.5, plausible=0.6)
 Rule = Sequence[Criteria]
 """Enough for any of them is enough."""
 ONCE_RULE: Rule = (
-    Criteria(matched=7.0, minor=1.0, conflict=0.03, explained=0.35, plausible=0.4, plausible_wall=5.0),
+    Criteria(matched=7.0, minor=1.0, conflict=0.03, explained=0.35, plausible=0.4, plausible_wall=5.0, doubtful=1.0),
     Criteria(matched=18.0, minor=2.0, conflict=0.03, explained=0.35, rival=0.9, plausible=0.95),
     Criteria(matched=16.0, minor=4.0, conflict=0.15, explained=0.55, rival=0.5, plausible=0.1, plausible_wall=2.0),
 )
@@ -57,8 +59,8 @@ KEEP_CRITERIA = Criteria(matched=4.0, minor=1.0, conflict=0.2, explained=0.3)
 REFUTING_WALL = 1.0
 """So many metres in free space of the other map refute a transform even where hardly any wall is shared: the share of
 KEEP_CRITERIA, at the length of KEEP_CRITERIA."""
-PLAUSIBLE_CONFLICT = 0.08
-"""A transform with no more contradictions could be true."""
+PLAUSIBLE_CONFLICT, FEW_CONFLICTS = 0.08, 0.2
+"""A transform with no more contradictions than the first could be true, with no more than the second fits by chance."""
 _RANKED_POINTS = 20_000
 """Of larger surfaces (1 km of wall) so many points tell which transforms are worth a closer look."""
 
@@ -174,7 +176,7 @@ def choose(
     evidence = compare(target, source, transform)
     points = source.surface.points
     rivals = [other for other, start in ranked[1:] if _different(transform, start, points)]
-    verdict = _verdict(evidence, rivals, rule)
+    verdict = verdict_of(evidence, rivals, rule)
     if verdict is Verdict.ACCEPTED and not limits.allow(transform):
         verdict = Verdict.BEYOND_LIMITS
     if verdict is Verdict.ACCEPTED and prior is not None and not _near_prior(transform, prior, points):
@@ -188,8 +190,9 @@ def _starts(target: Landmarks, source: Landmarks, prior: Optional[Prior]) -> Lis
     return [candidate.transform for candidate in candidates(target, source, 16 if prior is None else 8, prior)]
 
 
-def _verdict(evidence: Evidence, rivals: Sequence[Evidence], rule: Rule) -> Verdict:
-    """ACCEPTED if the evidence is enough for one of the rule's criteria, else what the first of them misses."""
+def verdict_of(evidence: Evidence, rivals: Sequence[Evidence], rule: Rule) -> Verdict:
+    """ACCEPTED if the evidence is enough for one of the rule's criteria beside that of the transforms that differ, else
+    what the first of them misses."""
     verdicts = []
     for criteria in rule:
         verdict = judge(evidence, criteria)
@@ -226,7 +229,8 @@ def _rivals(best: Evidence, other: Evidence, criteria: Criteria) -> bool:
     plausible = other.conflict <= PLAUSIBLE_CONFLICT and other.matched >= max(
         criteria.plausible_wall, criteria.plausible * best.matched
     )
-    return plausible or other.score > criteria.rival * best.score
+    doubtful = other.conflict <= FEW_CONFLICTS and other.matched >= criteria.doubtful * best.matched
+    return plausible or doubtful or other.score > criteria.rival * best.score
 
 
 def _different(first: Transform, second: Transform, points: np.ndarray) -> bool:

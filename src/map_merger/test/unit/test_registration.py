@@ -15,6 +15,7 @@ from map_merger.grid import Grid, GridInfo, cells_of, empty_grid
 from map_merger.refine import FINE_REACH, refined
 from map_merger.registration import (
     KEEP_CRITERIA,
+    ONCE_RULE,
     STRONG_CRITERIA,
     Limits,
     Prior,
@@ -23,6 +24,7 @@ from map_merger.registration import (
     follow,
     register,
     register_once,
+    verdict_of,
 )
 from map_merger.surface import landmarks_of, subsample
 from map_merger.synthetic import Survey, Surveyor, office_plan, pair_of
@@ -261,6 +263,21 @@ def test_two_maps_alone_need_less_wall_where_nothing_rivals():
     assert 7.0 <= once.evidence.matched < 20.0
     assert once.accepted, once
     assert error(pair, once.transform) < 0.1
+
+
+def test_a_longer_fit_by_chance_makes_a_shorter_one_doubtful():
+    """In a maze of corridors 8 m without a contradiction were believed beside 16 m with some; both were wrong."""
+    short, long = Evidence(8.0, 3.2, 0.024, 0.56, 0.02, 0.2), Evidence(15.7, 6.7, 0.163, 0.73, 0.02, 3.1)
+    assert verdict_of(short, [], ONCE_RULE) is Verdict.ACCEPTED
+    assert verdict_of(short, [long], ONCE_RULE) is Verdict.AMBIGUOUS
+
+
+def test_few_walls_with_contradictions_are_not_believed_alone():
+    """Two unlike rooms agreed in 15 m of wall; one wall in twenty stood in free space."""
+    assert verdict_of(Evidence(14.7, 7.0, 0.053, 0.55, 0.02, 0.8), [], ONCE_RULE) is not Verdict.ACCEPTED
+    moved = Evidence(30.0, 9.0, 0.1, 0.6, 0.02, 3.3)
+    assert verdict_of(moved, [], ONCE_RULE) is Verdict.ACCEPTED, "people move things"
+    assert verdict_of(moved, [replace(moved, matched=7.0, conflict=0.0)], ONCE_RULE) is Verdict.AMBIGUOUS
 
 
 def test_the_rival_of_a_square_room_is_as_good():
