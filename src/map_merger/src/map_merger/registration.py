@@ -42,18 +42,21 @@ Rule = Sequence[Criteria]
 """Enough for any of them is enough."""
 ONCE_RULE: Rule = (
     Criteria(matched=7.0, minor=1.0, conflict=0.03, explained=0.35, plausible=0.4, plausible_wall=5.0, doubtful=1.0),
-    Criteria(matched=18.0, minor=2.0, conflict=0.03, explained=0.35, rival=0.9, plausible=0.95),
-    Criteria(matched=16.0, minor=4.0, conflict=0.15, explained=0.55, rival=0.5, plausible=0.1, plausible_wall=2.0),
+    Criteria(matched=16.0, minor=2.0, explained=0.35, rival=0.9, plausible=math.inf),
+    Criteria(matched=12.0, conflict=0.15, rival=0.5, plausible=0.1, plausible_wall=2.0, doubtful=0.3),
 )
 """For two maps alone: little wall without a rival, much wall unless a rival is as good, or, where people have moved
 things, walls in free space if nothing else fits at all."""
 ONCE_PRIOR_RULE: Rule = (
-    Criteria(matched=2.5, minor=0.05, explained=0.3, plausible=0.7, plausible_wall=2.5),
-    Criteria(matched=8.0, minor=1.0, conflict=0.15, explained=0.3, plausible=0.25, plausible_wall=2.5),
+    Criteria(matched=4.0, minor=0.1, explained=0.35, plausible=0.7, plausible_wall=2.5),
+    Criteria(matched=6.0, minor=0.3, explained=0.35, rival=0.85, plausible=math.inf),
+    Criteria(matched=6.0, minor=1.0, conflict=0.15, explained=0.35, plausible=0.25, plausible_wall=2.5),
 )
 """The same with a prior, which excludes most rivals beforehand."""
 STRONG_CRITERIA = Criteria(matched=40.0, minor=10.0, conflict=0.03)
 """Enough to be believed without a prior or a meeting: more than the walls of two rooms, which may have copies."""
+LARGEST_LOOKALIKE = 0.4
+"""Buildings with more of it may have an exact copy of what both maps show."""
 KEEP_CRITERIA = Criteria(matched=4.0, minor=1.0, conflict=0.2, explained=0.3)
 """What an accepted transform must go on showing."""
 REFUTING_WALL = 1.0
@@ -109,6 +112,9 @@ class Registration(NamedTuple):
     """True if one of the robots was seen by the other where the transform says it was (sighting)."""
     rival: float = 0.0
     """Score of the best transform that differs, relative to this one's: 0 none, 1 as good."""
+    lookalike: float = 0.0
+    """Wall of the longest fit with few contradictions that differs, relative to this one's. Buildings whose parts are
+    copies of one another show it by long fits elsewhere."""
 
     @property
     def accepted(self) -> bool:
@@ -127,6 +133,13 @@ def judge(evidence: Evidence, criteria: Criteria) -> Verdict:
     if evidence.explained < criteria.explained:
         return Verdict.UNEXPLAINED
     return Verdict.ACCEPTED
+
+
+def believed_alone(result: Registration) -> bool:
+    """True if the walls alone, without prior or meeting, are enough to believe an accepted transform: much wall, and
+    nothing that shows a building of copies."""
+    strong = judge(result.evidence, STRONG_CRITERIA) is Verdict.ACCEPTED
+    return result.accepted and strong and result.lookalike <= LARGEST_LOOKALIKE
 
 
 def judge_kept(evidence: Evidence) -> Verdict:
@@ -183,7 +196,16 @@ def choose(
         verdict = Verdict.NO_CANDIDATE
     surveyed = target.surface.length + source.surface.length
     rival = max((other.score for other in rivals), default=0.0) / max(evidence.score, 1e-9)
-    return Registration(verdict, transform, evidence, surveyed, prior is not None, rival=min(1.0, rival))
+    longest = max((other.matched for other in rivals if other.conflict <= FEW_CONFLICTS), default=0.0)
+    return Registration(
+        verdict,
+        transform,
+        evidence,
+        surveyed,
+        prior is not None,
+        rival=min(1.0, rival),
+        lookalike=longest / max(evidence.matched, 1e-9),
+    )
 
 
 def _starts(target: Landmarks, source: Landmarks, prior: Optional[Prior]) -> List[Transform]:

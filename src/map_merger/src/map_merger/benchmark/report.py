@@ -12,7 +12,7 @@ from .real_logs import cases_of, logs_of
 from .rules import RULES, measured
 from .timing import Times, floor_pairs, large_pair, times_of
 
-ALONE, PRIOR, AGENTS = list(RULES)[:3]
+ALONE, PRIOR, AGENTS, WALLS = list(RULES)[:4]
 
 
 def trial_of(case: Case) -> Trial:
@@ -50,6 +50,7 @@ def synthetic_rows(trials: Sequence[Trial], command: str) -> List[Row]:
         reported(wrong_row("wrong, rough prior, self-alias", aliases, PRIOR, command)),
         wrong_row("wrong, agents without sighting, all pairs", trials, AGENTS, command),
     ]
+    rows.append(wrong_row("wrong, agents by walls alone, all pairs", trials, WALLS, command))
     symmetric = [trial for trial in trials if trial.family.startswith("symmetric")]
     rows.append(wrong_row("wrong, agents without sighting, symmetric building", symmetric, AGENTS, command))
     return rows
