@@ -43,7 +43,7 @@ Rule = Sequence[Criteria]
 ONCE_RULE: Rule = (
     Criteria(matched=7.0, minor=1.0, conflict=0.03, explained=0.35, plausible=0.4, plausible_wall=5.0, doubtful=1.0),
     Criteria(matched=16.0, minor=2.0, explained=0.35, rival=0.9, plausible=math.inf),
-    Criteria(matched=12.0, conflict=0.15, rival=0.5, plausible=0.1, plausible_wall=2.0, doubtful=0.3),
+    Criteria(matched=12.0, conflict=0.1, rival=0.5, plausible=0.1, plausible_wall=2.0, doubtful=0.3),
 )
 """For two maps alone: little wall without a rival, much wall unless a rival is as good, or, where people have moved
 things, walls in free space if nothing else fits at all."""

@@ -278,7 +278,9 @@ def test_walls_with_contradictions_are_believed_alone_only_if_nothing_else_fits(
     """Two unlike rooms agreed in 15 m of wall; one wall in twenty stood in free space."""
     unlike, longer = Evidence(14.7, 7.0, 0.053, 0.55, 0.02, 0.8), Evidence(28.5, 12.3, 0.187, 0.62, 0.02, 6.5)
     assert verdict_of(unlike, [longer], ONCE_RULE) is not Verdict.ACCEPTED
-    moved = Evidence(30.0, 9.0, 0.1, 0.6, 0.02, 3.3)
+    pillars = Evidence(16.0, 7.8, 0.149, 0.53, 0.02, 2.8)
+    assert verdict_of(pillars, [], ONCE_RULE) is not Verdict.ACCEPTED, "the lattices of two halls"
+    moved = Evidence(30.0, 9.0, 0.09, 0.6, 0.02, 3.3)
     assert verdict_of(moved, [], ONCE_RULE) is Verdict.ACCEPTED, "people move things"
     assert verdict_of(moved, [replace(moved, matched=7.0, conflict=0.0)], ONCE_RULE) is Verdict.AMBIGUOUS
 
