@@ -32,6 +32,8 @@ class Criteria:
     """A different transform without contradictions is a rival from this share of the best one's matched wall on..."""
     plausible_wall: float = 6.0
     """...and from this length on."""
+    doubtful: float = math.inf
+    """So is, from this share on, one with few contradictions: where a longer one is wrong, so may be the shorter."""
 
 
 DEFAULT_CRITERIA = Criteria()
@@ -40,26 +42,29 @@ PRIOR_CRITERIA = Criteria(matched=6.0, minor=1.5, plausible=0.6)
 Rule = Sequence[Criteria]
 """Enough for any of them is enough."""
 ONCE_RULE: Rule = (
-    Criteria(matched=7.0, minor=1.0, conflict=0.03, explained=0.35, plausible=0.4, plausible_wall=5.0),
-    Criteria(matched=18.0, minor=2.0, conflict=0.03, explained=0.35, rival=0.9, plausible=0.95),
-    Criteria(matched=16.0, minor=4.0, conflict=0.15, explained=0.55, rival=0.5, plausible=0.1, plausible_wall=2.0),
+    Criteria(matched=7.0, minor=1.0, conflict=0.03, explained=0.35, plausible=0.4, plausible_wall=5.0, doubtful=1.0),
+    Criteria(matched=16.0, minor=2.0, explained=0.35, rival=0.9, plausible=math.inf),
+    Criteria(matched=12.0, conflict=0.1, rival=0.5, plausible=0.1, plausible_wall=2.0, doubtful=0.3),
 )
 """For two maps alone: little wall without a rival, much wall unless a rival is as good, or, where people have moved
 things, walls in free space if nothing else fits at all."""
 ONCE_PRIOR_RULE: Rule = (
-    Criteria(matched=2.5, minor=0.05, explained=0.3, plausible=0.7, plausible_wall=2.5),
-    Criteria(matched=8.0, minor=1.0, conflict=0.15, explained=0.3, plausible=0.25, plausible_wall=2.5),
+    Criteria(matched=4.0, minor=0.1, explained=0.35, plausible=0.7, plausible_wall=2.5),
+    Criteria(matched=6.0, minor=0.3, explained=0.35, rival=0.85, plausible=math.inf),
+    Criteria(matched=6.0, minor=1.0, conflict=0.15, explained=0.35, plausible=0.25, plausible_wall=2.5),
 )
 """The same with a prior, which excludes most rivals beforehand."""
 STRONG_CRITERIA = Criteria(matched=40.0, minor=10.0, conflict=0.03)
 """Enough to be believed without a prior or a meeting: more than the walls of two rooms, which may have copies."""
+LARGEST_LOOKALIKE = 0.4
+"""Buildings with more of it may have an exact copy of what both maps show."""
 KEEP_CRITERIA = Criteria(matched=4.0, minor=1.0, conflict=0.2, explained=0.3)
 """What an accepted transform must go on showing."""
 REFUTING_WALL = 1.0
 """So many metres in free space of the other map refute a transform even where hardly any wall is shared: the share of
 KEEP_CRITERIA, at the length of KEEP_CRITERIA."""
-PLAUSIBLE_CONFLICT = 0.08
-"""A transform with no more contradictions could be true."""
+PLAUSIBLE_CONFLICT, FEW_CONFLICTS = 0.08, 0.2
+"""A transform with no more contradictions than the first could be true, with no more than the second fits by chance."""
 _RANKED_POINTS = 20_000
 """Of larger surfaces (1 km of wall) so many points tell which transforms are worth a closer look."""
 
@@ -124,6 +129,9 @@ class Registration(NamedTuple):
     """Why a meeting was not believed."""
     covariance: Optional[Covariance] = None
     """Of the transform, where it is accepted by a Job."""
+    lookalike: float = 0.0
+    """Wall of the longest fit with few contradictions that differs, relative to this one's. Buildings whose parts are
+    copies of one another show it by long fits elsewhere."""
 
     @property
     def accepted(self) -> bool:
@@ -142,6 +150,13 @@ def judge(evidence: Evidence, criteria: Criteria) -> Verdict:
     if evidence.explained < criteria.explained:
         return Verdict.UNEXPLAINED
     return Verdict.ACCEPTED
+
+
+def believed_alone(result: Registration) -> bool:
+    """True if the walls alone, without prior or meeting, are enough to believe an accepted transform: much wall, and
+    nothing that shows a building of copies."""
+    strong = judge(result.evidence, STRONG_CRITERIA) is Verdict.ACCEPTED
+    return result.accepted and strong and result.lookalike <= LARGEST_LOOKALIKE
 
 
 def judge_kept(evidence: Evidence) -> Verdict:
@@ -196,22 +211,33 @@ def choose(
         if _different(transform, other, points)
     ]
     serious = [other for other in others if any(_rivals(evidence, other.evidence, criteria) for criteria in rule)]
-    verdict = _verdict(evidence, [other.evidence for other in others], rule)
+    verdict = verdict_of(evidence, [other.evidence for other in others], rule)
     if verdict is Verdict.ACCEPTED and not limits.allow(transform):
         verdict = Verdict.BEYOND_LIMITS
     if verdict is Verdict.ACCEPTED and prior is not None and not _near_prior(transform, prior, points):
         verdict = Verdict.NO_CANDIDATE
     surveyed, rival = target.surface.length + source.surface.length, next(iter(serious or others), None)
     rivals = tuple(each.transform for each in serious) if verdict is Verdict.AMBIGUOUS else ()
-    return Registration(verdict, transform, evidence, surveyed, prior is not None, rival=rival, rivals=rivals)
+    alike = (other.evidence.matched for other in others if other.evidence.conflict <= FEW_CONFLICTS)
+    return Registration(
+        verdict,
+        transform,
+        evidence,
+        surveyed,
+        prior is not None,
+        rival=rival,
+        rivals=rivals,
+        lookalike=max(alike, default=0.0) / max(evidence.matched, 1e-9),
+    )
 
 
 def _starts(target: Landmarks, source: Landmarks, prior: Optional[Prior]) -> List[Transform]:
     return [candidate.transform for candidate in candidates(target, source, 16 if prior is None else 8, prior)]
 
 
-def _verdict(evidence: Evidence, rivals: Sequence[Evidence], rule: Rule) -> Verdict:
-    """ACCEPTED if the evidence is enough for one of the rule's criteria, else what the first of them misses."""
+def verdict_of(evidence: Evidence, rivals: Sequence[Evidence], rule: Rule) -> Verdict:
+    """ACCEPTED if the evidence is enough for one of the rule's criteria beside that of the transforms that differ, else
+    what the first of them misses."""
     verdicts = []
     for criteria in rule:
         verdict = judge(evidence, criteria)
@@ -248,7 +274,8 @@ def _rivals(best: Evidence, other: Evidence, criteria: Criteria) -> bool:
     plausible = other.conflict <= PLAUSIBLE_CONFLICT and other.matched >= max(
         criteria.plausible_wall, criteria.plausible * best.matched
     )
-    return plausible or other.score > criteria.rival * best.score
+    doubtful = other.conflict <= FEW_CONFLICTS and other.matched >= criteria.doubtful * best.matched
+    return plausible or doubtful or other.score > criteria.rival * best.score
 
 
 def _different(first: Transform, second: Transform, points: np.ndarray) -> bool:

@@ -16,17 +16,21 @@ from map_merger.job import Job, LandmarkCache, Member, Versioned
 from map_merger.refine import FINE_REACH, refined
 from map_merger.registration import (
     KEEP_CRITERIA,
+    LARGEST_LOOKALIKE,
+    ONCE_RULE,
     STRONG_CRITERIA,
     Limits,
     Prior,
     Registration,
     Verdict,
+    believed_alone,
     follow,
     register,
     register_once,
+    verdict_of,
 )
 from map_merger.surface import landmarks_of, subsample
-from map_merger.synthetic import Survey, Surveyor, office_plan, pair_of
+from map_merger.synthetic import Survey, Surveyor, generated, office_plan, pair_of
 from map_merger.transform import Transform, displacement, rotation_between
 
 
@@ -262,6 +266,43 @@ def test_two_maps_alone_need_less_wall_where_nothing_rivals():
     assert 7.0 <= once.evidence.matched < 20.0
     assert once.accepted, once
     assert error(pair, once.transform) < 0.1
+
+
+def test_a_longer_fit_by_chance_makes_a_shorter_one_doubtful():
+    """In a maze of corridors 8 m without a contradiction were believed beside 16 m with some; both were wrong."""
+    short, long = Evidence(8.0, 3.2, 0.024, 0.56, 0.02, 0.2), Evidence(15.7, 6.7, 0.163, 0.73, 0.02, 3.1)
+    assert verdict_of(short, [], ONCE_RULE) is Verdict.ACCEPTED
+    assert verdict_of(short, [long], ONCE_RULE) is Verdict.AMBIGUOUS
+
+
+def test_walls_with_contradictions_are_believed_alone_only_if_nothing_else_fits():
+    """Two unlike rooms agreed in 15 m of wall; one wall in twenty stood in free space."""
+    unlike, longer = Evidence(14.7, 7.0, 0.053, 0.55, 0.02, 0.8), Evidence(28.5, 12.3, 0.187, 0.62, 0.02, 6.5)
+    assert verdict_of(unlike, [longer], ONCE_RULE) is not Verdict.ACCEPTED
+    pillars = Evidence(16.0, 7.8, 0.149, 0.53, 0.02, 2.8)
+    assert verdict_of(pillars, [], ONCE_RULE) is not Verdict.ACCEPTED, "the lattices of two halls"
+    moved = Evidence(30.0, 9.0, 0.09, 0.6, 0.02, 3.3)
+    assert verdict_of(moved, [], ONCE_RULE) is Verdict.ACCEPTED, "people move things"
+    assert verdict_of(moved, [replace(moved, matched=7.0, conflict=0.0)], ONCE_RULE) is Verdict.AMBIGUOUS
+
+
+def test_a_building_that_repeats_is_not_believed_by_walls_alone():
+    """Robots in the two halves of a symmetric building matched 49 m to 73 m of wall without a contradiction."""
+    strong = look(STRONG_CRITERIA.matched + 10.0)
+    assert believed_alone(strong)
+    assert not believed_alone(strong._replace(lookalike=0.6))
+    assert not believed_alone(look(STRONG_CRITERIA.matched - 1.0))
+    assert not believed_alone(look(STRONG_CRITERIA.matched + 10.0, verdict=Verdict.AMBIGUOUS))
+
+
+@pytest.mark.parametrize("kind, repeats", [("equal_rooms", True), ("caves", False)])
+def test_equal_rooms_look_alike(kind, repeats):
+    random = np.random.default_rng(3)
+    surveyor = Surveyor(generated(kind, 3, 26.0))
+    first = surveyor.explore(random, Survey(path_length=25.0))
+    second = surveyor.explore(random, Survey(path_length=25.0), start=tuple(first.path[0, :2]))
+    result = register(landmarks_of(first.grid), landmarks_of(second.grid))
+    assert (result.lookalike > LARGEST_LOOKALIKE) == repeats
 
 
 def test_the_rival_of_a_square_room_is_as_good():

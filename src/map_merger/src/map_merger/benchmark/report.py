@@ -12,7 +12,7 @@ from .real_logs import cases_of, logs_of
 from .rules import RULES, measured
 from .timing import Times, floor_pairs, large_pair, times_of
 
-ALONE, PRIOR, AGENTS = list(RULES)[:3]
+ALONE, PRIOR, AGENTS, WALLS = list(RULES)[:4]
 
 
 def trial_of(case: Case) -> Trial:
@@ -46,12 +46,19 @@ def synthetic_rows(trials: Sequence[Trial], command: str) -> List[Row]:
         share_row("right, 12 to 25 m shared wall, rough prior", short, PRIOR, 95.0, command),
         wrong_row("wrong, two maps alone", plain, ALONE, command),
         wrong_row("wrong, rough prior", plain, PRIOR, command),
-        wrong_row("wrong, two maps alone, self-alias", aliases, ALONE, command),
+        reported(wrong_row("wrong, two maps alone, self-alias", aliases, ALONE, command)),
+        reported(wrong_row("wrong, rough prior, self-alias", aliases, PRIOR, command)),
         wrong_row("wrong, agents without sighting, all pairs", trials, AGENTS, command),
     ]
+    rows.append(wrong_row("wrong, agents by walls alone, all pairs", trials, WALLS, command))
     symmetric = [trial for trial in trials if trial.family.startswith("symmetric")]
     rows.append(wrong_row("wrong, agents without sighting, symmetric building", symmetric, AGENTS, command))
     return rows
+
+
+def reported(bare: Row) -> Row:
+    """The row without a bar: no rule can tell an exact copy of a place from the place itself by two maps alone."""
+    return {**bare, "bar": "reported", "holds": True}
 
 
 def real_rows(trials: Sequence[Trial], command: str) -> List[Row]:

@@ -51,6 +51,13 @@ def agents(case: Case) -> Answer:
     return alignment.transform, reason
 
 
+def walls_alone(case: Case) -> Answer:
+    """The last maps by what agents may believe of walls alone."""
+    result = registration.register(landmarks_of(case.target[-1]), landmarks_of(case.source[-1]))
+    reason = "not enough for walls alone" if result.accepted else result.verdict.value
+    return (result.transform if registration.believed_alone(result) else None), reason
+
+
 def orb(case: Case) -> Answer:
     """The paper's method: a similarity transform from ORB features is taken if its scale is near 1."""
     return _estimated(case, features.orb())
@@ -71,6 +78,7 @@ RULES: Dict[str, Rule] = {
     "two maps": once,
     "two maps, rough prior": once_with_prior,
     "agents, no sighting": agents,
+    "walls alone": walls_alone,
     "ORB": orb,
     "ORB, verified": verified_orb,
     "AKAZE": akaze,
