@@ -12,7 +12,7 @@ from .attempts import Attempts
 from .covariance import Covariance
 from .evidence import Evidence
 from .job import Versioned
-from .registration import STRONG_CRITERIA, Registration, Verdict, judge
+from .registration import Registration, Verdict, believed_alone
 from .transform import Transform, rotation_between
 
 SHORTEST_GROWTH_M = 3.0
@@ -127,7 +127,7 @@ class Alignment:
         if self._is_refuted(result):
             self.verdict, self.reason = Verdict.CONTRADICTS_TEAM, "found again what the team contradicts"
             return ""
-        if not (result.met or judge(result.evidence, STRONG_CRITERIA) is Verdict.ACCEPTED or self._confirms(result)):
+        if not (result.met or believed_alone(result) or self._confirms(result)):
             if self._candidate is None or not _agree(self._candidate.transform, result.transform):
                 self._candidate = result
             return ""

@@ -10,7 +10,7 @@ pytest.importorskip("rospy")
 pytest.importorskip("map_merger.msg")
 
 from map_merger.meetings.values import Sensor, ToldObject, TrackReport
-from map_merger.ros_io import MessageError, robot_track_message, track_report_of
+from map_merger.ros_team import MessageError, robot_track_message, track_report_of
 
 
 def travelled(report):
