@@ -153,10 +153,10 @@ def judge(evidence: Evidence, criteria: Criteria) -> Verdict:
 
 
 def believed_alone(result: Registration) -> bool:
-    """True if the walls alone, without prior or meeting, are enough to believe an accepted transform: much wall, and
-    nothing that shows a building of copies."""
+    """True if the walls, without a meeting, are enough to believe an accepted transform: much wall and, unless a prior
+    excludes copies, nothing that shows a building of copies."""
     strong = judge(result.evidence, STRONG_CRITERIA) is Verdict.ACCEPTED
-    return result.accepted and strong and result.lookalike <= LARGEST_LOOKALIKE
+    return result.accepted and strong and (result.prior or result.lookalike <= LARGEST_LOOKALIKE)
 
 
 def judge_kept(evidence: Evidence) -> Verdict:

@@ -22,6 +22,12 @@ def square(size=20, value=0, x=0.0):
     return Grid(GridInfo(size, size, 0.05, Transform(x, 0.0, 0.0)), np.full((size, size), value, np.int8))
 
 
+@pytest.fixture(autouse=True)
+def walls_convince(monkeypatch):
+    """How much wall convinces in a building that repeats is a matter of registration."""
+    monkeypatch.setattr("map_merger.registration.LARGEST_LOOKALIKE", math.inf)
+
+
 @pytest.fixture(scope="module")
 def maps():
     return survey(3)
