@@ -37,8 +37,11 @@ bench-adhoc-long: build
 
 # REAL_LOGS=DIR: also pairs of pieces of the CARMEN logs in that folder.
 bench-merge: build
-	@mkdir -p out/bench && $(ENVIRONMENT) rosrun map_merger bench_registration --out out/bench/merge.json \
-	  $(if $(REAL_LOGS),--real-logs $(REAL_LOGS))
+	@mkdir -p out/bench && $(ENVIRONMENT) missed=0; \
+	rosrun map_merger bench_registration --out out/bench/merge.json $(if $(REAL_LOGS),--real-logs $(REAL_LOGS)) || missed=1; \
+	rosrun map_merger bench_fusion --out out/bench/fusion.json || missed=1; \
+	rosrun map_merger bench_exchange --out out/bench/exchange.json || missed=1; \
+	exit $$missed
 
 # How soon robots find one another, in missions in virtual time: an hour and a half on two cores. Goes on where it was stopped.
 bench-meet: build
