@@ -47,6 +47,8 @@ from .whereabouts import Whereabouts
 NEIGHBOR_QUESTION_S = 5.0
 """Seconds after the start at which the neighbours are asked for (contract 2.4)."""
 TRANSFORM_PERIOD_S = 0.5
+MEETING_WANTED_S = 60.0
+"""A robot that was in hearing for so long without being placed should be met."""
 
 
 class NoTransform(LookupError):
@@ -248,7 +250,13 @@ class Agent:
         robots = tuple(
             self._placement(robot, now) for robot in self.exchange.robots() if robot != self._reference.robot
         )
-        return MergerStatus(self.name, self._options.topology, self._options.base_station, robots)
+        placed = self._graph.placed()
+        missed = tuple(
+            robot
+            for robot in self._driving()
+            if robot not in placed and self._hearing.known_for(robot, now) >= MEETING_WANTED_S
+        )
+        return MergerStatus(self.name, self._options.topology, self._options.base_station, robots, missed)
 
     def markers(self) -> Tuple[RobotMarker, ...]:
         """The placed robots and the outlines of their maps, for people; takes some milliseconds."""

@@ -94,6 +94,7 @@ def status_message(state: status.MergerStatus, frame: str, stamp: rospy.Time) ->
     """The state of the merging, robots by name."""
     robots = [placement_message(each) for each in sorted(state.robots, key=lambda each: each.robot)]
     message = MergerStatus(robot=state.robot, topology=state.topology, base_station=state.base_station, robots=robots)
+    message.wants_to_meet = sorted(state.wants_to_meet)
     message.header.frame_id, message.header.stamp = frame, stamp
     return message
 

@@ -44,6 +44,8 @@ class MergerStatus:
     topology: str
     base_station: str
     robots: Tuple[RobotPlacement, ...]
+    wants_to_meet: Tuple[str, ...] = ()
+    """Robots that have been in hearing for long without being placed: a request to those who choose goals."""
 
 
 def summary_of(status: MergerStatus) -> str:

@@ -669,3 +669,16 @@ def test_a_peer_whose_job_was_started_before_the_clock_jumped_back_does_not_come
     alignment.started(600.0, map_, map_, 2.0)
     assert alignment.started_before(600.0) == 600.0
     assert alignment.started_before(5.0) == -math.inf
+
+
+def test_a_robot_that_is_in_hearing_for_a_minute_without_being_placed_is_to_be_met():
+    team = team_of("robot_0", "robot_1")
+    for name in team.agents:
+        team.agents[name].on_local_map(square(), team.now)
+        team.agents[name].on_local_pose(Transform(), team.now)
+    team.run(50.0)
+    assert team.agents["robot_0"].status(team.now).wants_to_meet == ()
+    team.run(20.0)
+    assert team.agents["robot_0"].status(team.now).wants_to_meet == ("robot_1",)
+    team.agents["robot_0"].on_robot_lost("robot_1", team.now)
+    assert team.agents["robot_0"].status(team.now).wants_to_meet == ()
