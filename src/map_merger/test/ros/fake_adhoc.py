@@ -3,6 +3,7 @@ arrive."""
 
 import math
 import threading
+from operator import attrgetter
 
 import numpy as np
 import rospy
@@ -10,6 +11,8 @@ from adhoc_communication.msg import MmControl, MmMapUpdate, MmRobotPosition, Sta
 from adhoc_communication.srv import (
     GetNeighbors,
     GetNeighborsResponse,
+    SendMessage,
+    SendMessageResponse,
     SendMmControl,
     SendMmControlResponse,
     SendMmMapUpdate,
@@ -20,6 +23,7 @@ from adhoc_communication.srv import (
     SendOccupancyGridResponse,
 )
 from nav_msgs.msg import OccupancyGrid
+from roslib.message import get_message_class
 from std_msgs.msg import String
 
 from map_merger import ros_io
@@ -49,6 +53,13 @@ def small_map(rows=20, columns=30, x=-0.5, y=-0.5):
     return Grid(GridInfo(columns, rows, 0.05, Transform(x, y, 0.0)), cells)
 
 
+def typed(request):
+    """The message of any type that a send_message request holds; AssertionError if it is not what the request says."""
+    kind = get_message_class(request.type)
+    assert kind is not None and request.md5sum == kind._md5sum, f"not a {request.type}: {request.md5sum}"
+    return kind().deserialize(request.data)
+
+
 class FakeAdhoc:
     """Services of adhoc_communication under `prefix`; `sent` holds (service, destination, topic, payload)."""
 
@@ -64,17 +75,22 @@ class FakeAdhoc:
             rospy.Service(
                 base + "send_map_update",
                 SendMmMapUpdate,
-                self._record("map_update", "map_update", SendMmMapUpdateResponse),
+                self._record("map_update", attrgetter("map_update"), SendMmMapUpdateResponse),
             ),
-            rospy.Service(base + "send_map", SendOccupancyGrid, self._record("map", "map", SendOccupancyGridResponse)),
             rospy.Service(
-                base + "send_control_message", SendMmControl, self._record("control", "msg", SendMmControlResponse)
+                base + "send_map", SendOccupancyGrid, self._record("map", attrgetter("map"), SendOccupancyGridResponse)
+            ),
+            rospy.Service(
+                base + "send_control_message",
+                SendMmControl,
+                self._record("control", attrgetter("msg"), SendMmControlResponse),
             ),
             rospy.Service(
                 base + "send_position",
                 SendMmRobotPosition,
-                self._record("position", "position", SendMmRobotPositionResponse),
+                self._record("position", attrgetter("position"), SendMmRobotPositionResponse),
             ),
+            rospy.Service(base + "send_message", SendMessage, self._record("message", typed, SendMessageResponse)),
             rospy.Service(base + "get_neighbors", GetNeighbors, lambda _: GetNeighborsResponse(list(neighbors))),
         ]
         self.map_other, self.meta_other, self.control, self.positions = (
@@ -84,12 +100,12 @@ class FakeAdhoc:
         self.new_robot = rospy.Publisher(base + "new_robot", String, queue_size=10, latch=True)
         self.status = rospy.Publisher(base + "status", Status, queue_size=10, latch=True)
 
-    def _record(self, service, field, response):
+    def _record(self, service, payload_of, response):
         def handle(request):
             if service == "map_update" and len(request.map_update.map.data) > self.largest_map:
                 raise rospy.ServiceException("packet of 12.0 MB exceeds max_packet_size of 10.0 MB")
             with self._news:
-                self.sent.append((service, request.dst_robot, request.topic, getattr(request, field)))
+                self.sent.append((service, request.dst_robot, request.topic, payload_of(request)))
                 self._news.notify_all()
             if service in self.refuse:
                 raise rospy.ServiceException("no route")
