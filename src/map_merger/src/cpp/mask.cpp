@@ -1,0 +1,106 @@
+#include "mask.hpp"
+
+#include <algorithm>
+
+namespace map_merger {
+namespace {
+
+Mask down(const Mask& mask, std::int64_t rows) {
+  Mask result(mask.rows(), mask.columns());
+  const std::int64_t first = std::max<std::int64_t>(0, rows), last = std::min(mask.rows(), mask.rows() + rows);
+  if (first < last) std::copy(mask.row(first - rows), mask.row(last - rows), result.row(first));
+  return result;
+}
+
+// By 1 to 63 columns to higher ones.
+Mask right(const Mask& mask, int columns) {
+  Mask result(mask.rows(), mask.columns());
+  const std::uint64_t valid = ~std::uint64_t{0} >> (-mask.columns() & 63);
+  for (std::int64_t row = 0; row < mask.rows(); ++row) {
+    const std::uint64_t* from = mask.row(row);
+    std::uint64_t *to = result.row(row), before = 0;
+    for (std::int64_t word = 0; word < mask.words(); ++word) {
+      to[word] = from[word] << columns | before >> (64 - columns);
+      before = from[word];
+    }
+    if (mask.words()) to[mask.words() - 1] &= valid;
+  }
+  return result;
+}
+
+Mask left(const Mask& mask, int columns) {
+  Mask result(mask.rows(), mask.columns());
+  for (std::int64_t row = 0; row < mask.rows(); ++row) {
+    const std::uint64_t* from = mask.row(row);
+    std::uint64_t *to = result.row(row), after = 0;
+    for (std::int64_t word = mask.words() - 1; word >= 0; --word) {
+      to[word] = from[word] >> columns | after << (64 - columns);
+      after = from[word];
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Mask::Mask(std::int64_t rows, std::int64_t columns)
+    : rows_(rows), columns_(columns), words_((columns + 63) / 64), bits_(static_cast<std::size_t>(rows * words_)) {}
+
+bool Mask::any() const {
+  return std::any_of(bits_.begin(), bits_.end(), [](std::uint64_t word) { return word != 0; });
+}
+
+void Mask::set(std::int64_t row, std::int64_t from, std::int64_t to) {
+  if (row < 0 || row >= rows_) return;
+  from = std::max<std::int64_t>(from, 0), to = std::min(to, columns_);
+  while (from < to) {
+    const std::int64_t count = std::min<std::int64_t>(to - from, 64 - (from & 63));
+    this->row(row)[from >> 6] |= ~std::uint64_t{0} >> (64 - count) << (from & 63);
+    from += count;
+  }
+}
+
+Mask& Mask::operator|=(const Mask& other) {
+  for (std::size_t i = 0; i < bits_.size(); ++i) bits_[i] |= other.bits_[i];
+  return *this;
+}
+
+Mask& Mask::operator&=(const Mask& other) {
+  for (std::size_t i = 0; i < bits_.size(); ++i) bits_[i] &= other.bits_[i];
+  return *this;
+}
+
+Mask& Mask::remove(const Mask& other) {
+  for (std::size_t i = 0; i < bits_.size(); ++i) bits_[i] &= ~other.bits_[i];
+  return *this;
+}
+
+Mask Mask::operator~() const {
+  Mask result(rows_, columns_);
+  for (std::int64_t row = 0; row < rows_; ++row) result.set(row, 0, columns_);
+  return result.remove(*this);
+}
+
+Mask moved(const Mask& mask, std::int64_t rows, std::int64_t columns) {
+  Mask result = rows ? down(mask, rows) : mask;
+  if (columns > 0) return right(result, static_cast<int>(columns));
+  return columns < 0 ? left(result, static_cast<int>(-columns)) : result;
+}
+
+Mask spread(const Mask& mask, std::int64_t radius) {
+  Mask across = mask;
+  for (std::int64_t step = 1; step <= radius; ++step) across |= moved(mask, 0, step) | moved(mask, 0, -step);
+  Mask result = across;
+  for (std::int64_t step = 1; step <= radius; ++step) result |= moved(across, step, 0) | moved(across, -step, 0);
+  return result;
+}
+
+Mask shrunk(const Mask& mask, std::int64_t radius) { return ~spread(~mask, radius); }
+
+Mask crossed(const Mask& mask) {
+  Mask result = mask;
+  for (const int step : {-1, 1}) result |= moved(mask, step, 0) | moved(mask, 0, step);
+  return result;
+}
+
+}  // namespace map_merger
