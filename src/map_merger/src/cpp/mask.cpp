@@ -41,6 +41,23 @@ Mask left(const Mask& mask, int columns) {
   return result;
 }
 
+// The word with each set bit, also those of the words beside it, spread to `radius` places on both sides.
+std::uint64_t smeared(std::uint64_t word, std::uint64_t before, std::uint64_t after, int radius) {
+  std::uint64_t result = word;
+  for (int step = 1; step <= radius; ++step) {
+    result |= word << step | before >> (64 - step) | word >> step | after << (64 - step);
+  }
+  return result;
+}
+
+void spread_row(const std::uint64_t* from, std::uint64_t* to, std::int64_t words, std::int64_t columns, int radius) {
+  for (std::int64_t word = 0; word < words; ++word) {
+    const std::uint64_t before = word > 0 ? from[word - 1] : 0, after = word + 1 < words ? from[word + 1] : 0;
+    to[word] = smeared(from[word], before, after, radius);
+  }
+  if (words) to[words - 1] &= ~std::uint64_t{0} >> (-columns & 63);
+}
+
 }  // namespace
 
 Mask::Mask(std::int64_t rows, std::int64_t columns)
@@ -76,9 +93,11 @@ Mask& Mask::remove(const Mask& other) {
 }
 
 Mask Mask::operator~() const {
-  Mask result(rows_, columns_);
-  for (std::int64_t row = 0; row < rows_; ++row) result.set(row, 0, columns_);
-  return result.remove(*this);
+  Mask result = *this;
+  for (std::uint64_t& word : result.bits_) word = ~word;
+  const std::uint64_t valid = ~std::uint64_t{0} >> (-columns_ & 63);
+  for (std::int64_t row = 0; row < rows_ && words_ > 0; ++row) result.row(row)[words_ - 1] &= valid;
+  return result;
 }
 
 Mask moved(const Mask& mask, std::int64_t rows, std::int64_t columns) {
@@ -88,10 +107,19 @@ Mask moved(const Mask& mask, std::int64_t rows, std::int64_t columns) {
 }
 
 Mask spread(const Mask& mask, std::int64_t radius) {
-  Mask across = mask;
-  for (std::int64_t step = 1; step <= radius; ++step) across |= moved(mask, 0, step) | moved(mask, 0, -step);
+  Mask across(mask.rows(), mask.columns());
+  for (std::int64_t row = 0; row < mask.rows(); ++row)
+    spread_row(mask.row(row), across.row(row), mask.words(), mask.columns(), static_cast<int>(radius));
   Mask result = across;
-  for (std::int64_t step = 1; step <= radius; ++step) result |= moved(across, step, 0) | moved(across, -step, 0);
+  const std::int64_t words = mask.words();
+  for (std::int64_t row = 0; row < mask.rows(); ++row) {
+    const std::int64_t first = std::max<std::int64_t>(0, row - radius), last = std::min(mask.rows() - 1, row + radius);
+    std::uint64_t* to = result.row(row);
+    for (std::int64_t other = first; other <= last; ++other) {
+      const std::uint64_t* from = across.row(other);
+      for (std::int64_t word = 0; word < words; ++word) to[word] |= from[word];
+    }
+  }
   return result;
 }
 

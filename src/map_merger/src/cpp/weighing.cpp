@@ -85,10 +85,15 @@ void close_gaps(Known& map, const std::vector<Known>& maps) {
   set_wall(map, solid);
 }
 
-// One bit for each of up to 64 bytes, which are 0 or 1.
-std::uint64_t packed(const std::uint8_t* bytes, std::int64_t count) {
+// One bit for each of 64 bytes, which are 0 or 1.
+std::uint64_t packed(const std::uint8_t* bytes) {
   std::uint64_t bits = 0;
-  for (std::int64_t i = 0; i < count; ++i) bits |= static_cast<std::uint64_t>(bytes[i]) << i;
+  for (int i = 0; i < 64; i += 8) {
+    std::uint64_t eight = 0;
+    for (int byte = 0; byte < 8; ++byte) eight |= static_cast<std::uint64_t>(bytes[i + byte]) << (8 * byte);
+    // The product moves the lowest bit of each byte into the highest byte.
+    bits |= (eight * 0x0102040810204080U >> 56) << i;
+  }
   return bits;
 }
 
@@ -100,10 +105,10 @@ Known known_of(const std::int8_t* cells, std::int64_t rows, std::int64_t columns
     for (std::int64_t word = 0; word < map.wall.words(); ++word) {
       const std::int8_t* first = cells + row * columns + word * 64;
       const std::int64_t count = std::min<std::int64_t>(64, columns - word * 64);
-      std::uint8_t wall[64], known[64];
+      std::uint8_t wall[64] = {}, known[64] = {};
       for (std::int64_t i = 0; i < count; ++i) wall[i] = first[i] >= kOccupiedFrom, known[i] = first[i] >= 0;
-      map.wall.row(row)[word] = packed(wall, count);
-      map.floor.row(row)[word] = packed(known, count) & ~map.wall.row(row)[word];
+      map.wall.row(row)[word] = packed(wall);
+      map.floor.row(row)[word] = packed(known) & ~map.wall.row(row)[word];
     }
   }
   return map;
