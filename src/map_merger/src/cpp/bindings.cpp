@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
@@ -14,7 +13,7 @@
 #include "border.hpp"
 #include "comparison.hpp"
 #include "drawing.hpp"
-#include "nearness.hpp"
+#include "fusion_bindings.hpp"
 #include "refinement.hpp"
 #include "surface_index.hpp"
 
@@ -166,20 +165,6 @@ py::array_t<std::int8_t> draw(const Cells& cells, const Six& to_source, const Si
   return drawn;
 }
 
-py::array_t<std::int32_t> squares_to(const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>& places,
-                                     const Four& box, std::int64_t radius) {
-  require(places.ndim() == 2 && places.shape(1) == 2, "places need the shape (n, 2)");
-  require(radius >= 0 && radius < 10000, "a radius is 0 to 10000 cells");
-  const Window window{box[0], box[1], box[2], box[3]};
-  require(window.top <= window.bottom && window.left <= window.right, "a box is not inverted");
-  py::array_t<std::int32_t> squares({window.bottom - window.top, window.right - window.left});
-  std::int32_t* first = squares.mutable_data();
-  std::fill_n(first, squares.size(), std::numeric_limits<std::int32_t>::max());
-  for (py::ssize_t i = 0; i < places.shape(0); ++i)
-    lower_around({places.at(i, 0), places.at(i, 1)}, radius, window, first);
-  return squares;
-}
-
 }  // namespace
 
 PYBIND11_MODULE(_surfaces, module) {
@@ -224,7 +209,5 @@ PYBIND11_MODULE(_surfaces, module) {
              "int8 (rows, columns) of `box` (top, left, bottom, right): the value of the cell under each middle, and "
              "the links of walls in `part` of the cells. to_source: (x0, x1, x2, y0, y1, y2) of column = x0 + x1 * c "
              "+ x2 * r and row = y0 + y1 * c + y2 * r; to_target: its inverse.");
-  module.def("squares_to", &squares_to, py::arg("places"), py::arg("box"), py::arg("radius"),
-             "int32 (rows, columns) of `box` (top, left, bottom, right): squared distance in cells to the next of the "
-             "places (n, 2: row, column) that is at most `radius` cells away, else the largest number.");
+  bind_fusion(module);
 }

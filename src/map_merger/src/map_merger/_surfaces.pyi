@@ -51,4 +51,21 @@ def draw(
     box: Sequence[int],
     all_walls: bool,
 ) -> np.ndarray: ...
-def squares_to(places: np.ndarray, box: Sequence[int], radius: int) -> np.ndarray: ...
+
+class GhostRules:
+    def __init__(
+        self,
+        resolution: float,
+        body: float,
+        touching: float,
+        near: float,
+        largest: float,
+        confirmed: float,
+        off: int,
+    ) -> None: ...
+
+def weighed(maps: Sequence[np.ndarray], locked: bool, same_wall: int, seen_through: int) -> np.ndarray: ...
+def without_ghosts(
+    maps: Sequence[np.ndarray], tracks: Sequence[tuple[int, np.ndarray]], box: Sequence[int], rules: GhostRules
+) -> list[np.ndarray | None]: ...
+def may_be_ghost(cells: np.ndarray, places: np.ndarray, box: Sequence[int], rules: GhostRules) -> bool: ...

@@ -105,9 +105,8 @@ class GlobalMap:
         margin = ghosts.effect(self._lattice.resolution)
         for block in blocks(changed):
             box = block.grown(margin)
-            robot = ghosts.presence(changed, self._lattice.resolution, box)
             maps = self._maps(box, self._layers).values()
-            if any(ghosts.possible(cells, robot, self._lattice.resolution) for cells in maps):
+            if any(ghosts.possible(cells, changed, box, self._lattice.resolution) for cells in maps):
                 self._dirty.add(box, weighing.reach(len(self._layers)))
 
     def render(self) -> Optional[Update]:
@@ -172,11 +171,8 @@ class GlobalMap:
         margin = weighing.reach(len(self._drawn)) + ghosts.reach(self._lattice.resolution)
         around = box.grown(margin)
         maps = self._maps(around, self._drawn)
-        robots = {
-            name: ghosts.presence(places.cells, self._lattice.resolution, around)
-            for name, places in sorted(self._places.items())
-        }
-        maps = ghosts.without_ghosts(maps, robots, self._lattice.resolution)
+        places = {name: each.cells for name, each in self._places.items()}
+        maps = ghosts.without_ghosts(maps, places, around, self._lattice.resolution)
         foreign = [maps[name] for name in self._drawn if name in maps]
         local = maps[self._name]
         cells = weighing.weighed(local, foreign, self._policy is Policy.STRICT) if self._drawn else local

@@ -269,6 +269,16 @@ def test_who_is_placed_everywhere_neither_tells_nor_watches():
     assert not meetings.watching
 
 
+def test_the_last_word_of_a_robot_that_fell_silent_does_not_keep_the_others_watching():
+    """Who has placed everybody tells nothing any more, and what it told last was that it had not."""
+    meetings = Meetings("a")
+    meetings.on_own_pose(Transform(), 0.0)
+    meetings.on_report(TrackReport("b", uptime=1.0, unplaced=("c",)), 1.0)
+    assert meetings.report(5.0) is not None
+    assert meetings.report(10.0) is None
+    assert not meetings.watching
+
+
 def test_reports_are_rare_while_nothing_moves_and_frequent_then():
     still = Scene([Actor("a", standing(-3.0, 0.0)), Actor("b", standing(-1.0, -1.0))], WALLS).run(20.0)
     moving = Scene(

@@ -14,7 +14,7 @@ from .heard import Heard
 from .hypotheses import Sightings, doubts_of
 from .map_objects import objects_in_map
 from .sweeps import SweepHistory
-from .telling import Telling
+from .telling import SLOW_S, Telling
 from .tracking import ObjectTracks, Trail
 from .values import NO_SENSOR, Hypothesis, LaserScan, Sensor, TrackReport
 
@@ -23,6 +23,8 @@ MAP_PERIOD_S = 1.0
 _POSE_PERIOD_S = 0.1
 _MOST_ROBOTS = 64
 _SILENT_S = 30.0
+_CURRENT_S = 3.2 * SLOW_S
+"""Who has somebody to place tells so every SLOW_S. Who has not, falls silent, and nobody waits for a last word."""
 
 
 class Meetings:
@@ -43,6 +45,7 @@ class Meetings:
         self._placed: Mapping[str, Transform] = {}
         self._telling = Telling()
         self._looked_at = -math.inf
+        self._now = -math.inf
         self._latest: Dict[str, Tuple[Hypothesis, ...]] = {}
 
     def on_team(self, hearing: Collection[str], placed: Mapping[str, Transform]) -> None:
@@ -54,10 +57,13 @@ class Meetings:
     def watching(self) -> bool:
         """False when everybody in hearing is placed, by this robot and by those that tell their tracks: scans need not
         be handed in and nothing is told."""
-        return bool(self._unplaced) or any(each.unplaced for each in self._heard.values())
+        return bool(self._unplaced) or any(
+            each.unplaced and self._now - each.heard_at <= _CURRENT_S for each in self._heard.values()
+        )
 
     def on_own_pose(self, pose: Transform, now: float) -> None:
         """The own robot in its map frame."""
+        self._now = now
         if len(self._own.rows) and now < self._own.rows[-1, 0] - _POSE_PERIOD_S:
             self._restart_clock()
         self._own.add((now, *pose.pose()))
@@ -81,6 +87,7 @@ class Meetings:
 
     def on_report(self, report: TrackReport, now: float) -> None:
         """What another robot tells. A new run forgets the former one."""
+        self._now = now
         if report.robot == self._name:
             return
         if report.robot not in self._heard and len(self._heard) >= _MOST_ROBOTS:
@@ -104,6 +111,7 @@ class Meetings:
 
     def report(self, now: float) -> Optional[TrackReport]:
         """What to tell the others now, if it is time."""
+        self._now = now
         if not self.watching or not len(self._own.rows) or not self._telling.due(now, self._lively(now)):
             return None
         poses, objects = self._telling.taken(now, self._own.rows, self._objects.present())
