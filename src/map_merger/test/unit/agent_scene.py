@@ -31,6 +31,7 @@ class AgentScene:
     def step(self):
         """0.2 s go by."""
         self.time, self.steps = self.time + STEP_S, self.steps + 1
+        self.scene.time = self.time
         self.team.now += STEP_S
         for robot in self.scene.robots:
             agent = self.team.agents[robot.name]

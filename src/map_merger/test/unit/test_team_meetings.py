@@ -22,7 +22,8 @@ def circling(x, y, radius=0.8, speed=0.25, begin=0.0):
 
     def way(time):
         angle = begin + speed / radius * max(0.0, time - 2.0)
-        return Transform(x + radius * math.cos(angle), y + radius * math.sin(angle), angle + 0.5 * math.pi)
+        ahead = angle + math.copysign(0.5 * math.pi, speed)
+        return Transform(x + radius * math.cos(angle), y + radius * math.sin(angle), ahead)
 
     return way
 
@@ -45,9 +46,9 @@ def equal_rooms(count=4, width=5.0, depth=4.0, door=1.2):
 def side_by_side(seed=1, lost=None):
     """Three robots that set off together in one of several equal rooms."""
     robots = [
-        Actor("robot_0", driving(-1.5, -1.2, 0.3, speed=0.3, turn=weave(0.5, 6.0))),
-        Actor("robot_1", driving(-1.5, -0.3, 0.1, speed=0.3, turn=weave(-0.6, 5.0))),
-        Actor("robot_2", driving(-1.5, 0.6, 0.5, speed=0.2, turn=weave(0.4, 7.0))),
+        Actor("robot_0", circling(1.2, -0.8, 0.7, 0.3, begin=math.pi)),
+        Actor("robot_1", circling(-1.2, -0.7, 0.8, -0.25)),
+        Actor("robot_2", circling(0.0, 0.9, 0.5, 0.2, begin=-1.6)),
     ]
     return AgentScene(Scene(robots, equal_rooms(), seed=seed), lost)
 
@@ -72,7 +73,7 @@ def assert_same_everywhere(team, shift=0.05, turn=0.5):
 
 
 def test_sightings_place_robots_though_a_third_of_all_messages_is_lost():
-    before = side_by_side().until_placed(15.0)
+    before = side_by_side().until_placed(12.0)
     random = np.random.default_rng(3)
     lost = []
 
@@ -81,7 +82,7 @@ def test_sightings_place_robots_though_a_third_of_all_messages_is_lost():
         return lost[-1]
 
     after = side_by_side(lost=lose).until_placed(before + 6.0)
-    assert after <= before + 6.0 and sum(lost) > 0.2 * len(lost)
+    assert after <= before + 6.0 < 20.0 and sum(lost) > 0.2 * len(lost)
 
 
 def test_a_person_who_crosses_between_two_robots_that_drive_is_never_taken_for_one():
