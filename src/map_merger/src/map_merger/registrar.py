@@ -127,18 +127,13 @@ class Registrar:
         return None if period < 0 else float(period)
 
     def _job(self, robot: str, team: Team) -> Job:
-        members = tuple(
-            Member(team.maps[name], team.placed[name].transform)
-            for name in sorted(team.maps)
-            if name != robot and name in team.placed
-        )
         others, all_placed = self._others(robot, team)
         seen, saw = self._sightings.of(robot)
         return Job(
             robot,
             team.target,
             team.maps[robot],
-            members,
+            self._members(robot, team),
             self.alignment(robot).transform,
             self._prior(robot, team),
             self._limits(team.target.grid.info.resolution),
@@ -150,6 +145,18 @@ class Registrar:
             all_placed,
             seen,
             saw,
+        )
+
+    def _members(self, robot: str, team: Team) -> Tuple[Member, ...]:
+        """The others whose walls may speak about the robot. Who is placed through it would confirm whatever transform
+        it has; and if it is placed through others itself, a transform found by theirs would pass for one more witness.
+        """
+        if robot in team.placed and self.alignment(robot).transform is None:
+            return ()
+        return tuple(
+            Member(team.maps[name], team.placed[name].transform)
+            for name in sorted(team.maps)
+            if name != robot and name in team.placed and robot not in team.placed[name].via
         )
 
     def _others(self, robot: str, team: Team) -> Tuple[np.ndarray, bool]:

@@ -7,6 +7,7 @@ from typing import Callable, Dict, List
 import numpy as np
 
 from map_merger.agent import Agent
+from map_merger.benchmark.virtual_team import take
 from map_merger.delivery import Delivery
 from map_merger.effects import (
     AskNeighbors,
@@ -18,7 +19,7 @@ from map_merger.effects import (
     SaveDebugImages,
     Send,
 )
-from map_merger.messages import Anchor, Position, Request, Tile
+from map_merger.messages import Tile
 from map_merger.options import Options
 from map_merger.synthetic import Survey, Surveyor, office_plan
 
@@ -109,18 +110,6 @@ class Team:
             for _, who, where, payload in self.sends
             if isinstance(payload, kind) and sender in (None, who) and destination in (None, where)
         ]
-
-
-def take(agent, payload, now):
-    """Hands a payload to an agent."""
-    if isinstance(payload, Tile):
-        agent.on_tile(payload, now)
-    elif isinstance(payload, Anchor):
-        agent.on_anchor(payload, now)
-    elif isinstance(payload, Request):
-        agent.on_request(payload, now)
-    elif isinstance(payload, Position):
-        agent.on_position(payload, now)
 
 
 def team_of(*names, **changes):

@@ -1,0 +1,203 @@
+"""Wrong transforms that a robot of a team believes strongly: how soon the team is rid of them.
+
+Teams of four explore an office from one place and go on while it happens, so maps grow. Own transforms between some
+pairs are given as if those robots had met, so that each team is connected; the rest is up to the agents. Then one
+pair's transform goes wrong, on one of the two robots or on both, with more evidence than a right one has.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+
+from ..agent import Agent
+from ..evidence import Evidence, compare
+from ..graph.edges import Edge
+from ..job import Job
+from ..options import Options
+from ..registration import Registration, Verdict
+from ..surface import landmarks_of
+from ..synthetic import RobotMap, Survey, Surveyor, office_plan, pair_of
+from ..transform import Transform, rotation_between
+from .figures import Row, row
+from .virtual_team import VirtualTeam
+
+ROBOTS = 4
+BAR_S = 30.0
+"""Within so many s it must be gone on every robot."""
+SETTLING_S = 15.0
+WATCHED_S = 60.0
+GROWTH_PERIOD_S = 5.0
+"""A robot has a new map this often."""
+STAGES = tuple(np.linspace(0.4, 1.0, 16).tolist())
+"""Shares of the way explored: the first before anything goes wrong."""
+PATH_M = 40.0
+WRONG_M, WRONG_RAD = 0.5, math.radians(5.0)
+_STRONG = Evidence(60.0, 20.0, 0.0, 0.9, 0.02)
+_COVARIANCE = ((0.003, 0.0, 0.0), (0.0, 0.003, 0.0), (0.0, 0.0, 0.0001))
+
+Pair = Tuple[str, str]
+
+
+class Injection(NamedTuple):
+    """robots: who is misled, about whom; `both`: each about the other. cycle: the wrong edge lies in a cycle of own
+    transforms. gone: s until no robot told it or placed anybody by it; None if that took longer than WATCHED_S.
+    placed: of 12 placements, how many were there and right at the end."""
+
+    seed: int
+    robots: Pair
+    both: bool
+    cycle: bool
+    gone: Optional[float]
+    placed: int
+
+
+@dataclass
+class _Met(VirtualTeam):
+    """Given pairs have met: their first registrations give the truth."""
+
+    truth: Dict[Pair, Transform] = field(default_factory=dict)
+    met: FrozenSet[Pair] = frozenset()
+    meeting: bool = True
+    """Only at the start."""
+
+    def outcome(self, name: str, job: Job) -> Registration:
+        if job.current is not None or (min(name, job.robot), max(name, job.robot)) not in self.met or not self.meeting:
+            return super().outcome(name, job)
+        truth = self.truth[name, job.robot]
+        evidence = compare(landmarks_of(job.target.grid), landmarks_of(job.source.grid), truth)
+        return Registration(Verdict.ACCEPTED, truth, evidence, met=True, covariance=_COVARIANCE)
+
+
+def inject(seed: int) -> Injection:
+    """One team and one wrong transform."""
+    random = np.random.default_rng(seed)
+    maps = _explored(random)
+    team = _team_of(maps, _connected(random, sorted(maps)))
+    _grow(team, maps, 0)
+    team.run(SETTLING_S)
+    team.meeting = False
+    first, second = random.choice(sorted(maps), 2, replace=False).tolist()
+    both = bool(random.random() < 0.5)
+    cycle = _in_cycle(_told(team), (first, second), both)
+    shift = Transform(*(random.uniform(3.0, 9.0, 2) * random.choice([-1.0, 1.0], 2)).tolist(), random.uniform(-3.0, 3.0))
+    wrong = team.truth[first, second].compose(shift)
+    mislead(team, first, second, wrong)
+    if both:
+        mislead(team, second, first, wrong.inverse())
+    gone = None
+    for number in range(1, round(WATCHED_S / 0.5) + 1):
+        if number % round(2.0 * GROWTH_PERIOD_S) == 0:
+            _grow(team, maps, round(0.5 * number / GROWTH_PERIOD_S))
+        team.run(0.5)
+        clean = not _believed(team, (first, second), wrong) and all(_placements(team))
+        gone = (0.5 * number if gone is None else gone) if clean else None
+    return Injection(seed, (first, second), both, cycle, gone, sum(_placements(team)))
+
+
+def mislead(team: VirtualTeam, name: str, robot: str, wrong: Transform) -> None:
+    """Robot `name` believes from now on that this transform lays the frame of `robot` in its own."""
+    outcome = Registration(Verdict.ACCEPTED, wrong, _STRONG, prior=True, met=True, covariance=_COVARIANCE)
+    team.mislead(name, robot, outcome)
+
+
+def _explored(random: np.random.Generator) -> Dict[str, RobotMap]:
+    surveyor = Surveyor(office_plan(random))
+    survey = Survey(path_length=PATH_M, stages=STAGES)
+    first = surveyor.explore(random, survey)
+    start = (float(first.path[0, 0]), float(first.path[0, 1]))
+    rest = [surveyor.explore(random, survey, start=start, yaw=2.0 * number + 0.4) for number in range(ROBOTS - 1)]
+    return {f"robot_{number}": each for number, each in enumerate([first, *rest])}
+
+
+def _connected(random: np.random.Generator, names: Sequence[str]) -> FrozenSet[Pair]:
+    """Pairs that join all: a random tree and some more."""
+    order = random.permutation(names).tolist()
+    pairs = {(order[number], order[int(random.integers(number))]) for number in range(1, len(order))}
+    pairs |= {(one, other) for one in names for other in names if one < other and random.random() < 0.25}
+    return frozenset((min(pair), max(pair)) for pair in pairs)
+
+
+def _team_of(maps: Dict[str, RobotMap], met: FrozenSet[Pair]) -> _Met:
+    agents = {
+        name: Agent(Options(robot_name=name, max_rotation_robots=-1.0, split_size=2048, debug=False), (1, number))
+        for number, name in enumerate(sorted(maps))
+    }
+    truth = {(one, other): pair_of(maps[one], maps[other]).truth for one in maps for other in maps if one != other}
+    return _Met(agents, truth=truth, met=met)
+
+
+def _grow(team: _Met, maps: Dict[str, RobotMap], stage: int) -> None:
+    for name, each in maps.items():
+        team.agents[name].on_local_map(each.stages[min(stage, len(each.stages) - 1)], team.now)
+
+
+def _told(team: VirtualTeam) -> List[Edge]:
+    return [edge for report in team.edges.values() for edge in report.edges]
+
+
+def _in_cycle(edges: Sequence[Edge], pair: Pair, both: bool) -> bool:
+    """True if own transforms join the pair though this one of them (or both of the pair) is left out."""
+    first, second = pair
+    reached = {first}
+    left = [edge for edge in edges if (edge.reporter, edge.target) != pair]
+    left = [edge for edge in left if not (both and {edge.reporter, edge.target} == set(pair))]
+    for _ in range(ROBOTS):
+        reached |= {robot for edge in left for robot in edge.pair if reached & set(edge.pair)}
+    return second in reached
+
+
+def _believed(team: VirtualTeam, pair: Pair, wrong: Transform) -> bool:
+    """True while one of the pair tells the wrong transform."""
+    told = {(edge.reporter, edge.target): edge.transform for edge in _told(team)}
+    back = told.get((pair[1], pair[0]))
+    candidates = [told.get(pair), None if back is None else back.inverse()]
+    return any(each is not None and not _differ(each, wrong) for each in candidates)
+
+
+def _differ(first: Transform, second: Transform) -> bool:
+    return (
+        math.hypot(first.x - second.x, first.y - second.y) > WRONG_M or rotation_between(first, second) > WRONG_RAD
+    )
+
+
+def _placements(team: _Met) -> List[bool]:
+    """Of each placement in the team whether it is right."""
+    return [
+        not _differ(transform, team.truth[name, robot])
+        for name, agent in team.agents.items()
+        for robot, transform in agent.transforms().items()
+    ]
+
+
+def rows_of(injections: Sequence[Injection], command: str) -> List[Row]:
+    """Rows of the bar."""
+    cycles = [each for each in injections if each.cycle]
+    alone = [each for each in injections if not each.cycle]
+    whole = sum(each.placed == ROBOTS * (ROBOTS - 1) for each in injections)
+    return [
+        _gone_row("injected wrong edge gone on every robot within 30 s", injections, command),
+        _gone_row("the same, edge in a cycle of own transforms", cycles, command),
+        _gone_row("the same, edge that is the only bond of two parts of the team", alone, command),
+        row(
+            "teams with every robot placed right on every robot a minute after the injection",
+            f"{len(injections)} of {len(injections)}",
+            whole,
+            "teams",
+            whole == len(injections),
+            f"{sum(each.placed for each in injections)} of {len(injections) * ROBOTS * (ROBOTS - 1)} placements; {command}",
+        ),
+    ]
+
+
+def _gone_row(what: str, injections: Sequence[Injection], command: str) -> Row:
+    within = sum(each.gone is not None and each.gone <= BAR_S for each in injections)
+    times = sorted(math.inf if each.gone is None else each.gone for each in injections)
+    middle = times[len(times) // 2] if times else math.nan
+    detail = (
+        f"median {middle:.1f} s, slowest {times[-1] if times else math.nan:.1f} s; teams of {ROBOTS}, "
+        f"{sum(each.both for each in injections)} with both robots misled; the wrong one has more wall than the right "
+        f"ones; {command}"
+    )
+    return row(what, f"{len(times)} of {len(times)}", within, "teams", within == len(times), detail)
