@@ -18,6 +18,8 @@ from map_merger.effects import (
     SaveDebugImages,
     Send,
 )
+from map_merger.graph.edges import EdgeReport
+from map_merger.meetings import TrackReport
 from map_merger.messages import Anchor, Position, Request, Tile
 from map_merger.options import Options
 from map_merger.synthetic import Survey, Surveyor, office_plan
@@ -121,6 +123,10 @@ def take(agent, payload, now):
         agent.on_request(payload, now)
     elif isinstance(payload, Position):
         agent.on_position(payload, now)
+    elif isinstance(payload, EdgeReport):
+        agent.on_edges(payload, now)
+    elif isinstance(payload, TrackReport):
+        agent.on_track(payload, now)
 
 
 def team_of(*names, **changes):
