@@ -39,6 +39,11 @@ class Broadcast:
         self._sent_before: Optional[Grid] = None
         self._undelivered: Set[int] = set()
         self._announced = False
+        self._at_once = False
+
+    def tell_at_once(self) -> None:
+        """What changed does not wait for the timer."""
+        self._at_once = True
 
     def on_map(self, grid: Grid, told: bool = True) -> bool:
         """The own map changed. False, and a warning, if it cannot be that of this run. told: False if the others are
@@ -80,9 +85,10 @@ class Broadcast:
 
     def tick(self, now: float, heard: bool) -> None:
         """Sends what is due. `heard`: there are other robots."""
-        due = self._changes_timer.fires(now)
+        due = self._changes_timer.fires(now) or self._at_once
         resend = self._repair_timer.fires(now) and bool(self._undelivered)
         if (due or resend) and Purpose.CHANGES not in self._outstanding:
+            self._at_once = False
             self._send_changes(now, due)
         if self._anchor_timer.fires(now) and heard:
             self._send_anchor()

@@ -65,8 +65,10 @@ class Exchange:
         return self._broadcast.on_map(grid, told=not self._topology.is_base)
 
     def on_merged_map(self, grid: Grid) -> None:
-        """On a base: the global map changed, which is the map that it tells."""
-        self._broadcast.on_map(grid)
+        """On a base: the global map changed, which is the map that it tells. It is not drawn anew so often that this
+        would have to wait; the robots' maps have waited before."""
+        if self._broadcast.on_map(grid):
+            self._broadcast.tell_at_once()
 
     def begin_run(self, boot: Boot) -> None:
         """The own map begins anew, in another frame; `boot` names the new run."""
