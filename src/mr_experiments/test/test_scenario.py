@@ -50,12 +50,13 @@ def test_all_keys(scenario_file):
         scenario_file(
             "description: all keys\nworld: small8x8\nrobots: [2]\nstrategies: [1, 7]\nlimit: 60\nfast: false\n"
             "known_poses: true\nradio: {range: 5, loss: 0.1, bit_rate: 1e6, wall_attenuation: 3, contention: true,"
-            " sealed: false}\nstarts: [[1, 2, 90], [3, 4.5, -180]]\njoins: {1: 5}\ndeaths: {0: 9.5}\n"
+            " sealed: false}\ntopology: centralized\nbase: [2, 1.5]\nstarts: [[1, 2, 90], [3, 4.5, -180]]\njoins: {1: 5}\ndeaths: {0: 9.5}\n"
         )
     )
     assert scenario.radio == RadioOptions(5.0, 0.1, 1e6, 3.0, True, False)
     assert scenario.starts == ((1.0, 2.0, math.radians(90.0)), (3.0, 4.5, -math.pi))
     assert (scenario.joins, scenario.deaths) == ({1: 5.0}, {0: 9.5})
+    assert (scenario.topology, scenario.base) == ("centralized", (2.0, 1.5))
     assert (scenario.name, scenario.strategies, scenario.known_poses, scenario.limit) == ("made", (1, 7), True, 60.0)
     alone = scenario.trial(1, 7, 1)
     assert alone.joins == {} and len(alone.starts) == 1
@@ -86,6 +87,8 @@ def test_radio_without_limits(scenario_file):
         ("description: x\nlimit: .inf", "limit: expected a finite number"),
         ("description: x\nfast: 1", "fast: expected true or false, not 1"),
         ("description: x\nknown_poses: maybe", "known_poses: expected true or false"),
+        ("description: x\nbase: [1, 2, 3]", "base: expected .x, y. in m, not"),
+        ("description: x\nbase: [1, .inf]", "base: expected finite numbers"),
         ("description: x\nradio:", "radio: expected a mapping with some of range"),
         ("description: x\nradio: {reach: 5}", "radio: unknown key 'reach'; there are range"),
         ("description: x\nradio: {loss: 1.5}", "radio: loss: expected a number between 0 and 1, not 1.5"),

@@ -109,3 +109,12 @@ def test_parameter_files_hold_known_parameters(name, known):
     names = {getattr(entry, "name", entry) for entry in module.PARAMETERS}
     values = yaml.safe_load((PACKAGE / "config" / f"{name}.yaml").read_text())
     assert set(values) <= names
+
+
+def test_nodes_of_a_base_station():
+    assert set(roslaunch("--nodes", "base_station.launch").split()) == {"/adhoc_communication", "/map_merger"}
+    parameters = yaml.safe_load(roslaunch("--dump-params", "base_station.launch", "name:=7"))
+    assert parameters["/map_merger/has_local_map"] is False
+    assert {parameters[f"/map_merger/{key}"] for key in ("robot_name", "base_station")} == {"7"}
+    assert parameters["/map_merger/topology"] == "centralized"
+    assert parameters["/adhoc_communication/robot_name"] == "7"

@@ -11,6 +11,7 @@ from mr_launch.plan import (
     Plan,
     RobotPlan,
     Walls,
+    base_position,
     key_command,
     launch_command,
     link_commands,
@@ -140,3 +141,39 @@ def test_entering_a_robot():
 def test_system_python_comes_first_on_path():
     assert isolation.search_path("/opt/pyenv/bin:/usr/bin").split(":")[:2] == ["/usr/bin", "/bin"]
     assert isolation.search_path("/opt/pyenv/bin:/usr/bin").split(":").count("/usr/bin") == 1
+
+
+CENTRALIZED = RobotPlan("base", 2, 11311, (1.0, 2.0, 0.5))
+
+
+def centralized(kind=isolation.NAMESPACES, *arguments):
+    options = parse_arguments(["--out", "/o", "--topology", "centralized", *arguments])
+    return Plan(options, "/w.world", ROBOTS, "/o", kind, PROGRAMS, "/private", CENTRALIZED)
+
+
+def test_centralized_plan_survives_its_way_to_the_inner_process():
+    assert Plan.from_json(centralized().to_json()) == centralized()
+
+
+def test_the_base_has_a_radio_and_a_place_but_no_body():
+    command = radio_command(centralized())
+    assert "base=air2" in command
+    assert base_position(CENTRALIZED) == "position base 1.000 2.000\n"
+    assert world_command(centralized())[world_command(centralized()).index("--robots") + 1] == "2"
+
+
+def test_robots_and_base_know_who_merges():
+    command = launch_command(centralized(), ROBOTS[1])
+    arguments = launch_arguments(command)
+    assert (arguments["topology"], arguments["base_station"]) == ("centralized", "base")
+    command = launch_command(centralized(isolation.HUB, "--initial-poses"), CENTRALIZED)
+    arguments = launch_arguments(command)
+    assert "base_station.launch" in command
+    assert (arguments["name"], arguments["interface"]) == ("base", "hub:/private/hub")
+    assert set(json.loads(arguments["initial_poses"])) == {"robot_0", "a_robot_with_a_long_name"}
+
+
+def test_without_a_base_robots_merge_for_themselves():
+    arguments = launch_arguments(launch_command(plan(), ROBOTS[0]))
+    assert (arguments["topology"], arguments["base_station"]) == ("distributed", "")
+    assert plan().hosts == ROBOTS

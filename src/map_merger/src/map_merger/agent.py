@@ -30,7 +30,7 @@ from .map_sightings import MapSightings
 from .markers import RobotMarker, marker_of, outline_of
 from .meetings import LaserScan, Meetings, TrackReport
 from .merged_map import MergedMap
-from .messages import Anchor, Boot, Position, Request, Tile
+from .messages import Anchor, Boot, Position, Request, Tile, run_after
 from .options import Options
 from .own_edges import own_edges
 from .payload import Payload
@@ -41,6 +41,8 @@ from .report import LogFigures, beyond_limits, figures_of, news_of, placement_of
 from .sighting import LONGEST_MAP_LAG_S, nowhere
 from .status import MergerStatus, RobotPlacement
 from .timer import Timer
+from .told_runs import ToldRuns
+from .topology import topology_of
 from .transform import FARTHEST_M, Transform
 from .whereabouts import Whereabouts
 
@@ -62,7 +64,8 @@ class Agent:
     def __init__(self, options: Options, boot: Boot) -> None:
         """`boot` names this run (see messages.Boot)."""
         self.name = options.robot_name
-        self._options, self._boot = options, boot
+        self._options, self._boot, self._first_boot = options, boot, boot
+        self._topology, self._told_runs = topology_of(options), ToldRuns()
         self.exchange = Exchange(options, boot)
         self._reference = Reference()
         self._whereabouts = Whereabouts()
@@ -143,6 +146,9 @@ class Agent:
         """A robot told the transforms that it has found."""
         if self._hear(report.robot, now):
             self._effects += [Note(text, warning=True) for text in self._graph.heard(report)]
+            if report.robot == self._topology.relies_on:
+                for robot in self._told_runs.restarted(report):
+                    self._forget_frame_of(robot)
 
     def on_sent(
         self,
@@ -275,10 +281,16 @@ class Agent:
             robot,
             self._graph.placed().get(robot),
             self._registrar.alignment(robot),
-            self._registrar.why(robot),
+            self._why_not_placed(robot),
             self._hearing.age(robot, now),
             self._hearing.octets(robot),
         )
+
+    def _why_not_placed(self, robot: str) -> str:
+        base = self._topology.relies_on
+        if base is None:
+            return self._registrar.why(robot)
+        return self._topology.why_not_placed(robot, self.exchange.present(base), base in self._graph.placed())
 
     # Robots and their frames
 
@@ -317,11 +329,21 @@ class Agent:
             self._frame = self._reference.frame
             self._merged.forget()
             self._sightings.forget_all()
+            self._meetings.forget_own()
+            if self._topology.is_base:
+                self._begin_run(run_after(self._first_boot, self._frame))
             for robot in self.exchange.robots():
                 self._registrar.forget(robot)
             self._update_graph()
         if self._reference.version != version:
             self._look(now)
+
+    def _begin_run(self, boot: Boot) -> None:
+        """The frame in which a base tells its map is a new one."""
+        self._boot = boot
+        self.exchange.begin_run(boot)
+        self._graph.begin_run(boot)
+        self._telling.begin_run(boot)
 
     # Sightings in maps
 
@@ -350,7 +372,7 @@ class Agent:
                 self._tell(Purpose.POSITION, Position(self.name, whereabouts.own_pose))
             self._effects += positions_of(self._options, whereabouts, self.transforms(), now)
         if self._announcements.free(Purpose.TRACK):
-            self._meetings.on_team(self._driving(), self.transforms())
+            self._meetings.on_team(self._driving(), self.transforms(), self._reference.robot)
             self._tell(Purpose.TRACK, self._meetings.report(now))
         if self._announcements.free(Purpose.EDGES):
             self._tell(Purpose.EDGES, self._telling.due(self._edges(), now))
@@ -361,8 +383,11 @@ class Agent:
             self._effects.append(send)
 
     def _driving(self) -> List[str]:
-        """Robots in hearing that have a map or a position; who has neither, like a base station, has no frame."""
-        heard = (robot for robot in self.exchange.robots() if self.exchange.present(robot))
+        """Robots in hearing that have a map or a position; who has neither, like a base station, has no frame. Where
+        a base merges, it is for that one to say."""
+        heard = [robot for robot in self.exchange.robots() if self.exchange.present(robot)]
+        if self._topology.relies_on is not None:
+            return heard if self._topology.relies_on in heard else []
         return [
             robot
             for robot in heard
@@ -370,7 +395,7 @@ class Agent:
         ]
 
     def _register(self, now: float) -> None:
-        if self._reference.grid is None:
+        if self._reference.grid is None or self._topology.relies_on is not None:
             return
         maps = {}
         for robot in self.exchange.robots():
@@ -412,6 +437,8 @@ class Agent:
         update = self._merged.step(self._reference, self.exchange, self.transforms(), self._whereabouts, now)
         if update is not None:
             self._effects.append(PublishMap(update.grid, update.changed))
+            if self._topology.is_base:
+                self.exchange.on_merged_map(update.grid)
         self._effects += [
             Note(
                 f"map of {robot} not drawn: with it the global map would have more than {MOST_GLOBAL_CELLS} cells", True

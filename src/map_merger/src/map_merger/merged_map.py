@@ -10,6 +10,7 @@ from .grid import Grid
 from .options import Options
 from .reference import Reference
 from .timer import Timer
+from .topology import topology_of
 from .transform import Transform
 from .whereabouts import Whereabouts
 
@@ -22,6 +23,7 @@ class MergedMap:
 
     def __init__(self, options: Options) -> None:
         self._name, self._policy = options.robot_name, Policy(options.local_priority)
+        self._topology = topology_of(options)
         self._foreign_timer = Timer(options.seconds_pub_timer, options.seconds_pub_timer)
         self._local_timer = Timer(SHORTEST_PUBLISH_S)
         self._map = GlobalMap(self._name, self._policy)
@@ -54,7 +56,11 @@ class MergedMap:
         self._version = reference.version
         self._map.set_local(reference.grid)
         if foreign_due:
-            others = {name: transform for name, transform in transforms.items() if name != reference.robot}
+            others = {
+                name: transform
+                for name, transform in transforms.items()
+                if name != reference.robot and self._topology.exchanges_maps_with(name)
+            }
             self._draw(others, exchange)
             self._place(transforms, whereabouts)
         update = self._map.render()

@@ -25,6 +25,12 @@ class Anchor(NamedTuple):
     updates: int = 0
 
 
+def run_after(boot: Boot, count: int) -> Boot:
+    """Names the run that begins in the same process after `count` others."""
+    seconds, nanoseconds = divmod(boot[1] + count, 1_000_000_000)
+    return boot[0] + seconds, nanoseconds
+
+
 @dataclass(frozen=True, eq=False)
 class Tile:
     """Cells (int8) at `row`, `column` from the anchor's corner, and the update numbers that they complete.

@@ -139,7 +139,7 @@ class Registrar:
             self._limits(team.target.grid.info.resolution),
             self._options.registration,
             self._cache,
-            self._whereabouts.own_track.timed_points(),
+            (self._whereabouts.own_track if team.base is None else self._whereabouts.track(team.base)).timed_points(),
             self._whereabouts.track(robot).timed_points(),
             others,
             all_placed,

@@ -353,3 +353,21 @@ def test_without_a_laser_a_robot_is_found_in_the_maps():
     best = watcher.hypotheses("b", 14.9)[0]
     assert best.settled
     assert_right(best.transform, way(0.0), 0.25, 3.0)
+
+
+def test_for_a_base_station_its_reference_robot_sees():
+    """It neither drives nor looks: what two robots tell of themselves and of one another has to do."""
+    robots = [Actor("a", driving(-3.0, 0.0, turn=weave())), Actor("b", driving(-1.0, -1.0, 0.3, turn=weave()))]
+    scene = Scene([*robots, Actor("c", standing(2.0, 1.5, 1.0))], WALLS).run(10.0)
+    base = Meetings("base")
+    for time, report in scene.reports:
+        base.on_report(report, time + 100.0)
+    base.on_team({"a", "b", "c"}, {})
+    assert base.hypotheses("b", 110.0) == ()
+    base.on_team({"a", "b", "c"}, {"a": Transform()}, "a")
+    best = base.hypotheses("b", 110.0)[0]
+    assert best.settled
+    assert_right(best.transform, scene.truth("b", "a"))
+    base.on_team({"a", "b", "c"}, {"b": Transform()}, "b")
+    assert_right(base.hypotheses("a", 110.0)[0].transform, scene.truth("a", "b"))
+    assert base.hypotheses("a", 150.0) == (), "nothing is told any more"

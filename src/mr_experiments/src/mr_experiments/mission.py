@@ -9,7 +9,9 @@ from typing import Callable
 import numpy as np
 
 from explorer.agent import State
+from mr_experiments import base_station
 from mr_experiments.agenda import Agenda
+from mr_experiments.base_station import BaseStation
 from mr_experiments.body import Body
 from mr_experiments.exploring import TICK
 from mr_experiments.fast_body import FastBody
@@ -64,7 +66,9 @@ class Mission:
         self.robots = [self._robot(index, starts) for index in range(trial.robots)]
         # Those that take part to the end, also if they join later.
         self._survivors = [robot for robot in self.robots if robot.index not in trial.deaths]
-        self.recorder.attach(self.robots, self.radio)
+        self.base = None if trial.base is None else self._base_station(trial.base, starts)
+        participants = [*self.robots, *([] if self.base is None else [self.base])]
+        self.recorder.attach(self.robots, self.radio, [each.own_radio.index for each in participants])
 
     def _robot(self, index: int, starts: dict[str, Pose]) -> Robot:
         name, ranger = self.world.names[index], self.world.robots[index].rangers[0]
@@ -78,6 +82,13 @@ class Mission:
             explorer_options(self.trial, name, index, ranger), body, self.trial.seed, self.agenda, self.radio,
             self.stopwatch, self.recorder, lambda: self.now,
             FAST_TICK if self.trial.fast else TICK, self._sight,
+        )  # fmt: skip
+
+    def _base_station(self, place: tuple[float, float], starts: dict[str, Pose]) -> BaseStation:
+        boot = (self.trial.seed % 2**31, self.trial.robots + 1)
+        options = merger_options(self.trial, base_station.NAME, starts)
+        return BaseStation(
+            place, options, boot, self.agenda, self.radio, self.stopwatch, self.recorder, lambda: self.now
         )  # fmt: skip
 
     def run(self, until: float = math.inf, progress: Callable[[float], None] = lambda _: None) -> None:
@@ -95,6 +106,8 @@ class Mission:
                 self.radio.switch_off(robot.own_radio.index)
             else:
                 self._boot(robot, 0.0)
+        if self.base is not None:
+            self.base.start(0.0)
         if self.trial.fast:
             self.agenda.every(FAST_STEP, 0.0, lambda _: self._drive())
             self.agenda.every(VIEW_PERIOD, 0.0, lambda _: self._look())

@@ -9,8 +9,9 @@ import yaml  # type: ignore[import-untyped]
 
 import explorer.options
 import map_merger.options
+from mr_experiments import base_station
 from mr_experiments.ros_packages import folder_of
-from mr_experiments.trial import Trial, TrialError
+from mr_experiments.trial import CENTRALIZED, Trial, TrialError
 from mr_sim.navigation.options import NavigationOptions
 from mr_sim.pose import Pose
 from mr_sim.world_model import RangerDescription
@@ -33,6 +34,8 @@ def _configuration(node: str) -> dict[str, Any]:
 def merger_options(trial: Trial, name: str, starts: dict[str, Pose]) -> map_merger.options.Options:
     """`starts`: all robots' true start poses, told if the trial says so."""
     given = dict(_configuration("map_merger"), robot_name=name)
+    if trial.topology == CENTRALIZED:
+        given.update(topology=trial.topology, base_station=base_station.NAME, has_local_map=name != base_station.NAME)
     if trial.known_poses:
         given["initial_poses"] = {robot: list(pose) for robot, pose in starts.items()}
     return map_merger.options.options_of(given, name)

@@ -84,9 +84,11 @@ class Recorder:
         self._covered_at = -math.inf
         self._robots: Sequence[Robot] = ()
         self._radio: TeamRadio | None = None
+        self._radios: list[int] = []
 
-    def attach(self, robots: Sequence[Robot], radio: TeamRadio) -> None:
-        self._robots, self._radio = robots, radio
+    def attach(self, robots: Sequence[Robot], radio: TeamRadio, radios: Sequence[int]) -> None:
+        """`radios`: all whose traffic is the team's."""
+        self._robots, self._radio, self._radios = robots, radio, list(radios)
 
     def begin(self, now: float) -> None:
         self._begun_at = now
@@ -151,7 +153,7 @@ class Recorder:
         self.team["coverage"].append(round(share, 5))
         self.team["explored"].append(round(float(known.sum()) * self.truth.cell_area, 3))
         assert self._radio is not None
-        traffic = [self._radio.statistics(robot.own_radio.index) for robot in self._robots]
+        traffic = [self._radio.statistics(index) for index in self._radios]
         self.team["distance"].append(round(sum(log.distance for log in self.logs), 4))
         self.team["bytes"].append(sum(one.get("bytes_sent", 0) for one in traffic))
         self.team["frames"].append(sum(one.get("frames_sent", 0) for one in traffic))
@@ -212,10 +214,12 @@ class Recorder:
             )
 
     def on_note(self, robot: int, text: str, warning: bool, now: float) -> None:
+        self.note(self.world.names[robot], text, warning, now)
+
+    def note(self, name: str, text: str, warning: bool, now: float) -> None:
+        """`name`: of a robot or of the base."""
         if len(self.notes) < MOST_NOTES:
-            self.notes.append(
-                {"at": self._since(now), "robot": self.world.names[robot], "text": text, "warning": warning}
-            )
+            self.notes.append({"at": self._since(now), "robot": name, "text": text, "warning": warning})
             if len(self.notes) == MOST_NOTES:
                 self.notes[-1].update(text="further notes were dropped", warning=True)
 

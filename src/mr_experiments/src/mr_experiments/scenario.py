@@ -12,7 +12,7 @@ import yaml  # type: ignore[import-untyped]
 from explorer.options import STRATEGIES
 from mr_experiments.radio import RadioOptions
 from mr_experiments.ros_packages import folder_of
-from mr_experiments.trial import Trial, TrialError
+from mr_experiments.trial import DISTRIBUTED, Trial, TrialError
 from mr_sim.pose import Pose
 
 DEFAULT = "paper"
@@ -34,12 +34,14 @@ class Scenario:
     starts: tuple[Pose, ...] = ()
     joins: Mapping[int, float] = field(default_factory=dict)
     deaths: Mapping[int, float] = field(default_factory=dict)
+    topology: str = DISTRIBUTED
+    base: tuple[float, float] | None = None
 
     def trial(self, robots: int, strategy: int, seed: int, world: str = "") -> Trial:
         """Robots that join or die but are not in the team do not count."""
         return Trial(
             world or self.world, robots, seed, self.name, strategy, self.limit, self.fast, self.radio, self.known_poses,
-            self.starts[:robots], _of(self.joins, robots), _of(self.deaths, robots),
+            self.starts[:robots], _of(self.joins, robots), _of(self.deaths, robots), self.topology, self.base,
         )  # fmt: skip
 
 
@@ -189,6 +191,15 @@ def _pose(value: Any) -> Pose:
     return (x, y, math.radians(degrees))
 
 
+def _place(value: Any) -> tuple[float, float]:
+    if not (isinstance(value, list) and len(value) == 2):
+        raise TrialError(f"expected [x, y] in m, not {value!r}")
+    x, y = (_number(number) for number in value)
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise TrialError(f"expected finite numbers, not {value!r}")
+    return (x, y)
+
+
 def _radio(value: Any) -> RadioOptions:
     if not isinstance(value, dict):
         raise TrialError(f"expected a mapping with some of {', '.join(_RADIO_KEYS)}, not {value!r}")
@@ -204,4 +215,5 @@ _RADIO_KEYS: dict[str, Callable[[Any], Any]] = {
 _KEYS: dict[str, Callable[[Any], Any]] = {
     "description": _text, "world": _text, "robots": _team_sizes, "strategies": _strategies, "limit": _finite_positive,
     "fast": _flag, "known_poses": _flag, "radio": _radio, "starts": _poses, "joins": _seconds, "deaths": _seconds,
+    "topology": _text, "base": _place,
 }  # fmt: skip

@@ -31,10 +31,11 @@ class MergeLog:
 
     def look(self, robot: Robot, team: Sequence[Robot], now: float) -> None:
         """Notes what has changed in the transforms of a robot's merger; later refinements count only for the error."""
-        before, present = self._believed[robot.name], robot.merger.transforms()
+        partners = {one.name: one for one in team}
+        before = self._believed[robot.name]
+        present = {name: transform for name, transform in robot.merger.transforms().items() if name in partners}
         for other in sorted(before.keys() - present.keys()):
             self.entries[robot.name].append({"with": other, "at": round(now, 3), "transform": None})
-        partners = {one.name: one for one in team}
         for other, transform in present.items():
             if other not in before or _apart(before[other], transform):
                 self.entries[robot.name].append(self._entry(robot, partners[other], transform, now))

@@ -12,6 +12,9 @@ from mr_experiments.radio import RadioOptions
 from mr_sim.pose import Pose
 
 
+DISTRIBUTED, CENTRALIZED = TOPOLOGIES = ("distributed", "centralized")
+
+
 class TrialError(ValueError):
     """A trial that cannot be run as asked."""
 
@@ -32,6 +35,8 @@ class Trial:
     starts: tuple[Pose, ...] = ()  # instead of the world file's, world frame
     joins: Mapping[int, float] = field(default_factory=dict)  # robot -> s after the start of the others
     deaths: Mapping[int, float] = field(default_factory=dict)  # robot -> s after the start
+    topology: str = DISTRIBUTED
+    base: tuple[float, float] | None = None  # where the base of a centralized team stands, m, world frame
 
     def __post_init__(self) -> None:
         if self.robots < 1:
@@ -39,6 +44,7 @@ class Trial:
         if self.strategy not in STRATEGIES:
             known = ", ".join(str(number) for number in STRATEGIES)
             raise TrialError(f"strategy {self.strategy} is unknown; there are {known}")
+        self._check_topology()
         if not (math.isfinite(self.limit) and self.limit > 0.0):
             raise TrialError(f"the limit of a mission must be a positive number of seconds, not {self.limit!r}")
         for what, robots in (("joins", self.joins), ("deaths", self.deaths)):
@@ -49,6 +55,14 @@ class Trial:
         for robot in self.joins.keys() & self.deaths.keys():
             if self.joins[robot] >= self.deaths[robot]:
                 raise TrialError(f"robot {robot} would die before it joins")
+
+    def _check_topology(self) -> None:
+        if self.topology not in TOPOLOGIES:
+            raise TrialError(f"topology {self.topology!r} is unknown; there are {', '.join(TOPOLOGIES)}")
+        if (self.topology == CENTRALIZED) != (self.base is not None):
+            raise TrialError("a base is given if, and only if, topology is centralized")
+        if self.topology == CENTRALIZED and self.fast:
+            raise TrialError("perfect maps (fast) need no base: topology must be distributed")
 
     @property
     def key(self) -> str:
@@ -62,5 +76,6 @@ class Trial:
             values["radio"]["range"] = None
         for name in ("joins", "deaths"):
             values[name] = {str(robot): time for robot, time in values[name].items()}
+        values["base"] = None if self.base is None else list(self.base)
         values["starts"] = [list(start) for start in self.starts]
         return values

@@ -41,6 +41,7 @@ class Options:
     initial_poses: bool
     quiet: bool
     isolation: str
+    topology: str
 
     def to_dict(self) -> dict[str, Any]:
         return asdict(self)
@@ -97,6 +98,13 @@ def make_parser() -> argparse.ArgumentParser:
     add("--navigation", choices=("mr_sim", "move_base"), default="mr_sim", help="navigation (default: %(default)s)")
     add("--no-bag", dest="bag", action="store_false", help="record no bags")
     add("--initial-poses", action="store_true", help="tell the robots each other's start poses")
+    add(
+        "--topology",
+        choices=("distributed", "centralized"),
+        default="distributed",
+        help="distributed: every robot merges maps; centralized: a base station at the start of the first robot merges "
+        "for all (default: %(default)s)",
+    )
     add("--quiet", action="store_true", help="print only notices, errors and the final table")
     add(
         "--isolation",

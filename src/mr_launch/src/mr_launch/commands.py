@@ -12,7 +12,7 @@ from mr_launch import isolation
 from mr_launch.arguments import Options, choose_robots, parse_arguments
 from mr_launch.errors import UserError
 from mr_launch.outside import run_team
-from mr_launch.plan import FIRST_PORT, Plan, RobotPlan
+from mr_launch.plan import BASE, FIRST_PORT, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
 from mr_launch.world import check_start, find_world, robots_of
 
@@ -39,6 +39,8 @@ def make_plan(options: Options) -> Plan:
     world = find_world(options.world)
     poses = robots_of(world)
     names = choose_robots(options.robots, [name for name, _ in poses], world)
+    if options.topology == "centralized" and BASE in names:
+        raise UserError(f"{world} has a robot named {BASE}, which is the name of the base station")
     check_start(world, len(names))
     programs = find_programs(options.slam, options.navigation)
     kind, reason = isolation.choose(options.isolation, os.geteuid())
@@ -46,10 +48,12 @@ def make_plan(options: Options) -> Plan:
         if options.isolation == "namespaces":
             raise UserError(f"network namespaces are not allowed here: {reason}")
         print(f"team: no network namespaces ({reason}): one port per master, radio over Unix sockets", file=sys.stderr)
-    ports = free_ports(len(names)) if kind == isolation.HUB else [FIRST_PORT] * len(names)
-    starts = dict(poses)
-    robots = [RobotPlan(name, index, ports[index], starts[name]) for index, name in enumerate(names)]
-    return Plan(options, world, robots, str(Path(options.out).absolute()), kind, programs)
+    hosts = [*names, *([BASE] if options.topology == "centralized" else [])]
+    ports = free_ports(len(hosts)) if kind == isolation.HUB else [FIRST_PORT] * len(hosts)
+    starts = {BASE: dict(poses)[names[0]], **dict(poses)}
+    robots = [RobotPlan(name, index, ports[index], starts[name]) for index, name in enumerate(hosts)]
+    base = robots.pop() if options.topology == "centralized" else None
+    return Plan(options, world, robots, str(Path(options.out).absolute()), kind, programs, base=base)
 
 
 def make_output_folder(plan: Plan) -> None:
@@ -60,7 +64,8 @@ def make_output_folder(plan: Plan) -> None:
     try:
         for robot in plan.robots:
             plan.robot_folder(robot).mkdir(parents=True)
-            plan.log_folder(robot).mkdir(parents=True)
+        for host in plan.hosts:
+            plan.log_folder(host).mkdir(parents=True)
         if not plan.options.out.startswith("out/"):
             return
         latest = out.parent / "latest"

@@ -39,8 +39,8 @@ def make_private_file_system(plan: Plan) -> None:
         if result.returncode != 0:
             raise TeamFailure(f"no private file system: {result.stderr.strip()}")
         subprocess.run(["ip", "link", "set", "lo", "up"], check=False)
-    for robot in plan.robots:
-        Path(plan.socket(f"ros_home/{robot.name}")).mkdir(parents=True)
+    for host in plan.hosts:
+        Path(plan.socket(f"ros_home/{host.name}")).mkdir(parents=True)
 
 
 def end_at_once(plan: Plan) -> None:

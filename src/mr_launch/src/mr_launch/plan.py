@@ -14,6 +14,7 @@ from mr_launch.arguments import Options
 FIRST_PORT = 11311
 RADIO_INTERFACE = "radio0"
 SLOWEST_RADIO = 0.001  # the least real-time factor that the radio daemon takes
+BASE = "base"  # name of the base station of a centralized team
 TRUTH_FILE = "truth.pickle"  # what maps are compared with, in the private folder
 
 
@@ -43,6 +44,12 @@ class Plan:
     isolation: str
     programs: dict[str, str] = field(default_factory=dict)  # name -> path, see programs.PROGRAMS
     private: str = ""  # folder for sockets
+    base: RobotPlan | None = None  # the base station of a centralized team; it has no body
+
+    @property
+    def hosts(self) -> list[RobotPlan]:
+        """All that have a master and a radio of their own."""
+        return [*self.robots, *([self.base] if self.base else [])]
 
     def robot_folder(self, robot: RobotPlan) -> Path:
         return Path(self.out) / robot.name
@@ -61,9 +68,13 @@ class Plan:
     def from_json(text: str) -> Plan:
         values: dict[str, Any] = json.loads(text)
         values["options"] = Options(**values["options"])
-        robots: list[dict[str, Any]] = values["robots"]
-        values["robots"] = [RobotPlan(**dict(robot, start=tuple(robot["start"]))) for robot in robots]
+        values["robots"] = [_robot_from(robot) for robot in values["robots"]]
+        values["base"] = _robot_from(values["base"]) if values["base"] else None
         return Plan(**values)
+
+
+def _robot_from(values: dict[str, Any]) -> RobotPlan:
+    return RobotPlan(**dict(values, start=tuple(values["start"])))
 
 
 def robot_environment(plan: Plan, robot: RobotPlan) -> dict[str, str]:
@@ -106,7 +117,7 @@ def radio_command(plan: Plan, walls: Walls | None = None) -> list[str]:
     if plan.isolation == isolation.HUB:
         command += ["--hub", plan.socket("hub")]
     else:
-        for robot in plan.robots:
+        for robot in plan.hosts:
             command += ["--interface", f"{robot.name}={robot.air}"]
     command += ["--range", f"{options.range:g}", "--loss", f"{options.loss:g}", "--seed", str(options.seed)]
     # As fast as it goes is a factor that nobody knows in advance.
@@ -149,11 +160,12 @@ def initial_poses(plan: Plan) -> str:
 
 def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
     """roslaunch with a master of its own: robot.launch, the monitor and the bag recorder of one robot."""
+    if robot == plan.base:
+        return _base_command(plan, robot)
     options = plan.options
-    interface = f"hub:{plan.socket('hub')}" if plan.isolation == isolation.HUB else RADIO_INTERFACE
     arguments = {
         "robot_name": robot.name,
-        "interface": interface,
+        "interface": _interface(plan),
         "key_file": key_file(plan),
         "simulated": "true",
         "world_socket": plan.socket("world"),
@@ -161,6 +173,8 @@ def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
         "navigation": options.navigation,
         "frontier_selection": str(options.strategy),
         "initial_poses": initial_poses(plan) if options.initial_poses else "{}",
+        "topology": options.topology,
+        "base_station": plan.base.name if plan.base else "",
         "log_path": str(plan.log_folder(robot)),
         "autostart": "false",
         "report_socket": plan.socket("reports"),
@@ -169,5 +183,29 @@ def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
         "seed": str(options.seed + robot.index),
         "bag": str(plan.robot_folder(robot) / f"{robot.name}.bag") if options.bag else "",
     }
-    command = [plan.programs["roslaunch"], "-p", str(robot.port), "--run_id", "nodes", "mr_launch", "team_robot.launch"]
+    return _roslaunch(plan, robot, "team_robot.launch", arguments)
+
+
+def _base_command(plan: Plan, base: RobotPlan) -> list[str]:
+    arguments = {
+        "name": base.name,
+        "interface": _interface(plan),
+        "key_file": key_file(plan),
+        "initial_poses": initial_poses(plan) if plan.options.initial_poses else "{}",
+        "log_path": str(plan.log_folder(base)),
+    }
+    return _roslaunch(plan, base, "base_station.launch", arguments)
+
+
+def _interface(plan: Plan) -> str:
+    return f"hub:{plan.socket('hub')}" if plan.isolation == isolation.HUB else RADIO_INTERFACE
+
+
+def _roslaunch(plan: Plan, host: RobotPlan, file: str, arguments: dict[str, str]) -> list[str]:
+    command = [plan.programs["roslaunch"], "-p", str(host.port), "--run_id", "nodes", "mr_launch", file]
     return command + [f"{name}:={value}" for name, value in arguments.items()]
+
+
+def base_position(base: RobotPlan) -> str:
+    """Command for the radio: where the base stands, which the world does not know."""
+    return f"position {base.name} {base.start[0]:.3f} {base.start[1]:.3f}\n"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import socket
 import subprocess
 import time
 from pathlib import Path
@@ -16,6 +17,7 @@ from mr_launch.network import hold_namespace, lay_cable, switch_ipv6_off
 from mr_launch.nodes import NodeWatch
 from mr_launch.plan import (
     Plan,
+    base_position,
     key_command,
     launch_command,
     namespace_prefix,
@@ -56,7 +58,7 @@ class Team:
         self._start_radio(stopped)
         self._start("reference", truth_command(self.plan), {}, may_finish=True)
         self._start("world", world_command(self.plan), {})
-        for robot in self.plan.robots:
+        for robot in self.plan.hosts:
             prefix = namespace_prefix(self._holders.get(robot.name))
             command = [*prefix, *launch_command(self.plan, robot)]
             child = self._start(robot.name, command, robot_environment(self.plan, robot))
@@ -96,7 +98,7 @@ class Team:
         if not self._own_namespaces:
             return
         switch_ipv6_off([])
-        for robot in self.plan.robots:
+        for robot in self.plan.hosts:
             log = self.plan.log_folder() / "network.log"
             holder = hold_namespace(robot, self.children, log, self._environment)
             self._holders[robot.name] = holder.process.pid
@@ -114,6 +116,13 @@ class Team:
             if time.monotonic() > end:
                 raise TeamFailure(f"the radio does not get ready; its log is {radio.log}{last_lines(radio.log)}")
             time.sleep(0.05)
+        if self.plan.base and not stopped():
+            self._tell_radio(base_position(self.plan.base))
+
+    def _tell_radio(self, command: str) -> None:
+        with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control:
+            control.connect(self.plan.socket("radio"))
+            control.send(command.encode())
 
     def _write_state(self) -> None:
         """For ``rosrun mr_launch enter``: how to reach each robot of this running team."""
@@ -125,7 +134,7 @@ class Team:
                     "holder": self._holders.get(robot.name),
                     "environment": robot_environment(self.plan, robot),
                 }
-                for robot in self.plan.robots
+                for robot in self.plan.hosts
             },
         }
         path = Path(self.plan.out) / "team.json"

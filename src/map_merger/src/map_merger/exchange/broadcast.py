@@ -1,13 +1,14 @@
-"""What the own robot tells its group: the anchor, changes of the map, and again what was not delivered."""
+"""What the own robot tells of its map: the anchor, changes, and again what was not delivered."""
 
 from typing import List, Optional, Sequence, Set
 
-from ..effects import GROUP_PREFIX, Effect, Note, Purpose, SaveDebugImages, Send
+from ..effects import Effect, Note, Purpose, SaveDebugImages, Send
 from ..grid import Grid, GridError, empty_grid
 from ..messages import Anchor, Boot, Tile
 from ..options import Options
 from ..payload import Payload
 from ..timer import Timer
+from ..topology import topology_of
 from . import bounds
 from .retry import Retry
 from .sender import MapSender
@@ -17,36 +18,50 @@ class Broadcast:
     """At most one send of changes and one of the anchor are under way; the next waits for its end."""
 
     def __init__(self, options: Options, boot: Boot) -> None:
-        self.sender = MapSender(options.robot_name, options.split_size if options.splitted else None, boot)
         self._name = options.robot_name
+        self._tile_size = options.split_size if options.splitted else None
+        self._destination = topology_of(options).map_destination
         self._debug = options.debug
-        self._local: Optional[Grid] = None
-        self._sent_before: Optional[Grid] = None
         self._effects: List[Effect] = []
         self._sends = 0
         self._outstanding: Set[Purpose] = set()
-        self._undelivered: Set[int] = set()
-        self._announced = False
+        self.begin_run(boot)
         self._said: Set[str] = set()
         self._retry = Retry(bounds.FIRST_PAUSE_S, bounds.LONGEST_RESEND_PAUSE_S)
         self._changes_timer = Timer(options.seconds_send_timer)
         self._repair_timer = Timer(bounds.REPAIR_PERIOD_S)
         self._anchor_timer = Timer(options.seconds_meta_timer, options.seconds_meta_timer)
 
-    def on_local_map(self, grid: Grid) -> bool:
-        """The local map changed. False, and a warning, if it cannot be that of this run."""
+    def begin_run(self, boot: Boot) -> None:
+        """The map to tell begins anew, in another frame."""
+        self.sender = MapSender(self._name, self._tile_size, boot)
+        self._local: Optional[Grid] = None
+        self._sent_before: Optional[Grid] = None
+        self._undelivered: Set[int] = set()
+        self._announced = False
+        self._at_once = False
+
+    def tell_at_once(self) -> None:
+        """What changed does not wait for the timer."""
+        self._at_once = True
+
+    def on_map(self, grid: Grid, told: bool = True) -> bool:
+        """The own map changed. False, and a warning, if it cannot be that of this run. told: False if the others are
+        told another one on the same lattice."""
         try:
-            self.sender.set_map(grid)
+            self.sender.check(grid)
+            if told:
+                self.sender.set_map(grid)
         except GridError as error:
             self._effects.append(Note(f"local map ignored: {error}", warning=True))
             return False
-        self._local = grid
+        self._local = grid if told else self._local
         return True
 
     def on_sent(self, send: Send, undelivered: Sequence[Payload], now: float, too_large: Optional[Tile]) -> None:
         """A send of this object ended; `undelivered`: those of its payloads that somebody missed."""
         self._outstanding.discard(send.purpose)
-        if send.purpose is not Purpose.CHANGES:
+        if send.purpose is not Purpose.CHANGES or self._of_former_run(send):
             return
         missed = set(_numbers(undelivered))
         self._undelivered.difference_update(_numbers(send.payloads))
@@ -70,9 +85,10 @@ class Broadcast:
 
     def tick(self, now: float, heard: bool) -> None:
         """Sends what is due. `heard`: there are other robots."""
-        due = self._changes_timer.fires(now)
+        due = self._changes_timer.fires(now) or self._at_once
         resend = self._repair_timer.fires(now) and bool(self._undelivered)
         if (due or resend) and Purpose.CHANGES not in self._outstanding:
+            self._at_once = False
             self._send_changes(now, due)
         if self._anchor_timer.fires(now) and heard:
             self._send_anchor()
@@ -113,7 +129,10 @@ class Broadcast:
     def _send(self, purpose: Purpose, payloads: Sequence[Payload]) -> None:
         self._sends += 1
         self._outstanding.add(purpose)
-        self._effects.append(Send(self._sends, purpose, GROUP_PREFIX + self._name, tuple(payloads)))
+        self._effects.append(Send(self._sends, purpose, self._destination, tuple(payloads)))
+
+    def _of_former_run(self, send: Send) -> bool:
+        return any(isinstance(each, (Anchor, Tile)) and each.boot != self.sender.boot for each in send.payloads)
 
     def _warn_once(self, subject: str, text: str) -> None:
         if subject not in self._said:

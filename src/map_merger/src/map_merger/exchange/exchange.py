@@ -10,10 +10,12 @@ from ..messages import NO_BOOT, Anchor, Boot, Request, Tile
 from ..options import Options
 from ..payload import Payload
 from ..timer import Timer
+from ..topology import topology_of
 from . import bounds
 from .broadcast import Broadcast
 from .peer_map import PeerMap
 from .retry import Retry
+from .sender import MapSender
 
 
 class _Peer:
@@ -48,8 +50,8 @@ class Exchange:
     def __init__(self, options: Options, boot: Boot) -> None:
         """`boot` names this run (see messages.Boot)."""
         self._name = options.robot_name
+        self._topology = topology_of(options)
         self._broadcast = Broadcast(options, boot)
-        self._sender = self._broadcast.sender
         self._peers: Dict[str, _Peer] = {}
         self._effects: List[Effect] = []
         self._sends = 0
@@ -60,7 +62,17 @@ class Exchange:
 
     def on_local_map(self, grid: Grid) -> bool:
         """The local map changed. False, and a warning, if it has another resolution or heading than the first one."""
-        return self._broadcast.on_local_map(grid)
+        return self._broadcast.on_map(grid, told=not self._topology.is_base)
+
+    def on_merged_map(self, grid: Grid) -> None:
+        """On a base: the global map changed, which is the map that it tells. It is not drawn anew so often that this
+        would have to wait; the robots' maps have waited before."""
+        if self._broadcast.on_map(grid):
+            self._broadcast.tell_at_once()
+
+    def begin_run(self, boot: Boot) -> None:
+        """The own map begins anew, in another frame; `boot` names the new run."""
+        self._broadcast.begin_run(boot)
 
     def meet(self, name: str) -> bool:
         """Takes note of a robot; False for the own name, none, and one too many."""
@@ -85,7 +97,8 @@ class Exchange:
         if back:
             peer.retry.at_once()
             self._broadcast.repeat_at_once()
-            self._answer(name, self._sender.last())
+            if self._topology.exchanges_maps_with(name):
+                self._answer(name, self._sender.last())
 
     def on_robot_lost(self, name: str) -> None:
         """The radio lost the robot. Its map stays."""
@@ -127,6 +140,8 @@ class Exchange:
         """A robot asks for updates: none listed = everything, first one -1 = ignore (contract 2.4)."""
         if not self.meet(request.robot) or (request.numbers and request.numbers[0] == -1):
             return
+        if not self._topology.exchanges_maps_with(request.robot):
+            return
         self._peers[request.robot].progress(now)
         tiles = self._sender.again(request.numbers) if request.numbers else self._sender.everything()
         self._answer(request.robot, tiles, always=not request.numbers)
@@ -142,7 +157,7 @@ class Exchange:
         """The host finished a Send of this object. `undelivered`: those of its payloads that did not arrive, all if
         none is named though it was not `delivered`. `too_large`: the first tile that the radio refused for its size."""
         missed = () if delivered else undelivered or send.payloads
-        if send.to_group:
+        if send.purpose in (Purpose.CHANGES, Purpose.ANCHOR):
             self._broadcast.on_sent(send, missed, now, too_large)
             return
         if too_large is not None:
@@ -152,10 +167,13 @@ class Exchange:
 
     def tick(self, now: float) -> None:
         """Does what is due."""
-        self._broadcast.tick(now, bool(self._peers))
+        base = self._topology.relies_on
+        if base is None or self.present(base):
+            self._broadcast.tick(now, bool(self._peers))
         if self._repair_timer.fires(now):
             for name, peer in self._peers.items():
-                self._repair(name, peer, now)
+                if self._topology.exchanges_maps_with(name):
+                    self._repair(name, peer, now)
 
     def effects(self) -> List[Effect]:
         """What is to be done since the last call."""
@@ -209,6 +227,10 @@ class Exchange:
         """Update numbers used so far for the own map."""
         return self._sender.updates
 
+    @property
+    def _sender(self) -> MapSender:
+        return self._broadcast.sender
+
     # Repair
 
     def _repair(self, name: str, peer: _Peer, now: float) -> None:
@@ -227,8 +249,9 @@ class Exchange:
         self._send(Purpose.ANSWER, name, [anchor, *tiles])
 
     def _go_on(self, send: Send, missed: Sequence[Payload], too_large: Optional[Tile]) -> None:
-        """One lost message does not end an answer."""
-        peer = self._peers[send.destination]
+        """One lost message does not end an answer, unless it is of a former run."""
+        peer, run = self._peers[send.destination], self._sender.boot
+        missed = [each for each in missed if isinstance(each, (Anchor, Tile)) and each.boot == run]
         peer.failures = 0 if len(missed) < len(send.payloads) else peer.failures + 1
         peer.answering = bool(missed) and peer.present and not too_large and peer.failures < bounds.ANSWER_TRIES
         if peer.answering:

@@ -42,11 +42,20 @@ class MapSender:
         """The anchor of this run; None before the first map."""
         return None if self._told is None else Anchor(self._robot, self._told.anchor, self._boot, self._next)
 
-    def set_map(self, grid: Grid) -> None:
-        """Takes the present local map. GridError if its resolution or heading differs from the first one's."""
+    @property
+    def boot(self) -> Boot:
+        """Names this run."""
+        return self._boot
+
+    def check(self, grid: Grid) -> None:
+        """GridError if the map's resolution or heading differs from the first one's."""
         if self._told is None:
             self._told = Canvas(grid.info)
         offset_between(grid.info, self._told.anchor)
+
+    def set_map(self, grid: Grid) -> None:
+        """Takes the present map. GridError as by `check`."""
+        self.check(grid)
         self._local = grid
         self._dirty = True
 

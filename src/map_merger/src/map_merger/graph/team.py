@@ -60,6 +60,10 @@ class TeamGraph:
         self._reports: Dict[str, Dict[Boot, EdgeReport]] = {}
         self._solution: Optional[_Solution] = None
 
+    def begin_run(self, run: Boot) -> None:
+        """The own frame is a new one: no own edge holds any more."""
+        self._runs[self._own], self._own_edges, self._solution = run, (), None
+
     def set_own(self, edges: Iterable[Edge]) -> Tuple[str, ...]:
         """All edges that this robot has found itself. Returns why some are refused, as `heard` does for others."""
         usable, refused = _usable(tuple(edges))

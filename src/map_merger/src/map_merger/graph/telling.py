@@ -22,6 +22,10 @@ class Telling:
         self._told: Optional[Tuple[Edge, ...]] = None
         self._time = -math.inf
 
+    def begin_run(self, run: Boot) -> None:
+        """The own frame is a new one; what comes next is told at once."""
+        self._run, self._time = run, -math.inf
+
     def due(self, edges: Iterable[Edge], now: float) -> Optional[EdgeReport]:
         """The report to send now, if one is due: all of the robot's own edges. Nothing as long as there never was an
         edge. A clock that jumps back makes one due."""

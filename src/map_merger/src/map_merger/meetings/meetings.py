@@ -2,7 +2,7 @@
 
 import math
 from collections import OrderedDict
-from typing import Collection, Dict, FrozenSet, Mapping, Optional, Tuple
+from typing import Collection, Dict, FrozenSet, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -13,9 +13,9 @@ from .detection import FARTHEST_M, objects_in_scan
 from .heard import Heard
 from .hypotheses import Sightings, doubts_of
 from .map_objects import objects_in_map
-from .sweeps import SweepHistory
+from .sweeps import NO_SWEEPS, SweepHistory, Sweeps
 from .telling import SLOW_S, Telling
-from .tracking import ObjectTracks, Trail
+from .tracking import Fragment, ObjectTracks, Trail
 from .values import NO_SENSOR, Hypothesis, LaserScan, Sensor, TrackReport
 
 SCAN_PERIOD_S = 0.2
@@ -25,6 +25,14 @@ _MOST_ROBOTS = 64
 _SILENT_S = 30.0
 _CURRENT_S = 3.2 * SLOW_S
 """Who has somebody to place tells so every SLOW_S. Who has not, falls silent, and nobody waits for a last word."""
+
+
+class _View(NamedTuple):
+    """Where a robot was, (n, >= 3: time, x, y), and what it saw, in its own frame."""
+
+    track: np.ndarray
+    objects: Tuple[Fragment, ...]
+    sweeps: Sweeps
 
 
 class Meetings:
@@ -42,15 +50,19 @@ class Meetings:
         self._sensor: Sensor = NO_SENSOR
         self._heard: OrderedDict[str, Heard] = OrderedDict()
         self._unplaced: FrozenSet[str] = frozenset()
+        self._stand_in: Optional[str] = None
         self._placed: Mapping[str, Transform] = {}
         self._telling = Telling()
         self._looked_at = -math.inf
         self._now = -math.inf
         self._latest: Dict[str, Tuple[Hypothesis, ...]] = {}
 
-    def on_team(self, hearing: Collection[str], placed: Mapping[str, Transform]) -> None:
-        """Who is heard on the radio, and the transforms to the own frame that are believed."""
-        self._placed = dict(placed)
+    def on_team(
+        self, hearing: Collection[str], placed: Mapping[str, Transform], stand_in: Optional[str] = None
+    ) -> None:
+        """Who is heard on the radio, and the transforms to the own frame that are believed. stand_in: the robot whose
+        frame is the own one, on a base station; what that one tells stands for what the own robot sees."""
+        self._placed, self._stand_in = dict(placed), stand_in
         self._unplaced = frozenset(hearing) - frozenset(placed) - {self._name}
 
     @property
@@ -131,14 +143,17 @@ class Meetings:
         heard = self._heard.get(robot)
         if heard is None or now - heard.heard_at > _SILENT_S:
             return None
-        others = {name: each.track() for name, each in self._heard.items() if name != robot}
+        own = self._view(now)
+        if own is None:
+            return None
+        others = {name: each.track() for name, each in self._heard.items() if name not in (robot, self._stand_in)}
         return Sightings(
             robot,
-            self._own.rows,
+            own.track,
             heard.track(),
-            self._objects.fragments(now),
+            own.objects,
             heard.fragments(),
-            self._sweeps.all(),
+            own.sweeps,
             heard.sensor,
             others,
             {name: transform for name, transform in self._placed.items() if name in others},
@@ -156,6 +171,16 @@ class Meetings:
         if robot not in self._heard:
             return f"{robot} does not tell its track"
         return doubts_of(self._latest.get(robot, ()))
+
+    def _view(self, now: float) -> Optional[_View]:
+        """What there is on the own side; None if the robot that stands for it tells nothing."""
+        if self._stand_in is None:
+            return _View(self._own.rows, self._objects.fragments(now), self._sweeps.all())
+        heard = self._heard.get(self._stand_in)
+        if heard is None or now - heard.heard_at > _SILENT_S:
+            return None
+        # Nobody tells its sweeps, so what a robot would have seen and did not speaks against nothing here.
+        return _View(heard.track(), heard.fragments(), NO_SWEEPS)
 
     def _due_to_look(self, now: float, period: float) -> bool:
         if 0.0 <= now - self._looked_at < period - 0.01:
