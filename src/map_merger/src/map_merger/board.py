@@ -1,6 +1,6 @@
 """Cells on an unbounded lattice, and which of its tiles are to be computed anew."""
 
-from typing import Dict, Iterator, Set, Tuple
+from typing import Iterator, Set, Tuple
 
 import numpy as np
 
@@ -69,12 +69,16 @@ class DirtyTiles:
         """Boxes, no larger than a chunk, that hold all the tiles; none are left afterwards."""
         tiles, self._tiles = self._tiles, set()
         if not tiles:
-            return iter(())
+            return
         # A small change is computed at once wherever it lies.
-        first = (min(row for row, _ in tiles), min(column for _, column in tiles))
-        chunks: Dict[Tuple[int, int], Box] = {}
-        for row, column in tiles:
-            tile = Box(row * TILE, column * TILE, (row + 1) * TILE, (column + 1) * TILE)
-            key = ((row - first[0]) // CHUNK, (column - first[1]) // CHUNK)
-            chunks[key] = chunks.get(key, EMPTY_BOX).union(tile)
-        return iter([chunks[key] for key in sorted(chunks)])
+        rows, columns = np.array(sorted(tiles)).T
+        keys = np.stack([(rows - rows.min()) // CHUNK, (columns - columns.min()) // CHUNK])
+        for key in np.unique(keys, axis=1).T:
+            inside = (keys == key[:, None]).all(axis=0)
+            yield _around(rows[inside], columns[inside])
+
+
+def _around(rows: np.ndarray, columns: np.ndarray) -> Box:
+    """The box around tiles."""
+    first, last = (rows.min(), columns.min()), (rows.max() + 1, columns.max() + 1)
+    return Box(*(int(number) * TILE for number in (*first, *last)))

@@ -148,6 +148,9 @@ class Job:
 
     def _search(self, target: Landmarks, source: Landmarks) -> Registration:
         criteria = DEFAULT_CRITERIA if self.prior is None else PRIOR_CRITERIA
+        if 0.0 < min(target.surface.length, source.surface.length) < criteria.matched:
+            # As every transform would be; most searches at the start are of such maps.
+            return Registration(Verdict.TOO_LITTLE_SHARED_WALL)
         method = features.register if self.method == "features" else registration.register
         result = method(target, source, criteria, self.limits, self.prior)
         if result.rivals:

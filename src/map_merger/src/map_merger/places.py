@@ -10,7 +10,7 @@ MOST_PLACES = 4000
 """Places of one robot that count; of more, every second one."""
 SAME_PLACE_M = 0.02
 """Places that moved by less, as a transform is refined, stay where they are."""
-_BLOCK = 16
+_BLOCK = 32
 """Edge in cells of the blocks in which changes are told."""
 
 

@@ -16,6 +16,8 @@ def reason_of(result: Registration, criteria: Criteria) -> str:
         return "no transform lays walls of one map on walls of the other"
     if verdict is Verdict.NO_CANDIDATE:
         return "the best transform is not near the one that was given"
+    if verdict is Verdict.TOO_LITTLE_SHARED_WALL and result.transform is None:
+        return f"one of the maps has less than the {criteria.matched:g} m of wall that both must share"
     if verdict is Verdict.TOO_LITTLE_SHARED_WALL:
         return f"shared wall {evidence.matched:.1f} m of {criteria.matched:g} m"
     if verdict is Verdict.ONE_DIRECTION_ONLY:

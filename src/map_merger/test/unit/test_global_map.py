@@ -326,6 +326,20 @@ def test_the_majority_corrects_the_local_map_by_evidence_only():
     assert value_at(merged(local, *others, policy=Policy.EVIDENCE), 1.675, 0.925) == FREE
 
 
+@pytest.mark.parametrize("locked", [True, False])
+@given(st.integers(0, 2**32 - 1), st.integers(0, 130), st.integers(0, 130))
+@settings(max_examples=40)
+def test_maps_are_weighed_alike_wherever_the_window_begins(locked, seed, left, right):
+    """Cells are worked on in words of 64; what lies across the border of two words is one map."""
+    maps = [grid.cells for grid in noisy_maps(np.random.default_rng(seed), 3, 40, 60)]
+    margin = weighing.reach(2)
+    wide = [np.pad(cells, ((margin, margin), (margin + left, margin + right)), constant_values=-1) for cells in maps]
+    near = [np.pad(cells, margin, constant_values=-1) for cells in maps]
+    result = weighing.weighed(wide[0], wide[1:], locked)
+    expected = weighing.weighed(near[0], near[1:], locked)
+    assert np.array_equal(result[:, left : left + expected.shape[1]], expected)
+
+
 # Robots in maps
 
 

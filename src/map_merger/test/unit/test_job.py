@@ -11,7 +11,8 @@ from map_merger.covariance import covariance_of, prior_from
 from map_merger.evidence import compare
 from map_merger.grid import FREE, OCCUPIED, Grid, GridInfo
 from map_merger.job import Job, LandmarkCache, Versioned
-from map_merger.registration import STRONG_CRITERIA, Limits, Registration, Verdict, register
+from map_merger.reasons import reason_of
+from map_merger.registration import DEFAULT_CRITERIA, STRONG_CRITERIA, Limits, Registration, Verdict, register
 from map_merger.sighting import Sighting, view_of
 from map_merger.surface import landmarks_of
 from map_merger.synthetic import Survey, Surveyor, office_plan, pair_of
@@ -54,6 +55,22 @@ def meeting(*places):
         "source_track": np.array([(*PLACE, 5.0), (*AWAY, 9.0)]),
         "seen": tuple(Sighting(view_of(square_room(place), None), *PLACE, 5.0) for place in places),
     }
+
+
+def test_maps_with_too_little_wall_are_not_searched(monkeypatch):
+    """Most searches at the start were of maps in which no transform could be believed."""
+    cells = square_room().cells.copy()
+    cells[50:] = -1
+    cells[:, 0] = -1
+    short = Grid(square_room().info, cells)
+    long = landmarks_of(square_room()).surface.length
+    assert landmarks_of(short).surface.length < DEFAULT_CRITERIA.matched < long
+    with monkeypatch.context() as patch:
+        patch.setattr("map_merger.registration.register", lambda *_: pytest.fail("searched"))
+        result = job(square_room(), short).run()
+    assert result.verdict is Verdict.TOO_LITTLE_SHARED_WALL
+    assert "less than the 14 m of wall" in reason_of(result, DEFAULT_CRITERIA)
+    assert job(square_room(), square_room()).run().verdict is Verdict.AMBIGUOUS
 
 
 def test_rivals_are_told():

@@ -91,8 +91,8 @@ class Meetings:
         self._follow(centres, pose, now)
 
     def on_map(self, grid: Grid, now: float) -> None:
-        """In place of scans: the own map, whenever there is a new one."""
-        if not len(self._own.rows) or not self._due_to_look(now, MAP_PERIOD_S):
+        """In place of scans: the own map, whenever there is a new one; not looked at while nobody watches."""
+        if not self.watching or not len(self._own.rows) or not self._due_to_look(now, MAP_PERIOD_S):
             return
         pose = Transform(*self._own.rows[-1, 1:4].tolist())
         self._follow(pose.inverse().apply(objects_in_map(grid, pose, FARTHEST_M)), pose, now)
