@@ -39,16 +39,16 @@ MUTATIONS = {
     ),
     "transform of the drawn map reversed": Mutation(
         "map_merger",
-        "agent.py",
-        "self._robots_seen_by(peer)), transform, local)",
-        "self._robots_seen_by(peer)), transform.inverse(), local)",
+        "merged_map.py",
+        "self._map.set_layer(name, grid, version, transform)",
+        "self._map.set_layer(name, grid, version, transform.inverse())",
         "global_map",
     ),
     "transform of points reversed": Mutation(
         "map_merger",
         "agent.py",
-        "return transform.apply_point(x, y)",
-        "return transform.inverse().apply_point(x, y)",
+        "return placement.transform.apply_point(x, y)",
+        "return placement.transform.inverse().apply_point(x, y)",
         "point (3.0, -1.0) of robot_1[0]: expected",
     ),
     "transform of frontiers reversed": Mutation(

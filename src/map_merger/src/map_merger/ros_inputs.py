@@ -1,6 +1,5 @@
 """Poses and scans of the own robot from ROS, brought into its map frame with tf2. Only the node uses this."""
 
-import time
 from typing import Any, Callable, Optional
 
 import rospy
@@ -11,6 +10,7 @@ from sensor_msgs.msg import LaserScan as LaserScanMessage
 
 from . import ros_io
 from .meetings.detection import LaserScan
+from .timer import Timer
 from .transform import Transform
 
 POSE_PERIOD_S = 0.5
@@ -24,7 +24,7 @@ class PoseInput:
 
     def __init__(self, topic: str, map_frame: str, buffer: tf2_ros.Buffer) -> None:
         self._map_frame, self._buffer = map_frame.lstrip("/"), buffer
-        self._due = 0.0
+        self._timer = Timer(POSE_PERIOD_S)
         self._latest: Optional[Any] = None
         self.base_frame = ""
         """Frame of the robot's body, as the odometry names it; empty until there is some."""
@@ -36,10 +36,8 @@ class PoseInput:
 
     def take(self) -> Optional[Transform]:
         """The newest pose; None if there is no new one or it cannot be used, which is reported once in a while."""
-        now = time.monotonic()
-        if self._latest is None or now < self._due:
+        if self._latest is None or not self._timer.fires(rospy.get_time()):
             return None
-        self._due = now + POSE_PERIOD_S
         raw, self._latest = self._latest, None
         try:
             odometry = Odometry().deserialize(raw._buff)
@@ -72,14 +70,12 @@ class ScanInput:
         """`take` is called in the subscriber's thread with a scan and the robot's pose in its map frame."""
         self._map_frame, self._buffer = map_frame.lstrip("/"), buffer
         self._base_frame, self._wanted, self._take = base_frame, wanted, take
-        self._due = 0.0
+        self._timer = Timer(SCAN_PERIOD_S)
         rospy.Subscriber(topic, rospy.AnyMsg, self._on_scan, queue_size=1, buff_size=2**20)
 
     def _on_scan(self, raw: Any) -> None:
-        now = time.monotonic()
-        if now < self._due or not self._wanted():
+        if not self._wanted() or not self._timer.fires(rospy.get_time()):
             return
-        self._due = now + SCAN_PERIOD_S
         try:
             message = numpy_msg(LaserScanMessage)().deserialize(raw._buff)
             sensor_frame = message.header.frame_id.lstrip("/")

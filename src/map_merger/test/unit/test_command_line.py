@@ -18,7 +18,7 @@ from map_merger.one_shot import confidence_of, criteria_for, decide
 from map_merger.reasons import reason_of
 from map_merger.registration import Verdict
 from map_merger.surface import landmarks_of
-from map_merger.synthetic import Survey, Surveyor, bare_rooms_plan, office_plan, pair_of
+from map_merger.synthetic import Survey, Surveyor, office_plan, pair_of
 from map_merger.transform import Transform, rotation_between
 
 WITHOUT_ROS = """
@@ -131,12 +131,18 @@ def test_a_map_whose_walls_stand_in_the_free_space_of_the_others_is_not_placed(t
 
 
 def test_a_room_of_several_equal_ones_is_declined_with_both_solutions():
-    random = np.random.default_rng(3)
-    surveyor = Surveyor(bare_rooms_plan(random))
-    target = surveyor.explore(random, Survey(path_length=100.0))
-    source = surveyor.explore(random, Survey(path_length=8.0), start=tuple(target.path[0, :2]), yaw=1.0)
-    result = decide(landmarks_of(target.grid), landmarks_of(source.grid))
+    """Two rooms of 4.1 m x 4.9 m side by side, equal cell by cell, and the map of one of them."""
+    room = np.zeros((98, 82), np.int8)
+    room[[0, -1]] = 100
+    room[:, 0] = 100
+    room[20:35, 30:60] = room[50:90, 60:70] = 100
+    target = np.concatenate([room, room, room[:, :1]], axis=1)
+    maps = [Grid(GridInfo(cells.shape[1], 98, 0.05), cells) for cells in (target, target[:, :83])]
+    result = decide(*(landmarks_of(grid) for grid in maps))
     assert result.verdict is Verdict.AMBIGUOUS and result.rival.apart > 2.0
+    solutions = [each.pose() for each in (result.transform, *result.rivals)]
+    for x in (0.0, 4.1):
+        assert any(pose == pytest.approx((x, 0.0, 0.0), abs=0.06) for pose in solutions)
     assert re.match(r"two solutions \S+ m.* apart, with", reason_of(result, criteria_for(None)))
     assert confidence_of(result) == 0.0
 
