@@ -12,7 +12,16 @@ from .attempts import Attempts
 from .covariance import Covariance
 from .evidence import Evidence
 from .job import Versioned
-from .registration import Registration, Verdict, believed_alone
+from .reasons import reason_of, unconfirmed_reason
+from .registration import (
+    DEFAULT_CRITERIA,
+    KEEP_CRITERIA,
+    PRIOR_CRITERIA,
+    Criteria,
+    Registration,
+    Verdict,
+    believed_alone,
+)
 from .transform import Transform, rotation_between
 
 SHORTEST_GROWTH_M = 3.0
@@ -105,7 +114,7 @@ class Alignment:
 
     def finished(self, result: Registration) -> str:
         """Takes the outcome of a job. Returns `accepted`, `moved` or `revoked` if that is the news, else ''."""
-        self.verdict, self.reason = result.verdict, result.verdict.value
+        self.verdict, self.reason = result.verdict, reason_of(result, _criteria_of(self._belief, result))
         return self._found(result) if self._belief is None else self._followed(self._belief, result)
 
     def refuted(self, words: str) -> str:
@@ -130,6 +139,7 @@ class Alignment:
         if not (result.met or believed_alone(result) or self._confirms(result)):
             if self._candidate is None or not _agree(self._candidate.transform, result.transform):
                 self._candidate = result
+            self.reason = unconfirmed_reason(result)
             return ""
         self._belief = Belief(result.transform, result.evidence, result.covariance, result.met)
         self._candidate = self._refuted = None
@@ -157,7 +167,7 @@ class Alignment:
         credit = min(MOST_CREDIT, belief.credit + CREDIT.get(result.verdict, 0))
         if credit <= 0:
             self.forget()
-            self.verdict, self.reason = result.verdict, result.verdict.value
+            self.verdict, self.reason = result.verdict, reason_of(result, KEEP_CRITERIA)
             return "revoked"
         if not result.accepted or result.transform is None:
             self._belief = replace(belief, evidence=result.evidence, credit=credit)
@@ -171,6 +181,13 @@ class Alignment:
             FIRST_CREDIT if result.prior else credit,
         )
         return "moved" if result.prior else ""
+
+
+def _criteria_of(belief: Optional[Belief], result: Registration) -> Criteria:
+    """What the result was judged by."""
+    if belief is not None:
+        return KEEP_CRITERIA
+    return PRIOR_CRITERIA if result.prior else DEFAULT_CRITERIA
 
 
 def _agree(first: Optional[Transform], second: Optional[Transform]) -> bool:

@@ -80,7 +80,9 @@ def placement_of(
     belief = alignment.belief
     wall = 0.0 if belief is None else belief.evidence.matched
     via = placement.via[0] if placement.via else ""
-    why = f"through {via}" if via else "seen, " * (belief is not None and belief.met) + f"shared wall {wall:.1f} m"
+    why = f"through {via}" if via else f"{robot} found it"
+    if belief is not None and not via:
+        why = "seen, " * belief.met + f"shared wall {wall:.1f} m"
     confidence = confidence_in(placement)
     return RobotPlacement(robot, why, placement.transform, via, placement.covariance, confidence, wall, age, octets)
 

@@ -107,7 +107,7 @@ def test_a_transform_that_stays_unexplained_is_revoked():
     """It used to stay in force for good."""
     alignment = believed()
     assert looks_until_revoked(alignment, [Verdict.UNEXPLAINED]) == 4
-    assert alignment.transform is None and alignment.reason == Verdict.UNEXPLAINED.value
+    assert alignment.transform is None and "of the walls found" in alignment.reason
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ Pair = Tuple[str, str]
 
 class Injection(NamedTuple):
     """robots: who is misled, about whom; `both`: each about the other. cycle: the wrong edge lies in a cycle of own
-    transforms. gone: s until no robot told it or placed anybody by it; None if that took longer than WATCHED_S.
+    transforms. gone: s until no robot told it or placed anybody by it; None if that took longer than the team was watched.
     placed: of 12 placements, how many were there and right at the end."""
 
     seed: int
@@ -54,8 +54,8 @@ class Injection(NamedTuple):
 
 
 @dataclass
-class _Met(VirtualTeam):
-    """Given pairs have met: their first registrations give the truth."""
+class MetTeam(VirtualTeam):
+    """Given pairs have met: their first registrations give the truth. truth: of the second's frame to the first's."""
 
     truth: Dict[Pair, Transform] = field(default_factory=dict)
     met: FrozenSet[Pair] = frozenset()
@@ -63,33 +63,34 @@ class _Met(VirtualTeam):
     """Only at the start."""
 
     def outcome(self, name: str, job: Job) -> Registration:
-        if job.current is not None or (min(name, job.robot), max(name, job.robot)) not in self.met or not self.meeting:
+        pair = min(name, job.robot), max(name, job.robot)
+        if job.current is not None or pair not in self.met or not self.meeting:
             return super().outcome(name, job)
         truth = self.truth[name, job.robot]
         evidence = compare(landmarks_of(job.target.grid), landmarks_of(job.source.grid), truth)
         return Registration(Verdict.ACCEPTED, truth, evidence, met=True, covariance=_COVARIANCE)
 
 
-def inject(seed: int) -> Injection:
-    """One team and one wrong transform."""
+def inject(seed: int, watched: float = WATCHED_S) -> Injection:
+    """One team and one wrong transform, watched for so many s."""
     random = np.random.default_rng(seed)
-    maps = _explored(random)
-    team = _team_of(maps, _connected(random, sorted(maps)))
-    _grow(team, maps, 0)
+    maps = explored(random)
+    team = team_of(maps, _connected(random, sorted(maps)))
+    grow(team, maps, 0)
     team.run(SETTLING_S)
     team.meeting = False
     first, second = random.choice(sorted(maps), 2, replace=False).tolist()
     both = bool(random.random() < 0.5)
-    cycle = _in_cycle(_told(team), (first, second), both)
+    cycle = _in_cycle(told(team), (first, second), both)
     shift = Transform(*(random.uniform(3.0, 9.0, 2) * random.choice([-1.0, 1.0], 2)).tolist(), random.uniform(-3.0, 3.0))
     wrong = team.truth[first, second].compose(shift)
     mislead(team, first, second, wrong)
     if both:
         mislead(team, second, first, wrong.inverse())
     gone = None
-    for number in range(1, round(WATCHED_S / 0.5) + 1):
+    for number in range(1, round(watched / 0.5) + 1):
         if number % round(2.0 * GROWTH_PERIOD_S) == 0:
-            _grow(team, maps, round(0.5 * number / GROWTH_PERIOD_S))
+            grow(team, maps, round(0.5 * number / GROWTH_PERIOD_S))
         team.run(0.5)
         clean = not _believed(team, (first, second), wrong) and all(_placements(team))
         gone = (0.5 * number if gone is None else gone) if clean else None
@@ -102,12 +103,13 @@ def mislead(team: VirtualTeam, name: str, robot: str, wrong: Transform) -> None:
     team.mislead(name, robot, outcome)
 
 
-def _explored(random: np.random.Generator) -> Dict[str, RobotMap]:
+def explored(random: np.random.Generator, robots: int = ROBOTS) -> Dict[str, RobotMap]:
+    """Maps of robots that set off from one place in an office, by name, in STAGES."""
     surveyor = Surveyor(office_plan(random))
     survey = Survey(path_length=PATH_M, stages=STAGES)
     first = surveyor.explore(random, survey)
     start = (float(first.path[0, 0]), float(first.path[0, 1]))
-    rest = [surveyor.explore(random, survey, start=start, yaw=2.0 * number + 0.4) for number in range(ROBOTS - 1)]
+    rest = [surveyor.explore(random, survey, start=start, yaw=2.0 * number + 0.4) for number in range(robots - 1)]
     return {f"robot_{number}": each for number, each in enumerate([first, *rest])}
 
 
@@ -119,21 +121,24 @@ def _connected(random: np.random.Generator, names: Sequence[str]) -> FrozenSet[P
     return frozenset((min(pair), max(pair)) for pair in pairs)
 
 
-def _team_of(maps: Dict[str, RobotMap], met: FrozenSet[Pair]) -> _Met:
+def team_of(maps: Dict[str, RobotMap], met: FrozenSet[Pair]) -> MetTeam:
+    """Agents that know nothing yet, of whom these pairs meet."""
     agents = {
         name: Agent(Options(robot_name=name, max_rotation_robots=-1.0, split_size=2048, debug=False), (1, number))
         for number, name in enumerate(sorted(maps))
     }
     truth = {(one, other): pair_of(maps[one], maps[other]).truth for one in maps for other in maps if one != other}
-    return _Met(agents, truth=truth, met=met)
+    return MetTeam(agents, truth=truth, met=met)
 
 
-def _grow(team: _Met, maps: Dict[str, RobotMap], stage: int) -> None:
+def grow(team: MetTeam, maps: Dict[str, RobotMap], stage: int) -> None:
+    """Every robot has explored as far as this stage."""
     for name, each in maps.items():
         team.agents[name].on_local_map(each.stages[min(stage, len(each.stages) - 1)], team.now)
 
 
-def _told(team: VirtualTeam) -> List[Edge]:
+def told(team: VirtualTeam) -> List[Edge]:
+    """What the robots told last of their own transforms."""
     return [edge for report in team.edges.values() for edge in report.edges]
 
 
@@ -150,9 +155,9 @@ def _in_cycle(edges: Sequence[Edge], pair: Pair, both: bool) -> bool:
 
 def _believed(team: VirtualTeam, pair: Pair, wrong: Transform) -> bool:
     """True while one of the pair tells the wrong transform."""
-    told = {(edge.reporter, edge.target): edge.transform for edge in _told(team)}
-    back = told.get((pair[1], pair[0]))
-    candidates = [told.get(pair), None if back is None else back.inverse()]
+    own = {(edge.reporter, edge.target): edge.transform for edge in told(team)}
+    back = own.get((pair[1], pair[0]))
+    candidates = [own.get(pair), None if back is None else back.inverse()]
     return any(each is not None and not _differ(each, wrong) for each in candidates)
 
 
@@ -162,7 +167,7 @@ def _differ(first: Transform, second: Transform) -> bool:
     )
 
 
-def _placements(team: _Met) -> List[bool]:
+def _placements(team: MetTeam) -> List[bool]:
     """Of each placement in the team whether it is right."""
     return [
         not _differ(transform, team.truth[name, robot])
