@@ -123,6 +123,13 @@ def test_a_fault_or_too_little_wall_changes_nothing(verdict):
     assert alignment.finished(look(20.0, verdict=Verdict.CONTRADICTED)) == "revoked"
 
 
+def test_shared_walls_that_vanish_take_the_transform_with_them():
+    """A wrong transform under which the maps do not overlap stayed in force for good."""
+    alignment = believed()
+    nothing = look(2.0, verdict=Verdict.TOO_LITTLE_SHARED_WALL)
+    assert [alignment.finished(nothing) for _ in range(4)] == ["", "", "", "revoked"]
+
+
 @given(st.lists(st.sampled_from([each for each in Verdict if each is not Verdict.CONTRADICTED]), max_size=60))
 def test_more_contradictions_never_help(verdicts):
     doubted, plain = believed(), believed()

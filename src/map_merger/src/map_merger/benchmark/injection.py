@@ -41,9 +41,9 @@ Pair = Tuple[str, str]
 
 
 class Injection(NamedTuple):
-    """robots: who is misled, about whom; `both`: each about the other. cycle: the wrong edge lies in a cycle of own
-    transforms. gone: s until no robot told it or placed anybody by it; None if that took longer than the team was watched.
-    placed: of 12 placements, how many were there and right at the end."""
+    """robots: who is misled, about whom; `both`: each about the other. cycle: the wrong transform lies in a cycle of
+    own ones. gone: s until no robot told it or placed anybody wrongly; None if that took longer than the team was
+    watched. placed: how many robots were placed right at the end, on all robots together."""
 
     seed: int
     robots: Pair
@@ -71,10 +71,10 @@ class MetTeam(VirtualTeam):
         return Registration(Verdict.ACCEPTED, truth, evidence, met=True, covariance=_COVARIANCE)
 
 
-def inject(seed: int, watched: float = WATCHED_S) -> Injection:
-    """One team and one wrong transform, watched for so many s."""
+def inject(seed: int, watched: float = WATCHED_S, robots: int = ROBOTS) -> Injection:
+    """One team of so many robots and one wrong transform, watched for so many s."""
     random = np.random.default_rng(seed)
-    maps = explored(random)
+    maps = explored(random, robots)
     team = team_of(maps, _connected(random, sorted(maps)))
     grow(team, maps, 0)
     team.run(SETTLING_S)
@@ -82,7 +82,8 @@ def inject(seed: int, watched: float = WATCHED_S) -> Injection:
     first, second = random.choice(sorted(maps), 2, replace=False).tolist()
     both = bool(random.random() < 0.5)
     cycle = _in_cycle(told(team), (first, second), both)
-    shift = Transform(*(random.uniform(3.0, 9.0, 2) * random.choice([-1.0, 1.0], 2)).tolist(), random.uniform(-3.0, 3.0))
+    x, y = (random.uniform(3.0, 9.0, 2) * random.choice([-1.0, 1.0], 2)).tolist()
+    shift = Transform(x, y, random.uniform(-3.0, 3.0))
     wrong = team.truth[first, second].compose(shift)
     mislead(team, first, second, wrong)
     if both:
@@ -148,7 +149,7 @@ def _in_cycle(edges: Sequence[Edge], pair: Pair, both: bool) -> bool:
     reached = {first}
     left = [edge for edge in edges if (edge.reporter, edge.target) != pair]
     left = [edge for edge in left if not (both and {edge.reporter, edge.target} == set(pair))]
-    for _ in range(ROBOTS):
+    for _ in edges:
         reached |= {robot for edge in left for robot in edge.pair if reached & set(edge.pair)}
     return second in reached
 
@@ -162,9 +163,7 @@ def _believed(team: VirtualTeam, pair: Pair, wrong: Transform) -> bool:
 
 
 def _differ(first: Transform, second: Transform) -> bool:
-    return (
-        math.hypot(first.x - second.x, first.y - second.y) > WRONG_M or rotation_between(first, second) > WRONG_RAD
-    )
+    return math.hypot(first.x - second.x, first.y - second.y) > WRONG_M or rotation_between(first, second) > WRONG_RAD
 
 
 def _placements(team: MetTeam) -> List[bool]:
@@ -176,33 +175,23 @@ def _placements(team: MetTeam) -> List[bool]:
     ]
 
 
-def rows_of(injections: Sequence[Injection], command: str) -> List[Row]:
-    """Rows of the bar."""
-    cycles = [each for each in injections if each.cycle]
-    alone = [each for each in injections if not each.cycle]
-    whole = sum(each.placed == ROBOTS * (ROBOTS - 1) for each in injections)
+def rows_of(teams: Sequence[Injection], couples: Sequence[Injection], command: str) -> List[Row]:
+    """Rows of the bar for teams of four, and of teams of two, where nothing but their walls can tell."""
+    whole = sum(each.placed == ROBOTS * (ROBOTS - 1) for each in teams)
+    detail = f"{sum(each.placed for each in teams)} of {len(teams) * ROBOTS * (ROBOTS - 1)} placements; {command}"
+    what = "teams of four with every robot placed right everywhere a minute after the injection"
     return [
-        _gone_row("injected wrong edge gone on every robot within 30 s", injections, command),
-        _gone_row("the same, edge in a cycle of own transforms", cycles, command),
-        _gone_row("the same, edge that is the only bond of two parts of the team", alone, command),
-        row(
-            "teams with every robot placed right on every robot a minute after the injection",
-            f"{len(injections)} of {len(injections)}",
-            whole,
-            "teams",
-            whole == len(injections),
-            f"{sum(each.placed for each in injections)} of {len(injections) * ROBOTS * (ROBOTS - 1)} placements; {command}",
-        ),
+        _gone_row("wrong transform gone on every robot within 30 s, teams of four", teams, command),
+        _gone_row("the same, in a cycle of own transforms", [each for each in teams if each.cycle], command),
+        row(what, f"{len(teams)} of {len(teams)}", whole, "teams", whole == len(teams), detail),
+        _gone_row("wrong transform gone on both robots within 30 s, teams of two", couples, command),
     ]
 
 
 def _gone_row(what: str, injections: Sequence[Injection], command: str) -> Row:
-    within = sum(each.gone is not None and each.gone <= BAR_S for each in injections)
     times = sorted(math.inf if each.gone is None else each.gone for each in injections)
-    middle = times[len(times) // 2] if times else math.nan
-    detail = (
-        f"median {middle:.1f} s, slowest {times[-1] if times else math.nan:.1f} s; teams of {ROBOTS}, "
-        f"{sum(each.both for each in injections)} with both robots misled; the wrong one has more wall than the right "
-        f"ones; {command}"
-    )
+    within = sum(time <= BAR_S for time in times)
+    shown = f"median {times[len(times) // 2]:.1f} s, slowest {times[-1]:.1f} s" if times else "none"
+    both = sum(each.both for each in injections)
+    detail = f"{shown}; {both} with both robots misled; more wall than a right one; maps that grow; {command}"
     return row(what, f"{len(times)} of {len(times)}", within, "teams", within == len(times), detail)
