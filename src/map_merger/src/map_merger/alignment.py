@@ -12,7 +12,16 @@ from .attempts import Attempts
 from .covariance import Covariance
 from .evidence import Evidence
 from .job import Versioned
-from .registration import Registration, Verdict, believed_alone
+from .reasons import reason_of, unconfirmed_reason
+from .registration import (
+    DEFAULT_CRITERIA,
+    KEEP_CRITERIA,
+    PRIOR_CRITERIA,
+    Criteria,
+    Registration,
+    Verdict,
+    believed_alone,
+)
 from .transform import Transform, rotation_between
 
 SHORTEST_GROWTH_M = 3.0
@@ -26,20 +35,25 @@ REHABILITATION_M = 5.0
 FIRST_CREDIT = 8
 MOST_CREDIT = 12
 CREDIT = {Verdict.ACCEPTED: 1, Verdict.CONTRADICTED: -4, Verdict.UNEXPLAINED: -2}
-"""What a look adds. Whatever else it ends with, as with too little shared wall or a fault, says nothing."""
+"""What a look adds. Whatever else it ends with, as with too little shared wall or a fault, says nothing..."""
+VANISHED = 0.25
+"""...but that less than this share is left of shared walls that were enough to find a transform by: maps only grow, so
+they leave as much unexplained."""
 _SAME_DISTANCE = 0.4
 _SAME_ROTATION = math.radians(1.5)
 
 
 @dataclass(frozen=True)
 class Belief:
-    """A transform in force. met: the robots saw one another when it was found."""
+    """A transform in force. met: the robots saw one another when it was found. most: m of shared wall, the most that
+    there ever was."""
 
     transform: Transform
     evidence: Evidence
     covariance: Optional[Covariance]
     met: bool
     credit: int = FIRST_CREDIT
+    most: float = 0.0
 
 
 class Alignment:
@@ -105,7 +119,7 @@ class Alignment:
 
     def finished(self, result: Registration) -> str:
         """Takes the outcome of a job. Returns `accepted`, `moved` or `revoked` if that is the news, else ''."""
-        self.verdict, self.reason = result.verdict, result.verdict.value
+        self.verdict, self.reason = result.verdict, reason_of(result, _criteria_of(self._belief, result))
         return self._found(result) if self._belief is None else self._followed(self._belief, result)
 
     def refuted(self, words: str) -> str:
@@ -130,8 +144,11 @@ class Alignment:
         if not (result.met or believed_alone(result) or self._confirms(result)):
             if self._candidate is None or not _agree(self._candidate.transform, result.transform):
                 self._candidate = result
+            self.reason = unconfirmed_reason(result)
             return ""
-        self._belief = Belief(result.transform, result.evidence, result.covariance, result.met)
+        self._belief = Belief(
+            result.transform, result.evidence, result.covariance, result.met, most=result.evidence.matched
+        )
         self._candidate = self._refuted = None
         return "accepted"
 
@@ -154,10 +171,10 @@ class Alignment:
         return result.surveyed >= SURVEY_GROWTH * before.surveyed and result.evidence.matched >= 0.95 * matched
 
     def _followed(self, belief: Belief, result: Registration) -> str:
-        credit = min(MOST_CREDIT, belief.credit + CREDIT.get(result.verdict, 0))
+        credit = min(MOST_CREDIT, belief.credit + _credit_of(belief, result))
         if credit <= 0:
             self.forget()
-            self.verdict, self.reason = result.verdict, result.verdict.value
+            self.verdict, self.reason = result.verdict, reason_of(result, KEEP_CRITERIA)
             return "revoked"
         if not result.accepted or result.transform is None:
             self._belief = replace(belief, evidence=result.evidence, credit=credit)
@@ -169,8 +186,24 @@ class Alignment:
             result.covariance or belief.covariance,
             belief.met,
             FIRST_CREDIT if result.prior else credit,
+            max(belief.most, result.evidence.matched),
         )
         return "moved" if result.prior else ""
+
+
+def _credit_of(belief: Belief, result: Registration) -> int:
+    """What a look adds to the credit of a belief."""
+    little = result.verdict in (Verdict.TOO_LITTLE_SHARED_WALL, Verdict.ONE_DIRECTION_ONLY)
+    if little and belief.most >= DEFAULT_CRITERIA.matched and result.evidence.matched < VANISHED * belief.most:
+        return CREDIT[Verdict.UNEXPLAINED]
+    return CREDIT.get(result.verdict, 0)
+
+
+def _criteria_of(belief: Optional[Belief], result: Registration) -> Criteria:
+    """What the result was judged by."""
+    if belief is not None:
+        return KEEP_CRITERIA
+    return PRIOR_CRITERIA if result.prior else DEFAULT_CRITERIA
 
 
 def _agree(first: Optional[Transform], second: Optional[Transform]) -> bool:

@@ -34,18 +34,25 @@ def reason_of(result: Registration, criteria: Criteria) -> str:
     return verdict.value
 
 
+def unconfirmed_reason(result: Registration) -> str:
+    """Why an accepted result alone is not believed."""
+    if result.prior:
+        return f"{reason_of(result, STRONG_CRITERIA)} at the given pose; waits until more is shared"
+    alone = judge(result.evidence, STRONG_CRITERIA)
+    if alone is Verdict.ACCEPTED:
+        return f"shared wall {result.evidence.matched:.1f} m, but parts of the building look alike"
+    return reason_of(result._replace(verdict=alone), STRONG_CRITERIA)
+
+
 def waiting_reason(robot: str, result: Optional[Registration], criteria: Criteria, sightings: str = "") -> str:
     """Why a robot is not placed: its last result (None: none yet), and what the sightings of it lack, if anything."""
     if result is None:
         reason = "no map to compare yet"
     elif not result.accepted:
         reason = reason_of(result, criteria)
-    elif result.prior:
-        reason = f"{reason_of(result, criteria)} at the given pose; waits until more is shared"
     else:
-        alone = judge(result.evidence, STRONG_CRITERIA)
-        reason = reason_of(result._replace(verdict=alone), STRONG_CRITERIA)
-        sightings = sightings or f"waits to see {robot} move"
+        reason = unconfirmed_reason(result)
+        sightings = sightings or f"waits to see {robot} move" * (not result.prior)
     return f"{reason}; {sightings}" if sightings else reason
 
 

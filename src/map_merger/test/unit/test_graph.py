@@ -305,6 +305,18 @@ def test_a_forgotten_robot_is_placed_by_nobody_until_it_is_heard_again():
     assert "robot_1" in graph.placed()
 
 
+def test_what_others_tell_of_a_forgotten_robot_counts_when_it_is_heard_again():
+    """It stayed placed through others."""
+    truth = Truth(3, 3).find([("robot_0", "robot_2"), ("robot_2", "robot_1")], both=False)
+    graph = truth.graph_of("robot_0")
+    graph.forget("robot_1")
+    assert set(graph.placed()) == {"robot_2"}
+    graph.heard(truth.report_of("robot_2"))
+    assert set(graph.placed()) == {"robot_2"}
+    graph.set_run("robot_1", run_of("robot_1"))
+    assert set(graph.placed()) == {"robot_1", "robot_2"}
+
+
 FLAT = ((1.0, 1.0, 0.0), (1.0, 1.0, 0.0), (0.0, 0.0, 0.1))
 LOPSIDED = ((1.0, 0.5, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.1))
 VAGUE = ((400.0, 0.0, 0.0), (0.0, 400.0, 0.0), (0.0, 0.0, 0.1))

@@ -244,6 +244,20 @@ def test_a_robot_that_starts_anew_is_forgotten():
     assert all(each.path < 0.5 for each in scene.hypotheses("a", "b"))
 
 
+def test_a_late_report_of_a_former_run_changes_nothing():
+    """It pushed out what the present run had told."""
+
+    def report(boot, uptime, x):
+        return TrackReport("b", boot, uptime, poses=np.array([[0.0, x, 0.0, 0.0]]))
+
+    meetings = Meetings("a", (1, 0))
+    meetings.on_own_pose(Transform(), 99.0)
+    late = report((1, 1), 50.0, 3.0)
+    for told, now in ((late, 100.0), (report((2, 1), 1.0, 5.0), 101.0), (late, 101.5)):
+        meetings.on_report(told, now)
+    assert meetings.sightings("b", 101.5).told[:, 1].tolist() == [5.0]
+
+
 def test_a_clock_that_jumps_back_begins_anew_and_meets_again():
     scene = Scene([Actor("a", standing(-3.0, 0.0)), Actor("b", driving(-1.0, -1.0, 0.3, turn=weave()))], WALLS)
     scene.run(10.0)

@@ -1,11 +1,12 @@
 """Whole agents that see and hear one another, in small scenes on virtual time."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 from agent_scene import AgentScene
-from meeting_scene import NARROW, Actor, Scene, Wall, driving, room, standing
+from meeting_scene import NARROW, Actor, Scene, Wall, driving, room
 
 from map_merger.transform import Transform
 
@@ -38,9 +39,8 @@ def equal_rooms(count=4, width=5.0, depth=4.0, door=1.2):
         walls += [Wall(x0, y0, right, y0), Wall(x0, y0, x0, y1), Wall(x0, y1, gap, y1), Wall(gap + door, y1, right, y1)]
     ends = -1.5 * width, (count - 1.5) * width
     hall = 0.5 * depth + 2.0
-    return [*walls, Wall(ends[1], -0.5 * depth, ends[1], hall), Wall(ends[0], hall, ends[1], hall)] + [
-        Wall(ends[0], 0.5 * depth, ends[0], hall)
-    ]
+    corners = [(ends[0], 0.5 * depth), (ends[0], hall), (ends[1], hall), (ends[1], -0.5 * depth)]
+    return [*walls, *(Wall(*first, *second) for first, second in zip(corners, corners[1:]))]
 
 
 def side_by_side(seed=1, lost=None):
@@ -114,7 +114,9 @@ def test_robots_in_copies_of_a_room_are_never_placed_and_the_status_says_why(oth
         assert not any(agent.transforms() for agent in scene.team.agents.values())
     for own, robot in (("robot_0", "robot_1"), ("robot_1", "robot_0")):
         why = scene.why(own, robot)
-        print(why)
+        assert re.search(r"\d m of \d+ m|two solutions .* apart", why) and re.search(
+            "not seen|wall in free space", why
+        ), why
 
 
 def test_turtlebots_are_placed_after_they_have_faced_one_another_and_not_before():

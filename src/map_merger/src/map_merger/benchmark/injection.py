@@ -41,9 +41,9 @@ Pair = Tuple[str, str]
 
 
 class Injection(NamedTuple):
-    """robots: who is misled, about whom; `both`: each about the other. cycle: the wrong edge lies in a cycle of own
-    transforms. gone: s until no robot told it or placed anybody by it; None if that took longer than WATCHED_S.
-    placed: of 12 placements, how many were there and right at the end."""
+    """robots: who is misled, about whom; `both`: each about the other. cycle: the wrong transform lies in a cycle of
+    own ones. gone: s until no robot told it or placed anybody wrongly; None if that took longer than the team was
+    watched. placed: how many robots were placed right at the end, on all robots together."""
 
     seed: int
     robots: Pair
@@ -54,8 +54,8 @@ class Injection(NamedTuple):
 
 
 @dataclass
-class _Met(VirtualTeam):
-    """Given pairs have met: their first registrations give the truth."""
+class MetTeam(VirtualTeam):
+    """Given pairs have met: their first registrations give the truth. truth: of the second's frame to the first's."""
 
     truth: Dict[Pair, Transform] = field(default_factory=dict)
     met: FrozenSet[Pair] = frozenset()
@@ -63,33 +63,35 @@ class _Met(VirtualTeam):
     """Only at the start."""
 
     def outcome(self, name: str, job: Job) -> Registration:
-        if job.current is not None or (min(name, job.robot), max(name, job.robot)) not in self.met or not self.meeting:
+        pair = min(name, job.robot), max(name, job.robot)
+        if job.current is not None or pair not in self.met or not self.meeting:
             return super().outcome(name, job)
         truth = self.truth[name, job.robot]
         evidence = compare(landmarks_of(job.target.grid), landmarks_of(job.source.grid), truth)
         return Registration(Verdict.ACCEPTED, truth, evidence, met=True, covariance=_COVARIANCE)
 
 
-def inject(seed: int) -> Injection:
-    """One team and one wrong transform."""
+def inject(seed: int, watched: float = WATCHED_S, robots: int = ROBOTS) -> Injection:
+    """One team of so many robots and one wrong transform, watched for so many s."""
     random = np.random.default_rng(seed)
-    maps = _explored(random)
-    team = _team_of(maps, _connected(random, sorted(maps)))
-    _grow(team, maps, 0)
+    maps = explored(random, robots)
+    team = team_of(maps, _connected(random, sorted(maps)))
+    grow(team, maps, 0)
     team.run(SETTLING_S)
     team.meeting = False
     first, second = random.choice(sorted(maps), 2, replace=False).tolist()
     both = bool(random.random() < 0.5)
-    cycle = _in_cycle(_told(team), (first, second), both)
-    shift = Transform(*(random.uniform(3.0, 9.0, 2) * random.choice([-1.0, 1.0], 2)).tolist(), random.uniform(-3.0, 3.0))
+    cycle = _in_cycle(told(team), (first, second), both)
+    x, y = (random.uniform(3.0, 9.0, 2) * random.choice([-1.0, 1.0], 2)).tolist()
+    shift = Transform(x, y, random.uniform(-3.0, 3.0))
     wrong = team.truth[first, second].compose(shift)
     mislead(team, first, second, wrong)
     if both:
         mislead(team, second, first, wrong.inverse())
     gone = None
-    for number in range(1, round(WATCHED_S / 0.5) + 1):
+    for number in range(1, round(watched / 0.5) + 1):
         if number % round(2.0 * GROWTH_PERIOD_S) == 0:
-            _grow(team, maps, round(0.5 * number / GROWTH_PERIOD_S))
+            grow(team, maps, round(0.5 * number / GROWTH_PERIOD_S))
         team.run(0.5)
         clean = not _believed(team, (first, second), wrong) and all(_placements(team))
         gone = (0.5 * number if gone is None else gone) if clean else None
@@ -102,12 +104,13 @@ def mislead(team: VirtualTeam, name: str, robot: str, wrong: Transform) -> None:
     team.mislead(name, robot, outcome)
 
 
-def _explored(random: np.random.Generator) -> Dict[str, RobotMap]:
+def explored(random: np.random.Generator, robots: int = ROBOTS) -> Dict[str, RobotMap]:
+    """Maps of robots that set off from one place in an office, by name, in STAGES."""
     surveyor = Surveyor(office_plan(random))
     survey = Survey(path_length=PATH_M, stages=STAGES)
     first = surveyor.explore(random, survey)
     start = (float(first.path[0, 0]), float(first.path[0, 1]))
-    rest = [surveyor.explore(random, survey, start=start, yaw=2.0 * number + 0.4) for number in range(ROBOTS - 1)]
+    rest = [surveyor.explore(random, survey, start=start, yaw=2.0 * number + 0.4) for number in range(robots - 1)]
     return {f"robot_{number}": each for number, each in enumerate([first, *rest])}
 
 
@@ -119,21 +122,24 @@ def _connected(random: np.random.Generator, names: Sequence[str]) -> FrozenSet[P
     return frozenset((min(pair), max(pair)) for pair in pairs)
 
 
-def _team_of(maps: Dict[str, RobotMap], met: FrozenSet[Pair]) -> _Met:
+def team_of(maps: Dict[str, RobotMap], met: FrozenSet[Pair]) -> MetTeam:
+    """Agents that know nothing yet, of whom these pairs meet."""
     agents = {
         name: Agent(Options(robot_name=name, max_rotation_robots=-1.0, split_size=2048, debug=False), (1, number))
         for number, name in enumerate(sorted(maps))
     }
     truth = {(one, other): pair_of(maps[one], maps[other]).truth for one in maps for other in maps if one != other}
-    return _Met(agents, truth=truth, met=met)
+    return MetTeam(agents, truth=truth, met=met)
 
 
-def _grow(team: _Met, maps: Dict[str, RobotMap], stage: int) -> None:
+def grow(team: MetTeam, maps: Dict[str, RobotMap], stage: int) -> None:
+    """Every robot has explored as far as this stage."""
     for name, each in maps.items():
         team.agents[name].on_local_map(each.stages[min(stage, len(each.stages) - 1)], team.now)
 
 
-def _told(team: VirtualTeam) -> List[Edge]:
+def told(team: VirtualTeam) -> List[Edge]:
+    """What the robots told last of their own transforms."""
     return [edge for report in team.edges.values() for edge in report.edges]
 
 
@@ -143,26 +149,24 @@ def _in_cycle(edges: Sequence[Edge], pair: Pair, both: bool) -> bool:
     reached = {first}
     left = [edge for edge in edges if (edge.reporter, edge.target) != pair]
     left = [edge for edge in left if not (both and {edge.reporter, edge.target} == set(pair))]
-    for _ in range(ROBOTS):
+    for _ in edges:
         reached |= {robot for edge in left for robot in edge.pair if reached & set(edge.pair)}
     return second in reached
 
 
 def _believed(team: VirtualTeam, pair: Pair, wrong: Transform) -> bool:
     """True while one of the pair tells the wrong transform."""
-    told = {(edge.reporter, edge.target): edge.transform for edge in _told(team)}
-    back = told.get((pair[1], pair[0]))
-    candidates = [told.get(pair), None if back is None else back.inverse()]
+    own = {(edge.reporter, edge.target): edge.transform for edge in told(team)}
+    back = own.get((pair[1], pair[0]))
+    candidates = [own.get(pair), None if back is None else back.inverse()]
     return any(each is not None and not _differ(each, wrong) for each in candidates)
 
 
 def _differ(first: Transform, second: Transform) -> bool:
-    return (
-        math.hypot(first.x - second.x, first.y - second.y) > WRONG_M or rotation_between(first, second) > WRONG_RAD
-    )
+    return math.hypot(first.x - second.x, first.y - second.y) > WRONG_M or rotation_between(first, second) > WRONG_RAD
 
 
-def _placements(team: _Met) -> List[bool]:
+def _placements(team: MetTeam) -> List[bool]:
     """Of each placement in the team whether it is right."""
     return [
         not _differ(transform, team.truth[name, robot])
@@ -171,33 +175,23 @@ def _placements(team: _Met) -> List[bool]:
     ]
 
 
-def rows_of(injections: Sequence[Injection], command: str) -> List[Row]:
-    """Rows of the bar."""
-    cycles = [each for each in injections if each.cycle]
-    alone = [each for each in injections if not each.cycle]
-    whole = sum(each.placed == ROBOTS * (ROBOTS - 1) for each in injections)
+def rows_of(teams: Sequence[Injection], couples: Sequence[Injection], command: str) -> List[Row]:
+    """Rows of the bar for teams of four, and of teams of two, where nothing but their walls can tell."""
+    whole = sum(each.placed == ROBOTS * (ROBOTS - 1) for each in teams)
+    detail = f"{sum(each.placed for each in teams)} of {len(teams) * ROBOTS * (ROBOTS - 1)} placements; {command}"
+    what = "teams of four with every robot placed right everywhere a minute after the injection"
     return [
-        _gone_row("injected wrong edge gone on every robot within 30 s", injections, command),
-        _gone_row("the same, edge in a cycle of own transforms", cycles, command),
-        _gone_row("the same, edge that is the only bond of two parts of the team", alone, command),
-        row(
-            "teams with every robot placed right on every robot a minute after the injection",
-            f"{len(injections)} of {len(injections)}",
-            whole,
-            "teams",
-            whole == len(injections),
-            f"{sum(each.placed for each in injections)} of {len(injections) * ROBOTS * (ROBOTS - 1)} placements; {command}",
-        ),
+        _gone_row("wrong transform gone on every robot within 30 s, teams of four", teams, command),
+        _gone_row("the same, in a cycle of own transforms", [each for each in teams if each.cycle], command),
+        row(what, f"{len(teams)} of {len(teams)}", whole, "teams", whole == len(teams), detail),
+        _gone_row("wrong transform gone on both robots within 30 s, teams of two", couples, command),
     ]
 
 
 def _gone_row(what: str, injections: Sequence[Injection], command: str) -> Row:
-    within = sum(each.gone is not None and each.gone <= BAR_S for each in injections)
     times = sorted(math.inf if each.gone is None else each.gone for each in injections)
-    middle = times[len(times) // 2] if times else math.nan
-    detail = (
-        f"median {middle:.1f} s, slowest {times[-1] if times else math.nan:.1f} s; teams of {ROBOTS}, "
-        f"{sum(each.both for each in injections)} with both robots misled; the wrong one has more wall than the right "
-        f"ones; {command}"
-    )
+    within = sum(time <= BAR_S for time in times)
+    shown = f"median {times[len(times) // 2]:.1f} s, slowest {times[-1]:.1f} s" if times else "none"
+    both = sum(each.both for each in injections)
+    detail = f"{shown}; {both} with both robots misled; more wall than a right one; maps that grow; {command}"
     return row(what, f"{len(times)} of {len(times)}", within, "teams", within == len(times), detail)

@@ -58,6 +58,7 @@ class TeamGraph:
         self._runs: Dict[str, Boot] = {own: run}
         self._own_edges: Tuple[Edge, ...] = ()
         self._reports: Dict[str, Dict[Boot, EdgeReport]] = {}
+        self._forgotten: List[str] = []
         self._solution: Optional[_Solution] = None
 
     def begin_run(self, run: Boot) -> None:
@@ -73,6 +74,7 @@ class TeamGraph:
 
     def set_run(self, robot: str, run: Boot) -> None:
         """The present run of a robot; edges of its former ones vanish."""
+        self._remember(robot)
         known = robot in self._runs or len(self._runs) < MOST_ROBOTS
         if robot != self._own and known and self._runs.get(robot) != run:
             self._runs[robot], self._solution = run, None
@@ -84,6 +86,7 @@ class TeamGraph:
             return (f"transforms told in the name of {report.robot!r} ignored",)
         if report.robot not in self._reports and len(self._reports) >= MOST_ROBOTS - 1:
             return (f"transforms of {report.robot} ignored: {MOST_ROBOTS} robots tell theirs already",)
+        self._remember(report.robot)
         edges, refused = _usable(report.edges, (report.robot, report.boot))
         runs = self._reports.setdefault(report.robot, {})
         before = runs.pop(report.boot, None)
@@ -96,10 +99,13 @@ class TeamGraph:
         return refused
 
     def forget(self, robot: str) -> None:
-        """Nothing that the robot told, and no run of it, is known any more."""
+        """Nothing that the robot told, and no run of it, is known any more; what others tell of it counts again when
+        it is heard, or when MOST_ROBOTS others have been forgotten."""
         if robot != self._own:
             self._reports.pop(robot, None)
             self._runs.pop(robot, None)
+            self._remember(robot)
+            self._forgotten = [*self._forgotten, robot][-MOST_ROBOTS:]
             self._solution = None
 
     def placed(self) -> Dict[str, Placement]:
@@ -126,6 +132,11 @@ class TeamGraph:
                 robots.update({first, second} if self._own in (first, second) else ())
         return robots - {self._own}
 
+    def _remember(self, robot: str) -> None:
+        if robot in self._forgotten:
+            self._forgotten.remove(robot)
+            self._solution = None
+
     def _bound_runs(self, robot: str) -> None:
         runs = self._reports[robot]
         while len(runs) > _KEPT_RUNS:
@@ -140,6 +151,7 @@ class TeamGraph:
         """All edges between present runs, ordered by reporter and target, one each."""
         told = [edge for runs in self._reports.values() for report in runs.values() for edge in report.edges]
         edges = sorted([*self._own_edges, *told], key=lambda edge: (edge.reporter, edge.target))
+        edges = [edge for edge in edges if not set(edge.pair) & set(self._forgotten)]
         strangers = [edge for edge in edges if edge.reporter not in self._runs or edge.target not in self._runs]
         runs = {**_likely_runs(strangers), **self._runs}
         present = {

@@ -6,7 +6,7 @@ from typing import Deque, Tuple
 
 import numpy as np
 
-from ..messages import NO_BOOT
+from ..messages import NO_BOOT, Boot
 from .tracking import HISTORY_S, Fragment, Trail, moves
 from .values import NO_SENSOR, TrackReport
 
@@ -18,6 +18,8 @@ _DELAYS = 60
 _DELAY_SPAN_S = 60.0
 _SET_BACK_S = 20.0
 """A robot whose reports go back so far has set its clock back; less is a late report."""
+_FORMER_RUNS = 8
+"""So many are known to be over."""
 
 
 class Heard:
@@ -36,14 +38,20 @@ class Heard:
         self._objects: OrderedDict[int, Trail] = OrderedDict()
         self._differences: Deque[Tuple[float, float]] = deque(maxlen=_DELAYS)
         self._newest = -math.inf
+        self._former: Deque[Boot] = deque(maxlen=_FORMER_RUNS)
         self.heard_at = -math.inf
 
     def take(self, report: TrackReport, now: float) -> bool:
-        """True if it comes from another run than what was known, which is forgotten."""
+        """True if it comes from another run than what was known, which is forgotten; a late one of a former run is
+        left out."""
+        if report.boot in self._former:
+            return False
         other_run = report.boot != self.boot or report.uptime < self._newest - _SET_BACK_S
         known = self._newest > -math.inf
         if other_run or now < self.heard_at - _LIVELY_S:
             self._forget()
+        if known and report.boot != self.boot:
+            self._former.append(self.boot)
         if report.uptime >= self._newest:
             self.boot, self.body_radius, self.sensor = report.boot, report.body_radius, report.sensor
             self.unplaced = report.unplaced
