@@ -83,7 +83,7 @@ def inject(seed: int, watched: float = WATCHED_S, robots: int = ROBOTS) -> Injec
     both = bool(random.random() < 0.5)
     cycle = _in_cycle(told(team), (first, second), both)
     x, y = (random.uniform(3.0, 9.0, 2) * random.choice([-1.0, 1.0], 2)).tolist()
-    shift = Transform(x, y, random.uniform(-3.0, 3.0))
+    shift = Transform(float(x), float(y), random.uniform(-3.0, 3.0))
     wrong = team.truth[first, second].compose(shift)
     mislead(team, first, second, wrong)
     if both:
