@@ -10,7 +10,6 @@ import numpy as np
 import rospy
 import rostest
 import tf2_ros
-from geometry_msgs.msg import TransformStamped
 from map_merger.msg import MergerStatus, RobotTrack
 from map_merger.srv import ForgetRobot, SaveMap
 from nav_msgs.msg import OccupancyGrid, Odometry
