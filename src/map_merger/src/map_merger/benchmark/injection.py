@@ -180,8 +180,8 @@ def rows_of(teams: Sequence[Injection], couples: Sequence[Injection], command: s
     cycles = [each for each in teams if each.cycle]
     whole = sum(each.placed == ROBOTS * (ROBOTS - 1) for each in cycles)
     detail = (
-        f"{sum(each.placed for each in teams)} of {len(teams) * ROBOTS * (ROBOTS - 1)} placements in all teams; where the "
-        f"wrong transform took the place of the only bond, its two parts must meet again; {command}"
+        f"{sum(each.placed for each in teams)} of {len(teams) * ROBOTS * (ROBOTS - 1)} placements in all teams; where "
+        f"the wrong transform took the place of the only bond, its two parts must meet again; {command}"
     )
     what = "the same, every robot placed right everywhere a minute after the injection"
     return [
