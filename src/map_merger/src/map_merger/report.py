@@ -57,7 +57,8 @@ def news_of(robot: str, news: str, alignment: Alignment, result: Registration) -
     if news in ("accepted", "moved"):
         verb = "is" if news == "accepted" else "moved to"
         wall = f"{result.evidence.matched:.1f} m of wall in both maps"
-        return [Note(f"transform to {robot} {verb} {described(alignment.transform)}, {wall}")]
+        seen = ", seen" if result.met else ""
+        return [Note(f"transform to {robot} {verb} {described(alignment.transform)}, {wall}{seen}")]
     return []
 
 

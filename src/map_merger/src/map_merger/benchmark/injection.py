@@ -177,13 +177,17 @@ def _placements(team: MetTeam) -> List[bool]:
 
 def rows_of(teams: Sequence[Injection], couples: Sequence[Injection], command: str) -> List[Row]:
     """Rows of the bar for teams of four, and of teams of two, where nothing but their walls can tell."""
-    whole = sum(each.placed == ROBOTS * (ROBOTS - 1) for each in teams)
-    detail = f"{sum(each.placed for each in teams)} of {len(teams) * ROBOTS * (ROBOTS - 1)} placements; {command}"
-    what = "teams of four with every robot placed right everywhere a minute after the injection"
+    cycles = [each for each in teams if each.cycle]
+    whole = sum(each.placed == ROBOTS * (ROBOTS - 1) for each in cycles)
+    detail = (
+        f"{sum(each.placed for each in teams)} of {len(teams) * ROBOTS * (ROBOTS - 1)} placements in all teams; where "
+        f"the wrong transform took the place of the only bond, its two parts must meet again; {command}"
+    )
+    what = "the same, every robot placed right everywhere a minute after the injection"
     return [
         _gone_row("wrong transform gone on every robot within 30 s, teams of four", teams, command),
-        _gone_row("the same, in a cycle of own transforms", [each for each in teams if each.cycle], command),
-        row(what, f"{len(teams)} of {len(teams)}", whole, "teams", whole == len(teams), detail),
+        _gone_row("the same, in a cycle of own transforms", cycles, command),
+        row(what, f"{len(cycles)} of {len(cycles)}", whole, "teams", whole == len(cycles), detail),
         _gone_row("wrong transform gone on both robots within 30 s, teams of two", couples, command),
     ]
 
