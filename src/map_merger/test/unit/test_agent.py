@@ -308,13 +308,8 @@ def test_base_station_takes_the_first_map_as_reference_and_merges_the_others(map
     assert error_of(team, "base", "robot_2", maps) < 0.2
     assert base.transform_point("robot_1", 1.0, 2.0) == pytest.approx((1.0, 2.0), abs=0.01)
     assert known(team.maps["base"][-1]) > known(maps[0].grid)
-<<<<<<< HEAD
     assert {place.robot: place.x for place in team.places["base"]}["robot_1"] == pytest.approx(1.0, abs=0.01)
     assert dict(team.transforms["base"])["robot_1"].pose() == pytest.approx((0.0, 0.0, 0.0), abs=0.01)
-=======
-    assert [(each.robot, round(each.x, 3), round(each.y, 3)) for each in team.places["base"]] == [("robot_1", 1.0, 2.0)]
-    assert displacement(dict(team.transforms["base"])["robot_1"], Transform(), np.zeros((1, 2)))[0] < 0.001
->>>>>>> 920cc6478c0162e58e029fed57483582ca223eca
     assert not team.sent(Tile, "base") and not team.sent(Position, "base")
 
 
