@@ -50,7 +50,8 @@ def test_all_keys(scenario_file):
         scenario_file(
             "description: all keys\nworld: small8x8\nrobots: [2]\nstrategies: [1, 7]\nlimit: 60\nfast: false\n"
             "known_poses: true\nradio: {range: 5, loss: 0.1, bit_rate: 1e6, wall_attenuation: 3, contention: true,"
-            " sealed: false}\ntopology: centralized\nbase: [2, 1.5]\nstarts: [[1, 2, 90], [3, 4.5, -180]]\njoins: {1: 5}\ndeaths: {0: 9.5}\n"
+            " sealed: false}\ntopology: centralized\nbase: [2, 1.5]\n"
+            "starts: [[1, 2, 90], [3, 4.5, -180]]\njoins: {1: 5}\ndeaths: {0: 9.5}\n"
         )
     )
     assert scenario.radio == RadioOptions(5.0, 0.1, 1e6, 3.0, True, False)

@@ -67,8 +67,10 @@ class Mission:
         # Those that take part to the end, also if they join later.
         self._survivors = [robot for robot in self.robots if robot.index not in trial.deaths]
         self.base = None if trial.base is None else self._base_station(trial.base, starts)
-        participants = [*self.robots, *([] if self.base is None else [self.base])]
-        self.recorder.attach(self.robots, self.radio, [each.own_radio.index for each in participants])
+        radios = [robot.own_radio.index for robot in self.robots]
+        if self.base is not None:
+            radios.append(self.base.own_radio.index)
+        self.recorder.attach(self.robots, self.radio, radios)
 
     def _robot(self, index: int, starts: dict[str, Pose]) -> Robot:
         name, ranger = self.world.names[index], self.world.robots[index].rangers[0]

@@ -11,7 +11,6 @@ from explorer.options import STRATEGIES
 from mr_experiments.radio import RadioOptions
 from mr_sim.pose import Pose
 
-
 DISTRIBUTED, CENTRALIZED = TOPOLOGIES = ("distributed", "centralized")
 
 
