@@ -41,6 +41,7 @@ bench-merge: build
 	rosrun map_merger bench_registration --out out/bench/merge.json $(if $(REAL_LOGS),--real-logs $(REAL_LOGS)) || missed=1; \
 	rosrun map_merger bench_fusion --out out/bench/fusion.json || missed=1; \
 	rosrun map_merger bench_exchange --out out/bench/exchange.json || missed=1; \
+	rosrun map_merger bench_team --out out/bench/team.json || missed=1; \
 	exit $$missed
 
 # How soon robots find one another, in missions in virtual time: an hour and a half on two cores. Goes on where it was stopped.
