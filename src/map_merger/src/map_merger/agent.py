@@ -221,11 +221,15 @@ class Agent:
 
     def placements(self) -> Dict[str, Placement]:
         """Where the frames of the other robots lie in the own one, as far as that is believed."""
-        return self._graph.placed()
+        placed, base = self._graph.placed(), self._reference.robot
+        if base not in placed:
+            return placed
+        # The graph lets every robot give way a little; a base station's frame is that of the robot by definition.
+        return {**placed, base: placed[base]._replace(transform=Transform())}
 
     def transforms(self) -> Dict[str, Transform]:
         """Believed transforms of the others' map frames to the own one."""
-        return {name: placement.transform for name, placement in self._graph.placed().items()}
+        return {name: placement.transform for name, placement in self.placements().items()}
 
     def verdict(self, robot: str) -> str:
         """Why there is (no) transform to the robot."""
@@ -241,7 +245,7 @@ class Agent:
             return x, y
         if robot not in self.exchange.robots():
             raise NoTransform(f"no transform to {robot or 'the empty name'}: this robot is not known")
-        placement = self._graph.placed().get(robot)
+        placement = self.placements().get(robot)
         if placement is None:
             raise NoTransform(f"no transform to {robot} yet: {self.verdict(robot)}")
         return placement.transform.apply_point(x, y)
