@@ -11,7 +11,7 @@ from .covariance import covariance_at_origin, covariance_of
 from .evidence import compare
 from .global_map import merged
 from .grid import Grid
-from .meetings import Sightings, confirmed
+from .meetings import Sightings, confirmed, hypotheses_of
 from .registration import (
     DEFAULT_CRITERIA,
     KEEP_CRITERIA,
@@ -123,7 +123,7 @@ class Job:
 
     def _confirmed(self, target: Landmarks, source: Landmarks, meeting: Sightings) -> Registration:
         """What the sightings say if the walls of both maps, and those of the team, have nothing against it."""
-        found = confirmed(target, source, meeting.hypotheses(), self.limits)
+        found = confirmed(target, source, hypotheses_of(meeting), self.limits)
         result = found.registration._replace(words=found.words)
         if not result.accepted or result.transform is None:
             return result

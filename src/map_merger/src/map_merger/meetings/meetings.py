@@ -10,9 +10,11 @@ from ..grid import Grid
 from ..messages import NO_BOOT, Boot
 from ..transform import Transform
 from .detection import FARTHEST_M, objects_in_scan
+from .doubts import doubts_of
 from .heard import Heard
-from .hypotheses import Sightings, doubts_of
+from .hypotheses import hypotheses_of
 from .map_objects import objects_in_map
+from .sightings import Sightings
 from .sweeps import NO_SWEEPS, SweepHistory, Sweeps
 from .telling import SLOW_S, Telling
 from .tracking import Fragment, ObjectTracks, Trail
@@ -139,7 +141,7 @@ class Meetings:
         )
 
     def sightings(self, robot: str, now: float) -> Optional[Sightings]:
-        """All that speaks about the robot, for `hypotheses` here or in another thread; None if it told nothing."""
+        """All that speaks about the robot, for `hypotheses_of` here or in another thread; None if it told nothing."""
         heard = self._heard.get(robot)
         if heard is None or now - heard.heard_at > _SILENT_S:
             return None
@@ -162,7 +164,7 @@ class Meetings:
     def hypotheses(self, robot: str, now: float) -> Tuple[Hypothesis, ...]:
         """The transforms of the robot's frame to the own one that are not refuted, best supported first."""
         sightings = self.sightings(robot, now)
-        found = () if sightings is None else sightings.hypotheses()
+        found = () if sightings is None else hypotheses_of(sightings)
         self._latest[robot] = found
         return found
 
