@@ -61,19 +61,19 @@ class AgentScene:
         while self.time < latest:
             self.step()
             self.assert_right()
-            if all(len(agent.transforms()) == len(self.team.agents) - 1 for agent in self.team.agents.values()):
+            if all(len(agent.view.transforms()) == len(self.team.agents) - 1 for agent in self.team.agents.values()):
                 return self.time
         return math.inf
 
     def assert_right(self, shift=0.3, turn=3.0):
         """All transforms that are believed are right."""
         for own, agent in self.team.agents.items():
-            for robot, transform in agent.transforms().items():
+            for robot, transform in agent.view.transforms().items():
                 truth = self.scene.truth(robot, own)
                 assert displacement(truth, transform, AROUND).max() < shift, (self.time, own, robot, transform, truth)
                 assert rotation_between(transform, truth) < math.radians(turn), (self.time, own, robot)
 
     def why(self, own, robot):
         """What the status says of a robot."""
-        status = self.team.agents[own].status(self.team.now)
+        status = self.team.agents[own].view.status(self.team.now)
         return next(each.why for each in status.robots if each.robot == robot)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from team import Team, options, survey, team_of
 
-from map_merger.agent import Agent, NoTransform
+from map_merger.agent import Agent
 from map_merger.alignment import Alignment
 from map_merger.effects import Note, PublishMap, Send
 from map_merger.evidence import Evidence
@@ -16,6 +16,7 @@ from map_merger.messages import Anchor, Position, Request, Tile
 from map_merger.registration import Registration, Verdict
 from map_merger.synthetic import pair_of
 from map_merger.transform import Transform, displacement
+from map_merger.view import NoTransform
 
 
 def square(size=20, value=0, x=0.0):
@@ -41,7 +42,7 @@ def error_of(team, robot, other, maps, own=0, index=1):
     """Largest error in metres of a transform over the other's map."""
     truth = pair_of(maps[own], maps[index]).truth
     points = np.array([[0.0, 0.0], [8.0, 0.0], [0.0, 8.0], [-8.0, -8.0]])
-    return displacement(truth, team.agents[robot].transforms()[other], points).max()
+    return displacement(truth, team.agents[robot].view.transforms()[other], points).max()
 
 
 def test_alone_the_global_map_is_the_local_one_at_once():
@@ -218,11 +219,11 @@ def test_a_restarted_robot_loses_its_map_and_transform(maps):
     for index in range(2):
         team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
     team.run(30.0)
-    assert team.agents["robot_0"].transforms()
+    assert team.agents["robot_0"].view.transforms()
     team.agents["robot_1"] = Agent(options("robot_1"), (2, 0))
     team.agents["robot_1"].on_local_map(square(), team.now)
     team.run(10.0)
-    assert not team.agents["robot_0"].transforms()
+    assert not team.agents["robot_0"].view.transforms()
     assert np.array_equal(team.maps["robot_0"][-1].cells, maps[0].grid.cells)
     assert any("restarted" in note for note in team.notes["robot_0"])
 
@@ -249,7 +250,7 @@ def test_the_neighbours_are_asked_for_once_five_seconds_after_the_start():
 def test_positions_and_points_in_the_own_frame(maps):
     team = team_of("robot_0", "robot_1")
     with pytest.raises(NoTransform, match="not known"):
-        team.agents["robot_0"].transform_point("robot_1", 0.0, 0.0)
+        team.agents["robot_0"].view.transform_point("robot_1", 0.0, 0.0)
     for index in range(2):
         team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
         team.agents[f"robot_{index}"].on_local_pose(Transform(1.0, 0.5, 0.2), team.now)
@@ -258,9 +259,9 @@ def test_positions_and_points_in_the_own_frame(maps):
     (place,) = team.places["robot_0"]
     assert place.robot == "robot_1"
     assert math.dist((place.x, place.y), truth.apply_point(1.0, 0.5)) < 0.1
-    point = team.agents["robot_0"].transform_point("robot_1", 3.0, 1.0)
+    point = team.agents["robot_0"].view.transform_point("robot_1", 3.0, 1.0)
     assert math.dist(point, truth.apply_point(3.0, 1.0)) < 0.15
-    assert team.agents["robot_0"].transform_point("robot_0", 3.0, 1.0) == (3.0, 1.0)
+    assert team.agents["robot_0"].view.transform_point("robot_0", 3.0, 1.0) == (3.0, 1.0)
 
 
 def test_without_transform_no_position_is_listed_and_points_fail_with_the_reason():
@@ -271,10 +272,10 @@ def test_without_transform_no_position_is_listed_and_points_fail_with_the_reason
     team.run(20.0)
     assert team.places["robot_0"] == ()
     with pytest.raises(NoTransform, match="no transform to robot_1 yet"):
-        team.agents["robot_0"].transform_point("robot_1", 0.0, 0.0)
+        team.agents["robot_0"].view.transform_point("robot_1", 0.0, 0.0)
     for x in (math.nan, math.inf, 1.7e308):
         with pytest.raises(NoTransform, match="finite"):
-            team.agents["robot_0"].transform_point("robot_1", x, 0.0)
+            team.agents["robot_0"].view.transform_point("robot_1", x, 0.0)
 
 
 def test_old_positions_are_not_listed(maps):
@@ -306,7 +307,7 @@ def test_base_station_takes_the_first_map_as_reference_and_merges_the_others(map
     team.run(40.0)
     base = team.agents["base"]
     assert error_of(team, "base", "robot_2", maps) < 0.2
-    assert base.transform_point("robot_1", 1.0, 2.0) == (1.0, 2.0)
+    assert base.view.transform_point("robot_1", 1.0, 2.0) == (1.0, 2.0)
     assert known(team.maps["base"][-1]) > known(maps[0].grid)
     assert ("robot_1", 1.0, 2.0) in team.places["base"]
     assert dict(team.transforms["base"])["robot_1"] == Transform()
@@ -321,11 +322,11 @@ def test_when_its_reference_robot_restarts_the_base_station_drops_every_transfor
         team.agents[f"robot_{index + 1}"].on_local_map(maps[index].grid, team.now)
     team.run(30.0)
     base = team.agents["base"]
-    assert set(base.transforms()) == {"robot_1", "robot_2"}
+    assert set(base.view.transforms()) == {"robot_1", "robot_2"}
     team.agents["robot_1"] = Agent(options("robot_1"), (2, 0))
     team.agents["robot_1"].on_local_map(square(), team.now)
     base.on_anchor(Anchor("robot_1", square().info, (2, 0)), team.now)
-    assert base.transforms() == {} and base.local_map is None and base.global_map is None
+    assert base.view.transforms() == {} and base.view.local_map is None and base.view.global_map is None
     team.run(10.0)
     assert np.array_equal(team.maps["base"][-1].cells, square().cells)
     team.agents["robot_1"].on_local_map(maps[2].grid, team.now)
@@ -339,7 +340,7 @@ def test_anchors_that_are_heard_again_redraw_nothing(maps):
     for index in range(2):
         team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
     team.run(60.0)
-    assert team.agents["robot_0"].transforms()
+    assert team.agents["robot_0"].view.transforms()
     before, anchors = len(team.maps["robot_0"]), len(team.sent(Anchor, "robot_1"))
     team.run(60.0)
     assert len(team.sent(Anchor, "robot_1")) >= anchors + 10
@@ -353,11 +354,11 @@ def test_a_robot_that_announces_no_anchor_is_merged_after_a_while_with_one_warni
     agent.on_local_map(maps[0].grid, team.now)
     agent.on_tile(Tile("robot_1", (0,), 0, 0, grid.cells, grid.info.resolution), team.now)
     team.run(9.0)
-    assert not agent.transforms()
+    assert not agent.view.transforms()
     team.run(60.0)
     from_corner = pair_of(maps[0], maps[1]).truth.compose(grid.info.origin)
     points = np.array([[0.0, 0.0], [8.0, 0.0], [0.0, 8.0]])
-    assert displacement(from_corner, agent.transforms()["robot_1"], points).max() < 0.2
+    assert displacement(from_corner, agent.view.transforms()["robot_1"], points).max() < 0.2
     assert sum("announces no anchor" in note for note in team.notes["robot_0"]) == 1
 
 
@@ -378,9 +379,9 @@ def test_the_base_station_does_not_wait_for_a_robot_that_never_sends_a_map():
     """It adopted the first robot heard, and had no map for ever when that one sent none."""
     team, base = base_with("robot_1", "robot_2")
     base.on_anchor(Anchor("robot_1", square().info, (1, 1), 0), team.now)
-    assert base.local_map is None
+    assert base.view.local_map is None
     send_map(team, base, "robot_2", square(value=100))
-    assert base.local_map is not None and base.transform_point("robot_2", 1.0, 2.0) == (1.0, 2.0)
+    assert base.view.local_map is not None and base.view.transform_point("robot_2", 1.0, 2.0) == (1.0, 2.0)
 
 
 def test_the_base_station_takes_another_robot_when_the_first_is_lost_for_long_before_anything_was_merged():
@@ -389,12 +390,12 @@ def test_the_base_station_takes_another_robot_when_the_first_is_lost_for_long_be
     send_map(team, base, "robot_2", square(value=100), (1, 2))
     base.on_robot_lost("robot_1", team.now)
     team.run(50.0)
-    assert base.transform_point("robot_1", 1.0, 2.0) == (1.0, 2.0), "it may come back"
+    assert base.view.transform_point("robot_1", 1.0, 2.0) == (1.0, 2.0), "it may come back"
     team.run(15.0)
-    assert base.transform_point("robot_2", 1.0, 2.0) == (1.0, 2.0)
-    assert np.array_equal(base.local_map.cells, square(value=100).cells)
+    assert base.view.transform_point("robot_2", 1.0, 2.0) == (1.0, 2.0)
+    assert np.array_equal(base.view.local_map.cells, square(value=100).cells)
     with pytest.raises(NoTransform):
-        base.transform_point("robot_1", 1.0, 2.0)
+        base.view.transform_point("robot_1", 1.0, 2.0)
 
 
 def test_the_base_station_keeps_a_reference_into_which_it_has_merged(maps):
@@ -402,10 +403,10 @@ def test_the_base_station_keeps_a_reference_into_which_it_has_merged(maps):
     send_map(team, base, "robot_1", maps[0].grid)
     send_map(team, base, "robot_2", maps[1].grid, (1, 2))
     team.run(20.0)
-    assert base.transforms()
+    assert base.view.transforms()
     base.on_robot_lost("robot_1", team.now)
     team.run(200.0)
-    assert base.transform_point("robot_1", 1.0, 2.0) == (1.0, 2.0)
+    assert base.view.transform_point("robot_1", 1.0, 2.0) == (1.0, 2.0)
 
 
 def test_initial_poses_are_a_prior_and_not_a_fact(maps):
@@ -419,7 +420,7 @@ def test_initial_poses_are_a_prior_and_not_a_fact(maps):
         for index in range(2):
             team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
         team.run(30.0)
-        assert bool(team.agents["robot_0"].transforms()) == found
+        assert bool(team.agents["robot_0"].view.transforms()) == found
         if found:
             assert error_of(team, "robot_0", "robot_1", maps) < 0.2
 
@@ -430,7 +431,7 @@ def test_limits_refuse_and_say_so_once(maps, limit):
     for index in range(2):
         team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
     team.run(60.0)
-    assert not team.agents["robot_0"].transforms()
+    assert not team.agents["robot_0"].view.transforms()
     assert sum("-1 lifts a limit" in note for note in team.notes["robot_0"]) == 1
 
 
@@ -439,7 +440,7 @@ def test_features_method_merges_too(maps):
     for index in range(2):
         team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
     team.run(30.0)
-    for transform in team.agents["robot_0"].transforms().values():
+    for transform in team.agents["robot_0"].view.transforms().values():
         points = np.array([[0.0, 0.0], [8.0, 0.0]])
         assert displacement(transform, pair_of(maps[0], maps[1]).truth, points).max() < 0.25
 
@@ -501,9 +502,9 @@ def test_a_contradicted_transform_is_revoked(maps):
     for index in range(2):
         team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
     team.run(30.0)
-    assert team.agents["robot_0"].transforms()
+    assert team.agents["robot_0"].view.transforms()
     wrong = Registration(Verdict.CONTRADICTED, Transform(), Evidence(20.0, 5.0, 0.4, 0.5, 0.1))
-    alignment = team.agents["robot_0"]._registrar.alignment("robot_1")
+    alignment = team.agents["robot_0"]._own_transforms.registrar.alignment("robot_1")
     assert alignment.finished(wrong) == ""
     assert alignment.transform is not None
     assert alignment.finished(wrong) == "revoked"
@@ -556,7 +557,7 @@ def test_waiting_tiles_that_do_not_fit_do_not_hide_a_restart(maps):
     for column in (0, 500_000_000):
         agent.on_tile(Tile("robot_1", (), 500_000_000, column, np.zeros((1, 1), np.int8), 0.05, boot), team.now)
     agent.on_anchor(Anchor("robot_1", square().info, boot), team.now)
-    assert not agent.transforms()
+    assert not agent.view.transforms()
 
 
 def test_all_maps_of_others_together_are_bounded(monkeypatch):
@@ -626,7 +627,7 @@ def test_after_the_clock_jumped_back_robots_are_merged(maps):
     for index in range(2):
         team.agents[f"robot_{index}"].on_local_map(square(), team.now)
     team.run(600.0)
-    assert not team.agents["robot_0"].transforms()
+    assert not team.agents["robot_0"].view.transforms()
     team.now = 0.0
     for index in range(2):
         team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
@@ -643,12 +644,12 @@ def test_after_the_clock_jumped_back_positions_from_before_are_neither_listed_no
     agent = team.agents["robot_0"]
     agent.on_position(Position("robot_1", Transform()), team.now)
     agent.on_position(Position("robot_2", Transform()), team.now)
-    before = agent._sightings.of("robot_2")[0]
+    before = agent._observations.sightings.of("robot_2")[0]
     team.run(2.0)
     assert [place.robot for place in team.places["robot_0"]] == ["robot_1"]
     team.now = 0.0
     agent.on_local_map(maps[0].grid, team.now)
-    assert agent._sightings.of("robot_2")[0] == before
+    assert agent._observations.sightings.of("robot_2")[0] == before
     del team.agents["robot_1"]
     team.run(3.0)
     assert team.places["robot_0"] == ()
@@ -677,8 +678,8 @@ def test_a_robot_that_is_in_hearing_for_a_minute_without_being_placed_is_to_be_m
         team.agents[name].on_local_map(square(), team.now)
         team.agents[name].on_local_pose(Transform(), team.now)
     team.run(50.0)
-    assert team.agents["robot_0"].status(team.now).wants_to_meet == ()
+    assert team.agents["robot_0"].view.status(team.now).wants_to_meet == ()
     team.run(20.0)
-    assert team.agents["robot_0"].status(team.now).wants_to_meet == ("robot_1",)
+    assert team.agents["robot_0"].view.status(team.now).wants_to_meet == ("robot_1",)
     team.agents["robot_0"].on_robot_lost("robot_1", team.now)
-    assert team.agents["robot_0"].status(team.now).wants_to_meet == ()
+    assert team.agents["robot_0"].view.status(team.now).wants_to_meet == ()

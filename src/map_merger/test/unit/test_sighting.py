@@ -175,7 +175,7 @@ class Watcher:
 
     @property
     def merged(self):
-        return "robot_1" in self.agent.transforms()
+        return "robot_1" in self.agent.view.transforms()
 
 
 def test_a_third_robot_that_may_be_anywhere_fakes_no_meeting():

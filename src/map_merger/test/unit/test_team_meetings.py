@@ -57,7 +57,7 @@ def side_by_side(seed=1, lost=None):
 def test_robots_side_by_side_in_equal_rooms_are_placed_seconds_after_they_set_off(seed):
     scene = side_by_side(seed)
     scene.run(2.0)
-    assert not any(agent.transforms() for agent in scene.team.agents.values())
+    assert not any(agent.view.transforms() for agent in scene.team.agents.values())
     assert scene.until_placed(12.0) <= 12.0
     scene.run(scene.time + 3.0)
     assert_same_everywhere(scene.team)
@@ -66,8 +66,8 @@ def test_robots_side_by_side_in_equal_rooms_are_placed_seconds_after_they_set_of
 def assert_same_everywhere(team, shift=0.05, turn=0.5):
     """Every robot has the same picture of the team: transforms there and back again are none."""
     for own, agent in team.agents.items():
-        for robot, there in agent.transforms().items():
-            loop = there.compose(team.agents[robot].transforms()[own])
+        for robot, there in agent.view.transforms().items():
+            loop = there.compose(team.agents[robot].view.transforms()[own])
             assert math.hypot(loop.x, loop.y) <= shift, (own, robot)
             assert abs(loop.yaw) <= math.radians(turn), (own, robot)
 
@@ -111,7 +111,7 @@ def test_robots_in_copies_of_a_room_are_never_placed_and_the_status_says_why(oth
     scene = copies_of_a_room(others)
     while scene.time < 30.0:
         scene.step()
-        assert not any(agent.transforms() for agent in scene.team.agents.values())
+        assert not any(agent.view.transforms() for agent in scene.team.agents.values())
     for own, robot in (("robot_0", "robot_1"), ("robot_1", "robot_0")):
         why = scene.why(own, robot)
         assert re.search(r"\d m of \d+ m|two solutions .* apart", why) and re.search(
@@ -128,5 +128,5 @@ def test_turtlebots_are_placed_after_they_have_faced_one_another_and_not_before(
     scene = AgentScene(Scene([Actor("robot_0", looker, **view), Actor("robot_1", circling(0.6, 0.0), **view)], SMALL))
     while scene.time < 12.0:
         scene.step()
-        assert not any(agent.transforms() for agent in scene.team.agents.values())
+        assert not any(agent.view.transforms() for agent in scene.team.agents.values())
     assert scene.until_placed(27.0) <= 27.0

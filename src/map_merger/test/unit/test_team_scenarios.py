@@ -35,7 +35,7 @@ def placed_team(maps, stage=-1):
     team = team_of(*(f"robot_{number}" for number in range(len(maps))))
     for number, each in enumerate(maps):
         team.agents[f"robot_{number}"].on_local_map(each.stages[stage], team.now)
-    while team.now < 200.0 and any(len(agent.transforms()) < len(maps) - 1 for agent in team.agents.values()):
+    while team.now < 200.0 and any(len(agent.view.transforms()) < len(maps) - 1 for agent in team.agents.values()):
         team.run(1.0)
     return team
 
@@ -46,8 +46,8 @@ def number_of(name):
 
 def assert_right(team, maps, shift=0.2):
     for own, agent in team.agents.items():
-        assert set(agent.transforms()) == set(team.agents) - {own}
-        for robot, transform in agent.transforms().items():
+        assert set(agent.view.transforms()) == set(team.agents) - {own}
+        for robot, transform in agent.view.transforms().items():
             truth = pair_of(maps[number_of(own)], maps[number_of(robot)]).truth
             assert displacement(truth, transform, CORNERS).max() < shift, (own, robot)
 
@@ -55,9 +55,9 @@ def assert_right(team, maps, shift=0.2):
 def assert_agree(team, shift=0.05, turn=0.5):
     """Whichever robot is asked, the frames of any two lie alike."""
     for own, agent in team.agents.items():
-        there = {own: Transform(), **agent.transforms()}
+        there = {own: Transform(), **agent.view.transforms()}
         for first in team.agents:
-            for second, transform in team.agents[first].transforms().items():
+            for second, transform in team.agents[first].view.transforms().items():
                 seen = there[first].inverse().compose(there[second])
                 between = transform.inverse().compose(seen)
                 assert math.hypot(between.x, between.y) <= shift, (own, first, second)
@@ -104,14 +104,14 @@ def test_late_messages_of_a_former_run_change_nothing(maps):
     team.run(60.0)
     assert_right(team, maps[:3])
     others = [team.agents["robot_0"], team.agents["robot_2"]]
-    transforms = [agent.transforms() for agent in others]
+    transforms = [agent.view.transforms() for agent in others]
     versions = [agent.exchange.version_of("robot_1") for agent in others]
     jobs, asked = team.jobs, len(team.sent(Request))
     for agent in others:
         for payload in late:
             take(agent, payload, team.now)
     team.run(20.0)
-    assert [agent.transforms() for agent in others] == transforms
+    assert [agent.view.transforms() for agent in others] == transforms
     assert [agent.exchange.version_of("robot_1") for agent in others] == versions
     assert all(same(agent.exchange.map_of("robot_1"), maps[1].grid) for agent in others)
     assert (team.jobs, len(team.sent(Request))) == (jobs, asked)
@@ -124,9 +124,9 @@ def test_a_robot_that_is_forgotten_is_gone_and_is_found_again_when_it_is_heard(m
     team.lost = lambda sender, receiver, payload: (sender, receiver) == ("robot_1", "robot_0")
     assert agent.forget("robot_1") and not agent.forget("robot_1")
     team.run(20.0)
-    assert "robot_1" not in agent.transforms() and "robot_1" not in dict(team.transforms["robot_0"])
-    assert agent.exchange.map_of("robot_1") is None and agent.verdict("robot_1") == "robot not known"
-    assert [each.robot for each in agent.status(team.now).robots] == ["robot_2"]
+    assert "robot_1" not in agent.view.transforms() and "robot_1" not in dict(team.transforms["robot_0"])
+    assert agent.exchange.map_of("robot_1") is None and agent.view.verdict("robot_1") == "robot not known"
+    assert [each.robot for each in agent.view.status(team.now).robots] == ["robot_2"]
     team.lost = lambda *_: False
     team.run(30.0)
     assert_right(team, maps)
@@ -154,10 +154,12 @@ def test_a_wrong_transform_that_is_told_misleads_nobody():
     )
     assert wrong != report.edges
     for own in ("robot_0", "robot_2", "robot_3"):
-        agent, before = team.agents[own], team.agents[own].transforms()
+        agent, before = team.agents[own], team.agents[own].view.transforms()
         agent.on_edges(report._replace(edges=wrong), team.now)
-        assert set(agent.transforms()) == set(before)
-        assert all(displacement(before[name], now, CORNERS).max() < 0.2 for name, now in agent.transforms().items())
+        assert set(agent.view.transforms()) == set(before)
+        assert all(
+            displacement(before[name], now, CORNERS).max() < 0.2 for name, now in agent.view.transforms().items()
+        )
 
 
 def test_a_place_through_another_robot_serves_as_prior_for_an_own_transform(monkeypatch):
@@ -168,7 +170,7 @@ def test_a_place_through_another_robot_serves_as_prior_for_an_own_transform(monk
     assert own_pairs(injection.team_of(alone, frozenset()), alone) == set()
     team = injection.team_of(maps, frozenset({("robot_0", "robot_1"), ("robot_1", "robot_2")}))
     assert ("robot_0", "robot_2") not in own_pairs(team, maps, stages=1)
-    assert team.agents["robot_0"].placements()["robot_2"].via == ("robot_1",)
+    assert team.agents["robot_0"].view.placements()["robot_2"].via == ("robot_1",)
     assert ("robot_0", "robot_2") in own_pairs(team, maps)
 
 

@@ -63,11 +63,11 @@ def known(grid):
 
 def agreement(team, name):
     """Share of the known cells of the base's global map that the robot's global map has in the same place."""
-    base, own = team.agents[BASE].global_map, team.agents[name].global_map
+    base, own = team.agents[BASE].view.global_map, team.agents[name].view.global_map
     rows, columns = np.nonzero(base.cells != UNKNOWN)
     centres = np.stack([columns, rows], axis=1) + 0.5
     points = base.info.origin.apply(centres * base.info.resolution)
-    points = team.agents[name].transforms()[BASE].apply(points)
+    points = team.agents[name].view.transforms()[BASE].apply(points)
     cells = np.floor(own.info.origin.inverse().apply(points) / own.info.resolution).astype(int)
     inside = ((cells >= 0) & (cells < (own.info.width, own.info.height))).all(axis=1)
     same = own.cells[cells[inside, 1], cells[inside, 0]] == base.cells[rows[inside], columns[inside]]
@@ -86,7 +86,7 @@ def assert_transforms_are_right(team, frames):
     """`frames`: by robot, the map whose frame its own one is."""
     points = np.array([[0.0, 0.0], [8.0, 0.0], [0.0, 8.0], [-8.0, -8.0]])
     for name, own in frames.items():
-        transforms = team.agents[name].transforms()
+        transforms = team.agents[name].view.transforms()
         assert set(transforms) == {*frames, BASE} - {name}
         for other in set(frames) - {name}:
             assert displacement(pair_of(own, frames[other]).truth, transforms[other], points).max() < 0.3
@@ -97,8 +97,8 @@ def test_every_robot_ends_with_the_map_of_the_base_in_its_own_frame(maps):
     team.run(30.0)
     assert_all_have_the_map_of_the_base(team)
     assert_transforms_are_right(team, dict(zip(ROBOTS, maps)))
-    assert all(known(team.agents[name].global_map) > 1.02 * known(maps[1].grid) for name in ROBOTS)
-    assert team.agents["robot_1"].transform_point("robot_2", 1.0, 0.0)
+    assert all(known(team.agents[name].view.global_map) > 1.02 * known(maps[1].grid) for name in ROBOTS)
+    assert team.agents["robot_1"].view.transform_point("robot_2", 1.0, 0.0)
 
 
 def test_robots_tell_their_maps_to_the_base_only_and_the_base_tells_all(maps):
@@ -110,7 +110,7 @@ def test_robots_tell_their_maps_to_the_base_only_and_the_base_tells_all(maps):
         told = {(sender, to) for _, sender, to, payload in team.sends if isinstance(payload, kind)}
         assert told <= {*((name, BASE) for name in ROBOTS), (BASE, "mc_base"), *((BASE, name) for name in ROBOTS)}
     assert {to for _, sender, to, payload in team.sends if isinstance(payload, Request) and sender in ROBOTS} == {BASE}
-    assert team.jobs and all(team.agents[name]._registrar.believed() == {} for name in ROBOTS)
+    assert team.jobs and all(team.agents[name]._own_transforms.registrar.believed() == {} for name in ROBOTS)
     assert_all_have_the_map_of_the_base(team)
 
 
@@ -168,8 +168,8 @@ def test_a_base_that_restarts_gets_all_maps_and_tells_them_again(maps):
 def test_without_the_base_robots_go_on_with_what_they_know_and_rejoin(maps):
     team = team_with_base(maps, 0)
     team.run(30.0)
-    before = {name: known(team.agents[name].global_map) for name in ROBOTS}
-    transforms = {name: team.agents[name].transforms() for name in ROBOTS}
+    before = {name: known(team.agents[name].view.global_map) for name in ROBOTS}
+    transforms = {name: team.agents[name].view.transforms() for name in ROBOTS}
     team.lost = lambda sender, receiver, payload: BASE in (sender, receiver)
     for name in ROBOTS:
         team.agents[name].on_robot_lost(BASE, team.now)
@@ -179,9 +179,9 @@ def test_without_the_base_robots_go_on_with_what_they_know_and_rejoin(maps):
     team.run(60.0)
     assert len(team.sent(Tile)) == sent, "there is nobody to send maps to"
     for index, name in enumerate(ROBOTS):
-        assert team.agents[name].transforms() == transforms[name]
-        assert known(team.agents[name].global_map) > max(before[name], known(maps[index].stages[1]))
-        assert team.agents[name].verdict("robot_9") == "robot not known"
+        assert team.agents[name].view.transforms() == transforms[name]
+        assert known(team.agents[name].view.global_map) > max(before[name], known(maps[index].stages[1]))
+        assert team.agents[name].view.verdict("robot_9") == "robot not known"
     team.lost = lambda sender, receiver, payload: False
     meet(team)
     team.run(20.0)
@@ -203,9 +203,9 @@ def test_when_the_reference_robot_restarts_the_base_begins_a_new_run(maps):
     for _ in range(160):
         team.run(0.25)
         for name in ROBOTS:
-            runs = (team.agents[name].exchange.boot_of(BASE), team.agents[BASE]._boot)
+            runs = (team.agents[name].exchange.boot_of(BASE), team.agents[BASE]._own_transforms._boot)
             if team.agents[name].exchange.map_of(BASE) is not None and runs[0] == runs[1]:
-                assert known(team.agents[name].exchange.map_of(BASE)) <= known(team.agents[BASE].global_map) * 1.05
+                assert known(team.agents[name].exchange.map_of(BASE)) <= known(team.agents[BASE].view.global_map) * 1.05
     boots = {anchor.boot for anchor in team.sent(Anchor, BASE)}
     assert len(boots) == 2
     frames = dict(zip(ROBOTS, maps))
@@ -221,12 +221,12 @@ def test_a_robot_that_restarts_is_placed_anew_and_its_former_way_forgotten(maps)
     team.run(30.0)
     moved = next(name for name in ROBOTS if name != team.agents[BASE]._reference.robot)
     witness = next(name for name in ROBOTS if name not in (moved, team.agents[BASE]._reference.robot))
-    assert len(team.agents[witness]._whereabouts.track(moved).points())
+    assert len(team.agents[witness]._observations.whereabouts.track(moved).points())
     team.agents[moved] = centralized(moved, (2, 0))
     meet(team)
     team.agents[moved].on_local_map(maps[0].grid, team.now)
     team.run(30.0)
-    assert not len(team.agents[witness]._whereabouts.track(moved).points())
+    assert not len(team.agents[witness]._observations.whereabouts.track(moved).points())
     assert_transforms_are_right(team, {**dict(zip(ROBOTS, maps)), moved: maps[0]})
 
 
@@ -241,7 +241,7 @@ def test_a_robot_may_be_the_base(maps):
     for index, name in enumerate(names):
         team.agents[name].on_local_map(maps[index].stages[1], team.now)
     team.run(20.0)
-    told, merged = team.agents["robot_1"].exchange.map_of("robot_0"), team.agents["robot_0"].global_map
+    told, merged = team.agents["robot_1"].exchange.map_of("robot_0"), team.agents["robot_0"].view.global_map
     assert known(told) == known(merged) > known(maps[0].grid)
 
 

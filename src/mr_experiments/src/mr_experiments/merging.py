@@ -10,7 +10,7 @@ import numpy as np
 import rospy
 
 from map_merger import meetings, ros_io, ros_radio
-from map_merger.agent import Agent, NoTransform
+from map_merger.agent import Agent
 from map_merger.delivery import Delivery
 from map_merger.effects import AskNeighbors, Effect, Note, PublishMap, PublishPositions, Purpose, Register, Send
 from map_merger.grid import Grid, GridInfo
@@ -18,6 +18,7 @@ from map_merger.job import outcome_of
 from map_merger.messages import Boot, Tile
 from map_merger.options import Options
 from map_merger.transform import Transform
+from map_merger.view import NoTransform
 from mr_experiments.agenda import Agenda
 from mr_experiments.robot_radio import RobotRadio
 from mr_experiments.stopwatch import Stopwatch
@@ -146,12 +147,12 @@ class Merger:
 
     def transforms(self) -> dict[str, Transform]:
         """From the frame of each other robot to the own one, where they are known."""
-        return self.agent.transforms()
+        return self.agent.view.transforms()
 
     def transform_point(self, robot: str, point: tuple[float, float]) -> tuple[float, float] | None:
         """What the service transformPoint answers."""
         try:
-            return self.agent.transform_point(robot, *point)
+            return self.agent.view.transform_point(robot, *point)
         except NoTransform:
             return None
 

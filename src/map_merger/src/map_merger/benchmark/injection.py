@@ -171,7 +171,7 @@ def _placements(team: MetTeam) -> List[bool]:
     return [
         not _differ(transform, team.truth[name, robot])
         for name, agent in team.agents.items()
-        for robot, transform in agent.transforms().items()
+        for robot, transform in agent.view.transforms().items()
     ]
 
 
