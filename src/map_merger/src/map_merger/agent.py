@@ -4,12 +4,12 @@ It hands values from one owner of state to the next: the exchange of maps, where
 registrations, the team's graph, and the global map.
 """
 
-from typing import List, Optional, Sequence
+from typing import List, Optional
 
 from .announcer import Announcer
 from .base_frame import BaseFrame
 from .believed import BelievedTransforms
-from .effects import AskNeighbors, BroadcastTransforms, Effect, Note, PublishMap, Register, Send
+from .effects import AskNeighbors, BroadcastTransforms, Effect, Note, Outcome, PublishMap, Register, Send
 from .exchange import Exchange
 from .frames import Frames
 from .global_map import MOST_GLOBAL_CELLS
@@ -23,7 +23,6 @@ from .messages import Anchor, Boot, Position, Request, Tile
 from .observations import Observations
 from .options import Options
 from .own_transforms import OwnTransforms
-from .payload import Payload
 from .reference import Reference
 from .registration import Registration
 from .timer import Timer
@@ -123,17 +122,10 @@ class Agent:
             if report.robot == self._topology.relies_on:
                 self._effects += self._frames.follow_told(report)
 
-    def on_sent(
-        self,
-        send: Send,
-        delivered: bool,
-        now: float,
-        too_large: Optional[Tile] = None,
-        undelivered: Sequence[Payload] = (),
-    ) -> None:
-        """The host finished a Send; see `Exchange.on_sent`."""
+    def on_sent(self, send: Send, outcome: Outcome, now: float) -> None:
+        """The host finished a Send."""
         if not self._announcer.ended(send):
-            self.exchange.on_sent(send, delivered, now, too_large, undelivered)
+            self.exchange.on_sent(send, outcome, now)
 
     def on_registered(self, effect: Register, result: Registration, now: float) -> None:
         """The host finished a registration."""

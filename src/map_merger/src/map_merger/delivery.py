@@ -1,18 +1,35 @@
-"""Carrying out a Send: which payload is next, and what is reported at the end."""
+"""Carrying out a Send: which payload is next, what is reported at the end, and who takes a payload that arrived."""
 
-from typing import List, Optional, Protocol, Sequence
+from typing import Any, List, Optional, Protocol
 
-from .effects import Send
-from .messages import Tile
+from .effects import Outcome, Send
+from .graph.edges import EdgeReport
+from .meetings.values import TrackReport
+from .messages import Anchor, Position, Request, Tile
 from .payload import Payload
+
+_METHODS = {
+    Tile: "on_tile",
+    Anchor: "on_anchor",
+    Request: "on_request",
+    Position: "on_position",
+    TrackReport: "on_track",
+    EdgeReport: "on_edges",
+}
+
+
+def take(receiver: Any, payload: Payload, now: float) -> None:
+    """Hands a payload to the agent, or other owner, that received it. TypeError for a kind that it does not take."""
+    method = getattr(receiver, _METHODS.get(type(payload), ""), None)
+    if method is None:
+        raise TypeError(f"{type(receiver).__name__} cannot take {type(payload).__name__}")
+    method(payload, now)
 
 
 class Sender(Protocol):
     """Who wanted the Send."""
 
-    def on_sent(
-        self, send: Send, delivered: bool, now: float, too_large: Optional[Tile], undelivered: Sequence[Payload]
-    ) -> None:
+    def on_sent(self, send: Send, outcome: Outcome, now: float) -> None:
         """The host finished the Send."""
 
 
@@ -41,7 +58,7 @@ class Delivery:
 
     def report(self, sender: Sender, now: float) -> None:
         """Tells the sender, at its end, what has become of the Send."""
-        sender.on_sent(self.send, not self._undelivered, now, self._too_large, self._undelivered)
+        sender.on_sent(self.send, Outcome(tuple(self._undelivered), self._too_large), now)
 
     def _proceed(self) -> None:
         self._index += 1

@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple, Tuple, Union
+from typing import NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
 from .grid import Box, Grid
 from .job import Job
+from .messages import Tile
 from .payload import Payload
 from .transform import Transform
 from .whereabouts import Place
@@ -30,7 +31,7 @@ class Purpose(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Send:
-    """Send the payloads in order to a robot or group. Report with `Agent.on_sent`, with those that were not delivered.
+    """Send the payloads in order to a robot or group. Report the `Outcome` with `Agent.on_sent`.
 
     To a robot: stop at the first that fails; it and the rest were not delivered. To a group, whose members have
     different luck: each payload stands by itself, so go on with the next.
@@ -45,6 +46,17 @@ class Send:
     def to_group(self) -> bool:
         """True if the destination is a group of robots."""
         return self.destination.startswith(GROUP_PREFIX)
+
+
+class Outcome(NamedTuple):
+    """What became of a Send. undelivered: those of its payloads that somebody missed. too_large: the first tile that
+    the radio refused for its size."""
+
+    undelivered: Tuple[Payload, ...] = ()
+    too_large: Optional[Tile] = None
+
+
+DELIVERED = Outcome()
 
 
 @dataclass(frozen=True, eq=False)

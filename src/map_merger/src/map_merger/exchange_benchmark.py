@@ -10,7 +10,7 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from .delivery import Delivery
+from .delivery import Delivery, take
 from .effects import Send
 from .exchange import Exchange
 from .grid import UNKNOWN, Grid, GridInfo, known_box, offset_between
@@ -87,17 +87,8 @@ class LossyTeam:
         receivers = reachable if send.to_group else [send.destination]
         heard = [other for other in receivers if other in reachable and self.random.random() >= self.loss]
         for other in heard:
-            _take(self.exchanges[other], payload, self.now)
+            take(self.exchanges[other], payload, self.now)
         return len(heard) == len(receivers)
-
-
-def _take(exchange: Exchange, payload: Payload, now: float) -> None:
-    if isinstance(payload, Tile):
-        exchange.on_tile(payload, now)
-    elif isinstance(payload, Anchor):
-        exchange.on_anchor(payload, now)
-    elif isinstance(payload, Request):
-        exchange.on_request(payload, now)
 
 
 class GrowingMap:

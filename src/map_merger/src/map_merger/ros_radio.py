@@ -57,22 +57,21 @@ def radio_call(payload: Payload, options: Options, stamp: rospy.Time) -> RadioCa
 
 
 class Incoming(NamedTuple):
-    """What arrives on a topic: its message type, the conversion to a value, and the agent's method that takes that."""
+    """What arrives on a topic: its message type, and the conversion to a payload, which `delivery.take` hands on."""
 
     kind: type
-    value_of: Callable[[Any], Any]
-    method: str
+    value_of: Callable[[Any], Payload]
 
 
 def incoming(options: Options) -> Dict[str, Incoming]:
     """Everything that other robots send, by topic."""
     topics = {
-        options.map_topic_over_network: Incoming(NumpyMapUpdate, tile_of, "on_tile"),
-        options.meta_topic_over_network: Incoming(NumpyOccupancyGrid, anchor_of, "on_anchor"),
-        options.control_topic: Incoming(MmControl, request_of, "on_request"),
-        TRACK_TOPIC: Incoming(RobotTrack, track_report_of, "on_track"),
-        EDGES_TOPIC: Incoming(TransformEdges, edges_of, "on_edges"),
+        options.map_topic_over_network: Incoming(NumpyMapUpdate, tile_of),
+        options.meta_topic_over_network: Incoming(NumpyOccupancyGrid, anchor_of),
+        options.control_topic: Incoming(MmControl, request_of),
+        TRACK_TOPIC: Incoming(RobotTrack, track_report_of),
+        EDGES_TOPIC: Incoming(TransformEdges, edges_of),
     }
     if options.exchange_position:
-        topics[options.position_other_robots_topic] = Incoming(MmRobotPosition, position_of, "on_position")
+        topics[options.position_other_robots_topic] = Incoming(MmRobotPosition, position_of)
     return topics

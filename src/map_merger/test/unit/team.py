@@ -7,8 +7,7 @@ from typing import Callable, Dict, List
 import numpy as np
 
 from map_merger.agent import Agent
-from map_merger.benchmark.virtual_team import take
-from map_merger.delivery import Delivery
+from map_merger.delivery import Delivery, take
 from map_merger.effects import (
     AskNeighbors,
     BroadcastTransforms,

@@ -8,7 +8,7 @@ from team import Team, options, survey, team_of
 
 from map_merger.agent import Agent
 from map_merger.alignment import Alignment
-from map_merger.effects import Note, PublishMap, Send
+from map_merger.effects import Note, Outcome, PublishMap, Send
 from map_merger.evidence import Evidence
 from map_merger.grid import UNKNOWN, Grid, GridInfo
 from map_merger.job import Versioned
@@ -103,7 +103,7 @@ def test_a_group_send_that_failed_is_repeated_with_growing_pauses():
         for effect in agent.effects():
             if isinstance(effect, Send) and any(isinstance(payload, Tile) for payload in effect.payloads):
                 times.append(step * 0.25)
-                agent.on_sent(effect, False, step * 0.25)
+                agent.on_sent(effect, Outcome(effect.payloads), step * 0.25)
     pauses = np.diff(times)
     assert 4 <= len(times) <= 12
     assert pauses[0] <= 15.0 and pauses[-1] >= 55.0
@@ -182,7 +182,7 @@ def test_requests_become_rarer_while_nobody_answers():
         for effect in agent.effects():
             if isinstance(effect, Send):
                 asked += effect.destination == "robot_1"
-                agent.on_sent(effect, False, step * 0.25)
+                agent.on_sent(effect, Outcome(effect.payloads), step * 0.25)
     assert 15 <= asked <= 30
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from map_merger.delivery import Delivery
-from map_merger.effects import Note, Purpose, Send
+from map_merger.effects import DELIVERED, Note, Outcome, Purpose, Send
 from map_merger.exchange import Exchange, bounds
 from map_merger.exchange_benchmark import reconnect
 from map_merger.grid import UNKNOWN, Grid, GridInfo
@@ -44,7 +44,7 @@ def drive(exchange, begin, end, step=0.25):
         exchange.tick(now)
         for send in sends(exchange):
             found.append((now, send))
-            exchange.on_sent(send, True, now)
+            exchange.on_sent(send, DELIVERED, now)
     return found
 
 
@@ -183,7 +183,7 @@ def test_one_undelivered_tile_does_not_end_a_group_send():
         tried.append(delivery.next)
         delivery.ended(len(tried) != 2)
     assert tried == list(send.payloads)
-    assert reported(delivery) == (False, None, [send.payloads[1]])
+    assert reported(delivery) == Outcome((send.payloads[1],))
 
 
 def test_an_answer_stops_at_the_first_failure():
@@ -192,20 +192,20 @@ def test_an_answer_stops_at_the_first_failure():
     delivery.ended(True)
     delivery.ended(False, too_large=True)
     assert delivery.next is None
-    assert reported(delivery) == (False, send.payloads[1], list(send.payloads[1:]))
+    assert reported(delivery) == Outcome(send.payloads[1:], send.payloads[1])
 
 
 def test_a_delivery_of_everything_and_one_of_nothing():
     delivery = Delivery(Send(1, Purpose.ANSWER, "robot_1", (tile(0),)))
     delivery.ended(True)
-    assert reported(delivery) == (True, None, [])
-    assert reported(Delivery(Send(1, Purpose.ANSWER, "robot_1", ()))) == (True, None, [])
+    assert reported(delivery) == DELIVERED
+    assert reported(Delivery(Send(1, Purpose.ANSWER, "robot_1", ()))) == DELIVERED
 
 
 def reported(delivery):
     class Sender:
-        def on_sent(self, send, delivered, now, too_large, undelivered):
-            self.outcome = delivered, too_large, undelivered
+        def on_sent(self, send, outcome, now):
+            self.outcome = outcome
 
     sender = Sender()
     delivery.report(sender, 0.0)
@@ -218,11 +218,11 @@ def test_only_the_tiles_that_were_not_delivered_are_sent_again():
     exchange.on_local_map(strip())
     send = group_send(exchange)
     assert [payload.numbers for payload in send.payloads[1:]] == [(0,), (1,), (2,), (3,)]
-    exchange.on_sent(send, False, 0.0, None, [send.payloads[3]])
+    exchange.on_sent(send, Outcome((send.payloads[3],)), 0.0)
     exchange.tick(1.0)
     (again,) = sends(exchange, Purpose.CHANGES)
     assert [payload.numbers for payload in again.payloads] == [(2,)]
-    exchange.on_sent(again, True, 1.0)
+    exchange.on_sent(again, DELIVERED, 1.0)
     assert not [send for _, send in drive(exchange, 2.0, 100.0) if send.purpose is Purpose.CHANGES]
 
 
@@ -231,7 +231,7 @@ def test_undelivered_updates_are_bounded_and_the_rest_is_left_to_requests():
     exchange.on_local_map(square(60))
     send = group_send(exchange)
     assert len(send.payloads) > 2 * bounds.MOST_RESENT
-    exchange.on_sent(send, False, 0.0)
+    exchange.on_sent(send, Outcome(send.payloads), 0.0)
     exchange.tick(1.0)
     (again,) = sends(exchange, Purpose.CHANGES)
     tiles = [payload for payload in again.payloads if isinstance(payload, Tile)]
@@ -254,16 +254,16 @@ def test_a_slow_group_send_holds_back_neither_answers_nor_requests_nor_anchors()
 def test_an_answer_goes_on_where_it_failed_and_ends_when_nothing_arrives():
     exchange = exchange_of(split_size=20)
     exchange.on_local_map(strip())
-    exchange.on_sent(group_send(exchange), True, 0.0)
+    exchange.on_sent(group_send(exchange), DELIVERED, 0.0)
     exchange.on_request(Request("robot_1", (0, 1, 2, 3)), 1.0)
     (answer,) = sends(exchange)
-    exchange.on_sent(answer, False, 1.0, None, answer.payloads[2:])
+    exchange.on_sent(answer, Outcome(answer.payloads[2:]), 1.0)
     (rest,) = sends(exchange)
     assert rest.payloads == answer.payloads[2:]
     tries = 0
     while rest:
         tries += 1
-        exchange.on_sent(rest, False, 1.0, None, rest.payloads)
+        exchange.on_sent(rest, Outcome(rest.payloads), 1.0)
         rest = next(iter(sends(exchange)), None)
     assert tries == bounds.ANSWER_TRIES
     exchange.on_request(Request("robot_1", (3,)), 2.0)
@@ -273,11 +273,11 @@ def test_an_answer_goes_on_where_it_failed_and_ends_when_nothing_arrives():
 def test_an_answer_to_a_robot_that_was_lost_meanwhile_ends():
     exchange = exchange_of()
     exchange.on_local_map(square())
-    exchange.on_sent(group_send(exchange), True, 0.0)
+    exchange.on_sent(group_send(exchange), DELIVERED, 0.0)
     exchange.on_request(Request("robot_1", ()), 1.0)
     (answer,) = sends(exchange)
     exchange.on_robot_lost("robot_1")
-    exchange.on_sent(answer, False, 1.0, None, answer.payloads)
+    exchange.on_sent(answer, Outcome(answer.payloads), 1.0)
     assert sends(exchange) == []
 
 
@@ -310,5 +310,5 @@ def test_unknown_cells_reach_the_other_side():
         for send in sends(sender, Purpose.CHANGES):
             for payload in send.payloads:
                 (receiver.on_anchor if isinstance(payload, Anchor) else receiver.on_tile)(payload, now)
-            sender.on_sent(send, True, now)
+            sender.on_sent(send, DELIVERED, now)
     assert receiver.map_of("robot_0").info.shape == (8, 4)

@@ -11,7 +11,7 @@ import rospy
 
 from map_merger import meetings, ros_io, ros_radio
 from map_merger.agent import Agent
-from map_merger.delivery import Delivery
+from map_merger.delivery import Delivery, take
 from map_merger.effects import AskNeighbors, Effect, Note, PublishMap, PublishPositions, Purpose, Register, Send
 from map_merger.grid import Grid, GridInfo
 from map_merger.job import outcome_of
@@ -142,7 +142,7 @@ class Merger:
             return False
         with self._stopwatch.span("messages"):
             message = kind.kind().deserialize(octets)
-        self.do(lambda now: getattr(self.agent, kind.method)(kind.value_of(message), now))
+        self.do(lambda now: take(self.agent, kind.value_of(message), now))
         return True
 
     def transforms(self) -> dict[str, Transform]:

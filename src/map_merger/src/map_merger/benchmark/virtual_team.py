@@ -4,34 +4,13 @@ from dataclasses import dataclass, field
 from typing import Dict, Tuple
 
 from ..agent import Agent
-from ..delivery import Delivery
+from ..delivery import Delivery, take
 from ..effects import Register, Send
 from ..graph.edges import EdgeReport
 from ..job import Job
-from ..meetings import TrackReport
-from ..messages import Anchor, Position, Request, Tile
-from ..payload import Payload
 from ..registration import Registration
 
 STEP_S = 0.25
-
-
-def take(agent: Agent, payload: Payload, now: float) -> None:
-    """Hands a payload to the agent that received it. TypeError for a kind that is not known."""
-    if isinstance(payload, Tile):
-        agent.on_tile(payload, now)
-    elif isinstance(payload, Anchor):
-        agent.on_anchor(payload, now)
-    elif isinstance(payload, Request):
-        agent.on_request(payload, now)
-    elif isinstance(payload, Position):
-        agent.on_position(payload, now)
-    elif isinstance(payload, TrackReport):
-        agent.on_track(payload, now)
-    elif isinstance(payload, EdgeReport):
-        agent.on_edges(payload, now)
-    else:
-        raise TypeError(f"an agent cannot take {type(payload).__name__}")
 
 
 @dataclass

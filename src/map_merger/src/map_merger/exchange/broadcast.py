@@ -2,7 +2,7 @@
 
 from typing import List, Optional, Sequence, Set
 
-from ..effects import Effect, Note, Purpose, SaveDebugImages, Send
+from ..effects import Effect, Note, Outcome, Purpose, SaveDebugImages, Send
 from ..grid import Grid, GridError, empty_grid
 from ..messages import Anchor, Boot, Tile
 from ..options import Options
@@ -58,20 +58,20 @@ class Broadcast:
         self._local = grid if told else self._local
         return True
 
-    def on_sent(self, send: Send, undelivered: Sequence[Payload], now: float, too_large: Optional[Tile]) -> None:
-        """A send of this object ended; `undelivered`: those of its payloads that somebody missed."""
+    def on_sent(self, send: Send, outcome: Outcome, now: float) -> None:
+        """A send of this object ended."""
         self._outstanding.discard(send.purpose)
         if send.purpose is not Purpose.CHANGES or self._of_former_run(send):
             return
-        missed = set(_numbers(undelivered))
+        missed = set(_numbers(outcome.undelivered))
         self._undelivered.difference_update(_numbers(send.payloads))
         self._undelivered.update(missed)
         self._undelivered.difference_update(sorted(self._undelivered)[: -bounds.MOST_RESENT])
-        self._announced = self._announced or not any(isinstance(payload, Anchor) for payload in undelivered)
-        if len(missed) < len(set(_numbers(send.payloads))) or not undelivered:
+        self._announced = self._announced or not any(isinstance(payload, Anchor) for payload in outcome.undelivered)
+        if len(missed) < len(set(_numbers(send.payloads))) or not outcome.undelivered:
             self._retry.progress(now)
-        if too_large is not None:
-            self.halve(too_large)
+        if outcome.too_large is not None:
+            self.halve(outcome.too_large)
 
     def halve(self, refused: Tile) -> None:
         """The tile was too large to be sent."""

@@ -4,7 +4,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from ..effects import Effect, Note, Purpose, Send
+from ..effects import Effect, Note, Outcome, Purpose, Send
 from ..grid import Box, Grid, GridError, GridInfo
 from ..messages import NO_BOOT, Anchor, Boot, Request, Tile
 from ..options import Options
@@ -146,24 +146,15 @@ class Exchange:
         tiles = self._sender.again(request.numbers) if request.numbers else self._sender.everything()
         self._answer(request.robot, tiles, always=not request.numbers)
 
-    def on_sent(
-        self,
-        send: Send,
-        delivered: bool,
-        now: float,
-        too_large: Optional[Tile] = None,
-        undelivered: Sequence[Payload] = (),
-    ) -> None:
-        """The host finished a Send of this object. `undelivered`: those of its payloads that did not arrive, all if
-        none is named though it was not `delivered`. `too_large`: the first tile that the radio refused for its size."""
-        missed = () if delivered else undelivered or send.payloads
+    def on_sent(self, send: Send, outcome: Outcome, now: float) -> None:
+        """The host finished a Send of this object."""
         if send.purpose in (Purpose.CHANGES, Purpose.ANCHOR):
-            self._broadcast.on_sent(send, missed, now, too_large)
+            self._broadcast.on_sent(send, outcome, now)
             return
-        if too_large is not None:
-            self._broadcast.halve(too_large)
+        if outcome.too_large is not None:
+            self._broadcast.halve(outcome.too_large)
         if send.purpose is Purpose.ANSWER and send.destination in self._peers:
-            self._go_on(send, missed, too_large)
+            self._go_on(send, outcome)
 
     def tick(self, now: float) -> None:
         """Does what is due."""
@@ -248,12 +239,12 @@ class Exchange:
         peer.answering, peer.failures = True, 0
         self._send(Purpose.ANSWER, name, [anchor, *tiles])
 
-    def _go_on(self, send: Send, missed: Sequence[Payload], too_large: Optional[Tile]) -> None:
+    def _go_on(self, send: Send, outcome: Outcome) -> None:
         """One lost message does not end an answer, unless it is of a former run."""
         peer, run = self._peers[send.destination], self._sender.boot
-        missed = [each for each in missed if isinstance(each, (Anchor, Tile)) and each.boot == run]
+        missed = [each for each in outcome.undelivered if isinstance(each, (Anchor, Tile)) and each.boot == run]
         peer.failures = 0 if len(missed) < len(send.payloads) else peer.failures + 1
-        peer.answering = bool(missed) and peer.present and not too_large and peer.failures < bounds.ANSWER_TRIES
+        peer.answering = bool(missed) and peer.present and not outcome.too_large and peer.failures < bounds.ANSWER_TRIES
         if peer.answering:
             self._send(Purpose.ANSWER, send.destination, missed)
 
