@@ -19,7 +19,7 @@ from .grid import Grid
 from .hearing import Hearing
 from .meetings import LaserScan, TrackReport
 from .merged_map import MergedMap
-from .messages import Anchor, Boot, Position, Request, Tile
+from .messages import Anchor, Boot, Position, Request, Tile, sent_before
 from .observations import Observations
 from .options import Options
 from .own_transforms import OwnTransforms
@@ -78,7 +78,8 @@ class Agent:
         return self._observations.meetings.watching
 
     def on_scan(self, scan: LaserScan, pose: Transform, now: float) -> None:
-        """A scan of the own laser and the robot's pose in its map frame at that time."""
+        """A scan of the own laser and the robot's pose in its map frame at that time, `now`, which may lie up to
+        timer.LONGEST_AGE_S behind that of other calls."""
         self._observations.meetings.on_scan(scan, pose, now)
 
     def on_robot(self, name: str, now: float, returned: bool = False) -> None:
@@ -107,12 +108,13 @@ class Agent:
 
     def on_position(self, position: Position, now: float) -> None:
         """A robot told its pose."""
-        if self._options.exchange_position and self._hear(position.robot, now):
+        heard = self._options.exchange_position and self._hear(position.robot, now)
+        if heard and not sent_before(position, self.exchange.boot_of(position.robot)):
             self._observations.on_position(position.robot, position.pose, now)
 
     def on_track(self, report: TrackReport, now: float) -> None:
         """A robot told where it has been in the last seconds, and what it saw."""
-        if self._hear(report.robot, now):
+        if self._hear(report.robot, now) and not self.exchange.is_over(report.robot, report.boot):
             self._observations.meetings.on_report(report, now)
 
     def on_edges(self, report: EdgeReport, now: float) -> None:

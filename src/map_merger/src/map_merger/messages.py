@@ -62,7 +62,22 @@ class Request(NamedTuple):
 
 
 class Position(NamedTuple):
-    """Pose of a robot in its own map frame."""
+    """Pose of a robot in its own map frame. sent: when, s, by the clock of the robot; 0 if it does not tell."""
 
     robot: str
     pose: Transform
+    sent: float = 0.0
+
+
+LONGEST_DELAY_S = 60.0
+"""Nothing is under way for longer. What is dated farther back is of a clock that was set since."""
+_EARLIEST_S = 1e9
+"""Smaller numbers are not times of a real clock, as those of a simulation."""
+
+
+def sent_before(position: Position, run: Boot) -> bool:
+    """True if the position is a late one of a former run: it was sent shortly before the robot's present run began.
+
+    Positions do not name their run, but are dated by the clock after whose time runs are named. Where that is not so,
+    as in a simulation, a late one is taken, and counts until the next one comes."""
+    return position.sent > _EARLIEST_S and 0.0 < run[0] + 1e-9 * run[1] - position.sent < LONGEST_DELAY_S

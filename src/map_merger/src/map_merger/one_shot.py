@@ -2,21 +2,16 @@
 
 Two maps alone cannot tell a room from an exact copy of it that neither map shows. What can be told is whether one of
 them holds a copy: then two transforms fit, and the pair is declined. A robot asks for more before it believes;
-here `confidence_of` says how much wall, how little contradiction and which rival there was.
+here `confidence_in` says how much wall, how little contradiction and which rival there was.
 """
 
-import math
 from typing import Optional
 
+from .confidence import confidence_of, place_of_two_maps
+from .covariance import covariance_of
 from .registration import ONCE_PRIOR_RULE, ONCE_RULE, Criteria, Registration, register_once
 from .search import Prior
 from .surface import Landmarks
-
-_MOST, _MOST_WITH_PRIOR = 0.93, 0.98
-_TELLING_WALL_M, _TELLING_WALL_WITH_PRIOR_M = 8.0, 2.0
-"""Largest confidence, and shared wall that takes away all but a third of the other doubt. Fitted to the answers on 880
-generated pairs, six of whose sixteen families hold exact copies: these are nearly all that was wrong, and however much
-wall is shared, two maps cannot show that there is no copy elsewhere."""
 
 
 def criteria_for(prior: Optional[Prior]) -> Criteria:
@@ -25,22 +20,15 @@ def criteria_for(prior: Optional[Prior]) -> Criteria:
 
 
 def decide(target: Landmarks, source: Landmarks, prior: Optional[Prior] = None) -> Registration:
-    """The transform source -> target, or why there is none."""
-    return register_once(target, source, prior=prior)
+    """The transform source -> target with its covariance, or why there is none."""
+    result = register_once(target, source, prior=prior)
+    if not result.accepted or result.transform is None:
+        return result
+    return result._replace(covariance=covariance_of(target, source, result.transform))
 
 
-def confidence_of(result: Registration) -> float:
-    """Confidence in an accepted transform, 0 to 1; 0 for one that was not accepted.
-
-    The product of three shares: length of the shared wall, 0.93 (1 - exp(-wall / 8 m)), with a prior
-    0.98 (1 - exp(-wall / 2 m)); agreement, one minus six times the share of contradicted wall; uniqueness, one minus
-    what the best different transform's score (relative to this one's) has beyond a third.
-    """
-    if not result.accepted:
+def confidence_in(result: Registration) -> float:
+    """Confidence in what was decided, 0 to 1; 0 if nothing was accepted."""
+    if not result.accepted or result.covariance is None:
         return 0.0
-    evidence = result.evidence
-    telling = _TELLING_WALL_WITH_PRIOR_M if result.prior else _TELLING_WALL_M
-    length = (_MOST_WITH_PRIOR if result.prior else _MOST) * (1.0 - math.exp(-evidence.matched / telling))
-    agreement = max(0.0, 1.0 - 6.0 * evidence.conflict)
-    rival = result.rival.evidence.score / evidence.score if result.rival is not None and evidence.score else 0.0
-    return length * agreement * (1.0 - max(0.0, rival - 1.0 / 3.0))
+    return confidence_of(result.covariance, place_of_two_maps(result))

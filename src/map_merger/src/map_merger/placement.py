@@ -5,7 +5,7 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 from .evidence import compare
 from .global_map import GlobalMap
 from .grid import Grid
-from .one_shot import confidence_of, criteria_for, decide
+from .one_shot import confidence_in, criteria_for, decide
 from .reasons import reason_of
 from .registration import DEFAULT_CRITERIA, Registration
 from .surface import Landmarks, landmarks_of
@@ -105,6 +105,6 @@ class _Search:
         result = self._pairs[pair]
         through = self.placed[target].confidence if target else 1.0
         self.placed[source] = Placed(
-            self._transform(pair), target, through * confidence_of(result), result.evidence.matched
+            self._transform(pair), target, through * confidence_in(result), result.evidence.matched
         )
         self.open.remove(source)

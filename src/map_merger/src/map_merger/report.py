@@ -4,6 +4,7 @@ import math
 from typing import List, Mapping, NamedTuple, Optional
 
 from .alignment import Alignment
+from .confidence import confidence_of
 from .effects import Effect, Note, PublishPositions, PublishTrack
 from .graph.team import Placement
 from .grid import Grid
@@ -15,7 +16,6 @@ from .whereabouts import Whereabouts
 
 POSITION_AGE_S = 30.0
 MOST_MARKERS = 500
-_RIGHT_M = 0.25
 
 
 class LogFigures(NamedTuple):
@@ -85,14 +85,8 @@ def placement_of(
         why = f"through {via}" if via else f"told by {robot}"
     else:
         why = "seen, " * belief.met + f"shared wall {wall:.1f} m"
-    confidence = confidence_in(placement)
+    confidence = confidence_of(placement.covariance)
     return RobotPlacement(robot, why, placement.transform, via, placement.covariance, confidence, wall, age, octets)
-
-
-def confidence_in(placement: Placement) -> float:
-    """0 to 1: how probable it is that the frame's origin is within 0.25 m of its place, by the covariance."""
-    variance = max(placement.covariance[0][0], placement.covariance[1][1])
-    return float(1.0 - math.exp(-0.5 * _RIGHT_M**2 / max(variance, 1e-9)))
 
 
 def described(transform: Optional[Transform]) -> str:

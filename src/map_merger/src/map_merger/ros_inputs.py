@@ -65,9 +65,10 @@ class ScanInput:
         buffer: tf2_ros.Buffer,
         base_frame: Callable[[], str],
         wanted: Callable[[], bool],
-        take: Callable[[LaserScan, Transform], None],
+        take: Callable[[LaserScan, Transform, float], None],
     ) -> None:
-        """`take` is called in the subscriber's thread with a scan and the robot's pose in its map frame."""
+        """`take` is called in the subscriber's thread with a scan, the robot's pose in its map frame at its
+        time, and its stamp in s."""
         self._map_frame, self._buffer = map_frame.lstrip("/"), buffer
         self._base_frame, self._wanted, self._take = base_frame, wanted, take
         self._timer = Timer(SCAN_PERIOD_S)
@@ -91,4 +92,4 @@ class ScanInput:
         except Exception as error:
             rospy.logwarn_throttle(30.0, f"map_merger ignored a scan: {error}")
             return
-        self._take(scan, robot)
+        self._take(scan, robot, message.header.stamp.to_sec())

@@ -159,7 +159,8 @@ def position_message(position: Position, frame: str, stamp: rospy.Time) -> MmRob
 
 def position_of(message: MmRobotPosition) -> Position:
     """Position from its message. MessageError if the pose is not finite."""
-    return Position(message.src_robot, transform_of_pose(message.position.pose))
+    stamped = message.position
+    return Position(message.src_robot, transform_of_pose(stamped.pose), stamped.header.stamp.to_sec())
 
 
 def points_message(places: Iterable[Place]) -> MmListOfPoints:

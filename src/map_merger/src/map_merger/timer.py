@@ -1,6 +1,17 @@
-"""Periods."""
+"""Periods, and the age of what is dated."""
 
 from typing import Optional
+
+LONGEST_AGE_S = 0.5
+"""What is dated farther back is taken to be so old: its clock may be another one."""
+
+
+def time_of(stamp: float, now: float) -> float:
+    """When something dated `stamp` was measured, s: not after `now` and at most LONGEST_AGE_S before.
+
+    In the order of the stamps, whatever clock they are of.
+    """
+    return min(now, max(stamp, now - LONGEST_AGE_S))
 
 
 class Timer:

@@ -1,20 +1,28 @@
 """The runs of the team's robots as a base tells them."""
 
-from typing import Dict, List
+from collections import deque
+from typing import Deque, Dict, List
 
 from .graph.edges import EdgeReport
 from .messages import Boot
+
+_FORMER_RUNS = 8
+"""So many of each robot are known to be over."""
 
 
 class ToldRuns:
     """Who sends its map to the base only announces its restart to nobody else: the base's edges tell."""
 
     def __init__(self) -> None:
-        self._runs: Dict[str, Boot] = {}
+        self._runs: Dict[str, Deque[Boot]] = {}
+        """Of each robot, the present one last."""
 
     def restarted(self, report: EdgeReport) -> List[str]:
-        """The robots whose run is another one than in former reports."""
-        told = {edge.target: edge.target_run for edge in report.edges}
-        restarted = [robot for robot, run in told.items() if self._runs.get(robot, run) != run]
-        self._runs.update(told)
+        """The robots whose run is none that former reports named: a late report names one that is over."""
+        restarted = []
+        for edge in report.edges:
+            runs = self._runs.setdefault(edge.target, deque(maxlen=_FORMER_RUNS + 1))
+            if edge.target_run not in runs:
+                restarted += [edge.target] if runs else []
+                runs.append(edge.target_run)
         return restarted

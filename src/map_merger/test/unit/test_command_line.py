@@ -14,7 +14,7 @@ from map_merger import placement
 from map_merger.command_line.arguments import main
 from map_merger.grid import Grid, GridInfo, empty_grid
 from map_merger.map_files import read_map, write_map
-from map_merger.one_shot import confidence_of, criteria_for, decide
+from map_merger.one_shot import confidence_in, criteria_for, decide
 from map_merger.reasons import reason_of
 from map_merger.registration import Verdict
 from map_merger.surface import landmarks_of
@@ -144,7 +144,7 @@ def test_a_room_of_several_equal_ones_is_declined_with_both_solutions():
     for x in (0.0, 4.1):
         assert any(pose == pytest.approx((x, 0.0, 0.0), abs=0.06) for pose in solutions)
     assert re.match(r"two solutions \S+ m.* apart, with", reason_of(result, criteria_for(None)))
-    assert confidence_of(result) == 0.0
+    assert confidence_in(result) == 0.0
 
 
 def test_the_benchmark_prints_a_table_of_so_many_pairs(capsys):

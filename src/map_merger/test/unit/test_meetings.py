@@ -385,3 +385,37 @@ def test_for_a_base_station_its_reference_robot_sees():
     base.on_team({"a", "b", "c"}, {"b": Transform()}, "b")
     assert_right(base.hypotheses("a", 110.0)[0].transform, scene.truth("a", "b"))
     assert base.hypotheses("a", 150.0) == (), "nothing is told any more"
+
+
+class LateScans(Scene):
+    """Scans wait 0.3 s for the transforms of their time; poses of the present come in between."""
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.kept = []
+
+    def step(self):
+        self.time += 0.1
+        self._deliver()
+        for robot in self.robots:
+            meetings = self.meetings[robot.name]
+            meetings.on_team({other.name for other in self.robots if other is not robot}, {})
+            pose = self.frame(robot).inverse().compose(robot.way(self.time))
+            self.kept.append((robot.name, self.scan(robot), pose, self.time))
+            if round(10.0 * self.time) % 5 == 0:
+                meetings.on_own_pose(pose, self.time)
+            report = meetings.report(self.time)
+            if report is not None:
+                self._send(robot, report)
+        while self.kept and self.kept[0][3] < self.time - 0.25:
+            name, scan, pose, time = self.kept.pop(0)
+            self.meetings[name].on_scan(scan, pose, time)
+
+
+def test_scans_that_wait_for_their_transforms_count_at_their_own_time():
+    """They were dated 0.3 s late; and a scan before the last pose must not pass for a clock that jumped back."""
+    robots = [Actor("a", driving(-3.0, 0.0, turn=weave())), Actor("b", driving(-1.0, -1.0, 0.3, turn=weave()))]
+    scene = LateScans(robots, WALLS).run(10.0)
+    for own, other in (("a", "b"), ("b", "a")):
+        assert_right(scene.settled(own, other), scene.truth(other, own), 0.12)
+        assert scene.hypotheses(own, other)[0].seconds > 5.0

@@ -1,9 +1,12 @@
 """Verdicts in words: each with the figure that decided and its bound."""
 
+import math
+
 import pytest
 
+from map_merger.confidence import confidence_of, place_of_two_maps
 from map_merger.evidence import Evidence
-from map_merger.one_shot import confidence_of
+from map_merger.one_shot import confidence_in
 from map_merger.reasons import reason_of, waiting_reason
 from map_merger.registration import DEFAULT_CRITERIA, Registration, Rival, Verdict, judge
 from map_merger.transform import Transform
@@ -62,9 +65,25 @@ def test_confidence_falls_with_less_wall_more_contradiction_and_a_closer_rival()
     def confidence(rival=0.0, **changes):
         evidence = Evidence(**{**GOOD, **changes})
         other = Rival(Transform(2.0, 0.0, 0.0), Evidence(**{**GOOD, "matched": rival * GOOD["matched"]}), 2.0)
-        return confidence_of(Registration(Verdict.ACCEPTED, Transform(), evidence, rival=other))
+        return place_of_two_maps(Registration(Verdict.ACCEPTED, Transform(), evidence, rival=other))
 
     assert 0.0 < confidence(matched=14.0) < confidence() < confidence(matched=60.0) < 1.0
     assert confidence(conflict=0.05) < confidence(conflict=0.01)
     assert confidence(rival=0.7) < confidence(rival=0.5) < confidence(rival=0.2) == confidence()
-    assert confidence_of(Registration(Verdict.AMBIGUOUS, Transform(), Evidence(**GOOD))) == 0.0
+    assert confidence_in(Registration(Verdict.AMBIGUOUS, Transform(), Evidence(**GOOD))) == 0.0
+
+
+def test_confidence_is_one_thing_for_robots_and_for_two_maps():
+    """They were two formulas: one forgot how exact a transform is, the other took a turn for a shift of the origin."""
+
+    def along(deviation):
+        return ((deviation**2, 0.0, 0.0), (0.0, 0.04**2, 0.0), (0.0, 0.0, 1e-4))
+
+    found = Registration(Verdict.ACCEPTED, Transform(), Evidence(**GOOD))
+    for deviation in (0.04, 0.2, 2.0):
+        believed = confidence_of(along(deviation))
+        assert confidence_in(found._replace(covariance=along(deviation))) == place_of_two_maps(found) * believed
+    assert confidence_of(along(0.04)) > 0.99 > 0.6 > confidence_of(along(0.2)) > 0.1 > confidence_of(along(2.0))
+    arm, turn = 30.0, math.radians(0.5) ** 2
+    far = ((0.0016, 0.0, 0.0), (0.0, 0.0016 + arm**2 * turn, arm * turn), (0.0, arm * turn, turn))
+    assert confidence_of(far) > 0.99, "where the walls are, it is exact, however far the origin is"

@@ -6,7 +6,7 @@ import math
 from typing import Any, Dict, Optional
 
 from ..map_files import read_map
-from ..one_shot import confidence_of, criteria_for, decide
+from ..one_shot import confidence_in, criteria_for, decide
 from ..reasons import reason_of
 from ..registration import Registration
 from ..search import Prior
@@ -37,7 +37,7 @@ def answer(result: Registration, reason: str) -> Dict[str, Any]:
         found.update(zip(("x", "y", "yaw"), result.transform.pose()))
     return {
         **found,
-        "confidence": confidence_of(result),
+        "confidence": confidence_in(result),
         "shared_wall_m": result.evidence.matched,
         "reason": reason,
     }
@@ -50,6 +50,6 @@ def text(options: argparse.Namespace, result: Registration, reason: str) -> str:
     x, y, yaw = result.transform.pose()
     return (
         f"{options.source} in the frame of {options.target}: x {x:.3f} m, y {y:.3f} m, yaw {yaw:.4f} rad "
-        f"({math.degrees(yaw):.1f} deg), confidence {confidence_of(result):.2f}, shared wall "
+        f"({math.degrees(yaw):.1f} deg), confidence {confidence_in(result):.2f}, shared wall "
         f"{result.evidence.matched:.1f} m"
     )

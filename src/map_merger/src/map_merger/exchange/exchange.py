@@ -197,6 +197,10 @@ class Exchange:
         """The robot's present run as it names it; NO_BOOT before its first anchor."""
         return self._peers[robot].map.boot if robot in self._peers else NO_BOOT
 
+    def is_over(self, robot: str, run: Boot) -> bool:
+        """True for a former run of the robot."""
+        return robot in self._peers and self._peers[robot].map.is_over(run)
+
     def lattice_of(self, robot: str) -> Optional[GridInfo]:
         """Corner and resolution of the robot's map, fixed per run; None before the first anchor."""
         return self._peers[robot].map.lattice if robot in self._peers else None

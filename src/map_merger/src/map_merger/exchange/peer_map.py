@@ -107,6 +107,10 @@ class PeerMap:
             self._changed(changed)
         return not changed.empty
 
+    def is_over(self, run: Boot) -> bool:
+        """True for a former run."""
+        return run in self._former
+
     def expire(self, now: float, room: Optional[int] = None) -> bool:
         """Ends waits that have been too long. True if the robot announces no anchor and therefore the corner of its
         map, in its own frame, was assumed to be at (0, 0)."""

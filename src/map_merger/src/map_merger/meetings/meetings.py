@@ -8,6 +8,7 @@ import numpy as np
 
 from ..grid import Grid
 from ..messages import NO_BOOT, Boot
+from ..timer import LONGEST_AGE_S
 from ..transform import Transform
 from .detection import FARTHEST_M, objects_in_scan
 from .doubts import doubts_of
@@ -78,12 +79,16 @@ class Meetings:
     def on_own_pose(self, pose: Transform, now: float) -> None:
         """The own robot in its map frame."""
         self._now = now
-        if len(self._own.rows) and now < self._own.rows[-1, 0] - _POSE_PERIOD_S:
+        behind = self._own.rows[-1, 0] - now if len(self._own.rows) else 0.0
+        if behind > LONGEST_AGE_S + _POSE_PERIOD_S:
             self._restart_clock()
-        self._own.add((now, *pose.pose()))
+        if 0.0 < behind <= LONGEST_AGE_S + _POSE_PERIOD_S:
+            self._own.merge(np.array([(now, *pose.pose())]))
+        else:
+            self._own.add((now, *pose.pose()))
 
     def on_scan(self, scan: LaserScan, pose: Transform, now: float) -> None:
-        """A sweep and the own pose in the map frame at its time."""
+        """A sweep and the own pose in the map frame at its time, which may lie behind that of other calls."""
         self.on_own_pose(pose, now)
         self._sensor = scan.sensor
         if not self._due_to_look(now, SCAN_PERIOD_S):

@@ -1,0 +1,41 @@
+"""Scans from ROS. They need ROS's message classes, but no master."""
+
+import io
+
+import pytest
+
+pytest.importorskip("rospy")
+
+import rospy
+from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import LaserScan
+
+from map_merger import ros_inputs
+
+
+class Buffer:
+    """A robot that has moved on since its scan."""
+
+    def lookup_transform(self, target, source, time, timeout=None):
+        transform = TransformStamped()
+        transform.transform.rotation.w = 1.0
+        transform.transform.translation.x = time.to_sec()
+        return transform
+
+
+def test_a_scan_comes_with_its_stamp_and_the_pose_of_that_time(monkeypatch):
+    """It was dated when it had been processed, up to 0.3 s late."""
+    monkeypatch.setattr(ros_inputs.rospy, "Subscriber", lambda *arguments, **options: None)
+    monkeypatch.setattr(ros_inputs.rospy, "get_time", lambda: 7.3)
+    taken = []
+    scans = ros_inputs.ScanInput(
+        "scan", "map", Buffer(), lambda: "base", lambda: True, lambda *arguments: taken.append(arguments)
+    )
+    message = LaserScan(angle_min=-1.0, angle_increment=0.5, range_max=5.0, ranges=[1.0] * 5)
+    message.header.frame_id, message.header.stamp = "laser", rospy.Time(7, 0)
+    raw, octets = rospy.AnyMsg(), io.BytesIO()
+    message.serialize(octets)
+    raw._buff = octets.getvalue()
+    scans._on_scan(raw)
+    ((scan, pose, stamp),) = taken
+    assert scan.ranges.size == 5 and pose.x == 7.0 and stamp == 7.0
