@@ -9,7 +9,7 @@ import numpy as np
 from ..grid import Grid
 from ..transform import Transform
 from .paths import Wanderer
-from .plan import FloorPlan
+from mr_plans import FloorPlan
 from .scanning import GridDrawer, Survey, cast, info_around
 
 
