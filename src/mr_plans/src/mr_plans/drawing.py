@@ -38,6 +38,10 @@ class Floor:
         cells = self._cells(left, bottom, right, top)
         self.furniture[cells] |= ~self.walls[cells]
 
+    def has_wall(self, left: float, bottom: float, right: float, top: float) -> bool:
+        """True if a wall stands anywhere between the corners."""
+        return bool(self.walls[self._cells(left, bottom, right, top)].any())
+
     def plan(self, aliases: Tuple[Motion, ...] = ()) -> FloorPlan:
         """The floor as it is now, inside an outer wall of two cells."""
         walls = self.walls | self.furniture
