@@ -13,7 +13,7 @@ from mr_plans import WorldName, is_generated, parse_name, world_files, world_pla
         ("generated:office:7", WorldName("office", 7, (26, 15)), "generated-office-7-26x15"),
         ("generated:hall:3:37.5x22", WorldName("hall", 3, (37.5, 22.0)), "generated-hall-3-37.5x22"),
         ("generated:cave:0:anywhere", WorldName("cave", 0, (26, 18), True), "generated-cave-0-26x18-anywhere"),
-        ("generated:loop:1:20x20:anywhere", WorldName("loop", 1, (20.0, 20.0), True), "generated-loop-1-20x20-anywhere"),
+        ("generated:loop:1:20x18:anywhere", WorldName("loop", 1, (20, 18), True), "generated-loop-1-20x18-anywhere"),
     ],
 )
 def test_names_are_read(name, meant, stem):

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mr_plans import WORLD_KINDS, FloorPlan, anywhere, side_by_side, world_plan
-from mr_plans.passable import ROOM_CELLS, passable, places, reachable
+from mr_plans.passable import NARROW_CELLS, WIDE_CELLS, passable, places, reachable
 from mr_plans.starts import ABREAST_M, BEHIND_M
 from mr_plans.worlds import LONGEST_M, SHORTEST_M
 
@@ -31,10 +31,12 @@ def test_a_world_is_one_connected_space_closed_outside(world):
     kind, _, size = world
     plan = world_plan(*world)
     assert plan.walls[[0, 1, -1, -2]].all() and plan.walls[:, [0, 1, -1, -2]].all()
-    count, _ = cv2.connectedComponents(places(plan.walls, ROOM_CELLS).astype(np.uint8), connectivity=4)
+    count, _ = cv2.connectedComponents(places(plan.walls, WORLD_KINDS[kind].room).astype(np.uint8), connectivity=4)
     assert count == 2, "all places to drive through are one part (the other is the walls)"
-    assert reachable(plan.walls).sum() * plan.resolution**2 > OPEN_SHARE * size[0] * size[1]
+    assert reachable(plan.walls, WORLD_KINDS[kind].room).sum() * plan.resolution**2 > OPEN_SHARE * size[0] * size[1]
     assert np.abs(np.array(plan.walls.shape[::-1]) * plan.resolution - size).max() <= plan.resolution
+    with_room = cv2.dilate(reachable(plan.walls, WORLD_KINDS[kind].room).astype(np.uint8), np.ones((15, 15)))
+    assert not (reachable(plan.walls, NARROW_CELLS) & (with_room == 0)).any(), "nothing lies behind a narrower opening"
     assert not (plan.furniture & ~plan.walls).any()
 
 
@@ -64,14 +66,14 @@ def test_every_kind_comes_in_every_size(kind, size):
 
 
 HASHES = {
-    "office": "3980f4bd4d90",
+    "office": "ba30a226cc1b",
     "equalrooms": "d0659ac3fc75",
-    "rooms": "1d266cf300ac",
-    "hospital": "62e7f958548d",
+    "rooms": "22eeb94faed1",
+    "hospital": "9ecf3a00be88",
     "laboratory": "55a9e92e5bb7",
-    "hall": "e1b52c27a44d",
+    "hall": "2125548b7b57",
     "cave": "370ee16f734f",
-    "loop": "5f20241ed811",
+    "loop": "fe8d610dc720",
     "corridor": "4a8331fc199d",
     "narrow": "3ff7672eb7fd",
 }
@@ -108,7 +110,7 @@ def test_furniture_that_blocks_a_door_goes_and_a_closed_cell_is_filled():
     plan = passable(FloorPlan(walls | furniture, furniture=furniture))
     assert reachable(plan.walls)[30, 40] and reachable(plan.walls)[90, 40]
     assert not plan.walls[58, 39] and plan.walls[105, 145]
-    assert not places(plan.walls, ROOM_CELLS)[25:38, 105:118].any()
+    assert not places(plan.walls, WIDE_CELLS)[25:38, 105:118].any()
 
 
 @pytest.mark.parametrize(

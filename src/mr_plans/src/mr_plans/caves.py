@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from .drawing import RESOLUTION
-from .passable import ROOM_CELLS, disc, places
+from .passable import WIDE_CELLS, disc, places
 from .plan import FloorPlan
 
 _COARSE = 4
@@ -12,7 +12,7 @@ _COARSE = 4
 _SMOOTHING = 5, 5, 7
 """Widths of the boxes that the field is averaged over, one after the other, in values."""
 _OPEN_PERCENT = 62
-_THROAT_CELLS = ROOM_CELLS + 3
+_THROAT_CELLS = WIDE_CELLS + 1
 """Radius of the narrowest passage: 0.8 m wide."""
 
 
@@ -37,7 +37,8 @@ def _hollows(random: np.random.Generator, rows: int, columns: int) -> np.ndarray
     for _ in range(2):
         for width in _SMOOTHING:
             field = _summed(_summed(field, width).T, width).T
-        field = np.pad(field >> 12, ((0, rows + margin - field.shape[0]), (0, columns + margin - field.shape[1])), "wrap")
+        missing = rows + margin - field.shape[0], columns + margin - field.shape[1]
+        field = np.pad(field >> 12, ((0, missing[0]), (0, missing[1])), "wrap")
     field = field[:rows, :columns]
     limit = np.sort(field, axis=None)[field.size * _OPEN_PERCENT // 100]
     return np.asarray(field < limit)

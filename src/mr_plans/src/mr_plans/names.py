@@ -8,7 +8,9 @@ from .worlds import WORLD_KINDS, check_world
 
 PREFIX = "generated:"
 FORM = "generated:KIND:SEED[:LENGTHxDEPTH][:anywhere]"
-_PATTERN = re.compile(r"generated:(?P<kind>[^:]*):(?P<seed>\d{1,18})(:(?P<size>[\d.]+x[\d.]+))?(?P<anywhere>:anywhere)?")
+_PATTERN = re.compile(
+    r"generated:(?P<kind>[^:]*):(?P<seed>\d{1,18})(:(?P<size>[\d.]+x[\d.]+))?(?P<anywhere>:anywhere)?"
+)
 
 
 @dataclass(frozen=True)

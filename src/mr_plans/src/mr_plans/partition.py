@@ -9,8 +9,8 @@ from .offices import Box
 
 _SMALLEST_M, _LARGEST_M = 2.4, 7.5
 """Sides of rooms."""
-_FREE_M = 0.5
-"""What stays free on either side of a door."""
+_FREE_M = 1.0
+"""What stays free of furniture on either side of a door, and of walls for half of that."""
 _FURNITURE_AREA = 5.0
 """m2 of a room for each piece of furniture."""
 
@@ -20,12 +20,13 @@ def irregular_rooms(random: np.random.Generator, length: float, depth: float) ->
     a second one in half of the long ones."""
     floor = Floor(length, depth)
     rooms, walls = _divided(random, floor, Box(0.0, 0.0, length, depth))
-    for room in rooms:
-        _furnish(random, floor, room)
+    doors = []
     for wall in walls:
-        _door(random, floor, wall)
+        doors += _door(random, floor, wall)
         if max(wall.right - wall.left, wall.top - wall.bottom) > _LARGEST_M and random.random() < 0.5:
-            _door(random, floor, wall)
+            doors += _door(random, floor, wall)
+    for room in rooms:
+        _furnish(random, floor, room, doors)
     return floor
 
 
@@ -53,8 +54,9 @@ def _divided(random: np.random.Generator, floor: Floor, area: Box) -> Tuple[List
     return rooms, walls
 
 
-def _door(random: np.random.Generator, floor: Floor, wall: Box) -> None:
-    """Where no other wall ends; the first place from the end of the wall if none is found by chance."""
+def _door(random: np.random.Generator, floor: Floor, wall: Box) -> List[Box]:
+    """A door where no other wall ends: what is to stay free of furniture. By chance, or else at the first such place
+    from the end of the wall; none if there is no such place."""
     width = RESOLUTION * int(random.integers(16, 21))
     upright = wall.top - wall.bottom > wall.right - wall.left
     begin, end = (wall.bottom, wall.top) if upright else (wall.left, wall.right)
@@ -62,20 +64,23 @@ def _door(random: np.random.Generator, floor: Floor, wall: Box) -> None:
     tried = [*(random.uniform(begin, max(begin, end)) for _ in range(20)), *np.arange(begin, end, RESOLUTION)]
     for at in tried:
         door = Box(wall.left, at, wall.right, at + width) if upright else Box(at, wall.bottom, at + width, wall.top)
-        reach = (_FREE_M, 0.0) if upright else (0.0, _FREE_M)
-        sides = (
-            Box(door.left - reach[0], door.bottom - reach[1], door.left if upright else door.right,
-                door.top if upright else door.bottom),
-            Box(door.right if upright else door.left, door.bottom if upright else door.top, door.right + reach[0],
-                door.top + reach[1]),
-        )  # fmt: skip
-        if not any(floor.has_wall(*side) for side in sides):
-            floor.open(door.left - reach[0], door.bottom - reach[1], door.right + reach[0], door.top + reach[1])
-            return
+        if not any(floor.has_wall(*side) for side in _sides(door, upright, 0.5 * _FREE_M)):
+            floor.open(*door)
+            return _sides(door, upright, _FREE_M)
+    return []
 
 
-def _furnish(random: np.random.Generator, floor: Floor, room: Box) -> None:
-    """Desks and cupboards along the walls, now and then a table in the middle."""
+def _sides(door: Box, upright: bool, deep: float) -> List[Box]:
+    """What lies before and behind a door, `deep` m of it."""
+    if upright:
+        reach = ((door.left - deep, door.left), (door.right, door.right + deep))
+        return [door._replace(left=left, right=right) for left, right in reach]
+    reach = ((door.bottom - deep, door.bottom), (door.top, door.top + deep))
+    return [door._replace(bottom=bottom, top=top) for bottom, top in reach]
+
+
+def _furnish(random: np.random.Generator, floor: Floor, room: Box, doors: List[Box]) -> None:
+    """Desks and cupboards along the walls, now and then a table in the middle; not before `doors`."""
     width, height = room.right - room.left, room.top - room.bottom
     for _ in range(int(random.integers(0, 2 + int(width * height / _FURNITURE_AREA)))):
         along, deep = random.uniform(0.5, 1.6), random.uniform(0.4, 0.8)
@@ -91,4 +96,13 @@ def _furnish(random: np.random.Generator, floor: Floor, room: Box) -> None:
             x = room.left if side == 1 else room.right - across
         else:
             y = room.bottom if side == 0 else room.top - up
-        floor.furnish(x, y, x + across, y + up)
+        piece = Box(x, y, x + across, y + up)
+        if not any(_overlap(piece, door) for door in doors):
+            floor.furnish(*piece)
+
+
+def _overlap(first: Box, second: Box) -> bool:
+    return (
+        first.left < second.right and second.left < first.right
+        and first.bottom < second.top and second.bottom < first.top
+    )  # fmt: skip

@@ -1,8 +1,8 @@
 """Makes a drawn floor fit to drive in: closed outside, one connected space for a robot inside.
 
-A robot is a disc on the lattice. Where it fits with room to spare (`ROOM_CELLS`) it can drive; where it fits only just
-(`TIGHT_CELLS`) nobody can say whether a navigation gets through, so nothing may lie behind such a place. All in whole
-numbers, so that every computer gets the same.
+A robot is a disc on the lattice. Where it fits with room to spare (`WIDE_CELLS`, in narrow worlds `NARROW_CELLS`) it
+can drive; where it fits only just (`TIGHT_CELLS`) nobody can say whether a navigation gets through, so nothing may lie
+behind such a place. All in whole numbers, so that every computer gets the same.
 """
 
 from dataclasses import replace
@@ -15,35 +15,35 @@ from .plan import FloorPlan
 
 OUTER_CELLS = 2
 """Thickness of the outer wall."""
-ROOM_CELLS = 5
-"""A place from whose centre no wall cell's centre is as near as this many cells is one to drive through: at 0.05 m per
-cell openings from 0.55 m on, for robots 0.38 m wide that keep 0.05 m away from walls."""
-TIGHT_CELLS = 4
-"""The same for a place in which the robot may or may not fit: openings from 0.45 m on."""
+WIDE_CELLS, NARROW_CELLS, TIGHT_CELLS = 7, 5, 4
+"""Robots are told to fit into a cell if no wall cell is within so many cells, from centre to centre. At 0.05 m per cell
+these are openings from 0.75 m, 0.55 m and 0.45 m on: for robots 0.38 m wide that keep 0.05 m away from walls, which
+their maps draw up to a cell thicker than they are."""
 _BESIDE_CELLS = 3
 _POCKET_CELLS = 120
 """A pocket of so many places (0.3 m2) is worth clearing the way to it; a smaller one is filled."""
 _TRIALS = 40
 
 
-def passable(plan: FloorPlan) -> FloorPlan:
+def passable(plan: FloorPlan, room: int = WIDE_CELLS) -> FloorPlan:
     """The plan with its outer wall closed, without the furniture that cuts space off, and with what cannot be reached
-    all the same filled up. Keeps no aliases."""
+    all the same filled up. `room`: cells that robots need around them. Keeps no aliases."""
     walls = plan.walls.copy()
     furniture = np.zeros_like(walls) if plan.furniture is None else plan.furniture & walls
     for edge in (np.s_[:OUTER_CELLS], np.s_[-OUTER_CELLS:], np.s_[:, :OUTER_CELLS], np.s_[:, -OUTER_CELLS:]):
         walls[edge], furniture[edge] = True, False
     for trial in range(_TRIALS):
-        reached, pockets = _parts(walls)
+        reached, pockets = _parts(walls, room)
         if not pockets.any():
             break
-        blocking = _blocking(furniture, reached, _large(pockets)) if trial < _TRIALS // 2 else None
+        blocking = _blocking(furniture, reached, _large(pockets), room) if trial < _TRIALS // 2 else None
         if blocking is not None:
             walls &= ~blocking
             furniture &= ~blocking
         else:
-            walls |= pockets
-            furniture |= pockets
+            filled = pockets | (_grown(pockets, TIGHT_CELLS) & ~_grown(reached, room) & ~walls)
+            walls |= filled
+            furniture |= filled
     return replace(plan, walls=walls, furniture=furniture, aliases=())
 
 
@@ -52,9 +52,9 @@ def places(walls: np.ndarray, cells: int) -> np.ndarray:
     return cv2.dilate(walls.astype(np.uint8), disc(cells), borderType=cv2.BORDER_CONSTANT, borderValue=1) == 0
 
 
-def reachable(walls: np.ndarray) -> np.ndarray:
+def reachable(walls: np.ndarray, room: int = NARROW_CELLS) -> np.ndarray:
     """The largest connected part (bool, as `walls`) of the places that a robot can drive through."""
-    return _largest(places(walls, ROOM_CELLS))
+    return _largest(places(walls, room))
 
 
 def disc(cells: int) -> np.ndarray:
@@ -63,11 +63,11 @@ def disc(cells: int) -> np.ndarray:
     return (offsets[:, None] ** 2 + offsets**2 <= cells**2).astype(np.uint8)
 
 
-def _parts(walls: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+def _parts(walls: np.ndarray, room: int) -> Tuple[np.ndarray, np.ndarray]:
     """Where a robot can drive, and the places that it cannot reach or only through a tight one."""
-    roomy, tight = places(walls, ROOM_CELLS), places(walls, TIGHT_CELLS)
+    roomy, tight = places(walls, room), places(walls, TIGHT_CELLS)
     reached = _largest(roomy)
-    near = _grown(reached, ROOM_CELLS)
+    near = _grown(reached, room)
     return reached, (roomy & ~reached) | (tight & ~near)
 
 
@@ -87,11 +87,11 @@ def _large(pockets: np.ndarray) -> np.ndarray:
     return found
 
 
-def _blocking(furniture: np.ndarray, reached: np.ndarray, pockets: np.ndarray) -> Optional[np.ndarray]:
+def _blocking(furniture: np.ndarray, reached: np.ndarray, pockets: np.ndarray, room: int) -> Optional[np.ndarray]:
     """The pieces of furniture (bool mask) that stand between the reached space and a pocket; None without any."""
     if not pockets.any() or not furniture.any():
         return None
-    beside = ROOM_CELLS + _BESIDE_CELLS
+    beside = room + _BESIDE_CELLS
     touching = _grown(pockets, beside) & furniture
     _, labels = cv2.connectedComponents(furniture.astype(np.uint8), connectivity=8)
     between = np.intersect1d(labels[touching], labels[_grown(reached, beside) & furniture])

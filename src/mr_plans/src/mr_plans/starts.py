@@ -74,7 +74,8 @@ def _group(
 ) -> Tuple[List[Tuple[int, int]], int]:
     """Sites of the lattice through `first`, step by step over neighbours that have standing room all the way between
     them, until there are `count`; and the number of steps to the last one."""
-    group, waiting, seen, farthest = [], deque([(first, 0)]), {first}, 0
+    group: List[Tuple[int, int]] = []
+    waiting, seen, farthest = deque([(first, 0)]), {first}, 0
     while waiting and len(group) < count:
         (row, column), farthest = waiting.popleft()
         group.append((row, column))

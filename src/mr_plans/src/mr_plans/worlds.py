@@ -10,7 +10,7 @@ from .drawing import Floor
 from .offices import BLOCK_M, Room, blocks, draw_room
 from .open_spaces import draw_halls, draw_loops, draw_maze
 from .partition import irregular_rooms
-from .passable import passable
+from .passable import NARROW_CELLS, WIDE_CELLS, passable
 from .plan import FloorPlan
 from .wards import hospital, laboratory_room, narrow
 
@@ -26,12 +26,14 @@ Draw = Callable[[np.random.Generator, float, float], Union[Floor, FloorPlan]]
 
 @dataclass(frozen=True)
 class WorldKind:
-    """`size`: length and depth (m) unless others are asked for; `shallowest`: least depth (m)."""
+    """`size`: length and depth (m) unless others are asked for; `shallowest`: least depth (m); `room`: cells that
+    robots need to drive through an opening (see `passable`)."""
 
     what: str
     size: Tuple[float, float]
     draw: Draw
     shallowest: float = SHALLOWEST_M
+    room: int = WIDE_CELLS
 
 
 def _office(random: np.random.Generator, length: float, depth: float) -> Floor:
@@ -62,7 +64,7 @@ def _corridor(random: np.random.Generator, length: float, depth: float) -> Floor
 
 
 WORLD_KINDS: Dict[str, WorldKind] = {
-    "office": WorldKind("rooms that differ, with furniture, along corridors; doors of 0.8 m to 1.0 m", (26, 15), _office),
+    "office": WorldKind("rooms with furniture along corridors; doors of 0.8 m to 1.0 m", (26, 15), _office),
     "equalrooms": WorldKind("rooms that are copies of one another along corridors", (26, 15), _equal_rooms),
     "rooms": WorldKind("irregular rooms behind one another", (24, 16), irregular_rooms),
     "hospital": WorldKind("double corridors with rooms outside and between", (60, 22), hospital, 18.0),
@@ -71,7 +73,7 @@ WORLD_KINDS: Dict[str, WorldKind] = {
     "cave": WorldKind("a cave", (26, 18), cave),
     "loop": WorldKind("corridors around solid blocks with niches, rooms outside", (30, 20), draw_loops, 17.0),
     "corridor": WorldKind("a maze of corridors with loops and alcoves", (30, 18), _corridor),
-    "narrow": WorldKind("corridors of 0.8 m to 1.1 m, doors of 0.6 m, niches", (18, 12), narrow),
+    "narrow": WorldKind("corridors of 0.8 m to 1.1 m, doors of 0.6 m, niches", (18, 12), narrow, room=NARROW_CELLS),
 }
 
 
@@ -81,7 +83,7 @@ def world_plan(kind: str, seed: int, size: Optional[Tuple[float, float]] = None)
     length, depth = check_world(kind, seed, size)
     random = np.random.Generator(np.random.PCG64([_STREAM, list(WORLD_KINDS).index(kind), seed]))
     drawn = WORLD_KINDS[kind].draw(random, length, depth)
-    return passable(drawn.plan() if isinstance(drawn, Floor) else drawn)
+    return passable(drawn.plan() if isinstance(drawn, Floor) else drawn, WORLD_KINDS[kind].room)
 
 
 def check_world(kind: str, seed: int, size: Optional[Tuple[float, float]] = None) -> Tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Where the project's worlds are, in a source tree and in an install space, and worlds that are drawn when asked for."""
+"""Where the project's worlds are, in a source tree or an install space, and worlds that are drawn when asked for."""
 
 import contextlib
 import os
@@ -40,7 +40,8 @@ def find_world(name: str, folder: Path = GENERATED) -> Path:
             if "/" not in name and (place / candidate).is_file():
                 return place / candidate
     known = sorted({world.stem for place in world_folders() for world in place.glob("*.world")})
-    raise WorldNotFoundError(f'no world "{name}": give the path of a .world file, {FORM}, or one of: {", ".join(known)}')
+    ways = f"give the path of a .world file, {FORM}, or one of: {', '.join(known)}"
+    raise WorldNotFoundError(f'no world "{name}": {ways}')
 
 
 def label_of(name: str) -> str:

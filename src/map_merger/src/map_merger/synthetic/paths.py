@@ -9,6 +9,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from mr_plans import FloorPlan
+
 from .scanning import Survey
 
 _COARSE = 4
