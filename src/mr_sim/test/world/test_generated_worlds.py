@@ -5,9 +5,10 @@ import pytest
 
 from mr_plans import WORLD_KINDS
 from mr_plans.passable import NARROW_CELLS
+from mr_sim import measures
 from mr_sim.measures import Truth
 from mr_sim.navigation.options import NavigationOptions
-from mr_sim.reference import reference_path
+from mr_sim.reference import load_reference, reference_path
 from mr_sim.stored_truth import stored_path, truth_of_generated
 from mr_sim.world import World
 from mr_sim.world_model import load_world
@@ -76,3 +77,13 @@ def test_a_stored_area_of_other_walls_or_a_broken_one_does_not_count(tmp_path):
     assert np.array_equal(truth_of_generated(world, path).reference, expected)
     stored_path(path).write_bytes(stored_path(path).read_bytes()[:1000])
     assert np.array_equal(truth_of_generated(world, path).reference, expected)
+
+
+@pytest.mark.parametrize("world", ["office26x15", "equalrooms26x15"])
+def test_the_knowable_area_is_what_robots_explore(world, monkeypatch):
+    """Against the stored missions of one robot: their maps draw a cell of wall where the reference keeps clear of walls
+    by two."""
+    path = find_world(world)
+    explored = load_reference(path)
+    monkeypatch.setattr(measures, "WALL_MARGIN", 0.05)
+    assert len(Truth.of_world(World(load_world(path), 1)).reference) == pytest.approx(explored.median, rel=0.01)
