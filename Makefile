@@ -48,8 +48,13 @@ bench-merge: build
 bench-meet: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_merging --out out/bench/merging.json $(MEET)
 
+# Missions of the ROS stack, then thirty generated worlds in virtual time: an hour or two on two cores. Goes on where it was
+# stopped. EXPLORE: options of bench_explore.
 bench-explore: build
-	@mkdir -p out/bench && $(ENVIRONMENT) tools/bench_missions --out out/bench/missions.json
+	@mkdir -p out/bench && $(ENVIRONMENT) missed=0; \
+	tools/bench_missions --out out/bench/missions.json || missed=1; \
+	rosrun mr_experiments bench_explore --out out/bench/explore.json $(EXPLORE) || missed=1; \
+	exit $$missed
 
 bench-sim: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_experiments --out out/bench/sim.json

@@ -99,3 +99,7 @@ def test_enter_after_the_end(tmp_path):
     folder.mkdir()
     (folder / "team.json").write_text(json.dumps({"isolation": "hub", "init": os.getpid(), "robots": {}}))
     assert "is over" in call(tmp_path, "enter", "--team", "old", "robot_0", "ls")
+
+
+def test_a_generated_world_that_cannot_be(tmp_path):
+    assert "castle" in call(tmp_path, "team", "--world", "generated:castle:1")

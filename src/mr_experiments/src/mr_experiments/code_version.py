@@ -12,6 +12,7 @@ import adhoc_engine
 import explorer
 import map_merger
 import mr_experiments
+import mr_plans
 import mr_sim
 from mr_experiments.ros_packages import folder_of
 
@@ -20,7 +21,7 @@ from mr_experiments.ros_packages import folder_of
 def code_version() -> str:
     """Twelve digits that change with any module or parameter that a mission depends on."""
     digest = hashlib.sha256(Path(str(adhoc_engine.__file__)).read_bytes())
-    for package in (explorer, map_merger, mr_sim, mr_experiments):
+    for package in (explorer, map_merger, mr_plans, mr_sim, mr_experiments):
         for path in _modules(package):
             digest.update(path.name.encode() + path.read_bytes())
     for path in sorted((folder_of("mr_launch") / "config").glob("*.yaml")):

@@ -12,6 +12,7 @@ from typing import Any, Callable, Iterable, Mapping, NoReturn, Sequence, TypeVar
 import numpy as np
 
 from mr_sim.pose import Pose
+from mr_sim.worlds import label_of
 
 FORMAT = 1
 FINISHED, UNFINISHED, FAILED = "finished", "unfinished", "failed"
@@ -48,12 +49,12 @@ class Chapter:
 
     @property
     def title(self) -> str:
-        return f"{Path(self.world).stem}, scenario {self.scenario}, strategy {self.strategy}"
+        return f"{label_of(self.world)}, scenario {self.scenario}, strategy {self.strategy}"
 
     @property
     def slug(self) -> str:
         """Name for files and anchors."""
-        return re.sub(r"[^\w.-]", "_", f"{Path(self.world).stem}-{self.scenario}-{self.strategy}")
+        return re.sub(r"[^\w.-]", "_", f"{label_of(self.world)}-{self.scenario}-{self.strategy}")
 
 
 @dataclass(frozen=True)

@@ -18,10 +18,13 @@ from mr_experiments.robot import Robot
 from mr_experiments.transforms import MergeLog
 from mr_experiments.trial import Trial
 from mr_experiments.trial_world import world_of
+from mr_plans import is_generated
 from mr_sim.measures import Truth
 from mr_sim.pose import Pose, seen_from
+from mr_sim.stored_truth import truth_of_generated
 from mr_sim.trace import RECORD
 from mr_sim.world import World
+from mr_sim.worlds import find_world
 
 SERIES_PERIOD = 1.0  # s between two samples
 COVERAGE_PERIOD = 5.0  # s between two samples of what the team knows
@@ -32,7 +35,8 @@ MOTION = ["x", "y", "yaw", "velocity_x", "velocity_y", "velocity_yaw", "stalled"
 @functools.lru_cache(maxsize=8)
 def _truth_of(world: str, starts: tuple[Pose, ...]) -> Truth:
     """Seconds of work, so kept; a process runs many trials in one world."""
-    return Truth.of_world(world_of(Trial(world, len(starts), 0, starts=starts)))
+    simulated = world_of(Trial(world, len(starts), 0, starts=starts))
+    return truth_of_generated(simulated, find_world(world)) if is_generated(world) else Truth.of_world(simulated)
 
 
 def truth_for(trial: Trial, world: World) -> Truth:

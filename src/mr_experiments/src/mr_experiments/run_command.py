@@ -40,7 +40,8 @@ def make_parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("--scenario", default=DEFAULT, metavar="NAME|FILE", help="what the trials have in common: "
         + ", ".join(known_scenarios()) + ", or a .yaml file (default: %(default)s)")  # fmt: skip
-    add("--world", default="", metavar="NAME|FILE", help="instead of the scenario's world")
+    add("--world", default="", metavar="NAME|FILE", help="instead of the scenario's world; "
+        "generated:KIND:SEED draws one (see plans)")  # fmt: skip
     add("--robots", type=int, nargs="+", metavar="R", help="team sizes (default: the scenario's)")
     add("--strategy", type=int, nargs="+", metavar="N", help="strategies (default: the scenario's)")
     add("--trials", type=int, default=40, metavar="N", help="trials for each team size (default: %(default)s)")

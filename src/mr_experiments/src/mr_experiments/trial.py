@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Any, Mapping
 
 from explorer.options import STRATEGIES
 from mr_experiments.radio import RadioOptions
 from mr_sim.pose import Pose
+from mr_sim.worlds import WorldNotFoundError, label_of
 
 DISTRIBUTED, CENTRALIZED = TOPOLOGIES = ("distributed", "centralized")
 
@@ -38,6 +38,10 @@ class Trial:
     base: tuple[float, float] | None = None  # where the base of a centralized team stands, m, world frame
 
     def __post_init__(self) -> None:
+        try:
+            label_of(self.world)
+        except WorldNotFoundError as error:
+            raise TrialError(str(error)) from None
         if self.robots < 1:
             raise TrialError(f"a team has at least one robot, not {self.robots}")
         if self.strategy not in STRATEGIES:
@@ -66,7 +70,7 @@ class Trial:
     @property
     def key(self) -> str:
         """Names the trial among others, fit for a file name."""
-        return f"{Path(self.world).stem}-r{self.robots}-{self.scenario}-{self.strategy}-s{self.seed}"
+        return f"{label_of(self.world)}-r{self.robots}-{self.scenario}-{self.strategy}-s{self.seed}"
 
     def to_json(self) -> dict[str, Any]:
         """Plain values; an infinite radio range becomes None."""

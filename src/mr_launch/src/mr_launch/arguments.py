@@ -59,7 +59,8 @@ def make_parser() -> argparse.ArgumentParser:
         epilog="Exit code: 0 every robot finished, 1 not all finished or a failure, 2 bad options, 130 interrupted.",
     )
     add = parser.add_argument
-    add("--world", default="office26x15", metavar="NAME|FILE", help="world by name or file (default: %(default)s)")
+    add("--world", default="office26x15", metavar="NAME|FILE", help="world by name or file, or "
+        "generated:KIND:SEED, which is drawn (default: %(default)s)")  # fmt: skip
     add(
         "--robots",
         type=int,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Sequence
 
@@ -14,7 +15,7 @@ from mr_launch.errors import UserError
 from mr_launch.outside import run_team
 from mr_launch.plan import BASE, FIRST_PORT, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
-from mr_launch.world import check_start, find_world, robots_of
+from mr_launch.world import check_start, find_world, keep_generated, robots_of
 
 BAD_CALL = 2
 INTERRUPTED = 130
@@ -25,6 +26,7 @@ def team(arguments: Sequence[str]) -> int:
     try:
         plan = make_plan(parse_arguments(arguments))
         make_output_folder(plan)
+        plan = replace(plan, world=keep_generated(plan.world, Path(plan.out) / "world"))
     except UserError as error:
         print(f"team: {error}", file=sys.stderr)
         return BAD_CALL

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -20,8 +21,26 @@ def find_world(name: str) -> str:
 
     try:
         return str(find(name).resolve())
-    except WorldNotFoundError as error:
+    except (WorldNotFoundError, OSError) as error:
         raise UserError(f"--world: {error}") from None
+
+
+def keep_generated(world: str, folder: Path) -> str:
+    """Path of a world in the folder of a mission: a copy of its files if it was drawn for it, else where it is.
+    Raises UserError."""
+    from mr_sim.worlds import GENERATED, ROBOT
+
+    path = Path(world)
+    if path.parent != GENERATED.resolve():
+        return world
+    try:
+        folder.mkdir()
+        for file in (path, path.with_suffix(".png"), path.with_name(ROBOT), path.with_suffix(".reference.json")):
+            if file.exists():
+                shutil.copy(file, folder)
+    except OSError as error:
+        raise UserError(f"cannot keep the world in {folder}: {error.strerror}") from None
+    return str(folder / path.name)
 
 
 def robots_of(world: str) -> list[tuple[str, Pose]]:

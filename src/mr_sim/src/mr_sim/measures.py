@@ -7,6 +7,7 @@ All positions in metres, angles in radians, times in simulated seconds.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple, Optional
 
 import cv2
 import numpy as np
@@ -61,27 +62,46 @@ class OccupancyMap:
         return int(((self.data >= 0) & (self.data < FREE_BELOW)).sum())
 
 
+class KnowableArea(NamedTuple):
+    """What robots can get to know of a world. `viewpoints` (N, 2): positions they reach, m, thinned out; `cells`: bool
+    (rows, columns), the reference cells, 0.05 m each, cell (0, 0) at the lower left corner of the walls."""
+
+    viewpoints: np.ndarray
+    cells: np.ndarray
+
+
 class Truth:
     """What maps are compared with: the true walls and the reference free cells of a world."""
 
-    def __init__(self, walls: Grid, starts: Sequence[Pose], footprint: Sequence[Polygon], range_max: float) -> None:
-        """`starts`: world poses from which the footprint drives; `range_max`: of the laser. Takes seconds."""
+    def __init__(
+        self,
+        walls: Grid,
+        starts: Sequence[Pose],
+        footprint: Sequence[Polygon],
+        range_max: float,
+        known: Optional[KnowableArea] = None,
+    ) -> None:
+        """`starts`: world poses from which the footprint drives; `range_max`: of the laser. Takes seconds, unless what
+        can be known from there has been computed before (`known`)."""
         pad = math.ceil(_SURROUND / walls.resolution)
         cells = np.pad(walls.cells, pad)
         self._resolution = walls.resolution
         self._origin = np.asarray(walls.origin) - pad * walls.resolution
         # From the centre of a cell to the face of the nearest wall.
         self._distance = ndimage.distance_transform_edt(cells == 0) * walls.resolution - walls.resolution / 2.0
-        self.viewpoints = self._viewpoints(cells, starts, footprint)
-        self.reference = self._reference_cells(walls, range_max)
+        if known is None:
+            self.viewpoints = self._viewpoints(cells, starts, footprint)
+            known = KnowableArea(self.viewpoints, self._reference_cells(walls, range_max))
+        self.viewpoints, self.knowable = known.viewpoints, known.cells
+        self.reference = _centres_of(known.cells, walls)
         self.cell_area = _REFERENCE_RESOLUTION**2  # m^2
 
     @classmethod
-    def of_world(cls, world: World) -> "Truth":
+    def of_world(cls, world: World, known: Optional[KnowableArea] = None) -> "Truth":
         """Truth for the robots of a world; the footprint and laser are those of the first robot."""
         robot = world.robots[0]
         range_max = max((ranger.range_max for ranger in robot.rangers), default=0.0)
-        return cls(world.visible, [r.start for r in world.robots], robot.footprint, range_max)
+        return cls(world.visible, [r.start for r in world.robots], robot.footprint, range_max, known)
 
     def wall_distance(self, points: np.ndarray) -> np.ndarray:
         """Distance (N,) from points (N, 2) to the nearest true wall, 0 inside it, infinite far outside the world."""
@@ -132,7 +152,7 @@ class Truth:
                     labels[labels == other] = label
 
     def _reference_cells(self, walls: Grid, range_max: float) -> np.ndarray:
-        """Centres (N, 2) of the free cells in view from a viewpoint, without those beside a wall."""
+        """The free cells, bool (rows, columns), in view from a viewpoint, without those beside a wall."""
         rows, columns = (math.ceil(n * walls.resolution / _REFERENCE_RESOLUTION - 1e-6) for n in walls.cells.shape)
         seen = np.zeros((rows, columns), dtype=np.uint8)
         raster = _world.Raster(walls.cells, walls.resolution, walls.origin)
@@ -142,8 +162,15 @@ class Truth:
             ends = point + beams * raster.cast((point[0], point[1]), angles, range_max)[:, None]
             pixels = np.floor((ends - walls.origin) / _REFERENCE_RESOLUTION).astype(np.int32)
             cv2.fillPoly(seen, [pixels], 1)
-        centres = (np.argwhere(seen)[:, ::-1] + 0.5) * _REFERENCE_RESOLUTION + walls.origin
-        return centres[self.wall_distance(centres) >= WALL_MARGIN]
+        found = seen > 0
+        found[found] = self.wall_distance(_centres_of(found, walls)) >= WALL_MARGIN
+        return found
+
+
+def _centres_of(cells: np.ndarray, walls: Grid) -> np.ndarray:
+    """Centres (N, 2) in the world of the cells of the lattice of reference cells, bool (rows, columns)."""
+    centres: np.ndarray = (np.argwhere(cells)[:, ::-1] + 0.5) * _REFERENCE_RESOLUTION + walls.origin
+    return centres
 
 
 def coverage(truth: Truth, occupancy: OccupancyMap, start: Pose) -> float:

@@ -1,6 +1,18 @@
-"""Where the project's worlds are, in a source tree and in an install space."""
+"""Where the project's worlds are, in a source tree or an install space, and worlds that are drawn when asked for."""
 
+import contextlib
+import os
+import tempfile
+from functools import lru_cache
 from pathlib import Path
+
+from mr_plans.names import FORM, is_generated, parse_name
+from mr_plans.world_files import WorldFiles, world_files
+from mr_sim.reference import reference_path
+
+GENERATED = Path("out/worlds")
+"""Where generated worlds are written unless another folder is given."""
+ROBOT = "pioneer.inc"
 
 
 class WorldNotFoundError(ValueError):
@@ -14,15 +26,69 @@ def world_folders() -> list[Path]:
     return [folder for folder in candidates if folder.is_dir() and any(folder.glob("*.world"))]
 
 
-def find_world(name: str) -> Path:
-    """Path of a world: `name` is a path, or the name of one of the project's worlds with or without `.world`."""
+def find_world(name: str, folder: Path = GENERATED) -> Path:
+    """Path of a world: `name` is a path, the name of one of the project's worlds with or without `.world`, or that of a
+    generated one, whose files are then written to `folder`. Raises WorldNotFoundError, OSError if they cannot be."""
     path = Path(name)
     if path.is_file():
         return path
+    if is_generated(name):
+        return _generated(name, folder)
     names = [name] if name.endswith(".world") else [name, f"{name}.world"]
-    for folder in world_folders():
+    for place in world_folders():
         for candidate in names:
-            if "/" not in name and (folder / candidate).is_file():
-                return folder / candidate
-    known = sorted({world.stem for folder in world_folders() for world in folder.glob("*.world")})
-    raise WorldNotFoundError(f'no world "{name}": give the path of a .world file or one of: {", ".join(known)}')
+            if "/" not in name and (place / candidate).is_file():
+                return place / candidate
+    known = sorted({world.stem for place in world_folders() for world in place.glob("*.world")})
+    ways = f"give the path of a .world file, {FORM}, or one of: {', '.join(known)}"
+    raise WorldNotFoundError(f'no world "{name}": {ways}')
+
+
+def label_of(name: str) -> str:
+    """A short name for a world given as to `find_world`, fit for the name of a file. Raises WorldNotFoundError."""
+    if not is_generated(name):
+        return Path(name).stem
+    try:
+        return parse_name(name).stem
+    except ValueError as error:
+        raise WorldNotFoundError(str(error)) from None
+
+
+def _generated(name: str, folder: Path) -> Path:
+    """Drawn anew by each process, so that files of former code are replaced."""
+    try:
+        files = _drawn(name)
+    except ValueError as error:
+        raise WorldNotFoundError(f"{name}: {error}") from None
+    folder.mkdir(parents=True, exist_ok=True)
+    world = folder / f"{files.stem}.world"
+    _keep(folder / ROBOT, _robot())
+    if _keep(world.with_suffix(".png"), files.picture):
+        reference_path(world).unlink(missing_ok=True)  # of another plan
+    _keep(world, files.text.encode())
+    return world
+
+
+@lru_cache(maxsize=8)
+def _drawn(name: str) -> WorldFiles:
+    return world_files(parse_name(name))
+
+
+def _robot() -> bytes:
+    for folder in world_folders():
+        if (folder / ROBOT).is_file():
+            return (folder / ROBOT).read_bytes()
+    raise WorldNotFoundError(f"{ROBOT}, which describes the robots of generated worlds, is not among the worlds")
+
+
+def _keep(path: Path, content: bytes) -> bool:
+    """The file has this content, whole at every moment, because other processes may read or write the same; whether it
+    had to be written."""
+    with contextlib.suppress(FileNotFoundError):
+        if path.read_bytes() == content:
+            return False
+    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=path.name, delete=False) as partial:
+        partial.write(content)
+    os.chmod(partial.name, 0o644)
+    os.replace(partial.name, path)
+    return True

@@ -123,7 +123,8 @@ def _start(
 
 def _copy_of(random: np.random.Generator, plan: FloorPlan, place: np.ndarray) -> Tuple[float, float]:
     """Another place of the building that looks the same; the place itself if there is none."""
-    motions = [motion for alias in plan.aliases for motion in (alias, alias.inverse())]
+    aliases = [Transform(*alias) for alias in plan.aliases]
+    motions = [motion for alias in aliases for motion in (alias, alias.inverse())]
     places = [motion.apply(place[None])[0] for motion in motions]
     copies = [each for each in places if plan.holds(each)] or [place]
     x, y = copies[int(random.integers(len(copies)))]

@@ -3,9 +3,19 @@
 Everything is drawn from the generator that is passed in, so a seed repeats a pair.
 """
 
-from .kinds import KINDS, generated
-from .plan import FloorPlan, plan_from_image, rearranged
-from .rooms import bare_rooms_plan, long_corridor_plan, office_plan, symmetric_plan, turned_copies_plan
+from mr_plans import (
+    KINDS,
+    FloorPlan,
+    bare_rooms_plan,
+    generated,
+    long_corridor_plan,
+    office_plan,
+    plan_from_image,
+    symmetric_plan,
+    turned_copies_plan,
+)
+
+from .rearranging import rearranged
 from .scanning import GridDrawer, Survey, cast, info_around
 from .surveyor import Pair, RobotMap, Surveyor, pair_of
 

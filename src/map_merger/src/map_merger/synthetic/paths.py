@@ -8,7 +8,8 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from .plan import FloorPlan
+from mr_plans import FloorPlan
+
 from .scanning import Survey
 
 _COARSE = 4

@@ -6,10 +6,11 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
+from mr_plans import FloorPlan
+
 from ..grid import Grid
 from ..transform import Transform
 from .paths import Wanderer
-from .plan import FloorPlan
 from .scanning import GridDrawer, Survey, cast, info_around
 
 

@@ -1,4 +1,4 @@
-"""Kinds of generated buildings by name."""
+"""Kinds of buildings by name, as maps of them are registered. For worlds to drive in see `worlds`."""
 
 from typing import Callable, Dict
 

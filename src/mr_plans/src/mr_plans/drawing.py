@@ -5,8 +5,7 @@ from typing import Tuple
 
 import numpy as np
 
-from ..transform import Transform
-from .plan import FloorPlan
+from .plan import FloorPlan, Motion
 
 RESOLUTION = 0.05
 WALL_M = 0.1
@@ -39,7 +38,11 @@ class Floor:
         cells = self._cells(left, bottom, right, top)
         self.furniture[cells] |= ~self.walls[cells]
 
-    def plan(self, aliases: Tuple[Transform, ...] = ()) -> FloorPlan:
+    def has_wall(self, left: float, bottom: float, right: float, top: float) -> bool:
+        """True if a wall stands anywhere between the corners."""
+        return bool(self.walls[self._cells(left, bottom, right, top)].any())
+
+    def plan(self, aliases: Tuple[Motion, ...] = ()) -> FloorPlan:
         """The floor as it is now, inside an outer wall of two cells."""
         walls = self.walls | self.furniture
         outer = np.ones_like(walls)

@@ -12,7 +12,12 @@ from .plan import FloorPlan
 
 def halls(random: np.random.Generator, length: float) -> FloorPlan:
     """Halls of 8 m to 18 m side by side, with a lattice of pillars each, stands, and wide openings between them."""
-    floor = Floor(length, max(10.0, 0.6 * length))
+    return draw_halls(random, length, max(10.0, 0.6 * length)).plan()
+
+
+def draw_halls(random: np.random.Generator, length: float, depth: float) -> Floor:
+    """As `halls`, of that depth (m)."""
+    floor = Floor(length, depth)
     left = 0.0
     while left < length - 4.0:
         right = min(length, left + random.uniform(8.0, 18.0))
@@ -24,7 +29,7 @@ def halls(random: np.random.Generator, length: float) -> FloorPlan:
             door, width = random.uniform(0.5, floor.depth - 3.0), random.uniform(1.2, 2.5)
             floor.open(right - 2 * WALL_M, door, right + WALL_M, door + width)
         left = right
-    return floor.plan()
+    return floor
 
 
 def _pillars(floor: Floor, random: np.random.Generator, left: float, right: float) -> None:
@@ -42,15 +47,22 @@ def corridors(random: np.random.Generator, length: float) -> FloorPlan:
     pitch, width = random.uniform(5.0, 7.5), random.uniform(1.6, 2.4)
     columns, rows = max(2, int(length / pitch)), max(2, int(0.6 * length / pitch))
     floor = Floor(columns * pitch, rows * pitch, solid=True)
-    for (column, row), (next_column, next_row) in _maze(random, columns, rows):
-        left, bottom = (min(column, next_column) + 0.5) * pitch, (min(row, next_row) + 0.5) * pitch
-        right, top = (max(column, next_column) + 0.5) * pitch, (max(row, next_row) + 0.5) * pitch
+    draw_maze(floor, random, (columns, rows), (pitch, pitch), width)
+    return floor.plan()
+
+
+def draw_maze(
+    floor: Floor, random: np.random.Generator, count: Tuple[int, int], pitch: Tuple[float, float], width: float
+) -> None:
+    """Corridors of that width (m) between the nodes of a lattice of `count` columns and rows with the given pitches."""
+    for (column, row), (next_column, next_row) in _maze(random, *count):
+        left, bottom = (min(column, next_column) + 0.5) * pitch[0], (min(row, next_row) + 0.5) * pitch[1]
+        right, top = (max(column, next_column) + 0.5) * pitch[0], (max(row, next_row) + 0.5) * pitch[1]
         floor.open(left - 0.5 * width, bottom - 0.5 * width, right + 0.5 * width, top + 0.5 * width)
         if random.random() < 0.6:
             size = random.uniform(0.4, 1.5)
             x, y = random.uniform(left, right), random.uniform(bottom, top)
             floor.open(x - 0.5 * width - 0.3, y - 0.5 * size, x + 0.5 * size, y + 0.5 * width + 0.3)
-    return floor.plan()
 
 
 _Node = Tuple[int, int]
@@ -75,7 +87,12 @@ def _maze(random: np.random.Generator, columns: int, rows: int) -> List[Tuple[_N
 
 def loops(random: np.random.Generator, length: float) -> FloorPlan:
     """Corridors around solid cores with niches, rooms along the outer walls."""
-    floor = Floor(length, max(18.0, 0.6 * length))
+    return draw_loops(random, length, max(18.0, 0.6 * length)).plan()
+
+
+def draw_loops(random: np.random.Generator, length: float, depth: float) -> Floor:
+    """As `loops`, of that depth (m)."""
+    floor = Floor(length, depth)
     low, high = 6.8, floor.depth - 6.8
     left = 2.2
     while left < length - 5.0:
@@ -89,7 +106,7 @@ def loops(random: np.random.Generator, length: float) -> FloorPlan:
         left = right + 2.0
     for outer, inner in ((0.0, 4.8), (floor.depth, floor.depth - 4.8)):
         draw_row(floor, 0.0, length, outer, inner, lambda: draw_room(random, random.uniform(3.0, 6.0)))
-    return floor.plan()
+    return floor
 
 
 def caves(random: np.random.Generator, length: float) -> FloorPlan:

@@ -5,8 +5,7 @@ from typing import NamedTuple, Optional, Sequence
 
 import numpy as np
 
-from ..transform import Transform
-from .plan import FloorPlan
+from .plan import FloorPlan, Motion
 
 
 class Room(NamedTuple):
@@ -62,7 +61,7 @@ def long_corridor_plan(random: np.random.Generator, rooms: int = 7) -> FloorPlan
     return _assembled(rows, [_shifted(rooms - 1)])
 
 
-def _assembled(rows: Sequence[Sequence[Optional[Room]]], aliases: Sequence[Transform], even: bool = False) -> FloorPlan:
+def _assembled(rows: Sequence[Sequence[Optional[Room]]], aliases: Sequence[Motion], even: bool = False) -> FloorPlan:
     """South and north row of rooms along a corridor; None is solid. `even`: the north row is as deep as the south row
     to the cell."""
     width, height = len(rows[0]) * _PITCH + 1, 2 * _DEPTH + _CORRIDOR + 2
@@ -86,13 +85,13 @@ def _assembled(rows: Sequence[Sequence[Optional[Room]]], aliases: Sequence[Trans
     return FloorPlan(walls, aliases=tuple(aliases))
 
 
-def _shifted(rooms: int) -> Transform:
-    return Transform(rooms * _PITCH * 0.05, 0.0, 0.0)
+def _shifted(rooms: int) -> Motion:
+    return Motion(rooms * _PITCH * 0.05, 0.0, 0.0)
 
 
-def _turned(length: int) -> Transform:
+def _turned(length: int) -> Motion:
     """The turn by 180 degrees that lays the west wall at the column `length`."""
-    return Transform((length + 1) * 0.05, (2 * _DEPTH + _CORRIDOR + 2) * 0.05, math.pi)
+    return Motion((length + 1) * 0.05, (2 * _DEPTH + _CORRIDOR + 2) * 0.05, math.pi)
 
 
 def _room(random: np.random.Generator) -> Room:

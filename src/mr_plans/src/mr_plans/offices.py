@@ -6,12 +6,13 @@ from typing import Callable, List, NamedTuple, Tuple
 
 import numpy as np
 
-from ..transform import Transform
 from .drawing import WALL_M, Floor
-from .plan import FloorPlan
+from .plan import FloorPlan, Motion
 
-_BLOCK_M = 12.5
+BLOCK_M = 12.5
 """Depth of two rows of rooms and their corridor."""
+DOORS_M = 0.9, 1.2
+"""Widths of doors."""
 _CROSSING_M = 2.2
 
 
@@ -39,21 +40,21 @@ NextRoom = Callable[[], Room]
 
 def offices(random: np.random.Generator, length: float) -> FloorPlan:
     """Rooms that differ in width, door and furniture; half as deep as long."""
-    return _blocks(random, length, lambda: draw_room(random, random.uniform(2.6, 6.5)))
+    return _half_as_deep(random, length, lambda: draw_room(random, random.uniform(2.6, 6.5)))
 
 
 def furnished_rooms(random: np.random.Generator, length: float) -> FloorPlan:
     """All rooms have the same walls and doors; the furniture differs."""
     first = draw_room(random, random.uniform(3.2, 5.0))
-    return _blocks(random, length, lambda: replace(first, pieces=_pieces(random, first.width, first.door)))
+    return _half_as_deep(random, length, lambda: replace(first, pieces=_pieces(random, first.width, first.door)))
 
 
 def equal_rooms(random: np.random.Generator, length: float) -> FloorPlan:
     """All rooms are exact copies, those on the other side of a corridor mirrored."""
     room = draw_room(random, 0.1 * round(random.uniform(32, 50)))
-    plan = _blocks(random, length, lambda: room)
+    plan = _half_as_deep(random, length, lambda: room)
     pitch, count = room.width + WALL_M, int(length / (room.width + WALL_M))
-    return replace(plan, aliases=tuple(Transform(number * pitch) for number in range(1, count)))
+    return replace(plan, aliases=tuple(Motion(number * pitch) for number in range(1, count)))
 
 
 def clutter(random: np.random.Generator, length: float) -> FloorPlan:
@@ -69,22 +70,27 @@ def clutter(random: np.random.Generator, length: float) -> FloorPlan:
     return replace(plan, walls=walls, furniture=furniture)
 
 
-def _blocks(random: np.random.Generator, length: float, next_room: NextRoom) -> FloorPlan:
-    count = max(1, round(0.5 * length / _BLOCK_M))
-    floor = Floor(length, count * _BLOCK_M)
+def _half_as_deep(random: np.random.Generator, length: float, next_room: NextRoom) -> FloorPlan:
+    count = max(1, round(0.5 * length / BLOCK_M))
+    return blocks(random, length, count * BLOCK_M, count, next_room).plan()
+
+
+def blocks(random: np.random.Generator, length: float, depth: float, count: int, next_room: NextRoom) -> Floor:
+    """`count` corridors with a row of rooms on either side, joined by a cross corridor if there are several."""
+    floor, block = Floor(length, depth), depth / count
     crossing = random.uniform(0.25, 0.6) * length
     stretches = [(0.0, crossing), (crossing + _CROSSING_M, length)] if count > 1 else [(0.0, length)]
     for number in range(count):
         corridor = random.uniform(1.6, 2.4)
-        bottom = number * _BLOCK_M
-        inner = bottom + 0.5 * (_BLOCK_M - corridor)
+        bottom = number * block
+        inner = bottom + 0.5 * (block - corridor)
         for left, right in stretches:
             draw_row(floor, left, right, bottom, inner, next_room)
-            draw_row(floor, left, right, bottom + _BLOCK_M, bottom + _BLOCK_M - (inner - bottom), next_room)
-            floor.open(left, inner, right, bottom + _BLOCK_M - (inner - bottom))
+            draw_row(floor, left, right, bottom + block, bottom + block - (inner - bottom), next_room)
+            floor.open(left, inner, right, bottom + block - (inner - bottom))
     if count > 1:
         floor.open(crossing + WALL_M, 0.0, crossing + _CROSSING_M - WALL_M, floor.depth)
-    return floor.plan()
+    return floor
 
 
 def draw_row(floor: Floor, left: float, right: float, outer: float, inner: float, next_room: NextRoom) -> None:
@@ -106,9 +112,9 @@ def draw_row(floor: Floor, left: float, right: float, outer: float, inner: float
     floor.line(right - WALL_M, min(outer, inner), right, max(outer, inner))
 
 
-def draw_room(random: np.random.Generator, width: float) -> Room:
-    """A room of that width with a door and furniture."""
-    door_width = random.uniform(0.9, 1.2)
+def draw_room(random: np.random.Generator, width: float, doors: Tuple[float, float] = DOORS_M) -> Room:
+    """A room of that width with furniture and a door whose width (m) lies between the two of `doors`."""
+    door_width = random.uniform(*doors)
     door = random.uniform(0.3, width - door_width - 0.3)
     return Room(width, door, door_width, _pieces(random, width, door))
 

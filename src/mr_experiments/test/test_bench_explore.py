@@ -1,0 +1,142 @@
+"""The benchmark of exploration: which worlds, what is kept of missions, what the table says."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from mr_experiments import bench_explore_command as command
+from mr_experiments.bench_explore import table, text_table
+from mr_experiments.explore_missions import (
+    LONGEST_M,
+    SHORTEST_M,
+    MissionRow,
+    append,
+    as_json,
+    key_of,
+    read_rows,
+    row_of,
+    trials_of,
+    world_name,
+)
+from mr_experiments.sweep import Done
+from mr_plans import parse_name
+
+
+def mission(world="a", robots=1, strategy=7, time=100.0, **other):
+    values = {
+        "seed": 1, "limit": 3600.0, "code": "c", "status": "finished", "reason": "", "known_at": 90.0,
+        "first_end": 98.0, "coverage": (1.0,) * robots, "wrong_walls": (0.0,) * robots, "distance": 10.0,
+    }  # fmt: skip
+    return MissionRow(world=world, robots=robots, strategy=strategy, time=time, **{**values, **other})
+
+
+def entry(rows, what, bounds=None):
+    found = [row for row in table(rows, bounds or {}) if row["what"].startswith(what)]
+    assert len(found) == 1, [row["what"] for row in table(rows, bounds or {})]
+    return found[0]
+
+
+def test_worlds_are_of_all_kinds_and_sizes_and_those_of_their_seed():
+    names = [parse_name(world_name(seed)) for seed in range(5001, 5031)]
+    assert {name.kind for name in names} == {"office", "equalrooms", "hall", "cave", "loop"}
+    lengths = [name.size[0] for name in names]
+    assert SHORTEST_M <= min(lengths) < 22 and 43 < max(lengths) <= LONGEST_M
+    assert all(name.size[1] < name.size[0] or name.size[1] == 17.0 for name in names)
+    assert world_name(5001) == world_name(5001) != world_name(5006)
+
+
+def test_ratios_are_means_over_worlds_of_missions_with_the_same_strategy():
+    rows = [mission("a"), mission("a", 2, time=50.0), mission("b"), mission("b", 2, time=80.0)]
+    found = entry([*rows, mission("b", 2, 0, time=1.0), mission("c", 2)], "mean T(2)")
+    assert found["value"] == pytest.approx(0.65) and found["holds"] and "2 of 2" in found["detail"]
+
+
+def test_an_unfinished_mission_misses_the_bar_and_is_named():
+    rows = [mission("a"), mission("a", 4, time=40.0), mission("b"), mission("b", 4, time=None, status="unfinished")]
+    found = entry(rows, "mean T(4)")
+    assert found["value"] == pytest.approx(0.4) and not found["holds"] and "1 of 2" in found["detail"]
+    assert "b R4" in entry(rows, "missions")["detail"] and not entry(rows, "missions")["holds"]
+
+
+def test_the_worst_world_counts():
+    rows = [row for world, time in (("a", 30.0), ("b", 90.0)) for row in (mission(world), mission(world, 4, time=time))]
+    assert entry(rows, "worst T(4)")["value"] == pytest.approx(0.9) and not entry(rows, "worst T(4)")["holds"]
+
+
+def test_bound_strategies_coverage_and_ends():
+    rows = [
+        mission(), mission(strategy=0, time=200.0), mission(robots=4, coverage=(1.0, 1.0, 0.9, 1.0), first_end=70.0),
+    ]  # fmt: skip
+    assert entry(rows, "mean T / bound, R = 1", {("a", 1): 50.0, ("a", 4): 20.0})["value"] == pytest.approx(2.0)
+    assert entry(rows, "strategy 7 over strategy 0, R = 1")["value"] == pytest.approx(0.5)
+    assert entry(rows, "coverage, worst")["value"] == pytest.approx(0.9)
+    assert entry(rows, "after 99")["value"] == pytest.approx(10.0)
+    assert entry(rows, "last robot")["value"] == pytest.approx(30.0)
+    assert text_table(rows, {("a", 1): 50.0}) == ["a: 7/R1 100 (50), 0/R1 200 (50), 7/R4 100"]
+
+
+def test_a_row_tells_when_99_percent_was_known():
+    record = {
+        "trial": {"world": "w", "robots": 1, "strategy": 7, "seed": 3, "limit": 9.0},
+        "versions": {"code": "x"}, "outcome": {"status": "finished", "reason": ""},
+        "team": {"exploration_time": 30.0, "series": {"time": [0.0, 10.0, 20.0], "coverage": [0.0, 0.98, 1.0]}},
+        "robots": {"robot_0": {"finished_at": 30.0, "map": {"coverage": 0.99, "wrong_walls": 0.1}, "distance": 5.0}},
+    }  # fmt: skip
+    assert row_of(record).known_at == pytest.approx(15.0)
+    record["team"]["series"] = {"time": [0.0, 10.0], "coverage": [0.0, 0.98]}
+    assert row_of(record).known_at is None
+
+
+def test_rows_survive_a_line_that_was_cut_off(tmp_path):
+    path = tmp_path / "rows.jsonl"
+    append(path, as_json(mission(robots=2)))
+    path.write_text(path.read_text() + '{"world": "b", "ro\n')
+    append(path, as_json(mission("c")))
+    assert read_rows(path) == [mission(robots=2), mission("c")] and read_rows(tmp_path / "none") == []
+
+
+def test_a_run_goes_on_and_repeats_missions_of_other_code(tmp_path, monkeypatch, capsys):
+    """No mission is run: the pool is one that writes what a mission would."""
+    ran = []
+
+    class Pool:
+        def __init__(self, jobs):
+            pass
+
+        def run(self, trials, folder, tell):
+            for trial in trials:
+                ran.append(trial.robots)
+                (folder / f"{trial.key}.json").write_text(json.dumps({
+                    "trial": trial.to_json(), "versions": {"code": command.code_version()},
+                    "outcome": {"status": "finished", "reason": ""},
+                    "team": {"exploration_time": 9.0, "series": {"time": [], "coverage": []}},
+                    "robots": {"robot_0": {"finished_at": 9.0, "map": {}, "distance": 1.0}},
+                }))  # fmt: skip
+                yield Done(trial, "finished", "", 9.0, (), 1.0, "")
+
+    monkeypatch.setattr(command, "LocalPool", Pool)
+    out = tmp_path / "explore.json"
+    arguments = ["--out", str(out), "--worlds", "1", "--strategies", "7", "--no-bounds"]
+    command.main([*arguments, "--robots", "1", "2"])
+    assert ran == [1, 2] and "left" in capsys.readouterr().out
+    command.main([*arguments, "--robots", "1", "2", "4"])
+    assert ran == [1, 2, 4], "what is recorded is not run again"
+    rows = read_rows(out.with_suffix(".jsonl"))
+    out.with_suffix(".jsonl").write_text("")
+    append(out.with_suffix(".jsonl"), as_json(replace(rows[0], code="of another day")))
+    command.main([*arguments, "--robots", "1", "--only-table"])
+    assert ran == [1, 2, 4]
+    command.main([*arguments, "--robots", "1"])
+    assert ran == [1, 2, 4, 1]
+    assert [row["what"] for row in json.loads(out.read_text())][-1] == "missions that finished"
+
+
+def test_keys_of_trials_and_rows_agree():
+    trial = trials_of([5001], [2], [7], 60.0)[0]
+    row = mission(trial.world, 2, 7, seed=5001, limit=60.0)
+    assert key_of(trial) == row.key
+
+
+def test_bad_calls(capsys):
+    assert command.main(["--worlds", "0"]) == 2 and "--worlds" in capsys.readouterr().err

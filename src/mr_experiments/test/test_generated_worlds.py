@@ -1,0 +1,59 @@
+"""Missions in worlds that are drawn from a seed, and the command that shows them."""
+
+import cv2
+import pytest
+
+from mr_experiments.plans_command import main
+from mr_experiments.record import run_trial
+from mr_experiments.trial import Trial, TrialError
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(("kind", "fast", "robots"), [("rooms", False, 1), ("narrow", True, 2)])
+def test_a_mission_explores_a_generated_world(kind, fast, robots, folder):
+    record = run_trial(Trial(f"generated:{kind}:11:15x10", robots, 1, fast=fast))
+    assert record["outcome"]["status"] == "finished", record["outcome"]
+    for robot in record["robots"].values():
+        assert robot["map"]["coverage"] > 0.99 and robot["map"]["wrong_walls"] < 0.05
+        assert robot["collisions"] == {"walls": 0, "robots": 0, "times": []}
+        assert robot["map"]["error"] is None and robot["map"]["error_reason"], "it has no reference missions"
+    assert (folder / f"out/worlds/generated-{kind}-11-15x10.knowable.npz").exists()
+
+
+def test_trials_in_worlds_of_other_sizes_have_other_records():
+    keys = {Trial(f"generated:office:1:{size}", 1, 1).key for size in ("37.5x20", "37.5x20.5", "38x20")}
+    assert len(keys) == 3 and not any(":" in key for key in keys)
+
+
+def test_a_trial_in_a_world_that_cannot_be_is_refused():
+    with pytest.raises(TrialError, match="castle"):
+        Trial("generated:castle:1", 1, 1)
+
+
+def test_plans_lists_the_kinds(capsys):
+    assert main([]) == 0
+    assert all(kind in capsys.readouterr().out.splitlines()[1:][0] for kind in ["office"])
+
+
+def test_plans_draws_the_worlds_asked_for(folder):
+    assert main(["generated:hall:3:20x15", "generated:cave:4:anywhere", "--out", "sheet.png"]) == 0
+    picture = cv2.imread(str(folder / "sheet.png"))
+    assert picture.shape[1] > 200 + 260 and picture.shape[0] > 180
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["generated:hall:3"], "--out"),
+        (["generated:castle:3", "--out", "a.png"], "castle"),
+        (["--out", "a.jpg"], "a.jpg"),
+    ],
+)
+def test_bad_calls_of_plans(arguments, told, capsys, folder):
+    assert main(arguments) == 2
+    assert told in capsys.readouterr().err and not list(folder.iterdir())

@@ -1,0 +1,50 @@
+"""Names of generated worlds: `generated:KIND:SEED[:LENGTHxDEPTH][:anywhere]`."""
+
+import re
+from dataclasses import dataclass
+from typing import Tuple
+
+from .worlds import WORLD_KINDS, check_world
+
+PREFIX = "generated:"
+FORM = "generated:KIND:SEED[:LENGTHxDEPTH][:anywhere]"
+_PATTERN = re.compile(
+    r"generated:(?P<kind>[^:]*):(?P<seed>\d{1,18})(:(?P<size>[\d.]+x[\d.]+))?(?P<anywhere>:anywhere)?"
+)
+
+
+@dataclass(frozen=True)
+class WorldName:
+    """`size`: length and depth in m. `anywhere`: the robots start all over the world, not side by side."""
+
+    kind: str
+    seed: int
+    size: Tuple[float, float]
+    anywhere: bool = False
+
+    @property
+    def stem(self) -> str:
+        """Names the world's files; tells apart whatever differs."""
+        length, depth = self.size
+        return f"generated-{self.kind}-{self.seed}-{length:g}x{depth:g}" + ("-anywhere" if self.anywhere else "")
+
+
+def is_generated(name: str) -> bool:
+    """Whether this asks for a generated world, rightly or wrongly."""
+    return name.startswith(PREFIX)
+
+
+def parse_name(name: str) -> WorldName:
+    """Raises ValueError that says what is wrong in it."""
+    found = _PATTERN.fullmatch(name)
+    if found is None:
+        raise ValueError(f"{name!r} does not have the form {FORM}, as generated:office:7 or generated:hall:3:40x25")
+    kind, seed, text = found["kind"], int(found["seed"]), found["size"]
+    try:
+        size = tuple(float(side) for side in text.split("x")) if text else WORLD_KINDS[kind].size
+    except KeyError:
+        size = (0.0, 0.0)
+    except ValueError:
+        raise ValueError(f"{name!r} has a size that is no LENGTHxDEPTH in m: {text!r}") from None
+    check_world(kind, seed, (size[0], size[1]))
+    return WorldName(kind, seed, (size[0], size[1]), found["anywhere"] is not None)

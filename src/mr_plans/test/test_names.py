@@ -1,0 +1,44 @@
+"""Names of generated worlds and the files they stand for."""
+
+import cv2
+import numpy as np
+import pytest
+
+from mr_plans import WorldName, is_generated, parse_name, world_files, world_plan
+
+
+@pytest.mark.parametrize(
+    ("name", "meant", "stem"),
+    [
+        ("generated:office:7", WorldName("office", 7, (26, 15)), "generated-office-7-26x15"),
+        ("generated:hall:3:37.5x22", WorldName("hall", 3, (37.5, 22.0)), "generated-hall-3-37.5x22"),
+        ("generated:cave:0:anywhere", WorldName("cave", 0, (26, 18), True), "generated-cave-0-26x18-anywhere"),
+        ("generated:loop:1:20x18:anywhere", WorldName("loop", 1, (20, 18), True), "generated-loop-1-20x18-anywhere"),
+    ],
+)
+def test_names_are_read(name, meant, stem):
+    assert is_generated(name) and parse_name(name) == meant and meant.stem == stem
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["generated:", "generated:office", "generated:office:x", "generated:office:-1", "generated:office:1:30",
+     "generated:office:1:3..0x20", "generated:office:1:5x20", "generated:castle:1", "generated:castle:1:30x20",
+     "generated:office:1:nowhere", "generated:office:1:30x20:"],
+)  # fmt: skip
+def test_bad_names_are_refused(name):
+    assert is_generated(name)
+    with pytest.raises(ValueError, match=r"generated:KIND:SEED|castle|5 m|size"):
+        parse_name(name)
+
+
+def test_other_worlds_are_not_generated():
+    assert not is_generated("office26x15") and not is_generated("generated.world")
+
+
+def test_files_hold_the_plan_and_sixteen_robots():
+    files = world_files(parse_name("generated:rooms:4:20x15"))
+    picture = cv2.imdecode(np.frombuffer(files.picture, np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert np.array_equal(np.flipud(picture) < 128, world_plan("rooms", 4, (20.0, 15.0)).walls)
+    assert files.text.count("pioneer (") == 16 and f'bitmap "{files.stem}.png"' in files.text
+    assert files == world_files(parse_name("generated:rooms:4:20x15"))
