@@ -33,9 +33,9 @@ HIGHEST_NUMBER = 10_000_000
 ANSWER_TRIES = 5
 """An answer ends when one of its payloads failed so often; the other robot has to ask again."""
 
-HELD_S = 8.0
+HELD_S = 4.0
 """Changes are told this long after the last ones."""
-MARGINAL_CELLS, MARGINAL_HELD_S = 200, 20.0
+MARGINAL_CELLS, MARGINAL_HELD_S = 50, 8.0
 """Fewer changed cells wait for more, so long at most."""
 GROWN_SHARE = 0.3
 """Changes of such a share of the map are told at once."""

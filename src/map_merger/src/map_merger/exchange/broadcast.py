@@ -118,6 +118,7 @@ class Broadcast:
             tiles += self.sender.repeated(self._undelivered)
         anchor = self.sender.anchor()
         if tiles and anchor is not None:
+            self._announced_at = self._announced_at if self._announced else now
             self._send(Purpose.CHANGES, [*([] if self._announced else [anchor]), *tiles])
 
     def _news(self, now: float) -> List[Tile]:
