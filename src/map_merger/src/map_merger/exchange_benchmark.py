@@ -13,7 +13,7 @@ import numpy as np
 
 from .delivery import Delivery
 from .effects import Send
-from .exchange import Exchange
+from .exchange import Exchange, bounds
 from .grid import UNKNOWN, Grid, GridInfo, known_box, offset_between
 from .messages import Anchor, Request, Tile
 from .options import Options
@@ -221,6 +221,7 @@ def traffic(stages: Sequence[Grid], split_size: int) -> Traffic:
         team.run(PERIOD_S)
         box = known_box(grid)
         whole += compressed(Tile("robot_0", (0,), 0, 0, grid.cells[box.slices()], grid.info.resolution, (1, 0), 1))
+    team.run(bounds.MARGINAL_HELD_S + PERIOD_S)
     if not same(team.exchanges["robot_1"].map_of("robot_0"), stages[-1]):
         raise AssertionError("the copy differs from the map")
     parts: Counter = Counter()

@@ -75,7 +75,9 @@ def told_tiles(exchange, begin, end):
     for now in np.arange(begin, end, 0.5):
         exchange.tick(float(now))
         for send in [each for each in exchange.effects() if isinstance(each, Send)]:
-            tiles += [(now, each) for each in send.payloads if isinstance(each, Tile) and send.purpose is Purpose.CHANGES]
+            tiles += [
+                (now, each) for each in send.payloads if isinstance(each, Tile) and send.purpose is Purpose.CHANGES
+            ]
             exchange.on_sent(send, True, float(now))
     return tiles
 

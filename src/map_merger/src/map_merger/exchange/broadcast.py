@@ -124,9 +124,7 @@ class Broadcast:
     def _news(self, now: float) -> List[Tile]:
         everything, self._all = self._all or not self._holds, False
         try:
-            tiles = self.sender.changes(
-                lambda changed, known: everything or self._holding.worth(changed, known, now)
-            )
+            tiles = self.sender.changes(lambda changed, known: everything or self._holding.worth(changed, known, now))
         except GridError as error:
             self._warn_once("sending", f"local map not sent: {error}")
             return []
@@ -143,10 +141,11 @@ class Broadcast:
             self._send(Purpose.ANCHOR, [anchor])
 
     def _resting(self, now: float) -> bool:
-        """True if changes have just told what an anchor would. After the clock jumped back nobody knows."""
+        """True if changes have just told everybody what an anchor would. After the clock jumped back nobody knows."""
         period = self._anchor_timer.period
         return (
-            0.0 <= now - self._news_at < bounds.ANCHOR_REST * period
+            not self._undelivered
+            and 0.0 <= now - self._news_at < bounds.ANCHOR_REST * period
             and 0.0 <= now - self._announced_at < bounds.LONGEST_ANCHOR_REST * period
         )
 
