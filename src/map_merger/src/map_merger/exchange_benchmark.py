@@ -4,15 +4,16 @@ The radio loses whole messages, independently for each receiver, and knows of ea
 repeat frames, so this is harder than the same loss per frame.
 """
 
-import zlib
+import ctypes
+from collections import Counter
 from dataclasses import dataclass, field
-from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from .delivery import Delivery, take
 from .effects import Send
-from .exchange import Exchange
+from .exchange import Exchange, bounds
 from .grid import UNKNOWN, Grid, GridInfo, known_box, offset_between
 from .messages import Anchor, Request, Tile
 from .options import Options
@@ -23,7 +24,8 @@ NOTICED_S = 1.0
 """After a partition the radio announces the others this much later."""
 PERIOD_S = 3.0
 """Changes are sent this often, as in the launch file."""
-ZLIB_LEVEL = 1
+ZSTD_LEVEL, WORTH_COMPRESSING = 1, 128
+"""As the radio: shorter messages go as they are."""
 
 
 @dataclass
@@ -159,7 +161,7 @@ def reconnect(seed: int, robots: int = 4, loss: float = 0.3, patience: float = 6
 
 
 def _exchange(name: str, boot: Tuple[int, int]) -> Exchange:
-    return Exchange(Options(name, debug=False, split_size=32, seconds_send_timer=int(PERIOD_S)), boot)
+    return Exchange(Options(name, debug=False, seconds_send_timer=int(PERIOD_S)), boot)
 
 
 def all_equal(team: LossyTeam, maps: Dict[str, Grid]) -> bool:
@@ -190,6 +192,8 @@ class Traffic(NamedTuple):
     changes: int
     whole: int
     minutes: float
+    parts: Mapping[str, int]
+    """The changes by kind of message."""
 
 
 def traffic(stages: Sequence[Grid], split_size: int) -> Traffic:
@@ -208,14 +212,27 @@ def traffic(stages: Sequence[Grid], split_size: int) -> Traffic:
         team.run(PERIOD_S)
         box = known_box(grid)
         whole += compressed(Tile("robot_0", (0,), 0, 0, grid.cells[box.slices()], grid.info.resolution, (1, 0), 1))
+    team.run(bounds.MARGINAL_HELD_S + PERIOD_S)
     if not same(team.exchanges["robot_1"].map_of("robot_0"), stages[-1]):
         raise AssertionError("the copy differs from the map")
-    return Traffic(team.octets, whole, len(stages) * PERIOD_S / 60.0)
+    parts: Counter = Counter()
+    for _, payload in team.payloads:
+        parts[type(payload).__name__] += compressed(payload)
+    return Traffic(team.octets, whole, len(stages) * PERIOD_S / 60.0, parts)
 
 
 def compressed(payload: Payload) -> int:
-    """Bytes of the payload's message, compressed with zlib at level 1 as a stand-in for what the radio does."""
-    return len(zlib.compress(_octets(payload), ZLIB_LEVEL))
+    """Bytes of the payload's message, compressed as the radio does it. OSError without the library of zstd, which
+    adhoc_communication needs, too."""
+    octets = _octets(payload)
+    if len(octets) < WORTH_COMPRESSING:
+        return len(octets)
+    zstd = ctypes.CDLL("libzstd.so.1")
+    zstd.ZSTD_compressBound.restype = zstd.ZSTD_compress.restype = ctypes.c_size_t
+    room = zstd.ZSTD_compressBound(ctypes.c_size_t(len(octets)))
+    target = ctypes.create_string_buffer(room)
+    size = zstd.ZSTD_compress(target, ctypes.c_size_t(room), octets, ctypes.c_size_t(len(octets)), ZSTD_LEVEL)
+    return min(len(octets), int(size))
 
 
 def _octets(payload: Payload) -> bytes:

@@ -36,7 +36,7 @@ PARAMETERS: Dict[str, Parameter] = {
     "has_local_map": Parameter(bool, True),
     "exchange_position": Parameter(bool, False),
     "splitted": Parameter(bool, True),
-    "split_size": Parameter(int, 32, least=1, most=2048),
+    "split_size": Parameter(int, 2048, least=1, most=2048),
     "seconds_pub_timer": Parameter(int, 3, least=1),
     "seconds_send_timer": Parameter(int, 5, least=1),
     "seconds_recompute_transform": Parameter(int, 5, least=1, also=-1),
@@ -90,7 +90,7 @@ class Options:
     has_local_map: bool = True
     exchange_position: bool = False
     splitted: bool = True
-    split_size: int = 32
+    split_size: int = 2048
     seconds_pub_timer: int = 3
     seconds_send_timer: int = 5
     seconds_recompute_transform: int = 5

@@ -19,7 +19,6 @@ CONTRACT = {
     "has_local_map": True,
     "exchange_position": False,
     "splitted": True,
-    "split_size": 32,
     "seconds_pub_timer": 3,
     "seconds_send_timer": 5,
     "seconds_recompute_transform": 5,
@@ -29,6 +28,11 @@ CONTRACT = {
     "debug": True,
     "log_path": "",
 }
+
+
+def test_tiles_are_as_large_by_default_as_in_the_launch_file_of_the_original():
+    """With its code's default of 32 cells the headers of the tiles weighed more than the cells."""
+    assert options_of({}, "host").split_size == PARAMETERS["split_size"].default == 2048
 
 
 def test_defaults_are_those_of_the_contract():

@@ -33,6 +33,16 @@ HIGHEST_NUMBER = 10_000_000
 ANSWER_TRIES = 5
 """An answer ends when one of its payloads failed so often; the other robot has to ask again."""
 
+HELD_S = 4.0
+"""Changes are told this long after the last ones."""
+MARGINAL_CELLS, MARGINAL_HELD_S = 50, 8.0
+"""Fewer changed cells wait for more, so long at most."""
+GROWN_SHARE = 0.3
+"""Changes of such a share of the map are told at once."""
+ANCHOR_REST, LONGEST_ANCHOR_REST = 2, 6
+"""An anchor is not announced within so many periods after changes, which count the updates as well; but so many after
+the last one."""
+
 FULL_MAP_MARGIN = 5
 """Cells around the known region in the answer to a full request (contract 2.4)."""
 REPAIR_PERIOD_S = 1.0

@@ -1,5 +1,6 @@
 """What the own robot tells of its map: the anchor, changes, and again what was not delivered."""
 
+import math
 from typing import List, Optional, Sequence, Set
 
 from ..effects import Effect, Note, Outcome, Purpose, SaveDebugImages, Send
@@ -10,6 +11,7 @@ from ..payload import Payload
 from ..timer import Timer
 from ..topology import topology_of
 from . import bounds
+from .holding import Holding
 from .retry import Retry
 from .sender import MapSender
 
@@ -20,7 +22,10 @@ class Broadcast:
     def __init__(self, options: Options, boot: Boot) -> None:
         self._name = options.robot_name
         self._tile_size = options.split_size if options.splitted else None
-        self._destination = topology_of(options).map_destination
+        topology = topology_of(options)
+        self._destination = topology.map_destination
+        # What a base tells was held back by the robots before.
+        self._holds = not topology.is_base
         self._debug = options.debug
         self._effects: List[Effect] = []
         self._sends = 0
@@ -38,8 +43,12 @@ class Broadcast:
         self._local: Optional[Grid] = None
         self._sent_before: Optional[Grid] = None
         self._undelivered: Set[int] = set()
+        self._holding = Holding()
         self._announced = False
+        self._announced_at = -math.inf
+        self._news_at = -math.inf
         self._at_once = False
+        self._all = False
 
     def tell_at_once(self) -> None:
         """What changed does not wait for the timer."""
@@ -85,17 +94,18 @@ class Broadcast:
 
     def tick(self, now: float, heard: bool) -> None:
         """Sends what is due. `heard`: there are other robots."""
-        due = self._changes_timer.fires(now) or self._at_once
+        due = self._changes_timer.fires(now) or self._at_once or self._all
         resend = self._repair_timer.fires(now) and bool(self._undelivered)
         if (due or resend) and Purpose.CHANGES not in self._outstanding:
             self._at_once = False
             self._send_changes(now, due)
-        if self._anchor_timer.fires(now) and heard:
-            self._send_anchor()
+        if self._anchor_timer.fires(now) and heard and not self._resting(now):
+            self._send_anchor(now)
 
     def repeat_at_once(self) -> None:
-        """A robot is back: what was not delivered is sent again without a pause."""
+        """A robot is back: what was not delivered is sent again without a pause, and nothing is held back."""
         self._retry.at_once()
+        self._all = True
 
     def effects(self) -> List[Effect]:
         """Sends and notes since the last call."""
@@ -103,28 +113,41 @@ class Broadcast:
         return effects
 
     def _send_changes(self, now: float, news: bool) -> None:
-        tiles = self._news() if news else []
+        tiles = self._news(now) if news else []
         if self._undelivered and self._retry.ready(now):
             tiles += self.sender.repeated(self._undelivered)
         anchor = self.sender.anchor()
         if tiles and anchor is not None:
+            self._announced_at = self._announced_at if self._announced else now
             self._send(Purpose.CHANGES, [*([] if self._announced else [anchor]), *tiles])
 
-    def _news(self) -> List[Tile]:
+    def _news(self, now: float) -> List[Tile]:
+        everything, self._all = self._all or not self._holds, False
         try:
-            tiles = self.sender.changes()
+            tiles = self.sender.changes(lambda changed, known: everything or self._holding.worth(changed, known, now))
         except GridError as error:
             self._warn_once("sending", f"local map not sent: {error}")
             return []
+        self._news_at = now if tiles else self._news_at
         if tiles and self._debug and self._local is not None:
             self._effects.append(SaveDebugImages(self._local, self._sent_before or empty_grid(self._local.info)))
             self._sent_before = self._local
         return tiles
 
-    def _send_anchor(self) -> None:
+    def _send_anchor(self, now: float) -> None:
         anchor = self.sender.anchor()
         if anchor is not None and Purpose.ANCHOR not in self._outstanding:
+            self._announced_at = now
             self._send(Purpose.ANCHOR, [anchor])
+
+    def _resting(self, now: float) -> bool:
+        """True if changes have just told everybody what an anchor would. After the clock jumped back nobody knows."""
+        period = self._anchor_timer.period
+        return (
+            not self._undelivered
+            and 0.0 <= now - self._news_at < bounds.ANCHOR_REST * period
+            and 0.0 <= now - self._announced_at < bounds.LONGEST_ANCHOR_REST * period
+        )
 
     def _send(self, purpose: Purpose, payloads: Sequence[Payload]) -> None:
         self._sends += 1

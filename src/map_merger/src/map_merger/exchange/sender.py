@@ -3,7 +3,7 @@
 Each tile that is sent to the group has a number of its own, so that the loss of any tile shows as a gap.
 """
 
-from typing import Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -59,20 +59,25 @@ class MapSender:
         self._local = grid
         self._dirty = True
 
-    def changes(self) -> List[Tile]:
-        """Tiles with what changed since the last call, each with its own number; none if nothing did.
+    def changes(self, worth: Callable[[int, int], bool] = lambda changed, known: True) -> List[Tile]:
+        """Tiles with what changed since the last ones, each with its own number; none if nothing did, or if it is not
+        `worth` it by the numbers of changed cells and of those known to the others.
 
         GridError if the map is larger than what others take.
         """
         if self._told is None or self._local is None or not self._dirty:
             return []
-        self._dirty = False
         rows, columns = offset_between(self._local.info, self._told.anchor)
         box = known_box(self._local).shifted(rows, columns).union(self._told.known_box())
         if box.empty:
             return []
-        present = cropped(self._local, box.shifted(-rows, -columns)).cells
-        changed = present != self._told.read(box)
+        present, told = cropped(self._local, box.shifted(-rows, -columns)).cells, self._told.read(box)
+        changed = present != told
+        count = int(np.count_nonzero(changed))
+        if not worth(count, int(np.count_nonzero(told != UNKNOWN))):
+            self._dirty = count > 0
+            return []
+        self._dirty = False
         lost = changed & (present == UNKNOWN)
         self._told.write(box.top, box.left, present, bounds.MOST_MAP_CELLS)
         self._reached = self._reached.union(box)
