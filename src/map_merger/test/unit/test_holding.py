@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from map_merger.effects import Purpose, Send
+from map_merger.effects import DELIVERED, Purpose, Send
 from map_merger.exchange import Exchange, bounds
 from map_merger.exchange.holding import Holding
 from map_merger.grid import Grid, GridInfo
@@ -78,7 +78,7 @@ def told_tiles(exchange, begin, end):
             tiles += [
                 (now, each) for each in send.payloads if isinstance(each, Tile) and send.purpose is Purpose.CHANGES
             ]
-            exchange.on_sent(send, True, float(now))
+            exchange.on_sent(send, DELIVERED, float(now))
     return tiles
 
 
