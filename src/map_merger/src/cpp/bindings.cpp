@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "border.hpp"
+#include "cells_bindings.hpp"
 #include "comparison.hpp"
 #include "drawing.hpp"
 #include "fusion_bindings.hpp"
@@ -209,5 +210,6 @@ PYBIND11_MODULE(_surfaces, module) {
              "int8 (rows, columns) of `box` (top, left, bottom, right): the value of the cell under each middle, and "
              "the links of walls in `part` of the cells. to_source: (x0, x1, x2, y0, y1, y2) of column = x0 + x1 * c "
              "+ x2 * r and row = y0 + y1 * c + y2 * r; to_target: its inverse.");
+  bind_cells(module);
   bind_fusion(module);
 }

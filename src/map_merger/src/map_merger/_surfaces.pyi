@@ -5,6 +5,7 @@ from typing import Sequence
 import numpy as np
 
 _Pose = tuple[float, float, float]
+_Box = tuple[int, int, int, int]
 
 class Comparison:
     inside: int
@@ -51,6 +52,18 @@ def draw(
     box: Sequence[int],
     all_walls: bool,
 ) -> np.ndarray: ...
+def box_of_true(mask: np.ndarray) -> _Box: ...
+def box_of_others(cells: np.ndarray, value: int) -> _Box: ...
+def box_of_changes(before: np.ndarray, after: np.ndarray) -> _Box: ...
+def write_cells(
+    store: np.ndarray,
+    stamps: np.ndarray | None,
+    top: int,
+    left: int,
+    cells: np.ndarray,
+    stamp: int,
+    known_only: bool,
+) -> _Box: ...
 
 class GhostRules:
     def __init__(
