@@ -6,7 +6,7 @@ resolution) in the frame of the grid's corner, x along the columns and y along t
 
 import math
 from dataclasses import dataclass, field
-from typing import Iterable, Iterator, Tuple
+from typing import Iterable, Iterator, NamedTuple, Tuple
 
 import numpy as np
 
@@ -55,8 +55,7 @@ class GridInfo:
         return self.height, self.width
 
 
-@dataclass(frozen=True)
-class Box:
+class Box(NamedTuple):
     """Half-open rectangle of cells: rows [top, bottom), columns [left, right). May be negative, never inverted."""
 
     top: int
