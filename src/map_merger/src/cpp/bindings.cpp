@@ -16,6 +16,7 @@
 #include "comparison.hpp"
 #include "drawing.hpp"
 #include "fusion_bindings.hpp"
+#include "graph_bindings.hpp"
 #include "refinement.hpp"
 #include "surface_index.hpp"
 #include "walls.hpp"
@@ -262,4 +263,5 @@ PYBIND11_MODULE(_surfaces, module) {
              "+ x2 * r and row = y0 + y1 * c + y2 * r; to_target: its inverse.");
   bind_cells(module);
   bind_fusion(module);
+  bind_graph(module);
 }

@@ -84,3 +84,22 @@ def without_ghosts(
     maps: Sequence[np.ndarray], tracks: Sequence[tuple[int, np.ndarray]], box: Sequence[int], rules: GhostRules
 ) -> list[np.ndarray | None]: ...
 def may_be_ghost(cells: np.ndarray, places: np.ndarray, box: Sequence[int], rules: GhostRules) -> bool: ...
+def solve_poses(
+    first: np.ndarray,
+    second: np.ndarray,
+    mean: np.ndarray,
+    covariance: np.ndarray,
+    start: np.ndarray,
+    held: np.ndarray,
+    steps: int,
+    small_step: float,
+) -> tuple[np.ndarray, np.ndarray]: ...
+def pose_gaps(
+    first: np.ndarray,
+    second: np.ndarray,
+    mean: np.ndarray,
+    covariance: np.ndarray,
+    in_solution: np.ndarray,
+    poses: np.ndarray,
+    pose_covariance: np.ndarray,
+) -> list[float]: ...
