@@ -379,7 +379,7 @@ class Agent:
             self._meetings.on_team(self._driving(), self.transforms(), self._reference.robot)
             self._tell(Purpose.TRACK, self._meetings.report(now))
         if self._announcements.free(Purpose.EDGES):
-            self._tell(Purpose.EDGES, self._telling.due(self._edges, now))
+            self._tell(Purpose.EDGES, self._telling.due(self._graph.own(), now))
 
     def _tell(self, purpose: Purpose, payload: Optional[Payload]) -> None:
         send = None if payload is None else self._announcements.send(purpose, payload)

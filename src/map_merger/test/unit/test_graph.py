@@ -448,17 +448,17 @@ def test_edges_are_told_on_change_at_most_every_second_and_again_for_late_joiner
     truth = Truth(2, 1).find_all()
     edge = truth.edges["robot_0", "robot_1"]
     telling = Telling("robot_0", run_of("robot_0"))
-    assert telling.due(lambda: [], 0.0) is None
-    assert telling.due(lambda: [edge], 1.0) == EdgeReport("robot_0", run_of("robot_0"), (edge,))
-    assert telling.due(lambda: [edge], 2.0 + SHORTEST_PAUSE_S) is None
+    assert telling.due((), 0.0) is None
+    assert telling.due((edge,), 1.0) == EdgeReport("robot_0", run_of("robot_0"), (edge,))
+    assert telling.due((edge,), 2.0 + SHORTEST_PAUSE_S) is None
     refined = replace(edge, transform=Transform(edge.transform.x + 0.01, edge.transform.y, edge.transform.yaw))
-    assert telling.due(lambda: [refined], 3.0) is None, "hardly a change"
+    assert telling.due((refined,), 3.0) is None, "hardly a change"
     moved = replace(edge, transform=Transform(edge.transform.x + 1.0, edge.transform.y, edge.transform.yaw))
-    assert telling.due(lambda: [moved], 4.0) is not None
-    assert telling.due(lambda: [edge], 4.5) is None, "too soon"
-    assert telling.due(lambda: [edge], 4.0 + SHORTEST_PAUSE_S) is not None
-    assert telling.due(lambda: [edge], 5.0 + REPETITION_S) is not None
-    assert telling.due(lambda: [], 7.0 + REPETITION_S).edges == (), "what is gone is told"
-    assert telling.due(lambda: [], 8.0 + REPETITION_S) is None
-    assert telling.due(lambda: [], 7.0 + 2.0 * REPETITION_S) is not None, "the first may have been lost"
-    assert telling.due(lambda: [], 1.0) is not None, "the clock jumped back"
+    assert telling.due((moved,), 4.0) is not None
+    assert telling.due((edge,), 4.5) is None, "too soon"
+    assert telling.due((edge,), 4.0 + SHORTEST_PAUSE_S) is not None
+    assert telling.due((edge,), 5.0 + REPETITION_S) is not None
+    assert telling.due((), 7.0 + REPETITION_S).edges == (), "what is gone is told"
+    assert telling.due((), 8.0 + REPETITION_S) is None
+    assert telling.due((), 7.0 + 2.0 * REPETITION_S) is not None, "the first may have been lost"
+    assert telling.due((), 1.0) is not None, "the clock jumped back"

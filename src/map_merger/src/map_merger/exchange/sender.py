@@ -7,7 +7,7 @@ from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from ..grid import EMPTY_BOX, UNKNOWN, Box, Grid, bounding_box, cropped, known_box, offset_between, union_of
+from ..grid import EMPTY_BOX, UNKNOWN, Box, Grid, bounding_box, changed_box, cropped, known_box, offset_between, union_of
 from ..messages import Anchor, Boot, Tile
 from . import bounds
 from .canvas import Canvas
@@ -68,24 +68,17 @@ class MapSender:
             return []
         self._dirty = False
         rows, columns = offset_between(self._local.info, self._told.anchor)
-        box = known_box(self._local).shifted(rows, columns).union(self._told.known_box())
-        if box.empty:
-            return []
+        box = known_box(self._local).shifted(rows, columns).union(self._reached)
         present = cropped(self._local, box.shifted(-rows, -columns)).cells
-        changed = present != self._told.read(box)
-        lost = changed & (present == UNKNOWN)
-        self._told.write(box.top, box.left, present, bounds.MOST_MAP_CELLS)
-        self._reached = self._reached.union(box)
-        tiles = []
-        for part in self._cut(bounding_box(changed)):
-            news = bounding_box(changed[part.slices()])
-            if news.empty:
-                continue
-            news = news.shifted(part.top, part.left)
-            inside = news.slices()
-            cells = None if lost[inside].any() else np.where(changed[inside], present[inside], np.int8(UNKNOWN))
-            tiles.append(self._numbered(news.shifted(box.top, box.left), cells))
-        return tiles
+        before = self._told.read(box)
+        news = changed_box(before, present)
+        if news.empty:
+            return []
+        present, before = present[news.slices()], before[news.slices()]
+        news = news.shifted(box.top, box.left)
+        self._told.write(news.top, news.left, present, bounds.MOST_MAP_CELLS)
+        self._reached = box
+        return self._tiles_of(news, before, present)
 
     def everything(self) -> List[Tile]:
         """All cells that were ever known, with a margin; together the tiles carry all numbers (no tiles before the
@@ -143,6 +136,21 @@ class MapSender:
             else:
                 regions.append((box, [number]))
         return regions
+
+    def _tiles_of(self, news: Box, before: np.ndarray, present: np.ndarray) -> List[Tile]:
+        """Tiles of what differs between two states, int8, of the cells of a box."""
+        changed = before != present
+        lost = changed & (present == UNKNOWN)
+        tiles = []
+        for part in self._cut(Box(0, 0, *news.shape)):
+            box = bounding_box(changed[part.slices()])
+            if box.empty:
+                continue
+            box = box.shifted(part.top, part.left)
+            inside = box.slices()
+            cells = None if lost[inside].any() else np.where(changed[inside], present[inside], np.int8(UNKNOWN))
+            tiles.append(self._numbered(box.shifted(news.top, news.left), cells))
+        return tiles
 
     def _numbered(self, box: Box, cells: Optional[np.ndarray] = None) -> Tile:
         number = self._next

@@ -79,6 +79,10 @@ class TeamGraph:
             self._own_edges, self._solution = usable, None
         return refused
 
+    def own(self) -> Tuple[Edge, ...]:
+        """The own edges by which robots are placed: those set last, or former ones that hardly differ."""
+        return self._own_edges
+
     def set_run(self, robot: str, run: Boot) -> None:
         """The present run of a robot; edges of its former ones vanish."""
         self._remember(robot)

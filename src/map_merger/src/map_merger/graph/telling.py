@@ -1,7 +1,7 @@
 """When a robot tells the others its edges: at once when they change, and seldom again for who was not there."""
 
 import math
-from typing import Callable, Iterable, Optional, Tuple
+from typing import Optional, Tuple
 
 from ..messages import Boot
 from .change import Change, differ
@@ -25,17 +25,14 @@ class Telling:
         """The own frame is a new one; what comes next is told at once."""
         self._run, self._time = run, -math.inf
 
-    def due(self, edges: Callable[[], Iterable[Edge]], now: float) -> Optional[EdgeReport]:
-        """The report to send now, if one is due: all of the robot's own `edges`, which are asked for only then. Nothing
-        as long as there never was an edge. A clock that jumps back makes one due."""
+    def due(self, edges: Tuple[Edge, ...], now: float) -> Optional[EdgeReport]:
+        """The report to send now, if one is due: all of the robot's own edges. Nothing as long as there never was an
+        edge. A clock that jumps back makes one due."""
+        if self._told is None and not edges:
+            return None
         since = now - self._time
-        if 0.0 <= since < SHORTEST_PAUSE_S:
-            return None
-        present = tuple(edges())
-        if self._told is None and not present:
-            return None
-        changed = self._told is None or differ(self._told, present, _CHANGE)
+        changed = self._told is None or (edges is not self._told and differ(self._told, edges, _CHANGE))
         if 0.0 <= since < (SHORTEST_PAUSE_S if changed else REPETITION_S):
             return None
-        self._told, self._time = present, now
-        return EdgeReport(self._robot, self._run, present)
+        self._told, self._time = edges, now
+        return EdgeReport(self._robot, self._run, edges)
