@@ -146,8 +146,8 @@ py::tuple walls(const py::array_t<std::int8_t, py::array::c_style | py::array::f
   return py::make_tuple(places, large);
 }
 
-Flags without_discs(const Flags& cells, const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>& places,
-                    double radius) {
+Flags without_discs(const Flags& cells,
+                    const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>& places, double radius) {
   require(cells.ndim() == 2, "cells need the shape (rows, columns)");
   require(places.ndim() == 2 && places.shape(1) == 2, "places need the shape (n, 2)");
   require(radius >= 0.0 && radius < 1000.0, "a radius is 0 to 1000 cells");

@@ -63,7 +63,8 @@ Direction direction_at(const Mask& mask, const ObstacleCell& cell) {
   const double spread_row = rr / count - mean_row * mean_row, spread_column = cc / count - mean_column * mean_column;
   const double mixed = 2.0 * (rc / count - mean_row * mean_column), difference = spread_column - spread_row;
   const double tangent = 0.5 * std::atan2(mixed, difference);
-  const double anisotropy = std::sqrt(difference * difference + mixed * mixed) / std::max(spread_column + spread_row, 1e-6);
+  const double anisotropy =
+      std::sqrt(difference * difference + mixed * mixed) / std::max(spread_column + spread_row, 1e-6);
   return {std::cos(tangent), -std::sin(tangent), anisotropy};
 }
 

@@ -44,11 +44,10 @@ Four box_of_others(const Cells& cells, std::int8_t value) {
 }
 
 Four box_of_changes(const Cells& before, const Cells& after) {
-  require(before.ndim() == 2 && after.ndim() == 2 && before.shape(0) == after.shape(0) &&
-              before.shape(1) == after.shape(1),
-          "maps are of one shape (rows, columns)");
-  return to_four(
-      window_of_differences(before.data(), after.data(), after.shape(1), before.shape(0), before.shape(1)));
+  require(
+      before.ndim() == 2 && after.ndim() == 2 && before.shape(0) == after.shape(0) && before.shape(1) == after.shape(1),
+      "maps are of one shape (rows, columns)");
+  return to_four(window_of_differences(before.data(), after.data(), after.shape(1), before.shape(0), before.shape(1)));
 }
 
 Four write(Written& store, std::optional<Stamps>& stamps, std::int64_t top, std::int64_t left, const Cells& cells,

@@ -22,8 +22,8 @@ Walls walls_of(const Mask& obstacles, std::int64_t smallest, double largest_move
   return walls;
 }
 
-void clear_discs(std::uint8_t* cells, std::int64_t rows, std::int64_t columns,
-                 const std::vector<ObstacleCell>& centres, double radius) {
+void clear_discs(std::uint8_t* cells, std::int64_t rows, std::int64_t columns, const std::vector<ObstacleCell>& centres,
+                 double radius) {
   const auto reach = static_cast<std::int64_t>(radius);
   std::vector<std::int64_t> across;  // by the distance in rows
   for (std::int64_t down = 0; down <= reach; ++down) {

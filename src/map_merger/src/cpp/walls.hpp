@@ -18,7 +18,7 @@ struct Walls {
 Walls walls_of(const Mask& obstacles, std::int64_t smallest, double largest_mover);
 
 // Clears the cells, one byte each, whose middle is at most `radius` cells from that of one of `centres`.
-void clear_discs(std::uint8_t* cells, std::int64_t rows, std::int64_t columns,
-                 const std::vector<ObstacleCell>& centres, double radius);
+void clear_discs(std::uint8_t* cells, std::int64_t rows, std::int64_t columns, const std::vector<ObstacleCell>& centres,
+                 double radius);
 
 }  // namespace map_merger

@@ -6,9 +6,9 @@ import numpy as np
 
 from .grid import EMPTY_BOX, UNKNOWN, Box, changed_box, known_cells_box
 
-TILE = 32
+TILE = 16
 """Edge in cells of a tile."""
-CHUNK = 16
+CHUNK = 32
 """Edge in tiles of what is computed at once: bounds the memory of a computation."""
 
 

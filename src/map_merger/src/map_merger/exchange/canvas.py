@@ -1,6 +1,7 @@
 """A map on an unbounded lattice, to be written in pieces."""
 
 from dataclasses import replace
+
 import numpy as np
 
 from .._surfaces import write_cells

@@ -7,7 +7,18 @@ from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from ..grid import EMPTY_BOX, UNKNOWN, Box, Grid, bounding_box, changed_box, cropped, known_box, offset_between, union_of
+from ..grid import (
+    EMPTY_BOX,
+    UNKNOWN,
+    Box,
+    Grid,
+    bounding_box,
+    changed_box,
+    cropped,
+    known_box,
+    offset_between,
+    union_of,
+)
 from ..messages import Anchor, Boot, Tile
 from . import bounds
 from .canvas import Canvas

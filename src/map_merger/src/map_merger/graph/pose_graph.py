@@ -113,9 +113,7 @@ def solved(links: Links, tree: Sequence[int], count: int) -> Poses:
     """The most likely poses. tree: numbers of those of the links that start the search (see `placed_along`)."""
     start, held = placed_along(links, tree, count)
     steps = _MOST_STEPS if len(tree) < len(links.first) else 1
-    return Poses(
-        *solve_poses(links.first, links.second, links.mean, links.covariance, start, held, steps, _SMALL_STEP)
-    )
+    return Poses(*solve_poses(links.first, links.second, links.mean, links.covariance, start, held, steps, _SMALL_STEP))
 
 
 def gaps(links: Links, chosen: np.ndarray, poses: Poses) -> np.ndarray:
