@@ -9,13 +9,18 @@
 #include <stdexcept>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "border.hpp"
+#include "cells_bindings.hpp"
 #include "comparison.hpp"
 #include "drawing.hpp"
 #include "fusion_bindings.hpp"
+#include "graph_bindings.hpp"
 #include "refinement.hpp"
 #include "surface_index.hpp"
+#include "walls.hpp"
+#include "weighing.hpp"
 
 namespace py = pybind11;
 using namespace map_merger;
@@ -120,6 +125,46 @@ py::tuple border(const py::array_t<std::int64_t, py::array::c_style | py::array:
   return py::make_tuple(points, normals, numbers);
 }
 
+py::tuple walls(const py::array_t<std::int8_t, py::array::c_style | py::array::forcecast>& cells, std::int64_t smallest,
+                double largest_mover) {
+  require(cells.ndim() == 2, "cells need the shape (rows, columns)");
+  Walls found;
+  {
+    const std::int8_t* first = cells.data();
+    const std::int64_t rows = cells.shape(0), columns = cells.shape(1);
+    py::gil_scoped_release release;
+    found = walls_of(known_of(first, rows, columns).wall, smallest, largest_mover);
+  }
+  const py::ssize_t count = static_cast<py::ssize_t>(found.cells.size());
+  py::array_t<std::int64_t> places({count, py::ssize_t{2}});
+  py::array_t<bool> large(count);
+  for (py::ssize_t i = 0; i < count; ++i) {
+    const auto number = static_cast<std::size_t>(i);
+    places.mutable_at(i, 0) = found.cells[number].row, places.mutable_at(i, 1) = found.cells[number].column;
+    large.mutable_at(i) = found.large[number];
+  }
+  return py::make_tuple(places, large);
+}
+
+Flags without_discs(const Flags& cells,
+                    const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>& places, double radius) {
+  require(cells.ndim() == 2, "cells need the shape (rows, columns)");
+  require(places.ndim() == 2 && places.shape(1) == 2, "places need the shape (n, 2)");
+  require(radius >= 0.0 && radius < 1000.0, "a radius is 0 to 1000 cells");
+  std::vector<ObstacleCell> centres;
+  for (py::ssize_t i = 0; i < places.shape(0); ++i) {
+    const std::int64_t row = places.at(i, 0), column = places.at(i, 1);
+    require(row >= 0 && column >= 0 && row < cells.shape(0) && column < cells.shape(1), "a place is off the map");
+    centres.push_back({static_cast<int>(row), static_cast<int>(column)});
+  }
+  Flags left({cells.shape(0), cells.shape(1)});
+  auto* first = reinterpret_cast<std::uint8_t*>(left.mutable_data());
+  std::copy_n(bytes_of(cells), cells.size(), first);
+  py::gil_scoped_release release;
+  clear_discs(first, cells.shape(0), cells.shape(1), centres, radius);
+  return left;
+}
+
 py::array_t<float> raster(const Doubles& points, const Pose& transform, std::pair<double, double> corner, double cell,
                           std::pair<py::ssize_t, py::ssize_t> shape, float weight) {
   require(points.ndim() == 2 && points.shape(1) == 2, "points need the shape (n, 2)");
@@ -204,10 +249,19 @@ PYBIND11_MODULE(_surfaces, module) {
   module.def("border", &border, py::arg("obstacles"), py::arg("free"), py::arg("resolution"), py::arg("origin"),
              "Faces of the obstacle cells (n, 2: row, column) to free cells, bool (rows, columns): points and normals, "
              "float64 (m, 2), and the numbers of the cells they belong to, int64 (m,).");
+  module.def("walls", &walls, py::arg("cells"), py::arg("smallest"), py::arg("largest_mover"),
+             "Cells of the obstacles of `smallest` cells or more in a map, int8 (rows, columns): int64 (n, 2: row, "
+             "column), row by row; and whether the extent of each one's obstacle is more than `largest_mover` cells, "
+             "bool (n,).");
+  module.def("without_discs", &without_discs, py::arg("cells"), py::arg("places"), py::arg("radius"),
+             "The cells, bool (rows, columns), false where they are at most `radius` cells from one of the places, "
+             "(n, 2: row, column).");
   module.def("draw", &draw, py::arg("cells"), py::arg("to_source"), py::arg("to_target"), py::arg("part"),
              py::arg("box"), py::arg("all_walls"),
              "int8 (rows, columns) of `box` (top, left, bottom, right): the value of the cell under each middle, and "
              "the links of walls in `part` of the cells. to_source: (x0, x1, x2, y0, y1, y2) of column = x0 + x1 * c "
              "+ x2 * r and row = y0 + y1 * c + y2 * r; to_target: its inverse.");
+  bind_cells(module);
   bind_fusion(module);
+  bind_graph(module);
 }

@@ -5,6 +5,7 @@ from typing import Sequence
 import numpy as np
 
 _Pose = tuple[float, float, float]
+_Box = tuple[int, int, int, int]
 
 class Comparison:
     inside: int
@@ -35,6 +36,8 @@ class SurfaceIndex:
 def border(
     obstacles: np.ndarray, free: np.ndarray, resolution: float, origin: _Pose
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
+def walls(cells: np.ndarray, smallest: int, largest_mover: float) -> tuple[np.ndarray, np.ndarray]: ...
+def without_discs(cells: np.ndarray, places: np.ndarray, radius: float) -> np.ndarray: ...
 def raster(
     points: np.ndarray,
     transform: _Pose,
@@ -51,6 +54,18 @@ def draw(
     box: Sequence[int],
     all_walls: bool,
 ) -> np.ndarray: ...
+def box_of_true(mask: np.ndarray) -> _Box: ...
+def box_of_others(cells: np.ndarray, value: int) -> _Box: ...
+def box_of_changes(before: np.ndarray, after: np.ndarray) -> _Box: ...
+def write_cells(
+    store: np.ndarray,
+    stamps: np.ndarray | None,
+    top: int,
+    left: int,
+    cells: np.ndarray,
+    stamp: int,
+    known_only: bool,
+) -> _Box: ...
 
 class GhostRules:
     def __init__(
@@ -69,3 +84,22 @@ def without_ghosts(
     maps: Sequence[np.ndarray], tracks: Sequence[tuple[int, np.ndarray]], box: Sequence[int], rules: GhostRules
 ) -> list[np.ndarray | None]: ...
 def may_be_ghost(cells: np.ndarray, places: np.ndarray, box: Sequence[int], rules: GhostRules) -> bool: ...
+def solve_poses(
+    first: np.ndarray,
+    second: np.ndarray,
+    mean: np.ndarray,
+    covariance: np.ndarray,
+    start: np.ndarray,
+    held: np.ndarray,
+    steps: int,
+    small_step: float,
+) -> tuple[np.ndarray, np.ndarray]: ...
+def pose_gaps(
+    first: np.ndarray,
+    second: np.ndarray,
+    mean: np.ndarray,
+    covariance: np.ndarray,
+    in_solution: np.ndarray,
+    poses: np.ndarray,
+    pose_covariance: np.ndarray,
+) -> list[float]: ...

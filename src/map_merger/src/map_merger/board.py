@@ -4,11 +4,11 @@ from typing import Iterator, Set, Tuple
 
 import numpy as np
 
-from .grid import EMPTY_BOX, UNKNOWN, Box, bounding_box
+from .grid import EMPTY_BOX, UNKNOWN, Box, changed_box, known_cells_box
 
-TILE = 32
+TILE = 16
 """Edge in cells of a tile."""
-CHUNK = 16
+CHUNK = 32
 """Edge in tiles of what is computed at once: bounds the memory of a computation."""
 
 
@@ -31,7 +31,7 @@ class Board:
 
     def known_box(self) -> Box:
         """Smallest box around the known cells."""
-        return bounding_box(self._cells != UNKNOWN).shifted(self.box.top, self.box.left)
+        return known_cells_box(self._cells).shifted(self.box.top, self.box.left)
 
     def write(self, box: Box, cells: np.ndarray) -> Box:
         """Replaces the cells of the box; returns the box around those that changed."""
@@ -41,7 +41,7 @@ class Board:
             grown = self.box.union(box.aligned(TILE))
             self._cells, self.box = self.read(grown), grown
         view = self.read(box)
-        changed = bounding_box(view != cells)
+        changed = changed_box(view, cells)
         if changed.empty:
             return EMPTY_BOX
         view[...] = cells

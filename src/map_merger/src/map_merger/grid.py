@@ -6,10 +6,11 @@ resolution) in the frame of the grid's corner, x along the columns and y along t
 
 import math
 from dataclasses import dataclass, field
-from typing import Iterable, Iterator, Tuple
+from typing import Iterable, Iterator, NamedTuple, Tuple
 
 import numpy as np
 
+from . import _surfaces
 from .transform import Transform
 
 UNKNOWN = -1
@@ -54,8 +55,7 @@ class GridInfo:
         return self.height, self.width
 
 
-@dataclass(frozen=True)
-class Box:
+class Box(NamedTuple):
     """Half-open rectangle of cells: rows [top, bottom), columns [left, right). May be negative, never inverted."""
 
     top: int
@@ -231,18 +231,23 @@ def offset_between(info: GridInfo, reference: GridInfo) -> Tuple[int, int]:
 
 
 def bounding_box(mask: np.ndarray) -> Box:
-    """Smallest box around the true cells."""
-    rows = mask.any(axis=1).nonzero()[0]
-    if rows.size == 0:
-        return EMPTY_BOX
-    # OpenCV's boundingRect would be faster and is wrong for some narrow masks.
-    columns = mask[rows[0] : rows[-1] + 1].any(axis=0).nonzero()[0]
-    return Box(int(rows[0]), int(columns[0]), int(rows[-1]) + 1, int(columns[-1]) + 1)
+    """Smallest box around the true cells of a mask, bool (rows, columns)."""
+    return Box(*_surfaces.box_of_true(mask))
+
+
+def known_cells_box(cells: np.ndarray) -> Box:
+    """Smallest box around the known ones of cells, int8 (rows, columns)."""
+    return Box(*_surfaces.box_of_others(cells, UNKNOWN))
+
+
+def changed_box(before: np.ndarray, after: np.ndarray) -> Box:
+    """Smallest box around the cells in which two maps, int8 of one shape (rows, columns), differ."""
+    return Box(*_surfaces.box_of_changes(before, after))
 
 
 def known_box(grid: Grid) -> Box:
     """Smallest box around the known cells."""
-    return bounding_box(grid.cells != UNKNOWN)
+    return known_cells_box(grid.cells)
 
 
 def cropped(grid: Grid, box: Box) -> Grid:

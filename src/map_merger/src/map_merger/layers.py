@@ -6,7 +6,7 @@ import numpy as np
 
 from .board import Board
 from .drawing import box_of, drawn, nearly, whole_shift
-from .grid import EMPTY_BOX, UNKNOWN, Box, Grid, GridInfo, bounding_box, full_box, known_box
+from .grid import EMPTY_BOX, UNKNOWN, Box, Grid, GridInfo, changed_box, full_box, known_box
 from .transform import Transform
 
 
@@ -43,7 +43,7 @@ class Layer:
         before, self.board, self.box = self.board, Board(), EMPTY_BOX
         self._draw(known_box(self._source), lattice)
         box = before.box.union(self.board.box)
-        return bounding_box(before.read(box) != self.board.read(box)).shifted(box.top, box.left)
+        return changed_box(before.read(box), self.board.read(box)).shifted(box.top, box.left)
 
     def _changed_part(self, source: Grid, transform: Transform, changed: Optional[Box]) -> Optional[Box]:
         """Cells of the new source that may differ from the former one; None if it is another lattice or transform."""
@@ -74,9 +74,9 @@ def difference(before: Grid, after: Grid, shift: Tuple[int, int]) -> Box:
         return EMPTY_BOX
     old, new = full_box(before.info).shifted(*shift), full_box(after.info)
     if old == new:
-        return bounding_box(before.cells != after.cells)
+        return changed_box(before.cells, after.cells)
     both = old.union(new)
     first, second = np.full(both.shape, UNKNOWN, np.int8), np.full(both.shape, UNKNOWN, np.int8)
     first[old.shifted(-both.top, -both.left).slices()] = before.cells
     second[new.shifted(-both.top, -both.left).slices()] = after.cells
-    return bounding_box(first != second).shifted(both.top, both.left)
+    return changed_box(first, second).shifted(both.top, both.left)

@@ -80,4 +80,6 @@ class MapSightings:
         self._map, self._view = None, None
 
     def _of(self, robot: str) -> _Kept:
-        return self._kept.setdefault(robot, _Kept())
+        if robot not in self._kept:
+            self._kept[robot] = _Kept()
+        return self._kept[robot]

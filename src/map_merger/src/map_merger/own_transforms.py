@@ -106,7 +106,7 @@ class OwnTransforms:
 
     def report(self, now: float) -> Optional[EdgeReport]:
         """What to tell the others now, if it is time."""
-        return self._telling.due(self._edges(), now)
+        return self._telling.due(self._graph.own(), now)
 
     def _edges(self) -> List[Edge]:
         base = self._reference.robot if self._reference.grid is not None else None

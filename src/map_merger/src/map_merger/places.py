@@ -48,6 +48,12 @@ class Places:
 
 
 def blocks(cells: np.ndarray) -> List[Box]:
-    """Boxes that hold all the cells (n, 2)."""
-    corners = np.unique(cells // _BLOCK, axis=0) * _BLOCK
-    return [Box(row, column, row + _BLOCK, column + _BLOCK) for row, column in corners.tolist()]
+    """Boxes around all the cells (n, 2), one for those of each block."""
+    if not len(cells):
+        return []
+    numbers = cells // _BLOCK
+    order = np.lexsort((numbers[:, 1], numbers[:, 0]))
+    cells, numbers = cells[order], numbers[order]
+    starts = np.flatnonzero(np.append(True, (numbers[1:] != numbers[:-1]).any(axis=1)))
+    first, last = np.minimum.reduceat(cells, starts), np.maximum.reduceat(cells, starts) + 1
+    return [Box(*corner, *end) for corner, end in zip(first.tolist(), last.tolist())]

@@ -52,7 +52,9 @@ class Registrar:
 
     def alignment(self, robot: str) -> Alignment:
         """What is known about the transform of the robot's frame."""
-        return self._alignments.setdefault(robot, Alignment())
+        if robot not in self._alignments:
+            self._alignments[robot] = Alignment()
+        return self._alignments[robot]
 
     def believed(self) -> Dict[str, Alignment]:
         """The robots whose transform was found here and is believed."""

@@ -10,9 +10,8 @@ from typing import List, Tuple
 import cv2
 import numpy as np
 
-from ._surfaces import SurfaceIndex, border
+from ._surfaces import SurfaceIndex, border, walls, without_discs
 from .grid import UNKNOWN, Grid, GridInfo, cells_of, cropped, known_box
-from .obstacles import obstacles_of
 
 NORMAL_WEIGHT = 0.3
 """Metres that a unit difference of the normals counts in a search for the nearest surface."""
@@ -82,25 +81,17 @@ def without_places(landmarks: Landmarks, places: np.ndarray, reach: float) -> La
     if not rows.size:
         return landmarks
     # Half a cell more, because a place may be anywhere in its cell.
-    disc = _disc(reach / landmarks.info.resolution + 0.5)
-    margin = len(disc) // 2
-    window = np.s_[
-        max(0, rows.min() - margin) : rows.max() + margin + 1,
-        max(0, columns.min() - margin) : columns.max() + margin + 1,
-    ]
-    there = np.zeros(landmarks.clear.shape, np.uint8)
-    there[rows, columns] = 1
-    clear = landmarks.clear.copy()
-    clear[window] &= cv2.dilate(there[window], disc) == 0
-    return replace(landmarks, clear=clear)
+    radius = reach / landmarks.info.resolution + 0.5
+    return replace(landmarks, clear=without_discs(landmarks.clear, np.column_stack([rows, columns]), radius))
 
 
 def landmarks_of(grid: Grid) -> Landmarks:
     """Landmarks of a map; a map without obstacles has an empty surface."""
-    if not (grid.cells != UNKNOWN).any():
+    around = known_box(grid)
+    if around.empty:
         nothing = np.zeros(grid.cells.shape, bool)
         return Landmarks(grid, _surface(grid.info, np.empty((0, 2), int), np.empty(0, bool), nothing), nothing, nothing)
-    part = cropped(grid, known_box(grid).grown(1))
+    part = cropped(grid, around.grown(1))
     free = part.free
     clear = cv2.erode(free.view(np.uint8), _disc(CLEAR_CELLS)).view(bool)
     return Landmarks(part, _surface(part.info, *_walls(part), free), clear, part.cells != UNKNOWN)
@@ -118,11 +109,7 @@ def _surface(info: GridInfo, walls: np.ndarray, large: np.ndarray, free: np.ndar
 def _walls(grid: Grid) -> Tuple[np.ndarray, np.ndarray]:
     """Cells (n, 2; row, column) of the obstacles without specks, and whether what they belong to is larger than a
     robot, bool (n,)."""
-    obstacles = obstacles_of(grid.occupied)
-    wall = obstacles.areas[obstacles.label_of] >= _SMALLEST_WALL
-    large = obstacles.extents() * grid.info.resolution > LARGEST_MOVER_M
-    cells = np.column_stack(np.divmod(obstacles.cells[wall], grid.info.width))
-    return cells, large[obstacles.label_of[wall]]
+    return walls(grid.cells, _SMALLEST_WALL, LARGEST_MOVER_M / grid.info.resolution)
 
 
 def subsample(surface: Surface, most: int) -> Surface:

@@ -448,17 +448,35 @@ def test_edges_are_told_on_change_at_most_every_second_and_again_for_late_joiner
     truth = Truth(2, 1).find_all()
     edge = truth.edges["robot_0", "robot_1"]
     telling = Telling("robot_0", run_of("robot_0"))
-    assert telling.due([], 0.0) is None
-    assert telling.due([edge], 1.0) == EdgeReport("robot_0", run_of("robot_0"), (edge,))
-    assert telling.due([edge], 2.0 + SHORTEST_PAUSE_S) is None
+    assert telling.due((), 0.0) is None
+    assert telling.due((edge,), 1.0) == EdgeReport("robot_0", run_of("robot_0"), (edge,))
+    assert telling.due((edge,), 2.0 + SHORTEST_PAUSE_S) is None
     refined = replace(edge, transform=Transform(edge.transform.x + 0.01, edge.transform.y, edge.transform.yaw))
-    assert telling.due([refined], 3.0) is None, "hardly a change"
+    assert telling.due((refined,), 3.0) is None, "hardly a change"
     moved = replace(edge, transform=Transform(edge.transform.x + 1.0, edge.transform.y, edge.transform.yaw))
-    assert telling.due([moved], 4.0) is not None
-    assert telling.due([edge], 4.5) is None, "too soon"
-    assert telling.due([edge], 4.0 + SHORTEST_PAUSE_S) is not None
-    assert telling.due([edge], 5.0 + REPETITION_S) is not None
-    assert telling.due([], 7.0 + REPETITION_S).edges == (), "what is gone is told"
-    assert telling.due([], 8.0 + REPETITION_S) is None
-    assert telling.due([], 7.0 + 2.0 * REPETITION_S) is not None, "the first may have been lost"
-    assert telling.due([], 1.0) is not None, "the clock jumped back"
+    assert telling.due((moved,), 4.0) is not None
+    assert telling.due((edge,), 4.5) is None, "too soon"
+    assert telling.due((edge,), 4.0 + SHORTEST_PAUSE_S) is not None
+    assert telling.due((edge,), 5.0 + REPETITION_S) is not None
+    assert telling.due((), 7.0 + REPETITION_S).edges == (), "what is gone is told"
+    assert telling.due((), 8.0 + REPETITION_S) is None
+    assert telling.due((), 7.0 + 2.0 * REPETITION_S) is not None, "the first may have been lost"
+    assert telling.due((), 1.0) is not None, "the clock jumped back"
+
+
+def test_what_hardly_changes_is_not_solved_anew_and_does_not_add_up():
+    truth = Truth(2, 1).find_all()
+    edge = truth.edges["robot_0", "robot_1"]
+    graph = TeamGraph("robot_0", run_of("robot_0"))
+    graph.set_own([edge])
+    placed = graph.placed()
+
+    def refined(by):
+        return replace(edge, transform=Transform(edge.transform.x + by, edge.transform.y, edge.transform.yaw))
+
+    graph.set_own([refined(0.008)])
+    assert graph.placed() is placed, "a tenth of its standard deviation"
+    graph.set_own([refined(0.016)])
+    assert graph.placed()["robot_1"].transform.x == pytest.approx(edge.transform.x + 0.016), "counted from the used one"
+    graph.set_own([replace(refined(0.016), covariance=tuple(tuple(2.0 * v for v in row) for row in edge.covariance))])
+    assert graph.own()[0].covariance[0][0] == pytest.approx(2.0 * edge.covariance[0][0])

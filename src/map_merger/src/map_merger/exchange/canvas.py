@@ -1,11 +1,11 @@
 """A map on an unbounded lattice, to be written in pieces."""
 
 from dataclasses import replace
-from typing import Optional
 
 import numpy as np
 
-from ..grid import EMPTY_BOX, UNKNOWN, Box, Grid, GridError, GridInfo, bounding_box, window
+from .._surfaces import write_cells
+from ..grid import EMPTY_BOX, UNKNOWN, Box, Grid, GridError, GridInfo, known_cells_box, window
 
 BLOCK = 64
 """The store grows by whole blocks of this edge, so that a growing map is not copied for every new row."""
@@ -33,13 +33,12 @@ class Canvas:
 
         GridError if more than `most` cells would be stored.
         """
-        return self._write(Box(top, left, top + cells.shape[0], left + cells.shape[1]), cells, None, most, stamp)
+        return self._write(Box(top, left, top + cells.shape[0], left + cells.shape[1]), cells, False, most, stamp)
 
     def write_known(self, top: int, left: int, cells: np.ndarray, most: int, stamp: int = 0) -> Box:
         """As `write`, but the unknown cells say nothing."""
-        known = bounding_box(cells != UNKNOWN)
-        cells = cells[known.slices()]
-        return self._write(known.shifted(top, left), cells, cells != UNKNOWN, most, stamp)
+        known = known_cells_box(cells)
+        return self._write(known.shifted(top, left), cells[known.slices()], True, most, stamp)
 
     def read(self, box: Box) -> np.ndarray:
         """Copy of the cells of the box, unknown where nothing was written."""
@@ -51,7 +50,7 @@ class Canvas:
 
     def known_box(self) -> Box:
         """Smallest box around the known cells."""
-        box = bounding_box(self._cells != UNKNOWN)
+        box = known_cells_box(self._cells)
         return box if box.empty else box.shifted(self._box.top, self._box.left)
 
     def grid(self) -> Grid:
@@ -59,18 +58,13 @@ class Canvas:
         box = self.known_box()
         return Grid(window(self.anchor, box), self.read(box))
 
-    def _write(self, target: Box, cells: np.ndarray, mask: Optional[np.ndarray], most: int, stamp: int) -> Box:
+    def _write(self, target: Box, cells: np.ndarray, known_only: bool, most: int, stamp: int) -> Box:
         if target.empty:
             return EMPTY_BOX
         self._reserve(target, most)
-        place = self._place(target)
-        view, written = self._cells[place], np.ones(cells.shape, bool) if mask is None else mask
-        if self._stamps is not None:
-            written &= self._stamps[place] <= stamp
-            self._stamps[place][written] = stamp
-        changed = written & (cells != view)
-        np.copyto(view, cells, where=changed)
-        return bounding_box(changed).shifted(target.top, target.left) if changed.any() else EMPTY_BOX
+        place = target.shifted(-self._box.top, -self._box.left)
+        changed = Box(*write_cells(self._cells, self._stamps, place.top, place.left, cells, stamp, known_only))
+        return changed if changed.empty else changed.shifted(self._box.top, self._box.left)
 
     def _place(self, box: Box) -> tuple:
         return box.shifted(-self._box.top, -self._box.left).slices()

@@ -3,14 +3,39 @@
 Each tile that is sent to the group has a number of its own, so that the loss of any tile shows as a gap.
 """
 
-from typing import Callable, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from ..grid import EMPTY_BOX, UNKNOWN, Box, Grid, bounding_box, cropped, known_box, offset_between, union_of
+from ..grid import (
+    EMPTY_BOX,
+    UNKNOWN,
+    Box,
+    Grid,
+    bounding_box,
+    changed_box,
+    cropped,
+    known_box,
+    offset_between,
+    union_of,
+)
 from ..messages import Anchor, Boot, Tile
 from . import bounds
 from .canvas import Canvas
+
+
+class _Untold(NamedTuple):
+    """Cells that changed, int8 as others know them and as they are, in a box of the run's cells; `reached`: all cells
+    that were ever known."""
+
+    box: Box
+    told: np.ndarray
+    present: np.ndarray
+    reached: Box
+
+    @property
+    def count(self) -> int:
+        return int(np.count_nonzero(self.told != self.present))
 
 
 class MapSender:
@@ -30,6 +55,8 @@ class MapSender:
         self._reached = EMPTY_BOX
         self._local: Optional[Grid] = None
         self._dirty = False
+        self._untold: Optional[_Untold] = None
+        self._known = 0
         self._boxes: Dict[int, Box] = {}
         self._next = 0
 
@@ -65,32 +92,27 @@ class MapSender:
 
         GridError if the map is larger than what others take.
         """
-        if self._told is None or self._local is None or not self._dirty:
+        if self._dirty:
+            self._untold, self._dirty = self._compared(), False
+        untold = self._untold
+        due = worth(0 if untold is None else untold.count, self._known)
+        if not due or untold is None or self._told is None:
             return []
+        self._told.write(untold.box.top, untold.box.left, untold.present, bounds.MOST_MAP_CELLS)
+        self._reached, self._untold = untold.reached, None
+        self._known += int(np.count_nonzero(untold.present != UNKNOWN) - np.count_nonzero(untold.told != UNKNOWN))
+        return self._tiles_of(untold)
+
+    def _compared(self) -> Optional["_Untold"]:
+        """What of the present map the others do not know."""
+        assert self._told is not None and self._local is not None
         rows, columns = offset_between(self._local.info, self._told.anchor)
-        box = known_box(self._local).shifted(rows, columns).union(self._told.known_box())
+        reached = known_box(self._local).shifted(rows, columns).union(self._reached)
+        present, told = cropped(self._local, reached.shifted(-rows, -columns)).cells, self._told.read(reached)
+        box = changed_box(told, present)
         if box.empty:
-            return []
-        present, told = cropped(self._local, box.shifted(-rows, -columns)).cells, self._told.read(box)
-        changed = present != told
-        count = int(np.count_nonzero(changed))
-        if not worth(count, int(np.count_nonzero(told != UNKNOWN))):
-            self._dirty = count > 0
-            return []
-        self._dirty = False
-        lost = changed & (present == UNKNOWN)
-        self._told.write(box.top, box.left, present, bounds.MOST_MAP_CELLS)
-        self._reached = self._reached.union(box)
-        tiles = []
-        for part in self._cut(bounding_box(changed)):
-            news = bounding_box(changed[part.slices()])
-            if news.empty:
-                continue
-            news = news.shifted(part.top, part.left)
-            inside = news.slices()
-            cells = None if lost[inside].any() else np.where(changed[inside], present[inside], np.int8(UNKNOWN))
-            tiles.append(self._numbered(news.shifted(box.top, box.left), cells))
-        return tiles
+            return None
+        return _Untold(box.shifted(reached.top, reached.left), told[box.slices()], present[box.slices()], reached)
 
     def everything(self) -> List[Tile]:
         """All cells that were ever known, with a margin; together the tiles carry all numbers (no tiles before the
@@ -148,6 +170,20 @@ class MapSender:
             else:
                 regions.append((box, [number]))
         return regions
+
+    def _tiles_of(self, untold: "_Untold") -> List[Tile]:
+        changed = untold.told != untold.present
+        lost = changed & (untold.present == UNKNOWN)
+        tiles = []
+        for part in self._cut(Box(0, 0, *changed.shape)):
+            box = bounding_box(changed[part.slices()])
+            if box.empty:
+                continue
+            box = box.shifted(part.top, part.left)
+            inside = box.slices()
+            cells = None if lost[inside].any() else np.where(changed[inside], untold.present[inside], np.int8(UNKNOWN))
+            tiles.append(self._numbered(box.shifted(untold.box.top, untold.box.left), cells))
+        return tiles
 
     def _numbered(self, box: Box, cells: Optional[np.ndarray] = None) -> Tile:
         number = self._next

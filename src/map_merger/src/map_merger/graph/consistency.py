@@ -9,7 +9,7 @@ from typing import Iterator, List, NamedTuple, Sequence
 
 import numpy as np
 
-from .pose_graph import Links, Poses, difference, relative_covariance, solved, spanning_tree
+from .pose_graph import Links, Poses, gaps, solved, spanning_tree
 from .support import support
 
 LARGEST_GAP = 4.03
@@ -57,8 +57,7 @@ def _settled(links: Links, order: Sequence[int], count: int) -> Choice:
         chosen[tree] = True
         numbers = np.flatnonzero(chosen)
         poses = solved(_part(links, numbers), np.searchsorted(numbers, tree).tolist(), count)
-        gaps = _gaps(links, chosen, poses)
-        agreeing = (gaps <= LARGEST_GAP) & (chosen | (round_ < _ROUNDS // 2))
+        agreeing = (gaps(links, chosen, poses) <= LARGEST_GAP) & (chosen | (round_ < _ROUNDS // 2))
         if (agreeing == chosen).all():
             break
     return Choice(chosen, poses, tree, weight_of(links, chosen))
@@ -73,17 +72,6 @@ def _tree_of(links: Links, agreeing: np.ndarray, order: Sequence[int], count: in
 
 def _part(links: Links, numbers: np.ndarray) -> Links:
     return Links(*(column[numbers] for column in links))
-
-
-def _gaps(links: Links, chosen: np.ndarray, poses: Poses) -> np.ndarray:
-    """Distance of each link from the poses in standard deviations; a link that helped to find them leans towards
-    them."""
-    residual = difference(links, poses.mean)
-    covariance = links.covariance + np.where(
-        chosen[:, None, None], 0.0, relative_covariance(poses, links.first, links.second)
-    )
-    squares = (residual[:, None, :] @ np.linalg.solve(covariance, residual[:, :, None]))[:, 0, 0]
-    return np.sqrt(squares)
 
 
 def weight_of(links: Links, chosen: np.ndarray) -> float:

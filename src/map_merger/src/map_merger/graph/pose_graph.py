@@ -1,4 +1,4 @@
-"""Poses of robots by least squares over transforms between them: a small pose graph, all at once in arrays.
+"""Poses of robots by least squares over transforms between them: a small pose graph.
 
 Grisetti et al., "A tutorial on graph-based SLAM", 2010, in the plane. Errors are those of the transform's own x, y (m)
 and yaw (rad), as in its covariance.
@@ -8,6 +8,7 @@ from typing import List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
+from .._surfaces import pose_gaps, solve_poses
 from ..transform import Transform, wrap_angle
 
 _MOST_STEPS = 8
@@ -110,57 +111,17 @@ def _derivatives(poses: np.ndarray, first: np.ndarray, second: np.ndarray) -> Tu
 
 def solved(links: Links, tree: Sequence[int], count: int) -> Poses:
     """The most likely poses. tree: numbers of those of the links that start the search (see `placed_along`)."""
-    poses, held = placed_along(links, tree, count)
-    free = np.flatnonzero(np.repeat(~held, 3))
-    information = np.linalg.inv(links.covariance)
-    matrix = np.zeros((len(free), len(free)))
-    for _ in range(_MOST_STEPS if len(tree) < len(links.first) else 1):
-        matrix, gradient = _normal_equations(links, information, poses)
-        matrix = matrix[np.ix_(free, free)]
-        step = np.zeros(3 * count)
-        step[free] = np.linalg.solve(matrix, -gradient[free])
-        poses = poses + step.reshape(-1, 3)
-        if np.abs(step).max(initial=0.0) < _SMALL_STEP:
-            break
-    poses[:, 2] = wrapped(poses[:, 2])
-    covariance = np.zeros((3 * count, 3 * count))
-    covariance[np.ix_(free, free)] = np.linalg.inv(matrix)
-    return Poses(poses, covariance.reshape(count, 3, count, 3).swapaxes(1, 2))
+    start, held = placed_along(links, tree, count)
+    steps = _MOST_STEPS if len(tree) < len(links.first) else 1
+    return Poses(*solve_poses(links.first, links.second, links.mean, links.covariance, start, held, steps, _SMALL_STEP))
 
 
-def _normal_equations(links: Links, information: np.ndarray, poses: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    count = len(poses)
-    first, second = links.first, links.second
-    by_first, by_second = _derivatives(poses, first, second)
-    weighted_first, weighted_second = (np.swapaxes(by, 1, 2) @ information for by in (by_first, by_second))
-    mixed = weighted_first @ by_second
-    blocks = _summed(
-        np.concatenate(
-            [first * count + first, second * count + second, first * count + second, second * count + first]
-        ),
-        np.concatenate([weighted_first @ by_first, weighted_second @ by_second, mixed, np.swapaxes(mixed, 1, 2)]),
-        count * count,
+def gaps(links: Links, chosen: np.ndarray, poses: Poses) -> np.ndarray:
+    """Distance of each link from the poses in standard deviations, (m,); a link that helped to find them, bool (m,),
+    leans towards them."""
+    return np.array(
+        pose_gaps(links.first, links.second, links.mean, links.covariance, chosen, poses.mean, poses.covariance)
     )
-    residual = difference(links, poses)[:, :, None]
-    gradient = _summed(
-        np.concatenate([first, second]), np.concatenate([weighted_first @ residual, weighted_second @ residual]), count
-    )
-    return blocks.reshape(count, count, 3, 3).swapaxes(1, 2).reshape(3 * count, 3 * count), gradient.ravel()
-
-
-def _summed(places: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
-    """Sums, (count, ...), of the values (k, ...) that have the same place, int (k,)."""
-    columns = values.reshape(len(values), int(np.prod(values.shape[1:]))).T
-    return np.stack([np.bincount(places, column, count) for column in columns], axis=1).reshape(
-        count, *values.shape[1:]
-    )
-
-
-def difference(links: Links, poses: np.ndarray) -> np.ndarray:
-    """What the poses say minus what the links say, (m, 3: x, y in m, yaw in rad)."""
-    residual = relative(poses, links.first, links.second) - links.mean
-    residual[:, 2] = wrapped(residual[:, 2])
-    return residual
 
 
 def relative_covariance(poses: Poses, first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """The robots of a team, the transforms that anybody has found between them, and where that places each robot."""
 
+import math
 from typing import Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from ..covariance import Covariance, as_covariance
 from ..messages import NO_BOOT, Boot
 from ..transform import Transform, wrap_angle
+from .change import Change, differ
 from .consistency import largest_consistent
 from .edges import MOST_EDGES, MOST_ROBOTS, Edge, EdgeError, EdgeReport, check
 from .links import links_of
@@ -15,6 +17,8 @@ from .words import contradiction
 
 _KEPT_RUNS = 2
 """Of a reporter: a late report of its former run must not push out that of the present one."""
+_CHANGE = Change(distance_m=0.01, rotation_rad=math.radians(0.05), weight=0.1, covariance=1.5)
+"""What changes by less, a fifth of what every edge is uncertain by, leaves the poses where they are."""
 
 
 class Placement(NamedTuple):
@@ -67,10 +71,17 @@ class TeamGraph:
 
     def set_own(self, edges: Iterable[Edge]) -> Tuple[str, ...]:
         """All edges that this robot has found itself. Returns why some are refused, as `heard` does for others."""
-        usable, refused = _usable(tuple(edges))
+        edges = tuple(edges)
+        if not differ(self._own_edges, edges, _CHANGE):
+            return ()
+        usable, refused = _usable(edges)
         if usable != self._own_edges:
             self._own_edges, self._solution = usable, None
         return refused
+
+    def own(self) -> Tuple[Edge, ...]:
+        """The own edges by which robots are placed: those set last, or former ones that hardly differ."""
+        return self._own_edges
 
     def set_run(self, robot: str, run: Boot) -> None:
         """The present run of a robot; edges of its former ones vanish."""
@@ -90,11 +101,12 @@ class TeamGraph:
         edges, refused = _usable(report.edges, (report.robot, report.boot))
         runs = self._reports.setdefault(report.robot, {})
         before = runs.pop(report.boot, None)
-        runs[report.boot] = EdgeReport(report.robot, report.boot, edges)
+        changed = before is None or differ(before.edges, edges, _CHANGE)
+        runs[report.boot] = EdgeReport(report.robot, report.boot, edges) if before is None or changed else before
         self._bound_runs(report.robot)
         if report.robot not in self._runs:
             self.set_run(report.robot, report.boot)
-        if before is None or before.edges != edges:
+        if changed:
             self._solution = None
         return refused
 

@@ -1,17 +1,16 @@
 """When a robot tells the others its edges: at once when they change, and seldom again for who was not there."""
 
 import math
-from typing import Iterable, Optional, Tuple
+from typing import Optional, Tuple
 
 from ..messages import Boot
-from ..transform import rotation_between
+from .change import Change, differ
 from .edges import Edge, EdgeReport
 
 SHORTEST_PAUSE_S = 1.0
 REPETITION_S = 10.0
-_CHANGE_M = 0.03
-_CHANGE_RAD = math.radians(0.3)
-_CHANGE_OF_WEIGHT = 0.1
+_CHANGE = Change(distance_m=0.03, rotation_rad=math.radians(0.3), weight=0.1, covariance=math.inf)
+"""By less nobody comes to another conclusion."""
 
 
 class Telling:
@@ -26,30 +25,14 @@ class Telling:
         """The own frame is a new one; what comes next is told at once."""
         self._run, self._time = run, -math.inf
 
-    def due(self, edges: Iterable[Edge], now: float) -> Optional[EdgeReport]:
+    def due(self, edges: Tuple[Edge, ...], now: float) -> Optional[EdgeReport]:
         """The report to send now, if one is due: all of the robot's own edges. Nothing as long as there never was an
         edge. A clock that jumps back makes one due."""
-        edges = tuple(edges)
         if self._told is None and not edges:
             return None
         since = now - self._time
-        pause = SHORTEST_PAUSE_S if self._told is None or _changed(self._told, edges) else REPETITION_S
-        if 0.0 <= since < pause:
+        changed = self._told is None or (edges is not self._told and differ(self._told, edges, _CHANGE))
+        if 0.0 <= since < (SHORTEST_PAUSE_S if changed else REPETITION_S):
             return None
         self._told, self._time = edges, now
         return EdgeReport(self._robot, self._run, edges)
-
-
-def _changed(told: Tuple[Edge, ...], edges: Tuple[Edge, ...]) -> bool:
-    """True if others could come to another conclusion."""
-    before = {(edge.target, edge.target_run): edge for edge in told}
-    after = {(edge.target, edge.target_run): edge for edge in edges}
-    return before.keys() != after.keys() or any(_differ(before[key], after[key]) for key in after)
-
-
-def _differ(first: Edge, second: Edge) -> bool:
-    return (
-        math.hypot(first.transform.x - second.transform.x, first.transform.y - second.transform.y) > _CHANGE_M
-        or rotation_between(first.transform, second.transform) > _CHANGE_RAD
-        or abs(first.weight - second.weight) > _CHANGE_OF_WEIGHT
-    )
