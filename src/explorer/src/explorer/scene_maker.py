@@ -1,0 +1,46 @@
+"""Puts together what the robot knows now."""
+
+from explorer.claim import OwnClaim
+from explorer.foreign import ForeignFrontiers
+from explorer.perception import Perception
+from explorer.recognition import listed
+from explorer.scene import Scene
+from explorer.senses import Senses
+from explorer.team import Team
+from explorer.verdicts import Verdicts
+
+
+class SceneMaker:
+    """Reads the owners of what is known; they must have perceived a map."""
+
+    def __init__(
+        self,
+        name: str,
+        senses: Senses,
+        perception: Perception,
+        verdicts: Verdicts,
+        team: Team,
+        foreign: ForeignFrontiers,
+        claim: OwnClaim,
+    ) -> None:
+        self._name, self._senses, self._perception = name, senses, perception
+        self._verdicts, self._team, self._foreign, self._claim = verdicts, team, foreign, claim
+
+    def scene(self, now: float) -> Scene:
+        assert self._senses.pose is not None and self._perception.ways is not None
+        clusters = self._perception.clusters
+        seen = (number for cluster in clusters for number in cluster.views)
+        claims = self._team.claims(now)
+        return Scene(
+            now=now,
+            pose=self._senses.pose,
+            ways=self._perception.ways,
+            clusters=clusters,
+            ready=frozenset(self._verdicts.ready(seen, now)),
+            awaits_map=self._verdicts.awaits_map(now),
+            own=self._claim.number,
+            positions=self._team.positions(now),
+            on_map=tuple(self._team.positions(self._senses.map_time).values()),
+            competitors=tuple(self._team.competitors(now)),
+            claims={robot: listed(claim.elements, self._foreign, self._name) for robot, claim in claims.items()},
+        )
