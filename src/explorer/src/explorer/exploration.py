@@ -25,7 +25,7 @@ MAXIMUM_CLAIMED = 5000  # elements of one claim that are read
 
 
 class Exploration:
-    """`senses`, `perception` and `foreign` outlive it; `last_goal` and `last_auction` are numbers of former missions."""
+    """`senses`, `perception` and `foreign` outlive it; `last_goal`, `last_auction` are numbers of former missions."""
 
     def __init__(
         self,

@@ -41,6 +41,7 @@ class SceneMaker:
             own=self._claim.number,
             positions=self._team.positions(now),
             on_map=tuple(self._team.positions(self._senses.map_time).values()),
+            newest=self._senses.map,
             competitors=tuple(self._team.competitors(now)),
             claims={robot: listed(claim.elements, self._foreign, self._name) for robot, claim in claims.items()},
         )

@@ -38,11 +38,13 @@ class Ways:
         self._fields[place] = field  # the last one used comes last
         return field
 
-    def between(self, stops: Sequence[Tuple[float, float]], robots: Sequence[Position]) -> np.ndarray:
-        """(n, n) path lengths in metres between n places, infinite where no path leads. `robots`: as above, those of
-        the first call count."""
+    def between(
+        self, stops: Sequence[Tuple[float, float]], robots: Sequence[Position], newest: OccupancyMap
+    ) -> np.ndarray:
+        """(n, n) path lengths in metres between n places on the newest map, infinite where no path leads. `robots`: as
+        above; map and robots of the first call count."""
         if self._tour_grid is None:
-            self._tour_grid = TravelGrid(self.occupancy, self._radius, COMFORT, robots, cell=TOUR_CELL, like=self.grid)
+            self._tour_grid = TravelGrid(newest, self._radius, COMFORT, robots, cell=TOUR_CELL, like=self.grid)
         return ways_between(self._tour_grid, stops)
 
 
