@@ -47,6 +47,7 @@ class ExplorerAgent:
         self._random = np.random.default_rng(options.seed)
         self._outbox: List[Effect] = []
         self._edge = Edge(self.name, self._outbox.append)
+        self._reached: List[str] = []  # by the radio
         self._ticked = -math.inf
         self.mission = self._new_mission(0, first_auction_id(self.name, options.robot_number, options.simulation))
 
@@ -88,7 +89,13 @@ class ExplorerAgent:
 
     def on_robots(self, names: Sequence[str], now: float) -> None:
         """All robots that the radio reaches now."""
+        self._reached = list(names)
         self.mission.take_robots(names)
+
+    def on_robot(self, name: str, present: bool, now: float) -> None:
+        """The radio reaches one more robot, or one less."""
+        others = [other for other in self._reached if other != name]
+        self.on_robots([*others, name] if present else others, now)
 
     def on_transform(self, robot: str, transform: Optional[np.ndarray], now: float) -> None:
         """(2, 3) transform from a robot's map frame to the own one, or None while there is none."""
@@ -145,7 +152,7 @@ class ExplorerAgent:
         self.perception.restart()
         self.mission = self._new_mission(old.driver.last_id, old.auctions.last_id)
         self.mission.sharing.recall(sent)
-        self.on_robots(old.team.known(), now)
+        self.mission.take_robots(old.team.known())
         if self._senses.map is not None:
             self.on_global_map(self._senses.map, now)
         if self._senses.pose is not None:
