@@ -14,7 +14,14 @@ import explorer
 
 # The generated messages lie in a folder of their own, and where ROS is not installed there are none.
 explorer.__path__ = pkgutil.extend_path(explorer.__path__, "explorer")
-for package in ("actionlib", "adhoc_communication.msg", "explorer.msg", "map_merger.srv", "move_base_msgs.msg", "rospy"):
+for package in (
+    "actionlib",
+    "adhoc_communication.msg",
+    "explorer.msg",
+    "map_merger.srv",
+    "move_base_msgs.msg",
+    "rospy",
+):
     pytest.importorskip(package, reason="ROS is not here")
 
 from explorer.agent import ExplorerAgent  # noqa: E402
