@@ -1,12 +1,6 @@
 """The explorer of one robot: maps, poses and messages in; goals, messages and logs out.
 
-No clock, no ROS, no thread: every call takes `now` in seconds, `tick` returns the effects. State machine:
-
-    STARTING  until started, with map, pose         -> EXPLORING
-    EXPLORING chooses or drives to a frontier       -> WAITING, RETURNING
-    WAITING   frontiers are left, none for this robot now, or it is checked whether really none is left
-    RETURNING finished, drives home                 -> FINISHED
-    FINISHED  at rest
+No clock, no ROS, no thread: every call takes `now` in seconds, `tick` returns the effects.
 """
 
 import math
@@ -24,7 +18,7 @@ from explorer.grid import OccupancyMap
 from explorer.messages import Auction, Effect, Note, Pose
 from explorer.options import Options
 from explorer.perception import Perception
-from explorer.pictures import picture_of
+from explorer.pictures import picture_of, status_of
 from explorer.senses import Senses
 from explorer.status import Counters, Picture, State, Status
 from explorer.strategies import strategy_of
@@ -52,16 +46,10 @@ class ExplorerAgent:
         self.mission = self._new_mission(0, first_auction_id(self.name, options.robot_number, options.simulation))
 
     def _new_mission(self, last_goal: int, last_auction: int) -> Exploration:
-        strategy = strategy_of(self.options.frontier_selection)(self._random)
+        options, emit = self.options, self._outbox.append
+        strategy = strategy_of(options.frontier_selection)(self._random)
         return Exploration(
-            self.options,
-            strategy,
-            self._senses,
-            self.perception,
-            self.foreign,
-            self._outbox.append,
-            last_goal,
-            last_auction,
+            options, strategy, self._senses, self.perception, self.foreign, emit, last_goal, last_auction
         )
 
     # ---- input ----------------------------------------------------------------------------------------------------
@@ -132,9 +120,7 @@ class ExplorerAgent:
         """What there is to do now. Cheap when nothing has changed; call it some 5 times a second and after each
         auction message."""
         if now < self._ticked - CLOCK_TOLERANCE:
-            self._outbox.append(
-                Note(f"time went back by {self._ticked - now:.1f} s; the mission starts anew", warning=True)
-            )
+            self._outbox.append(Note(f"time went back by {self._ticked - now:.1f} s; the mission starts anew", True))
             self._start_anew(now)
         self._ticked = now
         self.mission.step(now)
@@ -210,18 +196,7 @@ class ExplorerAgent:
         return self.mission.exploration_time(now)
 
     def status(self, now: float) -> Status:
-        return Status(
-            robot=self.name,
-            state=self.state,
-            text=self.text,
-            finished=self.finished_at is not None,
-            exploration_time=self.exploration_time(now),
-            goal=None if self.goal is None else self.goal.pose,
-            frontiers=len(self.perception.frontiers.frontiers),
-            clusters=len(self.perception.clusters),
-            unreachable=self.mission.unreachable_count(),
-            counters=self.counters,
-        )
+        return status_of(self.name, self.mission, self.perception, now)
 
     def picture(self) -> Picture:
         return picture_of(self.perception, self.mission.verdicts, self.foreign)

@@ -10,7 +10,14 @@ Place = Tuple[float, float]
 
 
 class State(IntEnum):
-    """Values of `explorer/ExplorationState`."""
+    """Values of `explorer/ExplorationState`.
+
+    STARTING  until started, with map, pose         -> EXPLORING
+    EXPLORING chooses or drives to a frontier       -> WAITING, RETURNING
+    WAITING   frontiers are left, none for this robot now, or it is checked whether really none is left
+    RETURNING finished, drives home                 -> FINISHED
+    FINISHED  at rest
+    """
 
     STARTING = 0
     EXPLORING = 1
