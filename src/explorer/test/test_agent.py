@@ -601,6 +601,46 @@ def test_bids_for_the_other_robots_clusters() -> None:
     assert answer.available[1].bid == -1.0
 
 
+def test_bids_between_a_new_map_and_the_next_step_go_by_the_map_that_was_perceived() -> None:
+    """Tours were measured on the new map, clusters on the one before: the bids were of neither."""
+
+    def bids(walled: bool) -> List[float]:
+        occupancy, closed_off = corridor(), corridor()
+        for each in (occupancy, closed_off):
+            each.cells[12:20, 75:83] = -1
+        closed_off.cells[:, 100] = 100
+        bench = Bench(7).map(occupancy).join("robot_1", position=(-3.0, 0.0))
+        bench.run(2.0)
+        bench.map(occupancy)
+        bench.tick()
+        if walled:
+            bench.map(closed_off)
+        clusters = bench.agent.perception.clusters
+        offers = tuple(Bid(tuple(("robot_0", number) for number in cluster.numbers)) for cluster in clusters)
+        bench.agent.on_auction(Auction("robot_1", 10001, True, start=True, requested=offers), bench.now)
+        answer = next(a for a in (e.auction for e in bench.tick() if isinstance(e, SendAuction)) if not a.status)
+        return [bid.bid for bid in answer.available]
+
+    assert min(bids(False)) > 0.0
+    assert bids(True) == bids(False)
+
+
+def test_a_look_between_a_larger_map_and_the_next_step_goes_by_the_map_that_was_perceived() -> None:
+    """Cells of the new map were looked up in the one before, so what the robot saw counted as hidden."""
+    bench = Bench(3).map(corridor(left=False))
+    bench.run(1.0)
+    goal = bench.agent.goal
+    assert goal is not None
+    bench.place(goal.pose.x, goal.pose.y, goal.pose.yaw)
+    known = corridor(left=False)
+    grown = np.full((132, 302), -1, dtype=np.int8)
+    grown[100:, 100:] = known.cells
+    bench.map(map_of(grown, 0.1, x=-20.0, y=-11.6))
+    bench.agent.on_goal_result(goal.goal_id, REACHED, "", bench.now)
+    looked = sum(verdict.looks for verdict in bench.verdicts())
+    assert looked > 1, "the goal's frontier and those beside it"
+
+
 def test_without_a_transform_the_answer_is_empty_and_the_robot_is_not_counted() -> None:
     bench = Bench(1).map(corridor())
     bench.agent.on_robots(["robot_1"], bench.now)

@@ -80,10 +80,11 @@ class Perception:
 
     def in_view(self, pose: Pose, point: Position) -> bool:
         """True if the robot at that pose sees a point near to it, both in metres."""
-        assert self._senses.map is not None and self.ways is not None
+        assert self.ways is not None
         if distance(point, (pose.x, pose.y)) > self._options.view_distance + 0.5:
             return False
-        return sees(self.ways.grid.occupied, self._senses.map.info, pose, self._options.field_of_view, point)
+        occupied, info = self.ways.grid.occupied, self.ways.occupancy.info
+        return sees(occupied, info, pose, self._options.field_of_view, point)
 
     def unreachable(self, verdicts: Verdicts) -> int:
         """Frontiers that are given up, or that no reachable place sees."""

@@ -7,7 +7,6 @@ from typing import Dict, FrozenSet, List, Mapping, Optional, Tuple
 from explorer.clusters import Cluster, View
 from explorer.frontiers import Frontier
 from explorer.geometry import Position
-from explorer.grid import OccupancyMap
 from explorer.messages import Pose
 from explorer.recognition import Listed, match
 from explorer.ways import Ways
@@ -17,8 +16,8 @@ from explorer.ways import Ways
 class Scene:
     """`clusters`: the own ones, as seen on the map of `ways`. `ready`: numbers of the frontier points that can be tried
     now. `own`: number of the cluster that this robot explores. Of the other robots: `positions` in metres in the own
-    frame, `on_map` those that stood somewhere when the map was made, `claims` on clusters, and `competitors`, which may
-    take one. `newest`: map that need not be perceived yet. `awaits_map`: what was looked at is not in the map yet."""
+    frame, `claims` on clusters, and `competitors`, which may take one. `awaits_map`: what was looked at is not in the
+    map yet."""
 
     now: float
     pose: Pose
@@ -28,8 +27,6 @@ class Scene:
     awaits_map: bool = False
     own: Optional[int] = None
     positions: Mapping[str, Position] = field(default_factory=dict)
-    on_map: Tuple[Position, ...] = ()
-    newest: Optional[OccupancyMap] = None
     competitors: Tuple[str, ...] = ()
     claims: Mapping[str, Listed] = field(default_factory=dict)
 

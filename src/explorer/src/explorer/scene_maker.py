@@ -40,8 +40,6 @@ class SceneMaker:
             awaits_map=self._verdicts.awaits_map(now),
             own=self._claim.number,
             positions=self._team.positions(now),
-            on_map=tuple(self._team.positions(self._senses.map_time).values()),
-            newest=self._senses.map,
             competitors=tuple(self._team.competitors(now)),
             claims={robot: listed(claim.elements, self._foreign, self._name) for robot, claim in claims.items()},
         )

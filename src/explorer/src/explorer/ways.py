@@ -1,6 +1,7 @@
 """Ways over one map, from any robot and between any places, each computed when it is first asked for."""
 
-from typing import Dict, Optional, Sequence, Tuple
+from functools import cached_property
+from typing import Dict, Sequence, Tuple
 
 import numpy as np
 
@@ -22,10 +23,9 @@ class Ways:
         obstacles. `team`: number of robots for which costs are kept."""
         self.occupancy = occupancy
         self.grid = TravelGrid(occupancy, radius, COMFORT, robots)
-        self._radius = radius
+        self._radius, self._robots = radius, tuple(robots)
         self._kept = max(FEWEST_FIELDS, team)
         self._fields: Dict[Position, CostField] = {}
-        self._tour_grid: Optional[TravelGrid] = None
 
     def from_robot(self, position: Position) -> CostField:
         """Costs from near another robot's place, the same for half a metre around."""
@@ -38,14 +38,13 @@ class Ways:
         self._fields[place] = field  # the last one used comes last
         return field
 
-    def between(
-        self, stops: Sequence[Tuple[float, float]], robots: Sequence[Position], newest: OccupancyMap
-    ) -> np.ndarray:
-        """(n, n) path lengths in metres between n places on the newest map, infinite where no path leads. `robots`: as
-        above; map and robots of the first call count."""
-        if self._tour_grid is None:
-            self._tour_grid = TravelGrid(newest, self._radius, COMFORT, robots, cell=TOUR_CELL, like=self.grid)
+    def between(self, stops: Sequence[Tuple[float, float]]) -> np.ndarray:
+        """(n, n) path lengths in metres between n places, infinite where no path leads."""
         return ways_between(self._tour_grid, stops)
+
+    @cached_property
+    def _tour_grid(self) -> TravelGrid:
+        return TravelGrid(self.occupancy, self._radius, COMFORT, self._robots, cell=TOUR_CELL, like=self.grid)
 
 
 def known_near(occupancy: OccupancyMap, x: float, y: float, reach: float = 1.0) -> int:

@@ -80,8 +80,7 @@ def detours(scene: Scene) -> Dict[int, float]:
     if len(stops) < 2:
         return {}
     near = stops[:MAXIMUM_STOPS]
-    newest = scene.newest if scene.newest is not None else scene.ways.occupancy
-    ways = scene.ways.between([cluster.place for cluster in near], scene.on_map, newest)
+    ways = scene.ways.between([cluster.place for cluster in near])
     ways = np.where(np.isfinite(ways), ways, 2.0 * np.array([[cluster.cost for cluster in near]]))
     lengths = tour_lengths(np.array([cluster.cost for cluster in near]), np.minimum(ways, ways.T))
     longer = {cluster.number: float(length - lengths.min()) for cluster, length in zip(near, lengths)}
