@@ -12,6 +12,7 @@ from explorer.messages import FAILED, REACHED, Auction, Emit, Note
 from explorer.options import Options
 from explorer.outcomes import Outcomes
 from explorer.perception import Perception
+from explorer.scene import Scene
 from explorer.scene_maker import SceneMaker
 from explorer.selections import selection_for
 from explorer.senses import Senses
@@ -152,18 +153,19 @@ class Exploration:
         event = self.driver.watch(here, now)
         if event is not None:
             self._take_event(event, now)
-        if self.ending.reached(self._scenes.scene(now), self._senses.fresh(now)):
+        scene = self._scenes.scene(now)
+        if self.ending.reached(scene, self._senses.fresh(now)):
             self._finish(now)
             return
-        self._allocate(now)
+        self._allocate(scene, now)
         self.sharing.share(now)
         self._tell_state()
 
-    def _allocate(self, now: float) -> None:
+    def _allocate(self, scene: Scene, now: float) -> None:
         auction = self.auctions.close_if_complete(now)
         if auction is not None:
             self._selection.close(auction.auction_id, auction.bids, self._scenes.scene(now))
-        scene = self._scenes.scene(now)
+            scene = self._scenes.scene(now)
         if self.driver.may_send(now):
             self._selection.select(scene)
         self._selection.confirm(scene)

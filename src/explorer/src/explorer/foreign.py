@@ -39,19 +39,23 @@ class ForeignFrontiers:
         self._maximum = maximum_per_robot
         self._points: Dict[str, Dict[int, Tuple[float, float]]] = {}
         self._transforms: Dict[str, Tuple[float, ...]] = {}
+        self.revision = 0  # counts the changes
 
     def add(self, element: Element) -> None:
         points = self._points.setdefault(element.detected_by, {})
         points.pop(element.number, None)
+        self.revision += 1
         points[element.number] = (element.x, element.y)
         while len(points) > self._maximum:
             del points[next(iter(points))]
 
     def remove(self, key: Key) -> None:
         self._points.get(key[0], {}).pop(key[1], None)
+        self.revision += 1
 
     def set_transform(self, robot: str, transform: Optional[np.ndarray]) -> None:
         """`transform`: (2, 3) array from the robot's map frame to the own one in metres; None: not known."""
+        self.revision += 1
         if transform is None:
             self._transforms.pop(robot, None)
         else:

@@ -91,7 +91,8 @@ class Verdicts:
 
     def ready(self, numbers: Iterable[int], now: float) -> List[int]:
         """Those of these points that can be tried now."""
-        return [number for number in numbers if self._of[number].ready(now)]
+        of = self._of
+        return [number for number in numbers if of[number].ready(now)]
 
     def awaits_map(self, now: float) -> bool:
         """True while the map has not had time to show what a look has seen."""
