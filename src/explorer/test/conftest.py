@@ -1,4 +1,4 @@
-"""Makes the scripts importable, and offers small maps drawn as text."""
+"""Offers small maps drawn as text."""
 
 import os
 import sys
@@ -7,7 +7,6 @@ from typing import Sequence
 import numpy as np
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(HERE, "..", "scripts"))
 sys.path.insert(0, HERE)
 
 from hypothesis import settings  # noqa: E402

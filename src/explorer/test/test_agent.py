@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from conftest import map_of
 
-from explorer.agent import ExplorerAgent, State
-from explorer.frontiers import Element
+from explorer.agent import ExplorerAgent
+from explorer.foreign import Element
 from explorer.messages import (
     FAILED,
     REACHED,
@@ -24,7 +24,9 @@ from explorer.messages import (
     WriteLog,
 )
 from explorer.options import Options
+from explorer.status import State
 from explorer.travel import TravelGrid
+from explorer.verdicts import Verdict
 
 IDENTITY = np.array([[1.0, 0, 0], [0, 1.0, 0]])
 
@@ -78,6 +80,13 @@ class Bench:
     def place(self, x: float, y: float, yaw: float = 0.0) -> None:
         self.pose = Pose(x, y, yaw)
         self.agent.on_pose(self.pose, self.now)
+
+    def verdicts(self) -> List[Verdict]:
+        frontiers = self.agent.perception.frontiers.ordered()
+        return [self.agent.mission.verdicts.of(frontier.number) for frontier in frontiers]
+
+    def unreachable(self) -> int:
+        return self.agent.status(self.now).unreachable
 
     def goals(self) -> List[SetGoal]:
         return [e for e in self.effects if isinstance(e, SetGoal)]
@@ -157,8 +166,8 @@ def test_visited_frontier_is_no_goal_again() -> None:
             bench.agent.on_goal_result(goal.goal_id, REACHED, "", bench.now)
         bench.run(1.6)
         bench.map(corridor(left=False))
-    assert all(f.visited for f in bench.agent.frontiers.ordered())
-    assert bench.agent.unreachable_count() == 0
+    assert all(f.visited for f in bench.verdicts())
+    assert bench.unreachable() == 0
 
 
 def test_failed_goals_give_a_frontier_up_and_a_changed_map_revives_it() -> None:
@@ -167,8 +176,8 @@ def test_failed_goals_give_a_frontier_up_and_a_changed_map_revives_it() -> None:
         bench.run(9.0)
         assert bench.agent.goal is not None
         bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "no way", bench.now)
-    given_up = [f for f in bench.agent.frontiers.ordered() if f.given_up]
-    assert given_up and bench.agent.unreachable_count() == len(given_up)
+    given_up = [f for f in bench.verdicts() if f.given_up]
+    assert given_up and bench.unreachable() == len(given_up)
     occupancy = corridor(left=False)
     occupancy.cells[1:31, 140] = 0
     bench.map(occupancy)
@@ -177,7 +186,7 @@ def test_failed_goals_give_a_frontier_up_and_a_changed_map_revives_it() -> None:
     occupancy.cells[1:15, 141:150] = 0
     bench.map(occupancy)
     bench.run(0.4)
-    assert not any(f.given_up for f in bench.agent.frontiers.ordered())
+    assert not any(f.given_up for f in bench.verdicts())
 
 
 def fail_behind_a_robot(bench: Bench, times: int) -> None:
@@ -191,7 +200,7 @@ def fail_behind_a_robot(bench: Bench, times: int) -> None:
 def test_a_robot_in_the_way_does_not_make_a_frontier_unreachable() -> None:
     bench = Bench(3).map(corridor(left=False)).join("robot_1", position=(1.0, 0.0))
     fail_behind_a_robot(bench, 2)
-    assert not any(f.given_up or f.failures for f in bench.agent.frontiers.ordered())
+    assert not any(f.given_up or f.failures for f in bench.verdicts())
     assert bench.agent.state != State.FINISHED
 
 
@@ -199,7 +208,7 @@ def test_a_robot_that_stays_in_the_way_does_not_keep_the_mission_from_ending() -
     """A robot that had finished in a door kept another one at its frontier behind it for the rest of the mission."""
     bench = Bench(3).map(corridor(left=False)).join("robot_1", position=(1.0, 0.0))
     fail_behind_a_robot(bench, 6)
-    assert any(f.given_up for f in bench.agent.frontiers.ordered())
+    assert any(f.given_up for f in bench.verdicts())
     for _ in range(40):
         bench.run(5.0)
         bench.agent.on_positions({"robot_1": (1.0, 0.0)}, bench.now)
@@ -218,7 +227,7 @@ def test_clusters_are_given_up_after_the_parameter() -> None:
             if bench.agent.goal is None:
                 return count - 1
             bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "no way", bench.now)
-            if all(f.given_up for f in bench.agent.frontiers.ordered()):
+            if all(f.given_up for f in bench.verdicts()):
                 return count
         return 99
 
@@ -506,18 +515,18 @@ def test_deadline_and_robots_that_do_not_answer() -> None:
     assert not bench.goals()
     bench.run(0.4)
     assert bench.goals() and bench.agent.counters.auctions_uncompleted == 1
-    peer = bench.agent.team.peer("robot_1")
+    peer = bench.agent.mission.team.peer("robot_1")
     assert peer is not None and peer.unanswered == 1
     peer.unanswered = 2
-    assert bench.agent.team.bidders() == set()
+    assert bench.agent.mission.team.bidders() == set()
     bench.agent.on_auction(Auction("robot_1", 5, status=False), bench.now)
-    assert bench.agent.team.bidders() == {"robot_1"}
+    assert bench.agent.mission.team.bidders() == {"robot_1"}
 
 
 def side_of(start: Auction, bench: Bench, side: float) -> int:
     """Row of the cluster on that side in the start message."""
     for row, offer in enumerate(start.requested):
-        frontier = bench.agent.frontiers.frontiers[offer.elements[0][1]]
+        frontier = bench.agent.perception.frontiers.frontiers[offer.elements[0][1]]
         if np.sign(frontier.x) == side:
             return row
     raise AssertionError("no cluster there")
@@ -592,6 +601,46 @@ def test_bids_for_the_other_robots_clusters() -> None:
     assert answer.available[1].bid == -1.0
 
 
+def test_bids_between_a_new_map_and_the_next_step_go_by_the_map_that_was_perceived() -> None:
+    """Tours were measured on the new map, clusters on the one before: the bids were of neither."""
+
+    def bids(walled: bool) -> List[float]:
+        occupancy, closed_off = corridor(), corridor()
+        for each in (occupancy, closed_off):
+            each.cells[12:20, 75:83] = -1
+        closed_off.cells[:, 100] = 100
+        bench = Bench(7).map(occupancy).join("robot_1", position=(-3.0, 0.0))
+        bench.run(2.0)
+        bench.map(occupancy)
+        bench.tick()
+        if walled:
+            bench.map(closed_off)
+        clusters = bench.agent.perception.clusters
+        offers = tuple(Bid(tuple(("robot_0", number) for number in cluster.numbers)) for cluster in clusters)
+        bench.agent.on_auction(Auction("robot_1", 10001, True, start=True, requested=offers), bench.now)
+        answer = next(a for a in (e.auction for e in bench.tick() if isinstance(e, SendAuction)) if not a.status)
+        return [bid.bid for bid in answer.available]
+
+    assert min(bids(False)) > 0.0
+    assert bids(True) == bids(False)
+
+
+def test_a_look_between_a_larger_map_and_the_next_step_goes_by_the_map_that_was_perceived() -> None:
+    """Cells of the new map were looked up in the one before, so what the robot saw counted as hidden."""
+    bench = Bench(3).map(corridor(left=False))
+    bench.run(1.0)
+    goal = bench.agent.goal
+    assert goal is not None
+    bench.place(goal.pose.x, goal.pose.y, goal.pose.yaw)
+    known = corridor(left=False)
+    grown = np.full((132, 302), -1, dtype=np.int8)
+    grown[100:, 100:] = known.cells
+    bench.map(map_of(grown, 0.1, x=-20.0, y=-11.6))
+    bench.agent.on_goal_result(goal.goal_id, REACHED, "", bench.now)
+    looked = sum(verdict.looks for verdict in bench.verdicts())
+    assert looked > 1, "the goal's frontier and those beside it"
+
+
 def test_without_a_transform_the_answer_is_empty_and_the_robot_is_not_counted() -> None:
     bench = Bench(1).map(corridor())
     bench.agent.on_robots(["robot_1"], bench.now)
@@ -659,7 +708,7 @@ def test_two_robots_that_chose_the_same_cluster_settle_it() -> None:
         bench.agent.on_frontiers(elements, bench.now)
         bench.agent.on_auction(Auction("robot_1", 10001, True, start=True, requested=(Bid(keys, bid),)), bench.now)
         bench.agent.on_auction(Auction("robot_1", 10001, True, finished=True, occupied=keys), bench.now)
-        assert (bench.agent._cluster is not None) == keeps
+        assert (bench.agent.mission.claim.number is not None) == keeps
 
 
 def test_forged_and_huge_messages_are_bounded() -> None:
@@ -669,7 +718,7 @@ def test_forged_and_huge_messages_are_bounded() -> None:
         bench.agent.on_frontiers([Element(f"ghost_{number}", 1, float("nan"), 0.0)], bench.now)
     bench.agent.on_auction(Auction("robot_0", 1, True, finished=True, occupied=(("robot_0", 0),)), bench.now)
     bench.run(1.0)
-    assert len(bench.agent.team.known()) <= 100
+    assert len(bench.agent.mission.team.known()) <= 100
     assert bench.agent.foreign.count() == 0
 
 
@@ -688,7 +737,7 @@ def test_positions_that_cannot_be_do_not_end_the_node(value: float) -> None:
         bench.agent.on_positions({"robot_1": (value, 0.0), "robot_2": (0.5, -value)}, bench.now)
         bench.map(corridor())
         bench.run(0.4)
-    assert bench.goals() and bench.agent.team.positions(bench.now)["robot_1"] == (-3.0, 0.0)
+    assert bench.goals() and bench.agent.mission.team.positions(bench.now)["robot_1"] == (-3.0, 0.0)
     assert len(complaints(bench)) == 1 and "robot_1, robot_2" in complaints(bench)[0]
 
 
@@ -774,7 +823,7 @@ def test_a_negotiated_cluster_that_was_given_up_is_no_longer_claimed() -> None:
     bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "no way", bench.now)
     bench.run(2.0)
     lists = [e for e in bench.run(20.0) if isinstance(e, SendFrontiers) and e.topic == "negotiation_list"]
-    assert bench.agent.unreachable_count() > 0 and not lists
+    assert bench.unreachable() > 0 and not lists
 
 
 def test_traces_of_a_robot_in_the_only_door_do_not_end_the_mission() -> None:
@@ -812,7 +861,7 @@ def test_closer_looks_are_bounded() -> None:
         bench.run(1.0)
         if bench.agent.goal is not None and bench.agent.finished_at is None:
             bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "no way", bench.now)
-    assert bench.agent.finished_at is not None and 1 <= len(bench.agent._closer_looks) <= 20
+    assert bench.agent.finished_at is not None and 1 <= len(bench.agent.mission.ending.closer_looks) <= 20
 
 
 def test_frontier_that_no_look_changes_does_not_hold_the_robot_for_ever() -> None:

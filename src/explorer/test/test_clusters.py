@@ -6,8 +6,10 @@ from conftest import drawn, map_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from explorer.clusters import Cluster, ClusterStore, group, match, split_long
-from explorer.frontiers import Element, ForeignFrontiers, Frontier
+from explorer.clusters import Cluster, ClusterStore, group, split_long
+from explorer.foreign import Element, ForeignFrontiers
+from explorer.frontiers import Frontier
+from explorer.recognition import listed, match
 
 
 def frontiers(*points: tuple, first: int = 0) -> list:
@@ -73,7 +75,7 @@ def test_clusters_keep_their_numbers() -> None:
 
 def shifted_listing(count: int, share: float, shift: float) -> tuple:
     """An own cluster of `count` points, and the keys of another robot's points next to that share of them."""
-    own = Cluster(1, frontiers(*[(0.5 * i, 0.0) for i in range(count)]))
+    own = Cluster(1, tuple(frontiers(*[(0.5 * i, 0.0) for i in range(count)])))
     foreign = ForeignFrontiers()
     foreign.set_transform("robot_1", np.array([[1.0, 0, -20.0], [0, 1.0, 0]]))
     keys = []
@@ -86,29 +88,29 @@ def shifted_listing(count: int, share: float, shift: float) -> tuple:
 def test_more_than_forty_percent_match() -> None:
     own, foreign, keys = shifted_listing(10, 0.3, 0.0)
     # Three listed points cover themselves and the next point within the matching distance: four of ten.
-    assert match([own], keys, foreign, "robot_0") is None
+    assert match([own], listed(keys, foreign, "robot_0")) is None
     own, foreign, keys = shifted_listing(10, 0.4, 0.0)
-    assert match([own], keys, foreign, "robot_0") is own
+    assert match([own], listed(keys, foreign, "robot_0")) is own
 
 
 def test_no_match_without_a_transform_or_far_away() -> None:
     own, foreign, keys = shifted_listing(10, 1.0, 0.0)
     foreign.set_transform("robot_1", None)
-    assert match([own], keys, foreign, "robot_0") is None
+    assert match([own], listed(keys, foreign, "robot_0")) is None
     own, foreign, keys = shifted_listing(10, 1.0, 0.0)
     foreign.set_transform("robot_1", np.array([[1.0, 0, -27.0], [0, 1.0, 0]]))
-    assert match([own], keys, foreign, "robot_0") is None
+    assert match([own], listed(keys, foreign, "robot_0")) is None
 
 
 def test_own_elements_match_by_key() -> None:
-    own = Cluster(1, frontiers((0, 0), (0.5, 0), (1, 0)))
+    own = Cluster(1, tuple(frontiers((0, 0), (0.5, 0), (1, 0))))
     foreign = ForeignFrontiers()
-    assert match([own], [("robot_0", 0), ("robot_0", 2)], foreign, "robot_0") is own
-    assert match([own], [("robot_0", 0)], foreign, "robot_0") is None
-    assert match([own], [("robot_5", 0), ("robot_5", 1)], foreign, "robot_0") is None
+    assert match([own], listed([("robot_0", 0), ("robot_0", 2)], foreign, "robot_0")) is own
+    assert match([own], listed([("robot_0", 0)], foreign, "robot_0")) is None
+    assert match([own], listed([("robot_5", 0), ("robot_5", 1)], foreign, "robot_0")) is None
 
 
 def test_the_better_match_wins() -> None:
-    near, far = Cluster(1, frontiers((0, 0), (0.5, 0))), Cluster(2, frontiers((5, 0), (5.5, 0), first=5))
+    near, far = Cluster(1, tuple(frontiers((0, 0), (0.5, 0)))), Cluster(2, tuple(frontiers((5, 0), (5.5, 0), first=5)))
     keys = [("robot_0", 0), ("robot_0", 5), ("robot_0", 6)]
-    assert match([near, far], keys, ForeignFrontiers(), "robot_0") is far
+    assert match([near, far], listed(keys, ForeignFrontiers(), "robot_0")) is far

@@ -8,15 +8,9 @@ from conftest import drawn, map_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from explorer.frontiers import (
-    THINNING_DISTANCE,
-    Element,
-    ForeignFrontiers,
-    FrontierStore,
-    frontier_cells,
-    rigid_transform,
-    thin,
-)
+from explorer.foreign import Element, ForeignFrontiers, rigid_transform
+from explorer.frontiers import THINNING_DISTANCE, FrontierStore, thin
+from explorer.worth import frontier_cells
 
 HALL = ["############", "#......     ", "#......     ", "#......     ", "############"]
 
@@ -79,19 +73,6 @@ def test_numbers_persist_while_the_frontier_does() -> None:
     seen = drawn(["############", "#.........  ", "#.........  ", "#.........  ", "############"], scale=10)
     new, gone = store.update(seen, frontier_cells(seen, 0.4))
     assert new and gone and min(f.number for f in new) > max(f.number for f in gone)
-
-
-def test_a_point_found_anew_where_one_was_visited_is_visited() -> None:
-    store = FrontierStore()
-    occupancy = drawn(HALL, scale=10)
-    cells = frontier_cells(occupancy, 0.4)
-    store.update(occupancy, cells)
-    for frontier in store.ordered():
-        frontier.visited = True
-    store.update(occupancy, np.zeros_like(cells))
-    assert not store.ordered()
-    new, _ = store.update(occupancy, cells)
-    assert new and all(frontier.visited for frontier in new)
 
 
 def test_foreign_points_follow_a_refined_transform_and_need_one() -> None:

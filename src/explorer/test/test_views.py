@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from conftest import drawn, map_of
 
-from explorer.choice import frontier_order, travel_bid
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
+from explorer.messages import Pose
 from explorer.travel import TravelGrid
 from explorer.views import Views, sees
 
@@ -54,13 +54,13 @@ def test_view_distance_limits() -> None:
 def test_cluster_takes_the_cheapest_place_near_its_middle() -> None:
     occupancy = drawn(HALL, scale=10)
     members = [Frontier(i, 6.95, 1.3 + 0.2 * i) for i in range(13)]
-    cluster = Cluster(1, members)
     views = views_of(occupancy, (2.0, 2.5))
-    views.assess([cluster], [members])
+    bare = Cluster(1, tuple(members))
+    (cluster,) = views.assess([bare], {member.number: member for member in members})
     assert cluster.reachable and cluster.target is not None and cluster.viewpoint is not None
     assert abs(cluster.viewpoint[1] - 2.5) < 0.5
     assert cluster.gain > 4.0
-    views.assess([cluster], [[]])
+    (cluster,) = views.assess([bare], {})
     assert not cluster.reachable and cluster.viewpoint is None
 
 
@@ -74,31 +74,13 @@ def test_gain_counts_what_lies_outside_of_the_map() -> None:
 def test_field_of_view() -> None:
     occupancy = map_of(np.zeros((100, 100)), 0.1)
     occupied = occupancy.occupied.copy()
-    behind, ahead = Frontier(1, 2.0, 5.0), Frontier(2, 8.0, 5.0)
-    assert sees(occupied, occupancy, 5.0, 5.0, 0.0, 4.71, ahead)
-    assert not sees(occupied, occupancy, 5.0, 5.0, 0.0, 4.71, behind)
-    assert sees(occupied, occupancy, 5.0, 5.0, 0.0, 2 * math.pi, behind)
+    pose = Pose(5.0, 5.0, 0.0)
+    behind, ahead = (2.0, 5.0), (8.0, 5.0)
+    assert sees(occupied, occupancy.info, pose, 4.71, ahead)
+    assert not sees(occupied, occupancy.info, pose, 4.71, behind)
+    assert sees(occupied, occupancy.info, pose, 2 * math.pi, behind)
     occupied[:, 65] = True
-    assert not sees(occupied, occupancy, 5.0, 5.0, 0.0, 4.71, ahead)
-
-
-def test_random_order_depends_on_the_seed_alone() -> None:
-    frontiers = [Frontier(i, float(i), 0.0) for i in range(20)]
-    views = {i: (float(i), 0.0, float(i)) for i in range(20)}
-
-    def order(seed: int) -> list:
-        random = np.random.default_rng(seed)
-        return [f.number for f in frontier_order(4, views, frontiers, (0.0, 0.0), random)]
-
-    assert order(1) == order(1) != order(2)
-
-
-def test_bid_of_strategy_7() -> None:
-    assert travel_bid(5.0, 0.0) < travel_bid(6.0, 0.0)
-    assert travel_bid(5.0, 4.0) < travel_bid(5.0, 0.0)
-    assert travel_bid(5.0, 0.0, turn=1.0) > travel_bid(5.0, 0.0)
-    assert travel_bid(5.0, 0.0, detour=3.0) > travel_bid(5.0, 0.0)
-    assert travel_bid(0.0, 1000.0) >= 0.0
+    assert not sees(occupied, occupancy.info, pose, 4.71, ahead)
 
 
 def test_views_that_take_over_from_former_ones_are_the_same() -> None:

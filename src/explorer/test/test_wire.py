@@ -14,7 +14,8 @@ for package in ("adhoc_communication.msg", "explorer.msg", "move_base_msgs.msg")
 from explorer import ros_io  # noqa: E402
 from explorer.auction import OpenAuction, reply_message  # noqa: E402
 from explorer.clusters import Cluster  # noqa: E402
-from explorer.frontiers import Element, Frontier  # noqa: E402
+from explorer.foreign import Element  # noqa: E402
+from explorer.frontiers import Frontier  # noqa: E402
 from explorer.messages import Auction, Bid  # noqa: E402
 from explorer.options import Options  # noqa: E402
 
@@ -40,7 +41,7 @@ def test_points_keep_their_robot_however_many_there_are(sender: str, receiver: s
 @pytest.mark.parametrize("sender, receiver, simulation", SENDERS)
 def test_bids_find_their_cluster_however_high_its_numbers_are(sender: str, receiver: str, simulation: bool) -> None:
     """Bids for such points were dropped, and the bidder was taken for one that has finished."""
-    cluster = Cluster(3, [Frontier(number, 0.1 * number, 0.0) for number in (9999, 10000, 20001)])
+    cluster = Cluster(3, tuple(Frontier(number, 0.1 * number, 0.0) for number in (9999, 10000, 20001)))
     auction = OpenAuction(7, [cluster], sender, {receiver}, 1.0)
     here, there = wire(sender, simulation), wire(receiver, simulation)
     start = there.auction_from(here.auction_to(auction.start_message({3: 4.0})))

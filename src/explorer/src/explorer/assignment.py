@@ -26,6 +26,13 @@ def assign(costs: np.ndarray) -> Dict[int, int]:
     return {int(c): int(r) for r, c in zip(rows, columns) if bounded[r, c] < FORBIDDEN}
 
 
+def assigned(others: np.ndarray, own: np.ndarray) -> Optional[int]:
+    """The own row in the cheapest assignment. `others`: (rows, robots) costs of the other robots; `own`: (rows,)."""
+    if len(own) == 0:
+        return None
+    return assign(np.column_stack([others, own])).get(others.shape[1])
+
+
 def cost_matrix(
     clusters: int,
     robots: Sequence[str],

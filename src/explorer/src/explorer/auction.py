@@ -4,7 +4,7 @@ import zlib
 from typing import Dict, Sequence, Set, Tuple
 
 from explorer.clusters import Cluster
-from explorer.frontiers import Key
+from explorer.foreign import Key
 from explorer.messages import Auction, Bid
 
 

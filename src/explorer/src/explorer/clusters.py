@@ -1,15 +1,15 @@
-"""Clusters of frontier points, and recognising another robot's cluster among the own ones (contract 3.6, 3.7)."""
+"""Clusters: frontier points that one robot explores together (contract 3.6)."""
 
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Dict, List, Optional, Sequence, Set, Tuple
+from typing import Dict, FrozenSet, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from explorer._kernels import components, lines_are_clear, near_any
-from explorer.frontiers import ForeignFrontiers, Frontier, Key
+from explorer._kernels import components, lines_are_clear
+from explorer.frontiers import Frontier
 from explorer.grid import OccupancyMap
 
 # Half edges in metres of the boxes of contract 3.6: clusters closer than the first are one; a point on its own
@@ -17,32 +17,30 @@ from explorer.grid import OccupancyMap
 MERGING_DISTANCE = 0.8
 JOINING_DISTANCE = 1.0
 
-# Share of a cluster's elements that must be listed for it to be the listed cluster (contract 3.7).
-MATCHING_SHARE = 0.4
-
-# A listed point of another robot stands for an own one within this distance in metres: the two robots thinned
-# different maps, so the points differ by up to two thinning distances and the error of the transform.
-MATCHING_DISTANCE = 0.6
-
 # Clusters longer than this in metres are cut, so that several robots can share a long frontier.
 LONGEST_CLUSTER = 8.0
 
 
-@dataclass
+View = Tuple[float, float, float]
+"""Where to look from, x and y, and the path length to there, all in metres."""
+
+
+@dataclass(frozen=True)
 class Cluster:
     """Frontier points that one robot explores together.
 
-    `members` are own frontiers. `cost` is the path length in metres from the robot to `viewpoint`, infinite while no
-    member can be seen from a reachable place; `gain` is the unknown area in square metres around it.
+    `members` are own frontiers, `views` {number: view} of those that are worth a visit and in sight of a reachable
+    place. `cost` is the path length in metres from the robot to the nearest of these, infinite without any. The robot
+    drives to `viewpoint` (metres) to look at the member `target`. `gain` is the unknown area in square metres around.
     """
 
     number: int
-    members: List[Frontier]
+    members: Tuple[Frontier, ...]
     cost: float = math.inf
     viewpoint: Optional[Tuple[float, float]] = None
     target: Optional[int] = None
     gain: float = 0.0
-    views: Dict[int, Tuple[float, float, float]] = field(default_factory=dict)
+    views: Mapping[int, View] = field(default_factory=dict)
 
     @cached_property
     def points(self) -> np.ndarray:
@@ -55,8 +53,13 @@ class Cluster:
         return (float(x), float(y))
 
     @cached_property
-    def numbers(self) -> Set[int]:
-        return {member.number for member in self.members}
+    def numbers(self) -> FrozenSet[int]:
+        return frozenset(member.number for member in self.members)
+
+    @property
+    def place(self) -> Tuple[float, float]:
+        """Where to go in metres: the viewpoint, or the middle while there is none."""
+        return self.viewpoint if self.viewpoint is not None else self.centre
 
     @property
     def reachable(self) -> bool:
@@ -125,7 +128,7 @@ class ClusterStore:
 
     def __init__(self, first_number: int = 0) -> None:
         self._next = first_number
-        self.clusters: List[Cluster] = []
+        self.clusters: List[Cluster] = []  # without views
 
     def update(self, frontiers: Sequence[Frontier], occupancy: OccupancyMap) -> List[Cluster]:
         points = np.array([(f.x, f.y) for f in frontiers], dtype=float).reshape(-1, 2)
@@ -154,44 +157,5 @@ class ClusterStore:
             if index not in taken:
                 taken[index] = self._next
                 self._next += 1
-            result.append(Cluster(taken[index], members))
+            result.append(Cluster(taken[index], tuple(members)))
         return sorted(result, key=lambda cluster: cluster.number)
-
-
-def places_of(listed: Sequence[Key], foreign: ForeignFrontiers, self_name: str) -> np.ndarray:
-    """(n, 2) array in metres in the own frame of the listed points of other robots whose place is known."""
-    places = foreign.all_in_own_frame([key for key in listed if key[0] != self_name])
-    return np.array(places, dtype=float).reshape(-1, 2)
-
-
-class Listed:
-    """Elements that another robot has listed, to be compared with the own clusters."""
-
-    def __init__(self, listed: Sequence[Key], foreign: ForeignFrontiers, self_name: str) -> None:
-        self._own = {number for robot, number in listed if robot == self_name}
-        self._places = places_of(listed, foreign, self_name)
-
-    def share_of(self, cluster: Cluster) -> float:
-        """Share of a cluster's members that are listed: by their own key, or by a listed point of another robot within
-        `MATCHING_DISTANCE`."""
-        if not cluster.members:
-            return 0.0
-        found = near_any(cluster.points, self._places, MATCHING_DISTANCE)
-        if self._own:
-            found |= np.array([member.number in self._own for member in cluster.members], dtype=bool)
-        return int(np.count_nonzero(found)) / len(found)
-
-
-def match(
-    clusters: Sequence[Cluster], listed: Sequence[Key], foreign: ForeignFrontiers, self_name: str
-) -> Optional[Cluster]:
-    """The own cluster that another robot means by a list of elements: the one with the largest share listed, if
-    that is above `MATCHING_SHARE`; None if there is none."""
-    elements = Listed(listed, foreign, self_name)
-    best: Optional[Cluster] = None
-    best_share = MATCHING_SHARE
-    for cluster in clusters:
-        share = elements.share_of(cluster)
-        if share > best_share:
-            best, best_share = cluster, share
-    return best

@@ -1,9 +1,9 @@
 """What goes in and out of the agent, as plain values. `ros_io` converts them from and to ROS messages."""
 
 from dataclasses import dataclass
-from typing import Tuple, Union
+from typing import Callable, Tuple, Union
 
-from explorer.frontiers import Element, Key
+from explorer.foreign import Element, Key
 
 
 @dataclass(frozen=True)
@@ -100,6 +100,9 @@ class Note:
 
 
 Effect = Union[SendFrontiers, SendAuction, SetGoal, CancelGoal, AskTransform, LogOutput, WriteLog, Note]
+
+Emit = Callable[[Effect], None]
+"""Takes an effect; they are carried out in the order given."""
 
 # Outcomes of a goal for `on_goal_result`.
 REACHED = "reached"

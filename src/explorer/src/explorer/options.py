@@ -6,19 +6,11 @@ import socket
 from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
+from explorer import strategies
 from explorer.errors import ParameterError
 from explorer.grid import FARTHEST, is_place
 
-STRATEGIES = {
-    0: "nearest frontier by travel path",
-    1: "auction of clusters, Hungarian assignment (the paper's form)",
-    2: "furthest frontier",
-    3: "nearest frontier, Euclidean",
-    4: "random frontier",
-    5: "nearest cluster with negotiation",
-    6: "random cluster with negotiation",
-    7: "auction by travel cost and information gain, continuous reassignment (the best one there is)",
-}
+STRATEGIES = strategies.TITLES
 
 
 @dataclass(frozen=True)

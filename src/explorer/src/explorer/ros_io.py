@@ -21,13 +21,13 @@ from nav_msgs.msg import GridCells, OccupancyGrid
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from explorer.agent import ExplorerAgent
 from explorer.errors import MapError
-from explorer.frontiers import Element, Key, rigid_transform
+from explorer.foreign import Element, Key, rigid_transform
 from explorer.grid import GridInfo, OccupancyMap
 from explorer.messages import Auction, Bid, Pose, SendAuction, SendFrontiers
 from explorer.msg import ExplorationState
 from explorer.options import Options, number_of
+from explorer.status import Picture, Status
 
 COLOURS: Sequence[Tuple[float, float, float]] = ((0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1))
 CLUSTER_CELL = 0.5
@@ -160,32 +160,31 @@ def point_to(x: float, y: float, frame: str, stamp: rospy.Time) -> PointStamped:
     return message
 
 
-def state_to(agent: ExplorerAgent, now: float) -> ExplorationState:
-    goal = agent.goal
+def state_to(status: Status) -> ExplorationState:
+    goal = status.goal
     return ExplorationState(
-        robot_name=agent.name,
-        state=int(agent.state),
-        text=agent.text,
-        exploration_finished=agent.finished_at is not None,
-        exploration_time=agent.exploration_time(now),
+        robot_name=status.robot,
+        state=int(status.state),
+        text=status.text,
+        exploration_finished=status.finished,
+        exploration_time=status.exploration_time,
         has_goal=goal is not None,
-        goal=Point(goal.pose.x, goal.pose.y, 0.0) if goal is not None else Point(),
-        frontiers=len(agent.frontiers.frontiers),
-        clusters=len(agent.clusters.clusters),
-        unreachable=agent.unreachable_count(),
-        goals_reached=agent.counters.goals_reached,
-        auctions_completed=agent.counters.auctions_completed,
-        auctions_uncompleted=agent.counters.auctions_uncompleted,
+        goal=Point(goal.x, goal.y, 0.0) if goal is not None else Point(),
+        frontiers=status.frontiers,
+        clusters=status.clusters,
+        unreachable=status.unreachable,
+        goals_reached=status.counters.goals_reached,
+        auctions_completed=status.counters.auctions_completed,
+        auctions_uncompleted=status.counters.auctions_uncompleted,
     )
 
 
-def frontier_markers(agent: ExplorerAgent, frame: str, stamp: rospy.Time, visited: bool) -> MarkerArray:
+def frontier_markers(picture: Picture, frame: str, stamp: rospy.Time, visited: bool) -> MarkerArray:
     """Spheres of 0.2 m in namespace my_namespace, one list per robot: own red, the others by number."""
-    own = [(f.x, f.y) for f in agent.frontiers.ordered() if f.visited == visited]
-    lists = [(0, (1.0, 0.0, 0.0), own)]
+    lists = [(0, (1.0, 0.0, 0.0), picture.visited if visited else picture.own)]
     if not visited:
-        for number, robot in enumerate(agent.foreign.robots()):
-            lists.append((number + 1, COLOURS[number_of(robot) % len(COLOURS) - 1], agent.foreign.places(robot)))
+        for number, (robot, places) in enumerate(picture.others.items()):
+            lists.append((number + 1, COLOURS[number_of(robot) % len(COLOURS) - 1], places))
     return MarkerArray([_spheres(number, colour, points, frame, stamp) for number, colour, points in lists])
 
 
@@ -203,12 +202,12 @@ def _spheres(
     return marker
 
 
-def cluster_grids(agent: ExplorerAgent, count: int, frame: str, stamp: rospy.Time) -> List[GridCells]:
+def cluster_grids(picture: Picture, count: int, frame: str, stamp: rospy.Time) -> List[GridCells]:
     """Cells of 0.5 m at the members of the clusters, by cluster number modulo `count`; unused grids hold one cell
     far away (contract 3.2)."""
     grids = [GridCells(cell_width=CLUSTER_CELL, cell_height=CLUSTER_CELL) for _ in range(count)]
-    for cluster in agent.clusters.clusters:
-        grids[cluster.number % count].cells += [Point(f.x, f.y, 0.0) for f in cluster.members]
+    for number, places in picture.clusters.items():
+        grids[number % count].cells += [Point(x, y, 0.0) for x, y in places]
     for grid in grids:
         grid.header.frame_id, grid.header.stamp = frame, stamp
         if not grid.cells:

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
-from explorer.frontiers import Key
+from explorer.foreign import Key
 
 Position = Tuple[float, float]
 
@@ -18,7 +18,7 @@ SILENT_AFTER = 2
 MAXIMUM_ROBOTS = 100
 
 
-@dataclass
+@dataclass(frozen=True)
 class Claim:
     """The elements of the cluster that a robot explores, since or confirmed at `time`, and its bid if it told one."""
 

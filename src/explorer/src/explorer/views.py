@@ -1,16 +1,19 @@
 """From where the robot looks at a frontier, and what it costs to get there."""
 
 import math
+from dataclasses import replace
 from functools import cached_property
-from typing import List, Optional, Sequence, Tuple
+from typing import List, Mapping, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 
 from explorer._kernels import lines_are_clear, nearest_views
-from explorer.clusters import Cluster
+from explorer.clusters import Cluster, View
 from explorer.frontiers import Frontier
-from explorer.grid import OccupancyMap, line_is_clear
+from explorer.geometry import turn
+from explorer.grid import GridInfo, OccupancyMap, line_is_clear
+from explorer.messages import Pose
 from explorer.travel import CostField
 
 # A viewpoint keeps this far from obstacles and unknown cells where it can, in metres.
@@ -18,8 +21,6 @@ PREFERRED_CLEARANCE = 0.35
 
 # Half edge in metres of the square in which the unknown area around a cluster is counted.
 GAIN_REACH = 2.0
-
-View = Tuple[float, float, float]
 
 
 class Views:
@@ -82,30 +83,31 @@ class Views:
         costs = self._field.cost.ravel()[cells].tolist()
         return [(x, y, cost) if cell >= 0 else None for (x, y), cost, cell in zip(places, costs, cells.tolist())]
 
-    def assess(self, clusters: Sequence[Cluster], active: Sequence[Sequence[Frontier]]) -> None:
-        """Sets cost, viewpoint, target and gain of each cluster from those of its members that are goals."""
-        members = [member for goals in active for member in goals]
+    def assess(self, clusters: Sequence[Cluster], goals: Mapping[int, Frontier]) -> Tuple[Cluster, ...]:
+        """The clusters with cost, viewpoint, target, gain and views from those of their members that are `goals`."""
+        active = [[member for member in cluster.members if member.number in goals] for cluster in clusters]
+        members = [member for chosen in active for member in chosen]
         points = np.array([(member.x, member.y) for member in members], dtype=float).reshape(-1, 2)
-        views = iter(self.of(points, np.repeat(np.arange(len(active)), [len(goals) for goals in active])))
-        for cluster, goals in zip(clusters, active):
-            self._assess(cluster, goals, [next(views) for _ in goals])
+        views = iter(self.of(points, np.repeat(np.arange(len(active)), [len(chosen) for chosen in active])))
+        return tuple(
+            self._assessed(cluster, chosen, [next(views) for _ in chosen]) for cluster, chosen in zip(clusters, active)
+        )
 
-    def _assess(self, cluster: Cluster, active: Sequence[Frontier], views: Sequence[Optional[View]]) -> None:
-        cluster.cost, cluster.viewpoint, cluster.target = math.inf, None, None
-        cluster.views = {member.number: view for member, view in zip(active, views) if view is not None}
-        cluster.gain = self.gain(*cluster.centre)
-        if not cluster.views:
-            return
-        least = min(view[2] for view in cluster.views.values())
+    def _assessed(self, cluster: Cluster, active: Sequence[Frontier], views: Sequence[Optional[View]]) -> Cluster:
+        found = {member.number: view for member, view in zip(active, views) if view is not None}
+        gain = self.gain(*cluster.centre)
+        if not found:
+            return replace(cluster, cost=math.inf, viewpoint=None, target=None, gain=gain, views={})
+        least = min(view[2] for view in found.values())
         centre = cluster.centre
         # A little more way for a place nearer to the middle: it shows more of the cluster.
         best = min(
-            (math.hypot(member.x - centre[0], member.y - centre[1]), member.number, member)
+            (math.hypot(member.x - centre[0], member.y - centre[1]), member.number)
             for member in active
-            if member.number in cluster.views and cluster.views[member.number][2] <= least + 0.7
-        )[2]
-        x, y, _ = cluster.views[best.number]
-        cluster.cost, cluster.viewpoint, cluster.target = least, (x, y), best.number
+            if member.number in found and found[member.number][2] <= least + 0.7
+        )[1]
+        x, y, _ = found[best]
+        return replace(cluster, cost=least, viewpoint=(x, y), target=best, gain=gain, views=found)
 
     def gain(self, x: float, y: float) -> float:
         """Unknown area in square metres in the square around a point."""
@@ -142,16 +144,14 @@ class Views:
         return (float(places[first, 0]), float(places[first, 1]), float(self._field.cost[cell[0], cell[1]]))
 
 
-def sees(
-    occupied: np.ndarray, occupancy: OccupancyMap, x: float, y: float, yaw: float, field_of_view: float, point: Frontier
-) -> bool:
-    """True if a robot there, with a sensor of that field of view (rad), has the point in view, walls considered."""
-    bearing = math.atan2(point.y - y, point.x - x) - yaw
-    bearing = abs(math.atan2(math.sin(bearing), math.cos(bearing)))
-    near = math.hypot(point.x - x, point.y - y) < 0.3
+def sees(occupied: np.ndarray, info: GridInfo, pose: Pose, field_of_view: float, point: Tuple[float, float]) -> bool:
+    """True if a robot there, with a sensor of that field of view (rad), has the point (m) in view, walls considered."""
+    x, y = point
+    bearing = abs(turn(pose.yaw, math.atan2(y - pose.y, x - pose.x)))
+    near = math.hypot(x - pose.x, y - pose.y) < 0.3
     if bearing > field_of_view / 2 and not near:
         return False
-    return line_is_clear(occupied, occupancy.info.cell_of(x, y), occupancy.info.cell_of(point.x, point.y))
+    return line_is_clear(occupied, info.cell_of(pose.x, pose.y), info.cell_of(x, y))
 
 
 class _NearestCell:

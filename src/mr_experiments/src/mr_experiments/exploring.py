@@ -96,7 +96,6 @@ class Explorer:
         self._listener, self._clock = listener, clock
         self._wire = ros_io.Wire(options)
         self._calls, self._bid_calls = _Calls(3, agenda, clock), _Calls(2, agenda, clock)
-        self._robots: list[str] = []
         self._running = True
 
     def start(self, now: float) -> None:
@@ -131,12 +130,10 @@ class Explorer:
 
     def on_robots(self, robots: list[str]) -> None:
         """All that the radio knows now."""
-        self._robots = robots
         self.agent.on_robots(robots, self._clock())
 
     def on_robot(self, robot: str, present: bool) -> None:
-        others = [name for name in self._robots if name != robot]
-        self.on_robots([*others, robot] if present else others)
+        self.agent.on_robot(robot, present, self._clock())
 
     def on_goal_result(self, goal_id: int, outcome: str, text: str) -> None:
         self.agent.on_goal_result(goal_id, outcome, text, self._clock())

@@ -8,7 +8,7 @@ from typing import Callable
 
 import numpy as np
 
-from explorer.agent import State
+from explorer.status import State
 from mr_experiments import base_station
 from mr_experiments.agenda import Agenda
 from mr_experiments.base_station import BaseStation

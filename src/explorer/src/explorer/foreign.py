@@ -1,0 +1,118 @@
+"""Frontier points as they travel between robots, and those that others have reported."""
+
+import math
+from dataclasses import dataclass
+from typing import Dict, List, Optional, Sequence, Tuple
+
+import numpy as np
+
+from explorer.grid import is_place
+
+# Points of one robot that are kept.
+MAXIMUM_POINTS = 4000
+
+Key = Tuple[str, int]
+
+
+@dataclass(frozen=True)
+class Element:
+    """A frontier point as it travels: position in metres in the map frame of the robot that detected it."""
+
+    detected_by: str
+    number: int
+    x: float
+    y: float
+
+    @property
+    def key(self) -> Key:
+        return (self.detected_by, self.number)
+
+
+class ForeignFrontiers:
+    """Frontier points that other robots have reported, per detecting robot, bounded, newest kept.
+
+    Coordinates stay in the detector's map frame; `in_own_frame` applies the newest transform at every call, so that
+    a refined transform takes effect at once. Without a transform a robot's points do not take part.
+    """
+
+    def __init__(self, maximum_per_robot: int = MAXIMUM_POINTS) -> None:
+        self._maximum = maximum_per_robot
+        self._points: Dict[str, Dict[int, Tuple[float, float]]] = {}
+        self._transforms: Dict[str, Tuple[float, ...]] = {}
+        self.revision = 0  # counts the changes
+
+    def add(self, element: Element) -> None:
+        points = self._points.setdefault(element.detected_by, {})
+        points.pop(element.number, None)
+        self.revision += 1
+        points[element.number] = (element.x, element.y)
+        while len(points) > self._maximum:
+            del points[next(iter(points))]
+
+    def remove(self, key: Key) -> None:
+        self._points.get(key[0], {}).pop(key[1], None)
+        self.revision += 1
+
+    def set_transform(self, robot: str, transform: Optional[np.ndarray]) -> None:
+        """`transform`: (2, 3) array from the robot's map frame to the own one in metres; None: not known."""
+        self.revision += 1
+        if transform is None:
+            self._transforms.pop(robot, None)
+        else:
+            self._transforms[robot] = tuple(np.asarray(transform, dtype=float).reshape(6).tolist())
+
+    def has_transform(self, robot: str) -> bool:
+        return robot in self._transforms
+
+    def robots(self) -> List[str]:
+        return sorted(self._points)
+
+    def count(self) -> int:
+        return sum(len(points) for points in self._points.values())
+
+    def places(self, robot: str) -> List[Tuple[float, float]]:
+        """Points of a robot in metres in the own map frame; none without a transform."""
+        return self.all_in_own_frame([(robot, number) for number in self._points.get(robot, {})])
+
+    def to_own_frame(self, element: Element) -> Optional[Tuple[float, float]]:
+        transform = self._transforms.get(element.detected_by)
+        if transform is None:
+            return None
+        return _transformed(transform, element.x, element.y)
+
+    def in_own_frame(self, key: Key) -> Optional[Tuple[float, float]]:
+        """(x, y) in metres in the own map frame, or None if the point or the transform is not known."""
+        places = self.all_in_own_frame([key])
+        return places[0] if places else None
+
+    def all_in_own_frame(self, keys: Sequence[Key]) -> List[Tuple[float, float]]:
+        """(x, y) in metres in the own map frame of those points that are known, with their transform."""
+        points, transforms, places = self._points, self._transforms, []
+        for robot, number in keys:
+            transform = transforms.get(robot)
+            if transform is not None and robot in points:
+                point = points[robot].get(number)
+                if point is not None:
+                    places.append(_transformed(transform, *point))
+        return places
+
+
+def _transformed(transform: Tuple[float, ...], x: float, y: float) -> Tuple[float, float]:
+    """A point in metres under the rows of a (2, 3) transform."""
+    a, b, c, d, e, f = transform
+    return (a * x + b * y + c, d * x + e * y + f)
+
+
+def rigid_transform(points: np.ndarray, images: np.ndarray) -> Optional[np.ndarray]:
+    """(2, 3) rotation and translation that maps (n, 2) points to their (n, 2) images in least squares (Kabsch);
+    None if the images are not a rigid copy of the points within 5 % of their spread."""
+    points, images = np.asarray(points, dtype=float), np.asarray(images, dtype=float)
+    if len(points) < 2 or not is_place(*images.ravel()):
+        return None
+    a, b = points - points.mean(axis=0), images - images.mean(axis=0)
+    angle = math.atan2(float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()), float((a * b).sum()))
+    rotation = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    if np.abs(a @ rotation.T - b).max() > 0.05 * np.abs(a).max():
+        return None
+    shift = images.mean(axis=0) - rotation @ points.mean(axis=0)
+    return np.hstack([rotation, shift[:, None]])

@@ -1,0 +1,116 @@
+"""From maps to clusters: frontiers, where the robot can go, and from where it looks at what."""
+
+import math
+from typing import List, Optional, Sequence, Tuple
+
+from explorer.clusters import Cluster, ClusterStore
+from explorer.frontiers import Frontier, FrontierStore
+from explorer.geometry import Position, distance
+from explorer.grid import OccupancyMap
+from explorer.messages import Pose
+from explorer.options import Options
+from explorer.senses import Senses
+from explorer.travel import CostField
+from explorer.verdicts import Verdicts
+from explorer.views import Views, sees
+from explorer.ways import Ways, known_near
+from explorer.worth import frontier_cells, worth_of
+
+REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
+REPLAN_DISTANCE = 0.3  # m of motion that makes them old
+
+
+class Perception:
+    """Works anew when there is a new map, when the robot has moved on, or when verdicts have changed."""
+
+    def __init__(self, options: Options, senses: Senses) -> None:
+        self._options = options
+        self._senses = senses
+        first = options.robot_number * 10000
+        self.frontiers = FrontierStore(first_number=first if options.simulation else 0)
+        self._clusters = ClusterStore(first_number=first)
+        self.clusters: Tuple[Cluster, ...] = ()
+        self.ways: Optional[Ways] = None
+        self.revision = 0  # counts what was perceived
+        self.restart()
+
+    def restart(self) -> None:
+        """Forgets all frontiers; numbers are not given again."""
+        self.frontiers.clear()
+        self.clusters = ()
+        self.told = False  # some frontiers are no goals because another robot says that it has explored them
+        self.field: Optional[CostField] = None
+        self._views: Optional[Views] = None
+        self._new_map = self._stale = False
+        self._place: Position = (math.inf, math.inf)
+        self._time = -math.inf
+
+    def take_map(self) -> None:
+        """There is a new map."""
+        self._new_map = True
+
+    def touch(self) -> None:
+        """Verdicts or what is known of the other robots have changed."""
+        self._stale = True
+
+    def update(self, verdicts: Verdicts, others: Sequence[Position], team: int, now: float) -> List[Frontier]:
+        """Perceives if that is due; the frontiers that are gone. `others`: places of the other robots in metres;
+        `team`: number of those that are there."""
+        occupancy, pose = self._senses.map, self._senses.pose
+        assert occupancy is not None and pose is not None
+        if self._senses.rests(now):
+            self._stale = verdicts.judge_looked(self._senses.map_time, True, now) or self._stale
+        if not (self._new_map or self._stale or self._due(pose, verdicts, now)):
+            return []
+        gone: List[Frontier] = []
+        if self._new_map:
+            gone = self._read(occupancy, verdicts, Ways(occupancy, self._options.inflation_radius, others, team), now)
+        assert self.ways is not None
+        self.field = self.ways.grid.field_from(pose.x, pose.y)
+        self._views = Views(occupancy, self.field, self._options.view_distance, self._views)
+        self._place, self._time = (pose.x, pose.y), now
+        self._new_map = self._stale = False
+        self._assess(verdicts, now)
+        return gone
+
+    def known_near(self, x: float, y: float) -> int:
+        """Number of known cells of the newest map within a metre of a point."""
+        assert self._senses.map is not None
+        return known_near(self._senses.map, x, y)
+
+    def in_view(self, pose: Pose, point: Position) -> bool:
+        """True if the robot at that pose sees a point near to it, both in metres."""
+        assert self.ways is not None
+        if distance(point, (pose.x, pose.y)) > self._options.view_distance + 0.5:
+            return False
+        occupied, info = self.ways.grid.occupied, self.ways.occupancy.info
+        return sees(occupied, info, pose, self._options.field_of_view, point)
+
+    def unreachable(self, verdicts: Verdicts) -> int:
+        """Frontiers that are given up, or that no reachable place sees."""
+        seen = {number for cluster in self.clusters for number in cluster.views}
+        marks = [(number, verdicts.of(number)) for number in self.frontiers.frontiers]
+        return sum(mark.given_up or (not mark.visited and number not in seen) for number, mark in marks)
+
+    def _due(self, pose: Pose, verdicts: Verdicts, now: float) -> bool:
+        if now - self._time < REPLAN_PERIOD:
+            return False
+        return distance((pose.x, pose.y), self._place) > REPLAN_DISTANCE or verdicts.told_expired(now)
+
+    def _read(self, occupancy: OccupancyMap, verdicts: Verdicts, ways: Ways, now: float) -> List[Frontier]:
+        self.ways = ways
+        cells = frontier_cells(occupancy, self._options.minimal_frontier_length)
+        new, gone = self.frontiers.update(occupancy, cells)
+        verdicts.follow(new, gone)
+        verdicts.judge_looked(self._senses.map_time, self._senses.rests(now), now)
+        verdicts.revive_changed(self.known_near)
+        self._clusters.update(self.frontiers.ordered(), occupancy)
+        verdicts.follow_clusters(cluster.number for cluster in self._clusters.clusters)
+        return gone
+
+    def _assess(self, verdicts: Verdicts, now: float) -> None:
+        assert self._views is not None
+        worth = worth_of(list(self.frontiers.frontiers.values()), verdicts, now)
+        self.told = worth.told
+        self.clusters = self._views.assess(self._clusters.clusters, worth.goals)
+        self.revision += 1

@@ -1,0 +1,55 @@
+"""Recognising among the own clusters what another robot means by a list of elements (contract 3.6, 3.7)."""
+
+from dataclasses import dataclass
+from typing import FrozenSet, Optional, Sequence
+
+import numpy as np
+
+from explorer._kernels import near_any
+from explorer.clusters import Cluster
+from explorer.foreign import ForeignFrontiers, Key
+
+# Share of a cluster's elements that must be listed for it to be the listed cluster (contract 3.7).
+MATCHING_SHARE = 0.4
+
+# A listed point of another robot stands for an own one within this distance in metres: the two robots thinned
+# different maps, so the points differ by up to two thinning distances and the error of the transform.
+MATCHING_DISTANCE = 0.6
+
+
+@dataclass(frozen=True)
+class Listed:
+    """Elements that another robot has listed, as this robot sees them: numbers of `own` points, and `places` of other
+    points as an (n, 2) array in metres in the own frame."""
+
+    own: FrozenSet[int]
+    places: np.ndarray
+
+    def share_of(self, cluster: Cluster) -> float:
+        """Share of a cluster's members that are listed: by their own key, or by a listed point of another robot within
+        `MATCHING_DISTANCE`."""
+        if not cluster.members:
+            return 0.0
+        found = near_any(cluster.points, self.places, MATCHING_DISTANCE)
+        if self.own:
+            found |= np.array([member.number in self.own for member in cluster.members], dtype=bool)
+        return int(np.count_nonzero(found)) / len(found)
+
+
+def listed(keys: Sequence[Key], foreign: ForeignFrontiers, own_name: str) -> Listed:
+    """Points of other robots count where their place is known."""
+    places = foreign.all_in_own_frame([key for key in keys if key[0] != own_name])
+    own = frozenset(number for robot, number in keys if robot == own_name)
+    return Listed(own, np.array(places, dtype=float).reshape(-1, 2))
+
+
+def match(clusters: Sequence[Cluster], elements: Listed) -> Optional[Cluster]:
+    """The own cluster that is meant: the one with the largest share listed, if that is above `MATCHING_SHARE`; None if
+    there is none."""
+    best: Optional[Cluster] = None
+    best_share = MATCHING_SHARE
+    for cluster in clusters:
+        share = elements.share_of(cluster)
+        if share > best_share:
+            best, best_share = cluster, share
+    return best

@@ -1,0 +1,74 @@
+"""What the robot knows at one moment: everything that a decision depends on, as one frozen value."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Dict, FrozenSet, List, Mapping, Optional, Tuple
+
+from explorer.clusters import Cluster, View
+from explorer.frontiers import Frontier
+from explorer.geometry import Position
+from explorer.messages import Pose
+from explorer.recognition import Listed, match
+from explorer.ways import Ways
+
+
+@dataclass(frozen=True)
+class Scene:
+    """`clusters`: the own ones, as seen on the map of `ways`. `ready`: numbers of the frontier points that can be tried
+    now. `own`: number of the cluster that this robot explores. Of the other robots: `positions` in metres in the own
+    frame, `claims` on clusters, and `competitors`, which may take one. `awaits_map`: what was looked at is not in the
+    map yet."""
+
+    now: float
+    pose: Pose
+    ways: Ways
+    clusters: Tuple[Cluster, ...]
+    ready: FrozenSet[int]
+    awaits_map: bool = False
+    own: Optional[int] = None
+    positions: Mapping[str, Position] = field(default_factory=dict)
+    competitors: Tuple[str, ...] = ()
+    claims: Mapping[str, Listed] = field(default_factory=dict)
+
+    @property
+    def place(self) -> Position:
+        return (self.pose.x, self.pose.y)
+
+    @cached_property
+    def candidates(self) -> List[Cluster]:
+        """Clusters with a frontier that can still be explored, now or later."""
+        return [cluster for cluster in self.clusters if cluster.reachable]
+
+    @cached_property
+    def open(self) -> List[Cluster]:
+        """Those with a frontier that can be tried now."""
+        return [cluster for cluster in self.candidates if not self.ready.isdisjoint(cluster.views)]
+
+    @cached_property
+    def frontiers(self) -> List[Frontier]:
+        """Frontier points that can be tried now, by number."""
+        members = [member for cluster in self.open for member in cluster.members if member.number in self.ready]
+        return sorted(members, key=lambda member: member.number)
+
+    @cached_property
+    def views(self) -> Dict[int, View]:
+        """{number: view} of all frontier points that are in sight of a reachable place."""
+        return {number: view for cluster in self.clusters for number, view in cluster.views.items()}
+
+    @cached_property
+    def claimed(self) -> Dict[int, str]:
+        """{cluster number: robot} of the open clusters that other robots have claimed."""
+        result: Dict[int, str] = {}
+        for robot, claim in self.claims.items():
+            cluster = match(self.open, claim)
+            if cluster is not None:
+                result.setdefault(cluster.number, robot)
+        return result
+
+    def cluster(self, number: Optional[int]) -> Optional[Cluster]:
+        return next((cluster for cluster in self.clusters if cluster.number == number), None)
+
+    @property
+    def current(self) -> Optional[Cluster]:
+        """The cluster that this robot explores, if it is open."""
+        return next((cluster for cluster in self.open if cluster.number == self.own), None)

@@ -1,0 +1,99 @@
+"""Strategy 7, the best there is: auctions by way, gain and detour, with clusters shared out anew while driving."""
+
+import math
+from typing import Dict, Optional, Tuple
+
+import numpy as np
+
+from explorer.assignment import assigned
+from explorer.clusters import Cluster
+from explorer.geometry import Position, distance, turn
+from explorer.scene import Scene
+from explorer.strategies.others import costs_of_others
+from explorer.strategies.strategy import Allocation, Bids, ClusterStrategy, registered
+from explorer.tour import MAXIMUM_STOPS, tour_lengths
+
+# Weights, tuned on the office floor (26 m x 15 m) with perfect maps.
+GAIN_WEIGHT = 0.1  # m of way that a square metre of unknown area is worth
+GAIN_LIMIT = 8.0  # m^2 beyond which more unknown area makes no difference
+TURN_WEIGHT = 0.4  # m of way per rad of turning before the start
+TOUR_WEIGHT = 1.0  # m of way that a metre of detour in the tour through all clusters is worth
+OFFSET = 2.0  # m, keeps bids positive (a negative bid means none)
+LOYALTY = 2.0  # m in favour of the cluster that a robot explores already
+CROWD_DISTANCE = 4.0  # m, a cluster this near to another robot's costs more
+CROWD_PENALTY = 4.0  # m
+
+
+@registered
+class Coordinated(ClusterStrategy):
+    number = 7
+    name = "coordinated"
+    title = "auction by travel cost and information gain, continuous reassignment (the best one there is)"
+    allocation = Allocation.CONTINUOUS
+
+    def __init__(self, random: np.random.Generator) -> None:
+        super().__init__(random)
+        self._planned: Tuple[Cluster, ...] = ()
+        self._detours: Dict[int, float] = {}
+
+    def bid(self, scene: Scene, cluster: Cluster) -> float:
+        x, y = cluster.place
+        angle = 0.0
+        if distance(scene.place, (x, y)) > 0.3:
+            angle = turn(scene.pose.yaw, math.atan2(y - scene.pose.y, x - scene.pose.x))
+        if scene.clusters is not self._planned:
+            self._planned, self._detours = scene.clusters, detours(scene)
+        return travel_bid(cluster.cost, cluster.gain, angle, self._detours.get(cluster.number, 0.0))
+
+    def estimate(self, scene: Scene, position: Position, cluster: Cluster) -> float:
+        length = scene.ways.from_robot(position).at(*cluster.place)
+        if not math.isfinite(length):
+            length = 2.0 * distance(position, cluster.place)
+        return travel_bid(length, cluster.gain)
+
+    def choose(self, scene: Scene, bids: Bids) -> Optional[Cluster]:
+        robots, costs = costs_of_others(scene, bids, self, estimate_unknown=False)
+        own = np.array([self.bid(scene, cluster) for cluster in scene.open], dtype=float)
+        own = own + np.array([crowd_penalty(scene, cluster) for cluster in scene.open])
+        for row, cluster in enumerate(scene.open):
+            holder = scene.claimed.get(cluster.number)
+            if holder in robots:
+                costs[row, robots.index(holder)] -= 2 * LOYALTY
+            elif holder is not None:
+                own[row] = math.inf
+            if cluster.number == scene.own:
+                own[row] -= LOYALTY
+        share = assigned(costs, own)
+        return None if share is None else scene.open[share]
+
+
+def travel_bid(path_length: float, gain: float, turn: float = 0.0, detour: float = 0.0) -> float:
+    """Bid in metres: the way to the cluster, the turn to start it (rad) and the detour that it makes of the tour
+    through all clusters, less the worth of what is unknown there (m^2)."""
+    bid = OFFSET + path_length + TURN_WEIGHT * abs(turn) + TOUR_WEIGHT * detour
+    return max(0.0, bid - GAIN_WEIGHT * min(gain, GAIN_LIMIT))
+
+
+def detours(scene: Scene) -> Dict[int, float]:
+    """{cluster number: how much longer in metres the tour through the nearest clusters gets if it starts there}."""
+    stops = sorted(scene.candidates, key=lambda cluster: (cluster.cost, cluster.number))
+    if len(stops) < 2:
+        return {}
+    near = stops[:MAXIMUM_STOPS]
+    ways = scene.ways.between([cluster.place for cluster in near])
+    ways = np.where(np.isfinite(ways), ways, 2.0 * np.array([[cluster.cost for cluster in near]]))
+    lengths = tour_lengths(np.array([cluster.cost for cluster in near]), np.minimum(ways, ways.T))
+    longer = {cluster.number: float(length - lengths.min()) for cluster, length in zip(near, lengths)}
+    for cluster in stops[MAXIMUM_STOPS:]:
+        longer[cluster.number] = float(lengths.max() - lengths.min())
+    return longer
+
+
+def crowd_penalty(scene: Scene, cluster: Cluster) -> float:
+    """Metres that a cluster costs more because places that others have claimed are near to it."""
+    penalty = 0.0
+    for claim in scene.claims.values():
+        if len(claim.places):
+            gaps = np.hypot(*(cluster.points[:, None, :] - claim.places[None, :, :]).transpose(2, 0, 1))
+            penalty = max(penalty, CROWD_PENALTY * max(0.0, 1.0 - float(gaps.min()) / CROWD_DISTANCE))
+    return penalty

@@ -1,0 +1,18 @@
+"""Strategy 2: the frontier that is farthest away in a straight line (contract 3.5)."""
+
+from typing import List, Sequence
+
+from explorer.frontiers import Frontier
+from explorer.geometry import distance
+from explorer.scene import Scene
+from explorer.strategies.strategy import FrontierStrategy, registered
+
+
+@registered
+class Furthest(FrontierStrategy):
+    number = 2
+    name = "furthest"
+    title = "furthest frontier"
+
+    def order(self, scene: Scene, frontiers: Sequence[Frontier]) -> List[Frontier]:
+        return sorted(frontiers, key=lambda f: distance(scene.place, (f.x, f.y)), reverse=True)

@@ -1,0 +1,213 @@
+"""What was decided about frontier points: visited, given up, to be tried later. The rules and their state."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence
+
+import numpy as np
+
+from explorer.frontiers import THINNING_DISTANCE, Frontier
+
+LOOK_TIME = 1.5  # s that the map needs to show what was looked at
+LOOKS = 2  # times a frontier is looked at before it counts as visited
+TRY_DISTANCE = 0.5  # m, frontiers this near to one that failed have failed with it
+RETRY_TIME = 8.0  # s after which a frontier that failed is tried again
+RETRY_TIME_BLOCKED = 4.0  # s, the same behind a robot
+BLOCKED_TRIES = 3  # failures behind a robot that count as one: it may have come to stay
+FAILURES = 2  # that give a frontier up
+REVIVALS = 3  # times a frontier that was given up is tried anew
+CHANGED_CELLS = 20  # known cells more or less around a frontier that make a new map of it
+TOLD_TIME = 8.0  # s that the merged map needs to show what another robot has explored
+
+# Points that were given up or visited, kept so that a point found there anew inherits the verdict.
+MAXIMUM_SPOTS = 2000
+
+# Explored points of other robots that are kept.
+MAXIMUM_TOLD = 2000
+
+KnownNear = Callable[[float, float], int]
+"""Number of known cells of the map near a point in metres."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """On the frontier point at (x, y), metres in the own map frame.
+
+    `visited`: it was looked at from close by and is still there, so it is no longer a goal. `failures` counts the goals
+    that failed, `blocked` those that failed behind another robot. Until `retry_at` it is not tried again, until
+    `hidden_until` a map is awaited that shows what a look has seen; both in seconds. `known`: number of cells known
+    around it when it was given up.
+    """
+
+    x: float
+    y: float
+    visited: bool = False
+    given_up: bool = False
+    failures: int = 0
+    blocked: int = 0
+    retry_at: float = -math.inf
+    hidden_until: float = -math.inf
+    looks: int = 0
+    known: Optional[int] = None
+    revivals: int = 0
+
+    @property
+    def is_goal(self) -> bool:
+        return not (self.visited or self.given_up)
+
+    def ready(self, now: float) -> bool:
+        """It can be tried now."""
+        return self.is_goal and self.retry_at <= now and self.hidden_until <= now
+
+    def inherited_at(self, x: float, y: float) -> "Verdict":
+        """Of a point found anew beside this one."""
+        return replace(self, x=x, y=y, hidden_until=-math.inf, looks=0, known=None, revivals=0)
+
+
+class Told(NamedTuple):
+    """A place in metres in the own frame that another robot has explored, believed until a time in seconds."""
+
+    x: float
+    y: float
+    until: float
+
+
+class Verdicts:
+    """Owner of all verdicts of one mission. A point keeps its verdict under its number while it is on the map, and by
+    its place afterwards."""
+
+    def __init__(self) -> None:
+        self._of: Dict[int, Verdict] = {}
+        self._spots: List[Verdict] = []
+        self._told: List[Told] = []
+        self._cluster_failures: Dict[int, int] = {}
+
+    def of(self, number: int) -> Verdict:
+        """Of a point that is on the map."""
+        return self._of[number]
+
+    def is_goal(self, number: int) -> bool:
+        return self._of[number].is_goal
+
+    def ready(self, numbers: Iterable[int], now: float) -> List[int]:
+        """Those of these points that can be tried now."""
+        of = self._of
+        return [number for number in numbers if of[number].ready(now)]
+
+    def awaits_map(self, now: float) -> bool:
+        """True while the map has not had time to show what a look has seen."""
+        return any(verdict.hidden_until > now for verdict in self._of.values())
+
+    def given_up(self) -> int:
+        return sum(verdict.given_up for verdict in self._of.values())
+
+    def follow(self, new: Sequence[Frontier], gone: Sequence[Frontier]) -> None:
+        """Takes the points that a new map shows, and those that it no longer does."""
+        for frontier in gone:
+            verdict = self._of.pop(frontier.number)
+            if not verdict.is_goal:
+                self._spots.append(verdict)
+        del self._spots[:-MAXIMUM_SPOTS]
+        for frontier in new:
+            self._of[frontier.number] = self._inherited(frontier)
+
+    def _inherited(self, frontier: Frontier) -> Verdict:
+        x, y = frontier.x, frontier.y
+        for spot in reversed(self._spots):
+            if abs(spot.x - x) < THINNING_DISTANCE and abs(spot.y - y) < THINNING_DISTANCE:
+                return spot.inherited_at(x, y)
+        return Verdict(x, y)
+
+    def follow_clusters(self, alive: Iterable[int]) -> None:
+        """Forgets the failures of clusters that are no more."""
+        numbers = set(alive)
+        self._cluster_failures = {n: count for n, count in self._cluster_failures.items() if n in numbers}
+
+    # ---- looks ----------------------------------------------------------------------------------------------------
+
+    def look(self, target: Optional[int], sees: Callable[[Verdict], bool], now: float) -> None:
+        """The robot is where it can see its goal: what it sees now will be in the map soon."""
+        for number, verdict in self._of.items():
+            if verdict.visited or verdict.hidden_until > now:
+                continue
+            if number == target or sees(verdict):
+                self._of[number] = replace(verdict, looks=verdict.looks + 1, hidden_until=now + LOOK_TIME)
+
+    def judge_looked(self, map_time: float, rests: bool, now: float) -> bool:
+        """A frontier that is still there on a map younger than the last of several looks counts as visited; so does one
+        looked at from a place where the map has stopped changing. True if there was one."""
+        judged = False
+        for number, verdict in self._of.items():
+            fresh = map_time >= verdict.hidden_until or (rests and now >= verdict.hidden_until)
+            if verdict.looks >= LOOKS and not verdict.visited and fresh:
+                self._of[number] = replace(verdict, visited=True)
+                judged = True
+        return judged
+
+    # ---- failures -------------------------------------------------------------------------------------------------
+
+    def fail(self, number: int, blocked: bool, known_near: KnownNear, now: float) -> None:
+        """A goal for the frontier failed. It is given up in the end; a robot in the way means further tries before."""
+        failed = self._of[number]
+        for other, verdict in self._of.items():
+            if math.hypot(verdict.x - failed.x, verdict.y - failed.y) > TRY_DISTANCE:
+                continue
+            retry_at = now + (RETRY_TIME_BLOCKED if blocked else RETRY_TIME)
+            verdict = replace(verdict, retry_at=retry_at, blocked=verdict.blocked + blocked)
+            if not blocked or verdict.blocked % BLOCKED_TRIES == 0:
+                verdict = replace(verdict, failures=verdict.failures + 1)
+                if verdict.failures >= FAILURES:
+                    verdict = _given_up(verdict, known_near)
+            self._of[other] = verdict
+
+    def fail_cluster(self, cluster: int, members: Iterable[int], limit: int, known_near: KnownNear) -> None:
+        """A goal in a cluster failed; all its points are given up with the last of `limit` failures."""
+        self._cluster_failures[cluster] = self._cluster_failures.get(cluster, 0) + 1
+        if self._cluster_failures[cluster] >= limit:
+            for number in members:
+                self._of[number] = _given_up(self._of[number], known_near)
+
+    def revive_changed(self, known_near: KnownNear) -> None:
+        """Frontiers given up are goals again when the map around them has changed, a bounded number of times."""
+        for number, verdict in self._of.items():
+            if verdict.given_up and verdict.known is not None and verdict.revivals < REVIVALS:
+                known = known_near(verdict.x, verdict.y)
+                if abs(known - verdict.known) > CHANGED_CELLS:
+                    self._of[number] = _revived(verdict, failures=0)
+
+    def revive_once(self) -> bool:
+        """Before the end every frontier that was given up gets one more try; True if there was one."""
+        again = False
+        for number, verdict in self._of.items():
+            if verdict.given_up and verdict.known is not None and verdict.revivals < 1:
+                self._of[number] = _revived(verdict, failures=1)
+                again = True
+        return again
+
+    # ---- what other robots tell -----------------------------------------------------------------------------------
+
+    def believe_explored(self, x: float, y: float, now: float) -> None:
+        """Another robot has explored this place, metres in the own frame: points there are no goals until the map had
+        time to show it."""
+        self._told.append(Told(x, y, now + TOLD_TIME))
+        if len(self._told) > MAXIMUM_TOLD:
+            del self._told[0]
+
+    def told_expired(self, now: float) -> bool:
+        """True if what was told is no longer believed since it was last asked for."""
+        return any(told.until <= now for told in self._told)
+
+    def told_places(self, now: float) -> np.ndarray:
+        """(n, 2) array in metres of the places that others have explored and the map need not show yet."""
+        self._told = [told for told in self._told if told.until > now]
+        return np.array([(told.x, told.y) for told in self._told], dtype=float).reshape(-1, 2)
+
+
+def _given_up(verdict: Verdict, known_near: KnownNear) -> Verdict:
+    if verdict.given_up:
+        return verdict
+    return replace(verdict, given_up=True, known=known_near(verdict.x, verdict.y))
+
+
+def _revived(verdict: Verdict, failures: int) -> Verdict:
+    return replace(verdict, given_up=False, failures=failures, revivals=verdict.revivals + 1)

@@ -1,0 +1,138 @@
+"""Strategies decide from a scene alone: their order, bids and choices on small scenes, and the registry."""
+
+from dataclasses import replace
+from typing import Any, List, Optional, Tuple
+
+import numpy as np
+import pytest
+from conftest import map_of
+
+from explorer.clusters import Cluster
+from explorer.frontiers import Frontier
+from explorer.messages import Pose
+from explorer.recognition import Listed
+from explorer.scene import Scene
+from explorer.strategies import TITLES, strategy_of
+from explorer.strategies.coordinated import travel_bid
+from explorer.strategies.strategy import FrontierStrategy, registered
+from explorer.ways import Ways
+
+HALL = Ways(map_of(np.zeros((100, 200))), 0.25, [])  # 20 m x 10 m
+
+
+def cluster(number: int, x: float, y: float = 5.0, gain: float = 1.0) -> Cluster:
+    """Three points seen from where they are; the robot is at (5, 5)."""
+    members = tuple(Frontier(10 * number + i, x, y + 0.2 * i) for i in range(3))
+    cost = float(np.hypot(x - 5.0, y - 5.0))
+    views = {member.number: (member.x, member.y, cost) for member in members}
+    return Cluster(number, members, cost, (x, y), members[0].number, gain, views)
+
+
+def scene(*clusters: Cluster, **known: Any) -> Scene:
+    ready = frozenset(member.number for each in clusters for member in each.members)
+    return Scene(0.0, Pose(5.0, 5.0, 0.0), HALL, tuple(clusters), ready, **known)
+
+
+def strategy(number: int, seed: int = 0) -> Any:
+    return strategy_of(number)(np.random.default_rng(seed))
+
+
+def listed(*places: Tuple[float, float], own: Tuple[int, ...] = ()) -> Listed:
+    return Listed(frozenset(own), np.array(places, dtype=float).reshape(-1, 2))
+
+
+def chosen(number: int, what: Scene, bids: Optional[dict] = None) -> Optional[int]:
+    found = strategy(number).choose(what, bids or {})
+    return None if found is None else found.number
+
+
+def test_numbers_of_the_contract_and_names() -> None:
+    assert list(TITLES) == list(range(8))
+    assert all(strategy_of(strategy_of(number).name) is strategy_of(number) for number in TITLES)
+    with pytest.raises(KeyError, match="'best' is unknown; there are 0 nearest_path, 1 auction"):
+        strategy_of("best")
+    with pytest.raises(ValueError, match="registered twice"):
+        registered(type("Other", (FrontierStrategy,), {"number": 3, "name": "other", "title": ""}))
+
+
+def test_order_of_frontiers() -> None:
+    """The second is nearer in a straight line, its way is longer."""
+    first, second, third = cluster(1, 7.0), replace(cluster(2, 4.0), views={20: (4.0, 5.0, 9.0)}), cluster(3, 15.0)
+    known = scene(first, second, third)
+    points = [first.members[0], second.members[0], third.members[0]]
+    assert [f.number for f in strategy(0).order(known, points)] == [10, 20, 30]
+    assert [f.number for f in strategy(3).order(known, points)] == [20, 10, 30]
+    assert [f.number for f in strategy(2).order(known, points)] == [30, 10, 20]
+
+
+def test_random_orders_depend_on_the_seed_alone() -> None:
+    known = scene(*(cluster(number, float(number)) for number in range(1, 15)))
+
+    def orders(seed: int) -> List[list]:
+        frontiers = [f.number for f in strategy(4, seed).order(known, known.frontiers)]
+        return [frontiers, [c.number for c in strategy(6, seed).order(known)]]
+
+    assert orders(1) == orders(1)
+    assert orders(1)[0] != orders(2)[0] and orders(1)[1] != orders(2)[1]
+
+
+@pytest.mark.parametrize("number", [0, 1, 2, 3, 4, 5, 6])
+def test_bid_of_the_paper_is_the_whole_part_of_the_squared_distance(number: int) -> None:
+    known = scene(cluster(1, 7.6))
+    assert strategy(number).bid(known, known.clusters[0]) == 6.0
+
+
+@pytest.mark.parametrize("number", [1, 5, 7])
+def test_alone_the_nearest_cluster(number: int) -> None:
+    assert chosen(number, scene(cluster(1, 12.0), cluster(2, 7.0))) == 2
+    assert chosen(number, scene()) is None
+
+
+@pytest.mark.parametrize("number", [1, 5, 6, 7])
+def test_a_claimed_cluster_is_left_to_the_other(number: int) -> None:
+    claims = {"robot_1": listed((7.0, 5.0), (7.0, 5.2), (7.0, 5.4))}
+    assert chosen(number, scene(cluster(1, 12.0), cluster(2, 7.0), claims=claims)) == 1
+
+
+@pytest.mark.parametrize("number", [1, 7])
+def test_a_robot_that_bids_less_gets_the_nearer_cluster(number: int) -> None:
+    known = scene(cluster(1, 12.0), cluster(2, 7.0), competitors=("robot_1",))
+    assert chosen(number, known, {"robot_1": {1: 900.0, 2: 0.5}}) == 1
+    assert chosen(number, known, {"robot_1": {1: 0.5, 2: 900.0}}) == 2
+
+
+@pytest.mark.parametrize("number", [1, 7])
+def test_without_a_bid_the_place_of_a_robot_counts(number: int) -> None:
+    known = scene(cluster(1, 2.0), cluster(2, 7.0), competitors=("robot_1",), positions={"robot_1": (8.0, 5.0)})
+    assert chosen(number, known) == 1
+    assert chosen(number, replace(known, positions={})) == 2
+
+
+def test_loyalty_of_strategy_7() -> None:
+    known = scene(cluster(1, 7.5), cluster(2, 2.9))
+    other = {1: 2, 2: 1}[chosen(7, known) or 0]
+    assert chosen(7, replace(known, own=other)) == other
+
+
+def test_bid_of_strategy_7() -> None:
+    assert travel_bid(5.0, 0.0) < travel_bid(6.0, 0.0)
+    assert travel_bid(5.0, 4.0) < travel_bid(5.0, 0.0)
+    assert travel_bid(5.0, 0.0, turn=1.0) > travel_bid(5.0, 0.0)
+    assert travel_bid(5.0, 0.0, detour=3.0) > travel_bid(5.0, 0.0)
+    assert travel_bid(0.0, 1000.0) >= 0.0
+
+
+def test_a_decision_depends_on_the_scene_alone() -> None:
+    """A strategy that has decided other scenes before decides this one as a new one does."""
+    scenes = [scene(cluster(1, 7.0 + i), cluster(2, 12.0 - i), cluster(3, 5.0, 2.0 + 0.5 * i)) for i in range(5)]
+    old = strategy(7)
+    for known in [*scenes, *scenes[::-1]]:
+        bids = [old.bid(known, each) for each in known.clusters]
+        assert bids == [strategy(7).bid(known, each) for each in known.clusters]
+
+
+def test_only_clusters_with_something_to_try_are_open() -> None:
+    known = scene(cluster(1, 7.0), cluster(2, 12.0))
+    waiting = replace(known, ready=frozenset({20}), own=1)
+    assert [c.number for c in waiting.open] == [2] and [c.number for c in waiting.candidates] == [1, 2]
+    assert [f.number for f in waiting.frontiers] == [20] and waiting.current is None

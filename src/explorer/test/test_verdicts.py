@@ -1,0 +1,106 @@
+"""Verdicts on frontier points: visited, given up, revived, and what other robots tell."""
+
+from typing import List
+
+import pytest
+
+from explorer.frontiers import Frontier
+from explorer.verdicts import Verdict, Verdicts
+
+
+def known(*points: Frontier) -> Verdicts:
+    verdicts = Verdicts()
+    verdicts.follow(points, [])
+    return verdicts
+
+
+POINT = Frontier(7, 1.0, 2.0)
+
+
+def everything(_: Verdict) -> bool:
+    return True
+
+
+def cells_near(count: int):  # type: ignore[no-untyped-def]
+    return lambda x, y: count
+
+
+def look_until_visited(verdicts: Verdicts) -> None:
+    for now in (0.0, 2.0):
+        verdicts.look(None, everything, now)
+    verdicts.judge_looked(map_time=4.0, rests=False, now=4.0)
+
+
+def test_visited_after_two_looks_and_a_younger_map() -> None:
+    verdicts = known(POINT)
+    verdicts.look(POINT.number, lambda _: False, 0.0)
+    assert verdicts.awaits_map(1.0) and not verdicts.of(7).ready(1.0) and verdicts.of(7).ready(1.5)
+    verdicts.look(POINT.number, lambda _: False, 2.0)
+    assert not verdicts.judge_looked(map_time=3.0, rests=False, now=5.0)
+    assert verdicts.judge_looked(map_time=3.5, rests=False, now=5.0)
+    assert verdicts.of(7).visited and not verdicts.is_goal(7)
+
+
+@pytest.mark.parametrize("offset, inherits", [(0.15, True), (0.25, False)])
+def test_a_point_found_anew_where_one_was_visited_is_visited(offset: float, inherits: bool) -> None:
+    verdicts = known(POINT)
+    look_until_visited(verdicts)
+    verdicts.follow([], [POINT])
+    verdicts.follow([Frontier(8, 1.0 + offset, 2.0)], [])
+    assert verdicts.of(8).visited == inherits
+    assert verdicts.of(8).looks == 0
+
+
+def test_failures_reach_as_far_as_the_robot_tries() -> None:
+    near, far = Frontier(8, 1.4, 2.0), Frontier(9, 1.6, 2.0)
+    verdicts = known(POINT, near, far)
+    for now in (0.0, 10.0):
+        verdicts.fail(7, False, cells_near(100), now)
+    assert [verdicts.of(number).given_up for number in (7, 8, 9)] == [True, True, False]
+    assert verdicts.given_up() == 2
+
+
+def test_behind_a_robot_three_failures_count_as_one() -> None:
+    verdicts = known(POINT)
+    outcomes: List[bool] = []
+    for now in range(6):
+        verdicts.fail(7, True, cells_near(100), float(now))
+        outcomes.append(verdicts.of(7).given_up)
+    assert outcomes == [False] * 5 + [True]
+
+
+def test_revived_when_the_map_changes_three_times_at_most() -> None:
+    verdicts = known(POINT)
+    revivals = 0
+    for cells in range(0, 1000, 100):
+        verdicts.fail_cluster(1, [7], limit=1, known_near=cells_near(cells))
+        verdicts.revive_changed(cells_near(cells + 20))
+        assert verdicts.of(7).given_up, "20 cells are no change"
+        verdicts.revive_changed(cells_near(cells + 21))
+        revivals += not verdicts.of(7).given_up
+    assert revivals == 3
+
+
+def test_one_last_try_before_the_end() -> None:
+    verdicts = known(POINT)
+    verdicts.fail_cluster(1, [7], limit=1, known_near=cells_near(0))
+    assert verdicts.revive_once() and verdicts.is_goal(7)
+    verdicts.fail(7, False, cells_near(0), 0.0)
+    assert not verdicts.is_goal(7) and not verdicts.revive_once()
+
+
+def test_failures_of_a_cluster_end_with_it() -> None:
+    verdicts = known(POINT)
+    verdicts.fail_cluster(1, [7], limit=2, known_near=cells_near(0))
+    verdicts.follow_clusters([])
+    verdicts.fail_cluster(1, [7], limit=2, known_near=cells_near(0))
+    assert verdicts.is_goal(7)
+
+
+def test_what_others_tell_is_believed_for_a_while_and_bounded() -> None:
+    verdicts = Verdicts()
+    for number in range(3000):
+        verdicts.believe_explored(float(number), 0.0, now=0.0)
+    assert len(verdicts.told_places(7.9)) == 2000 and verdicts.told_places(7.9)[0][0] == 1000.0
+    assert not verdicts.told_expired(7.9) and verdicts.told_expired(8.0)
+    assert verdicts.told_places(8.0).shape == (0, 2)
