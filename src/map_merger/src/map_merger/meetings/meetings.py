@@ -12,6 +12,7 @@ from ..transform import Transform
 from .detection import FARTHEST_M, objects_in_scan
 from .heard import Heard
 from .hypotheses import Sightings, doubts_of
+from .jumps import jumps_of
 from .map_objects import objects_in_map
 from .sweeps import NO_SWEEPS, SweepHistory, Sweeps
 from .telling import SLOW_S, Telling
@@ -147,15 +148,17 @@ class Meetings:
         if own is None:
             return None
         others = {name: each.track() for name, each in self._heard.items() if name not in (robot, self._stand_in)}
+        told = heard.track()
+        here, there = jumps_of(own.track), jumps_of(told)
         return Sightings(
             robot,
-            own.track,
-            heard.track(),
-            own.objects,
-            heard.fragments(),
-            own.sweeps,
+            here.steady(own.track),
+            there.steady(told),
+            here.steady_fragments(own.objects),
+            there.steady_fragments(heard.fragments()),
+            here.steady_sweeps(own.sweeps),
             heard.sensor,
-            others,
+            {name: jumps_of(track).steady(track) for name, track in others.items()},
             {name: transform for name, transform in self._placed.items() if name in others},
         )
 
