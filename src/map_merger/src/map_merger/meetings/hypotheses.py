@@ -28,6 +28,8 @@ _SAME_TURN = math.radians(10.0)
 _FEWEST_AGREEING = 5
 _UNSEEN_AT_LEAST = 10
 _UNSEEN_SHARE = 0.2
+_JUMP_COVARIANCE = np.diag([0.05**2, 0.05**2, math.radians(2.5) ** 2])
+"""Of what was seen before a jump of either SLAM, once that is taken out of it."""
 _VIEW_MARGIN = math.radians(15.0)
 SHORTEST_PATH_M = 0.3
 SHORTEST_BEND_M = 0.12
@@ -42,6 +44,8 @@ PROBATION_S = 1.5
 OUT_OF_SIGHT_S = 6.0
 """Or it must have been so long ago."""
 FEWEST_SIGHTINGS = 10
+FEWEST_OF_EACH = 3
+"""Sightings on either side that make a straight drive unmistakable."""
 RIVAL_SHARE = 0.5
 
 
@@ -52,7 +56,7 @@ class Sightings:
     own, told: tracks (n, >= 3: time, x, y, ...) of the own robot and the other, each in its own frame; told also has
     the yaw. objects, told_objects: what each saw, in its own frame. sensor: the other's. others: tracks of the further
     robots that are heard, in their frames, as the other may be mistaken for them. placed: the believed ones of their
-    transforms to the own frame.
+    transforms to the own frame. All tracks are free of jumps; jumped: when either of both was last seen to jump.
     """
 
     robot: str
@@ -64,6 +68,7 @@ class Sightings:
     sensor: Sensor = NO_SENSOR
     others: Mapping[str, np.ndarray] = field(default_factory=dict)
     placed: Mapping[str, Transform] = field(default_factory=dict)
+    jumped: float = -math.inf
 
     def hypotheses(self) -> Tuple[Hypothesis, ...]:
         """The transforms that are not refuted, best supported first."""
@@ -200,18 +205,18 @@ def _different(first: _Support, second: _Support, pairs: Pairs) -> bool:
 
 def _weighed(sightings: Sightings, pairs: Pairs, support: _Support) -> Hypothesis:
     agree = support.agree
-    source = pairs.source[agree]
     ways = _ways(sightings, pairs, support)
     mutual = bool((agree & pairs.seen_by_own).any() and (agree & ~pairs.seen_by_own).any())
     seconds = float(np.ptp(pairs.time[agree]))
-    middle = complex(source.mean())
     share = _share(pairs, agree)
-    doubts = _doubts_of_motion(sightings.robot, ways, support) or _doubts_of_fit(
+    both = _seen_by_both(sightings, pairs, support)
+    doubts = _doubts_of_motion(sightings.robot, ways, both, support) or _doubts_of_fit(
         sightings.robot, share, seconds, support
     )
+    transform, covariance, middle = _placed(pairs, agree, sightings.jumped)
     return Hypothesis(
-        transform_from(support.turn, support.shift),
-        covariance_of(source, _DEVIATION_M),
+        transform,
+        covariance,
         (middle.real, middle.imag),
         int(support.sightings),
         support.error,
@@ -221,6 +226,24 @@ def _weighed(sightings: Sightings, pairs: Pairs, support: _Support) -> Hypothesi
         mutual,
         share,
         doubts,
+    )
+
+
+def _placed(pairs: Pairs, agree: np.ndarray, jumped: float) -> Tuple[Transform, np.ndarray, complex]:
+    """The transform, its covariance and the point about which that turns, from what agrees. How much a heading jumped is
+    known roughly only, so what was seen before a jump counts for the place if what was seen since does not tell it
+    better."""
+    late = agree & (pairs.time > jumped)
+    chosen, jump = agree, np.zeros((3, 3)) if late.sum() == agree.sum() else _JUMP_COVARIANCE
+    covariance = covariance_of(pairs.source[chosen], _DEVIATION_M) + jump
+    if 3 <= late.sum() < agree.sum():
+        since = covariance_of(pairs.source[late], _DEVIATION_M)
+        if since[2, 2] < covariance[2, 2]:
+            chosen, covariance = late, since
+    return (
+        transform_from(*fitted(pairs.source[chosen], pairs.target[chosen])),
+        covariance,
+        complex(pairs.source[chosen].mean()),
     )
 
 
@@ -273,7 +296,14 @@ def _bend(ways: List[_Way]) -> float:
     return math.hypot(*(way.width for way in ways if not way.alike))
 
 
-def _doubts_of_motion(robot: str, ways: List[_Way], support: _Support) -> str:
+def _seen_by_both(sightings: Sightings, pairs: Pairs, support: _Support) -> bool:
+    """True if each saw the other where the transform says, not in the last moments only."""
+    proven = support.agree & (pairs.time <= _proven_until(sightings, pairs.time[support.agree].max()))
+    each = [float(pairs.sightings[proven & (pairs.seen_by_own == mine)].sum()) for mine in (True, False)]
+    return min(each) >= FEWEST_OF_EACH
+
+
+def _doubts_of_motion(robot: str, ways: List[_Way], both: bool, support: _Support) -> str:
     path = max((way.length for way in ways), default=0.0)
     if path < SHORTEST_PATH_M:
         return f"waits to see {robot} move"
@@ -282,6 +312,9 @@ def _doubts_of_motion(robot: str, ways: List[_Way], support: _Support) -> str:
     alike = " and ".join(sorted({way.alike for way in ways if way.alike}))
     if alike:
         return f"{robot} and {alike} move alike"
+    if both:
+        # A straight drive gives the heading, whoever it is; then the other sees this robot where that says.
+        return ""
     return f"waits to see {robot} turn: a straight drive of {path:.1f} m is like others"
 
 

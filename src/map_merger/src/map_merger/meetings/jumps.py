@@ -5,7 +5,8 @@ was seen before and after such a jump is not in one frame, and the poses of a ro
 that nobody sees. So what was before is carried along to where it would be had the robot driven on evenly.
 """
 
-from typing import NamedTuple, Tuple
+import math
+from typing import List, NamedTuple, Tuple
 
 import numpy as np
 
@@ -29,6 +30,11 @@ class Jumps(NamedTuple):
     times: np.ndarray
     turns: np.ndarray
     shifts: np.ndarray
+
+    @property
+    def last(self) -> float:
+        """Time of the latest, s; minus infinity if there was none."""
+        return float(self.times[-1]) if len(self.times) else -math.inf
 
     def steady(self, rows: np.ndarray) -> np.ndarray:
         """Rows (n, >= 3: time, x, y and perhaps yaw) in the present frame."""
@@ -75,7 +81,7 @@ def jumps_of(track: np.ndarray) -> Jumps:
     return Jumps(np.array(times[::-1]), np.array(turns[::-1]), np.array(shifts[::-1]))
 
 
-def _uneven(track: np.ndarray) -> "list[Tuple[int, complex, float]]":
+def _uneven(track: np.ndarray) -> List[Tuple[int, complex, float]]:
     """The steps that differ from both beside them: the row before, and what step (m, in the robot's frame) and turn (rad)
     the steps beside it would have made."""
     if len(track) < 2:

@@ -160,6 +160,7 @@ class Meetings:
             heard.sensor,
             {name: jumps_of(track).steady(track) for name, track in others.items()},
             {name: transform for name, transform in self._placed.items() if name in others},
+            max(here.last, there.last),
         )
 
     def hypotheses(self, robot: str, now: float) -> Tuple[Hypothesis, ...]:
