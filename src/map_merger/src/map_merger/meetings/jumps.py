@@ -10,13 +10,15 @@ from typing import List, NamedTuple, Tuple
 
 import numpy as np
 
+from ..transform import Transform
+from .fitting import transform_from
 from .sweeps import Sweeps
 from .tracking import Fragment
 
 _LONGEST_STEP_S = 0.75
 """Between two poses farther apart in time a robot may have done anything."""
-_JUMP_M = 0.08
-_FASTER = 1.5
+_JUMP_M = 0.06
+_FASTER = 1.0
 """A step differs from those beside it by more than _JUMP_M (m) and what an acceleration of _FASTER (m/s^2) makes of it."""
 _JUMP_RAD = 0.2
 _TURNS_FASTER = 4.0
@@ -25,16 +27,12 @@ _TURNS_FASTER = 4.0
 
 class Jumps(NamedTuple):
     """times: float (n,), s, rising. turns: unit complex (n + 1,), and shifts: complex (n + 1,), m: what carries a place
-    from before the first jump, the second one and so on, and from after the last one, to the present frame."""
+    from before the first jump, the second one and so on, and from after the last one, to the present frame. size: root sum of the squares of the jumps, m."""
 
     times: np.ndarray
     turns: np.ndarray
     shifts: np.ndarray
-
-    @property
-    def last(self) -> float:
-        """Time of the latest, s; minus infinity if there was none."""
-        return float(self.times[-1]) if len(self.times) else -math.inf
+    size: float = 0.0
 
     def steady(self, rows: np.ndarray) -> np.ndarray:
         """Rows (n, >= 3: time, x, y and perhaps yaw) in the present frame."""
@@ -61,6 +59,19 @@ class Jumps(NamedTuple):
         turn, shift = self._at(sweeps.times)
         return sweeps._replace(eyes=turn * sweeps.eyes + shift, headings=turn * sweeps.headings)
 
+    def mean_frame(self, track: np.ndarray) -> Transform:
+        """From the present frame to that in which the robot was on the mean of the time of its track (n, 4), as it is
+        without this correction: what was mapped meanwhile lies about there."""
+        if not len(self.times):
+            return Transform()
+        turn, shift = self._at(track[:, 0])
+        weight = np.gradient(track[:, 0])
+        mapped = track[:, 1] + 1j * track[:, 2]
+        present = complex(np.average(turn * mapped + shift, weights=weight))
+        back = complex(np.average(turn.conjugate(), weights=weight))
+        back /= abs(back)
+        return transform_from(back, complex(np.average(mapped, weights=weight)) - back * present)
+
     def _at(self, times: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         before = np.searchsorted(self.times, times, side="right")
         return self.turns[before], self.shifts[before]
@@ -68,17 +79,18 @@ class Jumps(NamedTuple):
 
 def jumps_of(track: np.ndarray) -> Jumps:
     """The jumps of a track (n, 4: time, x, y, yaw), oldest first."""
-    turns, shifts, times = [1.0 + 0j], [0j], []
+    turns, shifts, times, size = [1.0 + 0j], [0j], [], 0.0
     for index, step, heading in reversed(_uneven(track)):
         # From the frame before the jump to that after it: the pose that was expected becomes the one there is.
         turn = complex(np.exp(1j * (track[index + 1, 3] - track[index, 3] - heading)))
         here = complex(track[index, 1], track[index, 2])
         expected = here + step * complex(np.exp(1j * track[index, 3]))
         shift = complex(track[index + 1, 1], track[index + 1, 2]) - turn * expected
+        size = math.hypot(size, abs(complex(track[index + 1, 1], track[index + 1, 2]) - expected))
         times.append(0.5 * float(track[index, 0] + track[index + 1, 0]))
         shifts.append(turns[-1] * shift + shifts[-1])
         turns.append(turns[-1] * turn)
-    return Jumps(np.array(times[::-1]), np.array(turns[::-1]), np.array(shifts[::-1]))
+    return Jumps(np.array(times[::-1]), np.array(turns[::-1]), np.array(shifts[::-1]), size)
 
 
 def _uneven(track: np.ndarray) -> List[Tuple[int, complex, float]]:

@@ -160,7 +160,9 @@ class Meetings:
             heard.sensor,
             {name: jumps_of(track).steady(track) for name, track in others.items()},
             {name: transform for name, transform in self._placed.items() if name in others},
-            max(here.last, there.last),
+            math.hypot(here.size, there.size),
+            here.mean_frame(own.track),
+            there.mean_frame(told),
         )
 
     def hypotheses(self, robot: str, now: float) -> Tuple[Hypothesis, ...]:
