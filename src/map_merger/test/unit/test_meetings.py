@@ -8,8 +8,8 @@ import pytest
 from meeting_scene import NARROW, Actor, Scene, driving, room, standing
 
 from map_merger.grid import Grid, GridInfo
-from map_merger.meetings.hypotheses import rival_of
 from map_merger.meetings.meetings import Meetings
+from map_merger.meetings.rivals import rival_of
 from map_merger.meetings.values import MOST_OBJECTS, MOST_POSES, MOST_SAMPLES, ToldObject, TrackReport
 from map_merger.transform import Transform, displacement, rotation_between
 

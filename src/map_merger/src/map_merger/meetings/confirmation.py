@@ -13,7 +13,7 @@ from ..evidence import Evidence, compare
 from ..registration import UNLIMITED, Limits, Registration, Verdict
 from ..surface import Landmarks, Surface, subsample
 from ..transform import Transform, wrap_angle
-from .hypotheses import doubts_of
+from .rivals import doubts_of
 from .values import Hypothesis
 
 LARGEST_SHIFT_M = 0.25

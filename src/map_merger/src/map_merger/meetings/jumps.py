@@ -1,8 +1,8 @@
 """Tracks without the jumps of SLAM.
 
-SLAM that sees little, as with a narrow view, now and then moves a robot by some decimetres at once, and back later. What
-was seen before and after such a jump is not in one frame, and the poses of a robot that drives past have a step in them
-that nobody sees. So what was before is carried along to where it would be had the robot driven on evenly.
+SLAM that sees little, as with a narrow view, now and then moves a robot by some decimetres at once, and perhaps back
+later. What was seen before and after such a jump is not in one frame, and the poses of a robot that drives past have a
+step in them that nobody sees. So what was before is carried to where it would be had the robot driven on evenly.
 """
 
 import math
@@ -19,7 +19,7 @@ _LONGEST_STEP_S = 0.75
 """Between two poses farther apart in time a robot may have done anything."""
 _JUMP_M = 0.06
 _FASTER = 1.0
-"""A step differs from those beside it by more than _JUMP_M (m) and what an acceleration of _FASTER (m/s^2) makes of it."""
+"""A step differs from those beside it by more than _JUMP_M (m) and what an acceleration of _FASTER (m/s^2) explains."""
 _JUMP_RAD = 0.2
 _TURNS_FASTER = 4.0
 """The same of the heading, rad and rad/s^2."""
@@ -27,7 +27,8 @@ _TURNS_FASTER = 4.0
 
 class Jumps(NamedTuple):
     """times: float (n,), s, rising. turns: unit complex (n + 1,), and shifts: complex (n + 1,), m: what carries a place
-    from before the first jump, the second one and so on, and from after the last one, to the present frame. size: root sum of the squares of the jumps, m."""
+    from before the first jump, the second one and so on, and from after the last one, to the present frame. size: root
+    sum of the squares of the jumps, m."""
 
     times: np.ndarray
     turns: np.ndarray
@@ -94,8 +95,8 @@ def jumps_of(track: np.ndarray) -> Jumps:
 
 
 def _uneven(track: np.ndarray) -> List[Tuple[int, complex, float]]:
-    """The steps that differ from both beside them: the row before, and what step (m, in the robot's frame) and turn (rad)
-    the steps beside it would have made."""
+    """The steps that differ from both beside them: the row before, and what step (m, in the robot's frame) and turn
+    (rad) the steps beside it would have made."""
     if len(track) < 2:
         return []
     span = np.maximum(np.diff(track[:, 0]), 1e-3)

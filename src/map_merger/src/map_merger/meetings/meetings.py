@@ -11,9 +11,10 @@ from ..messages import NO_BOOT, Boot
 from ..transform import Transform
 from .detection import FARTHEST_M, objects_in_scan
 from .heard import Heard
-from .hypotheses import Sightings, doubts_of
+from .hypotheses import Sightings
 from .jumps import jumps_of
 from .map_objects import objects_in_map
+from .rivals import doubts_of
 from .sweeps import NO_SWEEPS, SweepHistory, Sweeps
 from .telling import SLOW_S, Telling
 from .tracking import Fragment, ObjectTracks, Trail
