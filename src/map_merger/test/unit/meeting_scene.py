@@ -76,12 +76,15 @@ class Scene:
         loss: float = 0.1,
         late: float = 0.3,
         worlds: Optional[Dict[str, int]] = None,
+        jumps: Optional[Dict[str, Tuple[float, Transform]]] = None,
     ) -> None:
-        """late: s, the longest delay of a report. worlds: robots in different ones do not see one another."""
+        """late: s, the longest delay of a report. worlds: robots in different ones do not see one another. jumps: when
+        the SLAM of a robot moves it, and by what in its map frame."""
         self.robots, self.walls, self.others = list(robots), list(walls), list(others)
         self.random = np.random.default_rng(seed)
         self.loss, self.late, self.worlds = loss, late, worlds or {}
         self.meetings = {robot.name: Meetings(robot.name, robot.boot, BODY_M) for robot in robots}
+        self.jumps = jumps or {}
         self.waiting: List[Tuple[float, int, str, TrackReport]] = []
         self.reports: List[Tuple[float, TrackReport]] = []
         self.time = 0.0
@@ -93,6 +96,12 @@ class Scene:
         """Transform of the source's frame to the target's."""
         by_name = {robot.name: robot for robot in self.robots}
         return self.frame(by_name[target]).inverse().compose(self.frame(by_name[source]))
+
+    def believed(self, robot: Actor) -> Transform:
+        """Where its SLAM says that it is, in its map frame."""
+        pose = self.frame(robot).inverse().compose(robot.way(self.time))
+        since, jump = self.jumps.get(robot.name, (math.inf, Transform()))
+        return jump.compose(pose) if self.time >= since else pose
 
     def run(self, until: float) -> "Scene":
         """In steps of 0.1 s."""
@@ -107,7 +116,7 @@ class Scene:
             meetings = self.meetings[robot.name]
             names = {other.name for other in self.robots if other.radio and other is not robot}
             meetings.on_team(names if robot.radio else (), {})
-            pose = self.frame(robot).inverse().compose(robot.way(self.time))
+            pose = self.believed(robot)
             meetings.on_scan(self.scan(robot), pose, self.time)
             report = meetings.report(self.time) if robot.radio else None
             if report is not None:

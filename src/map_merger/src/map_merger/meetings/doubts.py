@@ -3,6 +3,7 @@
 import math
 from typing import Iterable, List, Optional, Sequence
 
+from ..transform import Transform, rotation_between
 from .candidates import Candidate
 from .values import Hypothesis
 from .ways import Way, bend_of
@@ -17,10 +18,12 @@ SMALLEST_SHARE = 0.95
 SHORTEST_SECONDS = 3.0
 FEWEST_SIGHTINGS = 10
 RIVAL_SHARE = 0.5
+_SAME_M = 0.3
+_SAME_TURN = math.radians(4.0)
 
 
-def doubts_of_motion(robot: str, ways: List[Way], candidate: Candidate) -> str:
-    """Why the ways do not tell the robot from others yet; '' if they do."""
+def doubts_of_motion(robot: str, ways: List[Way], both: bool, candidate: Candidate) -> str:
+    """Why the ways do not tell the robot from others yet; '' if they do. both: see `seen_by_both`."""
     path = max((way.length for way in ways), default=0.0)
     if path < SHORTEST_PATH_M:
         return f"waits to see {robot} move"
@@ -29,6 +32,9 @@ def doubts_of_motion(robot: str, ways: List[Way], candidate: Candidate) -> str:
     alike = " and ".join(sorted({way.alike for way in ways if way.alike}))
     if alike:
         return f"{robot} and {alike} move alike"
+    if both:
+        # A straight drive gives the heading, whoever it is; then the other sees this robot where that says.
+        return ""
     return f"waits to see {robot} turn: a straight drive of {path:.1f} m is like others"
 
 
@@ -64,3 +70,15 @@ def doubts_of(hypotheses: Sequence[Hypothesis]) -> str:
         here, there = (each.transform.apply_point(*best.centre) for each in (best, rival))
         return f"two solutions {math.hypot(here[0] - there[0], here[1] - there[1]):.1f} m apart"
     return best.doubts
+
+
+def agrees(hypotheses: Sequence[Hypothesis], transform: Transform) -> bool:
+    """True if what was seen of the other's way fits a transform that was found without the sightings. A straight drive,
+    like others as it may be, is enough for that."""
+    if not hypotheses or rival_of(hypotheses[0], hypotheses) is not None:
+        return False
+    best = hypotheses[0]
+    here, there = (each.apply_point(*best.centre) for each in (best.transform, transform))
+    same = math.hypot(here[0] - there[0], here[1] - there[1]) < _SAME_M
+    clear = best.path >= SHORTEST_PATH_M and best.error <= LARGEST_ERROR_M and best.share >= SMALLEST_SHARE
+    return same and clear and rotation_between(best.transform, transform) < _SAME_TURN

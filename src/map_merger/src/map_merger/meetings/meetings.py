@@ -14,6 +14,7 @@ from .detection import FARTHEST_M, objects_in_scan
 from .doubts import doubts_of
 from .heard import Heard
 from .hypotheses import hypotheses_of
+from .jumps import jumps_of
 from .map_objects import objects_in_map
 from .sightings import Sightings
 from .sweeps import NO_SWEEPS, SweepHistory, Sweeps
@@ -154,16 +155,21 @@ class Meetings:
         if own is None:
             return None
         others = {name: each.track() for name, each in self._heard.items() if name not in (robot, self._stand_in)}
+        told = heard.track()
+        here, there = jumps_of(own.track), jumps_of(told)
         return Sightings(
             robot,
-            own.track,
-            heard.track(),
-            own.objects,
-            heard.fragments(),
-            own.sweeps,
+            here.steady(own.track),
+            there.steady(told),
+            here.steady_fragments(own.objects),
+            there.steady_fragments(heard.fragments()),
+            here.steady_sweeps(own.sweeps),
             heard.sensor,
-            others,
+            {name: jumps_of(track).steady(track) for name, track in others.items()},
             {name: transform for name, transform in self._placed.items() if name in others},
+            math.hypot(here.size, there.size),
+            here.mean_frame(own.track),
+            there.mean_frame(told),
         )
 
     def hypotheses(self, robot: str, now: float) -> Tuple[Hypothesis, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 from ..transform import Transform
 from .sweeps import Sweeps
 from .tracking import Fragment
-from .values import NO_SENSOR, Sensor
+from .values import NO_SENSOR, UNMOVED, Sensor
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,7 +18,8 @@ class Sightings:
     own, told: tracks (n, >= 3: time, x, y, ...) of the own robot and the other, each in its own frame; told also has
     the yaw. objects, told_objects: what each saw, in its own frame. sensor: the other's. others: tracks of the further
     robots that are heard, in their frames, as the other may be mistaken for them. placed: the believed ones of their
-    transforms to the own frame.
+    transforms to the own frame. All tracks are free of jumps; jump: m by which both have jumped. own_map, told_map:
+    from the frame of each robot's tracks to that of its map, in the mean.
     """
 
     robot: str
@@ -30,3 +31,6 @@ class Sightings:
     sensor: Sensor = NO_SENSOR
     others: Mapping[str, np.ndarray] = field(default_factory=dict)
     placed: Mapping[str, Transform] = field(default_factory=dict)
+    jump: float = 0.0
+    own_map: Transform = UNMOVED
+    told_map: Transform = UNMOVED

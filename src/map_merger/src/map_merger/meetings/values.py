@@ -29,7 +29,7 @@ NO_SENSOR = Sensor()
 """Of a robot that does not look for others in scans: not seeing somebody proves nothing."""
 
 
-IN_THE_MIDDLE = Transform()
+UNMOVED = Transform()
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class LaserScan:
     angle_increment: float
     range_min: float
     range_max: float
-    mount: Transform = IN_THE_MIDDLE
+    mount: Transform = UNMOVED
 
     def __post_init__(self) -> None:
         numbers = (self.angle_min, self.angle_increment, self.range_min, self.range_max, *self.mount.pose())

@@ -13,6 +13,8 @@ from .pairing import Pairs
 from .sightings import Sightings
 from .sweeps import NO_SWEEPS
 
+FEWEST_OF_EACH = 3
+"""Sightings on either side that make a straight drive unmistakable."""
 PROBATION_S = 1.5
 """A way must have been unmistakable for so long, in time of sightings, and must have agreed ever since."""
 OUT_OF_SIGHT_S = 6.0
@@ -30,7 +32,7 @@ class Way(NamedTuple):
 def ways_of(sightings: Sightings, pairs: Pairs, candidate: Candidate) -> List[Way]:
     """Without the last moments: what has just begun to differ still agrees."""
     result = []
-    proven = candidate.agree & (pairs.time <= _proven_until(sightings, pairs.time[candidate.agree].max()))
+    proven = _proven(sightings, pairs, candidate)
     for mine in (True, False):
         chosen = proven & (pairs.seen_by_own == mine)
         if chosen.sum() < 3:
@@ -41,9 +43,17 @@ def ways_of(sightings: Sightings, pairs: Pairs, candidate: Candidate) -> List[Wa
     return result
 
 
-def _proven_until(sightings: Sightings, last: float) -> float:
+def seen_by_both(sightings: Sightings, pairs: Pairs, candidate: Candidate) -> bool:
+    """True if each saw the other where the transform says, not in the last moments only."""
+    proven = _proven(sightings, pairs, candidate)
+    each = [float(pairs.sightings[proven & (pairs.seen_by_own == mine)].sum()) for mine in (True, False)]
+    return min(each) >= FEWEST_OF_EACH
+
+
+def _proven(sightings: Sightings, pairs: Pairs, candidate: Candidate) -> np.ndarray:
+    last = float(pairs.time[candidate.agree].max())
     now = float(sightings.own[-1, 0]) if len(sightings.own) else last
-    return max(last - PROBATION_S, now - OUT_OF_SIGHT_S)
+    return candidate.agree & (pairs.time <= max(last - PROBATION_S, now - OUT_OF_SIGHT_S))
 
 
 def _extent(way: np.ndarray) -> Tuple[float, float]:
