@@ -17,6 +17,7 @@ from .registration import (
     DEFAULT_CRITERIA,
     KEEP_CRITERIA,
     PRIOR_CRITERIA,
+    SIGHTED_CRITERIA,
     Criteria,
     Registration,
     Verdict,
@@ -70,6 +71,8 @@ class Alignment:
         self._belief: Optional[Belief] = None
         self._candidate: Optional[Registration] = None
         self._refuted: Optional[Belief] = None
+        self.suggested: Optional[Transform] = None
+        """What the last search found without contradictions, be there ever so little shared wall."""
         self._attempts = Attempts()
 
     @property
@@ -99,15 +102,25 @@ class Alignment:
         """True if the walls have given one or several transforms, and a sighting could decide."""
         return self._belief is None and (self._candidate is not None or self.verdict is Verdict.AMBIGUOUS)
 
-    def due(self, now: float, target: Versioned, source: Versioned, news: int = 0, disputed: bool = False) -> bool:
+    def due(
+        self,
+        now: float,
+        target: Versioned,
+        source: Versioned,
+        news: int = 0,
+        disputed: bool = False,
+        in_sight: bool = False,
+    ) -> bool:
         """True if a job is worth its time.
 
         news: how many pieces of evidence other than the maps there have been, such as sightings. More than at the last
         start make a job due after the plain period, whatever the maps. disputed: the transform and those of the rest of
-        the team contradict one another, so it is looked at again after each period: the walls may tell who is wrong.
+        the team contradict one another, so it is looked at again after each period: the walls may tell who is wrong. in_sight: both
+        robots see something that moves. If it is they, the walls around them may tell where they are, also after each
+        period.
         """
-        disputed = disputed and self._belief is not None
-        return self._attempts.due(now, target, source, news, self.proposed is not None, disputed)
+        pressing = disputed if self._belief is not None else in_sight
+        return self._attempts.due(now, target, source, news, self.proposed is not None, pressing)
 
     def started(self, now: float, target: Versioned, source: Versioned, period: float, news: int = 0) -> None:
         """A job is under way; `period` is the shortest time in seconds to the next one."""
@@ -120,6 +133,7 @@ class Alignment:
     def finished(self, result: Registration) -> str:
         """Takes the outcome of a job. Returns `accepted`, `moved` or `revoked` if that is the news, else ''."""
         self.verdict, self.reason = result.verdict, reason_of(result, _criteria_of(self._belief, result))
+        self.suggested = result.transform if result.evidence.conflict <= SIGHTED_CRITERIA.conflict else None
         return self._found(result) if self._belief is None else self._followed(self._belief, result)
 
     def refuted(self, words: str) -> str:

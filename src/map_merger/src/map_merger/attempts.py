@@ -25,9 +25,9 @@ class Attempts:
         self._pause = 0.0
         self._started = -math.inf
 
-    def due(self, now: float, target: Versioned, source: Versioned, news: int, believed: bool, disputed: bool) -> bool:
+    def due(self, now: float, target: Versioned, source: Versioned, news: int, believed: bool, pressing: bool) -> bool:
         """See `Alignment.due`. believed: there is a transform to look after, so any change of a map counts."""
-        if news > self._news or disputed:
+        if news > self._news or pressing:
             return not self._pausing(now, self._period)
         if self._pausing(now, self._pause) or (target.key, source.key) == self._tried:
             return False

@@ -1,0 +1,85 @@
+"""Whether a transform that the walls give also says where the other robot was seen.
+
+Walls have copies and moving things may be anybody; that both agree is more than either. Something stood again and again
+where, by the transform, the other robot drove at that time, and where by the own map nothing stands: then it was that
+robot.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .grid import values_at
+from .meetings import Sightings
+from .meetings.identity import who_was_there
+from .meetings.tracking import at_times
+from .surface import Landmarks
+from .transform import Transform
+
+_CLEARANCE_M = 0.4
+"""Nearer to a wall the laser may have seen the wall."""
+FEWEST_SWEEPS = 8
+SHORTEST_WAY_M = 0.4
+"""What stands still may be a chair."""
+LARGEST_EMPTY_SHARE = 0.1
+
+
+class Presence(NamedTuple):
+    """Own sweeps that show something where the other robot was, those that show nothing there, and the extent in m of
+    the places at which something was seen."""
+
+    there: int = 0
+    empty: int = 0
+    way: float = 0.0
+
+    @property
+    def refutes(self) -> bool:
+        """True if the other robot was not where the transform says."""
+        return self.empty >= FEWEST_SWEEPS and self.empty > self.there
+
+    @property
+    def confirms(self) -> bool:
+        """True if the other robot drove where the transform says."""
+        return (
+            self.there >= FEWEST_SWEEPS
+            and self.way >= SHORTEST_WAY_M
+            and self.empty <= LARGEST_EMPTY_SHARE * self.there
+        )
+
+
+def presence_of(sightings: Sightings, viewer: Landmarks, transform: Transform) -> Presence:
+    """What the own sweeps, in the map frame of `viewer`, show where the other robot was by `transform` (its frame to
+    the own one). Where a further robot was that is placed says nothing."""
+    sweeps = sightings.sweeps
+    told, known = at_times(sightings.told, sweeps.times)
+    turn, shift = np.exp(1j * transform.yaw), complex(transform.x, transform.y)
+    places = turn * told + shift
+    seen = sweeps.look(places, known)
+    there = seen.there.copy()
+    there[there] = _far_from_walls(viewer, places[there])
+    if there.any() and _was_another(sightings, sweeps.times[there], places[there]):
+        return Presence(0, int(seen.empty.sum()))
+    return Presence(int(there.sum()), int(seen.empty.sum()), _extent(places[there]))
+
+
+def _was_another(sightings: Sightings, times: np.ndarray, places: np.ndarray) -> bool:
+    placed = {
+        name: (sightings.others[name], transform)
+        for name, transform in sightings.placed.items()
+        if name in sightings.others
+    }
+    return bool(who_was_there(placed, times, places))
+
+
+def _far_from_walls(viewer: Landmarks, places: np.ndarray) -> np.ndarray:
+    """Bool (n,): known, and nothing larger than a robot within _CLEARANCE_M."""
+    known = values_at(viewer.known, viewer.info, np.column_stack([places.real, places.imag]), False)
+    walls = viewer.surface.points[viewer.surface.solid] @ (1.0, 1j)
+    far = known.copy()
+    for index in np.flatnonzero(known):
+        far[index] = not (np.abs(walls - places[index]) < _CLEARANCE_M).any()
+    return far
+
+
+def _extent(places: np.ndarray) -> float:
+    return float(np.hypot(np.ptp(places.real), np.ptp(places.imag))) if len(places) else 0.0
