@@ -8,7 +8,7 @@ import numpy as np
 from .grid import UNKNOWN
 from .job import Versioned
 
-LONGEST_PAUSE_S = 20.0
+LONGEST_PAUSE_S = 10.0
 _PAUSE_GROWTH = 1.3
 _MAP_GROWTH = 1.03
 _MAP_GROWTH_CELLS = 50

@@ -18,6 +18,8 @@ from .transform import Transform
 
 _CLEARANCE_M = 0.4
 """Nearer to a wall the laser may have seen the wall."""
+_REACH_M = 8.0
+"""Farther away than where objects are told from one another: what stands at a given place is seen by few beams."""
 FEWEST_SWEEPS = 8
 SHORTEST_WAY_M = 0.4
 """What stands still may be a chair."""
@@ -31,11 +33,6 @@ class Presence(NamedTuple):
     there: int = 0
     empty: int = 0
     way: float = 0.0
-
-    @property
-    def refutes(self) -> bool:
-        """True if the other robot was not where the transform says."""
-        return self.empty >= FEWEST_SWEEPS and self.empty > self.there
 
     @property
     def confirms(self) -> bool:
@@ -54,7 +51,7 @@ def presence_of(sightings: Sightings, viewer: Landmarks, transform: Transform) -
     told, known = at_times(sightings.told, sweeps.times)
     turn, shift = np.exp(1j * transform.yaw), complex(transform.x, transform.y)
     places = turn * told + shift
-    seen = sweeps.look(places, known)
+    seen = sweeps.look(places, known, _REACH_M)
     there = seen.there.copy()
     there[there] = _far_from_walls(viewer, places[there])
     if there.any() and _was_another(sightings, sweeps.times[there], places[there]):
