@@ -115,9 +115,8 @@ class Alignment:
 
         news: how many pieces of evidence other than the maps there have been, such as sightings. More than at the last
         start make a job due after the plain period, whatever the maps. disputed: the transform and those of the rest of
-        the team contradict one another, so it is looked at again after each period: the walls may tell who is wrong. in_sight: both
-        robots see something that moves. If it is they, the walls around them may tell where they are, also after each
-        period.
+        the team contradict one another, so it is looked at again after each period: the walls may tell who is wrong.
+        in_sight: both robots see something that moves. If it is they, the walls around them may tell where they are.
         """
         pressing = disputed if self._belief is not None else in_sight
         return self._attempts.due(now, target, source, news, self.proposed is not None, pressing)

@@ -12,6 +12,7 @@ from .evidence import compare
 from .global_map import merged
 from .grid import Grid
 from .meetings import Sightings, confirmed
+from .presence import presence_of
 from .registration import (
     DEFAULT_CRITERIA,
     KEEP_CRITERIA,
@@ -26,7 +27,6 @@ from .registration import (
     judge,
     judge_kept,
 )
-from .presence import presence_of
 from .search import same_place
 from .sighting import SIGHTINGS_NEEDED, Sighting, moved, nowhere, places_seen
 from .surface import Landmarks, landmarks_of, without_places

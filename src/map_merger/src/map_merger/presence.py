@@ -2,7 +2,8 @@
 
 Walls have copies and moving things may be anybody; that both agree is more than either. Something stood again and again
 where, by the transform, the other robot drove at that time, and where by the own map nothing stands: then it was that
-robot.
+robot. Unless, in a building of copies, a third robot drove alike in the next copy: where one may have, the other robot
+must have seen this one as well.
 """
 
 from typing import NamedTuple
@@ -11,13 +12,16 @@ import numpy as np
 
 from .grid import values_at
 from .meetings import Sightings
-from .meetings.identity import who_was_there
+from .meetings.identity import who_moves_alike, who_was_there
 from .meetings.tracking import at_times
 from .surface import Landmarks
 from .transform import Transform
 
 _CLEARANCE_M = 0.4
 """Nearer to a wall the laser may have seen the wall."""
+_ALIKE_M = 0.1
+"""A laser sees surfaces, so the ways of robots that differ by less may be taken for one another."""
+_BACK_M = 0.3
 _REACH_M = 8.0
 """Farther away than where objects are told from one another: what stands at a given place is seen by few beams."""
 FEWEST_SWEEPS = 8
@@ -54,18 +58,31 @@ def presence_of(sightings: Sightings, viewer: Landmarks, transform: Transform) -
     seen = sweeps.look(places, known, _REACH_M)
     there = seen.there.copy()
     there[there] = _far_from_walls(viewer, places[there])
-    if there.any() and _was_another(sightings, sweeps.times[there], places[there]):
+    if there.any() and _may_be_another(sightings, transform, sweeps.times[there], places[there]):
         return Presence(0, int(seen.empty.sum()))
     return Presence(int(there.sum()), int(seen.empty.sum()), _extent(places[there]))
 
 
-def _was_another(sightings: Sightings, times: np.ndarray, places: np.ndarray) -> bool:
+def _may_be_another(sightings: Sightings, transform: Transform, times: np.ndarray, places: np.ndarray) -> bool:
     placed = {
-        name: (sightings.others[name], transform)
-        for name, transform in sightings.placed.items()
-        if name in sightings.others
+        name: (sightings.others[name], each) for name, each in sightings.placed.items() if name in sightings.others
     }
-    return bool(who_was_there(placed, times, places))
+    if who_was_there(placed, times, places):
+        return True
+    unplaced = {name: track for name, track in sightings.others.items() if name not in placed}
+    alike = who_moves_alike(unplaced, times, places, _ALIKE_M, sightings.sweeps)
+    return bool(alike) and not _is_seen_back(sightings, transform)
+
+
+def _is_seen_back(sightings: Sightings, transform: Transform) -> bool:
+    """The other robot told of something again and again where, by the transform, the own one was."""
+    turn, shift = np.exp(1j * transform.yaw), complex(transform.x, transform.y)
+    count = 0
+    for each in sightings.told_objects:
+        own, known = at_times(sightings.own, each.samples[:, 0])
+        seen = turn * (each.samples[:, 1] + 1j * each.samples[:, 2]) + shift
+        count += int((known & (np.abs(seen - own) < _BACK_M)).sum())
+    return count >= FEWEST_SWEEPS
 
 
 def _far_from_walls(viewer: Landmarks, places: np.ndarray) -> np.ndarray:

@@ -92,9 +92,7 @@ class Registrar:
         look = alignment.transform is None and self._look_timer(robot).fires(now)
         meeting = self._meetings.sightings(robot, now) if look else None
         in_sight = meeting is not None and _something_moves(meeting, now)
-        search = period is not None and alignment.due(
-            now, team.target, source, news, robot in team.disputed, in_sight
-        )
+        search = period is not None and alignment.due(now, team.target, source, news, robot in team.disputed, in_sight)
         if search and period is not None:
             alignment.started(now, team.target, source, period, news)
         elif meeting is None:

@@ -38,8 +38,8 @@ class Sweeps(NamedTuple):
     farthest: float
 
     def look(self, places: np.ndarray, known: np.ndarray, reach: float = _FAR_M) -> Seen:
-        """places: complex (n,), m, one for each sweep, of which those that are not `known` were not looked at, nor those
-        farther away than `reach` (m)."""
+        """places: complex (n,), m, one for each sweep. Not looked at are those that are not `known`, and those farther
+        away than `reach` (m)."""
         if not len(self.times):
             return Seen(np.zeros(0, bool), np.zeros(0, bool))
         seen = (places - self.eyes) * self.headings.conjugate()
