@@ -5,8 +5,9 @@ It is then followed as the maps grow. Each look at it adds to its credit or take
 """
 
 import math
+from collections import deque
 from dataclasses import dataclass, replace
-from typing import Optional
+from typing import Deque, Optional
 
 from .attempts import Attempts
 from .covariance import Covariance
@@ -40,6 +41,9 @@ CREDIT = {Verdict.ACCEPTED: 1, Verdict.CONTRADICTED: -4, Verdict.UNEXPLAINED: -2
 VANISHED = 0.25
 """...but that less than this share is left of shared walls that were enough to find a transform by: maps only grow, so
 they leave as much unexplained."""
+_MOST_NOT_THERE = 16
+"""So many transforms by which the other robot was not where it should have been are remembered: they are believed only
+when it is met."""
 _SAME_DISTANCE = 0.4
 _SAME_ROTATION = math.radians(1.5)
 
@@ -73,6 +77,7 @@ class Alignment:
         self._refuted: Optional[Belief] = None
         self.suggested: Optional[Transform] = None
         """What the last search found without contradictions, be there ever so little shared wall."""
+        self._not_there: Deque[Transform] = deque(maxlen=_MOST_NOT_THERE)
         self._attempts = Attempts()
 
     @property
@@ -147,9 +152,16 @@ class Alignment:
         return "revoked"
 
     def _found(self, result: Registration) -> str:
+        if result.verdict is Verdict.NOT_THERE and result.transform is not None:
+            self._candidate = None
+            if not any(_agree(each, result.transform) for each in self._not_there):
+                self._not_there.append(result.transform)
         if not result.accepted or result.transform is None:
             if result.verdict in (Verdict.CONTRADICTED, Verdict.AMBIGUOUS, Verdict.CONTRADICTS_TEAM):
                 self._candidate = None
+            return ""
+        if not result.met and any(_agree(each, result.transform) for each in self._not_there):
+            self.verdict, self.reason = Verdict.NOT_THERE, Verdict.NOT_THERE.value
             return ""
         if self._is_refuted(result):
             self.verdict, self.reason = Verdict.CONTRADICTS_TEAM, "found again what the team contradicts"

@@ -12,7 +12,7 @@ from .evidence import compare
 from .global_map import merged
 from .grid import Grid
 from .meetings import Sightings, confirmed
-from .presence import presence_of
+from .presence import is_refuted, presence_of
 from .registration import (
     DEFAULT_CRITERIA,
     KEEP_CRITERIA,
@@ -128,8 +128,18 @@ class Job:
         if result.accepted and result.transform is not None:
             result = result._replace(met=self._met(result.transform))
         if self.meeting is not None and not result.met:
-            return self._sighted(target, source, self.meeting, (result.transform,)) or result
+            return self._sighted(target, source, self.meeting, (result.transform,)) or self._unless_not_there(result)
         return result
+
+    def _unless_not_there(self, result: Registration) -> Registration:
+        """Walls have copies; in the wrong one the other robot is not seen."""
+        refuted = (
+            self.meeting is not None
+            and result.accepted
+            and result.transform is not None
+            and is_refuted(self.meeting, result.transform)
+        )
+        return result._replace(verdict=Verdict.NOT_THERE) if refuted else result
 
     def _confirmed(self, target: Landmarks, source: Landmarks, meeting: Sightings) -> Registration:
         """What the sightings say if the walls of both maps, and those of the team, have nothing against it."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from .grid import values_at
 from .meetings import Sightings
-from .meetings.identity import who_moves_alike, who_was_there
+from .meetings.identity import is_empty, who_moves_alike, who_was_there
 from .meetings.tracking import at_times
 from .surface import Landmarks
 from .transform import Transform
@@ -24,6 +24,9 @@ _ALIKE_M = 0.1
 _BACK_M = 0.3
 _REACH_M = 8.0
 """Farther away than where objects are told from one another: what stands at a given place is seen by few beams."""
+_SAME_PLACE_M = 0.25
+_FEWEST_POSES = 3
+"""Bodies cannot be nearer to one another, whatever the exactness of the transform."""
 FEWEST_SWEEPS = 8
 SHORTEST_WAY_M = 0.4
 """What stands still may be a chair."""
@@ -46,6 +49,18 @@ class Presence(NamedTuple):
             and self.way >= SHORTEST_WAY_M
             and self.empty <= LARGEST_EMPTY_SHARE * self.there
         )
+
+
+def is_refuted(sightings: Sightings, transform: Transform) -> bool:
+    """True if by the transform (of the other robot's frame to the own one) both robots stood in the same place, or the
+    own laser saw nothing where the other one was."""
+    turn, shift = np.exp(1j * transform.yaw), complex(transform.x, transform.y)
+    own, known = at_times(sightings.own, sightings.told[:, 0])
+    apart = np.abs(turn * (sightings.told[:, 1:3] @ (1.0, 1j)) + shift - own)
+    if int((known & (apart < _SAME_PLACE_M)).sum()) >= _FEWEST_POSES:
+        return True
+    told, known = at_times(sightings.told, sightings.sweeps.times)
+    return is_empty(sightings.sweeps, turn * told + shift, known)
 
 
 def presence_of(sightings: Sightings, viewer: Landmarks, transform: Transform) -> Presence:

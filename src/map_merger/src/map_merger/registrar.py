@@ -93,6 +93,8 @@ class Registrar:
         meeting = self._meetings.sightings(robot, now) if look else None
         in_sight = meeting is not None and _something_moves(meeting, now)
         search = period is not None and alignment.due(now, team.target, source, news, robot in team.disputed, in_sight)
+        if search and not look and alignment.transform is None:
+            meeting = self._meetings.sightings(robot, now)
         if search and period is not None:
             alignment.started(now, team.target, source, period, news)
         elif meeting is None:

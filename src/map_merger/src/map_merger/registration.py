@@ -97,6 +97,7 @@ class Verdict(Enum):
     AMBIGUOUS = "another transform fits nearly as well"
     CONTRADICTS_TEAM = "walls in free space of the merged map of the others"
     BEYOND_LIMITS = "beyond max_trans_robots or max_rotation_robots"
+    NOT_THERE = "the other robot was not where this puts it"
     UNSETTLED = "sightings that leave doubts who was seen"
     INEXACT = "sightings and walls do not fix it exactly enough yet"
     FAILED = "registration failed"

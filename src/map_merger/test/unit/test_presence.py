@@ -9,10 +9,12 @@ import pytest
 from meeting_scene import WIDE, Actor, Scene, Wall, driving, room, standing
 
 from map_merger.alignment import Alignment
+from map_merger.evidence import Evidence
 from map_merger.grid import FREE, OCCUPIED, Grid, GridInfo
 from map_merger.job import Job, LandmarkCache, Versioned
-from map_merger.presence import FEWEST_SWEEPS, presence_of
-from map_merger.registration import Limits, Verdict
+from map_merger.meetings.sweeps import NO_SWEEPS
+from map_merger.presence import FEWEST_SWEEPS, is_refuted, presence_of
+from map_merger.registration import Limits, Registration, Verdict
 from map_merger.surface import landmarks_of
 from map_merger.transform import Transform, displacement, rotation_between
 
@@ -124,6 +126,28 @@ def test_a_robot_that_is_placed_there_is_not_taken_for_another():
     sightings = scene.meetings["a"].sightings("b", scene.time)
     other = replace(sightings, others={"c": sightings.told}, placed={"c": truth})
     assert not presence_of(other, viewer, truth).confirms
+
+
+def test_copies_in_which_the_other_robot_is_not_are_refuted_and_stay_so():
+    """Robots that started in copies of a room believed 45 m of wall, 29 m wrong."""
+    scene = scene_of(straight(), worlds={"b": 1}).run(6.5)
+    result = job_of(scene).run()
+    assert result.verdict is Verdict.NOT_THERE
+    alignment = Alignment()
+    assert alignment.finished(result) == ""
+    strong = Registration(Verdict.ACCEPTED, result.transform, Evidence(60.0, 20.0, 0.0, 0.9, 0.02))
+    assert alignment.finished(strong) == "", "not believed by walls, however many"
+    assert Alignment().finished(strong) == "accepted"
+    assert alignment.finished(strong._replace(met=True)) == "accepted"
+
+
+def test_two_robots_in_one_place_are_refuted_and_what_is_right_is_not():
+    scene = scene_of(straight()).run(6.5)
+    sightings, truth = scene.meetings["a"].sightings("b", scene.time), scene.truth("b", "a")
+    assert not is_refuted(sightings, truth)
+    unseen = replace(sightings, sweeps=NO_SWEEPS)
+    assert is_refuted(unseen, Transform()), "both start at the origin of their frames"
+    assert not is_refuted(unseen, Transform(1.0, 0.0, 0.0))
 
 
 @pytest.mark.parametrize("sees_back", [True, False])
