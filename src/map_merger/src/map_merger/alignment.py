@@ -5,8 +5,9 @@ It is then followed as the maps grow. Each look at it adds to its credit or take
 """
 
 import math
+from collections import deque
 from dataclasses import dataclass, replace
-from typing import Optional
+from typing import Deque, Optional
 
 from .attempts import Attempts
 from .covariance import Covariance
@@ -17,6 +18,7 @@ from .registration import (
     DEFAULT_CRITERIA,
     KEEP_CRITERIA,
     PRIOR_CRITERIA,
+    SIGHTED_CRITERIA,
     Criteria,
     Registration,
     Verdict,
@@ -39,6 +41,9 @@ CREDIT = {Verdict.ACCEPTED: 1, Verdict.CONTRADICTED: -4, Verdict.UNEXPLAINED: -2
 VANISHED = 0.25
 """...but that less than this share is left of shared walls that were enough to find a transform by: maps only grow, so
 they leave as much unexplained."""
+_MOST_NOT_THERE = 16
+"""So many transforms by which the other robot was not where it should have been are remembered: they are believed only
+when it is met."""
 _SAME_DISTANCE = 0.4
 _SAME_ROTATION = math.radians(1.5)
 
@@ -70,6 +75,9 @@ class Alignment:
         self._belief: Optional[Belief] = None
         self._candidate: Optional[Registration] = None
         self._refuted: Optional[Belief] = None
+        self.suggested: Optional[Transform] = None
+        """What the last search found without contradictions, be there ever so little shared wall."""
+        self._not_there: Deque[Transform] = deque(maxlen=_MOST_NOT_THERE)
         self._attempts = Attempts()
 
     @property
@@ -99,15 +107,24 @@ class Alignment:
         """True if the walls have given one or several transforms, and a sighting could decide."""
         return self._belief is None and (self._candidate is not None or self.verdict is Verdict.AMBIGUOUS)
 
-    def due(self, now: float, target: Versioned, source: Versioned, news: int = 0, disputed: bool = False) -> bool:
+    def due(
+        self,
+        now: float,
+        target: Versioned,
+        source: Versioned,
+        news: int = 0,
+        disputed: bool = False,
+        in_sight: bool = False,
+    ) -> bool:
         """True if a job is worth its time.
 
         news: how many pieces of evidence other than the maps there have been, such as sightings. More than at the last
         start make a job due after the plain period, whatever the maps. disputed: the transform and those of the rest of
         the team contradict one another, so it is looked at again after each period: the walls may tell who is wrong.
+        in_sight: both robots see something that moves. If it is they, the walls around them may tell where they are.
         """
-        disputed = disputed and self._belief is not None
-        return self._attempts.due(now, target, source, news, self.proposed is not None, disputed)
+        pressing = disputed if self._belief is not None else in_sight
+        return self._attempts.due(now, target, source, news, self.proposed is not None, pressing)
 
     def started(self, now: float, target: Versioned, source: Versioned, period: float, news: int = 0) -> None:
         """A job is under way; `period` is the shortest time in seconds to the next one."""
@@ -120,6 +137,7 @@ class Alignment:
     def finished(self, result: Registration) -> str:
         """Takes the outcome of a job. Returns `accepted`, `moved` or `revoked` if that is the news, else ''."""
         self.verdict, self.reason = result.verdict, reason_of(result, _criteria_of(self._belief, result))
+        self.suggested = result.transform if result.evidence.conflict <= SIGHTED_CRITERIA.conflict else None
         return self._found(result) if self._belief is None else self._followed(self._belief, result)
 
     def refuted(self, words: str) -> str:
@@ -134,9 +152,16 @@ class Alignment:
         return "revoked"
 
     def _found(self, result: Registration) -> str:
+        if result.verdict is Verdict.NOT_THERE and result.transform is not None:
+            self._candidate = None
+            if not any(_agree(each, result.transform) for each in self._not_there):
+                self._not_there.append(result.transform)
         if not result.accepted or result.transform is None:
             if result.verdict in (Verdict.CONTRADICTED, Verdict.AMBIGUOUS, Verdict.CONTRADICTS_TEAM):
                 self._candidate = None
+            return ""
+        if not result.met and any(_agree(each, result.transform) for each in self._not_there):
+            self.verdict, self.reason = Verdict.NOT_THERE, Verdict.NOT_THERE.value
             return ""
         if self._is_refuted(result):
             self.verdict, self.reason = Verdict.CONTRADICTS_TEAM, "found again what the team contradicts"

@@ -8,7 +8,7 @@ import numpy as np
 from .grid import UNKNOWN
 from .job import Versioned
 
-LONGEST_PAUSE_S = 20.0
+LONGEST_PAUSE_S = 10.0
 _PAUSE_GROWTH = 1.3
 _MAP_GROWTH = 1.03
 _MAP_GROWTH_CELLS = 50
@@ -25,9 +25,9 @@ class Attempts:
         self._pause = 0.0
         self._started = -math.inf
 
-    def due(self, now: float, target: Versioned, source: Versioned, news: int, believed: bool, disputed: bool) -> bool:
+    def due(self, now: float, target: Versioned, source: Versioned, news: int, believed: bool, pressing: bool) -> bool:
         """See `Alignment.due`. believed: there is a transform to look after, so any change of a map counts."""
-        if news > self._news or disputed:
+        if news > self._news or pressing:
             return not self._pausing(now, self._period)
         if self._pausing(now, self._pause) or (target.key, source.key) == self._tried:
             return False

@@ -2,7 +2,7 @@
 
 from collections import OrderedDict
 from dataclasses import dataclass, field
-from typing import Callable, Hashable, NamedTuple, Optional, Tuple
+from typing import Callable, Hashable, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -12,11 +12,13 @@ from .evidence import compare
 from .global_map import merged
 from .grid import Grid
 from .meetings import Sightings, agrees, confirmed, hypotheses_of
+from .presence import is_refuted, presence_of
 from .registration import (
     DEFAULT_CRITERIA,
     KEEP_CRITERIA,
     PRIOR_CRITERIA,
     REFUTING_WALL,
+    SIGHTED_CRITERIA,
     Limits,
     Prior,
     Registration,
@@ -34,6 +36,8 @@ LONGEST_STEP_M = 0.5
 """What moves the walls further is no refinement but a jump, as after a loop closure, and is searched for."""
 BETTER_THAN_STAYING = 1.5
 """Factor of the scores from which on a jump is made."""
+SAME_M = 0.25
+"""Transforms that lay the walls of the source so near one another are the same one."""
 _ROBOT_REACH_M = 0.35
 """A robot hides that much around its centre from the others' lasers."""
 _CACHED_MAPS = 24
@@ -103,6 +107,8 @@ class Job:
     """What the robots' lasers show of one another. It is looked at first."""
     search: bool = True
     """False: nothing but the meeting is looked at."""
+    suggested: Optional[Transform] = None
+    """What the last search found, if the walls have nothing against it."""
 
     def run(self) -> Registration:
         """The outcome; for a followed transform the verdict says whether it may be kept."""
@@ -114,12 +120,26 @@ class Job:
             return self._follow(target, source, self.current)
         if self.meeting is not None:
             result = self._confirmed(target, source, self.meeting)
+            if not result.accepted:
+                result = self._sighted(target, source, self.meeting, (self.suggested, result.transform)) or result
             if result.accepted or not self.search:
                 return result
         result = self._searched(target, source)
         if result.accepted and result.transform is not None:
-            return result._replace(met=self._met(result.transform))
+            result = result._replace(met=self._met(result.transform))
+        if self.meeting is not None and not result.met:
+            return self._sighted(target, source, self.meeting, (result.transform,)) or self._unless_not_there(result)
         return result
+
+    def _unless_not_there(self, result: Registration) -> Registration:
+        """Walls have copies; in the wrong one the other robot is not seen."""
+        refuted = (
+            self.meeting is not None
+            and result.accepted
+            and result.transform is not None
+            and is_refuted(self.meeting, result.transform)
+        )
+        return result._replace(verdict=Verdict.NOT_THERE) if refuted else result
 
     def _confirmed(self, target: Landmarks, source: Landmarks, meeting: Sightings) -> Registration:
         """What the sightings say if the walls of both maps, and those of the team, have nothing against it."""
@@ -130,6 +150,23 @@ class Job:
         return self._unless_team_contradicts(source, result)._replace(
             covariance=covariance_at_origin(result.transform, found.covariance, found.centre)
         )
+
+    def _sighted(
+        self, target: Landmarks, source: Landmarks, meeting: Sightings, transforms: Sequence[Optional[Transform]]
+    ) -> Optional[Registration]:
+        """The first of the transforms by which the other robot was seen to drive, if the walls give that one and no
+        other."""
+        for transform in transforms:
+            if self.prior is not None or transform is None or not presence_of(meeting, target, transform).confirms:
+                continue
+            better, evidence = follow(target, source, transform)
+            if judge(evidence, SIGHTED_CRITERIA) is not Verdict.ACCEPTED:
+                continue
+            found = registration.register(target, source, SIGHTED_CRITERIA, self.limits)
+            if found.accepted and found.transform is not None and _are_same(found.transform, better, source):
+                result = self._unless_team_contradicts(source, found._replace(met=True))
+                return _with_covariance(target, source, result) if result.accepted else None
+        return None
 
     def _searched(self, target: Landmarks, source: Landmarks) -> Registration:
         result = self._search(target, source)
@@ -204,6 +241,10 @@ class Job:
             return merged(self.target.grid, [(member.map.grid, member.transform) for member in self.team])
 
         return without_places(self.cache.of(key, merge), self.target_track[:, :2], _ROBOT_REACH_M)
+
+
+def _are_same(first: Transform, second: Transform, source: Landmarks) -> bool:
+    return same_place(first, second, source.surface.points, SAME_M)
 
 
 def _with_covariance(target: Landmarks, source: Landmarks, result: Registration) -> Registration:

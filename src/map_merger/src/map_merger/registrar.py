@@ -12,8 +12,10 @@ from .effects import Register
 from .graph.team import Placement
 from .job import Job, LandmarkCache, Member, Versioned
 from .map_sightings import MapSightings
-from .meetings import Meetings
+from .meetings import Meetings, Sightings
+from .meetings.tracking import moves
 from .options import Options
+from .presence import SHORTEST_WAY_M
 from .registration import Limits, Registration, Verdict
 from .search import Prior
 from .sighting import moved, nowhere
@@ -22,6 +24,10 @@ from .whereabouts import Whereabouts
 
 LOOK_PERIOD_S = 0.5
 """Between two looks at the sightings of a robot that is not placed."""
+
+
+IN_SIGHT_S = 3.0
+"""What moved that long ago may be a robot that is there."""
 
 
 class Team(NamedTuple):
@@ -85,9 +91,12 @@ class Registrar:
         period = self._period(alignment)
         seen, saw = self._sightings.of(robot)
         news = len(seen) + len(saw) if alignment.awaits_meeting else 0
-        search = period is not None and alignment.due(now, team.target, source, news, robot in team.disputed)
         look = alignment.transform is None and self._look_timer(robot).fires(now)
         meeting = self._meetings.sightings(robot, now) if look else None
+        in_sight = meeting is not None and _something_moves(meeting, now)
+        search = period is not None and alignment.due(now, team.target, source, news, robot in team.disputed, in_sight)
+        if search and not look and alignment.transform is None:
+            meeting = self._meetings.sightings(robot, now)
         if search and period is not None:
             alignment.started(now, team.target, source, period, news)
         elif meeting is None:
@@ -147,6 +156,7 @@ class Registrar:
             all_placed,
             seen,
             saw,
+            suggested=self.alignment(robot).suggested,
         )
 
     def _members(self, robot: str, team: Team) -> Tuple[Member, ...]:
@@ -188,3 +198,11 @@ class Registrar:
     def _limits(self, resolution: float) -> Limits:
         cells, degrees = self._options.max_trans_robots, self._options.max_rotation_robots
         return Limits(math.inf if cells < 0 else cells * resolution, math.inf if degrees < 0 else math.radians(degrees))
+
+
+def _something_moves(meeting: Sightings, now: float) -> bool:
+    """Both robots see something that moves."""
+    return all(
+        any(moves(each.samples[each.samples[:, 0] >= now - IN_SIGHT_S], SHORTEST_WAY_M) for each in objects)
+        for objects in (meeting.objects, meeting.told_objects)
+    )

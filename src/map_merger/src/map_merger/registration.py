@@ -56,6 +56,8 @@ ONCE_PRIOR_RULE: Rule = (
 """The same with a prior, which excludes most rivals beforehand."""
 STRONG_CRITERIA = Criteria(matched=40.0, minor=10.0, conflict=0.03)
 """Enough to be believed without a prior or a meeting: more than the walls of two rooms, which may have copies."""
+SIGHTED_CRITERIA = Criteria(matched=7.0, minor=1.0, conflict=0.03, explained=0.35, plausible=0.4, plausible_wall=4.0)
+"""Enough where something was seen to drive as the other robot did by the transform that the walls give."""
 LARGEST_LOOKALIKE = 0.4
 """Buildings with more of it may have an exact copy of what both maps show."""
 KEEP_CRITERIA = Criteria(matched=4.0, minor=1.0, conflict=0.2, explained=0.3)
@@ -95,6 +97,7 @@ class Verdict(Enum):
     AMBIGUOUS = "another transform fits nearly as well"
     CONTRADICTS_TEAM = "walls in free space of the merged map of the others"
     BEYOND_LIMITS = "beyond max_trans_robots or max_rotation_robots"
+    NOT_THERE = "the other robot was not where this puts it"
     UNSETTLED = "sightings that leave doubts who was seen"
     INEXACT = "sightings and walls do not fix it exactly enough yet"
     FAILED = "registration failed"

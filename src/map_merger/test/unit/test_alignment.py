@@ -223,7 +223,7 @@ def test_pauses_grow_while_tries_are_in_vain():
 
 
 def test_no_growing_pauses_while_new_sightings_come_in():
-    """They used to grow to 20 s while the robots saw one another."""
+    """They used to grow while the robots saw one another."""
     times = tries(Alignment(), 100.0, growing, lambda now: int(now))
     assert np.diff(times).max() <= 3.3
 
@@ -243,6 +243,24 @@ def test_a_disputed_transform_is_looked_at_again_though_the_maps_are_the_same():
     alignment.forget()
     alignment.started(100.0, same, same, 5.0)
     assert not alignment.due(200.0, same, same, disputed=True), "there is nothing to dispute"
+
+
+def test_robots_that_see_something_move_are_searched_at_once_until_they_are_placed():
+    same, alignment = Versioned("map", square(100)), Alignment()
+    alignment.started(0.0, same, same, 5.0)
+    assert not alignment.due(100.0, same, same)
+    assert alignment.due(5.0, same, same, in_sight=True) and not alignment.due(4.9, same, same, in_sight=True)
+    placed = believed()
+    placed.started(0.0, same, same, 5.0)
+    assert not placed.due(5.0, same, same, in_sight=True)
+
+
+def test_only_what_the_walls_do_not_contradict_is_suggested():
+    alignment = Alignment()
+    alignment.finished(look(5.0, verdict=Verdict.TOO_LITTLE_SHARED_WALL))
+    assert alignment.suggested == HERE
+    alignment.finished(Registration(Verdict.CONTRADICTED, HERE, Evidence(30.0, 10.0, 0.1, 0.8, 0.02)))
+    assert alignment.suggested is None
 
 
 def test_walls_that_leave_rivals_wait_for_a_meeting():

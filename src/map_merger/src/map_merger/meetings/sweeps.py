@@ -37,8 +37,9 @@ class Sweeps(NamedTuple):
     step: float
     farthest: float
 
-    def look(self, places: np.ndarray, known: np.ndarray) -> Seen:
-        """places: complex (n,), m, one for each sweep, of which those that are not `known` were not looked at."""
+    def look(self, places: np.ndarray, known: np.ndarray, reach: float = _FAR_M) -> Seen:
+        """places: complex (n,), m, one for each sweep. Not looked at are those that are not `known`, and those farther
+        away than `reach` (m)."""
         if not len(self.times):
             return Seen(np.zeros(0, bool), np.zeros(0, bool))
         seen = (places - self.eyes) * self.headings.conjugate()
@@ -46,7 +47,7 @@ class Sweeps(NamedTuple):
         beam = (np.angle(seen) - self.first) / self.step
         beams = self.ranges.shape[1]
         side = _SIDE_M / np.maximum(distance, 0.1) / abs(self.step)
-        near, far = _NEAR_M, min(_FAR_M, self.farthest - _MARGIN_M)
+        near, far = _NEAR_M, min(reach, self.farthest - _MARGIN_M)
         inside = known & (distance > near) & (distance < far)
         inside &= (beam - side > _EDGE_BEAMS) & (beam + side < beams - 1 - _EDGE_BEAMS)
         there, empty = np.zeros(len(inside), bool), inside.copy()
