@@ -11,7 +11,7 @@ from .covariance import covariance_at_origin, covariance_of
 from .evidence import compare
 from .global_map import merged
 from .grid import Grid
-from .meetings import Sightings, agrees, confirmed, hypotheses_of
+from .meetings import Sightings, confirmed, hypotheses_of
 from .presence import is_refuted, presence_of
 from .registration import (
     DEFAULT_CRITERIA,
@@ -208,8 +208,6 @@ class Job:
     def _met(self, transform: Transform) -> bool:
         """True if the robots saw one another where the transform says. Every other evidence of a meeting belongs here,
         since this decides between rivals as well."""
-        if self.meeting is not None and agrees(hypotheses_of(self.meeting), transform):
-            return True
         back = transform.inverse()
         seen = places_seen(self.target.grid, self.seen, self.source_track, transform, self.other_tracks)
         saw = places_seen(self.source.grid, self.saw, self.target_track, back, moved(self.other_tracks, back))

@@ -6,7 +6,7 @@ robot. Unless, in a building of copies, a third robot drove alike in the next co
 must have seen this one as well.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Tuple
 
 import numpy as np
 
@@ -26,7 +26,7 @@ _REACH_M = 8.0
 """Farther away than where objects are told from one another: what stands at a given place is seen by few beams."""
 _SAME_PLACE_M = 0.25
 _FEWEST_POSES = 3
-"""Bodies cannot be nearer to one another, whatever the exactness of the transform."""
+"""Of poses at which bodies would be in one another, whatever the exactness of the transform."""
 FEWEST_SWEEPS = 8
 SHORTEST_WAY_M = 0.4
 """What stands still may be a chair."""
@@ -54,7 +54,7 @@ class Presence(NamedTuple):
 def is_refuted(sightings: Sightings, transform: Transform) -> bool:
     """True if by the transform (of the other robot's frame to the own one) both robots stood in the same place, or the
     own laser saw nothing where the other one was."""
-    turn, shift = np.exp(1j * transform.yaw), complex(transform.x, transform.y)
+    turn, shift = _between_tracks(sightings, transform)
     own, known = at_times(sightings.own, sightings.told[:, 0])
     apart = np.abs(turn * (sightings.told[:, 1:3] @ (1.0, 1j)) + shift - own)
     if int((known & (apart < _SAME_PLACE_M)).sum()) >= _FEWEST_POSES:
@@ -68,7 +68,7 @@ def presence_of(sightings: Sightings, viewer: Landmarks, transform: Transform) -
     the own one). Where a further robot was that is placed says nothing."""
     sweeps = sightings.sweeps
     told, known = at_times(sightings.told, sweeps.times)
-    turn, shift = np.exp(1j * transform.yaw), complex(transform.x, transform.y)
+    turn, shift = _between_tracks(sightings, transform)
     places = turn * told + shift
     seen = sweeps.look(places, known, _REACH_M)
     there = seen.there.copy()
@@ -76,6 +76,13 @@ def presence_of(sightings: Sightings, viewer: Landmarks, transform: Transform) -
     if there.any() and _may_be_another(sightings, transform, sweeps.times[there], places[there]):
         return Presence(0, int(seen.empty.sum()))
     return Presence(int(there.sum()), int(seen.empty.sum()), _extent(places[there]))
+
+
+def _between_tracks(sightings: Sightings, transform: Transform) -> Tuple[complex, complex]:
+    """Turn and shift from the frame of the other's track to that of the own one; where SLAM has jumped these are not
+    the frames of the maps."""
+    tracks = sightings.own_map.inverse().compose(transform).compose(sightings.told_map)
+    return complex(np.exp(1j * tracks.yaw)), complex(tracks.x, tracks.y)
 
 
 def _may_be_another(sightings: Sightings, transform: Transform, times: np.ndarray, places: np.ndarray) -> bool:
@@ -91,7 +98,7 @@ def _may_be_another(sightings: Sightings, transform: Transform, times: np.ndarra
 
 def _is_seen_back(sightings: Sightings, transform: Transform) -> bool:
     """The other robot told of something again and again where, by the transform, the own one was."""
-    turn, shift = np.exp(1j * transform.yaw), complex(transform.x, transform.y)
+    turn, shift = _between_tracks(sightings, transform)
     count = 0
     for each in sightings.told_objects:
         own, known = at_times(sightings.own, each.samples[:, 0])

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from meeting_scene import NARROW, Actor, Scene, driving, room, standing
 
 from map_merger.meetings.jumps import jumps_of
-from map_merger.meetings.doubts import agrees
 from map_merger.transform import Transform, displacement, rotation_between
 
 WALLS = room(14.0, 11.0)
@@ -104,13 +103,3 @@ def test_robots_that_face_one_another_need_no_turn():
     behind = Scene([Actor(name, way, view=NARROW) for name, way in backwards.items()], WALLS).run(9.0)
     assert not any(each.settled for each in behind.hypotheses("a", "b"))
     assert behind.meetings["a"].why("b").startswith("waits to see b turn")
-
-
-def test_a_straight_drive_agrees_with_walls_that_found_the_same_transform_and_no_other():
-    ways = {"a": standing(-2.0, 0.0), "b": driving(-0.7, -0.3, 0.1, 0.2)}
-    scene = Scene([Actor(name, way, view=NARROW) for name, way in ways.items()], WALLS).run(9.0)
-    hypotheses, truth = scene.hypotheses("a", "b"), scene.truth("b", "a")
-    assert hypotheses[0].doubts and agrees(hypotheses, truth)
-    assert not agrees(hypotheses, Transform(0.5, 0.0).compose(truth))
-    assert not agrees(hypotheses, truth.compose(Transform(yaw=math.radians(8.0))))
-    assert not agrees((), truth)

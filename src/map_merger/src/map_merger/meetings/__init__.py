@@ -1,7 +1,6 @@
 """Robots that are heard and seen at the same time."""
 
 from .confirmation import Confirmation, confirmed
-from .doubts import agrees
 from .hypotheses import hypotheses_of
 from .meetings import Meetings
 from .sightings import Sightings
@@ -15,7 +14,6 @@ __all__ = [
     "Sensor",
     "Sightings",
     "TrackReport",
-    "agrees",
     "confirmed",
     "hypotheses_of",
 ]

@@ -3,7 +3,6 @@
 import math
 from typing import Iterable, List, Optional, Sequence
 
-from ..transform import Transform, rotation_between
 from .candidates import Candidate
 from .values import Hypothesis
 from .ways import Way, bend_of
@@ -18,8 +17,6 @@ SMALLEST_SHARE = 0.95
 SHORTEST_SECONDS = 3.0
 FEWEST_SIGHTINGS = 10
 RIVAL_SHARE = 0.5
-_SAME_M = 0.3
-_SAME_TURN = math.radians(4.0)
 
 
 def doubts_of_motion(robot: str, ways: List[Way], both: bool, candidate: Candidate) -> str:
@@ -70,15 +67,3 @@ def doubts_of(hypotheses: Sequence[Hypothesis]) -> str:
         here, there = (each.transform.apply_point(*best.centre) for each in (best, rival))
         return f"two solutions {math.hypot(here[0] - there[0], here[1] - there[1]):.1f} m apart"
     return best.doubts
-
-
-def agrees(hypotheses: Sequence[Hypothesis], transform: Transform) -> bool:
-    """True if what was seen of the other's way fits a transform that was found without the sightings. A straight drive,
-    like others as it may be, is enough for that."""
-    if not hypotheses or rival_of(hypotheses[0], hypotheses) is not None:
-        return False
-    best = hypotheses[0]
-    here, there = (each.apply_point(*best.centre) for each in (best.transform, transform))
-    same = math.hypot(here[0] - there[0], here[1] - there[1]) < _SAME_M
-    clear = best.path >= SHORTEST_PATH_M and best.error <= LARGEST_ERROR_M and best.share >= SMALLEST_SHARE
-    return same and clear and rotation_between(best.transform, transform) < _SAME_TURN
