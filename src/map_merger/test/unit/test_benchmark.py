@@ -5,6 +5,8 @@ import gzip
 import math
 import os
 import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -117,6 +119,15 @@ def test_trials_of_other_code_or_other_rules_do_not_count(tmp_path, monkeypatch)
     assert not records.TrialFile(path, ["two maps"]).trials
 
 
+def test_every_change_of_the_code_gives_it_another_name(tmp_path, monkeypatch):
+    monkeypatch.setattr(records, "_PACKAGE", tmp_path)
+    (tmp_path / "search.py").write_text("STEP = 1\n")
+    before = records.code_digest()
+    assert records.code_digest() == before
+    (tmp_path / "search.py").write_text("STEP = 2\n")
+    assert records.code_digest() != before
+
+
 def dies_once(seed, mark):
     """Kills its process the first time that it is asked for seed 2."""
     if seed == 2 and not mark.exists():
@@ -131,6 +142,27 @@ def test_a_killed_process_costs_no_trial(tmp_path):
     found = list(sweep.trials_of(seeds, 2, functools.partial(dies_once, mark=tmp_path / "dead")))
     assert (tmp_path / "dead").exists()
     assert sorted(each.seed for each in found) == seeds
+
+
+INTERRUPTED = """
+import os, signal, sys
+sys.path.insert(0, {folder!r})
+from test_benchmark import trial
+from map_merger.benchmark import sweep
+try:
+    for number, each in enumerate(sweep.trials_of(range(500), 2, trial)):
+        if number == 3:
+            os.killpg(0, signal.SIGINT)
+except KeyboardInterrupt:
+    sys.exit(130)
+"""
+
+
+def test_an_interrupt_ends_all_processes():
+    """Ctrl-C reaches the processes, too; they died between two pairs, and the benchmark waited for ever."""
+    code = INTERRUPTED.format(folder=os.path.dirname(__file__))
+    command = [sys.executable, "-c", code]
+    assert subprocess.run(command, start_new_session=True, timeout=120, check=False).returncode == 130
 
 
 def always_dies(seed):

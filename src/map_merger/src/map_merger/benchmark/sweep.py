@@ -1,5 +1,6 @@
 """Trials of many seeds in a few processes, of which any may be killed."""
 
+import signal
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import Callable, Dict, Iterator, List, Sequence
@@ -37,7 +38,7 @@ def _until_broken(seeds: Sequence[int], jobs: int, trial_of_seed: Callable[[int]
     ones kill."""
     waiting: List[int] = list(reversed(seeds))
     under_way: Dict[Future[Trial], int] = {}
-    with ProcessPoolExecutor(jobs) as pool:
+    with ProcessPoolExecutor(jobs, initializer=_leave_interrupts_to_the_parent) as pool:
         try:
             while waiting or under_way:
                 while waiting and len(under_way) < 2 * jobs:
@@ -52,3 +53,8 @@ def _until_broken(seeds: Sequence[int], jobs: int, trial_of_seed: Callable[[int]
         finally:
             for future in under_way:
                 future.cancel()
+
+
+def _leave_interrupts_to_the_parent() -> None:
+    # A process that is interrupted between two pairs leaves the parent waiting.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
