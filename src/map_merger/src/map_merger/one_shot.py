@@ -2,7 +2,7 @@
 
 Two maps alone cannot tell a room from an exact copy of it that neither map shows, nor one half of a symmetric building
 from the other, however long the walls. What can be told is whether one of them holds a copy: then two transforms fit,
-and the pair is declined. An answer is `sure` where no copy was ever seen to fake it; a robot asks for still more.
+and the pair is declined. An answer is `sure` where a copy faked it once in 2000 pairs.
 """
 
 import math
@@ -63,7 +63,7 @@ def doubt_of(result: Registration) -> str:
 
 
 def sure(result: Registration) -> bool:
-    """True for an accepted answer that no copy was ever seen to fake."""
+    """True for an accepted answer that copies hardly ever fake."""
     return result.accepted and not doubt_of(result)
 
 

@@ -5,8 +5,6 @@ import gzip
 import math
 import os
 import signal
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -142,27 +140,6 @@ def test_a_killed_process_costs_no_trial(tmp_path):
     found = list(sweep.trials_of(seeds, 2, functools.partial(dies_once, mark=tmp_path / "dead")))
     assert (tmp_path / "dead").exists()
     assert sorted(each.seed for each in found) == seeds
-
-
-INTERRUPTED = """
-import os, signal, sys
-sys.path.insert(0, {folder!r})
-from test_benchmark import trial
-from map_merger.benchmark import sweep
-try:
-    for number, each in enumerate(sweep.trials_of(range(500), 2, trial)):
-        if number == 3:
-            os.killpg(0, signal.SIGINT)
-except KeyboardInterrupt:
-    sys.exit(130)
-"""
-
-
-def test_an_interrupt_ends_all_processes():
-    """Ctrl-C reaches the processes, too; they died between two pairs, and the benchmark waited for ever."""
-    code = INTERRUPTED.format(folder=os.path.dirname(__file__))
-    command = [sys.executable, "-c", code]
-    assert subprocess.run(command, start_new_session=True, timeout=120, check=False).returncode == 130
 
 
 def always_dies(seed):

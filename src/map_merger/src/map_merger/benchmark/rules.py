@@ -29,7 +29,7 @@ def once(case: Case) -> Answer:
 
 
 def once_sure(case: Case) -> Answer:
-    """The same, but only what no copy was seen to fake."""
+    """The same, but only what copies hardly ever fake."""
     result = decide(landmarks_of(case.target[-1]), landmarks_of(case.source[-1]))
     return (result.transform, "sure") if sure(result) else (None, "not sure")
 

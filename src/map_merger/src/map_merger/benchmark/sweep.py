@@ -56,5 +56,5 @@ def _until_broken(seeds: Sequence[int], jobs: int, trial_of_seed: Callable[[int]
 
 
 def _leave_interrupts_to_the_parent() -> None:
-    # A process that is interrupted between two pairs leaves the parent waiting.
+    # Ctrl-C reaches all processes; the parent alone ends them.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

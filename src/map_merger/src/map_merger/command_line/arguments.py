@@ -47,7 +47,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar=("X", "Y", "YAW"),
         help="rough transform of B into A's frame in m and rad; looked for within 3 m and 30 deg",
     )
-    known.add_argument("--sure", action="store_true", help="accept only what no copy of a room is known to fake")
+    known.add_argument("--sure", action="store_true", help="accept only what a copy of a room hardly ever fakes")
     pair.add_argument("--json", action="store_true", help="print the answer as JSON")
     pair.add_argument("--plot", type=_picture, metavar="OUT.png", help="draw B over A (needs matplotlib)")
     pair.set_defaults(run=register.run)
