@@ -2,7 +2,7 @@
 
 Two maps alone cannot tell a room from an exact copy of it that neither map shows, nor one half of a symmetric building
 from the other, however long the walls. What can be told is whether one of them holds a copy: then two transforms fit,
-and the pair is declined. An answer is `sure` where a copy faked it once in 2000 pairs.
+and the pair is declined. An answer is `sure` where a copy faked it once in 3200 pairs.
 """
 
 import math

@@ -1,5 +1,6 @@
 """Trials of many seeds in a few processes, of which any may be killed."""
 
+import multiprocessing
 import signal
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -50,9 +51,11 @@ def _until_broken(seeds: Sequence[int], jobs: int, trial_of_seed: Callable[[int]
                     yield future.result()
         except BrokenProcessPool:
             return
-        finally:
-            for future in under_way:
-                future.cancel()
+        except BaseException:
+            # Nobody wants what is under way: without this the pool waits for it, and hangs if interrupted twice.
+            for process in multiprocessing.active_children():
+                process.kill()
+            raise
 
 
 def _leave_interrupts_to_the_parent() -> None:
