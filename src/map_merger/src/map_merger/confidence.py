@@ -33,12 +33,12 @@ def place_of_two_maps(result: Registration) -> float:
     """Probability that an accepted transform of two maps alone is the right place.
 
     The product of three shares: length of the shared wall, 0.93 (1 - exp(-wall / 8 m)), with a prior
-    0.98 (1 - exp(-wall / 2 m)); agreement, one minus six times the share of contradicted wall; uniqueness, one minus
+    0.98 (1 - exp(-wall / 2 m)); agreement, one minus five times the share of contradicted wall; uniqueness, one minus
     what the best different transform's score (relative to this one's) has beyond a third.
     """
     evidence = result.evidence
     telling = _TELLING_WALL_WITH_PRIOR_M if result.prior else _TELLING_WALL_M
     length = (_MOST_WITH_PRIOR if result.prior else _MOST) * (1.0 - math.exp(-evidence.matched / telling))
-    agreement = max(0.0, 1.0 - 6.0 * evidence.conflict)
+    agreement = max(0.0, 1.0 - 5.0 * evidence.conflict)
     rival = result.rival.evidence.score / evidence.score if result.rival is not None and evidence.score else 0.0
     return length * agreement * (1.0 - max(0.0, rival - 1.0 / 3.0))

@@ -41,19 +41,6 @@ PRIOR_CRITERIA = Criteria(matched=6.0, minor=1.5, plausible=0.6)
 """With a prior most rivals are excluded beforehand."""
 Rule = Sequence[Criteria]
 """Enough for any of them is enough."""
-ONCE_RULE: Rule = (
-    Criteria(matched=7.0, minor=1.0, conflict=0.03, explained=0.35, plausible=0.4, plausible_wall=5.0, doubtful=1.0),
-    Criteria(matched=16.0, minor=2.0, explained=0.35, rival=0.9, plausible=math.inf),
-    Criteria(matched=12.0, conflict=0.1, rival=0.5, plausible=0.1, plausible_wall=2.0, doubtful=0.3),
-)
-"""For two maps alone: little wall without a rival, much wall unless a rival is as good, or, where people have moved
-things, walls in free space if nothing else fits at all."""
-ONCE_PRIOR_RULE: Rule = (
-    Criteria(matched=4.0, minor=0.1, explained=0.35, plausible=0.7, plausible_wall=2.5),
-    Criteria(matched=6.0, minor=0.3, explained=0.35, rival=0.85, plausible=math.inf),
-    Criteria(matched=6.0, minor=1.0, conflict=0.15, explained=0.35, plausible=0.25, plausible_wall=2.5),
-)
-"""The same with a prior, which excludes most rivals beforehand."""
 STRONG_CRITERIA = Criteria(matched=40.0, minor=10.0, conflict=0.03)
 """Enough to be believed without a prior or a meeting: more than the walls of two rooms, which may have copies."""
 SIGHTED_CRITERIA = Criteria(matched=7.0, minor=1.0, conflict=0.03, explained=0.35, plausible=0.4, plausible_wall=4.0)
@@ -178,18 +165,7 @@ def register(
     prior: Optional[Prior] = None,
 ) -> Registration:
     """Finds the transform source -> target by correlation, or declines."""
-    return choose(target, source, _starts(target, source, prior), (criteria,), limits, prior)
-
-
-def register_once(
-    target: Landmarks, source: Landmarks, limits: Limits = UNLIMITED, prior: Optional[Prior] = None
-) -> Registration:
-    """`register` for two maps of which nothing else is or will be known: no meeting, no growth can confirm the result.
-
-    An exact copy of the place that both maps show cannot be told from the place itself.
-    """
-    rule = ONCE_RULE if prior is None else ONCE_PRIOR_RULE
-    return choose(target, source, _starts(target, source, prior), rule, limits, prior)
+    return choose(target, source, searched(target, source, prior), (criteria,), limits, prior)
 
 
 def choose(
@@ -234,7 +210,8 @@ def choose(
     )
 
 
-def _starts(target: Landmarks, source: Landmarks, prior: Optional[Prior]) -> List[Transform]:
+def searched(target: Landmarks, source: Landmarks, prior: Optional[Prior]) -> List[Transform]:
+    """Coarse transforms, one of which should be near the true one: what the search finds."""
     return [candidate.transform for candidate in candidates(target, source, 16 if prior is None else 8, prior)]
 
 

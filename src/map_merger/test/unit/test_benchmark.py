@@ -1,13 +1,16 @@
 """The registration benchmark: its measures against plain cases, its generators, its reader of logs."""
 
+import functools
 import gzip
 import math
+import os
+import signal
 
 import numpy as np
 import pytest
 
 from map_merger import benchmark
-from map_merger.benchmark import figures, real_logs, report
+from map_merger.benchmark import figures, real_logs, records, report, sweep
 from map_merger.benchmark.families import self_alias
 from map_merger.benchmark.outcome import thinned
 from map_merger.grid import Grid, GridInfo, known_box
@@ -84,6 +87,68 @@ def test_every_rule_answers_a_pair():
     assert set(trial.outcomes) == set(benchmark.RULES)
     assert trial.outcomes["two maps, rough prior"].kind == "right"
     assert len(figures.table([trial], list(benchmark.RULES))) == 1 + 4 * len(benchmark.RULES)
+
+
+def trial(seed, kind="right", error=0.02):
+    outcomes = {"two maps": benchmark.Outcome(kind, "accepted", error, error, 0.0, 0.1)}
+    return benchmark.Trial(seed, "offices", 30.0, False, 0.02, outcomes)
+
+
+def test_trials_are_kept_as_they_come_and_a_torn_line_is_made_again(tmp_path):
+    """After 248 of 3000 pairs a run died, and with it all that it had measured."""
+    path = tmp_path / "out" / "merge.trials.jsonl"
+    first = records.TrialFile(path, ["two maps"])
+    first.add(trial(3))
+    first.add(trial(4, "declined", math.inf))
+    with open(path, "a") as file:
+        file.write('{"seed": 5, "fam')
+    again = records.TrialFile(path, ["two maps"])
+    assert again.trials == {3: trial(3), 4: trial(4, "declined", math.inf)}
+    again.add(trial(5))
+    assert set(records.TrialFile(path, ["two maps"]).trials) == {3, 4, 5}
+
+
+def test_trials_of_other_code_or_other_rules_do_not_count(tmp_path, monkeypatch):
+    path = tmp_path / "merge.trials.jsonl"
+    records.TrialFile(path, ["two maps"]).add(trial(3))
+    assert not records.TrialFile(path, ["two maps", "ORB"]).trials
+    records.TrialFile(path, ["two maps"]).add(trial(3))
+    monkeypatch.setattr(records, "code_digest", lambda: "other")
+    assert not records.TrialFile(path, ["two maps"]).trials
+
+
+def test_every_change_of_the_code_gives_it_another_name(tmp_path, monkeypatch):
+    monkeypatch.setattr(records, "_PACKAGE", tmp_path)
+    (tmp_path / "search.py").write_text("STEP = 1\n")
+    before = records.code_digest()
+    assert records.code_digest() == before
+    (tmp_path / "search.py").write_text("STEP = 2\n")
+    assert records.code_digest() != before
+
+
+def dies_once(seed, mark):
+    """Kills its process the first time that it is asked for seed 2."""
+    if seed == 2 and not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return trial(seed)
+
+
+def test_a_killed_process_costs_no_trial(tmp_path):
+    """A pool waited for ever for the pair of a process that had been killed."""
+    seeds = list(range(6))
+    found = list(sweep.trials_of(seeds, 2, functools.partial(dies_once, mark=tmp_path / "dead")))
+    assert (tmp_path / "dead").exists()
+    assert sorted(each.seed for each in found) == seeds
+
+
+def always_dies(seed):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_seed_that_kills_every_process_is_told():
+    with pytest.raises(RuntimeError, match=r"killed 3 times over the seeds \[7\]"):
+        list(sweep.trials_of([7], 1, always_dies))
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -66,6 +66,20 @@ def test_a_pair_that_is_declined_gives_the_reason_with_numbers_and_exit_code_3(f
     assert "is not placed" in capsys.readouterr().out
 
 
+def test_only_what_is_sure_is_accepted_on_request(tmp_path, capsys):
+    """Two maps of one room are believed, but there may be a copy of the room."""
+    random = np.random.default_rng(9)
+    surveyor = Surveyor(office_plan(random))
+    for name, start in (("a", (2.0, 2.4)), ("b", (2.6, 3.0))):
+        write_map(str(tmp_path / name), surveyor.explore(random, Survey(path_length=2.0), start=start).grid)
+    paths = [str(tmp_path / "a.yaml"), str(tmp_path / "b.yaml")]
+    assert main(["register", *paths, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["sure"] is False
+    assert main(["register", *paths, "--sure", "--json"]) == 3
+    answer = json.loads(capsys.readouterr().out)
+    assert not answer["accepted"] and "x" not in answer and "may be a copy: shared wall" in answer["reason"]
+
+
 def test_a_prior_narrows_the_search(three, folder, capsys):
     truth = three[1][0]
     near = [str(truth.x + 1.0), str(truth.y - 1.0), str(truth.yaw + 0.2)]
@@ -187,6 +201,7 @@ def test_what_cannot_be_read_or_written_gives_one_line_and_exit_code_2(folder, c
         ["register", "a.yaml"],
         ["register", "a.yaml", "b.yaml", "--prior", "1", "nan", "0"],
         ["register", "a.yaml", "b.yaml", "--plot", "out.jpeg"],
+        ["register", "a.yaml", "b.yaml", "--prior", "1", "0", "0", "--sure"],
         ["merge", "a.yaml"],
         ["bench", "0"],
     ],

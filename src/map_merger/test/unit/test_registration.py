@@ -17,7 +17,6 @@ from map_merger.refine import FINE_REACH, refined
 from map_merger.registration import (
     KEEP_CRITERIA,
     LARGEST_LOOKALIKE,
-    ONCE_RULE,
     STRONG_CRITERIA,
     Limits,
     Prior,
@@ -26,8 +25,6 @@ from map_merger.registration import (
     believed_alone,
     follow,
     register,
-    register_once,
-    verdict_of,
 )
 from map_merger.surface import landmarks_of, subsample
 from map_merger.synthetic import Survey, Surveyor, generated, office_plan, pair_of
@@ -256,36 +253,6 @@ def test_strong_evidence_is_believed_at_once():
     assert alignment.finished(look(STRONG_CRITERIA.matched + 1.0)) == "accepted"
 
 
-def test_two_maps_alone_need_less_wall_where_nothing_rivals():
-    random = np.random.default_rng(9)
-    surveyor = Surveyor(office_plan(random))
-    first = surveyor.explore(random, Survey(path_length=2.0), start=(2.0, 2.4))
-    pair = pair_of(first, surveyor.explore(random, Survey(path_length=2.0), start=(2.6, 3.0)))
-    target, source = landmarks_of(pair.target.grid), landmarks_of(pair.source.grid)
-    once = register_once(target, source)
-    assert 7.0 <= once.evidence.matched < 20.0
-    assert once.accepted, once
-    assert error(pair, once.transform) < 0.1
-
-
-def test_a_longer_fit_by_chance_makes_a_shorter_one_doubtful():
-    """In a maze of corridors 8 m without a contradiction were believed beside 16 m with some; both were wrong."""
-    short, long = Evidence(8.0, 3.2, 0.024, 0.56, 0.02, 0.2), Evidence(15.7, 6.7, 0.163, 0.73, 0.02, 3.1)
-    assert verdict_of(short, [], ONCE_RULE) is Verdict.ACCEPTED
-    assert verdict_of(short, [long], ONCE_RULE) is Verdict.AMBIGUOUS
-
-
-def test_walls_with_contradictions_are_believed_alone_only_if_nothing_else_fits():
-    """Two unlike rooms agreed in 15 m of wall; one wall in twenty stood in free space."""
-    unlike, longer = Evidence(14.7, 7.0, 0.053, 0.55, 0.02, 0.8), Evidence(28.5, 12.3, 0.187, 0.62, 0.02, 6.5)
-    assert verdict_of(unlike, [longer], ONCE_RULE) is not Verdict.ACCEPTED
-    pillars = Evidence(16.0, 7.8, 0.149, 0.53, 0.02, 2.8)
-    assert verdict_of(pillars, [], ONCE_RULE) is not Verdict.ACCEPTED, "the lattices of two halls"
-    moved = Evidence(30.0, 9.0, 0.09, 0.6, 0.02, 3.3)
-    assert verdict_of(moved, [], ONCE_RULE) is Verdict.ACCEPTED, "people move things"
-    assert verdict_of(moved, [replace(moved, matched=7.0, conflict=0.0)], ONCE_RULE) is Verdict.AMBIGUOUS
-
-
 def test_a_building_that_repeats_is_not_believed_by_walls_alone():
     """Robots in the two halves of a symmetric building matched 49 m to 73 m of wall without a contradiction."""
     strong = look(STRONG_CRITERIA.matched + 10.0)
@@ -303,24 +270,6 @@ def test_equal_rooms_look_alike(kind, repeats):
     second = surveyor.explore(random, Survey(path_length=25.0), start=tuple(first.path[0, :2]))
     result = register(landmarks_of(first.grid), landmarks_of(second.grid))
     assert (result.lookalike > LARGEST_LOOKALIKE) == repeats
-
-
-def test_the_rival_of_a_square_room_is_as_good():
-    cells = np.zeros((200, 200), np.int8)
-    cells[[0, -1]] = 100
-    cells[:, [0, -1]] = 100
-    square = landmarks_of(Grid(GridInfo(200, 200, 0.05), cells))
-    once = register_once(square, square)
-    assert once.verdict is Verdict.AMBIGUOUS
-    assert once.rival.evidence.score > 0.95 * once.evidence.score
-
-
-def test_a_copy_beyond_the_bounds_of_the_prior_is_declined(overlapping):
-    """It was accepted up to 4.1 m from a prior of 3 m: in the next room of a row of equal ones."""
-    target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
-    for distance, accepted in ((2.5, True), (3.8, False)):
-        prior = Prior(Transform(distance, 0.0, 0.0).compose(overlapping.truth), 3.0)
-        assert register_once(target, source, prior=prior).accepted == accepted
 
 
 def test_samples_tell_what_the_whole_surfaces_tell(overlapping):

@@ -12,20 +12,21 @@ from .real_logs import cases_of, logs_of
 from .rules import RULES, measured
 from .timing import Times, floor_pairs, large_pair, times_of
 
-ALONE, PRIOR, AGENTS, WALLS = list(RULES)[:4]
+ALONE, PRIOR, SURE, AGENTS, WALLS = BY_WALLS = list(RULES)[:5]
+"""The rules that this package answers by; the others are features, for comparison."""
 
 
-def trial_of(case: Case) -> Trial:
-    """The case answered by every rule."""
+def trial_of(case: Case, rules: Sequence[str] = tuple(RULES)) -> Trial:
+    """The case answered by those rules."""
     cv2.setRNGSeed(case.seed)
-    outcomes = {name: measured(rule, case) for name, rule in RULES.items()}
+    outcomes = {name: measured(RULES[name], case) for name in rules}
     return Trial(case.seed, case.family, case.shared, case.alias, case.drift, outcomes)
 
 
-def trial_of_seed(seed: int) -> Trial:
+def trial_of_seed(seed: int, rules: Sequence[str] = tuple(RULES)) -> Trial:
     """One synthetic pair, drawn and answered: a job for a process of its own."""
     cv2.setNumThreads(1)
-    return trial_of(draw_case(seed))
+    return trial_of(draw_case(seed), rules)
 
 
 def trials_of_logs(folder: Path, seed: int, count: int) -> Iterator[Trial]:
@@ -48,6 +49,8 @@ def synthetic_rows(trials: Sequence[Trial], command: str) -> List[Row]:
         wrong_row("wrong, rough prior", plain, PRIOR, command),
         reported(wrong_row("wrong, two maps alone, self-alias", aliases, ALONE, command)),
         reported(wrong_row("wrong, rough prior, self-alias", aliases, PRIOR, command)),
+        wrong_row("wrong, two maps alone, sure, all pairs", trials, SURE, command),
+        reported(share_row("right, >= 25 m shared wall, two maps alone, sure", long, SURE, 0.0, command)),
         wrong_row("wrong, agents without sighting, all pairs", trials, AGENTS, command),
     ]
     rows.append(wrong_row("wrong, agents by walls alone, all pairs", trials, WALLS, command))
@@ -67,6 +70,7 @@ def real_rows(trials: Sequence[Trial], command: str) -> List[Row]:
     return [
         share_row("right, real logs, >= 25 m shared wall, two maps alone", long, ALONE, 90.0, command),
         wrong_row("wrong, real logs, two maps alone", trials, ALONE, command),
+        wrong_row("wrong, real logs, two maps alone, sure", trials, SURE, command),
         wrong_row("wrong, real logs, agents without sighting", trials, AGENTS, command),
     ]
 
@@ -89,14 +93,14 @@ def _detail(times: Times, command: str) -> str:
     return f"{len(times.registration)} pairs; landmarks of both maps {share:.3f} s more; {command}"
 
 
-def family_table(trials: Sequence[Trial]) -> List[str]:
+def family_table(trials: Sequence[Trial], rules: Sequence[str] = tuple(RULES)) -> List[str]:
     """Lines of a table: per family how many answers of each kind the two maps alone gave, and how many wrong ones the
     other rules."""
-    lines = [f"{'family':34s} pairs alias  right imprecise wrong declined   wrong: {', '.join(list(RULES)[1:])}"]
+    lines = [f"{'family':34s} pairs alias  right imprecise wrong declined   wrong: {', '.join(rules[1:])}"]
     for name in dict.fromkeys(trial.family for trial in trials):
         chosen = [trial for trial in trials if trial.family == name]
         alone = [trial.outcomes[ALONE].kind for trial in chosen]
-        wrong = [sum(trial.outcomes[rule].kind == "wrong" for trial in chosen) for rule in list(RULES)[1:]]
+        wrong = [sum(trial.outcomes[rule].kind == "wrong" for trial in chosen) for rule in rules[1:]]
         lines.append(
             f"{name:34s} {len(chosen):5d} {sum(trial.alias for trial in chosen):5d}  {alone.count('right'):5d} "
             f"{alone.count('imprecise'):9d} {alone.count('wrong'):5d} {alone.count('declined'):8d}   {wrong}"

@@ -9,6 +9,7 @@ import numpy as np
 from .. import features, registration
 from ..alignment import Alignment
 from ..grid import UNKNOWN, Grid, cell_centres
+from ..one_shot import decide, sure
 from ..registration import Prior, Registration, Verdict, follow, judge_kept
 from ..surface import landmarks_of
 from ..transform import Transform
@@ -24,15 +25,18 @@ Rule = Callable[[Case], Answer]
 
 def once(case: Case) -> Answer:
     """Two maps and nothing else, as on the command line."""
-    return _answer(registration.register_once(landmarks_of(case.target[-1]), landmarks_of(case.source[-1])))
+    return _answer(decide(landmarks_of(case.target[-1]), landmarks_of(case.source[-1])))
+
+
+def once_sure(case: Case) -> Answer:
+    """The same, but only what copies hardly ever fake."""
+    result = decide(landmarks_of(case.target[-1]), landmarks_of(case.source[-1]))
+    return (result.transform, "sure") if sure(result) else (None, "not sure")
 
 
 def once_with_prior(case: Case) -> Answer:
     """Two maps and a rough prior."""
-    prior = rough_prior(case)
-    return _answer(
-        registration.register_once(landmarks_of(case.target[-1]), landmarks_of(case.source[-1]), prior=prior)
-    )
+    return _answer(decide(landmarks_of(case.target[-1]), landmarks_of(case.source[-1]), rough_prior(case)))
 
 
 def agents(case: Case) -> Answer:
@@ -77,6 +81,7 @@ def verified_orb(case: Case) -> Answer:
 RULES: Dict[str, Rule] = {
     "two maps": once,
     "two maps, rough prior": once_with_prior,
+    "two maps, sure": once_sure,
     "agents, no sighting": agents,
     "walls alone": walls_alone,
     "ORB": orb,

@@ -39,13 +39,15 @@ def _parser() -> argparse.ArgumentParser:
     pair = commands.add_parser("register", help="transform between two maps", description=register.__doc__)
     pair.add_argument("target", metavar="A.yaml", help="map_server file of the first map")
     pair.add_argument("source", metavar="B.yaml", help="map_server file of the second map")
-    pair.add_argument(
+    known = pair.add_mutually_exclusive_group()
+    known.add_argument(
         "--prior",
         nargs=3,
         type=_finite,
         metavar=("X", "Y", "YAW"),
         help="rough transform of B into A's frame in m and rad; looked for within 3 m and 30 deg",
     )
+    known.add_argument("--sure", action="store_true", help="accept only what a copy of a room hardly ever fakes")
     pair.add_argument("--json", action="store_true", help="print the answer as JSON")
     pair.add_argument("--plot", type=_picture, metavar="OUT.png", help="draw B over A (needs matplotlib)")
     pair.set_defaults(run=register.run)

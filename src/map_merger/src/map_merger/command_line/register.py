@@ -6,9 +6,9 @@ import math
 from typing import Any, Dict, Optional
 
 from ..map_files import read_map
-from ..one_shot import confidence_in, criteria_for, decide
+from ..one_shot import confidence_in, criteria_for, decide, doubt_of, sure
 from ..reasons import reason_of
-from ..registration import Registration
+from ..registration import Registration, Verdict
 from ..search import Prior
 from ..surface import landmarks_of
 from ..transform import Transform
@@ -22,6 +22,8 @@ def run(options: argparse.Namespace) -> int:
     prior: Optional[Prior] = None if options.prior is None else Prior(Transform(*options.prior))
     result = decide(target, source, prior)
     reason = reason_of(result, criteria_for(prior))
+    if options.sure and result.accepted and not sure(result):
+        result, reason = result._replace(verdict=Verdict.AMBIGUOUS), f"may be a copy: {doubt_of(result)}"
     print(json.dumps(answer(result, reason)) if options.json else text(options, result, reason))
     if options.plot:
         from .plot import draw
@@ -38,6 +40,7 @@ def answer(result: Registration, reason: str) -> Dict[str, Any]:
     return {
         **found,
         "confidence": confidence_in(result),
+        "sure": sure(result),
         "shared_wall_m": result.evidence.matched,
         "reason": reason,
     }
