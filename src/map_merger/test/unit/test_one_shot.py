@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from map_merger.confidence import place_of_two_maps
 from map_merger.evidence import Evidence
 from map_merger.grid import Grid, GridInfo
 from map_merger.one_shot import (
@@ -13,7 +14,6 @@ from map_merger.one_shot import (
     ONCE_RULE,
     SURE_CRITERIA,
     SURE_LOOKALIKE,
-    confidence_in,
     decide,
     doubt_of,
     sure,
@@ -87,7 +87,7 @@ def test_furniture_that_was_moved_does_not_hide_where_a_prior_leads():
     moved = Evidence(5.2, 0.38, 0.132, 0.48, 0.02, 0.8)
     assert verdict_of(moved, [], ONCE_PRIOR_RULE) is Verdict.ACCEPTED
     assert verdict_of(moved, [replace(moved, conflict=0.0)], ONCE_PRIOR_RULE) is not Verdict.ACCEPTED
-    assert confidence_in(Registration(Verdict.ACCEPTED, Transform(), moved, prior=True)) > 0.0
+    assert place_of_two_maps(Registration(Verdict.ACCEPTED, Transform(), moved, prior=True)) > 0.0
     assert verdict_of(moved, [], ONCE_RULE) is not Verdict.ACCEPTED
 
 
@@ -115,7 +115,9 @@ def test_the_halves_of_a_symmetric_building_are_never_sure():
     surveyor = Surveyor(generated("symmetric", 5, 26.0))
     (image,) = surveyor.plan.aliases
     first = surveyor.explore(random, Survey(path_length=20.0), start=(3.0, 2.0))
-    second = surveyor.explore(random, Survey(path_length=20.0), start=tuple(Transform(*image).apply(first.path[:1, :2])[0]))
+    second = surveyor.explore(
+        random, Survey(path_length=20.0), start=tuple(Transform(*image).apply(first.path[:1, :2])[0])
+    )
     result = decide(landmarks_of(first.grid), landmarks_of(second.grid))
     error = displacement(pair_of(first, second).truth, result.transform, landmarks_of(second.grid).surface.points)
     assert error.max() > 5.0 and result.evidence.matched > 20.0, "walls cannot tell the halves"

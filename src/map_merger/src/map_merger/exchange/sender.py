@@ -34,7 +34,7 @@ class _Untold(NamedTuple):
     reached: Box
 
     @property
-    def count(self) -> int:
+    def changed(self) -> int:
         return int(np.count_nonzero(self.told != self.present))
 
 
@@ -95,7 +95,7 @@ class MapSender:
         if self._dirty:
             self._untold, self._dirty = self._compared(), False
         untold = self._untold
-        due = worth(0 if untold is None else untold.count, self._known)
+        due = worth(0 if untold is None else untold.changed, self._known)
         if not due or untold is None or self._told is None:
             return []
         self._told.write(untold.box.top, untold.box.left, untold.present, bounds.MOST_MAP_CELLS)
