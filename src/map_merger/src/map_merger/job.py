@@ -126,7 +126,7 @@ class Job:
                 return result
         result = self._searched(target, source)
         if result.accepted and result.transform is not None:
-            result = result._replace(met=self._met(result.transform))
+            result = result._replace(met=self._met(target, result.transform))
         if self.meeting is not None and not result.met:
             return self._sighted(target, source, self.meeting, (result.transform,)) or self._unless_not_there(result)
         return result
@@ -196,7 +196,7 @@ class Job:
 
     def _chosen_by_meeting(self, target: Landmarks, source: Landmarks, result: Registration) -> Registration:
         """Walls alone cannot choose between rivals; that the robots met by exactly one of them can."""
-        rivals = [each for each in (result.transform, *result.rivals) if each is not None and self._met(each)]
+        rivals = [each for each in (result.transform, *result.rivals) if each is not None and self._met(target, each)]
         if len(rivals) != 1:
             return result
         transform, evidence = follow(target, source, rivals[0])
@@ -205,9 +205,11 @@ class Job:
             verdict = Verdict.BEYOND_LIMITS
         return result._replace(verdict=verdict, transform=transform, evidence=evidence, rivals=())
 
-    def _met(self, transform: Transform) -> bool:
-        """True if the robots saw one another where the transform says. Every other evidence of a meeting belongs here,
-        since this decides between rivals as well."""
+    def _met(self, target: Landmarks, transform: Transform) -> bool:
+        """True if the robots saw one another where the transform says. Scans tell that better than what maps keep of
+        robots: in a building of copies some of it lies where another transform says, too."""
+        if self.meeting is not None and len(self.meeting.sweeps.times):
+            return presence_of(self.meeting, target, transform).confirms
         back = transform.inverse()
         seen = places_seen(self.target.grid, self.seen, self.source_track, transform, self.other_tracks)
         saw = places_seen(self.source.grid, self.saw, self.target_track, back, moved(self.other_tracks, back))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from meeting_scene import NARROW, WIDE, Actor, Scene, Wall, driving, room, standing
 
+from map_merger import job as job_module
 from map_merger.alignment import Alignment
 from map_merger.evidence import Evidence
 from map_merger.grid import FREE, OCCUPIED, Grid, GridInfo
@@ -166,3 +167,12 @@ def test_a_wall_near_by_is_nobody():
     """The laser would see the wall, too."""
     scene = scene_of(driving(-3.5, 3.2, 0.0, speed=0.3), worlds={"b": 1}).run(8.0)
     assert seen_by(scene, scene.truth("b", "a")).there == 0
+
+
+def test_what_maps_keep_of_robots_does_not_place_one_that_scans_do_not_show_there(monkeypatch):
+    """In a building of copies one of a hundred small things in the maps lay where the wrong copy put the other robot."""
+    monkeypatch.setattr(job_module, "places_seen", lambda *sightings: 1)
+    scene = scene_of(straight(), worlds={"b": 1}).run(6.5)
+    assert not job_of(scene).run().met
+    without_scans = replace(job_of(scene), meeting=None)
+    assert without_scans.run().met, "where there is no laser maps have to do"
