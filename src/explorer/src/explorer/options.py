@@ -46,6 +46,7 @@ PARAMETERS: Tuple[Parameter, ...] = (
     Parameter("local_costmap/width", int, 0, "m, reported in the log"),
     Parameter("local_costmap/height", int, -1, "m, reported in the log"),
     Parameter("log_path", str, "", "root of the log files; empty: none are written"),
+    Parameter("scene_path", str, "", "root of recorded decisions, the newest 1000 of a robot; empty: none are written"),
     Parameter("robot_name", str, "", "own name, equal to the name in adhoc_communication; empty: host name"),
     Parameter("base_link", str, "", "robot's frame; empty: base_link, in simulation robot_<n>/base_link"),
     Parameter("map_topic", str, "map_merger/global_map", "map to explore on"),
@@ -90,6 +91,7 @@ class Options:
     local_costmap_width: int = 0
     local_costmap_height: int = -1
     log_path: str = ""
+    scene_path: str = ""
     robot_name: str = "robot_0"
     base_link: str = "base_link"
     map_topic: str = "map_merger/global_map"
