@@ -162,6 +162,7 @@ class TestNode(unittest.TestCase):
         self.assertFalse(start().success)
         self.wait_for_state(lambda s: s.has_goal, 20)
         self.check_pictures()
+        self.check_orders()
         state = self.wait_for_state(lambda s: s.state == ExplorationState.FINISHED, 80)
         self.assertTrue(state.exploration_finished)
         self.assertGreater(state.exploration_time, 3.0)
@@ -169,6 +170,15 @@ class TestNode(unittest.TestCase):
         self.check_messages()
         self.check_goals()
         self.check_logs()
+
+    def check_orders(self) -> None:
+        orders = {name: rospy.ServiceProxy(f"explorer/{name}", Trigger) for name in ("pause", "resume")}
+        self.assertEqual(orders["resume"]().message, "is not paused")
+        self.assertTrue(orders["pause"]().success)
+        state = self.wait_for_state(lambda s: s.state == ExplorationState.WAITING, 5)
+        self.assertEqual((state.text, state.has_goal), ("is paused", False))
+        self.assertTrue(orders["resume"]().success)
+        self.wait_for_state(lambda s: s.has_goal, 10)
 
     def check_pictures(self) -> None:
         markers = rospy.wait_for_message("frontierPoints", MarkerArray, 10)

@@ -19,6 +19,7 @@ from explorer.grid import OccupancyMap
 from explorer.leftovers import reasons
 from explorer.messages import Auction, Effect, Note, Pose
 from explorer.options import Options
+from explorer.orders import STOPPED, Answer
 from explorer.perception import Perception
 from explorer.pictures import picture_of, status_of
 from explorer.scene import Scene
@@ -70,8 +71,23 @@ class ExplorerAgent:
     # ---- input ----------------------------------------------------------------------------------------------------
 
     def start(self, now: float) -> bool:
-        """Starts the mission; False if it was started before."""
+        """Starts the mission; False if it was started or stopped before."""
         return self.mission.start(now)
+
+    def pause(self, now: float) -> Answer:
+        """The robot stays where it is and claims nothing until it is to `resume`."""
+        return self.mission.pause(now)
+
+    def resume(self, now: float) -> Answer:
+        return self.mission.resume()
+
+    def stop(self, now: float) -> Answer:
+        """Ends the mission where the robot is."""
+        return self.mission.stop(now)
+
+    def go_home(self, now: float) -> Answer:
+        """Ends the exploration and drives home."""
+        return self.mission.go_home(now)
 
     def on_global_map(self, occupancy: OccupancyMap, now: float) -> None:
         self._senses.take_map(occupancy, now)
@@ -160,6 +176,10 @@ class ExplorerAgent:
             self.on_pose(self._senses.pose, now)
         if old.started_at is not None:
             self.start(now)
+        if old.orders.paused:
+            self.pause(now)
+        elif old.orders.ended_by == STOPPED:
+            self.stop(now)
 
     # ---- what is told of the robot --------------------------------------------------------------------------------
 

@@ -51,7 +51,7 @@ def names_for(options: Options) -> Names:
             "transform_point": f"{prefix}map_merger/transformPoint",
             "log_output": f"{prefix}map_merger/logOutput",
         },
-        offered={"start": "~start"},
+        offered={order: f"~{order}" for order in ("start", "pause", "resume", "stop", "go_home")},
         action="move_base",
     )
 

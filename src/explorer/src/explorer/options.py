@@ -60,6 +60,8 @@ PARAMETERS: Tuple[Parameter, ...] = (
     Parameter("claim_timeout", float, 30.0, "s, after which a silent robot's cluster is free", **_between(1.0, 3600.0)),
     Parameter("progress_timeout", float, 20.0, "s without progress that fail a goal", **_between(1.0, 3600.0)),
     Parameter("finish_delay", float, 3.0, "s without a reachable frontier before the end", **_between(0.0, 600.0)),
+    Parameter("time_limit", float, 0.0, "s of exploration after which it ends; 0: none", **_between(0.0, 1e6)),
+    Parameter("distance_limit", float, 0.0, "m driven after which it ends; 0: none", **_between(0.0, 1e6)),
     Parameter("return_home", bool, True, "drive to the home pose at the end"),
     Parameter("home_pose", list, [], "x, y, yaw in m and rad; empty: the pose at the start"),
     Parameter("seed", int, 0, "of the random choices of strategies 4 and 6", **_between(0, 2**31 - 1)),
@@ -105,6 +107,8 @@ class Options:
     claim_timeout: float = 30.0
     progress_timeout: float = 20.0
     finish_delay: float = 3.0
+    time_limit: float = 0.0
+    distance_limit: float = 0.0
     return_home: bool = True
     home_pose: Tuple[float, ...] = field(default_factory=tuple)
     seed: int = 0
