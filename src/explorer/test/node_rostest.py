@@ -100,6 +100,7 @@ class FakeRobot:
         self.sent_auctions.append(request)
         if request.auction.start_auction:
             reply = ExpAuction(auction_id=request.auction.auction_id, robot_name="robot_1")
+            reply.requested_clusters = request.auction.available_clusters  # the unit of its bids
             reply.available_clusters = [ExpCluster(c.ids_contained, 50.0) for c in request.auction.requested_clusters]
             self.auction_publisher.publish(reply)
         return SendExpAuctionResponse(1)

@@ -57,7 +57,8 @@ def decisions(strategy: int, seed: int = 3) -> List[Decision]:
             if isinstance(effect, SendAuction) and effect.auction.start:
                 offers = effect.auction.requested
                 bids = tuple(Bid(offer.elements, float(3 * index)) for index, offer in enumerate(offers))
-                agent.on_auction(Auction("robot_1", effect.auction.auction_id, False, available=bids), now)
+                answer = Auction("robot_1", effect.auction.auction_id, False, available=bids, unit=effect.auction.unit)
+                agent.on_auction(answer, now)
     return made
 
 

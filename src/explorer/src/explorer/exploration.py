@@ -51,7 +51,7 @@ class Exploration:
         self.verdicts = Verdicts()
         self.claim = OwnClaim(name)
         self.driver = Driver(options, emit, last_goal)
-        self.auctions = Auctions(name, self.team, options.auction_timeout, emit, last_auction)
+        self.auctions = Auctions(name, self.team, options.auction_timeout, emit, last_auction, strategy.unit)
         self.sharing = Sharing(name, self.team, perception.frontiers, self.verdicts, emit)
         self.ending = Ending(options.finish_delay, perception, self.verdicts, self.driver, self.claim, emit)
         self._outcomes = Outcomes(

@@ -39,6 +39,7 @@ def _between(low: float, high: float) -> Dict[str, Any]:
 
 PARAMETERS: Tuple[Parameter, ...] = (
     Parameter("frontier_selection", int, 1, "strategy, see Strategies", **_between(0, 7)),
+    Parameter("strategy", str, "", "name of a strategy, in place of frontier_selection; empty: that one counts"),
     Parameter("robot_prefix", str, "", "empty: real robot; else simulation with one master, such as /robot_0"),
     Parameter("move_base_frame", str, "map", "frame of goals; in simulation it carries the number: /robot_0/map"),
     Parameter("wait_for_planner_result", int, 3, "seconds in which move_base must accept a goal", **_between(1, 600)),
@@ -86,6 +87,7 @@ class Options:
     `local_costmap/width`, and so on."""
 
     frontier_selection: int = 1
+    strategy: str = ""
     robot_prefix: str = ""
     move_base_frame: str = "map"
     wait_for_planner_result: int = 3
@@ -143,6 +145,7 @@ def load(given: Mapping[str, Any], robots_in_simulation: Any = 1, host_name: Opt
     values: Dict[str, Any] = {}
     for parameter in PARAMETERS:
         values[parameter.name.replace("/", "_")] = _checked(parameter, _lookup(given, parameter.name))
+    values["frontier_selection"] = _selected(values["strategy"], values["frontier_selection"])
     values["home_pose"] = _pose(values["home_pose"])
     values["robots_in_simulation"] = _checked(ROBOTS_IN_SIMULATION, robots_in_simulation)
     _identify(values, host_name if host_name is not None else socket.gethostname())
@@ -198,6 +201,16 @@ def _checked(parameter: Parameter, value: Any) -> Any:
             f" (default {parameter.default!r}){hint}"
         )
     return value
+
+
+def _selected(name: str, number: int) -> int:
+    """Number of the strategy of that name, or `number` without a name."""
+    if not name:
+        return number
+    try:
+        return strategies.strategy_of(name).number
+    except KeyError as error:
+        raise ParameterError(f"parameter ~strategy is {name!r}: {error.args[0]}") from error
 
 
 def _pose(values: Sequence[Any]) -> Tuple[float, ...]:
