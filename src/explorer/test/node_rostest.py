@@ -24,7 +24,7 @@ from adhoc_communication.srv import (
     SendExpFrontier,
     SendExpFrontierResponse,
 )
-from explorer.msg import ExplorationState
+from explorer.msg import ExplorationState, ExplorationStatus
 from geometry_msgs.msg import PointStamped, TransformStamped
 from map_merger.srv import LogMaps, LogMapsResponse, TransformPoint, TransformPointResponse
 from move_base_msgs.msg import MoveBaseAction, MoveBaseResult
@@ -164,6 +164,7 @@ class TestNode(unittest.TestCase):
         self.wait_for_state(lambda s: s.has_goal, 20)
         self.check_pictures()
         self.check_orders()
+        self.check_status()
         state = self.wait_for_state(lambda s: s.state == ExplorationState.FINISHED, 80)
         self.assertTrue(state.exploration_finished)
         self.assertGreater(state.exploration_time, 3.0)
@@ -180,6 +181,15 @@ class TestNode(unittest.TestCase):
         self.assertEqual((state.text, state.has_goal), ("is paused", False))
         self.assertTrue(orders["resume"]().success)
         self.wait_for_state(lambda s: s.has_goal, 10)
+
+    def check_status(self) -> None:
+        status = rospy.wait_for_message("explorer/status", ExplorationStatus, 10)
+        self.assertEqual(
+            (status.robot_name, status.header.frame_id, status.strategy), ("robot_0", "map", "coordinated")
+        )
+        self.assertEqual((list(status.team), list(status.team_finished)), (["robot_1"], []))
+        self.assertGreater(status.area_known, 20.0)
+        self.assertEqual(status.bid_unit, 7)
 
     def check_pictures(self) -> None:
         markers = rospy.wait_for_message("frontierPoints", MarkerArray, 10)

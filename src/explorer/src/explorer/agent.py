@@ -22,6 +22,7 @@ from explorer.options import Options
 from explorer.orders import STOPPED, Answer
 from explorer.perception import Perception
 from explorer.pictures import picture_of, status_of
+from explorer.report import Report, report_of
 from explorer.scene import Scene
 from explorer.senses import Senses
 from explorer.status import Counters, Picture, State, Status
@@ -232,6 +233,10 @@ class ExplorerAgent:
 
     def status(self, now: float) -> Status:
         return status_of(self.name, self.mission, self.perception, now)
+
+    def report(self, now: float) -> Report:
+        """What the robot explores and why; takes some ms, so ask for it about once a second."""
+        return report_of(self.status(now), self.mission, self.perception, self.map, now)
 
     def picture(self) -> Picture:
         return picture_of(self.perception, self.mission.verdicts, self.foreign)

@@ -19,6 +19,7 @@ class Auctions:
         self._name, self._team, self._timeout, self._emit = name, team, timeout, emit
         self.last_id, self._unit = last_id, unit
         self.completed = self.uncompleted = 0
+        self.heard: Dict[str, Dict[int, float]] = {}  # {robot: {cluster number: bid}} of the last own auction
         self._own: Optional[OpenAuction] = None
         self._others: Dict[str, float] = {}  # {robot: when its auction closes at the latest}
 
@@ -47,7 +48,7 @@ class Auctions:
         auction = self._own
         if auction is None or not auction.complete(now):
             return None
-        self._own = None
+        self._own, self.heard = None, auction.bids
         for robot in auction.missing():
             peer = self._team.peer(robot)
             if peer is not None:

@@ -41,7 +41,7 @@ class Exploration:
         last_auction: int,
     ) -> None:
         name = options.robot_name
-        self._name, self._strategy, self._emit = name, strategy, emit
+        self._name, self.strategy, self._emit = name, strategy, emit
         self._senses, self._perception, self._foreign = senses, perception, foreign
         self.state, self.text = State.STARTING, "waits for the start"
         self.started_at: Optional[float] = None
@@ -101,6 +101,9 @@ class Exploration:
         self.team.heard(auction.robot)
         if not auction.status:
             self.auctions.take_bids(auction)
+            # Without a transform nobody can tell what is on offer.
+            known = self._foreign.has_transform(auction.robot)
+            self.team.answered(auction.robot, bool(auction.available) or not known)
         elif auction.start:
             self._answer(auction, now)
         elif auction.finished:
@@ -118,7 +121,7 @@ class Exploration:
             self.auctions.answer(auction, (), lambda _: -1.0, self._foreign)
         else:
             scene = self._scenes.scene(now)
-            self.auctions.answer(auction, scene.candidates, lambda c: self._strategy.bid(scene, c), self._foreign)
+            self.auctions.answer(auction, scene.candidates, lambda c: self.strategy.bid(scene, c), self._foreign)
 
     def take_result(self, goal_id: int, outcome: str, text: str, now: float) -> None:
         event = self.driver.take_result(goal_id, outcome, text, now)
@@ -311,6 +314,11 @@ class Exploration:
         if self.started_at is None:
             return 0.0
         return (self.finished_at if self.finished_at is not None else now) - self.started_at
+
+    def scene(self, now: float) -> Optional[Scene]:
+        """What the robot knows now; None before it has perceived a map."""
+        ready = self._perception.ways is not None and self._senses.pose is not None
+        return self._scenes.scene(now) if ready else None
 
     def unreachable_count(self) -> int:
         """Frontiers that are given up, or that no reachable place sees."""

@@ -24,6 +24,7 @@ def names_for(options: Options) -> Names:
     prefix = f"{options.robot_prefix}/" if options.simulation else ""
     published = {
         "state": "~state",
+        "status": "~status",
         "frontiers": "frontierPoints",
         "visited": "visitedfrontierPoints",
         "goal": "goalPoint/goalPoint",

@@ -25,8 +25,15 @@ from explorer.errors import MapError
 from explorer.foreign import Element, Key, rigid_transform
 from explorer.grid import GridInfo, OccupancyMap
 from explorer.messages import PAPER_UNIT, Auction, Bid, Pose, SendAuction, SendFrontiers
-from explorer.msg import ExplorationState
+from explorer.msg import (
+    ExplorationBid,
+    ExplorationLeftover,
+    ExplorationShare,
+    ExplorationState,
+    ExplorationStatus,
+)
 from explorer.options import Options, number_of
+from explorer.report import Report
 from explorer.status import Picture, Status
 
 COLOURS: Sequence[Tuple[float, float, float]] = ((0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1))
@@ -194,6 +201,34 @@ def state_to(status: Status) -> ExplorationState:
         auctions_completed=status.counters.auctions_completed,
         auctions_uncompleted=status.counters.auctions_uncompleted,
     )
+
+
+def status_to(report: Report, frame: str) -> ExplorationStatus:
+    """Without a stamp, so that equal messages are equal; the rest of the time in whole seconds."""
+    status = report.status
+    message = ExplorationStatus(
+        robot_name=status.robot,
+        state=int(status.state),
+        text=status.text,
+        paused=report.paused,
+        ended_by=report.ended_by,
+        has_goal=status.goal is not None,
+        goal=Point(status.goal.x, status.goal.y, 0.0) if status.goal is not None else Point(),
+        goal_reason=report.reason,
+        strategy=report.strategy,
+        bids=[ExplorationBid(robot, bid) for robot, bid in report.bids.items()],
+        bid_unit=report.unit,
+        assignment=[ExplorationShare(robot, Point(x, y, 0.0)) for robot, (x, y) in report.assignment.items()],
+        area_known=report.area,
+        expected_rest=math.nan if math.isnan(report.rest) else round(report.rest),
+        left=[
+            ExplorationLeftover(Point(*left.place, 0.0), left.points, left.size, left.reason) for left in report.left
+        ],
+        team=list(report.team),
+        team_finished=[robot for robot, finished in report.team.items() if finished],
+    )
+    message.header.frame_id = frame
+    return message
 
 
 def frontier_markers(picture: Picture, frame: str, stamp: rospy.Time, visited: bool) -> MarkerArray:
