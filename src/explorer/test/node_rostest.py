@@ -183,13 +183,22 @@ class TestNode(unittest.TestCase):
         self.wait_for_state(lambda s: s.has_goal, 10)
 
     def check_status(self) -> None:
-        status = rospy.wait_for_message("explorer/status", ExplorationStatus, 10)
-        self.assertEqual(
-            (status.robot_name, status.header.frame_id, status.strategy), ("robot_0", "map", "coordinated")
-        )
+        done, seen = threading.Event(), []
+
+        def take(status: ExplorationStatus) -> None:
+            seen.append(status)
+            if status.team and status.has_goal:
+                done.set()
+
+        subscriber = rospy.Subscriber("explorer/status", ExplorationStatus, take)
+        self.assertTrue(done.wait(10), f"last: {seen[-1:]}")
+        subscriber.unregister()
+        status = seen[-1]
+        self.assertEqual((status.robot_name, status.header.frame_id), ("robot_0", "map"))
+        self.assertEqual((status.strategy, status.bid_unit), ("coordinated", 7))
         self.assertEqual((list(status.team), list(status.team_finished)), (["robot_1"], []))
+        self.assertIn("bid ", status.goal_reason)
         self.assertGreater(status.area_known, 20.0)
-        self.assertEqual(status.bid_unit, 7)
 
     def check_pictures(self) -> None:
         markers = rospy.wait_for_message("frontierPoints", MarkerArray, 10)
