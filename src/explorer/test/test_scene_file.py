@@ -149,3 +149,5 @@ def test_the_newest_decisions_stay_in_the_folder(
     names = sorted(os.listdir(tmp_path / "robot_0"))
     assert names == [f"decision_{number:06d}.json" for number in (2, 3, 4)]
     assert scene_file.read(str(tmp_path / "robot_0" / names[-1])).scene.now == 4.0
+    SceneFolder(str(tmp_path), "robot_0").write(recorded)
+    assert os.listdir(tmp_path / "robot_0") == ["decision_000000.json"], "nothing of the former run"

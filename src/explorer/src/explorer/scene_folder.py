@@ -1,5 +1,6 @@
 """A folder with the recorded decisions of one robot. Used by hosts only: it writes files."""
 
+import glob
 import os
 from typing import Callable, Optional
 
@@ -12,7 +13,8 @@ MOST_FILES = 1000  # beyond, the oldest is removed
 
 
 class SceneFolder:
-    """`<path>/<robot>/decision_000000.json` and so on, in the order in which they were made."""
+    """`<path>/<robot>/decision_000000.json` and so on, in the order in which they were made. What a former run has left
+    there is removed: decisions of two runs must not be taken for those of one."""
 
     def __init__(self, path: str, robot: str) -> None:
         """Raises `ExplorerError` if the folder cannot be made."""
@@ -20,6 +22,8 @@ class SceneFolder:
         self._count = 0
         try:
             os.makedirs(self._folder, exist_ok=True)
+            for old in glob.glob(os.path.join(glob.escape(self._folder), "decision_*.json")):
+                os.remove(old)
         except OSError as error:
             raise ExplorerError(f"parameter ~scene_path is {path!r}: {error}") from error
 
