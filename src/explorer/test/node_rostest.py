@@ -24,7 +24,7 @@ from adhoc_communication.srv import (
     SendExpFrontier,
     SendExpFrontierResponse,
 )
-from explorer.msg import ExplorationState
+from explorer.msg import ExplorationState, ExplorationStatus
 from geometry_msgs.msg import PointStamped, TransformStamped
 from map_merger.srv import LogMaps, LogMapsResponse, TransformPoint, TransformPointResponse
 from move_base_msgs.msg import MoveBaseAction, MoveBaseResult
@@ -100,6 +100,7 @@ class FakeRobot:
         self.sent_auctions.append(request)
         if request.auction.start_auction:
             reply = ExpAuction(auction_id=request.auction.auction_id, robot_name="robot_1")
+            reply.requested_clusters = request.auction.available_clusters  # the unit of its bids
             reply.available_clusters = [ExpCluster(c.ids_contained, 50.0) for c in request.auction.requested_clusters]
             self.auction_publisher.publish(reply)
         return SendExpAuctionResponse(1)
@@ -162,6 +163,8 @@ class TestNode(unittest.TestCase):
         self.assertFalse(start().success)
         self.wait_for_state(lambda s: s.has_goal, 20)
         self.check_pictures()
+        self.check_orders()
+        self.check_status()
         state = self.wait_for_state(lambda s: s.state == ExplorationState.FINISHED, 80)
         self.assertTrue(state.exploration_finished)
         self.assertGreater(state.exploration_time, 3.0)
@@ -169,6 +172,33 @@ class TestNode(unittest.TestCase):
         self.check_messages()
         self.check_goals()
         self.check_logs()
+
+    def check_orders(self) -> None:
+        orders = {name: rospy.ServiceProxy(f"explorer/{name}", Trigger) for name in ("pause", "resume")}
+        self.assertEqual(orders["resume"]().message, "is not paused")
+        self.assertTrue(orders["pause"]().success)
+        state = self.wait_for_state(lambda s: s.state == ExplorationState.WAITING, 5)
+        self.assertEqual((state.text, state.has_goal), ("is paused", False))
+        self.assertTrue(orders["resume"]().success)
+        self.wait_for_state(lambda s: s.has_goal, 10)
+
+    def check_status(self) -> None:
+        done, seen = threading.Event(), []
+
+        def take(status: ExplorationStatus) -> None:
+            seen.append(status)
+            if status.team and status.has_goal:
+                done.set()
+
+        subscriber = rospy.Subscriber("explorer/status", ExplorationStatus, take)
+        self.assertTrue(done.wait(10), f"last: {seen[-1:]}")
+        subscriber.unregister()
+        status = seen[-1]
+        self.assertEqual((status.robot_name, status.header.frame_id), ("robot_0", "map"))
+        self.assertEqual((status.strategy, status.bid_unit), ("coordinated", 7))
+        self.assertEqual((list(status.team), list(status.team_finished)), (["robot_1"], []))
+        self.assertIn("bid ", status.goal_reason)
+        self.assertGreater(status.area_known, 20.0)
 
     def check_pictures(self) -> None:
         markers = rospy.wait_for_message("frontierPoints", MarkerArray, 10)

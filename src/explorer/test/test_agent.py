@@ -1,5 +1,6 @@
 """The agent on virtual time: goals, failures, the end, auctions under loss, duplication and reordering."""
 
+from dataclasses import replace
 from typing import Any, List, Optional
 
 import numpy as np
@@ -105,7 +106,7 @@ class Bench:
 
 def reply(start: Auction, robot: str, bids: List[float]) -> Auction:
     available = tuple(Bid(offer.elements, bid) for offer, bid in zip(start.requested, bids))
-    return Auction(robot, start.auction_id, status=False, available=available)
+    return Auction(robot, start.auction_id, status=False, available=available, unit=start.unit)
 
 
 # ---- goals ----------------------------------------------------------------------------------------------------------
@@ -550,6 +551,34 @@ def test_dropping_one_bid_changes_the_result(strategy: int) -> None:
     assert outcome(drop=True) == 1.0
 
 
+@pytest.mark.parametrize("strategy", [1, 7])
+def test_bids_in_another_unit_are_an_answer_and_no_more(strategy: int) -> None:
+    """Squared metres and metres were compared: the robot is judged by its place, and not waited for."""
+    bench, start = opened(strategy)
+    bids = [0.0, 0.0]
+    bids[side_of(start, bench, 1.0)], bids[side_of(start, bench, -1.0)] = 0.5, 900.0
+    other = replace(reply(start, "robot_1", bids), unit={1: 7, 7: 1}[strategy])
+    assert start.unit == strategy
+    bench.agent.on_auction(other, bench.now)
+    bench.run(0.2)
+    assert chosen_side(bench) == 1.0 and bench.auctions()[-1].finished
+    assert bench.agent.counters.auctions_completed == 0
+    peer = bench.agent.mission.team.peer("robot_1")
+    assert peer is not None and peer.unanswered == 0
+
+
+def test_answers_tell_the_unit_of_their_bids() -> None:
+    for strategy in range(8):
+        bench = Bench(strategy).map(corridor()).join("robot_1")
+        bench.run(0.2)
+        bench.agent.on_frontiers([Element("robot_1", 10000, 4.0, 0.0)], bench.now)
+        offer = Bid((("robot_1", 10000),))
+        bench.agent.on_auction(Auction("robot_1", 10001, True, start=True, requested=(offer,)), bench.now)
+        bench.tick()
+        (answer,) = [auction for auction in bench.auctions() if not auction.status]
+        assert answer.unit == (7 if strategy == 7 else 1)
+
+
 def test_cluster_that_another_robot_does_not_know_is_not_left_to_it() -> None:
     """Both others stand on the left, but neither has a bid there; one of them bids less for the right."""
     bench, start = opened(7, peers=("robot_1", "robot_2"))
@@ -709,6 +738,24 @@ def test_two_robots_that_chose_the_same_cluster_settle_it() -> None:
         bench.agent.on_auction(Auction("robot_1", 10001, True, start=True, requested=(Bid(keys, bid),)), bench.now)
         bench.agent.on_auction(Auction("robot_1", 10001, True, finished=True, occupied=keys), bench.now)
         assert (bench.agent.mission.claim.number is not None) == keeps
+
+
+def test_a_tie_is_not_settled_by_a_bid_in_another_unit() -> None:
+    """A bid of 500 in another unit is no reason to keep the cluster: the other robot stands in it."""
+    bench = Bench(1).map(corridor()).join("robot_1", position=(0.4, 0.0))
+    bench.run(0.2)
+    start = next(a for a in bench.auctions() if a.start)
+    bench.agent.on_auction(reply(start, "robot_1", [900.0, 900.0]), bench.now)
+    bench.run(0.4)
+    side = chosen_side(bench)
+    bench.agent.on_positions({"robot_1": (3.8 * side, 0.0)}, bench.now)
+    elements = tuple(Element("robot_1", 10000 + i, 3.9 * side, -1.2 + 0.2 * i) for i in range(13))
+    keys = tuple(e.key for e in elements)
+    bench.agent.on_frontiers(elements, bench.now)
+    offer = Auction("robot_1", 10001, True, start=True, requested=(Bid(keys, 500.0),), unit=7)
+    bench.agent.on_auction(offer, bench.now)
+    bench.agent.on_auction(Auction("robot_1", 10001, True, finished=True, occupied=keys), bench.now)
+    assert bench.agent.mission.claim.number is None
 
 
 def test_forged_and_huge_messages_are_bounded() -> None:

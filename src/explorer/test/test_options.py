@@ -13,6 +13,7 @@ from explorer.agent import ExplorerAgent
 from explorer.auction import first_auction_id
 from explorer.errors import ParameterError
 from explorer.messages import WriteLog
+from explorer.strategies import strategy_of
 
 ROOT = os.path.join(HERE, "..")
 
@@ -52,7 +53,7 @@ def test_every_parameter_arrives() -> None:
         list: [1, 2.5, 0],
     }
     for parameter in options.PARAMETERS:
-        if parameter.name in ("robot_prefix", "move_base_frame"):
+        if parameter.name in ("robot_prefix", "move_base_frame", "strategy"):
             continue
         value = {"claim_timeout": 7.0, "progress_timeout": 7.0}.get(parameter.name, given[parameter.type])
         loaded = options.load(nested(parameter.name, value), host_name="joy")
@@ -67,6 +68,8 @@ def test_every_parameter_arrives() -> None:
         ({"frontier_selection": -1}, "out of range"),
         ({"frontier_selection": "1"}, "must be of type int"),
         ({"frontier_selection": True}, "must be of type int"),
+        ({"strategy": "best"}, r"~strategy is 'best': strategy 'best' is unknown; there are 0 nearest_path"),
+        ({"strategy": 7}, "~strategy is 7, it must be of type str"),
         ({"inflation_radius": float("nan")}, "~inflation_radius is nan"),
         ({"inflation_radius": -0.1}, "~inflation_radius"),
         ({"wait_for_planner_result": 0}, "~wait_for_planner_result"),
@@ -83,6 +86,12 @@ def test_every_parameter_arrives() -> None:
 def test_bad_values_are_refused_with_the_culprit(given: Dict[str, Any], culprit: str) -> None:
     with pytest.raises(ParameterError, match=culprit):
         options.load(given, host_name="joy")
+
+
+def test_a_strategy_by_its_name_comes_before_its_number() -> None:
+    named = options.load({"strategy": "furthest", "frontier_selection": 7}, host_name="joy")
+    assert named.frontier_selection == 2
+    assert options.load({"strategy": "", "frontier_selection": 7}, host_name="joy").frontier_selection == 7
 
 
 def test_identity() -> None:
@@ -170,6 +179,11 @@ def test_readme_lists_the_names() -> None:
 def test_readme_lists_the_strategies() -> None:
     rows = table_rows("| `frontier_selection` | Procedure |")
     assert [int(row[0]) for row in rows] == sorted(options.STRATEGIES)
+    with open(os.path.join(ROOT, "README.md")) as file:
+        sentence = re.search(r"Their names, for `strategy`:(.*?)\.\n\n", file.read(), re.DOTALL)
+    assert sentence is not None
+    told = re.findall(r"`(\w+)` \((\d)\)", sentence.group(1))
+    assert [strategy_of(name).number for name, _ in told] == [int(n) for _, n in told] == sorted(options.STRATEGIES)
 
 
 def test_launch_file_has_the_arguments_of_the_contract() -> None:

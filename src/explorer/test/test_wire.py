@@ -1,6 +1,7 @@
 """Frontiers and auctions through messages and back: who detected what, in simulation and on real robots."""
 
 import pkgutil
+from dataclasses import replace
 
 import pytest
 
@@ -65,3 +66,27 @@ def test_numbers_count_only_in_simulation_where_the_name_is_missing() -> None:
 def test_a_real_robot_may_have_a_number_for_a_name() -> None:
     """A robot named "7" became "robot_7", which nobody knew."""
     assert wire("joy", False).auction_from(wire("7", False).auction_to(Auction("7", 1, True))).robot == "7"
+
+
+@pytest.mark.parametrize("simulation", [True, False])
+@pytest.mark.parametrize("kind", ["start", "answer"])
+def test_the_unit_of_bids_travels_where_nobody_looks(simulation: bool, kind: str) -> None:
+    """The list that the contract has for messages of that kind is as before."""
+    bids = (Bid((("robot_1", 20001),), 2.5), Bid((("robot_1", 20002),), -1.0))
+    given = {"requested": bids} if kind == "start" else {"available": bids}
+    paper = Auction("robot_1", 5, status=kind == "start", start=kind == "start", **given)
+    metres = replace(paper, unit=7)
+    sender, receiver = wire("robot_1", simulation), wire("robot_2", simulation)
+    plain, told = sender.auction_to(paper), sender.auction_to(metres)
+    assert not (plain.available_clusters if kind == "start" else plain.requested_clusters)
+    read, hidden = ("requested_clusters", "available_clusters")[:: 1 if kind == "start" else -1]
+    assert getattr(told, read) == getattr(plain, read)
+    assert [(list(entry.ids_contained), entry.bid) for entry in getattr(told, hidden)] == [([], 7.0)]
+    assert receiver.auction_from(plain) == paper and receiver.auction_from(told) == metres
+
+
+@pytest.mark.parametrize("bid", [float("nan"), float("inf"), 1e300])
+def test_a_unit_that_is_none_is_not_one(bid: float) -> None:
+    message = wire("robot_1", True).auction_to(Auction("robot_1", 5, status=True, start=True))
+    message.available_clusters = [ros_io.ExpCluster(bid=bid)]
+    assert wire("robot_2", True).auction_from(message).unit == 1

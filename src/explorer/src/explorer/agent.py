@@ -4,24 +4,30 @@ No clock, no ROS, no thread: every call takes `now` in seconds, `tick` returns t
 """
 
 import math
-from typing import List, Mapping, Optional, Sequence
+from typing import Any, Callable, List, Mapping, Optional, Sequence
 
 import numpy as np
 
 from explorer.auction import first_auction_id
+from explorer.decision import Decision, telling
 from explorer.driver import Goal
 from explorer.edge import Edge
 from explorer.exploration import Exploration
 from explorer.foreign import Element, ForeignFrontiers
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
+from explorer.leftovers import reasons
 from explorer.messages import Auction, Effect, Note, Pose
 from explorer.options import Options
+from explorer.orders import STOPPED, Answer
 from explorer.perception import Perception
 from explorer.pictures import picture_of, status_of
+from explorer.report import Report, report_of
+from explorer.scene import Scene
 from explorer.senses import Senses
 from explorer.status import Counters, Picture, State, Status
 from explorer.strategies import strategy_of
+from explorer.strategies.strategy import Bids, Strategy
 
 CLOCK_TOLERANCE = 1.0  # s by which the clock may be set back without consequences
 MAXIMUM_CHOSEN = 5000  # elements of one negotiation list that are read
@@ -32,8 +38,10 @@ class ExplorerAgent:
 
     Owns what outlives a mission; the mission is an `Exploration`, and a new one when the clock is set back."""
 
-    def __init__(self, options: Options) -> None:
+    def __init__(self, options: Options, on_decision: Optional[Callable[[Decision], None]] = None) -> None:
+        """`on_decision` takes each decision of the strategy at the moment when it is made."""
         self.options = options
+        self._on_decision = on_decision
         self.name = options.robot_name
         self.foreign = ForeignFrontiers()
         self._senses = Senses(Pose(*options.home_pose) if options.home_pose else None)
@@ -47,16 +55,40 @@ class ExplorerAgent:
 
     def _new_mission(self, last_goal: int, last_auction: int) -> Exploration:
         options, emit = self.options, self._outbox.append
-        strategy = strategy_of(options.frontier_selection)(self._random)
         return Exploration(
-            options, strategy, self._senses, self.perception, self.foreign, emit, last_goal, last_auction
+            options, self._strategy(), self._senses, self.perception, self.foreign, emit, last_goal, last_auction
         )
+
+    def _strategy(self) -> Strategy:
+        kind = strategy_of(self.options.frontier_selection)
+        return kind(self._random) if self._on_decision is None else telling(kind, self._random, self._tell)
+
+    def _tell(self, scene: Scene, bids: Bids, choice: Optional[int], random: Mapping[str, Any]) -> None:
+        assert self._on_decision is not None
+        strategy = strategy_of(self.options.frontier_selection).name
+        why = reasons(self.perception, self.mission.verdicts)
+        self._on_decision(Decision(self.name, strategy, scene, bids, choice, random, why))
 
     # ---- input ----------------------------------------------------------------------------------------------------
 
     def start(self, now: float) -> bool:
-        """Starts the mission; False if it was started before."""
+        """Starts the mission; False if it was started or stopped before."""
         return self.mission.start(now)
+
+    def pause(self, now: float) -> Answer:
+        """The robot stays where it is and claims nothing until it is to `resume`."""
+        return self.mission.pause(now)
+
+    def resume(self, now: float) -> Answer:
+        return self.mission.resume()
+
+    def stop(self, now: float) -> Answer:
+        """Ends the mission where the robot is."""
+        return self.mission.stop(now)
+
+    def go_home(self, now: float) -> Answer:
+        """Ends the exploration and drives home."""
+        return self.mission.go_home(now)
 
     def on_global_map(self, occupancy: OccupancyMap, now: float) -> None:
         self._senses.take_map(occupancy, now)
@@ -145,6 +177,10 @@ class ExplorerAgent:
             self.on_pose(self._senses.pose, now)
         if old.started_at is not None:
             self.start(now)
+        if old.orders.paused:
+            self.pause(now)
+        elif old.orders.ended_by == STOPPED:
+            self.stop(now)
 
     # ---- what is told of the robot --------------------------------------------------------------------------------
 
@@ -197,6 +233,10 @@ class ExplorerAgent:
 
     def status(self, now: float) -> Status:
         return status_of(self.name, self.mission, self.perception, now)
+
+    def report(self, now: float) -> Report:
+        """What the robot explores and why; takes some ms, so ask for it about once a second."""
+        return report_of(self.status(now), self.mission, self.perception, self.map, now)
 
     def picture(self) -> Picture:
         return picture_of(self.perception, self.mission.verdicts, self.foreign)

@@ -13,12 +13,13 @@ MAXIMUM_BIDS = 500  # of one message that are read
 
 
 class Auctions:
-    """`last_id`: of the auctions of a former mission."""
+    """`last_id`: of the auctions of a former mission. `unit`: of the own bids."""
 
-    def __init__(self, name: str, team: Team, timeout: float, emit: Emit, last_id: int) -> None:
+    def __init__(self, name: str, team: Team, timeout: float, emit: Emit, last_id: int, unit: int) -> None:
         self._name, self._team, self._timeout, self._emit = name, team, timeout, emit
-        self.last_id = last_id
+        self.last_id, self._unit = last_id, unit
         self.completed = self.uncompleted = 0
+        self.heard: Dict[str, Dict[int, float]] = {}  # {robot: {cluster number: bid}} of the last own auction
         self._own: Optional[OpenAuction] = None
         self._others: Dict[str, float] = {}  # {robot: when its auction closes at the latest}
 
@@ -34,7 +35,8 @@ class Auctions:
     def start(self, clusters: Sequence[Cluster], own_bids: Mapping[int, float], now: float) -> None:
         """Opens an auction of these clusters. The others must know their frontiers."""
         self.last_id = (self.last_id + 1) % 2**32
-        self._own = OpenAuction(self.last_id, clusters, self._name, self._team.bidders(), now + self._timeout)
+        deadline = now + self._timeout
+        self._own = OpenAuction(self.last_id, clusters, self._name, self._team.bidders(), deadline, self._unit)
         self._emit(SendAuction(self._own.start_message(dict(own_bids))))
 
     def take_bids(self, reply: Auction) -> None:
@@ -46,7 +48,7 @@ class Auctions:
         auction = self._own
         if auction is None or not auction.complete(now):
             return None
-        self._own = None
+        self._own, self.heard = None, auction.bids
         for robot in auction.missing():
             peer = self._team.peer(robot)
             if peer is not None:
@@ -60,11 +62,12 @@ class Auctions:
         self._own = None
 
     def take_start(self, auction: Auction, now: float) -> None:
-        """Another robot's auction is open; its own bids settle overlapping ones."""
+        """Another robot's auction is open; its own bids settle overlapping ones if they can be compared."""
         self._others[auction.robot] = now + self._timeout
         peer = self._team.peer(auction.robot)
         if peer is not None:
-            peer.bids = {frozenset(bid.elements): bid.bid for bid in auction.requested[:MAXIMUM_BIDS]}
+            told = auction.requested[:MAXIMUM_BIDS] if auction.unit == self._unit else ()
+            peer.bids = {frozenset(bid.elements): bid.bid for bid in told}
 
     def take_end(self, auction: Auction) -> Optional[float]:
         """Another robot's auction is over; the bid that it told for the cluster it took, if it did."""
@@ -93,7 +96,7 @@ class Auctions:
         for bid in auction.requested[:MAXIMUM_BIDS]:
             cluster = match(candidates, listed(bid.elements, foreign, self._name))
             available.append(Bid(bid.elements, -1.0 if cluster is None else bid_for(cluster)))
-        self._emit(SendAuction(reply_message(self._name, auction.auction_id, available)))
+        self._emit(SendAuction(reply_message(self._name, auction.auction_id, available, self._unit)))
 
 
 def comparable(auction: Auction, foreign: ForeignFrontiers, own_name: str) -> bool:

@@ -122,9 +122,13 @@ class Driver:
 
     # ---- the way home ---------------------------------------------------------------------------------------------
 
+    def begin_home(self) -> None:
+        """All attempts are to be made from now on."""
+        self._home_attempts = 0
+
     def home_is_over(self, here: Pose, home: Pose) -> bool:
-        """Nothing is left to be driven: the robot is at home, is to stay, or has tried often enough."""
-        return not self._options.return_home or at_home(here, home) or self._home_attempts >= HOME_ATTEMPTS
+        """Nothing is left to be driven: the robot is at home, or has tried often enough."""
+        return at_home(here, home) or self._home_attempts >= HOME_ATTEMPTS
 
     def drive_home(self, here: Pose, home: Pose, now: float) -> None:
         if self.goal is None and now >= self._hold_until:

@@ -11,3 +11,7 @@ class ParameterError(ExplorerError):
 
 class MapError(ExplorerError):
     """An occupancy grid cannot be used (size and data disagree, rotated origin, resolution not positive)."""
+
+
+class SceneError(ExplorerError):
+    """A file does not hold a recorded decision."""

@@ -10,6 +10,7 @@ from explorer.foreign import Element, ForeignFrontiers
 from explorer.journal import Journal
 from explorer.messages import FAILED, REACHED, Auction, Emit, Note
 from explorer.options import Options
+from explorer.orders import DONE, SENT_HOME, STOPPED, Answer, Orders
 from explorer.outcomes import Outcomes
 from explorer.perception import Perception
 from explorer.scene import Scene
@@ -40,16 +41,17 @@ class Exploration:
         last_auction: int,
     ) -> None:
         name = options.robot_name
-        self._name, self._strategy, self._emit = name, strategy, emit
+        self._name, self.strategy, self._emit = name, strategy, emit
         self._senses, self._perception, self._foreign = senses, perception, foreign
         self.state, self.text = State.STARTING, "waits for the start"
         self.started_at: Optional[float] = None
         self.finished_at: Optional[float] = None
+        self.orders = Orders(options)
         self.team = Team(name, options.claim_timeout)
         self.verdicts = Verdicts()
         self.claim = OwnClaim(name)
         self.driver = Driver(options, emit, last_goal)
-        self.auctions = Auctions(name, self.team, options.auction_timeout, emit, last_auction)
+        self.auctions = Auctions(name, self.team, options.auction_timeout, emit, last_auction, strategy.unit)
         self.sharing = Sharing(name, self.team, perception.frontiers, self.verdicts, emit)
         self.ending = Ending(options.finish_delay, perception, self.verdicts, self.driver, self.claim, emit)
         self._outcomes = Outcomes(
@@ -64,8 +66,8 @@ class Exploration:
     # ---- input ----------------------------------------------------------------------------------------------------
 
     def start(self, now: float) -> bool:
-        """False if it was started before."""
-        if self.started_at is not None:
+        """False if it was started or stopped before."""
+        if self.started_at is not None or self.finished_at is not None:
             return False
         self.started_at = now
         self._journal.start(now)
@@ -99,6 +101,9 @@ class Exploration:
         self.team.heard(auction.robot)
         if not auction.status:
             self.auctions.take_bids(auction)
+            # Without a transform nobody can tell what is on offer.
+            known = self._foreign.has_transform(auction.robot)
+            self.team.answered(auction.robot, bool(auction.available) or not known)
         elif auction.start:
             self._answer(auction, now)
         elif auction.finished:
@@ -109,14 +114,14 @@ class Exploration:
 
     def _answer(self, auction: Auction, now: float) -> None:
         self.auctions.take_start(auction, now)
-        finished = self.finished_at is not None
-        if finished or self._senses.pose is None or not comparable(auction, self._foreign, self._name):
+        at_rest = self.finished_at is not None or self.orders.paused
+        if at_rest or self._senses.pose is None or not comparable(auction, self._foreign, self._name):
             self.auctions.refuse(auction)
         elif self._perception.ways is None:
             self.auctions.answer(auction, (), lambda _: -1.0, self._foreign)
         else:
             scene = self._scenes.scene(now)
-            self.auctions.answer(auction, scene.candidates, lambda c: self._strategy.bid(scene, c), self._foreign)
+            self.auctions.answer(auction, scene.candidates, lambda c: self.strategy.bid(scene, c), self._foreign)
 
     def take_result(self, goal_id: int, outcome: str, text: str, now: float) -> None:
         event = self.driver.take_result(goal_id, outcome, text, now)
@@ -130,32 +135,100 @@ class Exploration:
             self._take_event(event, now)
         self._perception.touch()
 
+    # ---- orders ---------------------------------------------------------------------------------------------------
+
+    def pause(self, now: float) -> Answer:
+        """The robot stays where it is and claims nothing until `resume`; it still maps, tells and answers."""
+        if not self._begun:
+            return Answer(False, f"has not begun to explore: {self.text}")
+        if self.orders.paused or self.state == State.FINISHED:
+            return Answer(False, "is paused already" if self.orders.paused else f"has ended: {self.text}")
+        self.orders.paused = True
+        self.driver.drop()
+        if self.finished_at is None:
+            self._give_up_claim(now)
+        self._be(State.WAITING, "is paused")
+        return Answer(True, "paused")
+
+    def resume(self) -> Answer:
+        if not self.orders.paused:
+            return Answer(False, "is not paused")
+        self.orders.paused = False
+        self.ending.look_again()
+        return Answer(True, "goes on")
+
+    def stop(self, now: float) -> Answer:
+        """Ends the mission where the robot is."""
+        if self.state == State.FINISHED:
+            return Answer(False, f"has ended already: {self.text}")
+        self.orders.paused = self.orders.homeward = False
+        self.driver.drop()
+        if self.finished_at is None:
+            self._end(STOPPED, now)
+        self._be(State.FINISHED, "stopped")
+        return Answer(True, "stopped")
+
+    def go_home(self, now: float) -> Answer:
+        """Ends the exploration; the robot drives home, also if it was stopped before or is not to return by itself."""
+        here, home = self._senses.pose, self._senses.home
+        if not self._begun or here is None or home is None:
+            return Answer(False, f"has not begun to explore: {self.text}")
+        if self.state == State.RETURNING or (self.state == State.FINISHED and at_home(here, home)):
+            return Answer(False, "is at home" if self.state == State.FINISHED else "is on its way home already")
+        self.orders.paused, self.orders.homeward = False, True
+        if self.finished_at is None:
+            self._end(SENT_HOME, now)
+        self.driver.begin_home()
+        self._be(State.RETURNING, f"{self.orders.ended_by}, drives home")
+        return Answer(True, "drives home")
+
+    @property
+    def _begun(self) -> bool:
+        return self.started_at is not None and self._perception.ways is not None and self._senses.pose is not None
+
     # ---- the step -------------------------------------------------------------------------------------------------
 
     def step(self, now: float) -> None:
+        if self.state == State.FINISHED:
+            return
         if self.started_at is None:
             self._be(State.STARTING, "waits for the start")
         elif self._senses.map is None or self._senses.pose is None:
             self._be(State.STARTING, "waits for " + ("the map" if self._senses.map is None else "the robot's pose"))
+        elif self.orders.paused:
+            self._stand(now)
         elif self.finished_at is not None:
-            self._go_home(now)
+            self._drive_home(now)
         else:
             self._explore(now)
         if self.started_at is not None and self.finished_at is None and self._journal.due(now):
             self._journal.write(self.counters, self.unreachable_count(), self._senses.map, now)
 
-    def _explore(self, now: float) -> None:
-        here = self._senses.pose
-        assert here is not None
+    def _perceive(self, now: float) -> None:
         others, known = list(self.team.positions(now).values()), len(self.team.known())
         self.sharing.take_vanished(self._perception.update(self.verdicts, others, known, now))
         self.sharing.ask_transforms(self._foreign.robots(), now)
+
+    def _stand(self, now: float) -> None:
+        """What a paused robot does: the others may need what it sees."""
+        if self.finished_at is None:
+            self._perceive(now)
+            self.sharing.share(now)
+
+    def _explore(self, now: float) -> None:
+        here = self._senses.pose
+        assert here is not None
+        self._perceive(now)
+        limit = self.orders.limit(self.exploration_time(now), self._senses.distance)
+        if limit is not None:
+            self._finish(limit, now)
+            return
         event = self.driver.watch(here, now)
         if event is not None:
             self._take_event(event, now)
         scene = self._scenes.scene(now)
         if self.ending.reached(scene, self._senses.fresh(now)):
-            self._finish(now)
+            self._finish(DONE, now)
             return
         self._allocate(scene, now)
         self.sharing.share(now)
@@ -184,25 +257,35 @@ class Exploration:
         self._outcomes.take(event, self._senses.pose, now)
         self._perception.touch()
 
-    def _finish(self, now: float) -> None:
-        self.finished_at = now
-        self.driver.drop()
-        self.claim.release()
-        self._selection.finish(self._scenes.scene(now))
-        self._emit(Note(f"exploration finished after {self.exploration_time(now):.1f} s"))
-        self._journal.finish(self.counters, self._senses.map, now)
-        self._go_home(now)
+    def _finish(self, reason: str, now: float) -> None:
+        self._end(reason, now)
+        self._drive_home(now)
 
-    def _go_home(self, now: float) -> None:
+    def _end(self, reason: str, now: float) -> None:
+        """Of the exploration; `reason` in words."""
+        self.finished_at, self.orders.ended_by = now, reason
+        self.driver.drop()
+        self._give_up_claim(now)
+        how = "finished" if self.orders.complete else "ended"
+        why = "" if self.orders.complete else f": {reason}"
+        self._emit(Note(f"exploration {how} after {self.exploration_time(now):.1f} s{why}"))
+        if self.started_at is not None:
+            self._journal.finish(self.orders.complete, self.counters, self._senses.map, now)
+
+    def _give_up_claim(self, now: float) -> None:
+        self.claim.release()
+        if self._perception.ways is not None and self._senses.pose is not None:
+            self._selection.finish(self._scenes.scene(now))
+
+    def _drive_home(self, now: float) -> None:
         here, home = self._senses.pose, self._senses.home
         assert here is not None and home is not None
-        if self.state == State.FINISHED:
-            return
-        if self.driver.home_is_over(here, home):
+        ended_by = self.orders.ended_by
+        if not self.orders.homeward or self.driver.home_is_over(here, home):
             self.driver.drop()
-            self._be(State.FINISHED, f"finished, {'at home' if at_home(here, home) else 'away from home'}")
+            self._be(State.FINISHED, f"{ended_by}, {'at home' if at_home(here, home) else 'away from home'}")
             return
-        self._be(State.RETURNING, "finished, drives home")
+        self._be(State.RETURNING, f"{ended_by}, drives home")
         event = self.driver.watch(here, now)
         if event is not None:
             self._take_event(event, now)
@@ -231,6 +314,11 @@ class Exploration:
         if self.started_at is None:
             return 0.0
         return (self.finished_at if self.finished_at is not None else now) - self.started_at
+
+    def scene(self, now: float) -> Optional[Scene]:
+        """What the robot knows now; None before it has perceived a map."""
+        ready = self._perception.ways is not None and self._senses.pose is not None
+        return self._scenes.scene(now) if ready else None
 
     def unreachable_count(self) -> int:
         """Frontiers that are given up, or that no reachable place sees."""

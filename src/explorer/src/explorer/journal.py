@@ -48,9 +48,9 @@ class Journal:
         self._write_summary("exploration.log.tmp", False, counters, occupancy, now)
         self._log_maps(LOG_MAPS)
 
-    def finish(self, counters: Counters, occupancy: Optional[OccupancyMap], now: float) -> None:
-        """At the end of the exploration."""
-        self._write_summary("exploration.log", True, counters, occupancy, now)
+    def finish(self, complete: bool, counters: Counters, occupancy: Optional[OccupancyMap], now: float) -> None:
+        """At the end of the exploration. `complete`: nothing was left."""
+        self._write_summary("exploration.log", complete, counters, occupancy, now)
         self._log_maps(LOG_MAPS_AT_END)
 
     def _log_maps(self, mask: int) -> None:

@@ -15,6 +15,10 @@ class Pose:
     yaw: float
 
 
+PAPER_UNIT = 1
+"""Bids are squared distances in m^2, as those of strategy 1 and of robots that tell no unit (contract 3.7)."""
+
+
 @dataclass(frozen=True)
 class Bid:
     """A cluster as the list of its elements, and what a robot bids for it; negative: no bid."""
@@ -26,7 +30,7 @@ class Bid:
 @dataclass(frozen=True)
 class Auction:
     """`adhoc_communication/ExpAuction` (contract 3.7). `status` tells the auctioneer's messages (start, closing) from
-    the bids of the others; `robot` is the sender."""
+    the bids of the others; `robot` is the sender. `unit`: what bids are counted in."""
 
     robot: str
     auction_id: int
@@ -36,6 +40,7 @@ class Auction:
     occupied: Tuple[Key, ...] = ()
     requested: Tuple[Bid, ...] = ()
     available: Tuple[Bid, ...] = ()
+    unit: int = PAPER_UNIT
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ def names_for(options: Options) -> Names:
     prefix = f"{options.robot_prefix}/" if options.simulation else ""
     published = {
         "state": "~state",
+        "status": "~status",
         "frontiers": "frontierPoints",
         "visited": "visitedfrontierPoints",
         "goal": "goalPoint/goalPoint",
@@ -51,7 +52,7 @@ def names_for(options: Options) -> Names:
             "transform_point": f"{prefix}map_merger/transformPoint",
             "log_output": f"{prefix}map_merger/logOutput",
         },
-        offered={"start": "~start"},
+        offered={order: f"~{order}" for order in ("start", "pause", "resume", "stop", "go_home")},
         action="move_base",
     )
 

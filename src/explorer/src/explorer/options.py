@@ -39,6 +39,7 @@ def _between(low: float, high: float) -> Dict[str, Any]:
 
 PARAMETERS: Tuple[Parameter, ...] = (
     Parameter("frontier_selection", int, 1, "strategy, see Strategies", **_between(0, 7)),
+    Parameter("strategy", str, "", "name of a strategy, in place of frontier_selection; empty: that one counts"),
     Parameter("robot_prefix", str, "", "empty: real robot; else simulation with one master, such as /robot_0"),
     Parameter("move_base_frame", str, "map", "frame of goals; in simulation it carries the number: /robot_0/map"),
     Parameter("wait_for_planner_result", int, 3, "seconds in which move_base must accept a goal", **_between(1, 600)),
@@ -46,6 +47,7 @@ PARAMETERS: Tuple[Parameter, ...] = (
     Parameter("local_costmap/width", int, 0, "m, reported in the log"),
     Parameter("local_costmap/height", int, -1, "m, reported in the log"),
     Parameter("log_path", str, "", "root of the log files; empty: none are written"),
+    Parameter("scene_path", str, "", "root of recorded decisions, the newest 1000 of a robot; empty: none are written"),
     Parameter("robot_name", str, "", "own name, equal to the name in adhoc_communication; empty: host name"),
     Parameter("base_link", str, "", "robot's frame; empty: base_link, in simulation robot_<n>/base_link"),
     Parameter("map_topic", str, "map_merger/global_map", "map to explore on"),
@@ -59,6 +61,8 @@ PARAMETERS: Tuple[Parameter, ...] = (
     Parameter("claim_timeout", float, 30.0, "s, after which a silent robot's cluster is free", **_between(1.0, 3600.0)),
     Parameter("progress_timeout", float, 20.0, "s without progress that fail a goal", **_between(1.0, 3600.0)),
     Parameter("finish_delay", float, 3.0, "s without a reachable frontier before the end", **_between(0.0, 600.0)),
+    Parameter("time_limit", float, 0.0, "s of exploration after which it ends; 0: none", **_between(0.0, 1e6)),
+    Parameter("distance_limit", float, 0.0, "m driven after which it ends; 0: none", **_between(0.0, 1e6)),
     Parameter("return_home", bool, True, "drive to the home pose at the end"),
     Parameter("home_pose", list, [], "x, y, yaw in m and rad; empty: the pose at the start"),
     Parameter("seed", int, 0, "of the random choices of strategies 4 and 6", **_between(0, 2**31 - 1)),
@@ -83,6 +87,7 @@ class Options:
     `local_costmap/width`, and so on."""
 
     frontier_selection: int = 1
+    strategy: str = ""
     robot_prefix: str = ""
     move_base_frame: str = "map"
     wait_for_planner_result: int = 3
@@ -90,6 +95,7 @@ class Options:
     local_costmap_width: int = 0
     local_costmap_height: int = -1
     log_path: str = ""
+    scene_path: str = ""
     robot_name: str = "robot_0"
     base_link: str = "base_link"
     map_topic: str = "map_merger/global_map"
@@ -103,6 +109,8 @@ class Options:
     claim_timeout: float = 30.0
     progress_timeout: float = 20.0
     finish_delay: float = 3.0
+    time_limit: float = 0.0
+    distance_limit: float = 0.0
     return_home: bool = True
     home_pose: Tuple[float, ...] = field(default_factory=tuple)
     seed: int = 0
@@ -137,6 +145,7 @@ def load(given: Mapping[str, Any], robots_in_simulation: Any = 1, host_name: Opt
     values: Dict[str, Any] = {}
     for parameter in PARAMETERS:
         values[parameter.name.replace("/", "_")] = _checked(parameter, _lookup(given, parameter.name))
+    values["frontier_selection"] = _selected(values["strategy"], values["frontier_selection"])
     values["home_pose"] = _pose(values["home_pose"])
     values["robots_in_simulation"] = _checked(ROBOTS_IN_SIMULATION, robots_in_simulation)
     _identify(values, host_name if host_name is not None else socket.gethostname())
@@ -192,6 +201,16 @@ def _checked(parameter: Parameter, value: Any) -> Any:
             f" (default {parameter.default!r}){hint}"
         )
     return value
+
+
+def _selected(name: str, number: int) -> int:
+    """Number of the strategy of that name, or `number` without a name."""
+    if not name:
+        return number
+    try:
+        return strategies.strategy_of(name).number
+    except KeyError as error:
+        raise ParameterError(f"parameter ~strategy is {name!r}: {error.args[0]}") from error
 
 
 def _pose(values: Sequence[Any]) -> Tuple[float, ...]:

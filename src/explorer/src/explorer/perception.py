@@ -14,7 +14,7 @@ from explorer.travel import CostField
 from explorer.verdicts import Verdicts
 from explorer.views import Views, sees
 from explorer.ways import Ways, known_near
-from explorer.worth import frontier_cells, worth_of
+from explorer.worth import Worth, frontier_cells, worth_of
 
 REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
 REPLAN_DISTANCE = 0.3  # m of motion that makes them old
@@ -38,6 +38,7 @@ class Perception:
         """Forgets all frontiers; numbers are not given again."""
         self.frontiers.clear()
         self.clusters = ()
+        self.worth = Worth({}, False)
         self.told = False  # some frontiers are no goals because another robot says that it has explored them
         self.field: Optional[CostField] = None
         self._views: Optional[Views] = None
@@ -111,6 +112,6 @@ class Perception:
     def _assess(self, verdicts: Verdicts, now: float) -> None:
         assert self._views is not None
         worth = worth_of(list(self.frontiers.frontiers.values()), verdicts, now)
-        self.told = worth.told
+        self.worth, self.told = worth, worth.told
         self.clusters = self._views.assess(self._clusters.clusters, worth.goals)
         self.revision += 1

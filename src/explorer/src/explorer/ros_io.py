@@ -24,13 +24,21 @@ from visualization_msgs.msg import Marker, MarkerArray
 from explorer.errors import MapError
 from explorer.foreign import Element, Key, rigid_transform
 from explorer.grid import GridInfo, OccupancyMap
-from explorer.messages import Auction, Bid, Pose, SendAuction, SendFrontiers
-from explorer.msg import ExplorationState
+from explorer.messages import PAPER_UNIT, Auction, Bid, Pose, SendAuction, SendFrontiers
+from explorer.msg import (
+    ExplorationBid,
+    ExplorationLeftover,
+    ExplorationShare,
+    ExplorationState,
+    ExplorationStatus,
+)
 from explorer.options import Options, number_of
+from explorer.report import Report
 from explorer.status import Picture, Status
 
 COLOURS: Sequence[Tuple[float, float, float]] = ((0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1))
 CLUSTER_CELL = 0.5
+MOST_UNITS = 1000  # larger numbers of a unit are no units
 
 # Points of another robot's frame, in metres, whose images tell the whole transform.
 PROBES = ((0.0, 0.0), (10.0, 0.0), (0.0, 10.0))
@@ -104,6 +112,7 @@ class Wire:
 
     def auction_from(self, message: ExpAuction) -> Auction:
         robot = message.robot_name.strip("/")
+        unit = _unit_in(message)
         return Auction(
             robot=f"robot_{robot}" if self._simulation and robot.isdigit() else robot,
             auction_id=int(message.auction_id),
@@ -111,12 +120,13 @@ class Wire:
             start=bool(message.start_auction),
             finished=bool(message.auction_finished),
             occupied=tuple(self._key_from(element) for element in message.occupied_ids),
-            requested=tuple(self._bid_from(cluster) for cluster in message.requested_clusters),
-            available=tuple(self._bid_from(cluster) for cluster in message.available_clusters),
+            requested=tuple(self._bid_from(cluster) for cluster in message.requested_clusters if cluster is not unit),
+            available=tuple(self._bid_from(cluster) for cluster in message.available_clusters if cluster is not unit),
+            unit=PAPER_UNIT if unit is None else int(unit.bid),
         )
 
     def auction_to(self, auction: Auction) -> ExpAuction:
-        return ExpAuction(
+        message = ExpAuction(
             auction_status_message=auction.status,
             start_auction=auction.start,
             auction_finished=auction.finished,
@@ -128,6 +138,9 @@ class Wire:
             robot_name=str(number_of(auction.robot)) if self._simulation else auction.robot,
             available_clusters=[self._bid_to(bid) for bid in auction.available],
         )
+        if auction.unit != PAPER_UNIT:
+            _unread(message).append(ExpCluster(bid=float(auction.unit)))
+        return message
 
     def _key_from(self, element: Any) -> Key:
         robot = element.detected_by_robot_str.strip("/")
@@ -142,6 +155,17 @@ class Wire:
     def _bid_to(self, bid: Bid) -> ExpCluster:
         elements = [ExpClusterElement(id=number, detected_by_robot_str=robot) for robot, number in bid.elements]
         return ExpCluster(elements, bid.bid)
+
+
+def _unread(message: ExpAuction) -> List[ExpCluster]:
+    """The list of clusters that nobody reads in a message of this kind: offers in a reply, bids in a start."""
+    return message.available_clusters if message.auction_status_message else message.requested_clusters
+
+
+def _unit_in(message: ExpAuction) -> Optional[ExpCluster]:
+    """The entry that tells the unit of the bids: one without elements in the list that is not read. None without."""
+    entry = next((cluster for cluster in _unread(message) if not cluster.ids_contained), None)
+    return entry if entry is not None and abs(entry.bid) <= MOST_UNITS else None
 
 
 def goal_to(pose: Pose, frame: str, stamp: rospy.Time) -> MoveBaseGoal:
@@ -177,6 +201,34 @@ def state_to(status: Status) -> ExplorationState:
         auctions_completed=status.counters.auctions_completed,
         auctions_uncompleted=status.counters.auctions_uncompleted,
     )
+
+
+def status_to(report: Report, frame: str) -> ExplorationStatus:
+    """Without a stamp, so that equal messages are equal; the rest of the time in whole seconds."""
+    status = report.status
+    message = ExplorationStatus(
+        robot_name=status.robot,
+        state=int(status.state),
+        text=status.text,
+        paused=report.paused,
+        ended_by=report.ended_by,
+        has_goal=status.goal is not None,
+        goal=Point(status.goal.x, status.goal.y, 0.0) if status.goal is not None else Point(),
+        goal_reason=report.reason,
+        strategy=report.strategy,
+        bids=[ExplorationBid(robot, bid) for robot, bid in report.bids.items()],
+        bid_unit=report.unit,
+        assignment=[ExplorationShare(robot, Point(x, y, 0.0)) for robot, (x, y) in report.assignment.items()],
+        area_known=report.area,
+        expected_rest=math.nan if math.isnan(report.rest) else round(report.rest),
+        left=[
+            ExplorationLeftover(Point(*left.place, 0.0), left.points, left.size, left.reason) for left in report.left
+        ],
+        team=list(report.team),
+        team_finished=[robot for robot, finished in report.team.items() if finished],
+    )
+    message.header.frame_id = frame
+    return message
 
 
 def frontier_markers(picture: Picture, frame: str, stamp: rospy.Time, visited: bool) -> MarkerArray:

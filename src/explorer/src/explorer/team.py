@@ -37,6 +37,7 @@ class Peer:
     claim: Optional[Claim] = None
     bids: Dict[frozenset, float] = field(default_factory=dict)
     unanswered: int = 0
+    refuses: bool = False  # its last answer to an auction held no bids
 
 
 class Team:
@@ -76,6 +77,17 @@ class Team:
             peer = self.peer(name)
             if peer is not None:
                 peer.position, peer.position_time = (float(position[0]), float(position[1])), now
+
+    def answered(self, name: str, with_bids: bool) -> None:
+        """A robot has answered an auction."""
+        peer = self.peer(name)
+        if peer is not None:
+            peer.refuses = not with_bids
+
+    def rests(self, name: str) -> bool:
+        """True if a robot has told that it explores nothing and bids for nothing: it has finished, or is paused."""
+        peer = self._peers.get(name)
+        return peer is not None and peer.refuses and peer.claim is None
 
     def heard(self, name: str) -> None:
         peer = self.peer(name)

@@ -14,6 +14,7 @@ from explorer.agent import ExplorerAgent
 from explorer.call_queue import CALLS, HANDOVER, CallQueue
 from explorer.grid import GridInfo, OccupancyMap
 from explorer.options import Options
+from explorer.scene_folder import recorder
 from map_merger.grid import Grid
 from mr_experiments.agenda import Agenda
 from mr_experiments.robot_radio import RobotRadio
@@ -88,7 +89,7 @@ class Explorer:
         self, options: Options, agenda: Agenda, radio: RobotRadio, stopwatch: Stopwatch, listener: ExplorerListener,
         clock: Callable[[], float], tick: float = TICK,
     ) -> None:  # fmt: skip
-        self.agent = ExplorerAgent(options)
+        self.agent = ExplorerAgent(options, recorder(options))
         self._tick = tick
         self.bids = 0
         self._options = options

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import replace
 from typing import Callable
 
 import numpy as np
@@ -41,8 +42,10 @@ START_TURN = 0.2  # rad, same
 class Mission:
     """Owns the virtual time, s since the world began to move."""
 
-    def __init__(self, trial: Trial, snapshot_period: float = math.inf) -> None:
-        """`snapshot_period`: s between stored global maps. Raises TrialError."""
+    def __init__(self, trial: Trial, snapshot_period: float = math.inf, scene_path: str = "") -> None:
+        """`snapshot_period`: s between stored global maps. `scene_path`: folder for the explorers' decisions, empty for
+        none. Raises TrialError."""
+        self._scene_path = scene_path
         self.trial = trial
         self.world = world_of(trial)
         self.agenda = Agenda()
@@ -74,6 +77,7 @@ class Mission:
 
     def _robot(self, index: int, starts: dict[str, Pose]) -> Robot:
         name, ranger = self.world.names[index], self.world.robots[index].rangers[0]
+        exploring = replace(explorer_options(self.trial, name, index, ranger), scene_path=self._scene_path)
         body: Body | FastBody
         if self.trial.fast:
             body = FastBody(name, starts[name], ranger, self.world.visible, self._sight, self.stopwatch)
@@ -81,7 +85,7 @@ class Mission:
             body = Body(name, ranger, navigation_options(ranger), self.trial.seed, self.stopwatch)
         return Robot(
             index, starts[name], merger_options(self.trial, name, starts),
-            explorer_options(self.trial, name, index, ranger), body, self.trial.seed, self.agenda, self.radio,
+            exploring, body, self.trial.seed, self.agenda, self.radio,
             self.stopwatch, self.recorder, lambda: self.now,
             FAST_TICK if self.trial.fast else TICK, self._sight,
         )  # fmt: skip

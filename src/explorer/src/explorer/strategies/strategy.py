@@ -10,6 +10,7 @@ from explorer.assignment import squared_euclidean
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
 from explorer.geometry import Position, distance
+from explorer.messages import PAPER_UNIT
 from explorer.scene import Scene
 
 Bids = Mapping[str, Mapping[int, float]]
@@ -32,6 +33,7 @@ class Strategy(ABC):
     name: ClassVar[str]
     title: ClassVar[str]  # one line for people
     allocation: ClassVar[Allocation]
+    unit: ClassVar[int] = PAPER_UNIT  # of its bids: the number of the first strategy that counts so
 
     def __init__(self, random: np.random.Generator) -> None:
         self._random = random

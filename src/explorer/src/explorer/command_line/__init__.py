@@ -1,0 +1,1 @@
+"""The commands of `python3 -m explorer`. They need no ROS."""

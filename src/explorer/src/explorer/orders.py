@@ -1,0 +1,40 @@
+"""What people and limits order: pause, stop, go home."""
+
+from typing import NamedTuple, Optional
+
+from explorer.options import Options
+
+DONE = "finished"  # how a mission ends by itself
+STOPPED = "stopped"
+SENT_HOME = "sent home"
+
+
+class Answer(NamedTuple):
+    """To an order. `text` says what was done, or why not."""
+
+    done: bool
+    text: str
+
+
+class Orders:
+    """Those that hold in one mission. `ended_by`: how the exploration ended, in words, None while it has not;
+    `homeward`: the robot is to drive home after it."""
+
+    def __init__(self, options: Options) -> None:
+        self._time_limit, self._distance_limit = options.time_limit, options.distance_limit
+        self.paused = False
+        self.homeward = options.return_home
+        self.ended_by: Optional[str] = None
+
+    @property
+    def complete(self) -> bool:
+        """The exploration ended because nothing was left."""
+        return self.ended_by == DONE
+
+    def limit(self, time: float, distance: float) -> Optional[str]:
+        """The limit that has been reached after that time in s and way in m, in words."""
+        if self._time_limit and time >= self._time_limit:
+            return f"time limit of {self._time_limit:g} s reached"
+        if self._distance_limit and distance >= self._distance_limit:
+            return f"distance limit of {self._distance_limit:g} m reached"
+        return None

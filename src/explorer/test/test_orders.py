@@ -1,0 +1,203 @@
+"""Orders and limits on virtual time: a robot that is paused, stopped, sent home, or out of time."""
+
+from typing import Any, Callable, List
+
+import pytest
+from test_agent import Bench, corridor, reply
+
+from explorer.messages import Auction, CancelGoal, Note, SendAuction, SetGoal, WriteLog
+from explorer.orders import Answer
+from explorer.status import State
+
+
+def of_kind(kind: type, effects: List[Any]) -> List[Any]:
+    return [effect for effect in effects if isinstance(effect, kind)]
+
+
+def driving(strategy: int = 7, **options: Any) -> Bench:
+    bench = Bench(strategy, **options).map(corridor())
+    bench.run(1.0)
+    assert bench.agent.goal is not None
+    return bench
+
+
+def order(bench: Bench, what: Callable[[float], Answer]) -> Answer:
+    return what(bench.now)
+
+
+def final_log(bench: Bench) -> str:
+    (log,) = [effect for effect in of_kind(WriteLog, bench.effects) if effect.name == "exploration.log"]
+    return str(log.text)
+
+
+@pytest.mark.parametrize("strategy", range(8))
+def test_a_paused_robot_stays_where_it_is_and_goes_on_when_told(strategy: int) -> None:
+    bench = driving(strategy)
+    assert order(bench, bench.agent.pause) == Answer(True, "paused")
+    effects = bench.run(0.2)
+    assert len(of_kind(CancelGoal, effects)) == 1
+    effects = bench.map(corridor(left=False)).run(60.0)
+    assert not of_kind(SetGoal, effects) and bench.agent.state == State.WAITING and bench.agent.text == "is paused"
+    assert order(bench, bench.agent.resume).done
+    assert of_kind(SetGoal, bench.run(2.0)) and bench.agent.state == State.EXPLORING
+
+
+def test_a_paused_robot_frees_its_claim_and_bids_for_nothing() -> None:
+    bench = Bench(7).map(corridor()).join("robot_1", position=(8.0, 0.0))
+    bench.run(0.4)
+    start = next(auction for auction in bench.auctions() if auction.start)
+    bench.agent.on_auction(reply(start, "robot_1", [50.0] * len(start.requested)), bench.now)
+    bench.run(1.0)
+    assert bench.auctions()[-1].occupied, "it has claimed a cluster"
+    offered = start.requested[0]
+
+    def answer() -> Auction:
+        bench.agent.on_auction(Auction("robot_1", 77, True, start=True, requested=(offered,)), bench.now)
+        return [effect.auction for effect in of_kind(SendAuction, bench.run(0.2)) if not effect.auction.status][-1]
+
+    assert [bid.bid > 0 for bid in answer().available] == [True]
+    order(bench, bench.agent.pause)
+    closing = [effect.auction for effect in of_kind(SendAuction, bench.run(0.2))][-1]
+    assert closing.finished and closing.occupied == ()
+    assert answer().available == ()
+    assert not any(effect.auction.start or effect.auction.occupied for effect in of_kind(SendAuction, bench.run(30.0)))
+    order(bench, bench.agent.resume)
+    assert [bid.bid > 0 for bid in answer().available] == [True]
+
+
+def test_a_paused_robot_still_tells_what_it_sees() -> None:
+    bench = Bench(7).map(corridor(left=False, right=False)).join("robot_1")
+    bench.run(1.0)
+    order(bench, bench.agent.pause)
+    bench.map(corridor())
+    sent = [effect for effect in bench.run(3.0) if getattr(effect, "topic", "") == "frontiers"]
+    assert sent and sent[0].elements
+
+
+def test_nothing_ends_while_a_robot_is_paused() -> None:
+    """Nothing is left on its map, and its time is up: it says so when it goes on."""
+    bench = driving(time_limit=10.0)
+    order(bench, bench.agent.pause)
+    bench.map(corridor(left=False, right=False)).run(60.0)
+    assert bench.agent.state == State.WAITING and bench.agent.finished_at is None
+    order(bench, bench.agent.resume)
+    bench.run(1.0)
+    assert bench.agent.finished_at is not None and "time limit of 10 s reached" in bench.agent.text
+
+
+def test_stop_ends_the_mission_where_the_robot_is() -> None:
+    bench = driving()
+    bench.place(3.0, 0.0)
+    assert order(bench, bench.agent.stop).done
+    effects = bench.run(30.0)
+    assert len(of_kind(CancelGoal, effects)) == 1 and not of_kind(SetGoal, effects)
+    assert bench.agent.state == State.FINISHED and bench.agent.text == "stopped"
+    assert "complete=0\n" in final_log(bench)
+    assert [note.text for note in of_kind(Note, effects)] == ["exploration ended after 1.0 s: stopped"]
+    assert not bench.agent.start(bench.now), "it is not started again"
+
+
+@pytest.mark.parametrize("before", ["exploring", "stopped", "paused"])
+def test_go_home(before: str) -> None:
+    """Also a robot that is not to return by itself."""
+    bench = driving(return_home=False)
+    home = bench.agent.home
+    bench.place(3.0, 0.0)
+    if before != "exploring":
+        order(bench, bench.agent.stop if before == "stopped" else bench.agent.pause)
+        bench.run(1.0)
+    assert order(bench, bench.agent.go_home) == Answer(True, "drives home")
+    effects = bench.run(1.0)
+    assert [goal.pose for goal in of_kind(SetGoal, effects)] == [home]
+    assert bench.agent.state == State.RETURNING and "complete=0\n" in final_log(bench)
+    assert home is not None
+    bench.place(home.x, home.y)
+    bench.run(1.0)
+    assert bench.agent.state == State.FINISHED and bench.agent.text.endswith("at home")
+
+
+def test_a_pause_on_the_way_home() -> None:
+    bench = driving()
+    bench.place(3.0, 0.0)
+    order(bench, bench.agent.go_home)
+    bench.run(1.0)
+    order(bench, bench.agent.pause)
+    effects = bench.run(10.0)
+    assert of_kind(CancelGoal, effects) and not of_kind(SetGoal, effects)
+    order(bench, bench.agent.resume)
+    assert of_kind(SetGoal, bench.run(1.0))[0].pose == bench.agent.home
+
+
+def test_the_time_limit_sends_the_robot_home() -> None:
+    bench = driving(time_limit=20.0)
+    bench.place(3.0, 0.0)
+    bench.run(18.8)
+    assert bench.agent.finished_at is None
+    bench.run(0.6)
+    assert bench.agent.finished_at == pytest.approx(120.0, abs=0.21)
+    assert bench.agent.state == State.RETURNING and bench.goals()[-1].pose == bench.agent.home
+    assert "complete=0\n" in final_log(bench) and "exploration_time=20." in final_log(bench)
+    assert any("time limit of 20 s reached" in note.text for note in of_kind(Note, bench.effects))
+
+
+def test_the_distance_limit_sends_the_robot_home() -> None:
+    bench = driving(distance_limit=5.0)
+    for step in range(60):
+        bench.place(0.5 + 0.1 * (step % 20 if step % 40 < 20 else 20 - step % 20), 0.0)
+        bench.run(0.2)
+        if bench.agent.finished_at is not None:
+            break
+    assert 5.0 <= bench.agent.counters.distance < 5.3
+    assert bench.agent.text.startswith("distance limit of 5 m reached")
+
+
+def test_without_limits_a_robot_explores_for_ever() -> None:
+    bench = driving(progress_timeout=3600.0)
+    bench.run(2000.0, step=5.0)
+    assert bench.agent.finished_at is None
+
+
+def test_a_mission_that_finds_its_end_is_complete() -> None:
+    bench = Bench(7).map(corridor(left=False, right=False))
+    bench.run(20.0)
+    assert bench.agent.state == State.FINISHED and "complete=1\n" in final_log(bench)
+    assert any(note.text.startswith("exploration finished after") for note in of_kind(Note, bench.effects))
+
+
+def test_refusals_say_why() -> None:
+    waiting = Bench(7)
+    waiting.run(1.0)
+    assert order(waiting, waiting.agent.pause) == Answer(False, "has not begun to explore: waits for the map")
+    assert order(waiting, waiting.agent.go_home) == Answer(False, "has not begun to explore: waits for the map")
+    bench = driving()
+    assert order(bench, bench.agent.resume) == Answer(False, "is not paused")
+    order(bench, bench.agent.pause)
+    assert order(bench, bench.agent.pause) == Answer(False, "is paused already")
+    bench.place(3.0, 0.0)
+    order(bench, bench.agent.go_home)
+    assert order(bench, bench.agent.go_home) == Answer(False, "is on its way home already")
+    order(bench, bench.agent.stop)
+    assert order(bench, bench.agent.stop) == Answer(False, "has ended already: stopped")
+    assert order(bench, bench.agent.pause) == Answer(False, "has ended: stopped")
+    bench.place(0.5, 0.0)
+    assert order(bench, bench.agent.go_home) == Answer(False, "is at home")
+
+
+def test_a_robot_that_is_stopped_before_its_start_never_starts() -> None:
+    bench = Bench(7, autostart=False)
+    agent = Bench(7).agent
+    agent = type(agent)(bench.agent.options)
+    assert agent.stop(100.0).done and not agent.start(101.0)
+    agent.on_global_map(corridor(), 101.0)
+    agent.on_pose(bench.pose, 101.0)
+    assert not any(of_kind(SetGoal, agent.tick(101.0 + step)) for step in range(10))
+    assert agent.state == State.FINISHED
+
+
+@pytest.mark.parametrize("what, state", [("pause", State.WAITING), ("stop", State.FINISHED)])
+def test_a_clock_that_is_set_back_does_not_make_a_halted_robot_drive(what: str, state: State) -> None:
+    bench = driving()
+    order(bench, getattr(bench.agent, what))
+    bench.run(1.0)
+    bench.now = 5.0
+    assert not of_kind(SetGoal, bench.run(10.0)) and bench.agent.state == state
