@@ -1,7 +1,7 @@
 """From maps to clusters: frontiers, where the robot can go, and from where it looks at what."""
 
 import math
-from typing import List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 from explorer.clusters import Cluster, ClusterStore
 from explorer.frontiers import Frontier, FrontierStore
@@ -9,12 +9,13 @@ from explorer.geometry import Position, distance
 from explorer.grid import OccupancyMap
 from explorer.messages import Pose
 from explorer.options import Options
+from explorer.prospects import Prospect, prospects
 from explorer.senses import Senses
 from explorer.travel import CostField
 from explorer.verdicts import Verdicts
 from explorer.views import Views, sees
 from explorer.ways import Ways, known_near
-from explorer.worth import frontier_cells, worth_of
+from explorer.worth import Worth, frontier_cells, worth_of
 
 REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
 REPLAN_DISTANCE = 0.3  # m of motion that makes them old
@@ -38,7 +39,8 @@ class Perception:
         """Forgets all frontiers; numbers are not given again."""
         self.frontiers.clear()
         self.clusters = ()
-        self.told = False  # some frontiers are no goals because another robot says that it has explored them
+        self.worth = Worth({}, {}, False)
+        self._prospects: Dict[int, Prospect] = {}
         self.field: Optional[CostField] = None
         self._views: Optional[Views] = None
         self._new_map = self._stale = False
@@ -98,6 +100,8 @@ class Perception:
         return distance((pose.x, pose.y), self._place) > REPLAN_DISTANCE or verdicts.told_expired(now)
 
     def _read(self, occupancy: OccupancyMap, verdicts: Verdicts, ways: Ways, now: float) -> List[Frontier]:
+        pose = self._senses.pose
+        assert pose is not None
         self.ways = ways
         cells = frontier_cells(occupancy, self._options.minimal_frontier_length)
         new, gone = self.frontiers.update(occupancy, cells)
@@ -105,12 +109,12 @@ class Perception:
         verdicts.judge_looked(self._senses.map_time, self._senses.rests(now), now)
         verdicts.revive_changed(self.known_near)
         self._clusters.update(self.frontiers.ordered(), occupancy)
+        self._prospects = prospects(self.frontiers.ordered(), ways, (pose.x, pose.y))
         verdicts.follow_clusters(cluster.number for cluster in self._clusters.clusters)
         return gone
 
     def _assess(self, verdicts: Verdicts, now: float) -> None:
         assert self._views is not None
-        worth = worth_of(list(self.frontiers.frontiers.values()), verdicts, now)
-        self.told = worth.told
-        self.clusters = self._views.assess(self._clusters.clusters, worth.goals)
+        self.worth = worth_of(self._clusters.clusters, self._prospects, verdicts, now)
+        self.clusters = self._views.assess(self._clusters.clusters, self.worth.goals)
         self.revision += 1

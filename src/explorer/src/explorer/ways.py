@@ -23,7 +23,7 @@ class Ways:
         obstacles. `team`: number of robots for which costs are kept."""
         self.occupancy = occupancy
         self.grid = TravelGrid(occupancy, radius, COMFORT, robots)
-        self._radius, self._robots = radius, tuple(robots)
+        self.radius, self._robots = radius, tuple(robots)
         self._kept = max(FEWEST_FIELDS, team)
         self._fields: Dict[Position, CostField] = {}
 
@@ -44,7 +44,7 @@ class Ways:
 
     @cached_property
     def _tour_grid(self) -> TravelGrid:
-        return TravelGrid(self.occupancy, self._radius, COMFORT, self._robots, cell=TOUR_CELL, like=self.grid)
+        return TravelGrid(self.occupancy, self.radius, COMFORT, self._robots, cell=TOUR_CELL, like=self.grid)
 
 
 def known_near(occupancy: OccupancyMap, x: float, y: float, reach: float = 1.0) -> int:

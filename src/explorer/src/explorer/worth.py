@@ -1,14 +1,16 @@
 """What is worth a visit: which cells of a map are frontiers, and which frontier points are goals."""
 
 import math
-from typing import Dict, List, NamedTuple, Sequence
+from typing import Dict, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
 from explorer import _kernels
 from explorer._kernels import near_any
+from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
 from explorer.grid import OccupancyMap
+from explorer.prospects import Prospect
 from explorer.verdicts import Verdicts
 
 # Unknown islands smaller than this, in square metres, are gaps between laser beams, not places to go to.
@@ -42,16 +44,50 @@ def _cells_of_length(length: float, resolution: float) -> int:
 
 
 class Worth(NamedTuple):
-    """`goals`: {number: frontier} of the points that are worth a visit now. `told`: some are not only because another
-    robot says that it has explored them."""
+    """`goals`: {number: frontier} of the points that are worth a visit now. `reasons`: {number: reason} why the others
+    are not, in words for people. `told`: some are not only because another robot says that it has explored them."""
 
     goals: Dict[int, Frontier]
+    reasons: Dict[int, str]
     told: bool
 
 
-def worth_of(frontiers: Sequence[Frontier], verdicts: Verdicts, now: float) -> Worth:
-    """Which frontier points are goals, by what is known of them."""
-    goals: List[Frontier] = [frontier for frontier in frontiers if verdicts.is_goal(frontier.number)]
+VISITED, GIVEN_UP, TOLD = "visited", "given up", "told by another robot"
+NOISE, CLOSED, SMALL = "noise", "no robot fits in", "too small for a goal of its own"
+
+import os
+W_AREA=float(os.environ.get('W_AREA','0.4'))
+W_ENTER=float(os.environ.get('W_ENTER','0'))
+W_BIG=float(os.environ.get('W_BIG','99'))
+W_DEPTH=float(os.environ.get('W_DEPTH','0'))
+W_COUNT=int(os.environ.get('W_COUNT','3'))
+
+
+def worth_of(clusters: Sequence[Cluster], prospects: Mapping[int, Prospect], verdicts: Verdicts, now: float) -> Worth:
+    """Which members of the clusters are goals, by what is unknown behind them and what was decided about them."""
+    reasons: Dict[int, str] = {}
+    for cluster in clusters:
+        reasons.update(_reasons(cluster, prospects))
+    for cluster in clusters:
+        reasons.update({m.number: VISITED if verdicts.of(m.number).visited else GIVEN_UP
+                        for m in cluster.members if not verdicts.is_goal(m.number)})
+    goals = [m for cluster in clusters for m in cluster.members if m.number not in reasons]
     points = np.array([(f.x, f.y) for f in goals], dtype=float).reshape(-1, 2)
     told = near_any(points, verdicts.told_places(now), TOLD_DISTANCE)
-    return Worth({f.number: f for f, is_told in zip(goals, told) if not is_told}, bool(told.any()))
+    reasons.update({f.number: TOLD for f, is_told in zip(goals, told) if is_told})
+    return Worth({f.number: f for f in goals if f.number not in reasons}, reasons, bool(told.any()))
+
+
+def _reasons(cluster, prospects):
+    r = {}
+    for m in cluster.members:
+        p = prospects[m.number]
+        if p.area < W_AREA or p.depth < W_DEPTH:
+            r[m.number] = NOISE
+        elif p.enterable < W_ENTER and p.area < W_BIG:
+            r[m.number] = CLOSED
+    good = [m for m in cluster.members if m.number not in r]
+    passable = any(prospects[m.number].passable for m in good)
+    if not (len(good) >= W_COUNT or (len(good) >= W_COUNT - 1 and passable)):
+        r.update({m.number: SMALL for m in good})
+    return r
