@@ -15,7 +15,7 @@ from explorer.travel import CostField
 from explorer.verdicts import Verdicts
 from explorer.views import Views, sees
 from explorer.ways import Ways, known_near
-from explorer.worth import Worth, frontier_cells, worth_of
+from explorer.worth import Worth, frontier_cells, without_detours, worth_of
 
 REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
 REPLAN_DISTANCE = 0.3  # m of motion that makes them old
@@ -115,6 +115,7 @@ class Perception:
 
     def _assess(self, verdicts: Verdicts, now: float) -> None:
         assert self._views is not None
-        self.worth = worth_of(self._clusters.clusters, self._prospects, verdicts, now)
-        self.clusters = self._views.assess(self._clusters.clusters, self.worth.goals)
+        worth = worth_of(self._clusters.clusters, self._prospects, verdicts, now)
+        clusters = self._views.assess(self._clusters.clusters, worth.goals)
+        self.clusters, self.worth = without_detours(clusters, worth, self._prospects)
         self.revision += 1
