@@ -3,6 +3,8 @@
 import math
 from typing import Dict, List, Optional, Sequence, Tuple
 
+import numpy as np
+
 from explorer.clusters import Cluster, ClusterStore
 from explorer.frontiers import Frontier, FrontierStore
 from explorer.geometry import Position, distance
@@ -15,7 +17,7 @@ from explorer.travel import CostField
 from explorer.verdicts import Verdicts
 from explorer.views import Views, sees
 from explorer.ways import Ways, known_near
-from explorer.worth import Worth, frontier_cells, without_detours, worth_of
+from explorer.worth import Worth, frontier_cells, too_much_to_leave, without_detours, worth_of
 
 REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
 REPLAN_DISTANCE = 0.3  # m of motion that makes them old
@@ -118,4 +120,16 @@ class Perception:
         worth = worth_of(self._clusters.clusters, self._prospects, verdicts, now)
         clusters = self._views.assess(self._clusters.clusters, worth.goals)
         self.clusters, self.worth = without_detours(clusters, worth, self._prospects)
+        if not any(cluster.reachable for cluster in self.clusters):
+            self._take_up_leftovers()
         self.revision += 1
+
+    def _take_up_leftovers(self) -> None:
+        assert self._views is not None and self._senses.map is not None
+        occupancy = self._senses.map
+        free_area = np.count_nonzero(occupancy.free) * occupancy.info.resolution**2
+        goals = too_much_to_leave(self.clusters, self.worth, self._prospects, free_area)
+        if goals:
+            reasons = {number: reason for number, reason in self.worth.reasons.items() if number not in goals}
+            self.worth = self.worth._replace(goals={**self.worth.goals, **goals}, reasons=reasons)
+            self.clusters = self._views.assess(self._clusters.clusters, self.worth.goals)

@@ -45,16 +45,18 @@ def _cells_of_length(length: float, resolution: float) -> int:
 
 
 # Tuned on the office floor with seeds 61 to 64.
-LEAST_AREA = 0.4  # m^2 that must be unknown behind a point
-LEAST_POINTS = 3  # of that kind that make a cluster a goal; one less where the robot can pass
+LEAST_AREA = 0.25  # m^2 that must be unknown behind a point
+LEAST_POINTS = 2  # of that kind that make a cluster a goal; one less where the robot can pass
 ROOM = 0.5  # m^2 of unknown ground where the robot might stand, behind two points, make an opening
 WAY_FOR_AREA = 4.0  # m of way that a square metre is worth that is no opening
+LEFT_SHARE = 0.005  # of the known free area: m^2 of unknown ground that may be left unseen in small pieces
 
 VISITED, GIVEN_UP = "visited", "given up"
 TOLD = "told by another robot"
 NOISE = "noise"
 FEW_POINTS = "too short"
 NOT_WORTH_THE_WAY = "not worth the way"
+LITTLE = frozenset((NOISE, FEW_POINTS, NOT_WORTH_THE_WAY))
 
 
 class Worth(NamedTuple):
@@ -108,6 +110,26 @@ def without_detours(
         result.append(cluster)
     goals = {number: frontier for number, frontier in worth.goals.items() if number not in reasons}
     return tuple(result), worth._replace(goals=goals, reasons=reasons)
+
+
+def too_much_to_leave(
+    clusters: Sequence[Cluster], worth: Worth, prospects: Mapping[int, Prospect], free_area: float
+) -> Dict[int, Frontier]:
+    """When no goal is left: the points {number: frontier} that were left only because they show little, of the largest
+    clusters of these, so that the rest is a small share of `free_area`, m^2 of known free ground."""
+    left = []
+    for cluster in clusters:
+        members = [m for m in cluster.members if worth.reasons.get(m.number) in LITTLE]
+        members = [m for m in members if prospects[m.number].enterable > 0.0]
+        if members:
+            left.append((max(prospects[m.number].enterable for m in members), cluster.number, members))
+    rest, taken = sum(area for area, _, _ in left), {}
+    for area, _, members in sorted(left, key=lambda entry: (-entry[0], entry[1])):
+        if rest <= LEFT_SHARE * free_area:
+            break
+        rest -= area
+        taken.update({member.number: member for member in members})
+    return taken
 
 
 def _is_detour(cluster: Cluster, seen: Sequence[Prospect]) -> bool:
