@@ -190,11 +190,12 @@ PYBIND11_MODULE(_kernels, module) {
              "and not to an occupied one; without unknown islands and frontiers of fewer cells than the smallest.");
   module.def("near_any", &points_near_any, py::arg("points"), py::arg("places"), py::arg("distance"),
              "bool (n,): which of the float64 points (n, 2) have one of the places (m, 2) nearer than that.");
-  module.def("unknown_behind", &find_unknown_behind, py::arg("cells"), py::arg("occupied_from"), py::arg("enterable"),
-             py::arg("starts"), py::arg("reach"), py::arg("skipped"),
-             "What 32 rays of `reach` cells show from each of the cells int64 (n, 2): float64 (n, 2), the unknown cells "
-             "that they meet first, all and those that are enterable, a bool array of the shape of the int8 cells; and "
-             "float64 (n,), cells, how deep the third deepest ray goes. Rays pass up to `skipped` known cells before.");
+  module.def(
+      "unknown_behind", &find_unknown_behind, py::arg("cells"), py::arg("occupied_from"), py::arg("enterable"),
+      py::arg("starts"), py::arg("reach"), py::arg("skipped"),
+      "What 32 rays of `reach` cells show from each of the cells int64 (n, 2): float64 (n, 2), the unknown cells "
+      "that they meet first, all and those that are enterable, a bool array of the shape of the int8 cells; and "
+      "float64 (n,), cells, how deep the third deepest ray goes. Rays pass up to `skipped` known cells before.");
   module.def("thin", &thinned, py::arg("points"), py::arg("distance"),
              "Indices, int64, of the points (n, 2) that are kept: no two in each other's box of that half edge, the "
              "first ones first.");

@@ -8,6 +8,7 @@ from explorer.driver import Driver, GoalEvent, at_home
 from explorer.ending import Ending
 from explorer.foreign import Element, ForeignFrontiers
 from explorer.journal import Journal
+from explorer.leftovers import sentence
 from explorer.messages import FAILED, REACHED, Auction, Emit, Note
 from explorer.options import Options
 from explorer.outcomes import Outcomes
@@ -190,6 +191,7 @@ class Exploration:
         self.claim.release()
         self._selection.finish(self._scenes.scene(now))
         self._emit(Note(f"exploration finished after {self.exploration_time(now):.1f} s"))
+        self._emit(Note(sentence(self._perception.leftovers())))
         self._journal.finish(self.counters, self._senses.map, now)
         self._go_home(now)
 

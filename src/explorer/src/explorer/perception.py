@@ -9,6 +9,7 @@ from explorer.clusters import Cluster, ClusterStore
 from explorer.frontiers import Frontier, FrontierStore
 from explorer.geometry import Position, distance
 from explorer.grid import OccupancyMap
+from explorer.leftovers import Left, leftovers
 from explorer.messages import Pose
 from explorer.options import Options
 from explorer.prospects import Prospect, prospects
@@ -90,6 +91,10 @@ class Perception:
         occupied, info = self.ways.grid.occupied, self.ways.occupancy.info
         return sees(occupied, info, pose, self._options.field_of_view, point)
 
+    def leftovers(self) -> Tuple[Left, ...]:
+        """What would be left unexplored if this were the end, the largest first."""
+        return leftovers(self.clusters, self.worth, self._prospects)
+
     def unreachable(self, verdicts: Verdicts) -> int:
         """Frontiers that are given up, or that no reachable place sees."""
         seen = {number for cluster in self.clusters for number in cluster.views}
@@ -125,6 +130,7 @@ class Perception:
         self.revision += 1
 
     def _take_up_leftovers(self) -> None:
+        """Nothing else is left: of what was dropped as too little, the largest pieces, if they are much together."""
         assert self._views is not None and self._senses.map is not None
         occupancy = self._senses.map
         free_area = np.count_nonzero(occupancy.free) * occupancy.info.resolution**2

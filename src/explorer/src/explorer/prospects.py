@@ -1,6 +1,5 @@
 """What is unknown behind frontier points, and whether the robot could go there."""
 
-import math
 from typing import Dict, NamedTuple, Sequence
 
 import cv2
@@ -17,7 +16,7 @@ SKIPPED = 0.15  # m of known cells between a frontier point and the unknown
 
 
 class Prospect(NamedTuple):
-    """What is seen from a frontier point: m^2 of unknown `area`, m^2 of it where the robot's centre might come to stand,
+    """What is seen from a frontier point: m^2 of unknown `area`, m^2 of it where the robot's centre might come to be,
     `enterable`, and the `depth` of the unknown in m. `passable`: the robot's centre may be at the point itself."""
 
     area: float
