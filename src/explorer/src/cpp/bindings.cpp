@@ -12,6 +12,7 @@
 #include "lines.hpp"
 #include "points.hpp"
 #include "pooling.hpp"
+#include "unknown.hpp"
 #include "views.hpp"
 #include "weighted_grid.hpp"
 
@@ -102,6 +103,20 @@ Array<std::int64_t> thinned(const Array<double>& points, double distance) {
   return result;
 }
 
+py::tuple find_unknown_behind(const Array<std::int8_t>& cells, int occupied_from, const Array<bool>& enterable,
+                              const Array<std::int64_t>& starts, int reach, int skipped) {
+  require(cells.ndim() == 2 && enterable.ndim() == 2 && cells.shape(0) == enterable.shape(0) &&
+              cells.shape(1) == enterable.shape(1),
+          "cells and enterable need the same shape (rows, columns)");
+  require(are_pairs(starts), "starts need the shape (n, 2)");
+  const SightMap map{cells.data(), reinterpret_cast<const std::uint8_t*>(enterable.data()), cells.shape(0),
+                     cells.shape(1), static_cast<std::int8_t>(occupied_from)};
+  Array<double> areas({starts.shape(0), static_cast<py::ssize_t>(2)}), depths(starts.shape(0));
+  unknown_behind(map, starts.data(), static_cast<std::size_t>(starts.shape(0)), reach, skipped, areas.mutable_data(),
+                 depths.mutable_data());
+  return py::make_tuple(areas, depths);
+}
+
 using Placement = std::tuple<double, double, double>;  // resolution, origin_x, origin_y
 
 Geometry to_geometry(const Placement& placement, const py::array& grid) {
@@ -175,6 +190,12 @@ PYBIND11_MODULE(_kernels, module) {
              "and not to an occupied one; without unknown islands and frontiers of fewer cells than the smallest.");
   module.def("near_any", &points_near_any, py::arg("points"), py::arg("places"), py::arg("distance"),
              "bool (n,): which of the float64 points (n, 2) have one of the places (m, 2) nearer than that.");
+  module.def(
+      "unknown_behind", &find_unknown_behind, py::arg("cells"), py::arg("occupied_from"), py::arg("enterable"),
+      py::arg("starts"), py::arg("reach"), py::arg("skipped"),
+      "What 32 rays of `reach` cells show from each of the cells int64 (n, 2): float64 (n, 2), the unknown cells "
+      "that they meet first, all and those that are enterable, a bool array of the shape of the int8 cells; and "
+      "float64 (n,), cells, how deep the third deepest ray goes. Rays pass up to `skipped` known cells before.");
   module.def("thin", &thinned, py::arg("points"), py::arg("distance"),
              "Indices, int64, of the points (n, 2) that are kept: no two in each other's box of that half edge, the "
              "first ones first.");

@@ -66,7 +66,7 @@ class ExplorerAgent:
     def _tell(self, scene: Scene, bids: Bids, choice: Optional[int], random: Mapping[str, Any]) -> None:
         assert self._on_decision is not None
         strategy = strategy_of(self.options.frontier_selection).name
-        why = reasons(self.perception, self.mission.verdicts)
+        why = reasons(self.perception.clusters, self.perception.worth)
         self._on_decision(Decision(self.name, strategy, scene, bids, choice, random, why))
 
     # ---- input ----------------------------------------------------------------------------------------------------

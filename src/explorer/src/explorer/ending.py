@@ -38,7 +38,7 @@ class Ending:
         """True if this is the end. `fresh`: the maps are younger than the last motion."""
         field = self._perception.field
         assert field is not None
-        if scene.candidates or self._perception.told or not field.reachable.any():
+        if scene.candidates or self._perception.worth.told or not field.reachable.any():
             self._empty_since = None
             return False
         if self._driver.goal is not None and self._driver.goal.frontier is None:
@@ -77,7 +77,7 @@ class Ending:
         hopeless = [
             cluster
             for cluster in scene.clusters
-            if not cluster.reachable and sum(map(self._verdicts.is_goal, cluster.numbers)) >= WORTH_A_LOOK
+            if not cluster.reachable and len(cluster.numbers & self._perception.worth.goals.keys()) >= WORTH_A_LOOK
         ]
         return sorted(hopeless, key=lambda cluster: (distance(scene.place, cluster.centre), cluster.number))
 

@@ -8,6 +8,7 @@ from explorer.driver import Driver, GoalEvent, at_home
 from explorer.ending import Ending
 from explorer.foreign import Element, ForeignFrontiers
 from explorer.journal import Journal
+from explorer.leftovers import sentence
 from explorer.messages import FAILED, REACHED, Auction, Emit, Note
 from explorer.options import Options
 from explorer.orders import DONE, SENT_HOME, STOPPED, Answer, Orders
@@ -269,6 +270,7 @@ class Exploration:
         how = "finished" if self.orders.complete else "ended"
         why = "" if self.orders.complete else f": {reason}"
         self._emit(Note(f"exploration {how} after {self.exploration_time(now):.1f} s{why}"))
+        self._emit(Note(sentence(self._perception.leftovers())))
         if self.started_at is not None:
             self._journal.finish(self.orders.complete, self.counters, self._senses.map, now)
 

@@ -1,20 +1,24 @@
 """From maps to clusters: frontiers, where the robot can go, and from where it looks at what."""
 
 import math
-from typing import List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
+
+import numpy as np
 
 from explorer.clusters import Cluster, ClusterStore
 from explorer.frontiers import Frontier, FrontierStore
 from explorer.geometry import Position, distance
 from explorer.grid import OccupancyMap
+from explorer.leftovers import Left, leftovers
 from explorer.messages import Pose
 from explorer.options import Options
+from explorer.prospects import Prospect, prospects
 from explorer.senses import Senses
 from explorer.travel import CostField
 from explorer.verdicts import Verdicts
 from explorer.views import Views, sees
 from explorer.ways import Ways, known_near
-from explorer.worth import Worth, frontier_cells, worth_of
+from explorer.worth import Worth, frontier_cells, too_much_to_leave, without_detours, worth_of
 
 REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
 REPLAN_DISTANCE = 0.3  # m of motion that makes them old
@@ -38,8 +42,8 @@ class Perception:
         """Forgets all frontiers; numbers are not given again."""
         self.frontiers.clear()
         self.clusters = ()
-        self.worth = Worth({}, False)
-        self.told = False  # some frontiers are no goals because another robot says that it has explored them
+        self.worth = Worth({}, {}, False)
+        self._prospects: Dict[int, Prospect] = {}
         self.field: Optional[CostField] = None
         self._views: Optional[Views] = None
         self._new_map = self._stale = False
@@ -87,6 +91,10 @@ class Perception:
         occupied, info = self.ways.grid.occupied, self.ways.occupancy.info
         return sees(occupied, info, pose, self._options.field_of_view, point)
 
+    def leftovers(self) -> Tuple[Left, ...]:
+        """What would be left unexplored if this were the end, the largest first."""
+        return leftovers(self.clusters, self.worth, self._prospects)
+
     def unreachable(self, verdicts: Verdicts) -> int:
         """Frontiers that are given up, or that no reachable place sees."""
         seen = {number for cluster in self.clusters for number in cluster.views}
@@ -99,6 +107,8 @@ class Perception:
         return distance((pose.x, pose.y), self._place) > REPLAN_DISTANCE or verdicts.told_expired(now)
 
     def _read(self, occupancy: OccupancyMap, verdicts: Verdicts, ways: Ways, now: float) -> List[Frontier]:
+        pose = self._senses.pose
+        assert pose is not None
         self.ways = ways
         cells = frontier_cells(occupancy, self._options.minimal_frontier_length)
         new, gone = self.frontiers.update(occupancy, cells)
@@ -106,12 +116,26 @@ class Perception:
         verdicts.judge_looked(self._senses.map_time, self._senses.rests(now), now)
         verdicts.revive_changed(self.known_near)
         self._clusters.update(self.frontiers.ordered(), occupancy)
+        self._prospects = prospects(self.frontiers.ordered(), ways, (pose.x, pose.y))
         verdicts.follow_clusters(cluster.number for cluster in self._clusters.clusters)
         return gone
 
     def _assess(self, verdicts: Verdicts, now: float) -> None:
         assert self._views is not None
-        worth = worth_of(list(self.frontiers.frontiers.values()), verdicts, now)
-        self.worth, self.told = worth, worth.told
-        self.clusters = self._views.assess(self._clusters.clusters, worth.goals)
+        worth = worth_of(self._clusters.clusters, self._prospects, verdicts, now)
+        clusters = self._views.assess(self._clusters.clusters, worth.goals)
+        self.clusters, self.worth = without_detours(clusters, worth, self._prospects)
+        if not any(cluster.reachable for cluster in self.clusters):
+            self._take_up_leftovers()
         self.revision += 1
+
+    def _take_up_leftovers(self) -> None:
+        """Nothing else is left: of what was dropped as too little, the largest pieces, if they are much together."""
+        assert self._views is not None and self._senses.map is not None
+        occupancy = self._senses.map
+        free_area = np.count_nonzero(occupancy.free) * occupancy.info.resolution**2
+        goals = too_much_to_leave(self.clusters, self.worth, self._prospects, free_area)
+        if goals:
+            reasons = {number: reason for number, reason in self.worth.reasons.items() if number not in goals}
+            self.worth = self.worth._replace(goals={**self.worth.goals, **goals}, reasons=reasons)
+            self.clusters = self._views.assess(self._clusters.clusters, self.worth.goals)

@@ -65,7 +65,7 @@ def report_of(
         assignment={} if scene is None else _assignment(status.robot, scene),
         area=0.0 if occupancy is None else _area(occupancy),
         rest=_rest(mission, scene, status),
-        left=tuple(_left(perception, reasons(perception, mission.verdicts))),
+        left=tuple(_left(perception, reasons(perception.clusters, perception.worth))),
         team={robot: mission.team.rests(robot) for robot in mission.team.known()},
     )
 

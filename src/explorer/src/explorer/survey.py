@@ -56,7 +56,7 @@ def survey(occupancy: OccupancyMap, options: Options, start: Optional[Position] 
     perception = Perception(options, senses)
     perception.take_map()
     perception.update(verdicts, [], 0, 0.0)
-    why = reasons(perception, verdicts)
+    why = reasons(perception.clusters, perception.worth)
     stretches = _stretches(occupancy, options.minimal_frontier_length, perception.clusters, why)
     return Survey(occupancy, place, tuple(stretches), perception.clusters, why)
 

@@ -107,21 +107,7 @@ class TravelGrid:
 
     def nearest(self, mask: np.ndarray, x: float, y: float, distance: float) -> Optional[Tuple[int, int]]:
         """The cell of a bool array (rows, cols) that is set and nearest to a point in metres, or None."""
-        row, col = self.info.cell_of(x, y)
-        if self.info.contains(row, col) and mask[row, col]:
-            return (row, col)
-        reach = math.ceil(distance / self.info.resolution)
-        top, left = max(0, row - reach), max(0, col - reach)
-        window = mask[top : max(0, row + reach + 1), left : max(0, col + reach + 1)]
-        cells = np.argwhere(window)
-        if len(cells) == 0:
-            return None
-        cells += np.array((top, left))
-        gap = np.hypot(cells[:, 0] - row, cells[:, 1] - col)
-        best = int(np.argmin(gap))
-        if gap[best] * self.info.resolution > distance:
-            return None
-        return (int(cells[best, 0]), int(cells[best, 1]))
+        return nearest_cell(mask, self.info, x, y, distance)
 
     def _factor_for(self, fine_cells: int, cell: float) -> int:
         resolution = self.fine.info.resolution
@@ -138,6 +124,25 @@ class TravelGrid:
             fine.origin_x,
             fine.origin_y,
         )
+
+
+def nearest_cell(mask: np.ndarray, info: GridInfo, x: float, y: float, distance: float) -> Optional[Tuple[int, int]]:
+    """The cell of a bool array (rows, cols) that is set and nearest to a point, at most `distance` away, in metres."""
+    row, col = info.cell_of(x, y)
+    if info.contains(row, col) and mask[row, col]:
+        return (row, col)
+    reach = math.ceil(distance / info.resolution)
+    top, left = max(0, row - reach), max(0, col - reach)
+    window = mask[top : max(0, row + reach + 1), left : max(0, col + reach + 1)]
+    cells = np.argwhere(window)
+    if len(cells) == 0:
+        return None
+    cells += np.array((top, left))
+    gap = np.hypot(cells[:, 0] - row, cells[:, 1] - col)
+    best = int(np.argmin(gap))
+    if gap[best] * info.resolution > distance:
+        return None
+    return (int(cells[best, 0]), int(cells[best, 1]))
 
 
 class _FineCells:
