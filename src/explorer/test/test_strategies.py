@@ -136,3 +136,39 @@ def test_only_clusters_with_something_to_try_are_open() -> None:
     waiting = replace(known, ready=frozenset({20}), own=1)
     assert [c.number for c in waiting.open] == [2] and [c.number for c in waiting.candidates] == [1, 2]
     assert [f.number for f in waiting.frontiers] == [20] and waiting.current is None
+
+
+# ---- robots that hear each other and cannot place each other yet ---------------------------------------------------
+
+
+def parting(rank: int, *clusters: Cluster, **known: Any) -> Optional[int]:
+    """What the robot of that rank among four chooses; the others are heard."""
+    names = [f"robot_{number}" for number in range(4)]
+    others = tuple(name for name in names if name != names[rank])
+    return chosen(7, scene(*clusters, name=names[rank], team=others, start=(5.0, 5.0), **known))
+
+
+AROUND = (cluster(1, 5.0, 3.5), cluster(2, 12.0, 5.0), cluster(3, 5.0, 9.0), cluster(4, 3.0, 5.1))
+
+
+def test_robots_that_cannot_place_each_other_part_by_rank() -> None:
+    """All four turned to the nearest frontier behind them, and stood in each other's way for the first 20 s."""
+    assert [parting(rank, *AROUND) for rank in range(4)] == [1, 2, 3, 4]
+    assert [parting(rank, *AROUND[:2]) for rank in range(4)] == [1, 1, 2, 2]
+
+
+def test_the_direction_of_the_rank_is_kept_until_its_cluster_is_empty() -> None:
+    assert parting(0, *AROUND, own=3) == 3
+    assert parting(0, *AROUND, own=9) == 1
+
+
+def test_ranks_do_not_send_a_robot_far_away() -> None:
+    far = replace(cluster(2, 19.0), cost=14.0)
+    assert {parting(rank, cluster(1, 5.0, 3.5), far) for rank in range(4)} == {1}
+
+
+def test_bids_decide_again_once_a_robot_is_placed_alone_or_away_from_the_start() -> None:
+    placed = {"positions": {"robot_0": (19.0, 9.0)}}
+    assert chosen(7, scene(*AROUND, name="robot_1", team=("robot_0",), start=(5.0, 5.0), **placed)) == 1
+    assert chosen(7, scene(*AROUND, name="robot_1", start=(5.0, 5.0))) == 1
+    assert chosen(7, scene(*AROUND, name="robot_1", team=("robot_0",), start=(15.0, 5.0))) == 1

@@ -16,8 +16,9 @@ from explorer.ways import Ways
 class Scene:
     """`clusters`: the own ones, as seen on the map of `ways`. `ready`: numbers of the frontier points that can be tried
     now. `own`: number of the cluster that this robot explores. Of the other robots: `positions` in metres in the own
-    frame, `claims` on clusters, and `competitors`, which may take one. `awaits_map`: what was looked at is not in the
-    map yet."""
+    frame, `claims` on clusters, `competitors`, which may take one, and `team`, the names of all that are heard.
+    `name`: the own one. `awaits_map`: what was looked at is not in the map yet. `start`: place of the robot when
+    the mission began."""
 
     now: float
     pose: Pose
@@ -29,6 +30,9 @@ class Scene:
     positions: Mapping[str, Position] = field(default_factory=dict)
     competitors: Tuple[str, ...] = ()
     claims: Mapping[str, Listed] = field(default_factory=dict)
+    name: str = ""
+    team: Tuple[str, ...] = ()
+    start: Position = (0.0, 0.0)
 
     @property
     def place(self) -> Position:

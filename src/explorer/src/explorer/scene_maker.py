@@ -32,7 +32,7 @@ class SceneMaker:
 
     def scene(self, now: float) -> Scene:
         assert self._senses.pose is not None and self._perception.ways is not None
-        clusters = self._perception.clusters
+        clusters, home = self._perception.clusters, self._senses.home or self._senses.pose
         seen = (number for cluster in clusters for number in cluster.views)
         return Scene(
             now=now,
@@ -45,6 +45,9 @@ class SceneMaker:
             positions=self._team.positions(now),
             competitors=tuple(self._team.competitors(now)),
             claims=self._placed(self._team.claims(now)),
+            name=self._name,
+            team=tuple(self._team.known()),
+            start=(home.x, home.y),
         )
 
     def _placed(self, claims: Dict[str, Claim]) -> Dict[str, Listed]:

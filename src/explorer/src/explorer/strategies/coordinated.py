@@ -22,6 +22,8 @@ OFFSET = 2.0  # m, keeps bids positive (a negative bid means none)
 LOYALTY = 2.0  # m in favour of the cluster that a robot explores already
 CROWD_DISTANCE = 4.0  # m, a cluster this near to another robot's costs more
 CROWD_PENALTY = 4.0  # m
+PARTING_DISTANCE = 5.0  # m from the start within which robots that cannot place each other part
+PARTING_WAY = 12.0  # m that a cluster may be farther than the nearest to be taken for its direction
 
 
 @registered
@@ -53,6 +55,8 @@ class Coordinated(ClusterStrategy):
         return travel_bid(length, cluster.gain)
 
     def choose(self, scene: Scene, bids: Bids) -> Optional[Cluster]:
+        if must_part(scene):
+            return by_rank(scene)
         robots, costs = costs_of_others(scene, bids, self, estimate_unknown=False)
         own = np.array([self.bid(scene, cluster) for cluster in scene.open], dtype=float)
         own = own + np.array([crowd_penalty(scene, cluster) for cluster in scene.open])
@@ -66,6 +70,24 @@ class Coordinated(ClusterStrategy):
                 own[row] -= LOYALTY
         share = assigned(costs, own)
         return None if share is None else scene.open[share]
+
+
+def must_part(scene: Scene) -> bool:
+    """True while robots that hear each other, and have started together, cannot tell who is where."""
+    return bool(scene.team) and not scene.positions and distance(scene.place, scene.start) <= PARTING_DISTANCE
+
+
+def by_rank(scene: Scene) -> Optional[Cluster]:
+    """The cluster in the direction of this robot's rank among the names heard, kept until it is empty. Robots that have
+    started together see the same clusters around the same place, so that each takes another."""
+    if scene.current is not None or not scene.open:
+        return scene.current
+    farthest = min(cluster.cost for cluster in scene.open) + PARTING_WAY
+    near = [cluster for cluster in scene.open if cluster.cost <= farthest]
+    x, y = scene.start
+    near.sort(key=lambda cluster: (math.atan2(cluster.centre[1] - y, cluster.centre[0] - x), cluster.number))
+    team = sorted({*scene.team, scene.name})
+    return near[team.index(scene.name) * len(near) // len(team)]
 
 
 def travel_bid(path_length: float, gain: float, turn: float = 0.0, detour: float = 0.0) -> float:
