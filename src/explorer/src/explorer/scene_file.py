@@ -87,6 +87,9 @@ def _from_scene(scene: Scene) -> Json:
         "claims": {
             robot: {"own": sorted(claim.own), "places": claim.places.tolist()} for robot, claim in scene.claims.items()
         },
+        "name": scene.name,
+        "team": list(scene.team),
+        "start": list(scene.start),
     }
 
 
@@ -102,6 +105,9 @@ def _to_scene(given: Json) -> Scene:
         positions={robot: _place(place) for robot, place in given["positions"].items()},
         competitors=tuple(str(robot) for robot in given["competitors"]),
         claims={robot: _to_claim(claim) for robot, claim in given["claims"].items()},
+        name=str(given["name"]),
+        team=tuple(str(robot) for robot in given["team"]),
+        start=_place(given["start"]),
     )
 
 
