@@ -172,7 +172,7 @@ def test_a_wall_near_by_is_nobody():
 
 
 def test_what_maps_keep_of_robots_does_not_place_one_that_scans_do_not_show_there(monkeypatch):
-    """In a building of copies one of a hundred small things in the maps lay where the wrong copy put the other robot."""
+    """In a building of copies one of many small things in the maps lay where the wrong copy put the other robot."""
     monkeypatch.setattr(job_module, "places_seen", lambda *sightings: 1)
     scene = scene_of(straight(), worlds={"b": 1}).run(6.5)
     assert not job_of(scene).run().met
