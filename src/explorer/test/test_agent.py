@@ -710,6 +710,21 @@ def test_a_claimed_cluster_is_left_alone_and_released(strategy: int) -> None:
         assert bench.goals(), release
 
 
+@pytest.mark.parametrize("place, takes", [(-3.0, True), (3.0, False)])
+def test_a_robot_that_waits_nearer_than_the_one_that_claims_takes_the_cluster(place: float, takes: bool) -> None:
+    """Seed 512 of the office with four robots: one waited in a door, in the way of those that claimed what was behind,
+    for 750 s."""
+    bench = claimed_right(7)
+    for _ in range(5):
+        bench.agent.on_positions({"robot_1": (place, 0.0)}, bench.now)
+        bench.run(2.0)
+    assert not bench.goals(), "not at once"
+    for _ in range(3):
+        bench.agent.on_positions({"robot_1": (place, 0.0)}, bench.now)
+        bench.run(2.0)
+    assert bool(bench.goals()) == takes
+
+
 @pytest.mark.parametrize("strategy", [1, 7])
 def test_no_auction_after_auction_while_all_clusters_are_claimed(strategy: int) -> None:
     """An idle robot flooded the air: answers at once closed its auction, and in the same moment it opened the next."""

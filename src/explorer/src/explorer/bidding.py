@@ -21,6 +21,8 @@ REASSIGN_PERIOD = 5.0  # s between two auctions while the robot drives
 RETRY_PERIOD = 1.0  # s between two auctions while the robot waits
 OTHERS_PAUSE = 0.5  # s to wait for the outcome of another robot's auction
 PATIENCE = 4.0  # s after which a cluster that nobody claims is taken by a robot that has none
+LONG_PATIENCE = 12.0  # s after which it takes one that is claimed by a robot farther away
+NEARER = 0.5  # m by which it must be nearer
 
 
 class AuctionedSelection(Selection):
@@ -125,6 +127,22 @@ class AuctionedSelection(Selection):
 
 class ContinuousSelection(AuctionedSelection):
     """The goal follows its frontier while the map grows, and clusters are shared out anew while driving."""
+
+    def _take(self, cluster: Optional[Cluster], scene: Scene) -> None:
+        """A robot that stands nearer than the one that claims a cluster may stand in its way, as in a door; then both
+        would wait for ever."""
+        if cluster is None and self._claim.idle(scene.now) >= LONG_PATIENCE:
+            nearer = [each for each in scene.open if self._is_nearer(each, scene)]
+            cluster = min(nearer, key=lambda each: (each.cost, each.number)) if nearer else None
+        super()._take(cluster, scene)
+
+    def _is_nearer(self, cluster: Cluster, scene: Scene) -> bool:
+        """Than the robot that claims the cluster."""
+        position = scene.positions.get(scene.claimed.get(cluster.number, ""))
+        if position is None:
+            return False
+        here, there = (self._strategy.estimate(scene, place, cluster) for place in (scene.place, position))
+        return here + NEARER < there
 
     def select(self, scene: Scene) -> None:
         current, clusters = scene.current, scene.open
