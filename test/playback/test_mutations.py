@@ -46,7 +46,7 @@ MUTATIONS = {
     ),
     "transform of points reversed": Mutation(
         "map_merger",
-        "agent.py",
+        "view.py",
         "return placement.transform.apply_point(x, y)",
         "return placement.transform.inverse().apply_point(x, y)",
         "point (3.0, -1.0) of robot_1[0]: expected",
@@ -60,16 +60,17 @@ MUTATIONS = {
     ),
     "bid dropped from an answer": Mutation(
         "explorer",
-        "agent.py",
-        "                available.append(Bid(bid.elements, offered))\n",
-        "                available.append(Bid(bid.elements, offered))\n            available = available[1:]\n",
+        "auctions.py",
+        "            available.append(Bid(bid.elements, -1.0 if cluster is None else bid_for(cluster)))\n",
+        "            available.append(Bid(bid.elements, -1.0 if cluster is None else bid_for(cluster)))\n"
+        "        available = available[1:]\n",
         "available_clusters: expected a list of",
     ),
     "bid dropped from a start": Mutation(
         "explorer",
-        "agent.py",
-        "own = {cluster.number: self._own_bid(cluster) for cluster in ready}",
-        "own = {cluster.number: self._own_bid(cluster) for cluster in ready[1:]}",
+        "bidding.py",
+        "bids = {cluster.number: self._strategy.bid(scene, cluster) for cluster in scene.open}",
+        "bids = {cluster.number: self._strategy.bid(scene, cluster) for cluster in scene.open[1:]}",
         "requested_clusters[0].bid: expected",
     ),
 }
