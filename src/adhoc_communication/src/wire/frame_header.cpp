@@ -48,7 +48,7 @@ std::optional<FrameHeader> read_header(Reader& reader) {
   header.type = static_cast<FrameType>(type);
   header.flags = reader.u8();
   if ((header.flags & ~(kSealed | kWantsAcknowledgment | kAcknowledgeNow)) != 0) return std::nullopt;
-  header.sender = reader.address();
+  header.sender = reader.individual_address();
   header.boot_id = reader.octets<16>();
   header.counter = reader.u64();
   header.next_hop = reader.address();

@@ -21,10 +21,12 @@ void write_branch(Writer& writer, const Message& message) {
 template <typename Message>
 std::optional<Message> read_branch(Reader& reader) {
   Message message;
-  message.root = reader.address();
+  message.root = reader.individual_address();
   message.root_boot = reader.u64();
   message.epoch = reader.u32();
-  for (int left = reader.u8(); left > 0 && reader.ok(); --left) message.members.push_back(reader.address());
+  for (int left = reader.u8(); left > 0 && reader.ok(); --left) {
+    message.members.push_back(reader.individual_address());
+  }
   if (!reader.at_end() || message.members.size() > kMostMembersOfActivation) return std::nullopt;
   return message;
 }
@@ -60,7 +62,7 @@ void write(Writer& writer, const GroupData& data) {
 
 std::optional<GroupData> read_group_data(Reader reader) {
   GroupData data;
-  data.root = reader.address();
+  data.root = reader.individual_address();
   data.root_boot = reader.u64();
   const std::uint8_t stream = reader.u8();
   data.stream = stream & kStreamMask;
@@ -97,7 +99,7 @@ void write(Writer& writer, const GroupReport& report) {
 
 std::optional<GroupReport> read_group_report(Reader reader) {
   GroupReport report;
-  report.root = reader.address();
+  report.root = reader.individual_address();
   report.root_boot = reader.u64();
   const std::uint8_t stream = reader.u8();
   report.stream = stream & kStreamMask;

@@ -68,6 +68,12 @@ class Reader {
     return value;
   }
   MacAddress address() { return {octets<6>()}; }
+  /// The address of one station: not ok() where it is null or a group's.
+  MacAddress individual_address() {
+    const MacAddress read = address();
+    if (read == MacAddress{} || (read[0] & 0x01) != 0) ok_ = false;
+    return read;
+  }
   std::string text8() { return text(u8()); }
   std::string text16() { return text(u16()); }
   Bytes rest() {

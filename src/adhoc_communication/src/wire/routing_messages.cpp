@@ -70,7 +70,7 @@ std::optional<Beacon> read_beacon(Reader reader) {
     beacon.heard.push_back({tag, reader.u8()});
   }
   for (int left = reader.u8(); left > 0 && reader.ok(); --left) {
-    Rumor rumor{reader.address(), reader.u64(), reader.u32(), reader.u8(), reader.text8()};
+    Rumor rumor{reader.individual_address(), reader.u64(), reader.u32(), reader.u8(), reader.text8()};
     if (!is_name(rumor.name) || rumor.hops == 0 || rumor.hops > kFarthestHop) return std::nullopt;
     beacon.rumors.push_back(std::move(rumor));
   }
@@ -109,7 +109,7 @@ std::optional<RouteRequest> read_route_request(Reader reader) {
   request.id = reader.u32();
   request.destination = reader.address();
   request.destination_sequence = reader.u32();
-  request.originator = reader.address();
+  request.originator = reader.individual_address();
   request.originator_sequence = reader.u32();
   request.originator_boot = reader.u64();
   request.destination_name = reader.text8();
@@ -140,10 +140,10 @@ std::optional<RouteReply> read_route_reply(Reader reader) {
   reply.acknowledgment_required = (flags & 0x40) != 0;
   reply.hop_count = reader.u8();
   reply.cost = reader.u16();
-  reply.destination = reader.address();
+  reply.destination = reader.individual_address();
   reply.destination_sequence = reader.u32();
   reply.destination_boot = reader.u64();
-  reply.originator = reader.address();
+  reply.originator = reader.individual_address();
   reply.lifetime_ms = reader.u32();
   reply.destination_name = reader.text8();
   if (!skip_extensions(reader) || !is_name(reply.destination_name)) return std::nullopt;
@@ -166,7 +166,9 @@ std::optional<RouteError> read_route_error(Reader reader) {
   error.no_delete = (flags & 0x80) != 0;
   error.unknown_sequence = (flags & 0x40) != 0;
   const int count = reader.u8();
-  for (int i = 0; i < count && reader.ok(); ++i) error.destinations.push_back({reader.address(), reader.u32()});
+  for (int i = 0; i < count && reader.ok(); ++i) {
+    error.destinations.push_back({reader.individual_address(), reader.u32()});
+  }
   if (!skip_extensions(reader) || count == 0) return std::nullopt;
   return error;
 }

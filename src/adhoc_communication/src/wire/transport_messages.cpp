@@ -49,9 +49,9 @@ void write(Writer& writer, const Data& data) {
 
 std::optional<Data> read_data(Reader reader) {
   Data data;
-  data.source = reader.address();
+  data.source = reader.individual_address();
   data.source_boot = reader.u64();
-  data.destination = reader.address();
+  data.destination = reader.individual_address();
   const std::uint8_t stream = reader.u8();
   data.stream = stream & kStreamMask;
   data.acknowledge_now = (stream & kAcknowledgeNowFlag) != 0;
@@ -88,9 +88,9 @@ void write(Writer& writer, const TransportAcknowledgment& acknowledgment) {
 
 std::optional<TransportAcknowledgment> read_transport_acknowledgment(Reader reader) {
   TransportAcknowledgment acknowledgment;
-  acknowledgment.source = reader.address();
+  acknowledgment.source = reader.individual_address();
   acknowledgment.source_boot = reader.u64();
-  acknowledgment.destination = reader.address();
+  acknowledgment.destination = reader.individual_address();
   acknowledgment.destination_boot = reader.u64();
   acknowledgment.stream = reader.u8();
   acknowledgment.hops = reader.u8();
@@ -135,7 +135,7 @@ void write(Writer& writer, const Flood& flood) {
 
 std::optional<Flood> read_flood(Reader reader) {
   Flood flood;
-  flood.source = reader.address();
+  flood.source = reader.individual_address();
   flood.source_boot = reader.u64();
   flood.id = reader.u32();
   flood.hop_count = reader.u8();

@@ -132,6 +132,20 @@ Search search_in_vain(const EngineOptions& options) {
   return search;
 }
 
+/// A robot told of at the null address was taken for the destination of every search by name, so that failing ended
+/// the sends to that robot instead.
+TEST(Requests, ARumorOfTheNullAddressKeepsNoSearchOpen) {
+  Stage stage;
+  Host& liar = stage.neighbor(1);
+  stage.run_for(50ms);
+  wire::Beacon beacon{1, 1, 100, liar.name, 0, {}, {{MacAddress{}, 7, 9, 1, "ghost"}}, 0};
+  stage.say(liar, beacon);
+  const SendId id = stage.team.send(0, "nobody", text("x"));
+  stage.run_for(30s);
+  ASSERT_NE(stage.team.finished(0, id), nullptr);
+  EXPECT_FALSE(stage.team.finished(0, id)->delivered);
+}
+
 TEST(Requests, A4_5_A4_6_A4_7_A12_2_TheRingOfTheRfc) {
   const Search search = search_in_vain(with_ring(rfc3561_timings()));
   EXPECT_EQ(search.hop_limits, (std::vector<int>{1, 3, 5, 7, 35, 35, 35}));

@@ -86,8 +86,28 @@ TEST(Wire, TruncatedMessagesAreRefused) {
   refuses_every_prefix(acknowledgment, read_transport_acknowledgment);
 }
 
+TEST(Wire, NobodyHasTheNullAddressOrAGroups) {
+  const MacAddress group = {3, 0, 0, 0, 0, 1};
+  for (const MacAddress& nobody : {MacAddress{}, kEverybody, group}) {
+    RouteRequest asked = request();
+    asked.originator = nobody;
+    EXPECT_FALSE(read_route_request(Reader(to_bytes(asked))));
+    const RouteReply about{false, true, 2, 0x0110, nobody, 1, 77, "robot_2", kA, 6000};
+    EXPECT_FALSE(read_route_reply(Reader(to_bytes(about))));
+    const RouteReply to{false, true, 2, 0x0110, kB, 1, 77, "robot_2", nobody, 6000};
+    EXPECT_FALSE(read_route_reply(Reader(to_bytes(to))));
+    RouteError error;
+    error.destinations = {{kA, 1}, {nobody, 2}};
+    EXPECT_FALSE(read_route_error(Reader(to_bytes(error))));
+    const Beacon beacon{1, 2, 3, "robot_1", 4, {{5, 6}}, {{nobody, 6, 7, 2, "robot_2"}}, 0};
+    EXPECT_FALSE(read_beacon(Reader(to_bytes(beacon))));
+  }
+}
+
 TEST(Wire, SegmentMustHaveTheLengthItsPlaceDemands) {
   Data data;
+  data.source = kA;
+  data.destination = kB;
   data.total = 250;
   data.segment_size = 100;
   data.index = 2;
@@ -102,6 +122,7 @@ TEST(Wire, SegmentMustHaveTheLengthItsPlaceDemands) {
 TEST(Wire, HeaderRefusesOtherVersionsTypesAndFlags) {
   FrameHeader header;
   header.type = FrameType::kData;
+  header.sender = kA;
   Bytes bytes;
   Writer writer(bytes);
   write(writer, header);
