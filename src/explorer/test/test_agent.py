@@ -557,7 +557,8 @@ def test_bids_in_another_unit_are_an_answer_and_no_more(strategy: int) -> None:
     bench, start = opened(strategy)
     bids = [0.0, 0.0]
     bids[side_of(start, bench, 1.0)], bids[side_of(start, bench, -1.0)] = 0.5, 900.0
-    other = replace(reply(start, "robot_1", bids), unit=9)
+    other = replace(reply(start, "robot_1", bids), unit={1: 7, 7: 1}[strategy])
+    assert start.unit == strategy
     bench.agent.on_auction(other, bench.now)
     bench.run(0.2)
     assert chosen_side(bench) == 1.0 and bench.auctions()[-1].finished
@@ -566,7 +567,7 @@ def test_bids_in_another_unit_are_an_answer_and_no_more(strategy: int) -> None:
     assert peer is not None and peer.unanswered == 0
 
 
-def test_answers_of_all_strategies_are_messages_of_the_contract() -> None:
+def test_answers_tell_the_unit_of_their_bids() -> None:
     for strategy in range(8):
         bench = Bench(strategy).map(corridor()).join("robot_1")
         bench.run(0.2)
@@ -575,7 +576,7 @@ def test_answers_of_all_strategies_are_messages_of_the_contract() -> None:
         bench.agent.on_auction(Auction("robot_1", 10001, True, start=True, requested=(offer,)), bench.now)
         bench.tick()
         (answer,) = [auction for auction in bench.auctions() if not auction.status]
-        assert answer.unit == 1
+        assert answer.unit == (7 if strategy == 7 else 1)
 
 
 def test_cluster_that_another_robot_does_not_know_is_not_left_to_it() -> None:

@@ -47,7 +47,7 @@ def test_bids_told_and_heard_and_the_reason_of_the_goal() -> None:
     row = [offer.elements[0][1] for offer in start.requested].index(
         min(n for n in bench.agent.mission.scene(bench.now).cluster(own).numbers)  # type: ignore[union-attr]
     )
-    assert told.bids["robot_1"] == [50.0, 60.0][row] and told.unit == 1 and told.strategy == "coordinated"
+    assert told.bids["robot_1"] == [50.0, 60.0][row] and told.unit == 7 and told.strategy == "coordinated"
     expected = f"bid {told.bids['robot_0']:.1f} m, the lowest of 2 clusters; robot_1 bids {told.bids['robot_1']:.1f} m"
     assert told.reason == expected
 

@@ -4,11 +4,10 @@ from typing import List, Optional, Tuple
 
 from explorer.clusters import Cluster
 from explorer.driver import Goal
+from explorer.messages import PAPER_UNIT
 from explorer.scene import Scene
 from explorer.status import State
 from explorer.strategies.strategy import Bids, FrontierStrategy, Strategy
-
-METRES = 7  # the strategy whose bids are lengths
 
 
 def reason_of(goal: Optional[Goal], state: State, strategy: Strategy, scene: Optional[Scene], heard: Bids) -> str:
@@ -41,4 +40,4 @@ def _among_others(cluster: Cluster, heard: Bids, strategy: Strategy) -> str:
 
 
 def _amount(bid: float, strategy: Strategy) -> str:
-    return f"{bid:.1f} {'m' if strategy.number == METRES else 'm^2'}"
+    return f"{bid:.1f} {'m^2' if strategy.unit == PAPER_UNIT else 'm'}"

@@ -32,6 +32,7 @@ class Coordinated(ClusterStrategy):
     name = "coordinated"
     title = "auction by travel cost and information gain, continuous reassignment (the best one there is)"
     allocation = Allocation.CONTINUOUS
+    unit = 7
 
     def __init__(self, random: np.random.Generator) -> None:
         super().__init__(random)
