@@ -25,6 +25,12 @@ class TestLaunch(unittest.TestCase):
         self.assertIn("/frontierPoints", topics)
         self.assertIn("/cluster_grid_19", topics)
 
+    def test_the_arguments_arrive(self) -> None:
+        rospy.wait_for_message("/explorer/state", ExplorationState, timeout=20)
+        self.assertEqual(rospy.get_param("/explorer/strategy"), "nearest_path")
+        self.assertEqual(rospy.get_param("/explorer/time_limit"), 300.0)
+        self.assertEqual(rospy.get_param("/explorer/distance_limit"), 0.0)
+
     def test_robots_in_simulation_is_relative_and_logged(self) -> None:
         rospy.set_param("/robots_in_simulation", 1)
         rospy.set_param("/robot_0/robots_in_simulation", 7)
