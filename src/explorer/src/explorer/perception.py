@@ -69,7 +69,8 @@ class Perception:
             return []
         gone: List[Frontier] = []
         if self._new_map:
-            gone = self._read(occupancy, verdicts, Ways(occupancy, self._options.inflation_radius, others, team), now)
+            ways = Ways(occupancy, self._options.inflation_radius, others, team, self.ways)
+            gone = self._read(occupancy, verdicts, ways, now)
         assert self.ways is not None
         self.field = self.ways.grid.field_from(pose.x, pose.y)
         self._views = Views(occupancy, self.field, self._options.view_distance, self._views)
