@@ -1,7 +1,7 @@
 """What the cells of a map are to a robot of a certain radius: obstacles, where its centre can be, where it might be."""
 
 import math
-from typing import Dict, List, NamedTuple, Optional, Sequence
+from typing import Dict, NamedTuple, Optional, Sequence
 
 import numpy as np
 
@@ -56,19 +56,25 @@ class _Part(NamedTuple):
 class Ground:
     """The layers of one map, and its pools by factor, each computed when it is first asked for."""
 
-    def __init__(self, occupancy: OccupancyMap, radius: float, cells: np.ndarray, former: Optional["Ground"]) -> None:
-        """`cells`: of the map without robots; see `of`."""
+    def __init__(
+        self,
+        occupancy: OccupancyMap,
+        radius: float,
+        cells: np.ndarray,
+        former: Optional["Ground"] = None,
+        changed: Sequence[Window] = (),
+    ) -> None:
+        """`cells`: of the map without robots. `changed`: where they differ from those of the former one. See `of`."""
         self.occupancy, self.radius, self._cells = occupancy, radius, cells
         self._limit = max(MOST_CLEARANCE, radius + occupancy.info.resolution)
         self._reach = math.ceil(self._limit / occupancy.info.resolution) + 1
         self._whole: Optional[_Part] = None
         self._pools: Dict[int, Pools] = {}
-        windows = None if former is None else changed_windows(former._cells, cells)
-        if former is None or windows is None:
+        if former is None:
             self._whole = self._part((slice(0, cells.shape[0]), slice(0, cells.shape[1])))
             self.layers = self._whole.layers
         else:
-            self._follow(former, windows)
+            self._follow(former, changed)
         self.count = int(np.count_nonzero(self.layers.allowed))
 
     @classmethod
@@ -79,9 +85,12 @@ class Ground:
         them. `former`: of any earlier map; only what has changed since is computed, and without a change it is returned
         itself."""
         cells = _without_robots(occupancy, robots)
-        if former is None or former.radius != radius or former.occupancy.info != occupancy.info:
-            return cls(occupancy, radius, cells, None)
-        return former if np.array_equal(former._cells, cells) else cls(occupancy, radius, cells, former)
+        changed = None
+        if former is not None and (former.radius, former.occupancy.info) == (radius, occupancy.info):
+            changed = changed_windows(former._cells, cells)
+        if former is None or changed is None:
+            return cls(occupancy, radius, cells)
+        return cls(occupancy, radius, cells, former, changed) if changed else former
 
     def pools(self, factor: int) -> Pools:
         if factor not in self._pools:
@@ -90,11 +99,11 @@ class Ground:
             self._pools[factor] = self._whole.pooled(factor)
         return self._pools[factor]
 
-    def _follow(self, former: "Ground", windows: List[Window]) -> None:
+    def _follow(self, former: "Ground", changed: Sequence[Window]) -> None:
         self.layers = Layers(*(layer.copy() for layer in former.layers))
         self._pools = {factor: Pools(*(pool.copy() for pool in pools)) for factor, pools in former._pools.items()}
         edge = int(np.lcm.reduce([1, *self._pools]))
-        for window in windows:
+        for window in changed:
             window = aligned(grown(window, self._reach, self._cells.shape), edge, self._cells.shape)
             part = self._part(window)
             for layer, new in zip(self.layers, part.layers):

@@ -6,6 +6,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 import numpy as np
 
 from explorer.clusters import Cluster, ClusterStore
+from explorer.frontier_map import FrontierMap
 from explorer.frontiers import Frontier, FrontierStore
 from explorer.geometry import Position, distance
 from explorer.grid import OccupancyMap
@@ -18,7 +19,7 @@ from explorer.travel import CostField
 from explorer.verdicts import Verdicts
 from explorer.views import Views, sees
 from explorer.ways import Ways, known_near
-from explorer.worth import Worth, frontier_cells, too_much_to_leave, without_detours, worth_of
+from explorer.worth import Worth, too_much_to_leave, without_detours, worth_of
 
 REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
 REPLAN_DISTANCE = 0.3  # m of motion that makes them old
@@ -35,6 +36,7 @@ class Perception:
         self._clusters = ClusterStore(first_number=first)
         self.clusters: Tuple[Cluster, ...] = ()
         self.ways: Optional[Ways] = None
+        self._frontier_map: Optional[FrontierMap] = None
         self.revision = 0  # counts what was perceived
         self.restart()
 
@@ -111,7 +113,8 @@ class Perception:
         pose = self._senses.pose
         assert pose is not None
         self.ways = ways
-        cells = frontier_cells(occupancy, self._options.minimal_frontier_length)
+        self._frontier_map = FrontierMap(occupancy, self._frontier_map)
+        cells = self._frontier_map.of_length(self._options.minimal_frontier_length)
         new, gone = self.frontiers.update(occupancy, cells)
         verdicts.follow(new, gone)
         verdicts.judge_looked(self._senses.map_time, self._senses.rests(now), now)

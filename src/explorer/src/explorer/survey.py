@@ -9,6 +9,7 @@ import numpy as np
 from explorer._kernels import distances_to, pooled_maximum
 from explorer.clusters import Cluster
 from explorer.errors import MapError
+from explorer.frontier_map import frontier_cells
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
 from explorer.leftovers import reasons
@@ -19,7 +20,6 @@ from explorer.senses import Senses
 from explorer.travel import SNAP_DISTANCE
 from explorer.verdicts import Verdicts
 from explorer.ways import Ways
-from explorer.worth import frontier_cells
 
 
 @dataclass(frozen=True)
