@@ -242,13 +242,15 @@ PYBIND11_MODULE(_kernels, module) {
              py::arg("smallest_unknown"), py::arg("smallest_frontier"),
              "bool (rows, columns): which of the int8 cells, negative where unknown, are free, next to an unknown cell "
              "and not to an occupied one; without unknown islands and frontiers of fewer cells than the smallest.");
-  module.def("large_frontiers", &find_large_frontiers, py::arg("cells"), py::arg("columns"), py::arg("smallest"),
-             "bool (n,): which frontier cells, ascending flat indices int64 (n,) of a grid with so many columns, belong "
-             "to a frontier of at least that many.");
+  module.def(
+      "large_frontiers", &find_large_frontiers, py::arg("cells"), py::arg("columns"), py::arg("smallest"),
+      "bool (n,): which frontier cells, ascending flat indices int64 (n,) of a grid with so many columns, belong "
+      "to a frontier of at least that many.");
   module.def("changed_tiles", &find_changed_tiles, py::arg("before"), py::arg("after"), py::arg("edge"),
              "bool (ceil(rows / edge), ceil(columns / edge)): which tiles of two int8 grids (rows, columns) differ.");
-  module.def("connected_part", &find_connected, py::arg("cells"), py::arg("row"), py::arg("column"),
-             "bool (rows, columns): the set cells of a bool array that are connected with one cell, 8 neighbours each.");
+  module.def(
+      "connected_part", &find_connected, py::arg("cells"), py::arg("row"), py::arg("column"),
+      "bool (rows, columns): the set cells of a bool array that are connected with one cell, 8 neighbours each.");
   module.def("any_in_box", &find_in_boxes, py::arg("cells"), py::arg("middles"), py::arg("reach"),
              "bool (n,): around which middles, int64 (n, 2), a cell of a bool array (rows, columns) is set that is no "
              "more than `reach` rows and columns away.");

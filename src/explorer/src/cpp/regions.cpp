@@ -50,7 +50,10 @@ DisjointSets joined(const Runs& runs, std::ptrdiff_t columns) {
     while (above < runs.first[row] && here < runs.first[row + 1]) {
       const Run upper{runs.all[above].begin + columns, runs.all[above].end + columns}, lower = runs.all[here];
       if (upper.begin <= lower.end && lower.begin <= upper.end) sets.join(above, here);
-      if (upper.end < lower.end) ++above; else ++here;
+      if (upper.end < lower.end)
+        ++above;
+      else
+        ++here;
     }
   }
   return sets;

@@ -23,13 +23,14 @@ def changed_windows(before: np.ndarray, after: np.ndarray) -> Optional[List[Wind
         return None
     tiles = changed_tiles(before, after, TILE)
     count, _, boxes, _ = cv2.connectedComponentsWithStats(tiles.view(np.uint8), connectivity=8)
-    windows = [_window(*box[:4].tolist(), after.shape) for box in boxes[1:count]]
+    windows = [_window(box.tolist(), after.shape) for box in boxes[1:count]]
     area = sum((rows.stop - rows.start) * (cols.stop - cols.start) for rows, cols in windows)
     return windows if area <= MOST_OF_A_MAP * after.size else None
 
 
-def _window(left: int, top: int, width: int, height: int, shape: Tuple[int, ...]) -> Window:
-    """Of tiles."""
+def _window(tiles: List[int], shape: Tuple[int, ...]) -> Window:
+    """`tiles`: the left one, the top one, how many across and how many down."""
+    left, top, width, height = tiles[:4]
     return (
         slice(TILE * top, min(TILE * (top + height), shape[0])),
         slice(TILE * left, min(TILE * (left + width), shape[1])),

@@ -14,7 +14,7 @@ from explorer.traces import robot_traces
 # A comfortable place keeps this far from unknown cells, in metres.
 UNKNOWN_CLEARANCE = 0.3
 
-# Clearance beyond this, in metres, makes no difference and is told as this much: so what changes has effects near to it.
+# Clearance beyond this, in metres, makes no difference and is told as this much, so that changes have no effects afar.
 MOST_CLEARANCE = 0.7
 
 

@@ -36,7 +36,6 @@ class Perception:
         self._clusters = ClusterStore(first_number=first)
         self.clusters: Tuple[Cluster, ...] = ()
         self.ways: Optional[Ways] = None
-        self._frontier_map: Optional[FrontierMap] = None
         self.revision = 0  # counts what was perceived
         self.restart()
 
@@ -46,6 +45,7 @@ class Perception:
         self.clusters = ()
         self.worth = Worth({}, {}, False)
         self._prospects: Dict[int, Prospect] = {}
+        self._frontier_map: Optional[FrontierMap] = None
         self.field: Optional[CostField] = None
         self._views: Optional[Views] = None
         self._new_map = self._stale = False
@@ -112,16 +112,23 @@ class Perception:
     def _read(self, occupancy: OccupancyMap, verdicts: Verdicts, ways: Ways, now: float) -> List[Frontier]:
         pose = self._senses.pose
         assert pose is not None
-        self.ways = ways
-        self._frontier_map = FrontierMap(occupancy, self._frontier_map)
-        cells = self._frontier_map.of_length(self._options.minimal_frontier_length)
-        new, gone = self.frontiers.update(occupancy, cells)
-        verdicts.follow(new, gone)
+        frontier_map = FrontierMap.of(occupancy, self._frontier_map)
+        same = self.ways is not None and self.ways.grid is ways.grid and self._frontier_map is frontier_map
+        self.ways, self._frontier_map = ways, frontier_map
+        gone = [] if same else self._find_frontiers(occupancy, frontier_map, verdicts)
         verdicts.judge_looked(self._senses.map_time, self._senses.rests(now), now)
         verdicts.revive_changed(self.known_near)
-        self._clusters.update(self.frontiers.ordered(), occupancy)
+        if not same:
+            self._clusters.update(self.frontiers.ordered(), occupancy)
         self._prospects = prospects(self.frontiers.ordered(), ways, (pose.x, pose.y))
         verdicts.follow_clusters(cluster.number for cluster in self._clusters.clusters)
+        return gone
+
+    def _find_frontiers(self, occupancy: OccupancyMap, frontier_map: FrontierMap, verdicts: Verdicts) -> List[Frontier]:
+        """Those that are gone."""
+        cells = frontier_map.of_length(self._options.minimal_frontier_length)
+        new, gone = self.frontiers.update(occupancy, cells)
+        verdicts.follow(new, gone)
         return gone
 
     def _assess(self, verdicts: Verdicts, now: float) -> None:

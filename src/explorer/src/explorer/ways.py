@@ -28,8 +28,8 @@ class Ways:
         former: Optional["Ways"] = None,
     ) -> None:
         """`radius`: of the robot in metres. `robots`: places of the others in metres, whose traces on the map are no
-        obstacles. `team`: number of robots for which costs are kept. `former`: over any earlier map; what still holds of
-        it is not computed again."""
+        obstacles. `team`: number of robots for which costs are kept. `former`: over any earlier map; what still holds
+        of it is not computed again."""
         self.occupancy = occupancy
         self.radius, self.robots = radius, tuple(robots)
         self._kept = max(FEWEST_FIELDS, team)

@@ -6,11 +6,9 @@ from typing import Dict, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
-from explorer import _kernels
 from explorer._kernels import near_any
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
-from explorer.grid import OccupancyMap
 from explorer.prospects import Prospect
 from explorer.verdicts import Verdicts
 
