@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 from functools import cached_property
-from typing import List, Mapping, Optional, Sequence, Tuple
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -40,6 +40,8 @@ class Views:
         self._lookups: List[_NearestCell] = [
             _NearestCell.of(mask, former) for mask in (comfortable, self._reachable) if mask.any()
         ]
+        same = like is not None and like._occupancy is occupancy
+        self._gains: Dict[Tuple[float, float], float] = like._gains if like is not None and same else {}
 
     def of(self, points: np.ndarray, groups: Optional[np.ndarray] = None) -> List[Optional[View]]:
         """For each of (n, 2) points in metres the place (x, y) to look from and its cost, all in metres; None where
@@ -107,6 +109,11 @@ class Views:
 
     def gain(self, x: float, y: float) -> float:
         """Unknown area in square metres in the square around a point."""
+        if (x, y) not in self._gains:
+            self._gains[x, y] = self._unknown_around(x, y)
+        return self._gains[x, y]
+
+    def _unknown_around(self, x: float, y: float) -> float:
         info = self._occupancy.info
         row, col = info.cell_of(x, y)
         reach = int(GAIN_REACH / info.resolution)

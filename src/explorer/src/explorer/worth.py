@@ -1,4 +1,4 @@
-"""What is worth a visit: which cells of a map are frontiers, and which frontier points are goals."""
+"""What is worth a visit: which frontier points are goals."""
 
 import math
 from dataclasses import replace

@@ -31,8 +31,8 @@ Row = dict  # what, bar, value, unit, holds, detail
 
 class Bench:
     """One agent among robots whose part is played: all but the last answer its auctions and claim what is nearest to
-    them. `first`, `maps`, `between`: ms of processor time of the steps with the first maps of the stages, with the other
-    maps, and without a map; a step is what the agent does between two waits."""
+    them. `first`, `maps`, `between`: ms of processor time of the steps with the first maps of the stages, with the
+    other maps, and without a map; a step is what the agent does between two waits."""
 
     def __init__(self, team: ScriptedTeam, strategy: int) -> None:
         self._team = team
