@@ -114,15 +114,15 @@ def row(what: str, bar: float, times: Sequence[float], value: float, detail: str
     return {"what": what, "bar": f"<= {bar:g}", "value": value, "unit": "ms", "holds": holds, "detail": detail}
 
 
-def rows(maps: int, strategy: int, size: tuple[float, float] = SIZE) -> list[Row]:
+def rows(maps: int, strategy: int) -> list[Row]:
     """`maps`: of each stage."""
-    team = ScriptedTeam(KIND, SEED, size, ROBOTS)
+    team = ScriptedTeam(KIND, SEED, SIZE, ROBOTS)
     bench = Bench(team, strategy)
     shares = []
     gc.disable()  # its pauses depend on what else is in memory
     for share in SHARES:
-        while team.known < share:
-            team.drive(MAP_PERIOD * SPEED)
+        while team.known < share and team.drive(MAP_PERIOD * SPEED):
+            pass
         shares.append(team.known)
         bench.stage(maps)
     gc.enable()

@@ -55,11 +55,13 @@ class ScriptedTeam:
     def map(self) -> OccupancyMap:
         return OccupancyMap(self.info, np.where(self._seen > 0, self._truth, np.int8(-1)))
 
-    def drive(self, way: float) -> None:
-        """Each robot drives `way` metres and sees what there is to see at the end of it."""
+    def drive(self, way: float) -> bool:
+        """Each robot drives `way` metres and sees what there is to see at the end of it; False once all is seen."""
+        before = self.poses
         for driver in self._drivers:
             self._advance(driver, way)
             self._look(driver.pose)
+        return self.poses != before
 
     def _advance(self, driver: _Driver, way: float) -> None:
         if not driver.path:
