@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from explorer.foreign import Element, ForeignFrontiers, rigid_transform
+from explorer.frontier_map import frontier_cells
 from explorer.frontiers import THINNING_DISTANCE, FrontierStore, thin
-from explorer.worth import frontier_cells
 
 HALL = ["############", "#......     ", "#......     ", "#......     ", "############"]
 

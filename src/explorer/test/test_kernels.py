@@ -14,14 +14,19 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 
 from explorer._kernels import (
     WeightedGrid,
+    any_in_box,
     cells_near,
+    changed_tiles,
     components,
+    connected_part,
     distances_to,
     frontier_cells,
+    large_frontiers,
     lines_are_clear,
     near_any,
     nearest_views,
     pooled_maximum,
+    search_views,
     thin,
 )
 
@@ -246,3 +251,69 @@ def test_components_are_numbered_by_their_first_nodes(seed: int) -> None:
     assert (components(count, edges) == connected_components(matrix, directed=False)[1]).all()
     with pytest.raises(IndexError):
         components(count, np.array([[0, count]]))
+
+
+@settings(max_examples=100)
+@given(seeds, st.integers(1, 12))
+def test_sparse_frontiers_are_those_of_the_grid(seed: int, smallest: int) -> None:
+    random = np.random.default_rng(seed)
+    found = random.random(tuple(random.integers(1, 40, 2))) < random.uniform(0.0, 0.15)
+    _, labels = cv2.connectedComponents(cv2.dilate(found.astype(np.uint8), np.ones((3, 3), np.uint8)), connectivity=8)
+    expected = np.bincount(labels[found], minlength=labels.max() + 1)[labels[found]] >= smallest
+    assert (large_frontiers(np.flatnonzero(found), found.shape[1], smallest) == expected).all()
+
+
+@settings(max_examples=100)
+@given(seeds, st.floats(0.2, 0.8))
+def test_connected_part_is_that_of_opencv(seed: int, share: float) -> None:
+    random = np.random.default_rng(seed)
+    cells = random.random(tuple(random.integers(1, 40, 2))) < share
+    labels = cv2.connectedComponents(cells.astype(np.uint8), connectivity=8)[1]
+    row, col = (int(random.integers(n)) for n in cells.shape)
+    assert (connected_part(cells, row, col) == (cells & cells[row, col] & (labels == labels[row, col]))).all()
+    with pytest.raises(ValueError, match="outside"):
+        connected_part(cells, cells.shape[0], 0)
+
+
+@settings(max_examples=60)
+@given(seeds, st.integers(0, 5))
+def test_any_in_box(seed: int, reach: int) -> None:
+    random = np.random.default_rng(seed)
+    cells = random.random(tuple(random.integers(1, 30, 2))) < 0.05
+    middles = random.integers(-7, 37, (20, 2))
+    for near, (row, col) in zip(any_in_box(cells, middles, reach), middles.tolist()):
+        box = np.s_[max(0, row - reach) : max(0, row + reach + 1), max(0, col - reach) : max(0, col + reach + 1)]
+        assert near == cells[box].any()
+
+
+@settings(max_examples=60)
+@given(seeds, st.integers(1, 9))
+def test_changed_tiles(seed: int, edge: int) -> None:
+    random = np.random.default_rng(seed)
+    before = random.integers(-1, 3, tuple(random.integers(1, 40, 2))).astype(np.int8)
+    after = np.where(random.random(before.shape) < 0.02, before + 1, before).astype(np.int8)
+    tiles = changed_tiles(before, after, edge)
+    assert tiles.shape == tuple(-(-n // edge) for n in before.shape)
+    for row, col in np.ndindex(tiles.shape):
+        tile = np.s_[row * edge : (row + 1) * edge, col * edge : (col + 1) * edge]
+        assert tiles[row, col] == (before[tile] != after[tile]).any()
+
+
+@settings(max_examples=60)
+@given(seeds, st.floats(0.0, 0.3))
+def test_search_tries_every_third_place_from_near_to_far(seed: int, share: float) -> None:
+    random = np.random.default_rng(seed)
+    blocked, reachable = random.random((30, 40)) < share, random.random((15, 20)) < 0.3
+    points = random.uniform((-1.5, 1.5), (3.5, 5.5), (10, 2))
+    found = search_views((0.2, -1.0, 2.0), reachable, (0.1, -1.0, 2.0), blocked, points, 0.9)
+    for point, view in zip(points, found.tolist()):
+        row, col = np.floor((point - (-1.0, 2.0)) / 0.2).astype(int)[::-1]
+        cells = np.argwhere(reachable)
+        cells = cells[np.abs(cells - (row, col)).max(axis=1) <= 4]
+        cells = cells[np.argsort(np.hypot(*(cells - (row, col)).T), kind="stable")[::3]]
+        centres = (cells[:, ::-1] + 0.5) * 0.2 + (-1.0, 2.0)
+        starts, end = (np.floor((p - (-1.0, 2.0)) / 0.1).astype(int)[..., ::-1] for p in (centres, point))
+        seen = lines_are_clear(blocked, starts, np.broadcast_to(end, starts.shape))
+        seen &= np.hypot(*(centres - point).T) <= 0.9
+        expected = cells[int(np.argmax(seen))] @ (20, 1) if seen.any() else -1
+        assert view == expected

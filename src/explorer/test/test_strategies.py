@@ -172,3 +172,14 @@ def test_bids_decide_again_once_a_robot_is_placed_alone_or_away_from_the_start()
     assert chosen(7, scene(*AROUND, name="robot_1", team=("robot_0",), start=(5.0, 5.0), **placed)) == 1
     assert chosen(7, scene(*AROUND, name="robot_1", start=(5.0, 5.0))) == 1
     assert chosen(7, scene(*AROUND, name="robot_1", team=("robot_0",), start=(15.0, 5.0))) == 1
+
+
+def test_costs_are_interpolated_only_for_robots_that_did_not_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each interpolation from another place is a field over the whole map."""
+    positions = {"robot_1": (6.0, 5.0), "robot_2": (14.0, 5.0), "robot_3": (10.0, 2.0)}
+    what = scene(cluster(1, 3.0), cluster(2, 16.0), positions=positions, competitors=tuple(positions))
+    bids = {"robot_1": {1: 4.0}, "robot_2": {1: 9.0, 2: 3.0}}
+    asked = []
+    monkeypatch.setattr(Ways, "from_robot", lambda self, place: asked.append(place) or self.grid.field_from(*place))
+    chosen(7, what, bids)
+    assert set(asked) == {(10.0, 2.0)}

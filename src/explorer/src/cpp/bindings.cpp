@@ -3,15 +3,18 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <tuple>
 #include <vector>
 
+#include "changes.hpp"
 #include "distances.hpp"
 #include "frontier_cells.hpp"
 #include "lines.hpp"
 #include "points.hpp"
 #include "pooling.hpp"
+#include "regions.hpp"
 #include "unknown.hpp"
 #include "views.hpp"
 #include "weighted_grid.hpp"
@@ -53,6 +56,10 @@ std::vector<Cell> path_to(const WeightedGrid& grid, int row, int column, const A
   return grid.path_to({row, column}, costs.data());
 }
 
+bool is_inside(py::ssize_t row, py::ssize_t column, const py::array& grid) {
+  return row >= 0 && column >= 0 && row < grid.shape(0) && column < grid.shape(1);
+}
+
 bool are_pairs(const py::array& array) { return array.ndim() == 2 && array.shape(1) == 2; }
 
 Array<bool> clear_lines(const Array<bool>& blocked, const Array<std::int64_t>& starts,
@@ -85,6 +92,25 @@ Array<bool> find_frontier_cells(const Array<std::int8_t>& cells, int free_below,
   Array<bool> frontier({map.rows, map.columns});
   frontier_cells(map, smallest_unknown, smallest_frontier, frontier.mutable_data());
   return frontier;
+}
+
+Array<bool> find_large_frontiers(const Array<std::int64_t>& cells, py::ssize_t columns, std::size_t smallest) {
+  require(cells.ndim() == 1 && columns > 0, "cells need the shape (n,), columns must be positive");
+  const auto n = static_cast<std::size_t>(cells.shape(0));
+  require(std::is_sorted(cells.data(), cells.data() + n), "cells must ascend");
+  Array<bool> large(cells.shape(0));
+  large_frontiers(cells.data(), n, columns, smallest, large.mutable_data());
+  return large;
+}
+
+Array<bool> find_changed_tiles(const Array<std::int8_t>& before, const Array<std::int8_t>& after, py::ssize_t edge) {
+  require(before.ndim() == 2 && after.ndim() == 2 && before.shape(0) == after.shape(0) &&
+              before.shape(1) == after.shape(1) && edge > 0,
+          "before and after need the same shape (rows, columns)");
+  const py::ssize_t rows = before.shape(0), columns = before.shape(1);
+  Array<bool> changed({(rows + edge - 1) / edge, (columns + edge - 1) / edge});
+  changed_tiles(before.data(), after.data(), rows, columns, edge, changed.mutable_data());
+  return changed;
 }
 
 Array<bool> points_near_any(const Array<double>& points, const Array<double>& places, double distance) {
@@ -137,6 +163,17 @@ Array<std::int64_t> find_views(const Placement& coarse, const Array<std::int32_t
   return views;
 }
 
+Array<std::int64_t> find_views_around(const Placement& coarse, const Array<bool>& reachable, const Placement& fine,
+                                      const Array<bool>& blocked, const Array<double>& points, double view_distance) {
+  require(are_pairs(points), "points need the shape (n, 2)");
+  const Geometry coarse_grid = to_geometry(coarse, reachable), fine_grid = to_geometry(fine, blocked);
+  Array<std::int64_t> views(points.shape(0));
+  search_views(coarse_grid, reinterpret_cast<const std::uint8_t*>(reachable.data()), fine_grid,
+               reinterpret_cast<const std::uint8_t*>(blocked.data()), points.data(),
+               static_cast<std::size_t>(points.shape(0)), view_distance, views.mutable_data());
+  return views;
+}
+
 Array<std::int64_t> number_components(std::size_t count, const Array<std::int64_t>& edges) {
   require(are_pairs(edges), "edges need the shape (m, 2)");
   const auto numbers = components(count, edges.data(), static_cast<std::size_t>(edges.shape(0)));
@@ -164,6 +201,23 @@ Array<bool> near_cells(const Array<bool>& cells, float resolution, float reach) 
   return result;
 }
 
+Array<bool> find_connected(const Array<bool>& cells, py::ssize_t row, py::ssize_t column) {
+  const Mask mask = to_mask(cells);
+  require(is_inside(row, column, cells), "cell lies outside of the grid");
+  Array<bool> part({mask.rows, mask.columns});
+  connected_part(mask.cells, mask.rows, mask.columns, row * mask.columns + column, part.mutable_data());
+  return part;
+}
+
+Array<bool> find_in_boxes(const Array<bool>& cells, const Array<std::int64_t>& middles, py::ssize_t reach) {
+  const Mask mask = to_mask(cells);
+  require(are_pairs(middles), "middles need the shape (n, 2)");
+  Array<bool> near(middles.shape(0));
+  any_in_box(mask.cells, mask.rows, mask.columns, middles.data(), static_cast<std::size_t>(middles.shape(0)), reach,
+             near.mutable_data());
+  return near;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_kernels, module) {
@@ -188,6 +242,18 @@ PYBIND11_MODULE(_kernels, module) {
              py::arg("smallest_unknown"), py::arg("smallest_frontier"),
              "bool (rows, columns): which of the int8 cells, negative where unknown, are free, next to an unknown cell "
              "and not to an occupied one; without unknown islands and frontiers of fewer cells than the smallest.");
+  module.def(
+      "large_frontiers", &find_large_frontiers, py::arg("cells"), py::arg("columns"), py::arg("smallest"),
+      "bool (n,): which frontier cells, ascending flat indices int64 (n,) of a grid with so many columns, belong "
+      "to a frontier of at least that many.");
+  module.def("changed_tiles", &find_changed_tiles, py::arg("before"), py::arg("after"), py::arg("edge"),
+             "bool (ceil(rows / edge), ceil(columns / edge)): which tiles of two int8 grids (rows, columns) differ.");
+  module.def(
+      "connected_part", &find_connected, py::arg("cells"), py::arg("row"), py::arg("column"),
+      "bool (rows, columns): the set cells of a bool array that are connected with one cell, 8 neighbours each.");
+  module.def("any_in_box", &find_in_boxes, py::arg("cells"), py::arg("middles"), py::arg("reach"),
+             "bool (n,): around which middles, int64 (n, 2), a cell of a bool array (rows, columns) is set that is no "
+             "more than `reach` rows and columns away.");
   module.def("near_any", &points_near_any, py::arg("points"), py::arg("places"), py::arg("distance"),
              "bool (n,): which of the float64 points (n, 2) have one of the places (m, 2) nearer than that.");
   module.def(
@@ -206,6 +272,11 @@ PYBIND11_MODULE(_kernels, module) {
       "lie between. labels: int32 on the coarse grid, numbers from 1 on of the nearest of the places, which are "
       "int64 indices of its cells; blocked: bool on the fine grid; grids are placed by (resolution, x, y). groups: "
       "int64 (n,), ascending; the lines of a group are sampled as by `lines_are_clear`.");
+  module.def("search_views", &find_views_around, py::arg("coarse"), py::arg("reachable"), py::arg("fine"),
+             py::arg("blocked"), py::arg("points"), py::arg("view_distance"),
+             "For each point (n, 2) in metres the first cell of the coarse grid, int64 (n,) flat indices, that is "
+             "reachable, near enough and in sight, every third tried from near to far; -1 without one. Grids as in "
+             "`nearest_views`, `reachable` a bool array on the coarse one.");
   module.def("components", &number_components, py::arg("count"), py::arg("edges"),
              "int64 (count,): the part of a graph with these edges, int64 (m, 2), that each node belongs to, numbered "
              "from 0 on in the order of their first nodes.");

@@ -1,6 +1,8 @@
 #include "frontier_cells.hpp"
 
 #include <algorithm>
+#include <array>
+#include <memory>
 #include <vector>
 
 #include "disjoint_sets.hpp"
@@ -79,9 +81,9 @@ void columns_near_unknown(const OccupancyView& map, std::ptrdiff_t row, std::vec
   }
 }
 
-std::vector<std::ptrdiff_t> find_frontiers(const OccupancyView& map, std::size_t smallest_unknown) {
+std::vector<std::int64_t> find_frontiers(const OccupancyView& map, std::size_t smallest_unknown) {
   Islands islands(map, smallest_unknown);
-  std::vector<std::ptrdiff_t> found;
+  std::vector<std::int64_t> found;
   std::vector<std::int8_t> least(static_cast<std::size_t>(map.columns + 2), 0);
   for (std::ptrdiff_t row = 0; row < map.rows; ++row) {
     columns_near_unknown(map, row, least);
@@ -95,36 +97,41 @@ std::vector<std::ptrdiff_t> find_frontiers(const OccupancyView& map, std::size_t
   return found;
 }
 
-// Joins each of the cells, in the order of rows, with those before it that are no more than `kGap` away.
-DisjointSets joined(const OccupancyView& map, const std::vector<std::ptrdiff_t>& cells) {
-  DisjointSets sets(cells.size());
-  std::vector<std::int32_t> numbers(static_cast<std::size_t>(map.rows * map.columns), -1);
-  for (std::size_t number = 0; number < cells.size(); ++number) {
-    const std::ptrdiff_t row = cells[number] / map.columns, column = cells[number] % map.columns;
-    const std::ptrdiff_t right = std::min(column + kGap, map.columns - 1);
-    for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(row - kGap, 0); r <= row; ++r) {
-      for (std::ptrdiff_t c = std::max<std::ptrdiff_t>(column - kGap, 0); c <= right; ++c) {
-        const std::int32_t other = numbers[r * map.columns + c];
-        if (other >= 0) sets.join(number, static_cast<std::size_t>(other));
-      }
+// Joins each of the cells, ascending indices, with those before it that are no more than `kGap` away.
+DisjointSets joined(const std::int64_t* cells, std::size_t n, std::ptrdiff_t columns) {
+  DisjointSets sets(n);
+  std::array<std::size_t, kGap + 1> nearest{};  // for each row above the first cell that may be near enough
+  for (std::size_t number = 0; number < n; ++number) {
+    const std::ptrdiff_t row = cells[number] / columns, column = cells[number] % columns;
+    const std::ptrdiff_t left = std::max<std::ptrdiff_t>(column - kGap, 0);
+    const std::ptrdiff_t right = std::min(column + kGap, columns - 1);
+    for (std::ptrdiff_t up = 0; up <= std::min(kGap, row); ++up) {
+      std::size_t& other = nearest[static_cast<std::size_t>(up)];
+      const std::ptrdiff_t begin = (row - up) * columns;
+      while (cells[other] < begin + left) ++other;
+      for (std::size_t i = other; i < number && cells[i] <= begin + right; ++i) sets.join(number, i);
     }
-    numbers[cells[number]] = static_cast<std::int32_t>(number);
   }
   return sets;
 }
 
 }  // namespace
 
+void large_frontiers(const std::int64_t* cells, std::size_t n, std::ptrdiff_t columns, std::size_t smallest,
+                     bool* large) {
+  DisjointSets sets = joined(cells, n, columns);
+  std::vector<std::size_t> sizes(n, 0);
+  for (std::size_t number = 0; number < n; ++number) ++sizes[sets.find(number)];
+  for (std::size_t number = 0; number < n; ++number) large[number] = sizes[sets.find(number)] >= smallest;
+}
+
 void frontier_cells(const OccupancyView& map, std::size_t smallest_unknown, std::size_t smallest_frontier,
                     bool* frontier) {
   std::fill_n(frontier, map.rows * map.columns, false);
-  const std::vector<std::ptrdiff_t> cells = find_frontiers(map, smallest_unknown);
-  DisjointSets sets = joined(map, cells);
-  std::vector<std::size_t> sizes(cells.size(), 0);
-  for (std::size_t number = 0; number < cells.size(); ++number) ++sizes[sets.find(number)];
-  for (std::size_t number = 0; number < cells.size(); ++number) {
-    frontier[cells[number]] = sizes[sets.find(number)] >= smallest_frontier;
-  }
+  const std::vector<std::int64_t> cells = find_frontiers(map, smallest_unknown);
+  const auto large = std::make_unique<bool[]>(cells.size());
+  large_frontiers(cells.data(), cells.size(), map.columns, smallest_frontier, large.get());
+  for (std::size_t number = 0; number < cells.size(); ++number) frontier[cells[number]] = large[number];
 }
 
 }  // namespace explorer

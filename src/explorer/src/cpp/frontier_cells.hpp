@@ -18,4 +18,9 @@ struct OccupancyView {
 void frontier_cells(const OccupancyView& map, std::size_t smallest_unknown, std::size_t smallest_frontier,
                     bool* frontier);
 
+// Writes to `large` which of n cells, ascending indices of a grid with so many columns, belong to a frontier of at
+// least `smallest` of them.
+void large_frontiers(const std::int64_t* cells, std::size_t n, std::ptrdiff_t columns, std::size_t smallest,
+                     bool* large);
+
 }  // namespace explorer

@@ -27,13 +27,22 @@ bool is_clear(const std::uint8_t* blocked, std::ptrdiff_t rows, std::ptrdiff_t c
 
 }  // namespace
 
+bool line_is_clear(const std::uint8_t* blocked, std::ptrdiff_t rows, std::ptrdiff_t columns, const std::int64_t* start,
+                   const std::int64_t* end, std::int64_t samples) {
+  return is_clear(blocked, rows, columns, {start[0], start[1], end[0], end[1]}, samples);
+}
+
+std::int64_t longest_line(const std::int64_t* starts, const std::int64_t* ends, std::size_t n) {
+  std::int64_t longest = 0;
+  for (std::size_t i = 0; i < 2 * n; ++i) longest = std::max<std::int64_t>(longest, std::llabs(ends[i] - starts[i]));
+  return longest;
+}
+
 void lines_are_clear(const std::uint8_t* blocked, std::ptrdiff_t rows, std::ptrdiff_t columns,
                      const std::int64_t* starts, const std::int64_t* ends, std::size_t n, bool* clear) {
-  std::int64_t steps = 0;
-  for (std::size_t i = 0; i < 2 * n; ++i) steps = std::max<std::int64_t>(steps, std::llabs(ends[i] - starts[i]));
+  const std::int64_t samples = longest_line(starts, ends, n);
   for (std::size_t i = 0; i < n; ++i) {
-    const Line line{starts[2 * i], starts[2 * i + 1], ends[2 * i], ends[2 * i + 1]};
-    clear[i] = is_clear(blocked, rows, columns, line, steps);
+    clear[i] = line_is_clear(blocked, rows, columns, starts + 2 * i, ends + 2 * i, samples);
   }
 }
 

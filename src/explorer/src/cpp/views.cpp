@@ -43,7 +43,59 @@ void look(const Geometry& fine, const std::uint8_t* blocked, const std::vector<s
   }
 }
 
+struct Candidate {
+  double gap;
+  std::int64_t cell;
+};
+
+// Every third of the reachable cells around a point, from near to far, by rows where they are as near.
+std::vector<std::int64_t> cells_around(const Geometry& coarse, const std::uint8_t* reachable, const Point& point,
+                                       double view_distance) {
+  const std::int64_t row = row_of(coarse, point.y), column = column_of(coarse, point.x);
+  const auto reach = static_cast<std::int64_t>(view_distance / coarse.resolution);
+  std::vector<Candidate> found;
+  const std::int64_t bottom = std::min<std::int64_t>(row + reach, coarse.rows - 1);
+  const std::int64_t right = std::min<std::int64_t>(column + reach, coarse.columns - 1);
+  for (std::int64_t r = std::max<std::int64_t>(row - reach, 0); r <= bottom; ++r) {
+    for (std::int64_t c = std::max<std::int64_t>(column - reach, 0); c <= right; ++c) {
+      const std::int64_t cell = r * coarse.columns + c;
+      if (!reachable[cell]) continue;
+      found.push_back({std::hypot(static_cast<double>(r - row), static_cast<double>(c - column)), cell});
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) { return a.gap < b.gap; });
+  std::vector<std::int64_t> cells;
+  for (std::size_t i = 0; i < found.size(); i += 3) cells.push_back(found[i].cell);
+  return cells;
+}
+
+std::int64_t search(const Geometry& coarse, const std::uint8_t* reachable, const Geometry& fine,
+                    const std::uint8_t* blocked, const Point& point, double view_distance) {
+  const std::vector<std::int64_t> cells = cells_around(coarse, reachable, point, view_distance);
+  std::vector<std::int64_t> starts, ends;
+  for (const std::int64_t cell : cells) {
+    const Point place = centre_of(coarse, cell);
+    starts.insert(starts.end(), {row_of(fine, place.y), column_of(fine, place.x)});
+    ends.insert(ends.end(), {row_of(fine, point.y), column_of(fine, point.x)});
+  }
+  const std::int64_t samples = longest_line(starts.data(), ends.data(), cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Point place = centre_of(coarse, cells[i]);
+    if (std::hypot(place.x - point.x, place.y - point.y) > view_distance) continue;
+    if (line_is_clear(blocked, fine.rows, fine.columns, &starts[2 * i], &ends[2 * i], samples)) return cells[i];
+  }
+  return -1;
+}
+
 }  // namespace
+
+void search_views(const Geometry& coarse, const std::uint8_t* reachable, const Geometry& fine,
+                  const std::uint8_t* blocked, const double* points, std::size_t n, double view_distance,
+                  std::int64_t* views) {
+  for (std::size_t i = 0; i < n; ++i) {
+    views[i] = search(coarse, reachable, fine, blocked, {points[2 * i], points[2 * i + 1]}, view_distance);
+  }
+}
 
 void nearest_views(const Geometry& coarse, const std::int32_t* labels, const std::int64_t* places, const Geometry& fine,
                    const std::uint8_t* blocked, const double* points, const std::int64_t* groups, std::size_t n,

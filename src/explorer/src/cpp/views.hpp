@@ -19,4 +19,11 @@ void nearest_views(const Geometry& coarse, const std::int32_t* labels, const std
                    const std::uint8_t* blocked, const double* points, const std::int64_t* groups, std::size_t n,
                    double view_distance, std::int64_t* views);
 
+// For each of n points (x, y) in metres the index of the first cell of `coarse` that is `reachable` (nonzero), no
+// farther than `view_distance` and in sight, into `views`, or -1; every third one is tried, from near to far. Lines of
+// sight to one point are sampled as `lines_are_clear` does.
+void search_views(const Geometry& coarse, const std::uint8_t* reachable, const Geometry& fine,
+                  const std::uint8_t* blocked, const double* points, std::size_t n, double view_distance,
+                  std::int64_t* views);
+
 }  // namespace explorer

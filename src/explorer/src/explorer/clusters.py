@@ -108,8 +108,8 @@ def split_long(points: np.ndarray, labels: np.ndarray, longest: float = LONGEST_
     """Labels of `group` with clusters whose bounding box is longer than `longest` metres cut into equal parts."""
     labels = labels.copy()
     following = int(labels.max()) + 1 if len(labels) else 0
-    for label in range(following):
-        members = np.flatnonzero(labels == label)
+    by_label = np.split(np.argsort(labels, kind="stable"), np.cumsum(np.bincount(labels))[:-1]) if following else []
+    for members in by_label:
         extent = np.ptp(points[members], axis=0)
         axis = int(np.argmax(extent))
         parts = math.ceil(extent[axis] / longest)
@@ -152,10 +152,13 @@ class ClusterStore:
         for _, number, index in sorted(claims):
             if index not in taken and number not in taken.values():
                 taken[index] = number
-        result = []
+        result, former_clusters = [], {cluster.number: cluster for cluster in self.clusters}
         for index, members in enumerate(groups):
             if index not in taken:
                 taken[index] = self._next
                 self._next += 1
-            result.append(Cluster(taken[index], tuple(members)))
+            cluster = Cluster(taken[index], tuple(members))
+            former_cluster = former_clusters.get(cluster.number, cluster)
+            # What is known of the same cluster is not computed again.
+            result.append(former_cluster if former_cluster.members == cluster.members else cluster)
         return sorted(result, key=lambda cluster: cluster.number)

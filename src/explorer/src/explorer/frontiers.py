@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 from typing import Dict, List, Tuple
 
-import cv2
 import numpy as np
 
 from explorer import _kernels
@@ -54,26 +53,22 @@ class FrontierStore:
         return [self.frontiers[number] for number in sorted(self.frontiers)]
 
     def _drop_vanished(self, occupancy: OccupancyMap, cells: np.ndarray) -> List[Frontier]:
-        reach = max(1, int(THINNING_DISTANCE / occupancy.info.resolution))
-        near = _box_dilate(cells, reach)
-        gone = []
-        for frontier in self.ordered():
-            row, col = occupancy.info.cell_of(frontier.x, frontier.y)
-            if not (occupancy.info.contains(row, col) and near[row, col]):
-                gone.append(frontier)
-                del self.frontiers[frontier.number]
+        stored = self.ordered()
+        own = _cells_of(stored, occupancy)
+        stays = occupancy.info.inside(own)
+        stays[stays] = _kernels.any_in_box(cells, own[stays], _reach(occupancy))
+        gone = [frontier for frontier, there in zip(stored, stays.tolist()) if not there]
+        for frontier in gone:
+            del self.frontiers[frontier.number]
         return gone
 
     def _add_uncovered(self, occupancy: OccupancyMap, cells: np.ndarray) -> List[Frontier]:
-        stored = self.ordered()
-        covered = np.zeros(cells.shape, dtype=bool)
-        if stored:
-            own = occupancy.info.cells_of(np.array([(f.x, f.y) for f in stored]))
-            own = own[occupancy.info.inside(own)]
-            covered[own[:, 0], own[:, 1]] = True
-            covered = _box_dilate(covered, max(1, int(THINNING_DISTANCE / occupancy.info.resolution)))
+        own = _cells_of(self.ordered(), occupancy)
+        stored = np.zeros(cells.shape, dtype=bool)
+        stored[own[:, 0], own[:, 1]] = True
         # Several times faster than looking for them in two dimensions.
-        open_cells = np.column_stack(np.divmod(np.flatnonzero(cells & ~covered), cells.shape[1]))
+        open_cells = np.column_stack(np.divmod(np.flatnonzero(cells), cells.shape[1]))
+        open_cells = open_cells[~_kernels.any_in_box(stored, open_cells, _reach(occupancy))]
         new = []
         for x, y in thin(occupancy.info.centres_of(open_cells)).tolist():
             if len(self.frontiers) >= MAXIMUM_FRONTIERS:
@@ -85,5 +80,11 @@ class FrontierStore:
         return new
 
 
-def _box_dilate(mask: np.ndarray, reach: int) -> np.ndarray:
-    return cv2.dilate(mask.view(np.uint8), np.ones((2 * reach + 1, 2 * reach + 1), dtype=np.uint8)) > 0
+def _cells_of(frontiers: List[Frontier], occupancy: OccupancyMap) -> np.ndarray:
+    """(n, 2) int array of the cells of points."""
+    return occupancy.info.cells_of(np.array([(f.x, f.y) for f in frontiers], dtype=float))
+
+
+def _reach(occupancy: OccupancyMap) -> int:
+    """Half edge in cells of the box in which two frontier points count as one."""
+    return max(1, int(THINNING_DISTANCE / occupancy.info.resolution))

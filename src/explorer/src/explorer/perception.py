@@ -6,6 +6,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 import numpy as np
 
 from explorer.clusters import Cluster, ClusterStore
+from explorer.frontier_map import FrontierMap
 from explorer.frontiers import Frontier, FrontierStore
 from explorer.geometry import Position, distance
 from explorer.grid import OccupancyMap
@@ -18,7 +19,7 @@ from explorer.travel import CostField
 from explorer.verdicts import Verdicts
 from explorer.views import Views, sees
 from explorer.ways import Ways, known_near
-from explorer.worth import Worth, frontier_cells, too_much_to_leave, without_detours, worth_of
+from explorer.worth import Worth, too_much_to_leave, without_detours, worth_of
 
 REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
 REPLAN_DISTANCE = 0.3  # m of motion that makes them old
@@ -44,6 +45,7 @@ class Perception:
         self.clusters = ()
         self.worth = Worth({}, {}, False)
         self._prospects: Dict[int, Prospect] = {}
+        self._frontier_map: Optional[FrontierMap] = None
         self.field: Optional[CostField] = None
         self._views: Optional[Views] = None
         self._new_map = self._stale = False
@@ -69,7 +71,8 @@ class Perception:
             return []
         gone: List[Frontier] = []
         if self._new_map:
-            gone = self._read(occupancy, verdicts, Ways(occupancy, self._options.inflation_radius, others, team), now)
+            ways = Ways(occupancy, self._options.inflation_radius, others, team, self.ways)
+            gone = self._read(occupancy, verdicts, ways, now)
         assert self.ways is not None
         self.field = self.ways.grid.field_from(pose.x, pose.y)
         self._views = Views(occupancy, self.field, self._options.view_distance, self._views)
@@ -109,15 +112,23 @@ class Perception:
     def _read(self, occupancy: OccupancyMap, verdicts: Verdicts, ways: Ways, now: float) -> List[Frontier]:
         pose = self._senses.pose
         assert pose is not None
-        self.ways = ways
-        cells = frontier_cells(occupancy, self._options.minimal_frontier_length)
-        new, gone = self.frontiers.update(occupancy, cells)
-        verdicts.follow(new, gone)
+        frontier_map = FrontierMap.of(occupancy, self._frontier_map)
+        same = self.ways is not None and self.ways.grid is ways.grid and self._frontier_map is frontier_map
+        self.ways, self._frontier_map = ways, frontier_map
+        gone = [] if same else self._find_frontiers(occupancy, frontier_map, verdicts)
         verdicts.judge_looked(self._senses.map_time, self._senses.rests(now), now)
         verdicts.revive_changed(self.known_near)
-        self._clusters.update(self.frontiers.ordered(), occupancy)
+        if not same:
+            self._clusters.update(self.frontiers.ordered(), occupancy)
         self._prospects = prospects(self.frontiers.ordered(), ways, (pose.x, pose.y))
         verdicts.follow_clusters(cluster.number for cluster in self._clusters.clusters)
+        return gone
+
+    def _find_frontiers(self, occupancy: OccupancyMap, frontier_map: FrontierMap, verdicts: Verdicts) -> List[Frontier]:
+        """Those that are gone."""
+        cells = frontier_map.of_length(self._options.minimal_frontier_length)
+        new, gone = self.frontiers.update(occupancy, cells)
+        verdicts.follow(new, gone)
         return gone
 
     def _assess(self, verdicts: Verdicts, now: float) -> None:

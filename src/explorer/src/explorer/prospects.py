@@ -2,10 +2,9 @@
 
 from typing import Dict, NamedTuple, Sequence
 
-import cv2
 import numpy as np
 
-from explorer._kernels import unknown_behind
+from explorer._kernels import connected_part, unknown_behind
 from explorer.frontiers import Frontier
 from explorer.geometry import Position
 from explorer.travel import SNAP_DISTANCE, nearest_cell
@@ -41,7 +40,7 @@ def prospects(frontiers: Sequence[Frontier], ways: Ways, place: Position) -> Dic
         round(REACH / resolution),
         max(1, round(SKIPPED / resolution)),
     )
-    fits = ways.grid.fine.clearance[cells[:, 0], cells[:, 1]] >= ways.radius
+    fits = ways.grid.ground.layers.fits[cells[:, 0], cells[:, 1]]
     rows = zip(frontiers, (areas * resolution**2).tolist(), (depths * resolution).tolist(), fits.tolist())
     return {f.number: Prospect(area, inner, depth, fit) for f, (area, inner), depth, fit in rows}
 
@@ -49,10 +48,6 @@ def prospects(frontiers: Sequence[Frontier], ways: Ways, place: Position) -> Dic
 def enterable(ways: Ways, place: Position) -> np.ndarray:
     """bool, of the map's shape: where the centre of the robot, now at `place` in metres, might come to stand if
     everything unknown were free."""
-    grid = ways.grid
-    fits = (grid.fine.clearance >= ways.radius) & (ways.occupancy.unknown | grid.fine.allowed)
-    start = nearest_cell(fits, ways.occupancy.info, *place, SNAP_DISTANCE)
-    if start is None:
-        return fits
-    labels = cv2.connectedComponents(fits.view(np.uint8), connectivity=8)[1]
-    return labels == labels[start]
+    open_cells = ways.grid.ground.layers.enterable
+    start = nearest_cell(open_cells, ways.occupancy.info, *place, SNAP_DISTANCE)
+    return open_cells if start is None else connected_part(open_cells, *start)

@@ -1,7 +1,7 @@
 """Recognising among the own clusters what another robot means by a list of elements (contract 3.6, 3.7)."""
 
 from dataclasses import dataclass
-from typing import FrozenSet, Optional, Sequence
+from typing import FrozenSet, List, Optional, Sequence
 
 import numpy as np
 
@@ -25,15 +25,23 @@ class Listed:
     own: FrozenSet[int]
     places: np.ndarray
 
-    def share_of(self, cluster: Cluster) -> float:
-        """Share of a cluster's members that are listed: by their own key, or by a listed point of another robot within
-        `MATCHING_DISTANCE`."""
-        if not cluster.members:
-            return 0.0
-        found = near_any(cluster.points, self.places, MATCHING_DISTANCE)
+    def shares_of(self, clusters: Sequence[Cluster]) -> List[float]:
+        """For each cluster the share of its members that are listed: by their own key, or by a listed point of another
+        robot within `MATCHING_DISTANCE`."""
+        if not clusters:
+            return []
+        points = np.concatenate([cluster.points for cluster in clusters])
+        found = near_any(points, self.places, MATCHING_DISTANCE)
         if self.own:
-            found |= np.array([member.number in self.own for member in cluster.members], dtype=bool)
-        return int(np.count_nonzero(found)) / len(found)
+            numbers = (member.number for cluster in clusters for member in cluster.members)
+            found |= np.fromiter((number in self.own for number in numbers), dtype=bool, count=len(points))
+        sizes = [len(cluster.members) for cluster in clusters]
+        until = np.cumsum([0, *sizes])
+        counts = np.diff(np.concatenate([[0], np.cumsum(found)])[until])
+        return [count / size if size else 0.0 for count, size in zip(counts.tolist(), sizes)]
+
+    def share_of(self, cluster: Cluster) -> float:
+        return self.shares_of([cluster])[0]
 
 
 def listed(keys: Sequence[Key], foreign: ForeignFrontiers, own_name: str) -> Listed:
@@ -48,8 +56,7 @@ def match(clusters: Sequence[Cluster], elements: Listed) -> Optional[Cluster]:
     there is none."""
     best: Optional[Cluster] = None
     best_share = MATCHING_SHARE
-    for cluster in clusters:
-        share = elements.share_of(cluster)
+    for cluster, share in zip(clusters, elements.shares_of(clusters)):
         if share > best_share:
             best, best_share = cluster, share
     return best

@@ -1,8 +1,9 @@
 """Puts together what the robot knows now."""
 
-from typing import Dict, Tuple
+from typing import Dict, List, Tuple
 
 from explorer.claim import OwnClaim
+from explorer.clusters import Cluster
 from explorer.foreign import ForeignFrontiers
 from explorer.perception import Perception
 from explorer.recognition import Listed, listed
@@ -29,17 +30,18 @@ class SceneMaker:
         self._verdicts, self._team, self._foreign, self._claim = verdicts, team, foreign, claim
         self._known: Tuple[int, Dict[str, Claim]] = (-1, {})
         self._listed: Dict[str, Listed] = {}
+        self._clusters: Tuple[Cluster, ...] = ()
+        self._seen: List[int] = []
 
     def scene(self, now: float) -> Scene:
         assert self._senses.pose is not None and self._perception.ways is not None
         clusters, home = self._perception.clusters, self._senses.home or self._senses.pose
-        seen = (number for cluster in clusters for number in cluster.views)
         return Scene(
             now=now,
             pose=self._senses.pose,
             ways=self._perception.ways,
             clusters=clusters,
-            ready=frozenset(self._verdicts.ready(seen, now)),
+            ready=frozenset(self._verdicts.ready(self._seen_in(clusters), now)),
             awaits_map=self._verdicts.awaits_map(now),
             own=self._claim.number,
             positions=self._team.positions(now),
@@ -49,6 +51,13 @@ class SceneMaker:
             team=tuple(self._team.known()),
             start=(home.x, home.y),
         )
+
+    def _seen_in(self, clusters: Tuple[Cluster, ...]) -> List[int]:
+        """Numbers of the points in sight of a reachable place."""
+        if self._clusters is not clusters:
+            self._clusters = clusters
+            self._seen = [number for cluster in clusters for number in cluster.views]
+        return self._seen
 
     def _placed(self, claims: Dict[str, Claim]) -> Dict[str, Listed]:
         """The claims as this robot sees them; computed anew when they or the points of other robots have changed."""

@@ -6,8 +6,10 @@ from typing import Dict, List, Optional, Tuple
 import cv2
 import numpy as np
 
+from explorer._kernels import distances_to, pooled_maximum
 from explorer.clusters import Cluster
 from explorer.errors import MapError
+from explorer.frontier_map import frontier_cells
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
 from explorer.leftovers import reasons
@@ -18,7 +20,6 @@ from explorer.senses import Senses
 from explorer.travel import SNAP_DISTANCE
 from explorer.verdicts import Verdicts
 from explorer.ways import Ways
-from explorer.worth import frontier_cells
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,11 @@ def _in_largest_space(ways: Ways) -> Position:
     if count < 2:
         raise MapError("there is no place for a robot on this map")
     largest = labels == 1 + int(np.argmax(statistics[1:, cv2.CC_STAT_AREA]))
-    row, col = divmod(int(np.argmax(np.where(largest, grid.coarse_clearance, -1.0))), largest.shape[1])
+    layers, clearance = grid.ground.layers, np.full(grid.occupied.shape, np.inf, dtype=np.float32)
+    if layers.occupied.any():
+        clearance = distances_to(layers.occupied, grid.ground.occupancy.info.resolution)
+    clearance = pooled_maximum(clearance, layers.allowed, grid.factor)
+    row, col = divmod(int(np.argmax(np.where(largest, clearance, -1.0))), largest.shape[1])
     return grid.info.centre_of(row, col)
 
 

@@ -17,7 +17,7 @@ ROBOT_EXTENT = 0.8
 def robot_traces(occupied: np.ndarray, info: GridInfo, places: Sequence[Tuple[float, float]]) -> np.ndarray:
     """(height, width) bool array: which occupied cells are robots at these places in metres. `mr_sim` has the same
     rule in its planner."""
-    traces = np.zeros_like(occupied)
+    traces = np.zeros(occupied.shape, dtype=bool)
     # An obstacle that is small and near enough lies wholly in the window, so one cut off at its edge is never taken.
     reach = int((ROBOT_REACH + ROBOT_EXTENT) / info.resolution) + 2
     for x, y in places:

@@ -10,18 +10,15 @@ from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from explorer._kernels import WeightedGrid, cells_near, distances_to, pooled_maximum
+from explorer._kernels import WeightedGrid
 from explorer.grid import GridInfo, OccupancyMap
-from explorer.traces import robot_traces
+from explorer.ground import MOST_CLEARANCE, Ground
 
 # Traversable cells beyond which the next coarser grid is taken: bounds the time of one field to about 10 ms.
 MAXIMUM_CELLS = 80_000
 
 # Farther than this from any traversable cell a robot or a goal counts as outside of the known free space, in metres.
 SNAP_DISTANCE = 0.8
-
-# A comfortable place keeps this far from unknown cells, in metres.
-UNKNOWN_CLEARANCE = 0.3
 
 
 class CostField:
@@ -74,28 +71,25 @@ class TravelGrid:
         comfort: float,
         robots: Sequence[Tuple[float, float]] = (),
         cell: float = 0.1,
-        like: Optional["TravelGrid"] = None,
+        ground: Optional[Ground] = None,
     ) -> None:
-        """`cell`: edge length in metres of the coarse cells, more where the map is too large. `robots`: positions of
-        the other robots in metres; the small isolated obstacles that the map shows there are taken for the robots.
-        `like`: a grid whose fine cells are taken over if they are of the same map and radius with the same robots.
+        """`comfort`: `MOST_CLEARANCE` or less. `cell`: edge length in metres of the coarse cells, more where the map is
+        too large. `robots`: positions of the other robots in metres; the small isolated obstacles that the map shows
+        there are taken for the robots. `ground`: of this map with these robots, if it is there already.
         """
-        self.fine: _FineCells = _FineCells.of(occupancy, radius, robots, None if like is None else like.fine)
-        self.occupied = self.fine.occupied
-        self.factor = self._factor_for(self.fine.count, cell)
+        if comfort > MOST_CLEARANCE:
+            raise ValueError(f"a comfortable clearance of {comfort:g} m is more than {MOST_CLEARANCE:g} m")
+        self.ground: Ground = Ground.of(occupancy, radius, robots) if ground is None else ground
+        self.occupied = self.ground.layers.occupied
+        self.factor = factor_for(self.ground, cell)
         self.info: GridInfo = self._coarse_info(occupancy.info)
-        # The greatest of a cell's fine cells, -1 where none is allowed.
-        self.coarse_clearance = pooled_maximum(self.fine.clearance, self.fine.allowed, self.factor)
+        # `away_from_unknown`: where the whole footprint stands on known ground, so that a goal there is not deep in the
+        # unknown.
+        self.coarse_clearance, self.away_from_unknown = self.ground.pools(self.factor)
         self.traversable = self.coarse_clearance >= 0
         weight = 1.0 + 2.0 * np.clip(1.0 - self.coarse_clearance / comfort, 0.0, 1.0)
         weight[~self.traversable] = math.inf
         self.weighted: WeightedGrid = WeightedGrid(weight, self.info.resolution)
-
-    @cached_property
-    def away_from_unknown(self) -> np.ndarray:
-        """Where the whole footprint stands on known ground, so that a goal there is not deep in the unknown."""
-        comfortable = self.fine.allowed & ~self.fine.near_unknown
-        return pooled_maximum(self.fine.clearance, comfortable, self.factor) >= 0
 
     def field_from(self, x: float, y: float) -> CostField:
         """Costs from a point in metres; all infinite if the point is off the traversable cells by more than
@@ -109,13 +103,6 @@ class TravelGrid:
         """The cell of a bool array (rows, cols) that is set and nearest to a point in metres, or None."""
         return nearest_cell(mask, self.info, x, y, distance)
 
-    def _factor_for(self, fine_cells: int, cell: float) -> int:
-        resolution = self.fine.info.resolution
-        factor = max(1, round(cell / resolution))
-        while fine_cells / factor**2 > MAXIMUM_CELLS and factor * resolution < 0.25:
-            factor += 1
-        return factor
-
     def _coarse_info(self, fine: GridInfo) -> GridInfo:
         return GridInfo(
             fine.resolution * self.factor,
@@ -124,6 +111,15 @@ class TravelGrid:
             fine.origin_x,
             fine.origin_y,
         )
+
+
+def factor_for(ground: Ground, cell: float) -> int:
+    """Of fine cells to a coarse one, whose edge is to be `cell` metres long."""
+    resolution = ground.occupancy.info.resolution
+    factor = max(1, round(cell / resolution))
+    while ground.count / factor**2 > MAXIMUM_CELLS and factor * resolution < 0.25:
+        factor += 1
+    return factor
 
 
 def nearest_cell(mask: np.ndarray, info: GridInfo, x: float, y: float, distance: float) -> Optional[Tuple[int, int]]:
@@ -143,42 +139,3 @@ def nearest_cell(mask: np.ndarray, info: GridInfo, x: float, y: float, distance:
     if gap[best] * info.resolution > distance:
         return None
     return (int(cells[best, 0]), int(cells[best, 1]))
-
-
-class _FineCells:
-    """What there is to know of the cells of a map itself, for a robot of a certain radius.
-
-    `occupied`, `allowed`: bool arrays of the map's shape, the obstacles without robots and where the centre may be;
-    `clearance`: float32, distance in metres to the nearest obstacle.
-    """
-
-    def __init__(self, occupancy: OccupancyMap, radius: float, robots: np.ndarray) -> None:
-        self.info = occupancy.info
-        self._made_of = (occupancy, radius, robots)
-        free = occupancy.free | robots
-        self.occupied = occupancy.occupied & ~robots
-        if self.occupied.any():
-            self.clearance = distances_to(self.occupied, self.info.resolution)
-        else:
-            self.clearance = np.full(self.occupied.shape, 1e3, dtype=np.float32)
-        self.allowed = free & (self.clearance >= radius)
-        self.count = int(np.count_nonzero(self.allowed))
-        self._unknown = occupancy.unknown & ~free
-
-    @classmethod
-    def of(
-        cls, occupancy: OccupancyMap, radius: float, robots: Sequence[Tuple[float, float]], like: Optional["_FineCells"]
-    ) -> "_FineCells":
-        traces = robot_traces(occupancy.occupied, occupancy.info, robots)
-        if like is not None and like._are_of(occupancy, radius, traces):
-            return like
-        return cls(occupancy, radius, traces)
-
-    def _are_of(self, occupancy: OccupancyMap, radius: float, robots: np.ndarray) -> bool:
-        former = self._made_of
-        return former[0] is occupancy and former[1] == radius and np.array_equal(former[2], robots)
-
-    @cached_property
-    def near_unknown(self) -> np.ndarray:
-        """bool, of the map's shape: nearer than `UNKNOWN_CLEARANCE` to an unknown cell."""
-        return cells_near(self._unknown, self.info.resolution, UNKNOWN_CLEARANCE)

@@ -57,7 +57,7 @@ class Verdict:
 
     def ready(self, now: float) -> bool:
         """It can be tried now."""
-        return self.is_goal and self.retry_at <= now and self.hidden_until <= now
+        return self.retry_at <= now and self.hidden_until <= now and not (self.visited or self.given_up)
 
     def inherited_at(self, x: float, y: float) -> "Verdict":
         """Of a point found anew beside this one."""
@@ -81,6 +81,7 @@ class Verdicts:
         self._spots: List[Verdict] = []
         self._told: List[Told] = []
         self._cluster_failures: Dict[int, int] = {}
+        self._hidden_until = -math.inf  # s, no point is hidden for longer
 
     def of(self, number: int) -> Verdict:
         """Of a point that is on the map."""
@@ -96,7 +97,7 @@ class Verdicts:
 
     def awaits_map(self, now: float) -> bool:
         """True while the map has not had time to show what a look has seen."""
-        return any(verdict.hidden_until > now for verdict in self._of.values())
+        return self._hidden_until > now and any(verdict.hidden_until > now for verdict in self._of.values())
 
     def given_up(self) -> int:
         return sum(verdict.given_up for verdict in self._of.values())
@@ -131,7 +132,8 @@ class Verdicts:
             if verdict.visited or verdict.hidden_until > now:
                 continue
             if number == target or sees(verdict):
-                self._of[number] = replace(verdict, looks=verdict.looks + 1, hidden_until=now + LOOK_TIME)
+                self._hidden_until = now + LOOK_TIME
+                self._of[number] = replace(verdict, looks=verdict.looks + 1, hidden_until=self._hidden_until)
 
     def judge_looked(self, map_time: float, rests: bool, now: float) -> bool:
         """A frontier that is still there on a map younger than the last of several looks counts as visited; so does one

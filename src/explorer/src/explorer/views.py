@@ -3,12 +3,12 @@
 import math
 from dataclasses import replace
 from functools import cached_property
-from typing import List, Mapping, Optional, Sequence, Tuple
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 
-from explorer._kernels import lines_are_clear, nearest_views
+from explorer._kernels import nearest_views, search_views
 from explorer.clusters import Cluster, View
 from explorer.frontiers import Frontier
 from explorer.geometry import turn
@@ -40,10 +40,8 @@ class Views:
         self._lookups: List[_NearestCell] = [
             _NearestCell.of(mask, former) for mask in (comfortable, self._reachable) if mask.any()
         ]
-        if like is not None and like._occupancy is occupancy:
-            self._unknown_sum: np.ndarray = like._unknown_sum
-        else:
-            self._unknown_sum = cv2.integral(occupancy.unknown.view(np.uint8))
+        same = like is not None and like._occupancy is occupancy
+        self._gains: Dict[Tuple[float, float], float] = like._gains if like is not None and same else {}
 
     def of(self, points: np.ndarray, groups: Optional[np.ndarray] = None) -> List[Optional[View]]:
         """For each of (n, 2) points in metres the place (x, y) to look from and its cost, all in metres; None where
@@ -56,10 +54,10 @@ class Views:
             missing = np.flatnonzero(found < 0)
             if len(missing):
                 found[missing] = self._seen_from_nearest(lookup, points[missing], groups[missing])
-        views = self._views_at(found)
-        if not self._lookups:
-            return views
-        return [view or self._search(point) for view, point in zip(views, points)]
+        missing = np.flatnonzero(found < 0)
+        if self._lookups and len(missing):
+            found[missing] = self._searched(points[missing])
+        return self._views_at(found)
 
     def _seen_from_nearest(self, lookup: "_NearestCell", points: np.ndarray, groups: np.ndarray) -> np.ndarray:
         """For (n, 2) points in metres the coarse cell, as a flat index, that is nearest to each, or -1 if the point is
@@ -111,37 +109,31 @@ class Views:
 
     def gain(self, x: float, y: float) -> float:
         """Unknown area in square metres in the square around a point."""
+        if (x, y) not in self._gains:
+            self._gains[x, y] = self._unknown_around(x, y)
+        return self._gains[x, y]
+
+    def _unknown_around(self, x: float, y: float) -> float:
         info = self._occupancy.info
         row, col = info.cell_of(x, y)
         reach = int(GAIN_REACH / info.resolution)
         top, bottom = (min(max(value, 0), info.height) for value in (row - reach, row + reach + 1))
         left, right = (min(max(value, 0), info.width) for value in (col - reach, col + reach + 1))
-        total = self._unknown_sum
-        inside = int(total[bottom, right]) - int(total[top, right]) - int(total[bottom, left]) + int(total[top, left])
+        inside = int(np.count_nonzero(self._occupancy.cells[top:bottom, left:right] < 0))
         outside = (2 * reach + 1) ** 2 - (bottom - top) * (right - left)
         return (inside + outside) * info.resolution**2
 
-    def _search(self, point: np.ndarray) -> Optional[View]:
-        """The nearest reachable place within the view distance that sees the point, tried from near to far."""
-        grid, info = self._field.grid, self._occupancy.info
-        row, col = grid.info.cell_of(point[0], point[1])
-        reach = int(self._view_distance / grid.info.resolution)
-        top, left = max(0, row - reach), max(0, col - reach)
-        cells = np.argwhere(self._reachable[top : max(0, row + reach + 1), left : max(0, col + reach + 1)])
-        if len(cells) == 0:
-            return None
-        cells += np.array((top, left))
-        gaps = np.hypot(cells[:, 0] - row, cells[:, 1] - col)
-        cells = cells[np.argsort(gaps, kind="stable")[::3]]
-        places = grid.info.centres_of(cells)
-        ends = np.broadcast_to(info.cells_of(point), (len(cells), 2))
-        clear = lines_are_clear(grid.occupied, info.cells_of(places), ends)
-        clear &= np.hypot(*(places - point).T) <= self._view_distance
-        if not clear.any():
-            return None
-        first = int(np.argmax(clear))
-        cell = cells[first]
-        return (float(places[first, 0]), float(places[first, 1]), float(self._field.cost[cell[0], cell[1]]))
+    def _searched(self, points: np.ndarray) -> np.ndarray:
+        """As `_seen_from_nearest`, by trying the reachable cells around each point from near to far."""
+        coarse, fine = self._field.grid.info, self._occupancy.info
+        return search_views(
+            (coarse.resolution, coarse.origin_x, coarse.origin_y),
+            self._reachable,
+            (fine.resolution, fine.origin_x, fine.origin_y),
+            self._field.grid.occupied,
+            points,
+            self._view_distance,
+        )
 
 
 def sees(occupied: np.ndarray, info: GridInfo, pose: Pose, field_of_view: float, point: Tuple[float, float]) -> bool:

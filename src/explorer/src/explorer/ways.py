@@ -1,14 +1,15 @@
 """Ways over one map, from any robot and between any places, each computed when it is first asked for."""
 
 from functools import cached_property
-from typing import Dict, Sequence, Tuple
+from typing import Dict, Optional, Sequence, Tuple
 
 import numpy as np
 
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
+from explorer.ground import Ground
 from explorer.tour import ways_between
-from explorer.travel import CostField, TravelGrid
+from explorer.travel import CostField, TravelGrid, factor_for
 
 COMFORT = 0.6  # m, cells nearer to obstacles cost more
 TOUR_CELL = 0.2  # m, resolution at which ways between clusters are measured
@@ -18,14 +19,27 @@ FEWEST_FIELDS = 8  # of other robots' costs that are kept, more in a larger team
 class Ways:
     """A function of a map and of the robots on it; what was computed is kept."""
 
-    def __init__(self, occupancy: OccupancyMap, radius: float, robots: Sequence[Position], team: int = 0) -> None:
+    def __init__(
+        self,
+        occupancy: OccupancyMap,
+        radius: float,
+        robots: Sequence[Position],
+        team: int = 0,
+        former: Optional["Ways"] = None,
+    ) -> None:
         """`radius`: of the robot in metres. `robots`: places of the others in metres, whose traces on the map are no
-        obstacles. `team`: number of robots for which costs are kept."""
+        obstacles. `team`: number of robots for which costs are kept. `former`: over any earlier map; what still holds
+        of it is not computed again."""
         self.occupancy = occupancy
-        self.grid = TravelGrid(occupancy, radius, COMFORT, robots)
         self.radius, self.robots = radius, tuple(robots)
         self._kept = max(FEWEST_FIELDS, team)
+        ground = Ground.of(occupancy, radius, robots, None if former is None else former.grid.ground)
         self._fields: Dict[Position, CostField] = {}
+        if former is not None and former.grid.ground is ground:
+            self.grid: TravelGrid = former.grid
+            self._fields.update(former._fields)
+        else:
+            self.grid = TravelGrid(occupancy, radius, COMFORT, ground=ground)
 
     def from_robot(self, position: Position) -> CostField:
         """Costs from near another robot's place, the same for half a metre around."""
@@ -44,7 +58,9 @@ class Ways:
 
     @cached_property
     def _tour_grid(self) -> TravelGrid:
-        return TravelGrid(self.occupancy, self.radius, COMFORT, self.robots, cell=TOUR_CELL, like=self.grid)
+        if factor_for(self.grid.ground, TOUR_CELL) == self.grid.factor:
+            return self.grid
+        return TravelGrid(self.occupancy, self.radius, COMFORT, cell=TOUR_CELL, ground=self.grid.ground)
 
 
 def known_near(occupancy: OccupancyMap, x: float, y: float, reach: float = 1.0) -> int:

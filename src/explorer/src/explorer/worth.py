@@ -1,4 +1,4 @@
-"""What is worth a visit: which cells of a map are frontiers, and which frontier points are goals."""
+"""What is worth a visit: which frontier points are goals."""
 
 import math
 from dataclasses import replace
@@ -6,42 +6,13 @@ from typing import Dict, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
-from explorer import _kernels
 from explorer._kernels import near_any
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
-from explorer.grid import OccupancyMap
 from explorer.prospects import Prospect
 from explorer.verdicts import Verdicts
 
-# Unknown islands smaller than this, in square metres, are gaps between laser beams, not places to go to.
-SMALLEST_UNKNOWN_AREA = 0.04
-
 TOLD_DISTANCE = 0.5  # m, own frontiers this near to an explored point of another robot are no goals
-
-
-def frontier_cells(occupancy: OccupancyMap, minimal_length: float) -> np.ndarray:
-    """(height, width) bool array of the frontier cells of a map.
-
-    A frontier cell is free, has an unknown cell among its 8 neighbours and no occupied one. Unknown islands below
-    `SMALLEST_UNKNOWN_AREA` make no frontier, and connected frontiers shorter than `minimal_length` metres are noise.
-    """
-    resolution = occupancy.info.resolution
-    return _kernels.frontier_cells(
-        occupancy.cells,
-        occupancy.FREE_BELOW,
-        occupancy.OCCUPIED_FROM,
-        max(1, int(SMALLEST_UNKNOWN_AREA / resolution**2)),
-        _cells_of_length(minimal_length, resolution),
-    )
-
-
-def _cells_of_length(length: float, resolution: float) -> int:
-    """The least number of cells that are at least as long, both in metres."""
-    count = max(0, math.floor(length / resolution) - 1)
-    while count * resolution < length:
-        count += 1
-    return count
 
 
 # Tuned on the office floor (seeds 61 to 67), on `narrow` (61, 62) and on generated:office:71:30x20 (61).

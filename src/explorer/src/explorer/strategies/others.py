@@ -22,13 +22,11 @@ def costs_of_others(
         robot: {rows[number]: bid for number, bid in offered.items() if number in rows}
         for robot, offered in bids.items()
     }
-    costs = cost_matrix(
-        len(clusters), robots, told, scene.positions, lambda place, row: strategy.estimate(scene, place, clusters[row])
-    )
+    places = scene.positions
     if not estimate_unknown:
-        for column, robot in enumerate(robots):
-            if robot in bids:
-                unknown = [row for row, cluster in enumerate(clusters) if cluster.number not in bids[robot]]
-                costs[unknown, column] = np.inf
+        places = {robot: place for robot, place in places.items() if robot not in bids}
+    costs = cost_matrix(
+        len(clusters), robots, told, places, lambda place, row: strategy.estimate(scene, place, clusters[row])
+    )
     keep = [column for column in range(len(robots)) if np.isfinite(costs[:, column]).any()]
     return [robots[column] for column in keep], costs[:, keep]

@@ -1,0 +1,14 @@
+// Connected parts of a grid.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace explorer {
+
+// Writes to `part` (rows * columns) which of the set cells (1, else 0) are connected with the cell at `start` through
+// set cells with 8 neighbours each; none if that cell is not set.
+void connected_part(const std::uint8_t* cells, std::ptrdiff_t rows, std::ptrdiff_t columns, std::ptrdiff_t start,
+                    bool* part);
+
+}  // namespace explorer
