@@ -67,6 +67,11 @@ class ForeignFrontiers:
     def robots(self) -> List[str]:
         return sorted(self._points)
 
+    def has_near(self, element: Element, radius: float) -> bool:
+        """True if its detector has reported a point within `radius` metres of it that is still there."""
+        points = self._points.get(element.detected_by, {})
+        return any(math.hypot(x - element.x, y - element.y) <= radius for x, y in points.values())
+
     def count(self) -> int:
         return sum(len(points) for points in self._points.values())
 

@@ -1,0 +1,73 @@
+"""What the other robots have said: who has anything left to explore, and what they have decided."""
+
+from typing import Dict, Iterable, List, Mapping, Optional, Tuple
+
+import numpy as np
+
+from explorer.foreign import Element, ForeignFrontiers
+from explorer.heard import Heard, HeardVerdict, Witness
+from explorer.statement import Stage, Statement
+from explorer.team import MAXIMUM_ROBOTS
+
+DONE = (Stage.NOTHING_LEFT, Stage.ENDED)
+
+
+class Agreement:
+    """The last statement of each robot in reach, whole, so that none that is lost or doubled does harm. It only ever
+    makes less of what is left: nobody waits for a robot because of it, and with a robot goes its word."""
+
+    def __init__(self, foreign: ForeignFrontiers) -> None:
+        self._foreign = foreign
+        self._said: Dict[str, Statement] = {}
+        self._seen = (-1, -1)
+        self._revision = 0
+        self._heard = Heard()
+
+    def take(self, statement: Statement) -> bool:
+        """False if it is older than what that robot has said already."""
+        last = self._said.get(statement.robot)
+        if last is not None and last.mission == statement.mission and statement.number <= last.number:
+            return False
+        if last is None and len(self._said) >= MAXIMUM_ROBOTS:
+            return False
+        self._said[statement.robot] = statement
+        self._revision += 1
+        return True
+
+    def forget(self, robots: Iterable[str]) -> None:
+        """These robots have left."""
+        for robot in robots:
+            if self._said.pop(robot, None) is not None:
+                self._revision += 1
+
+    def stage(self, robot: str) -> Optional[Stage]:
+        """None for a robot that says nothing of it."""
+        statement = self._said.get(robot)
+        return None if statement is None else statement.stage
+
+    def stages(self) -> Mapping[str, Stage]:
+        return {robot: self._said[robot].stage for robot in sorted(self._said)}
+
+    def heard(self) -> Heard:
+        """By the newest transforms; robots without one say nothing of places."""
+        seen = (self._revision, self._foreign.revision)
+        if seen != self._seen:
+            self._seen, self._heard = seen, self._placed()
+        return self._heard
+
+    def _placed(self) -> Heard:
+        verdicts: List[HeardVerdict] = []
+        witnesses: List[Witness] = []
+        for robot, said in sorted(self._said.items()):
+            if not self._foreign.has_transform(robot):
+                continue
+            places = self._places(robot, [(each.x, each.y) for each in said.verdicts])
+            verdicts += [HeardVerdict(*p, each.kind, each.known, robot) for p, each in zip(places, said.verdicts)]
+            if said.stage in DONE:
+                left = self._places(robot, [(each.x, each.y) for each in said.left])
+                witnesses.append(Witness(robot, said.area, np.array(left, dtype=float).reshape(-1, 2)))
+        return Heard(tuple(verdicts), tuple(witnesses), tuple(sorted(self._said)))
+
+    def _places(self, robot: str, points: List[Tuple[float, float]]) -> List[Tuple[float, float]]:
+        moved = [self._foreign.to_own_frame(Element(robot, 0, *point)) for point in points]
+        return [place for place in moved if place is not None]
