@@ -46,45 +46,45 @@ def statements(bench: Bench) -> List[Statement]:
 
 def test_verdicts_are_placed_by_the_newest_transform() -> None:
     agreement = placed()
-    agreement.take(said(verdicts=[Decided(1.0, 2.0, Kind.VISITED, 3.0)]))
-    assert agreement.heard().verdicts == (HeardVerdict(1.0, 2.0, Kind.VISITED, 3.0, "robot_1"),)
+    agreement.take(said(verdicts=[Decided(1.0, 2.0, Kind.VISITED, 3.0)]), 0.0)
+    assert agreement.heard(1.0).verdicts == (HeardVerdict(1.0, 2.0, Kind.VISITED, 3.0, "robot_1"),)
     agreement._foreign.set_transform("robot_1", np.array([[0.0, -1.0, 5.0], [1.0, 0.0, 0.0]]))
-    assert agreement.heard().verdicts[0][:2] == (3.0, 1.0)
+    assert agreement.heard(1.0).verdicts[0][:2] == (3.0, 1.0)
 
 
 def test_without_a_transform_a_robot_says_nothing_of_places() -> None:
     agreement = placed(transform=None)
-    agreement.take(said(Stage.ENDED, verdicts=[Decided(1.0, 2.0, Kind.VISITED, 3.0)]))
-    heard = agreement.heard()
+    agreement.take(said(Stage.ENDED, verdicts=[Decided(1.0, 2.0, Kind.VISITED, 3.0)]), 0.0)
+    heard = agreement.heard(1.0)
     assert heard.verdicts == heard.witnesses == () and heard.vouched(["robot_1"])
     assert agreement.stage("robot_1") == Stage.ENDED
 
 
 def test_with_a_robot_goes_its_word() -> None:
     agreement = placed()
-    agreement.take(said(Stage.ENDED, verdicts=[Decided(1.0, 2.0, Kind.VISITED, 3.0)]))
+    agreement.take(said(Stage.ENDED, verdicts=[Decided(1.0, 2.0, Kind.VISITED, 3.0)]), 0.0)
     agreement.forget(["robot_1", "robot_2"])
-    assert agreement.heard() == Heard() and agreement.stage("robot_1") is None
+    assert agreement.heard(1.0) == Heard() and agreement.stage("robot_1") is None
 
 
 def test_a_new_mission_of_a_robot_counts_from_the_start() -> None:
     agreement = placed()
-    assert agreement.take(said(Stage.ENDED, number=9))
-    assert not agreement.take(said(number=8)) and agreement.stage("robot_1") == Stage.ENDED
-    assert agreement.take(said(number=1, mission=8)) and agreement.stage("robot_1") == Stage.EXPLORING
+    assert agreement.take(said(Stage.ENDED, number=9), 0.0)
+    assert not agreement.take(said(number=8), 0.0) and agreement.stage("robot_1") == Stage.ENDED
+    assert agreement.take(said(number=1, mission=8), 0.0) and agreement.stage("robot_1") == Stage.EXPLORING
 
 
 def test_robots_beyond_the_bound_are_not_heard() -> None:
     agreement = Agreement(ForeignFrontiers())
-    taken = [agreement.take(said(robot=f"robot_{number}")) for number in range(MAXIMUM_ROBOTS + 1)]
-    assert taken == [True] * MAXIMUM_ROBOTS + [False] and agreement.take(said(robot="robot_1", number=2))
+    taken = [agreement.take(said(robot=f"robot_{number}"), 0.0) for number in range(MAXIMUM_ROBOTS + 1)]
+    assert taken == [True] * MAXIMUM_ROBOTS + [False] and agreement.take(said(robot="robot_1", number=2), 0.0)
 
 
 @given(st.lists(st.integers(1, 20), min_size=1))
 def test_lost_doubled_and_reordered_statements_end_in_the_newest(order: List[int]) -> None:
     agreement = placed()
     for number in order:
-        agreement.take(said(Stage(number % 4), number))
+        agreement.take(said(Stage(number % 4), number), 0.0)
     assert agreement.stage("robot_1") == Stage(max(order) % 4)
 
 
@@ -108,7 +108,24 @@ def test_a_closer_look_is_no_verdict_on_a_point() -> None:
 def test_a_robot_denies_what_it_would_have_to_know(area: float, left: tuple, denied: bool) -> None:
     """Not with a map that has less in it, and not what it leaves itself."""
     heard = Heard(witnesses=(Witness("robot_1", area, np.array([left])),))
-    assert heard.denied_by(np.array([(1.0, 1.0), (1.2, 1.0)]), 100.0) == ("robot_1" if denied else None)
+    assert heard.denied_by(np.array([(1.0, 1.0), (1.2, 1.0)]), 100.0, 0.0) == ("robot_1" if denied else None)
+
+
+@pytest.mark.parametrize("area, fresh, denied", [(103.0, True, True), (101.0, True, False), (103.0, False, False)])
+def test_an_opening_is_denied_for_a_while_by_a_robot_that_knows_more(area: float, fresh: bool, denied: bool) -> None:
+    heard = Heard(witnesses=(Witness("robot_1", area, np.zeros((0, 2)), fresh),))
+    assert heard.denied_by(np.array([(1.0, 1.0)]), 100.0, 4.0) == ("robot_1" if denied else None)
+
+
+def test_who_has_nothing_left_is_fresh_for_a_while_however_often_it_says_so() -> None:
+    agreement = placed()
+    agreement.take(said(Stage.NOTHING_LEFT, 1), 0.0)
+    agreement.take(said(Stage.ENDED, 2), 3.0)
+    assert agreement.heard(7.9).witnesses[0].fresh and not agreement.heard(8.0).witnesses[0].fresh
+    agreement.take(said(Stage.EXPLORING, 3), 10.0)
+    assert not agreement.heard(10.0).witnesses
+    agreement.take(said(Stage.NOTHING_LEFT, 4), 11.0)
+    assert agreement.heard(12.0).witnesses[0].fresh
 
 
 # ---- what is said -------------------------------------------------------------------------------------------------

@@ -143,7 +143,7 @@ class ExplorerAgent:
     def on_statement(self, statement: Statement, now: float) -> None:
         """What another robot has decided, and whether it has anything left."""
         if self._edge.accepts_statement(statement):
-            self.mission.take_statement(statement)
+            self.mission.take_statement(statement, now)
 
     def on_goal_accepted(self, goal_id: int, now: float) -> None:
         self.mission.driver.take_accepted(goal_id, now)

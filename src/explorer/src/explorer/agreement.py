@@ -8,6 +8,7 @@ from explorer.foreign import Element, ForeignFrontiers
 from explorer.heard import Heard, HeardVerdict, Witness
 from explorer.statement import Stage, Statement
 from explorer.team import MAXIMUM_ROBOTS
+from explorer.verdicts import TOLD_TIME
 
 DONE = (Stage.NOTHING_LEFT, Stage.ENDED)
 
@@ -19,11 +20,12 @@ class Agreement:
     def __init__(self, foreign: ForeignFrontiers) -> None:
         self._foreign = foreign
         self._said: Dict[str, Statement] = {}
-        self._seen = (-1, -1)
+        self._done_since: Dict[str, float] = {}
+        self._seen: Tuple[int, int, Tuple[str, ...]] = (-1, -1, ())
         self._revision = 0
         self._heard = Heard()
 
-    def take(self, statement: Statement) -> bool:
+    def take(self, statement: Statement, now: float) -> bool:
         """False if it is older than what that robot has said already."""
         last = self._said.get(statement.robot)
         if last is not None and last.mission == statement.mission and statement.number <= last.number:
@@ -31,12 +33,17 @@ class Agreement:
         if last is None and len(self._said) >= MAXIMUM_ROBOTS:
             return False
         self._said[statement.robot] = statement
+        if statement.stage not in DONE:
+            self._done_since.pop(statement.robot, None)
+        else:
+            self._done_since.setdefault(statement.robot, now)
         self._revision += 1
         return True
 
     def forget(self, robots: Iterable[str]) -> None:
         """These robots have left."""
         for robot in robots:
+            self._done_since.pop(robot, None)
             if self._said.pop(robot, None) is not None:
                 self._revision += 1
 
@@ -48,14 +55,15 @@ class Agreement:
     def stages(self) -> Mapping[str, Stage]:
         return {robot: self._said[robot].stage for robot in sorted(self._said)}
 
-    def heard(self) -> Heard:
-        """By the newest transforms; robots without one say nothing of places."""
-        seen = (self._revision, self._foreign.revision)
+    def heard(self, now: float) -> Heard:
+        """By the newest transforms; robots without one say nothing of places. The same object while nothing changes."""
+        fresh = tuple(robot for robot, since in sorted(self._done_since.items()) if now - since < TOLD_TIME)
+        seen = (self._revision, self._foreign.revision, fresh)
         if seen != self._seen:
-            self._seen, self._heard = seen, self._placed()
+            self._seen, self._heard = seen, self._placed(fresh)
         return self._heard
 
-    def _placed(self) -> Heard:
+    def _placed(self, fresh: Tuple[str, ...]) -> Heard:
         verdicts: List[HeardVerdict] = []
         witnesses: List[Witness] = []
         for robot, said in sorted(self._said.items()):
@@ -65,7 +73,8 @@ class Agreement:
             verdicts += [HeardVerdict(*p, each.kind, each.known, robot) for p, each in zip(places, said.verdicts)]
             if said.stage in DONE:
                 left = self._places(robot, [(each.x, each.y) for each in said.left])
-                witnesses.append(Witness(robot, said.area, np.array(left, dtype=float).reshape(-1, 2)))
+                places_left = np.array(left, dtype=float).reshape(-1, 2)
+                witnesses.append(Witness(robot, said.area, places_left, robot in fresh))
         return Heard(tuple(verdicts), tuple(witnesses), tuple(sorted(self._said)))
 
     def _places(self, robot: str, points: List[Tuple[float, float]]) -> List[Tuple[float, float]]:

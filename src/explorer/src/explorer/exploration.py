@@ -102,10 +102,10 @@ class Exploration:
             if place is not None and not self._foreign.has_near(element, MOVED_DISTANCE):
                 self.verdicts.believe_explored(element.detected_by, *place, now)
 
-    def take_statement(self, statement: Statement) -> None:
+    def take_statement(self, statement: Statement, now: float) -> None:
         """What another robot has decided, and whether it has anything left."""
         if statement.robot in self.team.known():
-            self.agreement.take(statement)
+            self.agreement.take(statement, now)
 
     def take_choice(self, elements: Sequence[Element], now: float) -> None:
         """The clusters that others have chosen (strategies 5 and 6)."""
@@ -236,6 +236,7 @@ class Exploration:
         """True if a map shows something new that counts, after the robot has ended because nothing was left."""
         if not self.orders.complete or self.orders.paused or not self._reopening.due(now):
             return False
+        self._perception.touch()
         self._perceive(now)
         return self._reopening.wanted(self._scenes.scene(now))
 
@@ -247,7 +248,7 @@ class Exploration:
         self._be(State.EXPLORING, "goes on")
 
     def _perceive(self, now: float) -> None:
-        heard = self.agreement.heard()
+        heard = self.agreement.heard(now)
         if heard is not self.verdicts.heard:
             self.verdicts.heard = heard
             self._perception.touch()

@@ -104,12 +104,16 @@ def without_denied(
     heard: Heard,
     occupancy: OccupancyMap,
 ) -> Tuple[Tuple[Cluster, ...], Worth]:
-    """The clusters without views where they are no openings and a robot that has nothing left does not know of them:
-    they are there on the own map, `occupancy`, alone."""
+    """The clusters without views where a robot that has nothing left does not know of them: they are there on the own
+    map, `occupancy`, alone, or not on it yet."""
     reasons: Dict[int, str] = {}
     for cluster in clusters if heard.witnesses else ():
-        robot = heard.denied_by(cluster.points, occupancy.known_area) if cluster.views else None
-        if robot is not None and not is_opening([prospects[number] for number in cluster.views]):
+        if not cluster.views:
+            continue
+        seen = [prospects[number] for number in cluster.views]
+        opening = max(prospect.enterable for prospect in seen) if is_opening(seen) else 0.0
+        robot = heard.denied_by(cluster.points, occupancy.known_area, opening)
+        if robot is not None:
             reasons.update(dict.fromkeys(cluster.views, TOLD.format(robot)))
     return _without(clusters, worth, reasons)
 
