@@ -5,7 +5,7 @@ from typing import Any, List, Optional, Sequence
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_agent import IDENTITY, Bench, closed, corridor
 
@@ -37,7 +37,9 @@ def placed(robot: str = "robot_1", transform: Optional[np.ndarray] = IDENTITY) -
     return Agreement(foreign)
 
 
-def statements(bench: Bench) -> List[Statement]:
+def statements(bench: Bench, seconds: float = 0.0) -> List[Statement]:
+    """All that were sent, after it has run for so long."""
+    bench.run(seconds)
     return [effect.statement for effect in bench.effects if isinstance(effect, SendStatement)]
 
 
@@ -254,6 +256,52 @@ def test_a_frontier_that_has_only_moved_is_not_explored() -> None:
     told_all_explored(bench)
     bench.map(corridor(left=False)).run(0.4)
     assert bench.agent.perception.worth.goals
+
+
+def pocketed() -> Any:
+    """A closed corridor whose wall hides an unknown pocket of 2 m x 0.5 m, where no robot fits in."""
+    occupancy = closed()
+    cells = occupancy.cells.copy()
+    cells[26:31, 110:130] = -1
+    return replace(occupancy, cells=cells)
+
+
+@pytest.mark.parametrize("area, left, goes", [(64.0, (), False), (60.0, (), True), (64.0, ((1.9, 1.0),), True)])
+def test_nobody_drives_on_for_what_a_robot_that_has_ended_does_not_see(area: float, left: tuple, goes: bool) -> None:
+    """Unless that robot's map has less in it, or it leaves the place itself, as not worth its way."""
+    bench = Bench(7).map(pocketed()).join("robot_1", position=(-5.0, 0.0))
+    places = [LeftPlace(x, y, 0.5, "not worth the way") for x, y in left]
+    bench.agent.on_statement(said(Stage.ENDED, left=places, area=area), bench.now)
+    bench.run(0.4)
+    assert bool(bench.goals()) == goes
+    assert ends_within(bench, 8.0, pocketed()) != goes
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from(["none", "partition", "death"]))
+@settings(max_examples=20)
+def test_a_team_ends_whatever_is_lost(seed: int, failure: str) -> None:
+    """Statements are lost, doubled and late; the robots part from each other, or one falls silent."""
+    random = np.random.default_rng(seed)
+    robots = {name: Bench(7, robot_name=name, return_home=False) for name in ("robot_0", "robot_1")}
+    for name, bench in robots.items():
+        bench.map(pocketed()).join(*(other for other in robots if other != name))
+    late: List[Any] = []
+    for second in range(60):
+        for name, bench in robots.items():
+            if failure != "none" and second == 5:
+                bench.agent.on_robots([], bench.now)
+            if failure == "death" and second >= 5 and name == "robot_1":
+                continue
+            bench.effects.clear()
+            bench.place(2.0 - 0.1 * (second < 20), 0.0, 1.5)
+            late += [(name, each) for each in statements(bench.map(pocketed() if second < 30 else closed()), 1.0)]
+        for name, statement in [each for each in late if random.random() < 0.5]:
+            for other, bench in robots.items():
+                if other != name and random.random() < 0.7:
+                    bench.agent.on_statement(statement, bench.now)
+        late = late[-10:]
+    assert robots["robot_0"].agent.finished_at is not None
+    assert failure == "death" or robots["robot_1"].agent.finished_at is not None
 
 
 def ended(**options: Any) -> Bench:
