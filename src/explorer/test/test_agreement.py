@@ -277,6 +277,17 @@ def test_nobody_drives_on_for_what_a_robot_that_has_ended_does_not_see(area: flo
     assert ends_within(bench, 8.0, pocketed()) != goes
 
 
+@pytest.mark.parametrize("area, goes", [(64.0, False), (60.0, True)])
+def test_what_the_team_leaves_is_not_taken_up_by_the_last(area: float, goes: bool) -> None:
+    """Alone a robot would drive there in the end, far as it is."""
+    bench = Bench(7).join("robot_1", position=(-9.0, 0.5))
+    bench.place(-8.0, 0.0)
+    bench.map(pocketed())
+    bench.agent.on_statement(said(Stage.ENDED, left=[LeftPlace(1.9, 1.0, 0.5, "noise")], area=area), bench.now)
+    bench.run(1.0)
+    assert bool(bench.goals()) == goes
+
+
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["none", "partition", "death"]))
 @settings(max_examples=20)
 def test_a_team_ends_whatever_is_lost(seed: int, failure: str) -> None:

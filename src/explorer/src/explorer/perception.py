@@ -143,10 +143,14 @@ class Perception:
         clusters = self._views.assess(self._clusters.clusters, worth.goals)
         self.clusters, self.worth = without_detours(clusters, worth, self._prospects)
         self._deny(verdicts)
-        if not any(cluster.reachable for cluster in self.clusters):
+        if not any(cluster.reachable for cluster in self.clusters) and not self._settled(verdicts):
             self._take_up_leftovers()
-            self._deny(verdicts)
         self.revision += 1
+
+    def _settled(self, verdicts: Verdicts) -> bool:
+        """The team has come to the end, and leaves little enough."""
+        assert self._senses.map is not None
+        return bool(verdicts.heard.witnesses) and verdicts.heard.settled(self._senses.map.known_area)
 
     def _deny(self, verdicts: Verdicts) -> None:
         assert self._senses.map is not None

@@ -45,10 +45,11 @@ def _cells_of_length(length: float, resolution: float) -> int:
     return count
 
 
-# Tuned on the office floor (seeds 61 to 67), on `narrow` (61, 62) and on generated:office:71:30x20 (61).
+# Tuned on the office floor (seeds 61 to 67, 603 to 607), on `narrow` (61, 62), generated:office:71:30x20 (61) and
+# generated:hall:612 (621).
 LEAST_AREA = 0.25  # m^2 that must be unknown behind a point
 LEAST_POINTS = 2  # of that kind that make a cluster a goal; one less where the robot can pass
-ROOM = 0.5  # m^2 of unknown ground where the robot might stand, behind two points, make an opening
+ROOM = 0.8  # m^2 of unknown ground where the robot might stand, behind two points, make an opening
 WAY_FOR_AREA = 4.0  # m of way that a square metre is worth that is no opening
 LEFT_SHARE = 0.004  # of the known free area: m^2 of unknown ground that may be left unseen in small pieces
 
