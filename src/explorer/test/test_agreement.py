@@ -54,6 +54,16 @@ def test_verdicts_are_placed_by_the_newest_transform() -> None:
     assert agreement.heard(1.0).verdicts[0][:2] == (3.0, 1.0)
 
 
+def test_points_and_transforms_that_are_told_again_change_nothing() -> None:
+    """Else everything would be perceived anew with each message."""
+    agreement = placed()
+    agreement.take(said(Stage.ENDED, verdicts=[Decided(1.0, 2.0, Kind.VISITED, 3.0)]), 0.0)
+    before = agreement.heard(1.0)
+    agreement._foreign.add(Element("robot_1", 3, 1.0, 1.0))
+    agreement._foreign.set_transform("robot_1", IDENTITY.copy())
+    assert agreement.heard(1.0) is before
+
+
 def test_without_a_transform_a_robot_says_nothing_of_places() -> None:
     agreement = placed(transform=None)
     agreement.take(said(Stage.ENDED, verdicts=[Decided(1.0, 2.0, Kind.VISITED, 3.0)]), 0.0)

@@ -58,7 +58,7 @@ class Agreement:
     def heard(self, now: float) -> Heard:
         """By the newest transforms; robots without one say nothing of places. The same object while nothing changes."""
         fresh = tuple(robot for robot, since in sorted(self._done_since.items()) if now - since < TOLD_TIME)
-        seen = (self._revision, self._foreign.revision, fresh)
+        seen = (self._revision, self._foreign.transform_revision, fresh)
         if seen != self._seen:
             self._seen, self._heard = seen, self._placed(fresh)
         return self._heard

@@ -250,8 +250,9 @@ class Exploration:
     def _perceive(self, now: float) -> None:
         heard = self.agreement.heard(now)
         if heard is not self.verdicts.heard:
+            if heard.has_places or self.verdicts.heard.has_places:
+                self._perception.touch()
             self.verdicts.heard = heard
-            self._perception.touch()
         others, known = list(self.team.positions(now).values()), len(self.team.known())
         self.sharing.take_vanished(self._perception.update(self.verdicts, others, known, now))
         self.sharing.ask_transforms(self._foreign.robots(), now)

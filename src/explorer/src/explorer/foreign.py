@@ -40,6 +40,7 @@ class ForeignFrontiers:
         self._points: Dict[str, Dict[int, Tuple[float, float]]] = {}
         self._transforms: Dict[str, Tuple[float, ...]] = {}
         self.revision = 0  # counts the changes
+        self.transform_revision = 0  # counts those of transforms
 
     def add(self, element: Element) -> None:
         points = self._points.setdefault(element.detected_by, {})
@@ -56,10 +57,12 @@ class ForeignFrontiers:
     def set_transform(self, robot: str, transform: Optional[np.ndarray]) -> None:
         """`transform`: (2, 3) array from the robot's map frame to the own one in metres; None: not known."""
         self.revision += 1
-        if transform is None:
+        rows = None if transform is None else tuple(np.asarray(transform, dtype=float).reshape(6).tolist())
+        self.transform_revision += rows != self._transforms.get(robot)
+        if rows is None:
             self._transforms.pop(robot, None)
         else:
-            self._transforms[robot] = tuple(np.asarray(transform, dtype=float).reshape(6).tolist())
+            self._transforms[robot] = rows
 
     def has_transform(self, robot: str) -> bool:
         return robot in self._transforms

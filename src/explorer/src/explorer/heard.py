@@ -48,6 +48,10 @@ class Heard:
     witnesses: Tuple[Witness, ...] = ()
     speakers: Tuple[str, ...] = ()
 
+    @property
+    def has_places(self) -> bool:
+        return bool(self.verdicts or self.witnesses)
+
     @cached_property
     def _decided(self) -> Tuple[HeardVerdict, ...]:
         return tuple(verdict for verdict in self.verdicts if verdict.kind != Kind.LOOKED)
