@@ -252,7 +252,7 @@ def test_the_word_of_a_robot_that_says_what_it_leaves_is_not_waited_out(speaks: 
     bench = Bench(7).map(corridor(left=False)).join("robot_1")
     bench.run(0.4)
     if speaks:
-        bench.agent.on_statement(said(), bench.now)
+        bench.agent.on_statement(said(Stage.NOTHING_LEFT, area=1.0), bench.now)
     told_all_explored(bench)
     assert ends_within(bench, 5.0, corridor(left=False)) == speaks
 
@@ -386,11 +386,45 @@ def test_a_robot_comes_to_an_end_however_often_maps_change() -> None:
     assert bench.agent.state == State.FINISHED
 
 
-def test_nobody_is_waited_for() -> None:
-    """Others that say that they explore, and one that says nothing, keep nobody from ending."""
+@pytest.mark.parametrize("speaks", [False, True])
+def test_nobody_is_waited_for_for_ever(speaks: bool) -> None:
+    """For one that says nothing of the end not at all, for one that goes on saying that it explores half a
+    minute."""
     bench = Bench(7).map(closed()).join("robot_1", "robot_2")
+    ends_at = 0
+    for second in range(60):
+        if speaks:
+            bench.agent.on_statement(said(number=second + 1), bench.now)
+        bench.map(closed()).run(1.0)
+        if bench.agent.finished_at is not None:
+            ends_at = second
+            break
+    assert (30 <= ends_at <= 33) if speaks else (3 <= ends_at <= 8)
+
+
+@pytest.mark.parametrize("what", ["ends", "falls silent", "leaves", "quits"])
+def test_a_robot_stays_no_longer_than_others_explore(what: str) -> None:
+    bench = Bench(7).map(closed()).join("robot_1")
     bench.agent.on_statement(said(), bench.now)
-    assert ends_within(bench, 8.0, closed())
+    bench.map(closed()).run(10.0)
+    assert bench.agent.finished_at is None and statements(bench)[-1].stage == Stage.NOTHING_LEFT
+    if what == "leaves":
+        bench.agent.on_robots([], bench.now)
+    elif what != "falls silent":
+        bench.agent.on_statement(said(Stage.ENDED if what == "ends" else Stage.QUIT, number=2), bench.now)
+    bench.map(closed()).run(16.0 if what == "falls silent" else 1.0)
+    assert bench.agent.finished_at is not None
+
+
+def test_a_paused_robot_is_not_waited_for() -> None:
+    bench = Bench(7).map(corridor()).join("robot_1")
+    bench.run(1.0)
+    bench.agent.pause(bench.now)
+    bench.run(1.0)
+    assert statements(bench)[-1].stage == Stage.QUIT
+    bench.agent.resume(bench.now)
+    bench.run(1.0)
+    assert statements(bench)[-1].stage == Stage.EXPLORING
 
 
 # ---- places -------------------------------------------------------------------------------------------------------

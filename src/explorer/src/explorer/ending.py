@@ -16,6 +16,7 @@ from explorer.verdicts import Verdicts
 WORTH_A_LOOK = 4  # frontier points without a viewpoint that are worth a closer look before the end
 CLOSER_LOOKS = 20  # such looks in a mission
 LOOKS_AT_A_SPOT = 2  # of all robots
+TEAM_PATIENCE = 30.0  # s that a robot with nothing left stays in the mission for others that explore
 LOOK_DISTANCE = 1.0  # m, a look of another robot this near is one at the same spot
 
 
@@ -67,7 +68,12 @@ class Ending:
             self._claim.release()
         if scene.now - self._empty_since < self._delay or not fresh:
             return False
-        return not (self._try_given_up_again() or self._look_closer(scene))
+        return not (self._try_given_up_again() or self._look_closer(scene) or self._may_be_needed(scene.now))
+
+    def _may_be_needed(self, now: float) -> bool:
+        """Others still explore: what they find is shared out while this robot is there. It does not wait for long."""
+        assert self._empty_since is not None
+        return bool(self._verdicts.heard.explorers) and now - self._empty_since < TEAM_PATIENCE
 
     def _try_given_up_again(self) -> bool:
         again = self._verdicts.revive_once()

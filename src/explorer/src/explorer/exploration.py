@@ -230,6 +230,8 @@ class Exploration:
     def _stage(self) -> Stage:
         if self.finished_at is not None:
             return Stage.ENDED if self.orders.complete else Stage.QUIT
+        if self.orders.paused:
+            return Stage.QUIT
         return Stage.NOTHING_LEFT if self.ending.nothing_left else Stage.EXPLORING
 
     def _reopens(self, now: float) -> bool:

@@ -42,11 +42,13 @@ class Witness(NamedTuple):
 
 @dataclass(frozen=True)
 class Heard:
-    """`speakers`: the robots in reach that have said something; what they said of places needs their transforms."""
+    """`speakers`: the robots in reach that have said something; what they said of places needs their transforms.
+    `explorers`: those of them that have said lately that they still explore."""
 
     verdicts: Tuple[HeardVerdict, ...] = ()
     witnesses: Tuple[Witness, ...] = ()
     speakers: Tuple[str, ...] = ()
+    explorers: Tuple[str, ...] = ()
 
     @property
     def has_places(self) -> bool:
