@@ -23,8 +23,10 @@ from adhoc_communication.srv import (
     SendExpAuctionResponse,
     SendExpFrontier,
     SendExpFrontierResponse,
+    SendMessage,
+    SendMessageResponse,
 )
-from explorer.msg import ExplorationState, ExplorationStatus
+from explorer.msg import ExplorationState, ExplorationStatus, TeamVerdicts
 from geometry_msgs.msg import PointStamped, TransformStamped
 from map_merger.srv import LogMaps, LogMapsResponse, TransformPoint, TransformPointResponse
 from move_base_msgs.msg import MoveBaseAction, MoveBaseResult
@@ -44,17 +46,20 @@ class FakeRobot:
         self.known = 90
         self.sent_frontiers: List[Any] = []
         self.sent_auctions: List[Any] = []
+        self.said: List[TeamVerdicts] = []
         self.log_masks: List[int] = []
         self.goals: List[Tuple[float, float]] = []
         self.lock = threading.Lock()
         self.map_publisher = rospy.Publisher("map_merger/global_map", OccupancyGrid, queue_size=1, latch=True)
         self.meta_publisher = rospy.Publisher("map_metadata", MapMetaData, queue_size=1, latch=True)
         self.auction_publisher = rospy.Publisher("auction", ExpAuction, queue_size=10, latch=True)
+        self.verdicts_publisher = rospy.Publisher("explorer/verdicts", TeamVerdicts, queue_size=1)
         self.status_publisher = rospy.Publisher("adhoc_communication/status", Status, queue_size=1, latch=True)
         self.positions_publisher = rospy.Publisher("all_positions", MmListOfPoints, queue_size=1)
         self.tf = tf2_ros.TransformBroadcaster()
         rospy.Service("adhoc_communication/send_frontier", SendExpFrontier, self.on_frontier)
         rospy.Service("adhoc_communication/send_auction", SendExpAuction, self.on_auction)
+        rospy.Service("adhoc_communication/send_message", SendMessage, self.on_message)
         rospy.Service("map_merger/transformPoint", TransformPoint, self.on_transform)
         rospy.Service("map_merger/logOutput", LogMaps, self.on_log)
         self.move_base = actionlib.SimpleActionServer("move_base", MoveBaseAction, self.drive, auto_start=False)
@@ -104,6 +109,14 @@ class FakeRobot:
             reply.available_clusters = [ExpCluster(c.ids_contained, 50.0) for c in request.auction.requested_clusters]
             self.auction_publisher.publish(reply)
         return SendExpAuctionResponse(1)
+
+    def on_message(self, request: Any) -> SendMessageResponse:
+        """What robot_0 says comes back as if robot_1 said that it has ended."""
+        assert (request.dst_robot, request.topic) == ("mc_robot_0", "explorer/verdicts"), request
+        assert (request.type, request.md5sum) == ("explorer/TeamVerdicts", TeamVerdicts._md5sum)
+        self.said.append(TeamVerdicts().deserialize(request.data))
+        self.verdicts_publisher.publish(TeamVerdicts("robot_1", 1, len(self.said), TeamVerdicts.ENDED, 0.0, [], []))
+        return SendMessageResponse(1)
 
     def on_transform(self, request: Any) -> TransformPointResponse:
         point = request.point
@@ -170,6 +183,7 @@ class TestNode(unittest.TestCase):
         self.assertGreater(state.exploration_time, 3.0)
         self.assertGreaterEqual(state.auctions_completed, 1)
         self.check_messages()
+        self.check_statements()
         self.check_goals()
         self.check_logs()
 
@@ -187,7 +201,7 @@ class TestNode(unittest.TestCase):
 
         def take(status: ExplorationStatus) -> None:
             seen.append(status)
-            if status.team and status.has_goal:
+            if status.team_finished and status.has_goal:
                 done.set()
 
         subscriber = rospy.Subscriber("explorer/status", ExplorationStatus, take)
@@ -196,9 +210,15 @@ class TestNode(unittest.TestCase):
         status = seen[-1]
         self.assertEqual((status.robot_name, status.header.frame_id), ("robot_0", "map"))
         self.assertEqual((status.strategy, status.bid_unit), ("coordinated", 7))
-        self.assertEqual((list(status.team), list(status.team_finished)), (["robot_1"], []))
+        self.assertEqual((list(status.team), list(status.team_finished)), (["robot_1"], ["robot_1"]))
         self.assertIn("bid ", status.goal_reason)
         self.assertGreater(status.area_known, 20.0)
+
+    def check_statements(self) -> None:
+        stages = [said.stage for said in self.fake.said]
+        self.assertEqual((stages[0], stages[-1]), (TeamVerdicts.EXPLORING, TeamVerdicts.ENDED))
+        self.assertEqual([said.number for said in self.fake.said], list(range(1, len(stages) + 1)))
+        self.assertEqual(self.fake.said[-1].robot_name, "robot_0")
 
     def check_pictures(self) -> None:
         markers = rospy.wait_for_message("frontierPoints", MarkerArray, 10)

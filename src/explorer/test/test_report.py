@@ -14,6 +14,7 @@ from explorer.forecast import rest_of
 from explorer.foreign import Element
 from explorer.messages import Auction
 from explorer.report import MOST_LEFT, Report
+from explorer.statement import Stage
 from explorer.status import State
 
 
@@ -162,7 +163,7 @@ def test_given_up_and_told_frontiers_say_so() -> None:
     points = [(f.x, f.y) for f in other.agent.perception.frontiers.ordered()]
     other.agent.on_visited_frontiers([Element("robot_1", i, *place) for i, place in enumerate(points)], other.now)
     other.map(corridor(left=False)).run(0.4)
-    assert {each.reason for each in report(other).left} == {"told by another robot"}
+    assert {each.reason for each in report(other).left} == {"told by robot_1"}
 
 
 def test_which_robots_have_finished() -> None:
@@ -170,14 +171,14 @@ def test_which_robots_have_finished() -> None:
     bench = Bench(7).map(corridor()).join("robot_1", "robot_2", "robot_3")
     bench.agent.on_transform("robot_3", None, bench.now)
     bench.run(0.2)
-    assert report(bench).team == {"robot_1": False, "robot_2": False, "robot_3": False}
+    assert report(bench).team == {"robot_1": None, "robot_2": None, "robot_3": None}
     start = next(auction for auction in bench.auctions() if auction.start)
     for robot in ("robot_1", "robot_3"):
         bench.agent.on_auction(Auction(robot, start.auction_id, status=False), bench.now)
     bench.agent.on_auction(reply(start, "robot_2", [5.0] * len(start.requested)), bench.now)
-    assert report(bench).team == {"robot_1": True, "robot_2": False, "robot_3": False}
+    assert report(bench).team == {"robot_1": Stage.ENDED, "robot_2": None, "robot_3": None}
     bench.agent.on_auction(Auction("robot_1", 1, True, finished=True, occupied=(("robot_1", 5),)), bench.now)
-    assert report(bench).team["robot_1"] is False
+    assert report(bench).team["robot_1"] is None
     bench.agent.on_robots(["robot_2"], bench.now)
     assert set(report(bench).team) == {"robot_2"}
 

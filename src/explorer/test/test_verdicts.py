@@ -28,7 +28,7 @@ def cells_near(count: int):  # type: ignore[no-untyped-def]
 def look_until_visited(verdicts: Verdicts) -> None:
     for now in (0.0, 2.0):
         verdicts.look(None, everything, now)
-    verdicts.judge_looked(map_time=4.0, rests=False, now=4.0)
+    verdicts.judge_looked(map_time=4.0, rests=False, known_near=cells_near(9), now=4.0)
 
 
 def test_visited_after_two_looks_and_a_younger_map() -> None:
@@ -36,8 +36,8 @@ def test_visited_after_two_looks_and_a_younger_map() -> None:
     verdicts.look(POINT.number, lambda _: False, 0.0)
     assert verdicts.awaits_map(1.0) and not verdicts.of(7).ready(1.0) and verdicts.of(7).ready(1.5)
     verdicts.look(POINT.number, lambda _: False, 2.0)
-    assert not verdicts.judge_looked(map_time=3.0, rests=False, now=5.0)
-    assert verdicts.judge_looked(map_time=3.5, rests=False, now=5.0)
+    assert not verdicts.judge_looked(map_time=3.0, rests=False, known_near=cells_near(9), now=5.0)
+    assert verdicts.judge_looked(map_time=3.5, rests=False, known_near=cells_near(9), now=5.0)
     assert verdicts.of(7).visited and not verdicts.is_goal(7)
 
 
@@ -49,6 +49,22 @@ def test_a_point_found_anew_where_one_was_visited_is_visited(offset: float, inhe
     verdicts.follow([Frontier(8, 1.0 + offset, 2.0)], [])
     assert verdicts.of(8).visited == inherits
     assert verdicts.of(8).looks == 0
+
+
+def test_a_given_up_point_that_flickers_is_revived_by_a_changed_map_a_bounded_number_of_times() -> None:
+    """It comes back under another number each time."""
+    verdicts, point, revived = known(POINT), POINT, 0
+    for number in range(8, 20):
+        for now in (0.0, 10.0):
+            verdicts.fail(point.number, False, cells_near(100), now)
+        assert verdicts.of(point.number).given_up
+        verdicts.follow([], [point])
+        point = Frontier(number, POINT.x + 0.05, POINT.y)
+        verdicts.follow([point], [])
+        assert verdicts.of(number).given_up
+        verdicts.revive_changed(cells_near(200))
+        revived += not verdicts.of(number).given_up
+    assert revived == 3
 
 
 def test_failures_reach_as_far_as_the_robot_tries() -> None:
@@ -100,7 +116,8 @@ def test_failures_of_a_cluster_end_with_it() -> None:
 def test_what_others_tell_is_believed_for_a_while_and_bounded() -> None:
     verdicts = Verdicts()
     for number in range(3000):
-        verdicts.believe_explored(float(number), 0.0, now=0.0)
-    assert len(verdicts.told_places(7.9)) == 2000 and verdicts.told_places(7.9)[0][0] == 1000.0
+        verdicts.believe_explored("robot_1", float(number), 0.0, now=0.0)
+    places, robots = verdicts.told_places(7.9)
+    assert len(places) == len(robots) == 2000 and places[0][0] == 1000.0 and robots[0] == "robot_1"
     assert not verdicts.told_expired(7.9) and verdicts.told_expired(8.0)
-    assert verdicts.told_places(8.0).shape == (0, 2)
+    assert verdicts.told_places(8.0)[0].shape == (0, 2)

@@ -2,6 +2,7 @@
 
 import pkgutil
 from dataclasses import replace
+from io import BytesIO
 
 import pytest
 
@@ -12,13 +13,14 @@ explorer.__path__ = pkgutil.extend_path(explorer.__path__, "explorer")
 for package in ("adhoc_communication.msg", "explorer.msg", "move_base_msgs.msg"):
     pytest.importorskip(package, reason="the messages of ROS are not here")
 
-from explorer import ros_io  # noqa: E402
+from explorer import ros_io, ros_verdicts  # noqa: E402
 from explorer.auction import OpenAuction, reply_message  # noqa: E402
 from explorer.clusters import Cluster  # noqa: E402
 from explorer.foreign import Element  # noqa: E402
 from explorer.frontiers import Frontier  # noqa: E402
-from explorer.messages import Auction, Bid  # noqa: E402
+from explorer.messages import Auction, Bid, SendStatement  # noqa: E402
 from explorer.options import Options  # noqa: E402
+from explorer.statement import MOST_LEFT, MOST_VERDICTS, Decided, Kind, LeftPlace, Stage, Statement  # noqa: E402
 
 
 def wire(name: str, simulation: bool) -> ros_io.Wire:
@@ -90,3 +92,31 @@ def test_a_unit_that_is_none_is_not_one(bid: float) -> None:
     message = wire("robot_1", True).auction_to(Auction("robot_1", 5, status=True, start=True))
     message.available_clusters = [ros_io.ExpCluster(bid=bid)]
     assert wire("robot_2", True).auction_from(message).unit == 1
+
+
+def sent(statement: Statement) -> ros_verdicts.TeamVerdicts:
+    octets = BytesIO()
+    ros_verdicts.verdicts_to(SendStatement(statement)).serialize(octets)
+    return ros_verdicts.TeamVerdicts().deserialize(octets.getvalue())
+
+
+def test_a_statement_arrives_as_it_was_said() -> None:
+    verdicts = (Decided(1.5, -2.0, Kind.GIVEN_UP, 0.25), Decided(3.0, 4.0, Kind.LOOKED, 0.0))
+    said = Statement("bob", 2**32 - 1, 3, Stage.ENDED, 40.5, verdicts, (LeftPlace(1.0, 2.0, 0.5, "inside a wall"),))
+    assert ros_verdicts.statement_from(sent(said)) == said
+
+
+def test_of_a_statement_no_more_is_read_than_there_may_be() -> None:
+    verdicts = (Decided(1.0, 2.0, Kind.VISITED, 0.0),) * 300
+    said = Statement("bob", 1, 1, Stage.ENDED, 1.0, verdicts, (LeftPlace(1.0, 2.0, 0.5, ""),) * 300)
+    read = ros_verdicts.statement_from(sent(said))
+    assert read is not None and (len(read.verdicts), len(read.left)) == (MOST_VERDICTS, MOST_LEFT)
+
+
+def test_stages_and_kinds_that_there_are_not() -> None:
+    message = sent(Statement("bob", 1, 1, Stage.ENDED, 1.0, (Decided(1.0, 2.0, Kind.VISITED, 0.0),) * 2))
+    message.verdicts[0].kind = 9
+    read = ros_verdicts.statement_from(message)
+    assert read is not None and len(read.verdicts) == 1
+    message.stage = 4
+    assert ros_verdicts.statement_from(message) is None

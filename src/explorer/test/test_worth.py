@@ -41,6 +41,10 @@ def cluster_of(count: int, cost: float = 1.0) -> Cluster:
     return Cluster(0, members, cost, (0.0, 0.0), 0, views={member.number: (0.0, 0.0, cost) for member in members})
 
 
+def nothing_known(x: float, y: float) -> float:
+    return 0.0
+
+
 def verdicts_on(cluster: Cluster) -> Verdicts:
     verdicts = Verdicts()
     verdicts.follow(cluster.members, [])
@@ -50,7 +54,7 @@ def verdicts_on(cluster: Cluster) -> Verdicts:
 def judged(seen: Sequence[Prospect], verdicts: Optional[Verdicts] = None) -> Worth:
     cluster = cluster_of(len(seen))
     behind: Dict[int, Prospect] = dict(enumerate(seen))
-    return worth_of([cluster], behind, verdicts or verdicts_on(cluster), 0.0)
+    return worth_of([cluster], behind, verdicts or verdicts_on(cluster), nothing_known, 0.0)
 
 
 # Two rooms; the wall between has a door at the left and a slit at the right that no robot passes.
@@ -138,7 +142,7 @@ def test_verdicts_come_before_what_is_seen() -> None:
     verdicts = verdicts_on(cluster_of(4))
     for now in (0.0, 2.0):
         verdicts.look(None, lambda verdict: verdict.x == 0.0, now)
-    verdicts.judge_looked(4.0, False, 4.0)
+    verdicts.judge_looked(4.0, False, lambda x, y: 9, 4.0)
     verdicts.fail_cluster(0, [1], 1, lambda x, y: 0)
     worth = judged([ROOM, ROOM, ROOM, ROOM], verdicts)
     assert worth.reasons == {0: VISITED, 1: GIVEN_UP} and set(worth.goals) == {2, 3}
@@ -146,16 +150,16 @@ def test_verdicts_come_before_what_is_seen() -> None:
 
 def test_told_by_another_robot() -> None:
     verdicts = verdicts_on(cluster_of(3))
-    verdicts.believe_explored(0.0, 0.0, 0.0)
+    verdicts.believe_explored("robot_1", 0.0, 0.0, 0.0)
     worth = judged([ROOM, ROOM, ROOM], verdicts)
-    assert worth.told and set(worth.reasons.values()) == {TOLD}
+    assert worth.told == {"robot_1"} and set(worth.reasons.values()) == {TOLD.format("robot_1")}
 
 
 @pytest.mark.parametrize("seen, cost, goes", [(POCKET, 1.0, True), (POCKET, 10.0, False), (ROOM, 100.0, True)])
 def test_a_pocket_is_worth_a_short_way_and_an_opening_any(seen: Prospect, cost: float, goes: bool) -> None:
     behind = dict.fromkeys(range(3), seen)
     cluster = cluster_of(3, cost)
-    worth = worth_of([cluster], behind, verdicts_on(cluster), 0.0)
+    worth = worth_of([cluster], behind, verdicts_on(cluster), nothing_known, 0.0)
     (kept,), worth = without_detours([cluster], worth, behind)
     assert kept.reachable == goes
     assert set(worth.reasons.values()) == (set() if goes else {NOT_WORTH_THE_WAY})
@@ -165,7 +169,8 @@ def test_a_pocket_is_worth_a_short_way_and_an_opening_any(seen: Prospect, cost: 
 def test_pieces_are_left_only_while_they_are_little_together() -> None:
     behind = dict.fromkeys(range(3), POCKET)
     cluster = cluster_of(3, 50.0)
-    (cluster,), worth = without_detours([cluster], worth_of([cluster], behind, verdicts_on(cluster), 0.0), behind)
+    worth = worth_of([cluster], behind, verdicts_on(cluster), nothing_known, 0.0)
+    (cluster,), worth = without_detours([cluster], worth, behind)
     assert too_much_to_leave([cluster], worth, behind, free_area=1000.0) == {}
     assert set(too_much_to_leave([cluster], worth, behind, free_area=10.0)) == {0, 1, 2}
 

@@ -25,6 +25,7 @@ from explorer.pictures import picture_of, status_of
 from explorer.report import Report, report_of
 from explorer.scene import Scene
 from explorer.senses import Senses
+from explorer.statement import Statement
 from explorer.status import Counters, Picture, State, Status
 from explorer.strategies import strategy_of
 from explorer.strategies.strategy import Bids, Strategy
@@ -138,6 +139,11 @@ class ExplorerAgent:
 
     def on_auction(self, auction: Auction, now: float) -> None:
         self.mission.take_auction(auction, now)
+
+    def on_statement(self, statement: Statement, now: float) -> None:
+        """What another robot has decided, and whether it has anything left."""
+        if self._edge.accepts_statement(statement):
+            self.mission.take_statement(statement, now)
 
     def on_goal_accepted(self, goal_id: int, now: float) -> None:
         self.mission.driver.take_accepted(goal_id, now)

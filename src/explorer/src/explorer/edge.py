@@ -8,6 +8,7 @@ from explorer.foreign import Element
 from explorer.geometry import Position
 from explorer.grid import FARTHEST, is_place
 from explorer.messages import Emit, Note, Pose
+from explorer.statement import Statement
 from explorer.team import Team
 
 
@@ -47,6 +48,15 @@ class Edge:
             elif element.detected_by != self._own_name and team.peer(element.detected_by) is not None:
                 usable.append(element)
         return usable
+
+    def accepts_statement(self, statement: Statement) -> bool:
+        """False for one with places that cannot be, or of this robot itself."""
+        values = [value for each in statement.verdicts for value in (each.x, each.y, each.known)]
+        values += [value for place in statement.left for value in (place.x, place.y, place.area)]
+        possible = is_place(statement.area, *values)
+        if not possible:
+            self._complain("verdicts", f"of {statement.robot}: check its explorer")
+        return possible and statement.robot != self._own_name
 
     def _complain(self, what: str, text: str) -> None:
         if what not in self._complaints:

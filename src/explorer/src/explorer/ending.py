@@ -10,11 +10,14 @@ from explorer.geometry import distance
 from explorer.messages import Emit, Note, Pose
 from explorer.perception import Perception
 from explorer.scene import Scene
+from explorer.statement import Decided, Kind
 from explorer.verdicts import Verdicts
 
 WORTH_A_LOOK = 4  # frontier points without a viewpoint that are worth a closer look before the end
 CLOSER_LOOKS = 20  # such looks in a mission
-LOOKS_AT_A_SPOT = 2
+LOOKS_AT_A_SPOT = 2  # of all robots
+TEAM_PATIENCE = 30.0  # s that a robot with nothing left stays in the mission for others that explore
+LOOK_DISTANCE = 1.0  # m, a look of another robot this near is one at the same spot
 
 
 class Ending:
@@ -30,6 +33,19 @@ class Ending:
         self._empty_since: Optional[float] = None
         self.closer_looks: Dict[Tuple[int, int], int] = {}  # {place in whole metres: looks}
 
+    @property
+    def nothing_left(self) -> bool:
+        """Nothing was left when it was last asked for."""
+        return self._empty_since is not None
+
+    def looked(self) -> Tuple[Decided, ...]:
+        """The closer looks, as the others are told; the place is that of the frontiers."""
+        return tuple(
+            Decided(float(x), float(y), Kind.LOOKED, 0.0)
+            for (x, y), looks in self.closer_looks.items()
+            for _ in range(looks)
+        )
+
     def look_again(self) -> None:
         """Something has been done that may bring new frontiers."""
         self._empty_since = None
@@ -38,7 +54,9 @@ class Ending:
         """True if this is the end. `fresh`: the maps are younger than the last motion."""
         field = self._perception.field
         assert field is not None
-        if scene.candidates or self._perception.worth.told or not field.reachable.any():
+        # What a robot in reach says that it has explored need not be waited for: it says, too, what it leaves.
+        awaited = not self._verdicts.heard.vouched(self._perception.worth.told)
+        if scene.candidates or awaited or not field.reachable.any():
             self._empty_since = None
             return False
         if self._driver.goal is not None and self._driver.goal.frontier is None:
@@ -50,7 +68,12 @@ class Ending:
             self._claim.release()
         if scene.now - self._empty_since < self._delay or not fresh:
             return False
-        return not (self._try_given_up_again() or self._look_closer(scene))
+        return not (self._try_given_up_again() or self._look_closer(scene) or self._may_be_needed(scene.now))
+
+    def _may_be_needed(self, now: float) -> bool:
+        """Others still explore: what they find is shared out while this robot is there. It does not wait for long."""
+        assert self._empty_since is not None
+        return bool(self._verdicts.heard.explorers) and now - self._empty_since < TEAM_PATIENCE
 
     def _try_given_up_again(self) -> bool:
         again = self._verdicts.revive_once()
@@ -64,7 +87,8 @@ class Ending:
         for cluster in self._hopeless(scene):
             spot = (round(cluster.centre[0]), round(cluster.centre[1]))
             tries = self.closer_looks.get(spot, 0)
-            if tries >= LOOKS_AT_A_SPOT or sum(self.closer_looks.values()) >= CLOSER_LOOKS:
+            others = self._verdicts.heard.looks_near(*spot, LOOK_DISTANCE)
+            if tries + others >= LOOKS_AT_A_SPOT or sum(self.closer_looks.values()) >= CLOSER_LOOKS:
                 continue
             self.closer_looks[spot] = tries + 1
             self._emit(Note(f"takes a closer look at unreachable frontiers near ({spot[0]}, {spot[1]})"))

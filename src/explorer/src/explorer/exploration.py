@@ -2,6 +2,8 @@
 
 from typing import Optional, Sequence
 
+from explorer.agreement import Agreement
+from explorer.announcing import Announcing
 from explorer.auctions import Auctions, comparable
 from explorer.claim import OwnClaim
 from explorer.driver import Driver, GoalEvent, at_home
@@ -14,17 +16,20 @@ from explorer.options import Options
 from explorer.orders import DONE, SENT_HOME, STOPPED, Answer, Orders
 from explorer.outcomes import Outcomes
 from explorer.perception import Perception
+from explorer.reopening import Reopening
 from explorer.scene import Scene
 from explorer.scene_maker import SceneMaker
 from explorer.selections import selection_for
 from explorer.senses import Senses
 from explorer.sharing import Sharing
+from explorer.statement import Stage, Statement
 from explorer.status import Counters, State
 from explorer.strategies.strategy import Strategy
 from explorer.team import Team
 from explorer.verdicts import Verdicts
 
 MAXIMUM_CLAIMED = 5000  # elements of one claim that are read
+MOVED_DISTANCE = 0.7  # m, a frontier this near to one that has vanished is the same, seen anew
 
 
 class Exploration:
@@ -58,6 +63,9 @@ class Exploration:
         self._outcomes = Outcomes(
             options.number_unreachable_for_cluster, perception, self.verdicts, self.team, self.claim, emit
         )
+        self.agreement = Agreement(foreign)
+        self._announcing = Announcing(name, self.team, senses, perception, self.verdicts, self.ending, emit)
+        self._reopening = Reopening(options.finish_delay, perception, senses)
         self._selection = selection_for(
             strategy, self.driver, self.claim, self.auctions, self.sharing, self.team, name, emit
         )
@@ -79,16 +87,25 @@ class Exploration:
         came, left = self.team.set_known(names)
         if came:
             self.sharing.welcome(came)
+            self._announcing.welcome()
         if left:
+            self.agreement.forget(left)
             self._perception.touch()
 
     def take_explored(self, elements: Sequence[Element], now: float) -> None:
-        """Points that another robot has explored: own points there are not goals until the map had time to show it."""
+        """Points that another robot has explored: own points there are not goals until the map had time to show it.
+        Where that robot still has points nearby the frontier has moved a little, and nothing is explored."""
         for element in elements:
             self._foreign.remove(element.key)
+        for element in elements:
             place = self._foreign.to_own_frame(element)
-            if place is not None:
-                self.verdicts.believe_explored(*place, now)
+            if place is not None and not self._foreign.has_near(element, MOVED_DISTANCE):
+                self.verdicts.believe_explored(element.detected_by, *place, now)
+
+    def take_statement(self, statement: Statement, now: float) -> None:
+        """What another robot has decided, and whether it has anything left."""
+        if statement.robot in self.team.known():
+            self.agreement.take(statement, now)
 
     def take_choice(self, elements: Sequence[Element], now: float) -> None:
         """The clusters that others have chosen (strategies 5 and 6)."""
@@ -190,6 +207,10 @@ class Exploration:
     # ---- the step -------------------------------------------------------------------------------------------------
 
     def step(self, now: float) -> None:
+        if self._begun:
+            self._announcing.say(self._stage, now)
+        if self.finished_at is not None and self._reopens(now):
+            self._reopen()
         if self.state == State.FINISHED:
             return
         if self.started_at is None:
@@ -205,7 +226,35 @@ class Exploration:
         if self.started_at is not None and self.finished_at is None and self._journal.due(now):
             self._journal.write(self.counters, self.unreachable_count(), self._senses.map, now)
 
+    @property
+    def _stage(self) -> Stage:
+        if self.finished_at is not None:
+            return Stage.ENDED if self.orders.complete else Stage.QUIT
+        if self.orders.paused:
+            return Stage.QUIT
+        return Stage.NOTHING_LEFT if self.ending.nothing_left else Stage.EXPLORING
+
+    def _reopens(self, now: float) -> bool:
+        """True if a map shows something new that counts, after the robot has ended because nothing was left."""
+        if not self.orders.complete or self.orders.paused or not self._reopening.due(now):
+            return False
+        self._perception.touch()
+        self._perceive(now)
+        return self._reopening.wanted(self._scenes.scene(now))
+
+    def _reopen(self) -> None:
+        self.driver.drop()
+        self.ending.look_again()
+        self.finished_at, self.orders.ended_by = None, None
+        self._emit(Note("something new is to be explored; goes on"))
+        self._be(State.EXPLORING, "goes on")
+
     def _perceive(self, now: float) -> None:
+        heard = self.agreement.heard(now)
+        if heard is not self.verdicts.heard:
+            if heard.has_places or self.verdicts.heard.has_places:
+                self._perception.touch()
+            self.verdicts.heard = heard
         others, known = list(self.team.positions(now).values()), len(self.team.known())
         self.sharing.take_vanished(self._perception.update(self.verdicts, others, known, now))
         self.sharing.ask_transforms(self._foreign.robots(), now)

@@ -40,6 +40,7 @@ class ForeignFrontiers:
         self._points: Dict[str, Dict[int, Tuple[float, float]]] = {}
         self._transforms: Dict[str, Tuple[float, ...]] = {}
         self.revision = 0  # counts the changes
+        self.transform_revision = 0  # counts those of transforms
 
     def add(self, element: Element) -> None:
         points = self._points.setdefault(element.detected_by, {})
@@ -56,16 +57,23 @@ class ForeignFrontiers:
     def set_transform(self, robot: str, transform: Optional[np.ndarray]) -> None:
         """`transform`: (2, 3) array from the robot's map frame to the own one in metres; None: not known."""
         self.revision += 1
-        if transform is None:
+        rows = None if transform is None else tuple(np.asarray(transform, dtype=float).reshape(6).tolist())
+        self.transform_revision += rows != self._transforms.get(robot)
+        if rows is None:
             self._transforms.pop(robot, None)
         else:
-            self._transforms[robot] = tuple(np.asarray(transform, dtype=float).reshape(6).tolist())
+            self._transforms[robot] = rows
 
     def has_transform(self, robot: str) -> bool:
         return robot in self._transforms
 
     def robots(self) -> List[str]:
         return sorted(self._points)
+
+    def has_near(self, element: Element, radius: float) -> bool:
+        """True if its detector has reported a point within `radius` metres of it that is still there."""
+        points = self._points.get(element.detected_by, {})
+        return any(math.hypot(x - element.x, y - element.y) <= radius for x, y in points.values())
 
     def count(self) -> int:
         return sum(len(points) for points in self._points.values())

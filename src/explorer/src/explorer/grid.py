@@ -104,6 +104,11 @@ class OccupancyMap:
     def unknown(self) -> np.ndarray:
         return self.cells < 0
 
+    @cached_property
+    def known_area(self) -> float:
+        """m^2."""
+        return int(np.count_nonzero(self.cells >= 0)) * self.info.resolution**2
+
 
 def line_is_clear(blocked: np.ndarray, start: Tuple[int, int], end: Tuple[int, int]) -> bool:
     """True if no cell of the straight line between two cells of a bool array (rows, cols) is blocked; the two ends

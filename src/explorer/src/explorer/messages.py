@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Callable, Tuple, Union
 
 from explorer.foreign import Element, Key
+from explorer.statement import Statement
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,13 @@ class SendAuction:
 
 
 @dataclass(frozen=True)
+class SendStatement:
+    """To the own group as a message of its own type."""
+
+    statement: Statement
+
+
+@dataclass(frozen=True)
 class SetGoal:
     """Drive to `pose`, replacing the goal before. The outcome comes back under `goal_id`."""
 
@@ -104,7 +112,7 @@ class Note:
     warning: bool = False
 
 
-Effect = Union[SendFrontiers, SendAuction, SetGoal, CancelGoal, AskTransform, LogOutput, WriteLog, Note]
+Effect = Union[SendFrontiers, SendAuction, SendStatement, SetGoal, CancelGoal, AskTransform, LogOutput, WriteLog, Note]
 
 Emit = Callable[[Effect], None]
 """Takes an effect; they are carried out in the order given."""

@@ -38,6 +38,7 @@ def names_for(options: Options) -> Names:
             "visited_frontiers": f"{prefix}visited_frontiers",
             "negotiation_list": f"{prefix}negotiation_list",
             "auction": f"{prefix}auction",
+            "verdicts": f"{prefix}explorer/verdicts",
             "all_positions": f"{prefix}all_positions",
             "map": _placed(prefix, options.map_topic),
             "map_metadata": _placed(prefix, options.local_map_metadata_topic),
@@ -49,6 +50,7 @@ def names_for(options: Options) -> Names:
         called={
             "send_frontier": f"{prefix}adhoc_communication/send_frontier",
             "send_auction": f"{prefix}adhoc_communication/send_auction",
+            "send_message": f"{prefix}adhoc_communication/send_message",
             "transform_point": f"{prefix}map_merger/transformPoint",
             "log_output": f"{prefix}map_merger/logOutput",
         },

@@ -19,7 +19,14 @@ from explorer.travel import CostField
 from explorer.verdicts import Verdicts
 from explorer.views import Views, sees
 from explorer.ways import Ways, known_near
-from explorer.worth import Worth, too_much_to_leave, without_detours, worth_of
+from explorer.worth import (
+    Worth,
+    is_opening,
+    too_much_to_leave,
+    without_denied,
+    without_detours,
+    worth_of,
+)
 
 REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
 REPLAN_DISTANCE = 0.3  # m of motion that makes them old
@@ -43,7 +50,7 @@ class Perception:
         """Forgets all frontiers; numbers are not given again."""
         self.frontiers.clear()
         self.clusters = ()
-        self.worth = Worth({}, {}, False)
+        self.worth = Worth({}, {}, frozenset())
         self._prospects: Dict[int, Prospect] = {}
         self._frontier_map: Optional[FrontierMap] = None
         self.field: Optional[CostField] = None
@@ -66,7 +73,7 @@ class Perception:
         occupancy, pose = self._senses.map, self._senses.pose
         assert occupancy is not None and pose is not None
         if self._senses.rests(now):
-            self._stale = verdicts.judge_looked(self._senses.map_time, True, now) or self._stale
+            self._stale = verdicts.judge_looked(self._senses.map_time, True, self.known_near, now) or self._stale
         if not (self._new_map or self._stale or self._due(pose, verdicts, now)):
             return []
         gone: List[Frontier] = []
@@ -85,6 +92,15 @@ class Perception:
         """Number of known cells of the newest map within a metre of a point."""
         assert self._senses.map is not None
         return known_near(self._senses.map, x, y)
+
+    def _known_area_near(self, x: float, y: float) -> float:
+        """m^2 of the newest map that are known within a metre of a point."""
+        assert self._senses.map is not None
+        return self.known_near(x, y) * self._senses.map.info.resolution**2
+
+    def is_opening(self, cluster: Cluster) -> bool:
+        """True if the robot might come to stand in what is unknown behind a cluster."""
+        return is_opening([self._prospects[number] for number in cluster.views])
 
     def in_view(self, pose: Pose, point: Position) -> bool:
         """True if the robot at that pose sees a point near to it, both in metres."""
@@ -116,7 +132,7 @@ class Perception:
         same = self.ways is not None and self.ways.grid is ways.grid and self._frontier_map is frontier_map
         self.ways, self._frontier_map = ways, frontier_map
         gone = [] if same else self._find_frontiers(occupancy, frontier_map, verdicts)
-        verdicts.judge_looked(self._senses.map_time, self._senses.rests(now), now)
+        verdicts.judge_looked(self._senses.map_time, self._senses.rests(now), self.known_near, now)
         verdicts.revive_changed(self.known_near)
         if not same:
             self._clusters.update(self.frontiers.ordered(), occupancy)
@@ -133,12 +149,24 @@ class Perception:
 
     def _assess(self, verdicts: Verdicts, now: float) -> None:
         assert self._views is not None
-        worth = worth_of(self._clusters.clusters, self._prospects, verdicts, now)
+        worth = worth_of(self._clusters.clusters, self._prospects, verdicts, self._known_area_near, now)
         clusters = self._views.assess(self._clusters.clusters, worth.goals)
         self.clusters, self.worth = without_detours(clusters, worth, self._prospects)
-        if not any(cluster.reachable for cluster in self.clusters):
+        self._deny(verdicts)
+        if not any(cluster.reachable for cluster in self.clusters) and not self._settled(verdicts):
             self._take_up_leftovers()
         self.revision += 1
+
+    def _settled(self, verdicts: Verdicts) -> bool:
+        """The team has come to the end, and leaves little enough."""
+        assert self._senses.map is not None
+        return bool(verdicts.heard.witnesses) and verdicts.heard.settled(self._senses.map.known_area)
+
+    def _deny(self, verdicts: Verdicts) -> None:
+        assert self._senses.map is not None
+        self.clusters, self.worth = without_denied(
+            self.clusters, self.worth, self._prospects, verdicts.heard, self._senses.map
+        )
 
     def _take_up_leftovers(self) -> None:
         """Nothing else is left: of what was dropped as too little, the largest pieces, if they are much together."""

@@ -14,6 +14,7 @@ from explorer.grid import OccupancyMap
 from explorer.leftovers import reasons
 from explorer.perception import Perception
 from explorer.scene import Scene
+from explorer.statement import Stage
 from explorer.status import Status
 
 MOST_LEFT = 100
@@ -33,7 +34,8 @@ class Left:
 class Report:
     """`ended_by`: how the exploration ended, empty while it has not. `reason`: why the robot drives to its goal.
     `bids`: {robot: bid for its cluster}, in `unit`. `assignment`: {robot: place in m of its cluster}. `area`: known, in
-    m^2. `rest`: expected, in s, NaN while unknown. `team`: {robot that the radio reaches: it has finished}."""
+    m^2. `rest`: expected, in s, NaN while unknown. `team`: {robot that the radio reaches: what it has said last of the
+    end}; None for robots that say nothing of it and still explore."""
 
     status: Status
     paused: bool
@@ -46,7 +48,7 @@ class Report:
     area: float
     rest: float
     left: Tuple[Left, ...]
-    team: Mapping[str, bool]
+    team: Mapping[str, Optional[Stage]]
 
 
 def report_of(
@@ -63,11 +65,17 @@ def report_of(
         unit=strategy.unit,
         bids={} if scene is None else _bids(status.robot, mission, scene),
         assignment={} if scene is None else _assignment(status.robot, scene),
-        area=0.0 if occupancy is None else _area(occupancy),
+        area=0.0 if occupancy is None else occupancy.known_area,
         rest=_rest(mission, scene, status),
         left=tuple(_left(perception, reasons(perception.clusters, perception.worth))),
-        team={robot: mission.team.rests(robot) for robot in mission.team.known()},
+        team={robot: _stage(mission, robot) for robot in mission.team.known()},
     )
+
+
+def _stage(mission: Exploration, robot: str) -> Optional[Stage]:
+    """As it has said; of a robot that says nothing, because it does not know how, its answers to auctions tell."""
+    said = mission.agreement.stage(robot)
+    return Stage.ENDED if said is None and mission.team.rests(robot) else said
 
 
 def _rest(mission: Exploration, scene: Optional[Scene], status: Status) -> float:
@@ -100,10 +108,6 @@ def _assignment(own_name: str, scene: Scene) -> Dict[str, Position]:
             x, y = np.mean(places, axis=0).tolist()
             found[robot] = (x, y)
     return found
-
-
-def _area(occupancy: OccupancyMap) -> float:
-    return int(np.count_nonzero(occupancy.cells >= 0)) * occupancy.info.resolution**2
 
 
 def _left(perception: Perception, why: Mapping[int, str]) -> List[Left]:

@@ -34,6 +34,7 @@ from explorer.msg import (
 )
 from explorer.options import Options, number_of
 from explorer.report import Report
+from explorer.statement import Stage
 from explorer.status import Picture, Status
 
 COLOURS: Sequence[Tuple[float, float, float]] = ((0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1))
@@ -225,7 +226,8 @@ def status_to(report: Report, frame: str) -> ExplorationStatus:
             ExplorationLeftover(Point(*left.place, 0.0), left.points, left.size, left.reason) for left in report.left
         ],
         team=list(report.team),
-        team_finished=[robot for robot, finished in report.team.items() if finished],
+        team_finished=[robot for robot, stage in report.team.items() if stage in (Stage.ENDED, Stage.QUIT)],
+        team_nothing_left=[robot for robot, stage in report.team.items() if stage == Stage.NOTHING_LEFT],
     )
     message.header.frame_id = frame
     return message

@@ -2,11 +2,14 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from explorer.frontiers import THINNING_DISTANCE, Frontier
+from explorer.heard import Heard
+from explorer.places import Places
+from explorer.statement import MOST_VERDICTS, Decided, Kind
 
 LOOK_TIME = 1.5  # s that the map needs to show what was looked at
 LOOKS = 2  # times a frontier is looked at before it counts as visited
@@ -36,7 +39,7 @@ class Verdict:
     `visited`: it was looked at from close by and is still there, so it is no longer a goal. `failures` counts the goals
     that failed, `blocked` those that failed behind another robot. Until `retry_at` it is not tried again, until
     `hidden_until` a map is awaited that shows what a look has seen; both in seconds. `known`: number of cells known
-    around it when it was given up.
+    around it when it was visited or given up.
     """
 
     x: float
@@ -61,27 +64,30 @@ class Verdict:
 
     def inherited_at(self, x: float, y: float) -> "Verdict":
         """Of a point found anew beside this one."""
-        return replace(self, x=x, y=y, hidden_until=-math.inf, looks=0, known=None, revivals=0)
+        return replace(self, x=x, y=y, hidden_until=-math.inf, looks=0)
 
 
 class Told(NamedTuple):
-    """A place in metres in the own frame that another robot has explored, believed until a time in seconds."""
+    """A place in metres in the own frame that a robot has explored, believed until a time in seconds."""
 
     x: float
     y: float
     until: float
+    robot: str
 
 
 class Verdicts:
     """Owner of all verdicts of one mission. A point keeps its verdict under its number while it is on the map, and by
-    its place afterwards."""
+    its place afterwards. `heard`: what other robots have decided. `revision` counts the changes of `decided`."""
 
     def __init__(self) -> None:
         self._of: Dict[int, Verdict] = {}
-        self._spots: List[Verdict] = []
+        self._spots: Places[Verdict] = Places(MAXIMUM_SPOTS, THINNING_DISTANCE)
         self._told: List[Told] = []
         self._cluster_failures: Dict[int, int] = {}
         self._hidden_until = -math.inf  # s, no point is hidden for longer
+        self.heard = Heard()
+        self.revision = 0
 
     def of(self, number: int) -> Verdict:
         """Of a point that is on the map."""
@@ -106,18 +112,12 @@ class Verdicts:
         """Takes the points that a new map shows, and those that it no longer does."""
         for frontier in gone:
             verdict = self._of.pop(frontier.number)
-            if not verdict.is_goal:
-                self._spots.append(verdict)
-        del self._spots[:-MAXIMUM_SPOTS]
+            if not verdict.is_goal or verdict.revivals:
+                self._spots.put(verdict.x, verdict.y, verdict)
         for frontier in new:
-            self._of[frontier.number] = self._inherited(frontier)
-
-    def _inherited(self, frontier: Frontier) -> Verdict:
-        x, y = frontier.x, frontier.y
-        for spot in reversed(self._spots):
-            if abs(spot.x - x) < THINNING_DISTANCE and abs(spot.y - y) < THINNING_DISTANCE:
-                return spot.inherited_at(x, y)
-        return Verdict(x, y)
+            spot = self._spots.near(frontier.x, frontier.y)
+            fresh = Verdict(frontier.x, frontier.y)
+            self._of[frontier.number] = fresh if spot is None else spot.inherited_at(frontier.x, frontier.y)
 
     def follow_clusters(self, alive: Iterable[int]) -> None:
         """Forgets the failures of clusters that are no more."""
@@ -135,15 +135,16 @@ class Verdicts:
                 self._hidden_until = now + LOOK_TIME
                 self._of[number] = replace(verdict, looks=verdict.looks + 1, hidden_until=self._hidden_until)
 
-    def judge_looked(self, map_time: float, rests: bool, now: float) -> bool:
+    def judge_looked(self, map_time: float, rests: bool, known_near: KnownNear, now: float) -> bool:
         """A frontier that is still there on a map younger than the last of several looks counts as visited; so does one
         looked at from a place where the map has stopped changing. True if there was one."""
         judged = False
         for number, verdict in self._of.items():
             fresh = map_time >= verdict.hidden_until or (rests and now >= verdict.hidden_until)
             if verdict.looks >= LOOKS and not verdict.visited and fresh:
-                self._of[number] = replace(verdict, visited=True)
+                self._of[number] = replace(verdict, visited=True, known=known_near(verdict.x, verdict.y))
                 judged = True
+        self.revision += judged
         return judged
 
     # ---- failures -------------------------------------------------------------------------------------------------
@@ -160,6 +161,7 @@ class Verdicts:
                 verdict = replace(verdict, failures=verdict.failures + 1)
                 if verdict.failures >= FAILURES:
                     verdict = _given_up(verdict, known_near)
+                    self.revision += 1
             self._of[other] = verdict
 
     def fail_cluster(self, cluster: int, members: Iterable[int], limit: int, known_near: KnownNear) -> None:
@@ -168,6 +170,7 @@ class Verdicts:
         if self._cluster_failures[cluster] >= limit:
             for number in members:
                 self._of[number] = _given_up(self._of[number], known_near)
+            self.revision += 1
 
     def revive_changed(self, known_near: KnownNear) -> None:
         """Frontiers given up are goals again when the map around them has changed, a bounded number of times."""
@@ -176,6 +179,7 @@ class Verdicts:
                 known = known_near(verdict.x, verdict.y)
                 if abs(known - verdict.known) > CHANGED_CELLS:
                     self._of[number] = _revived(verdict, failures=0)
+                    self.revision += 1
 
     def revive_once(self) -> bool:
         """Before the end every frontier that was given up gets one more try; True if there was one."""
@@ -184,14 +188,22 @@ class Verdicts:
             if verdict.given_up and verdict.known is not None and verdict.revivals < 1:
                 self._of[number] = _revived(verdict, failures=1)
                 again = True
+        self.revision += again
         return again
 
     # ---- what other robots tell -----------------------------------------------------------------------------------
 
-    def believe_explored(self, x: float, y: float, now: float) -> None:
-        """Another robot has explored this place, metres in the own frame: points there are no goals until the map had
-        time to show it."""
-        self._told.append(Told(x, y, now + TOLD_TIME))
+    def decided(self, cell_area: float) -> Tuple[Decided, ...]:
+        """The own verdicts, the newest last, at most `MOST_VERDICTS`. `cell_area`: m^2 of a cell of the map."""
+        verdicts = [*self._spots.values(), *self._of.values()]
+        told = [(v, Kind.VISITED if v.visited else Kind.GIVEN_UP) for v in verdicts if not v.is_goal]
+        newest = told[-MOST_VERDICTS:]
+        return tuple(Decided(v.x, v.y, kind, (v.known or 0) * cell_area) for v, kind in newest)
+
+    def believe_explored(self, robot: str, x: float, y: float, now: float) -> None:
+        """A robot has explored this place, metres in the own frame: points there are no goals until the map had time to
+        show it."""
+        self._told.append(Told(x, y, now + TOLD_TIME, robot))
         if len(self._told) > MAXIMUM_TOLD:
             del self._told[0]
 
@@ -199,10 +211,11 @@ class Verdicts:
         """True if what was told is no longer believed since it was last asked for."""
         return any(told.until <= now for told in self._told)
 
-    def told_places(self, now: float) -> np.ndarray:
-        """(n, 2) array in metres of the places that others have explored and the map need not show yet."""
+    def told_places(self, now: float) -> Tuple[np.ndarray, List[str]]:
+        """(n, 2) array in metres of the places that others have explored and the map need not show yet, and by whom."""
         self._told = [told for told in self._told if told.until > now]
-        return np.array([(told.x, told.y) for told in self._told], dtype=float).reshape(-1, 2)
+        places = np.array([(told.x, told.y) for told in self._told], dtype=float).reshape(-1, 2)
+        return places, [told.robot for told in self._told]
 
 
 def _given_up(verdict: Verdict, known_near: KnownNear) -> Verdict:

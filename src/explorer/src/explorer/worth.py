@@ -1,29 +1,31 @@
 """What is worth a visit: which frontier points are goals."""
 
-import math
 from dataclasses import replace
-from typing import Dict, Mapping, NamedTuple, Sequence, Tuple
+from typing import Dict, FrozenSet, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
 from explorer._kernels import near_any
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
+from explorer.grid import OccupancyMap
+from explorer.heard import Heard, KnownArea
 from explorer.prospects import Prospect
 from explorer.verdicts import Verdicts
 
 TOLD_DISTANCE = 0.5  # m, own frontiers this near to an explored point of another robot are no goals
 
 
-# Tuned on the office floor (seeds 61 to 67), on `narrow` (61, 62) and on generated:office:71:30x20 (61).
+# Tuned on the office floor (seeds 61 to 67, 603 to 607), on `narrow` (61, 62), generated:office:71:30x20 (61) and
+# generated:hall:612 (621).
 LEAST_AREA = 0.25  # m^2 that must be unknown behind a point
 LEAST_POINTS = 2  # of that kind that make a cluster a goal; one less where the robot can pass
-ROOM = 0.5  # m^2 of unknown ground where the robot might stand, behind two points, make an opening
+ROOM = 0.8  # m^2 of unknown ground where the robot might stand, behind two points, make an opening
 WAY_FOR_AREA = 4.0  # m of way that a square metre is worth that is no opening
 LEFT_SHARE = 0.004  # of the known free area: m^2 of unknown ground that may be left unseen in small pieces
 
 VISITED, GIVEN_UP = "visited", "given up"
-TOLD = "told by another robot"
+TOLD = "told by {}"
 NOISE = "noise"
 FEW_POINTS = "too short"
 NOT_WORTH_THE_WAY = "not worth the way"
@@ -32,14 +34,20 @@ LITTLE = frozenset((NOISE, FEW_POINTS, NOT_WORTH_THE_WAY))
 
 class Worth(NamedTuple):
     """`goals`: {number: frontier} of the points that are worth a visit now. `reasons`: {number: reason} why the others
-    are not, in words for people. `told`: some are not only because another robot says that it has explored them."""
+    are not, in words for people. `told`: robots without whose word, that they have explored them, more would be."""
 
     goals: Dict[int, Frontier]
     reasons: Dict[int, str]
-    told: bool
+    told: FrozenSet[str]
 
 
-def worth_of(clusters: Sequence[Cluster], prospects: Mapping[int, Prospect], verdicts: Verdicts, now: float) -> Worth:
+def worth_of(
+    clusters: Sequence[Cluster],
+    prospects: Mapping[int, Prospect],
+    verdicts: Verdicts,
+    known: KnownArea,
+    now: float,
+) -> Worth:
     """Which members of the clusters are goals, by what is unknown behind them and what was decided about them."""
     reasons: Dict[int, str] = {}
     for cluster in clusters:
@@ -47,9 +55,39 @@ def worth_of(clusters: Sequence[Cluster], prospects: Mapping[int, Prospect], ver
         reasons.update(_decided(cluster, verdicts))
     goals = [member for cluster in clusters for member in cluster.members if member.number not in reasons]
     points = np.array([(f.x, f.y) for f in goals], dtype=float).reshape(-1, 2)
-    told = near_any(points, verdicts.told_places(now), TOLD_DISTANCE)
-    reasons.update({f.number: TOLD for f, is_told in zip(goals, told) if is_told})
-    return Worth({f.number: f for f in goals if f.number not in reasons}, reasons, bool(told.any()))
+    decided = verdicts.heard.decided(points, known)
+    explored = _explored(points, *verdicts.told_places(now))
+    told = {goals[row].number: TOLD.format(robot) for row, robot in {**explored, **decided}.items()}
+    by = frozenset(robot for row, robot in explored.items() if row not in decided)
+    return Worth({f.number: f for f in goals if f.number not in told}, {**reasons, **told}, by)
+
+
+def _explored(points: np.ndarray, places: np.ndarray, robots: Sequence[str]) -> Dict[int, str]:
+    """{row: robot} of those of the points that are near a place which a robot has explored; (n, 2) arrays in metres."""
+    near = np.flatnonzero(near_any(points, places, TOLD_DISTANCE)).tolist()
+    gaps = {row: np.hypot(places[:, 0] - points[row, 0], places[:, 1] - points[row, 1]) for row in near}
+    return {row: robots[int(gap.argmin())] for row, gap in gaps.items()}
+
+
+def without_denied(
+    clusters: Sequence[Cluster],
+    worth: Worth,
+    prospects: Mapping[int, Prospect],
+    heard: Heard,
+    occupancy: OccupancyMap,
+) -> Tuple[Tuple[Cluster, ...], Worth]:
+    """The clusters without views where a robot that has nothing left does not know of them: they are there on the own
+    map, `occupancy`, alone, or not on it yet."""
+    reasons: Dict[int, str] = {}
+    for cluster in clusters if heard.witnesses else ():
+        if not cluster.views:
+            continue
+        seen = [prospects[number] for number in cluster.views]
+        opening = max(prospect.enterable for prospect in seen) if is_opening(seen) else 0.0
+        robot = heard.denied_by(cluster.points, occupancy.known_area, opening)
+        if robot is not None:
+            reasons.update(dict.fromkeys(cluster.views, TOLD.format(robot)))
+    return _without(clusters, worth, reasons)
 
 
 def _decided(cluster: Cluster, verdicts: Verdicts) -> Dict[int, str]:
@@ -73,14 +111,25 @@ def without_detours(
     clusters: Sequence[Cluster], worth: Worth, prospects: Mapping[int, Prospect]
 ) -> Tuple[Tuple[Cluster, ...], Worth]:
     """The clusters without views where they are no openings and not worth the way to them; the points are no goals."""
-    reasons, result = dict(worth.reasons), []
+    reasons: Dict[int, str] = {}
     for cluster in clusters:
         if cluster.views and _is_detour(cluster, [prospects[number] for number in cluster.views]):
             reasons.update(dict.fromkeys(cluster.views, NOT_WORTH_THE_WAY))
-            cluster = replace(cluster, cost=math.inf, viewpoint=None, target=None, views={})
-        result.append(cluster)
+    return _without(clusters, worth, reasons)
+
+
+def _without(
+    clusters: Sequence[Cluster], worth: Worth, reasons: Mapping[int, str]
+) -> Tuple[Tuple[Cluster, ...], Worth]:
+    """The clusters without views where these are no goals any more, for the reasons by number."""
+    result = tuple(
+        replace(cluster, cost=math.inf, viewpoint=None, target=None, views={})
+        if not reasons.keys().isdisjoint(cluster.views)
+        else cluster
+        for cluster in clusters
+    )
     goals = {number: frontier for number, frontier in worth.goals.items() if number not in reasons}
-    return tuple(result), worth._replace(goals=goals, reasons=reasons)
+    return result, worth._replace(goals=goals, reasons={**worth.reasons, **reasons})
 
 
 def too_much_to_leave(
@@ -104,7 +153,10 @@ def too_much_to_leave(
 
 
 def _is_detour(cluster: Cluster, seen: Sequence[Prospect]) -> bool:
+    return not is_opening(seen) and cluster.cost > WAY_FOR_AREA * max(prospect.area for prospect in seen)
+
+
+def is_opening(seen: Sequence[Prospect]) -> bool:
+    """True if there is ground where the robot might stand behind points with these prospects."""
     rooms = [prospect.enterable for prospect in seen if prospect.enterable >= ROOM]
-    if len(rooms) >= 2 or sum(rooms) >= 2 * ROOM:
-        return False
-    return cluster.cost > WAY_FOR_AREA * max(prospect.area for prospect in seen)
+    return len(rooms) >= 2 or sum(rooms) >= 2 * ROOM

@@ -8,8 +8,9 @@ from io import BytesIO
 from typing import Any, Callable, Protocol
 
 from adhoc_communication.msg import ExpAuction, ExpFrontier
+from explorer.msg import TeamVerdicts
 
-from explorer import messages, ros_io
+from explorer import messages, ros_io, ros_verdicts
 from explorer.agent import ExplorerAgent
 from explorer.call_queue import CALLS, HANDOVER, CallQueue
 from explorer.grid import GridInfo, OccupancyMap
@@ -150,9 +151,14 @@ class Explorer:
             "visited_frontiers": self.agent.on_visited_frontiers,
             "negotiation_list": self.agent.on_negotiation_list,
         }.get(topic)
-        if take is None and topic != "auction":
+        if take is None and topic not in ("auction", ros_verdicts.TOPIC):
             return False
         now = self._clock()
+        if topic == ros_verdicts.TOPIC:
+            statement = ros_verdicts.statement_from(_parsed(TeamVerdicts, octets))
+            if statement is not None:
+                self.agent.on_statement(statement, now)
+            return True
         if take is not None:
             with self._stopwatch.span("messages"):
                 elements = self._wire.elements_from(_parsed(ExpFrontier, octets))
@@ -181,6 +187,11 @@ class Explorer:
             self._listener.cancel_goal(now)
         elif isinstance(effect, (messages.SendFrontiers, messages.SendAuction)):
             self._send(effect, now)
+        elif isinstance(effect, messages.SendStatement):
+            message, group = ros_verdicts.verdicts_to(effect), self._options.group
+            self._calls.put(
+                lambda ended: self._radio.send_typed(group, ros_verdicts.TOPIC, message, lambda *_: ended())
+            )
         elif isinstance(effect, messages.AskTransform):
             robot = effect.robot
             self._agenda.at(now + SERVICE_TIME, lambda _: self._answer_transform(robot))
