@@ -64,7 +64,7 @@ class Perception:
         occupancy, pose = self._senses.map, self._senses.pose
         assert occupancy is not None and pose is not None
         if self._senses.rests(now):
-            self._stale = verdicts.judge_looked(self._senses.map_time, True, now) or self._stale
+            self._stale = verdicts.judge_looked(now) or self._stale
         if not (self._new_map or self._stale or self._due(pose, verdicts, now)):
             return []
         gone: List[Frontier] = []
@@ -113,7 +113,7 @@ class Perception:
         cells = frontier_cells(occupancy, self._options.minimal_frontier_length)
         new, gone = self.frontiers.update(occupancy, cells)
         verdicts.follow(new, gone)
-        verdicts.judge_looked(self._senses.map_time, self._senses.rests(now), now)
+        verdicts.judge_looked(now if self._senses.rests(now) else self._senses.shown)
         verdicts.revive_changed(self.known_near)
         self._clusters.update(self.frontiers.ordered(), occupancy)
         self._prospects = prospects(self.frontiers.ordered(), ways, (pose.x, pose.y))
