@@ -171,6 +171,22 @@ def test_visited_frontier_is_no_goal_again() -> None:
     assert bench.unreachable() == 0
 
 
+def test_a_look_waits_for_a_map_of_the_robots_own_slam_that_was_made_after_it() -> None:
+    """With a slow SLAM: global maps that come in between show what other robots have seen."""
+    bench = Bench(7).map(corridor(left=False))
+    bench.run(1.0)
+    goal = bench.agent.goal
+    assert goal is not None
+    bench.place(goal.pose.x, goal.pose.y, goal.pose.yaw)
+    bench.run(3.0)
+    bench.agent.on_global_map(corridor(left=False), bench.now)
+    bench.run(0.4)
+    assert {verdict.looks for verdict in bench.verdicts() if verdict.awaits_map(bench.now)} == {1}
+    bench.map(corridor(left=False)).map(corridor(left=False))
+    bench.run(0.2)
+    assert max(verdict.looks for verdict in bench.verdicts()) == 2 and bench.agent.goal is not None
+
+
 def test_failed_goals_give_a_frontier_up_and_a_changed_map_revives_it() -> None:
     bench = Bench(3, number_unreachable_for_cluster=2).map(corridor(left=False))
     for _ in range(2):

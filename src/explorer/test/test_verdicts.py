@@ -28,16 +28,31 @@ def cells_near(count: int):  # type: ignore[no-untyped-def]
 def look_until_visited(verdicts: Verdicts) -> None:
     for now in (0.0, 2.0):
         verdicts.look(None, everything, now)
-    verdicts.judge_looked(map_time=4.0, rests=False, known_near=cells_near(9), now=4.0)
+        verdicts.judge_looked(now + 1.0, cells_near(9))
+
+
+def test_a_look_ends_with_a_map_that_was_made_after_it() -> None:
+    verdicts = known(POINT)
+    verdicts.look(POINT.number, lambda _: False, 1.0)
+    assert not verdicts.judge_looked(1.0, cells_near(9))
+    assert verdicts.awaits_map(4.9) and not verdicts.of(7).ready(4.9)
+    assert not verdicts.judge_looked(1.1, cells_near(9))
+    assert not verdicts.awaits_map(1.2) and verdicts.of(7).ready(1.2)
+
+
+def test_a_look_does_not_wait_for_ever_for_a_map() -> None:
+    verdicts = known(POINT)
+    verdicts.look(POINT.number, lambda _: False, 1.0)
+    assert not verdicts.of(7).ready(1.0 + 7.9) and verdicts.of(7).ready(1.0 + 8.0)
 
 
 def test_visited_after_two_looks_and_a_younger_map() -> None:
     verdicts = known(POINT)
-    verdicts.look(POINT.number, lambda _: False, 0.0)
-    assert verdicts.awaits_map(1.0) and not verdicts.of(7).ready(1.0) and verdicts.of(7).ready(1.5)
-    verdicts.look(POINT.number, lambda _: False, 2.0)
-    assert not verdicts.judge_looked(map_time=3.0, rests=False, known_near=cells_near(9), now=5.0)
-    assert verdicts.judge_looked(map_time=3.5, rests=False, known_near=cells_near(9), now=5.0)
+    for now in (0.0, 2.0):
+        verdicts.look(POINT.number, lambda _: False, now)
+        verdicts.look(POINT.number, lambda _: False, now + 0.1)
+        assert not verdicts.judge_looked(now, cells_near(9))
+        assert verdicts.judge_looked(now + 0.2, cells_near(9)) == (now == 2.0)
     assert verdicts.of(7).visited and not verdicts.is_goal(7)
 
 

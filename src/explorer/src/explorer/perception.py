@@ -73,7 +73,7 @@ class Perception:
         occupancy, pose = self._senses.map, self._senses.pose
         assert occupancy is not None and pose is not None
         if self._senses.rests(now):
-            self._stale = verdicts.judge_looked(self._senses.map_time, True, self.known_near, now) or self._stale
+            self._stale = verdicts.judge_looked(now, self.known_near) or self._stale
         if not (self._new_map or self._stale or self._due(pose, verdicts, now)):
             return []
         gone: List[Frontier] = []
@@ -132,7 +132,7 @@ class Perception:
         same = self.ways is not None and self.ways.grid is ways.grid and self._frontier_map is frontier_map
         self.ways, self._frontier_map = ways, frontier_map
         gone = [] if same else self._find_frontiers(occupancy, frontier_map, verdicts)
-        verdicts.judge_looked(self._senses.map_time, self._senses.rests(now), self.known_near, now)
+        verdicts.judge_looked(now if self._senses.rests(now) else self._senses.shown, self.known_near)
         verdicts.revive_changed(self.known_near)
         if not same:
             self._clusters.update(self.frontiers.ordered(), occupancy)

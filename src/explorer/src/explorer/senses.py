@@ -7,11 +7,13 @@ from explorer.geometry import apart, turn
 from explorer.grid import OccupancyMap
 from explorer.messages import Pose
 
+MAP_DELAY = 1.5  # s that a map is taken to be behind what is seen where the robot's SLAM does not tell of its maps
 NOTHING_TIME = 5.0  # s at rest after which a map that does not change counts as fresh
 
 
 class Senses:
-    """Map, pose and home outlive a mission; times and the way driven belong to one."""
+    """Map, pose and home outlive a mission; times and the way driven belong to one. `shown`: time in seconds up to
+    which the map shows what the robot has seen: that of the last map of its own SLAM that came before."""
 
     def __init__(self, home: Optional[Pose]) -> None:
         self.map: Optional[OccupancyMap] = None
@@ -23,13 +25,14 @@ class Senses:
         """Forgets all times."""
         self.maps = 0
         self.distance = 0.0  # m
-        self.map_time = -math.inf
+        self.map_time = self.shown = -math.inf
         self._own_map_time = -math.inf
         self._motion_time = -math.inf
         self._motion_pose: Optional[Pose] = None
 
     def take_map(self, occupancy: OccupancyMap, now: float) -> None:
         self.map, self.map_time = occupancy, now
+        self.shown = self._own_map_time if math.isfinite(self._own_map_time) else now - MAP_DELAY
         self.maps += 1
 
     def take_own_map(self, now: float) -> None:

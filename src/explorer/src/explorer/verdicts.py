@@ -11,7 +11,7 @@ from explorer.heard import Heard
 from explorer.places import Places
 from explorer.statement import MOST_VERDICTS, Decided, Kind
 
-LOOK_TIME = 1.5  # s that the map needs to show what was looked at
+LOOK_PATIENCE = 8.0  # s that a look waits at most for a map that was made after it
 LOOKS = 2  # times a frontier is looked at before it counts as visited
 TRY_DISTANCE = 0.5  # m, frontiers this near to one that failed have failed with it
 RETRY_TIME = 8.0  # s after which a frontier that failed is tried again
@@ -37,8 +37,8 @@ class Verdict:
     """On the frontier point at (x, y), metres in the own map frame.
 
     `visited`: it was looked at from close by and is still there, so it is no longer a goal. `failures` counts the goals
-    that failed, `blocked` those that failed behind another robot. Until `retry_at` it is not tried again, until
-    `hidden_until` a map is awaited that shows what a look has seen; both in seconds. `known`: number of cells known
+    that failed, `blocked` those that failed behind another robot. Until `retry_at`, in seconds, it is not tried again.
+    `looked_at`: time in seconds of a look of which no map shows yet what it has seen. `known`: number of cells known
     around it when it was visited or given up.
     """
 
@@ -49,7 +49,7 @@ class Verdict:
     failures: int = 0
     blocked: int = 0
     retry_at: float = -math.inf
-    hidden_until: float = -math.inf
+    looked_at: float = -math.inf
     looks: int = 0
     known: Optional[int] = None
     revivals: int = 0
@@ -60,11 +60,15 @@ class Verdict:
 
     def ready(self, now: float) -> bool:
         """It can be tried now."""
-        return self.retry_at <= now and self.hidden_until <= now and not (self.visited or self.given_up)
+        return self.retry_at <= now and not (self.visited or self.given_up) and not self.awaits_map(now)
+
+    def awaits_map(self, now: float) -> bool:
+        """True while a map that shows what was looked at is still to come."""
+        return now < self.looked_at + LOOK_PATIENCE
 
     def inherited_at(self, x: float, y: float) -> "Verdict":
         """Of a point found anew beside this one."""
-        return replace(self, x=x, y=y, hidden_until=-math.inf, looks=0)
+        return replace(self, x=x, y=y, looked_at=-math.inf, looks=0)
 
 
 class Told(NamedTuple):
@@ -85,7 +89,7 @@ class Verdicts:
         self._spots: Places[Verdict] = Places(MAXIMUM_SPOTS, THINNING_DISTANCE)
         self._told: List[Told] = []
         self._cluster_failures: Dict[int, int] = {}
-        self._hidden_until = -math.inf  # s, no point is hidden for longer
+        self._looked_at = -math.inf  # s, the last look
         self.heard = Heard()
         self.revision = 0
 
@@ -102,8 +106,8 @@ class Verdicts:
         return [number for number in numbers if of[number].ready(now)]
 
     def awaits_map(self, now: float) -> bool:
-        """True while the map has not had time to show what a look has seen."""
-        return self._hidden_until > now and any(verdict.hidden_until > now for verdict in self._of.values())
+        """True while the map does not show yet what a look has seen."""
+        return now < self._looked_at + LOOK_PATIENCE and any(verdict.awaits_map(now) for verdict in self._of.values())
 
     def given_up(self) -> int:
         return sum(verdict.given_up for verdict in self._of.values())
@@ -129,21 +133,22 @@ class Verdicts:
     def look(self, target: Optional[int], sees: Callable[[Verdict], bool], now: float) -> None:
         """The robot is where it can see its goal: what it sees now will be in the map soon."""
         for number, verdict in self._of.items():
-            if verdict.visited or verdict.hidden_until > now:
+            if verdict.visited or verdict.awaits_map(now):
                 continue
             if number == target or sees(verdict):
-                self._hidden_until = now + LOOK_TIME
-                self._of[number] = replace(verdict, looks=verdict.looks + 1, hidden_until=self._hidden_until)
+                self._looked_at = now
+                self._of[number] = replace(verdict, looks=verdict.looks + 1, looked_at=now)
 
-    def judge_looked(self, map_time: float, rests: bool, known_near: KnownNear, now: float) -> bool:
-        """A frontier that is still there on a map younger than the last of several looks counts as visited; so does one
-        looked at from a place where the map has stopped changing. True if there was one."""
+    def judge_looked(self, shown: float, known_near: KnownNear) -> bool:
+        """`shown`: time in seconds up to which the map shows what the robot has seen. Looks before it end; a frontier
+        that is still there after the last of several counts as visited. True if there was one."""
         judged = False
         for number, verdict in self._of.items():
-            fresh = map_time >= verdict.hidden_until or (rests and now >= verdict.hidden_until)
-            if verdict.looks >= LOOKS and not verdict.visited and fresh:
-                self._of[number] = replace(verdict, visited=True, known=known_near(verdict.x, verdict.y))
-                judged = True
+            if -math.inf < verdict.looked_at < shown:
+                verdict = self._of[number] = replace(verdict, looked_at=-math.inf)
+                if verdict.looks >= LOOKS and not verdict.visited:
+                    self._of[number] = replace(verdict, visited=True, known=known_near(verdict.x, verdict.y))
+                    judged = True
         self.revision += judged
         return judged
 
