@@ -9,7 +9,17 @@ from conftest import drawn
 
 from explorer.agent import ExplorerAgent
 from explorer.grid import OccupancyMap
-from explorer.messages import FAILED, REACHED, AskTransform, CancelGoal, Pose, SendAuction, SendFrontiers, SetGoal
+from explorer.messages import (
+    FAILED,
+    REACHED,
+    AskTransform,
+    CancelGoal,
+    Pose,
+    SendAuction,
+    SendFrontiers,
+    SendStatement,
+    SetGoal,
+)
 from explorer.options import Options
 from explorer.status import State
 from explorer.travel import TravelGrid
@@ -138,6 +148,9 @@ class TinyWorld:
         elif isinstance(effect, SendAuction):
             for agent in others:
                 agent.on_auction(effect.auction, self.now)
+        elif isinstance(effect, SendStatement):
+            for agent in others:
+                agent.on_statement(effect.statement, self.now)
         elif isinstance(effect, SendFrontiers):
             for agent in others:
                 INBOXES[effect.topic](agent, effect.elements, self.now)

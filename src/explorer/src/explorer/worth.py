@@ -1,5 +1,6 @@
 """What is worth a visit: which frontier points are goals."""
 
+import math
 from dataclasses import replace
 from typing import Dict, FrozenSet, Mapping, NamedTuple, Sequence, Tuple
 
