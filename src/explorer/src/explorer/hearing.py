@@ -49,6 +49,7 @@ class Hearing:
             place = self._foreign.to_own_frame(element)
             if place is not None and not self._foreign.has_near(element, MOVED_DISTANCE):
                 self._verdicts.believe_explored(element.detected_by, *place, now)
+                self._perception.touch()
 
     def take_statement(self, statement: Statement, now: float) -> None:
         """What another robot has decided, and whether it has anything left."""
