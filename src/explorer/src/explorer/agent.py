@@ -111,7 +111,7 @@ class ExplorerAgent:
     def on_robots(self, names: Sequence[str], now: float) -> None:
         """All robots that the radio reaches now."""
         self._reached = list(names)
-        self.mission.take_robots(names)
+        self.mission.hearing.take_robots(names)
 
     def on_robot(self, name: str, present: bool, now: float) -> None:
         """The radio reaches one more robot, or one less."""
@@ -128,14 +128,14 @@ class ExplorerAgent:
 
     def on_visited_frontiers(self, elements: Sequence[Element], now: float) -> None:
         """Points that another robot has explored."""
-        self.mission.take_explored(self._edge.elements(elements, self.mission.team), now)
+        self.mission.hearing.take_explored(self._edge.elements(elements, self.mission.team), now)
 
     def on_negotiation_list(self, elements: Sequence[Element], now: float) -> None:
         """The cluster that another robot has chosen (strategies 5 and 6)."""
         chosen = self._edge.elements(elements[:MAXIMUM_CHOSEN], self.mission.team)
         for element in chosen:
             self.foreign.add(element)
-        self.mission.take_choice(chosen, now)
+        self.mission.hearing.take_choice(chosen, now)
 
     def on_auction(self, auction: Auction, now: float) -> None:
         self.mission.take_auction(auction, now)
@@ -143,7 +143,7 @@ class ExplorerAgent:
     def on_statement(self, statement: Statement, now: float) -> None:
         """What another robot has decided, and whether it has anything left."""
         if self._edge.accepts_statement(statement):
-            self.mission.take_statement(statement, now)
+            self.mission.hearing.take_statement(statement, now)
 
     def on_goal_accepted(self, goal_id: int, now: float) -> None:
         self.mission.driver.take_accepted(goal_id, now)
@@ -176,7 +176,7 @@ class ExplorerAgent:
         self.perception.restart()
         self.mission = self._new_mission(old.driver.last_id, old.auctions.last_id)
         self.mission.sharing.recall(sent)
-        self.mission.take_robots(old.team.known())
+        self.mission.hearing.take_robots(old.team.known())
         if self._senses.map is not None:
             self.on_global_map(self._senses.map, now)
         if self._senses.pose is not None:

@@ -8,7 +8,6 @@ from explorer.foreign import Element, ForeignFrontiers
 from explorer.heard import Heard, HeardVerdict, Witness
 from explorer.statement import Stage, Statement
 from explorer.team import MAXIMUM_ROBOTS
-from explorer.verdicts import TOLD_TIME
 
 DONE = (Stage.NOTHING_LEFT, Stage.ENDED)
 SILENT_AFTER = 25.0  # s without a statement, two and a half refreshes, after which a robot does not count as exploring
@@ -22,8 +21,7 @@ class Agreement:
         self._foreign = foreign
         self._said: Dict[str, Statement] = {}
         self._said_at: Dict[str, float] = {}
-        self._done_since: Dict[str, float] = {}
-        self._seen: Tuple[int, int, Tuple[str, ...], Tuple[str, ...]] = (-1, -1, (), ())
+        self._seen: Tuple[int, int, Tuple[str, ...]] = (-1, -1, ())
         self._revision = 0
         self._heard = Heard()
 
@@ -35,17 +33,12 @@ class Agreement:
         if last is None and len(self._said) >= MAXIMUM_ROBOTS:
             return False
         self._said[statement.robot], self._said_at[statement.robot] = statement, now
-        if statement.stage not in DONE:
-            self._done_since.pop(statement.robot, None)
-        else:
-            self._done_since.setdefault(statement.robot, now)
         self._revision += 1
         return True
 
     def forget(self, robots: Iterable[str]) -> None:
         """These robots have left."""
         for robot in robots:
-            self._done_since.pop(robot, None)
             self._said_at.pop(robot, None)
             if self._said.pop(robot, None) is not None:
                 self._revision += 1
@@ -60,17 +53,16 @@ class Agreement:
 
     def heard(self, now: float) -> Heard:
         """By the newest transforms; robots without one say nothing of places. The same object while nothing changes."""
-        fresh = tuple(robot for robot, since in sorted(self._done_since.items()) if now - since < TOLD_TIME)
         explorers = tuple(robot for robot in sorted(self._said) if self._explores(robot, now))
-        seen = (self._revision, self._foreign.transform_revision, fresh, explorers)
+        seen = (self._revision, self._foreign.transform_revision, explorers)
         if seen != self._seen:
-            self._seen, self._heard = seen, self._placed(fresh, explorers)
+            self._seen, self._heard = seen, self._placed(explorers)
         return self._heard
 
     def _explores(self, robot: str, now: float) -> bool:
         return self._said[robot].stage == Stage.EXPLORING and now - self._said_at[robot] < SILENT_AFTER
 
-    def _placed(self, fresh: Tuple[str, ...], explorers: Tuple[str, ...]) -> Heard:
+    def _placed(self, explorers: Tuple[str, ...]) -> Heard:
         verdicts: List[HeardVerdict] = []
         witnesses: List[Witness] = []
         for robot, said in sorted(self._said.items()):
@@ -80,8 +72,7 @@ class Agreement:
             verdicts += [HeardVerdict(*p, each.kind, each.known, robot) for p, each in zip(places, said.verdicts)]
             if said.stage in DONE:
                 left = self._places(robot, [(each.x, each.y) for each in said.left])
-                places_left = np.array(left, dtype=float).reshape(-1, 2)
-                witnesses.append(Witness(robot, said.area, places_left, robot in fresh))
+                witnesses.append(Witness(robot, said.area, np.array(left, dtype=float).reshape(-1, 2)))
         return Heard(tuple(verdicts), tuple(witnesses), tuple(sorted(self._said)), explorers)
 
     def _places(self, robot: str, points: List[Tuple[float, float]]) -> List[Tuple[float, float]]:

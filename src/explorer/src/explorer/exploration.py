@@ -1,6 +1,6 @@
 """One mission: who owns what, and the order of a step."""
 
-from typing import Optional, Sequence
+from typing import Optional
 
 from explorer.agreement import Agreement
 from explorer.announcing import Announcing
@@ -8,7 +8,8 @@ from explorer.auctions import Auctions, comparable
 from explorer.claim import OwnClaim
 from explorer.driver import Driver, GoalEvent, at_home
 from explorer.ending import Ending
-from explorer.foreign import Element, ForeignFrontiers
+from explorer.foreign import ForeignFrontiers
+from explorer.hearing import Hearing
 from explorer.journal import Journal
 from explorer.leftovers import sentence
 from explorer.messages import FAILED, REACHED, Auction, Emit, Note
@@ -22,14 +23,13 @@ from explorer.scene_maker import SceneMaker
 from explorer.selections import selection_for
 from explorer.senses import Senses
 from explorer.sharing import Sharing
-from explorer.statement import Stage, Statement
+from explorer.statement import Stage
 from explorer.status import Counters, State
 from explorer.strategies.strategy import Strategy
 from explorer.team import Team
 from explorer.verdicts import Verdicts
 
 MAXIMUM_CLAIMED = 5000  # elements of one claim that are read
-MOVED_DISTANCE = 0.7  # m, a frontier this near to one that has vanished is the same, seen anew
 
 
 class Exploration:
@@ -65,6 +65,9 @@ class Exploration:
         )
         self.agreement = Agreement(foreign)
         self._announcing = Announcing(name, self.team, senses, perception, self.verdicts, self.ending, emit)
+        self.hearing = Hearing(
+            self.team, foreign, self.verdicts, self.agreement, self.sharing, self._announcing, perception
+        )
         self._reopening = Reopening(options.finish_delay, perception, senses)
         self._selection = selection_for(
             strategy, self.driver, self.claim, self.auctions, self.sharing, self.team, name, emit
@@ -81,37 +84,6 @@ class Exploration:
         self.started_at = now
         self._journal.start(now)
         return True
-
-    def take_robots(self, names: Sequence[str]) -> None:
-        """All robots that the radio reaches now."""
-        came, left = self.team.set_known(names)
-        if came:
-            self.sharing.welcome(came)
-            self._announcing.welcome()
-        if left:
-            self.agreement.forget(left)
-            self._perception.touch()
-
-    def take_explored(self, elements: Sequence[Element], now: float) -> None:
-        """Points that another robot has explored: own points there are not goals until the map had time to show it.
-        Where that robot still has points nearby the frontier has moved a little, and nothing is explored."""
-        for element in elements:
-            self._foreign.remove(element.key)
-        for element in elements:
-            place = self._foreign.to_own_frame(element)
-            if place is not None and not self._foreign.has_near(element, MOVED_DISTANCE):
-                self.verdicts.believe_explored(element.detected_by, *place, now)
-
-    def take_statement(self, statement: Statement, now: float) -> None:
-        """What another robot has decided, and whether it has anything left."""
-        if statement.robot in self.team.known():
-            self.agreement.take(statement, now)
-
-    def take_choice(self, elements: Sequence[Element], now: float) -> None:
-        """The clusters that others have chosen (strategies 5 and 6)."""
-        for robot in sorted({element.detected_by for element in elements}):
-            self.team.heard(robot)
-            self.team.claim(robot, [e.key for e in elements if e.detected_by == robot], now)
 
     def take_auction(self, auction: Auction, now: float) -> None:
         if auction.robot == self._name or self.team.peer(auction.robot) is None:

@@ -13,7 +13,6 @@ from explorer.statement import Kind
 SAME_PLACE = 0.35  # m within which a verdict of another robot means an own point: both thin their points to 0.2 m
 SAME_LEFTOVER = 1.5  # m within which a place that another robot leaves means an own cluster
 MORE_KNOWN = 0.15  # m^2 that the map shows more than the robot knew that has decided: something new is there
-SEEN_SHARE = 0.5  # of the ground behind an opening that must be known to have seen it
 LEAST_KNOWN = 0.98  # of the own known area: a robot whose map has less cannot tell what is left
 
 KnownArea = Callable[[float, float], float]
@@ -32,12 +31,11 @@ class HeardVerdict(NamedTuple):
 
 class Witness(NamedTuple):
     """A robot that has nothing left, with the m^2 that it knows; `left`: (n, 2) array of the places that it leaves, in
-    metres in the own frame. `fresh`: it has said so only now, and what it has seen may not be in the own map yet."""
+    metres in the own frame."""
 
     robot: str
     area: float
     left: np.ndarray
-    fresh: bool = False
 
 
 @dataclass(frozen=True)
@@ -76,14 +74,11 @@ class Heard:
                 found[row] = verdict.robot
         return found
 
-    def denied_by(self, points: np.ndarray, area: float, opening: float) -> Optional[str]:
+    def denied_by(self, points: np.ndarray, area: float) -> Optional[str]:
         """The robot that has nothing left and does not know of a cluster of these (n, 2) points in metres, though it
-        knows as much as the `area` m^2 of the own map; None without one. If the cluster is an opening with `opening`
-        m^2 of ground behind it, only a robot that knows so much more, and not for long."""
+        knows as much as the `area` m^2 of the own map; None without one."""
         for witness in self.witnesses:
-            least = area + SEEN_SHARE * opening if opening > 0.0 else LEAST_KNOWN * area
-            knows = witness.area >= least and (witness.fresh or opening == 0.0)
-            if knows and not near_any(points, witness.left, SAME_LEFTOVER).any():
+            if witness.area >= LEAST_KNOWN * area and not near_any(points, witness.left, SAME_LEFTOVER).any():
                 return witness.robot
         return None
 

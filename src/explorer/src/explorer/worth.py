@@ -77,15 +77,13 @@ def without_denied(
     heard: Heard,
     occupancy: OccupancyMap,
 ) -> Tuple[Tuple[Cluster, ...], Worth]:
-    """The clusters without views where a robot that has nothing left does not know of them: they are there on the own
-    map, `occupancy`, alone, or not on it yet."""
+    """The clusters without views where they are no openings and a robot that has nothing left does not know of them:
+    they are there on the own map, `occupancy`, alone."""
     reasons: Dict[int, str] = {}
     for cluster in clusters if heard.witnesses else ():
-        if not cluster.views:
+        if is_opening([prospects[number] for number in cluster.views]):
             continue
-        seen = [prospects[number] for number in cluster.views]
-        opening = max(prospect.enterable for prospect in seen) if is_opening(seen) else 0.0
-        robot = heard.denied_by(cluster.points, occupancy.known_area, opening)
+        robot = heard.denied_by(cluster.points, occupancy.known_area) if cluster.views else None
         if robot is not None:
             reasons.update(dict.fromkeys(cluster.views, TOLD.format(robot)))
     return _without(clusters, worth, reasons)
