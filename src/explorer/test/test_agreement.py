@@ -165,13 +165,13 @@ def test_a_robot_that_was_stopped_does_not_say_that_nothing_is_left() -> None:
 def test_visited_points_are_told_with_what_was_known() -> None:
     bench = Bench(7).map(corridor(left=False)).join("robot_1")
     bench.run(0.4)
-    for point in bench.agent.perception.frontiers.ordered():
-        bench.agent.mission.verdicts.look(point.number, lambda _: True, bench.now)
     for _ in range(2):
-        bench.run(2.0)
-        bench.agent.mission.verdicts.look(None, lambda _: True, bench.now)
-    bench.run(2.0)
-    bench.map(corridor(left=False)).run(3.0)
+        for point in bench.agent.perception.frontiers.ordered():
+            bench.agent.mission.verdicts.look(point.number, lambda _: True, bench.now)
+        for _ in range(2):
+            bench.run(1.0)
+            bench.map(corridor(left=False))
+    bench.run(3.0)
     told = statements(bench)[-1].verdicts
     assert told and {each.kind for each in told} == {Kind.VISITED}
     assert all(1.0 < each.known < 3.2 for each in told)
