@@ -183,7 +183,7 @@ class Perceiver:
         ]
 
 
-@settings(max_examples=30)
+@settings(max_examples=20)
 @given(seeds)
 def test_perception_follows_the_map(seed: int) -> None:
     """Frontiers, clusters, views, what is worth a visit, costs; some maps come twice, some show other robots."""

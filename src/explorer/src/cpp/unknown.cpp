@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 namespace explorer {
 namespace {
@@ -11,29 +12,30 @@ namespace {
 constexpr int kDirections = 32;
 constexpr double kPi = 3.14159265358979323846;
 
-struct Direction {
-  double down, right;
-};
-
 struct Behind {
   double area = 0.0, enterable = 0.0, depth = 0.0;
 };
 
-std::array<Direction, kDirections> directions() {
-  std::array<Direction, kDirections> all;
-  for (int i = 0; i < kDirections; ++i) {
-    const double angle = 2.0 * kPi * i / kDirections;
-    all[static_cast<std::size_t>(i)] = {std::sin(angle), std::cos(angle)};
+struct Step {
+  std::int64_t down, right;
+};
+
+// The cells of a ray, one for each step from the first on.
+std::vector<Step> ray(int number, int reach) {
+  const double angle = 2.0 * kPi * number / kDirections;
+  std::vector<Step> steps;
+  for (int step = 1; step <= reach; ++step) {
+    steps.push_back({static_cast<std::int64_t>(std::nearbyint(std::sin(angle) * step)),
+                     static_cast<std::int64_t>(std::nearbyint(std::cos(angle) * step))});
   }
-  return all;
+  return steps;
 }
 
-Behind along(const SightMap& map, std::int64_t row, std::int64_t column, const Direction& direction, int reach,
-             int skipped) {
+Behind along(const SightMap& map, std::int64_t row, std::int64_t column, const std::vector<Step>& steps, int skipped) {
   Behind behind;
-  for (int step = 1; step <= reach; ++step) {
-    const std::int64_t y = row + static_cast<std::int64_t>(std::nearbyint(direction.down * step));
-    const std::int64_t x = column + static_cast<std::int64_t>(std::nearbyint(direction.right * step));
+  for (int step = 1; step <= static_cast<int>(steps.size()); ++step) {
+    const Step& there = steps[static_cast<std::size_t>(step) - 1];
+    const std::int64_t y = row + there.down, x = column + there.right;
     const bool inside = y >= 0 && x >= 0 && y < map.rows && x < map.columns;
     const std::int64_t index = y * map.columns + x;
     if (inside && map.cells[index] >= 0) {
@@ -52,12 +54,13 @@ Behind along(const SightMap& map, std::int64_t row, std::int64_t column, const D
 
 void unknown_behind(const SightMap& map, const std::int64_t* starts, std::size_t n, int reach, int skipped,
                     double* areas, double* depths) {
-  static const auto kAll = directions();
+  std::vector<std::vector<Step>> rays;
+  for (int number = 0; number < kDirections; ++number) rays.push_back(ray(number, reach));
   for (std::size_t i = 0; i < n; ++i) {
     std::array<double, kDirections> lengths{};
     areas[2 * i] = areas[2 * i + 1] = 0.0;
-    for (std::size_t k = 0; k < kAll.size(); ++k) {
-      const Behind behind = along(map, starts[2 * i], starts[2 * i + 1], kAll[k], reach, skipped);
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+      const Behind behind = along(map, starts[2 * i], starts[2 * i + 1], rays[k], skipped);
       lengths[k] = behind.depth;
       areas[2 * i] += behind.area;
       areas[2 * i + 1] += behind.enterable;

@@ -106,21 +106,24 @@ def _join_singles(labels: np.ndarray, pairs: np.ndarray, gaps: np.ndarray) -> np
 
 def split_long(points: np.ndarray, labels: np.ndarray, longest: float = LONGEST_CLUSTER) -> np.ndarray:
     """Labels of `group` with clusters whose bounding box is longer than `longest` metres cut into equal parts."""
+    if len(labels) == 0:
+        return labels
     labels = labels.copy()
-    following = int(labels.max()) + 1 if len(labels) else 0
-    by_label = np.split(np.argsort(labels, kind="stable"), np.cumsum(np.bincount(labels))[:-1]) if following else []
-    for members in by_label:
-        extent = np.ptp(points[members], axis=0)
+    following = int(labels.max()) + 1
+    order = np.argsort(labels, kind="stable")
+    first = np.searchsorted(labels[order], np.arange(following))
+    extents = np.maximum.reduceat(points[order], first) - np.minimum.reduceat(points[order], first)
+    for label in np.flatnonzero(extents.max(axis=1) > longest).tolist():
+        members = np.flatnonzero(labels == label)
+        extent = extents[label]
         axis = int(np.argmax(extent))
         parts = math.ceil(extent[axis] / longest)
-        if parts < 2:
-            continue
         part = ((points[members, axis] - points[members, axis].min()) / (extent[axis] / parts)).astype(int)
         for number in range(1, parts):
             chosen = members[np.minimum(part, parts - 1) == number]
             labels[chosen] = following
             following += 1
-    return np.unique(labels, return_inverse=True)[1] if len(labels) else labels
+    return np.unique(labels, return_inverse=True)[1]
 
 
 class ClusterStore:

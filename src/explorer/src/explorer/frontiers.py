@@ -41,38 +41,27 @@ class FrontierStore:
 
     def update(self, occupancy: OccupancyMap, cells: np.ndarray) -> Tuple[List[Frontier], List[Frontier]]:
         """Takes the frontier cells of a new map (bool array of the map's shape); returns points new and gone."""
-        gone = self._drop_vanished(occupancy, cells)
-        new = self._add_uncovered(occupancy, cells)
-        return new, gone
+        stored = self.ordered()
+        own = occupancy.info.cells_of(np.array([(f.x, f.y) for f in stored], dtype=float))
+        stays = occupancy.info.inside(own)
+        stays[stays] = _kernels.any_in_box(cells, own[stays], _reach(occupancy))
+        gone = [frontier for frontier, there in zip(stored, stays.tolist()) if not there]
+        for frontier in gone:
+            del self.frontiers[frontier.number]
+        return self._add(_uncovered(occupancy, cells, own[stays])), gone
 
     def clear(self) -> None:
         """Forgets all points; new points get new numbers."""
         self.frontiers.clear()
 
     def ordered(self) -> List[Frontier]:
-        return [self.frontiers[number] for number in sorted(self.frontiers)]
+        """By number: so they are stored."""
+        return list(self.frontiers.values())
 
-    def _drop_vanished(self, occupancy: OccupancyMap, cells: np.ndarray) -> List[Frontier]:
-        stored = self.ordered()
-        own = _cells_of(stored, occupancy)
-        stays = occupancy.info.inside(own)
-        stays[stays] = _kernels.any_in_box(cells, own[stays], _reach(occupancy))
-        gone = [frontier for frontier, there in zip(stored, stays.tolist()) if not there]
-        for frontier in gone:
-            del self.frontiers[frontier.number]
-        return gone
-
-    def _add_uncovered(self, occupancy: OccupancyMap, cells: np.ndarray) -> List[Frontier]:
-        own = _cells_of(self.ordered(), occupancy)
-        stored = np.zeros(cells.shape, dtype=bool)
-        stored[own[:, 0], own[:, 1]] = True
-        # Several times faster than looking for them in two dimensions.
-        open_cells = np.column_stack(np.divmod(np.flatnonzero(cells), cells.shape[1]))
-        open_cells = open_cells[~_kernels.any_in_box(stored, open_cells, _reach(occupancy))]
+    def _add(self, points: np.ndarray) -> List[Frontier]:
+        """Takes (n, 2) points in metres; those beyond `MAXIMUM_FRONTIERS` are not stored."""
         new = []
-        for x, y in thin(occupancy.info.centres_of(open_cells)).tolist():
-            if len(self.frontiers) >= MAXIMUM_FRONTIERS:
-                break
+        for x, y in points[: max(0, MAXIMUM_FRONTIERS - len(self.frontiers))].tolist():
             frontier = Frontier(self.first_number + self._count, x, y)
             self._count += 1
             self.frontiers[frontier.number] = frontier
@@ -80,9 +69,14 @@ class FrontierStore:
         return new
 
 
-def _cells_of(frontiers: List[Frontier], occupancy: OccupancyMap) -> np.ndarray:
-    """(n, 2) int array of the cells of points."""
-    return occupancy.info.cells_of(np.array([(f.x, f.y) for f in frontiers], dtype=float))
+def _uncovered(occupancy: OccupancyMap, cells: np.ndarray, stored: np.ndarray) -> np.ndarray:
+    """(n, 2) points in metres for the frontier cells that are in no box of the cells (m, 2) of stored points."""
+    covering = np.zeros(cells.shape, dtype=bool)
+    covering[stored[:, 0], stored[:, 1]] = True
+    # Several times faster than looking for them in two dimensions.
+    frontier_cells = np.column_stack(np.divmod(np.flatnonzero(cells), cells.shape[1]))
+    covered = _kernels.any_in_box(covering, frontier_cells, _reach(occupancy))
+    return thin(occupancy.info.centres_of(frontier_cells[~covered]))
 
 
 def _reach(occupancy: OccupancyMap) -> int:
