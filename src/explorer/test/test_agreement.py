@@ -119,7 +119,7 @@ def test_a_closer_look_is_no_verdict_on_a_point() -> None:
 )
 def test_a_robot_denies_what_it_would_have_to_know(area: float, left: tuple, denied: bool) -> None:
     """Not with a map that has less in it, and not what it leaves itself."""
-    heard = Heard(witnesses=(Witness("robot_1", area, np.array([left])),))
+    heard = Heard(witnesses=(Witness("robot_1", area, np.array([left]), True),))
     assert heard.denied_by(np.array([(1.0, 1.0), (1.2, 1.0)]), 100.0) == ("robot_1" if denied else None)
 
 
@@ -169,8 +169,7 @@ def test_visited_points_are_told_with_what_was_known() -> None:
         for point in bench.agent.perception.frontiers.ordered():
             bench.agent.mission.verdicts.look(point.number, lambda _: True, bench.now)
         for _ in range(2):
-            bench.run(1.0)
-            bench.map(corridor(left=False))
+            bench.map(corridor(left=False)).run(1.0)
     bench.run(3.0)
     told = statements(bench)[-1].verdicts
     assert told and {each.kind for each in told} == {Kind.VISITED}

@@ -72,7 +72,8 @@ class Agreement:
             verdicts += [HeardVerdict(*p, each.kind, each.known, robot) for p, each in zip(places, said.verdicts)]
             if said.stage in DONE:
                 left = self._places(robot, [(each.x, each.y) for each in said.left])
-                witnesses.append(Witness(robot, said.area, np.array(left, dtype=float).reshape(-1, 2)))
+                places_left = np.array(left, dtype=float).reshape(-1, 2)
+                witnesses.append(Witness(robot, said.area, places_left, said.stage == Stage.ENDED))
         return Heard(tuple(verdicts), tuple(witnesses), tuple(sorted(self._said)), explorers)
 
     def _places(self, robot: str, points: List[Tuple[float, float]]) -> List[Tuple[float, float]]:

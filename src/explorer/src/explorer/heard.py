@@ -31,11 +31,12 @@ class HeardVerdict(NamedTuple):
 
 class Witness(NamedTuple):
     """A robot that has nothing left, with the m^2 that it knows; `left`: (n, 2) array of the places that it leaves, in
-    metres in the own frame."""
+    metres in the own frame. `ended`: it has made sure of it."""
 
     robot: str
     area: float
     left: np.ndarray
+    ended: bool
 
 
 @dataclass(frozen=True)
