@@ -145,6 +145,14 @@ def test_the_stage_is_said_at_once_and_again_now_and_then() -> None:
     assert numbers == sorted(set(numbers)) and len({each.mission for each in statements(bench)}) == 1
 
 
+def test_maps_that_flicker_do_not_flood_the_radio() -> None:
+    bench = Bench(7).map(corridor()).join("robot_1")
+    for _ in range(25):
+        bench.map(closed()).run(0.2)
+        bench.map(corridor()).run(0.2)
+    assert len(statements(bench)) <= 21
+
+
 def test_a_robot_that_comes_late_hears_it_also_from_one_that_has_ended() -> None:
     bench = Bench(7, return_home=False).map(closed()).join("robot_1")
     bench.run(10.0)
