@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_agent import IDENTITY, Bench, closed, corridor
+from test_agent import IDENTITY, Bench, closed, corridor, reply
 
 from explorer.agreement import Agreement
 from explorer.foreign import Element, ForeignFrontiers
@@ -145,6 +145,14 @@ def test_the_stage_is_said_at_once_and_again_now_and_then() -> None:
     assert numbers == sorted(set(numbers)) and len({each.mission for each in statements(bench)}) == 1
 
 
+def test_maps_that_flicker_do_not_flood_the_radio() -> None:
+    bench = Bench(7).map(corridor()).join("robot_1")
+    for _ in range(25):
+        bench.map(closed()).run(0.2)
+        bench.map(corridor()).run(0.2)
+    assert len(statements(bench)) <= 21
+
+
 def test_a_robot_that_comes_late_hears_it_also_from_one_that_has_ended() -> None:
     bench = Bench(7, return_home=False).map(closed()).join("robot_1")
     bench.run(10.0)
@@ -278,6 +286,23 @@ def test_what_the_team_leaves_is_not_taken_up_by_the_last(area: float, goes: boo
     bench.agent.on_statement(said(Stage.ENDED, left=[LeftPlace(1.9, 1.0, 0.5, "noise")], area=area), bench.now)
     bench.run(1.0)
     assert bool(bench.goals()) == goes
+
+
+def test_a_last_look_is_auctioned_and_taken_once() -> None:
+    """The other robot bids less for it, takes it, and says what it found."""
+    bench = Bench(7).join("robot_1", position=(1.0, 0.0))
+    bench.place(-8.0, 0.0)
+    bench.map(pocketed()).run(0.4)
+    start = next(auction for auction in bench.auctions() if auction.start)
+    bench.agent.on_auction(reply(start, "robot_1", [2.5] * len(start.requested)), bench.now)
+    occupied = start.requested[0].elements
+    bench.agent.on_auction(Auction("robot_1", 9, True, finished=True, occupied=occupied), bench.now)
+    bench.map(pocketed()).run(3.0)
+    assert bench.agent.goal is None and statements(bench)[-1].stage == Stage.EXPLORING
+    verdicts = [Decided(x, y, Kind.VISITED, 3.0) for x, y in frontier_points(bench)]
+    bench.agent.on_statement(said(Stage.NOTHING_LEFT, verdicts=verdicts), bench.now)
+    bench.agent.on_auction(Auction("robot_1", 9, True, finished=True), bench.now)
+    assert ends_within(bench, 8.0, pocketed())
 
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["none", "partition", "death"]))

@@ -12,6 +12,7 @@ from explorer.team import Team
 from explorer.verdicts import Verdicts
 
 PERIOD = 2.0  # s between two statements, unless the stage is another
+LEAST_PERIOD = 0.5  # s between two of them if it is
 REFRESH_PERIOD = 10.0  # s after which the same is said again: a robot may have missed it
 
 
@@ -51,8 +52,10 @@ class Announcing:
         self._said, self._said_at = what, now
 
     def _due(self, what: Tuple[Stage, int], now: float) -> bool:
-        if self._said is None or what[0] != self._said[0]:
+        if self._said is None:
             return True
+        if what[0] != self._said[0]:
+            return now - self._said_at >= LEAST_PERIOD
         return now - self._said_at >= (REFRESH_PERIOD if what == self._said else PERIOD)
 
     def _statement(self, stage: Stage, mission: int) -> Statement:
