@@ -123,8 +123,8 @@ def test_bid_of_strategy_7() -> None:
 
 
 def test_strategy_7_finishes_a_room_before_it_goes_on() -> None:
-    """A piece of the room behind the robot is farther than what lies ahead: that comes first if it is as small, and last
-    if it is an opening into more."""
+    """A piece of the room behind the robot is farther than what lies ahead: that comes first if it is as small, and
+    last if it is an opening into more."""
     piece, ahead = cluster(1, 1.5), cluster(2, 8.0)
     assert chosen(7, scene(piece, ahead)) == 2
     views = {number: (8.0, 5.0, 3.0) for number in range(20, 30)}
