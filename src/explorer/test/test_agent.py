@@ -703,9 +703,22 @@ def claimed_right(strategy: int) -> Bench:
     bench = Bench(strategy, claim_timeout=20.0).map(corridor(left=False)).join("robot_1", position=(3.0, 0.0))
     elements = tuple(Element("robot_1", 10000 + i, 3.9, -1.2 + 0.2 * i) for i in range(13))
     bench.agent.on_frontiers(elements, bench.now)
-    closing = Auction("robot_1", 10001, True, finished=True, occupied=tuple(e.key for e in elements))
-    bench.agent.on_auction(closing, bench.now)
+    confirm_right(bench)
     return bench
+
+
+def confirm_right(bench: Bench) -> None:
+    occupied = tuple(("robot_1", 10000 + i) for i in range(13))
+    bench.agent.on_auction(Auction("robot_1", 10001, True, finished=True, occupied=occupied), bench.now)
+
+
+def test_the_cluster_of_a_robot_that_died_is_free_within_ten_seconds() -> None:
+    """It was its own until `claim_timeout`, 30 s."""
+    bench = claimed_right(7)
+    bench.run(6.0)
+    assert not bench.goals()
+    bench.run(4.0)
+    assert bench.goals()
 
 
 @pytest.mark.parametrize("strategy", [1, 7])
@@ -733,10 +746,12 @@ def test_a_robot_that_waits_nearer_than_the_one_that_claims_takes_the_cluster(pl
     bench = claimed_right(7)
     for _ in range(5):
         bench.agent.on_positions({"robot_1": (place, 0.0)}, bench.now)
+        confirm_right(bench)
         bench.run(2.0)
     assert not bench.goals(), "not at once"
     for _ in range(3):
         bench.agent.on_positions({"robot_1": (place, 0.0)}, bench.now)
+        confirm_right(bench)
         bench.run(2.0)
     assert bool(bench.goals()) == takes
 
@@ -769,6 +784,25 @@ def test_two_robots_that_chose_the_same_cluster_settle_it() -> None:
         bench.agent.on_auction(Auction("robot_1", 10001, True, start=True, requested=(Bid(keys, bid),)), bench.now)
         bench.agent.on_auction(Auction("robot_1", 10001, True, finished=True, occupied=keys), bench.now)
         assert (bench.agent.mission.claim.number is not None) == keeps
+
+
+@pytest.mark.parametrize("told, keeps", [(5.0, False), (500.0, True)])
+def test_a_tie_is_settled_by_what_both_were_told(told: float, keeps: bool) -> None:
+    """Each compared its bid of now, from nearer by, with what the other had bid when it asked: both kept it."""
+    bench = Bench(1).map(corridor()).join("robot_1", position=(0.4, 0.0))
+    bench.run(0.2)
+    start = next(a for a in bench.auctions() if a.start)
+    bench.agent.on_auction(reply(start, "robot_1", [900.0, 900.0]), bench.now)
+    bench.run(0.4)
+    side = chosen_side(bench)
+    assert min(bid.bid for bid in start.requested) > 5.0
+    bench.place(3.5 * side, 0.0)
+    elements = tuple(Element("robot_1", 10000 + i, 3.9 * side, -1.2 + 0.2 * i) for i in range(13))
+    keys = tuple(e.key for e in elements)
+    bench.agent.on_frontiers(elements, bench.now)
+    bench.agent.on_auction(Auction("robot_1", 10001, True, start=True, requested=(Bid(keys, told),)), bench.now)
+    bench.agent.on_auction(Auction("robot_1", 10001, True, finished=True, occupied=keys), bench.now)
+    assert (bench.agent.mission.claim.number is not None) == keeps
 
 
 def test_a_tie_is_not_settled_by_a_bid_in_another_unit() -> None:

@@ -20,6 +20,7 @@ class Auctions:
         self.last_id, self._unit = last_id, unit
         self.completed = self.uncompleted = 0
         self.heard: Dict[str, Dict[int, float]] = {}  # {robot: {cluster number: bid}} of the last own auction
+        self.told: Dict[int, float] = {}  # {cluster number: own bid} of the last own auction, as the others were told
         self._own: Optional[OpenAuction] = None
         self._others: Dict[str, float] = {}  # {robot: when its auction closes at the latest}
 
@@ -37,7 +38,8 @@ class Auctions:
         self.last_id = (self.last_id + 1) % 2**32
         deadline = now + self._timeout
         self._own = OpenAuction(self.last_id, clusters, self._name, self._team.bidders(), deadline, self._unit)
-        self._emit(SendAuction(self._own.start_message(dict(own_bids))))
+        self.told = dict(own_bids)
+        self._emit(SendAuction(self._own.start_message(self.told)))
 
     def take_bids(self, reply: Auction) -> None:
         if self._own is not None:

@@ -77,7 +77,8 @@ class AuctionedSelection(Selection):
             self._announce(scene, self._auctions.last_id)
 
     def settle(self, robot: str, scene: Scene) -> None:
-        """Two robots chose the same cluster at once: the lower bid keeps it, on equal bids the lesser name."""
+        """Two robots chose the same cluster at once: the lower bid keeps it, on equal bids the lesser name. Both
+        compare what they told when they asked: by bids of now, both would keep it."""
         own = scene.cluster(self._claim.number)
         claim = self._team.claims(scene.now).get(robot)
         if claim is None or own is None:
@@ -85,12 +86,18 @@ class AuctionedSelection(Selection):
         meant = match(scene.clusters, scene.claims[robot])
         if meant is None or meant.number != own.number:
             return
-        mine = self._strategy.bid(scene, own) if own.reachable else math.inf
+        mine = self._own_bid(own, scene)
         if (mine, self._name) <= (self._bid_of(robot, claim.bid, own, scene), robot):
             self._claim.told_at = min(self._claim.told_at, scene.now - CONFIRM_PERIOD + 1.0)
         else:
             self._claim.lose()
             self._asked_at = -math.inf
+
+    def _own_bid(self, cluster: Cluster, scene: Scene) -> float:
+        if not cluster.reachable:
+            return math.inf
+        told = self._auctions.told.get(cluster.number)
+        return self._strategy.bid(scene, cluster) if told is None else told
 
     def _bid_of(self, robot: str, told: Optional[float], cluster: Cluster, scene: Scene) -> float:
         if told is not None and told >= 0:

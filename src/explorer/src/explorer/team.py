@@ -14,6 +14,10 @@ POSITION_LIFETIME = 30.0
 # A robot that left so many auctions unanswered is not waited for until it is heard again.
 SILENT_AFTER = 2
 
+# A robot confirms its claim every 8 s (contract 3.7); later than this in seconds, and with an auction unanswered, it is
+# taken for dead.
+OVERDUE = 9.5
+
 # Robots beyond this number are not remembered; it bounds every table here.
 MAXIMUM_ROBOTS = 100
 
@@ -105,8 +109,12 @@ class Team:
         return {
             name: peer.claim
             for name, peer in sorted(self._peers.items())
-            if peer.known and peer.claim is not None and now - peer.claim.time <= self._claim_timeout
+            if peer.known and peer.claim is not None and self._holds(peer, peer.claim, now)
         }
+
+    def _holds(self, peer: Peer, claim: Claim, now: float) -> bool:
+        limit = self._claim_timeout if peer.unanswered == 0 else min(OVERDUE, self._claim_timeout)
+        return now - claim.time <= limit
 
     def positions(self, now: float) -> Dict[str, Position]:
         """Positions in metres in the own frame that are young enough to be used, also of robots out of range."""
