@@ -176,7 +176,7 @@ def test_visited_points_are_told_with_what_was_known() -> None:
     for _ in range(2):
         for point in bench.agent.perception.frontiers.ordered():
             bench.agent.mission.verdicts.look(point.number, lambda _: True, bench.now)
-        for _ in range(2):
+        for _ in range(3):
             bench.map(corridor(left=False)).run(1.0)
     bench.run(3.0)
     told = statements(bench)[-1].verdicts

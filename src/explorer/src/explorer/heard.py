@@ -84,8 +84,8 @@ class Heard:
         return None
 
     def settled(self, area: float) -> bool:
-        """True if a robot that knows as much as the `area` m^2 of the own map has ended: what it leaves is little enough
-        together. Of robots that have only nothing left for now each would take the other for its witness."""
+        """True if a robot that knows as much as the `area` m^2 of the own map has ended: what it leaves is little
+        enough together. Of robots that have only nothing left for now each would take the other for its witness."""
         return any(witness.ended and witness.area >= LEAST_KNOWN * area for witness in self.witnesses)
 
     def looks_near(self, x: float, y: float, radius: float) -> int:
