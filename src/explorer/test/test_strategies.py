@@ -136,7 +136,7 @@ def test_larger_teams_bid_the_way_with_the_turn() -> None:
     """Bids that hold what a robot would gain or lose elsewhere cannot be compared: a robot 9 m away lost a room to one
     14 m away because clusters in a third robot's room would have been a detour."""
     ahead, behind, side = cluster(1, 9.0, gain=8.0), cluster(2, 1.0), cluster(3, 5.0, 9.0)
-    known = placed(ahead, behind, side, robot_1=(9.0, 9.0), robot_2=(1.0, 9.0))
+    known = large(ahead, behind, side, robot_1=(9.0, 9.0), robot_2=(1.0, 9.0))
     assert strategy(7).bid(known, ahead) == pytest.approx(4.0)
     assert strategy(7).bid(known, behind) == pytest.approx(4.0 + 0.4 * np.pi)
     assert strategy(7).bid(known, side) == pytest.approx(4.0 + 0.2 * np.pi)
@@ -146,11 +146,17 @@ def placed(*clusters: Cluster, **others: Tuple[float, float]) -> Scene:
     return scene(*clusters, competitors=tuple(others), positions=others)
 
 
+def large(*clusters: Cluster, **others: Tuple[float, float]) -> Scene:
+    """In a team of five or more; who is not mentioned is far away and does not know the clusters."""
+    team = tuple(sorted({*others, *(f"robot_{number}" for number in range(1, 5))}))
+    return scene(*clusters, competitors=team, positions=others)
+
+
 def test_far_clusters_have_their_robot_before_the_near_ones_are_done() -> None:
     """Each of three robots took the nearest cluster of the west wing, and one had the whole east wing to itself."""
     west = [cluster(number, 1.0, 2.0 + 1.5 * number) for number in range(5)]
     east = [cluster(10 + number, 15.0, 2.0 + 2.0 * number) for number in range(3)]
-    found = chosen(7, placed(*west, *east, robot_1=(3.0, 3.0), robot_2=(3.0, 7.0)))
+    found = chosen(7, large(*west, *east, robot_1=(3.0, 3.0), robot_2=(3.0, 7.0)))
     assert found is not None and found >= 10
 
 
@@ -158,19 +164,19 @@ def test_a_claim_gives_way_to_a_robot_that_is_far_nearer() -> None:
     claims = {"robot_1": listed((7.0, 5.0), (7.0, 5.2), (7.0, 5.4))}
     clusters = (cluster(1, 12.0), cluster(2, 7.0))
     for x, taken in ((9.0, 1), (19.0, 2)):
-        assert chosen(7, replace(placed(*clusters, robot_1=(x, 5.0), robot_2=(1.0, 9.0)), claims=claims)) == taken
+        assert chosen(7, replace(large(*clusters, robot_1=(x, 5.0), robot_2=(1.0, 9.0)), claims=claims)) == taken
 
 
 def test_a_robot_without_a_share_comes_to_help() -> None:
     """It stood still while the others had more than one cluster each, and was far from what they found."""
     row = [cluster(number, 12.0 + 1.2 * number) for number in range(3)]
     others = {"robot_1": (11.5, 5.0), "robot_2": (11.5, 5.2)}
-    assert chosen(7, placed(*row, **others)) is not None
-    assert chosen(7, placed(row[0], **others)) is None
+    assert chosen(7, large(*row, **others)) is not None
+    assert chosen(7, large(row[0], **others)) is None
 
 
-def test_two_robots_have_one_cluster_each() -> None:
-    """With two robots sharing out took longer; their bids hold the detour as before."""
+def test_robots_of_a_small_team_have_one_cluster_each() -> None:
+    """With two robots sharing out took longer; their bids hold the detour."""
     known = placed(cluster(1, 9.0), cluster(2, 2.0), robot_1=(4.0, 5.0))
     assert strategy(7).bid(known, known.clusters[0]) == travel_bid(4.0, 1.0, detour=1.0)
     assert chosen(7, known) == 1

@@ -12,7 +12,8 @@ from explorer.shares import Errand, Tour, arrivals, share_out
 MAXIMUM_CLUSTERS = 20  # the nearest, that are shared out
 LONGEST_WAY = 1e6  # m, bids above are none
 
-# Weights of strategy 7, tuned on the office floor (seeds 2601 to 2604) and on generated floors 2611 to 2615, full mode.
+# Weights of strategy 7, tuned with four robots on the office floor
+# (seeds 2601 to 2604) and generated floors (2611 to 2615).
 SERVICE = 5.0  # m of way that a cluster costs by itself: what is found there has to be explored as well
 SERVICE_PER_AREA = 0.2  # m for each m^2 of unknown area around it
 GREATEST_AREA = 20.0  # m^2 that count
