@@ -57,17 +57,15 @@ def test_paper_bid_is_the_integer_part_of_the_squared_distance() -> None:
 
 
 @settings(max_examples=40)
-@given(st.integers(1, 6), st.booleans(), st.integers(0, 2**32 - 1))
-def test_tours_are_shortest(stops: int, saves: bool, seed: int) -> None:
-    random = np.random.default_rng(seed)
-    places, saved = random.uniform(0, 20, (stops + 1, 2)), random.uniform(0, 20, stops) * saves
+@given(st.integers(1, 6), st.integers(0, 2**32 - 1))
+def test_tours_are_shortest(stops: int, seed: int) -> None:
+    places = np.random.default_rng(seed).uniform(0, 20, (stops + 1, 2))
     ways = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))
-    found = tour_lengths(ways[0, 1:], ways[1:, 1:], saved if saves else None)
+    found = tour_lengths(ways[0, 1:], ways[1:, 1:])
     for first in range(stops):
         rest = [k for k in range(stops) if k != first]
         best = min(
             sum(ways[a, b] for a, b in zip((0, first + 1, *order), (first + 1, *order)))
-            - saved[(first + 1, *order)[-1] - 1]
             for order in itertools.permutations([k + 1 for k in rest])
         )
         assert found[first] == pytest.approx(best)

@@ -122,16 +122,6 @@ def test_bid_of_strategy_7() -> None:
     assert travel_bid(0.0, 1000.0) >= 0.0
 
 
-def test_strategy_7_finishes_a_room_before_it_goes_on() -> None:
-    """A piece of the room behind the robot is farther than what lies ahead: that comes first if it is as small, and
-    last if it is an opening into more."""
-    piece, ahead = cluster(1, 1.5), cluster(2, 8.0)
-    assert chosen(7, scene(piece, ahead)) == 2
-    views = {number: (8.0, 5.0, 3.0) for number in range(20, 30)}
-    members = tuple(Frontier(number, 8.0, 5.0) for number in views)
-    assert chosen(7, scene(piece, replace(ahead, members=members, views=views, gain=8.0))) == 1
-
-
 def test_larger_teams_bid_the_way_with_the_turn() -> None:
     """Bids that hold what a robot would gain or lose elsewhere cannot be compared: a robot 9 m away lost a room to one
     14 m away because clusters in a third robot's room would have been a detour."""

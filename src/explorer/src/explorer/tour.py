@@ -3,7 +3,7 @@
 import functools
 import itertools
 import math
-from typing import List, Optional, Sequence, Tuple
+from typing import List, Sequence, Tuple
 
 import numpy as np
 
@@ -13,11 +13,10 @@ from explorer.travel import SNAP_DISTANCE, TravelGrid
 MAXIMUM_STOPS = 9
 
 
-def tour_lengths(to_stops: np.ndarray, between: np.ndarray, saved: Optional[np.ndarray] = None) -> np.ndarray:
+def tour_lengths(to_stops: np.ndarray, between: np.ndarray) -> np.ndarray:
     """(n,) length in metres of the shortest open tour that goes to stop i first and then to all others.
 
     `to_stops`: (n,) way from the robot; `between`: (n, n) ways between stops, symmetric; at most `MAXIMUM_STOPS`.
-    `saved`: (n,) metres less for a tour that ends at a stop, none by default.
     """
     n = len(to_stops)
     if n > MAXIMUM_STOPS:
@@ -26,7 +25,7 @@ def tour_lengths(to_stops: np.ndarray, between: np.ndarray, saved: Optional[np.n
         return np.zeros(0)
     # rest[s, i]: shortest way that starts at i and visits all stops of the set s (i not among them).
     rest = np.full((1 << n, n), math.inf)
-    rest[0] = 0.0 if saved is None else -saved
+    rest[0] = 0.0
     for subsets, members, without in _subsets_by_size(n):
         onward = rest[without, members]
         rest[subsets] = (between[:, members] + onward).min(axis=2).T

@@ -30,8 +30,6 @@ CROWD_DISTANCE = 4.0  # m, a cluster this near to another robot's costs more
 CROWD_PENALTY = 4.0  # m
 
 # Tuned on office26x15 (seeds 1601 to 1614) and six small worlds of the seeds 1600 to 1640, one robot.
-WIDE = 10  # points of an opening behind which more rooms are expected
-EXCURSION = 12.0  # m that are driven in there; a tour that does not end there has to come back
 
 PARTING_DISTANCE = 5.0  # m from the start within which robots that cannot place each other part
 PARTING_WAY = 12.0  # m that a cluster may be farther than the nearest to be taken for its direction
@@ -86,8 +84,8 @@ class Coordinated(ClusterStrategy):
 
 
 def sharing(scene: Scene) -> bool:
-    """True if the team is large enough."""
-    return len(scene.competitors) + 1 >= FEWEST_SHARING
+    """True if the team is large enough; members that explore nothing now count, so that all bid alike at all times."""
+    return max(len(scene.team), len(scene.competitors)) + 1 >= FEWEST_SHARING
 
 
 def must_part(scene: Scene) -> bool:
@@ -126,18 +124,11 @@ def detours(scene: Scene, between: Between) -> Dict[int, float]:
     if len(stops) < 2:
         return {}
     near = stops[:MAXIMUM_STOPS]
-    costs, saved = np.array([(cluster.cost, excursion(cluster)) for cluster in near]).T
-    lengths = tour_lengths(costs, between.of(near), saved)
+    lengths = tour_lengths(np.array([cluster.cost for cluster in near]), between.of(near))
     longer = {cluster.number: float(length - lengths.min()) for cluster, length in zip(near, lengths)}
     for cluster in stops[MAXIMUM_STOPS:]:
         longer[cluster.number] = float(lengths.max() - lengths.min())
     return longer
-
-
-def excursion(cluster: Cluster) -> float:
-    """Metres that a tour saves by ending at the cluster: who leaves small pieces of a room behind to go on to a wide
-    opening drives back for them from farther away than from there."""
-    return EXCURSION * min(1.0, len(cluster.views) / WIDE) * min(1.0, cluster.gain / GAIN_LIMIT)
 
 
 def assigned_to(scene: Scene, own: np.ndarray, robots: Sequence[str], costs: np.ndarray) -> Optional[Cluster]:
