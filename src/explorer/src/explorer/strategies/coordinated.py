@@ -29,8 +29,6 @@ LOYALTY = 2.0  # m in favour of the cluster that a robot explores already
 CROWD_DISTANCE = 4.0  # m, a cluster this near to another robot's costs more
 CROWD_PENALTY = 4.0  # m
 
-# Tuned on office26x15 (seeds 1601 to 1614) and six small worlds of the seeds 1600 to 1640, one robot.
-
 PARTING_DISTANCE = 5.0  # m from the start within which robots that cannot place each other part
 PARTING_WAY = 12.0  # m that a cluster may be farther than the nearest to be taken for its direction
 
