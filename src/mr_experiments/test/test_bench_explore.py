@@ -130,6 +130,9 @@ def test_a_run_goes_on_and_repeats_missions_of_other_code(tmp_path, monkeypatch,
     command.main([*arguments, "--robots", "1"])
     assert ran == [1, 2, 4, 1]
     assert [row["what"] for row in json.loads(out.read_text())][-1] == "missions that finished"
+    capsys.readouterr()
+    command.main([*arguments, "--robots", "1", "--first-seed", "5005"])
+    assert "generated:office:5005" in capsys.readouterr().out, "no picture of an office in its place"
 
 
 def test_keys_of_trials_and_rows_agree():

@@ -79,7 +79,7 @@ def _check(options: argparse.Namespace) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    console = Console(soft_wrap=True, width=None if sys.stdout.isatty() else 120)
+    console = Console(soft_wrap=True, emoji=False, width=None if sys.stdout.isatty() else 120)
     seeds = range(options.first_seed, options.first_seed + options.worlds)
     trials = trials_of(seeds, options.robots, options.strategies, options.limit)
     options.out.parent.mkdir(parents=True, exist_ok=True)

@@ -65,7 +65,7 @@ def _check(options: argparse.Namespace) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     request = Request(range(options.first_seed, options.first_seed + options.seeds), options.until)
-    console = Console(soft_wrap=True, width=None if sys.stdout.isatty() else 120)
+    console = Console(soft_wrap=True, emoji=False, width=None if sys.stdout.isatty() else 120)
     rows: list[Row] = []
     everything: list[Record] = []
     for name in options.only:

@@ -60,7 +60,7 @@ def make_parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str]) -> int:
     """Make a report; returns the exit code."""
-    console = Console(highlight=False, width=None if sys.stdout.isatty() else NARROWEST)
+    console = Console(highlight=False, emoji=False, width=None if sys.stdout.isatty() else NARROWEST)
     try:
         options = make_parser().parse_args(arguments)
         if options.across and not options.against:

@@ -113,7 +113,7 @@ def _run(arguments: argparse.Namespace) -> int:
     except OSError as error:
         raise TrialError(f"--out {folder}: {error.strerror}") from None
     left, done = split_done(trials, folder, arguments.retry_failed)
-    console = Console(soft_wrap=True, width=None if sys.stdout.isatty() else 120)
+    console = Console(soft_wrap=True, emoji=False, width=None if sys.stdout.isatty() else 120)
     if done:
         console.print(f"{len(done)} of {len(trials)} trials are recorded in {folder} already.", highlight=False)
         _warn_of_other_code(console, done)

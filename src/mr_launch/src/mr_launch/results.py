@@ -93,7 +93,7 @@ def draw(plan: Plan, outcome: Outcome, grids: dict[str, Grid], robots: dict[str,
 
 def print_results(plan: Plan, summary: dict[str, Any]) -> None:
     """The final table, and where the files are."""
-    console = Console(soft_wrap=True, width=None if sys.stdout.isatty() else 120)
+    console = Console(soft_wrap=True, emoji=False, width=None if sys.stdout.isatty() else 120)
     table = Table(box=None, pad_edge=False, header_style="bold")
     columns = (
         "robot",

@@ -94,7 +94,7 @@ class View:
     """Shows pictures as they come. Use as a context; ``notice`` prints one line that stays."""
 
     def __init__(self, quiet: bool) -> None:
-        self._console = Console(soft_wrap=True)
+        self._console = Console(soft_wrap=True, emoji=False)
         self._quiet = quiet
         self._next_plain = 0.0
         self._phase = ""
