@@ -10,7 +10,7 @@ import os
 import sys
 import threading
 import unittest
-from typing import Any, List, Tuple
+from typing import Any, Callable, List, Optional, Tuple
 
 import actionlib
 import numpy as np
@@ -145,6 +145,28 @@ class FakeRobot:
             rate.sleep()
 
 
+class FirstStatus:
+    """The first status of that kind, listened for from now on: the mission may be over before a test asks for it."""
+
+    def __init__(self, wanted: Callable[[ExplorationStatus], bool]) -> None:
+        self._wanted, self._found = wanted, threading.Event()
+        self._last: Optional[ExplorationStatus] = None
+        self._subscriber = rospy.Subscriber("explorer/status", ExplorationStatus, self._take)
+
+    def _take(self, status: ExplorationStatus) -> None:
+        if not self._found.is_set():
+            self._last = status
+            if self._wanted(status):
+                self._found.set()
+
+    def wait(self, seconds: float) -> ExplorationStatus:
+        if not self._found.wait(seconds):
+            raise AssertionError(f"no such status, last: {self._last}")
+        self._subscriber.unregister()
+        assert self._last is not None
+        return self._last
+
+
 class TestNode(unittest.TestCase):
     fake: FakeRobot
 
@@ -172,12 +194,13 @@ class TestNode(unittest.TestCase):
         self.assertEqual(fake.goals, [], "the node must wait for ~start")
         start = rospy.ServiceProxy("explorer/start", Trigger)
         start.wait_for_service(10)
+        status = FirstStatus(lambda s: s.team_finished and s.has_goal)
         self.assertTrue(start().success)
         self.assertFalse(start().success)
         self.wait_for_state(lambda s: s.has_goal, 20)
         self.check_pictures()
         self.check_orders()
-        self.check_status()
+        self.check_status(status.wait(20))
         state = self.wait_for_state(lambda s: s.state == ExplorationState.FINISHED, 80)
         self.assertTrue(state.exploration_finished)
         self.assertGreater(state.exploration_time, 3.0)
@@ -196,18 +219,7 @@ class TestNode(unittest.TestCase):
         self.assertTrue(orders["resume"]().success)
         self.wait_for_state(lambda s: s.has_goal, 10)
 
-    def check_status(self) -> None:
-        done, seen = threading.Event(), []
-
-        def take(status: ExplorationStatus) -> None:
-            seen.append(status)
-            if status.team_finished and status.has_goal:
-                done.set()
-
-        subscriber = rospy.Subscriber("explorer/status", ExplorationStatus, take)
-        self.assertTrue(done.wait(10), f"last: {seen[-1:]}")
-        subscriber.unregister()
-        status = seen[-1]
+    def check_status(self, status: ExplorationStatus) -> None:
         self.assertEqual((status.robot_name, status.header.frame_id), ("robot_0", "map"))
         self.assertEqual((status.strategy, status.bid_unit), ("coordinated", 7))
         self.assertEqual((list(status.team), list(status.team_finished)), (["robot_1"], ["robot_1"]))

@@ -94,6 +94,7 @@ class RobotNodeTest(unittest.TestCase):
     def test_transforms_reach_the_laser(self):
         buffer = tf2_ros.Buffer()
         listener = tf2_ros.TransformListener(buffer)
+        buffer.lookup_transform("odom", "base_laser_link", rospy.Time(0), rospy.Duration(10.0))  # it hears by now
         stamp = self.listen("odom", Odometry).next().header.stamp
         whole = buffer.lookup_transform("odom", "base_laser_link", stamp, rospy.Duration(10.0))
         laser = buffer.lookup_transform("base_footprint", "base_laser_link", stamp, rospy.Duration(10.0))
