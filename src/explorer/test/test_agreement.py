@@ -220,7 +220,7 @@ def test_places_that_cannot_be_are_not_believed(place: tuple) -> None:
     bench.agent.on_statement(said(verdicts=[Decided(place[0], place[1], Kind.VISITED, place[2])]), bench.now)
     bench.agent.on_statement(said(left=[LeftPlace(*place, "noise")]), bench.now)
     bench.agent.on_statement(said(robot="robot_0", number=3), bench.now)
-    assert not bench.agent.mission.agreement.stages()
+    assert bench.agent.mission.agreement.stage("robot_1") is None
     bench.run(1.0)
     assert sum(isinstance(effect, Note) and effect.warning for effect in bench.effects) == 1
 

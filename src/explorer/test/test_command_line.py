@@ -55,13 +55,14 @@ def run(capsys: Any, *arguments: str) -> str:
 def test_frontiers_with_place_length_and_reason(capsys: Any, map_yaml: str) -> None:
     found = json.loads(run(capsys, "frontiers", map_yaml, "--json", "--at", "1.0", "-0.5"))
     goals = [frontier for frontier in found["frontiers"] if frontier["reason"] is None]
-    assert [frontier["length"] for frontier in goals] == pytest.approx([5.2, 1.5, 0.6])
-    assert goals[0]["place"] == pytest.approx([4.95, 2.75]) and goals[2]["place"] == pytest.approx([4.95, -1.15])
-    (other,) = [frontier for frontier in found["frontiers"] if frontier["reason"] is not None]
-    assert other["reason"] == "no place to look from" and other["place"][0] > 18.0
+    assert [frontier["length"] for frontier in goals] == pytest.approx([5.2, 0.6])
+    assert goals[0]["place"] == pytest.approx([4.95, 2.75]) and goals[1]["place"] == pytest.approx([4.95, -1.15])
+    others = [frontier for frontier in found["frontiers"] if frontier["reason"] is not None]
+    assert {other["reason"] for other in others} == {"no place to look from"}
+    assert [other["place"][0] > 18.0 for other in others] == [True, True]
     clusters = {cluster["number"]: cluster for cluster in found["clusters"]}
     assert all(clusters[frontier["clusters"][0]]["goals"] > 0 for frontier in goals)
-    closed = clusters[other["clusters"][0]]
+    closed = clusters[others[1]["clusters"][0]]
     assert closed["goals"] == 0 and closed["way"] is None and clusters[goals[0]["clusters"][0]]["way"] > 2.0
     table = run(capsys, "frontiers", map_yaml)
     assert "no goal: no place to look from" in table and "unknown [m^2]" in table

@@ -78,11 +78,11 @@ def test_numbers_persist_while_the_frontier_does() -> None:
 def test_foreign_points_follow_a_refined_transform_and_need_one() -> None:
     foreign = ForeignFrontiers()
     foreign.add(Element("robot_1", 7, 1.0, 2.0))
-    assert foreign.in_own_frame(("robot_1", 7)) is None
+    assert foreign.in_own_frame([("robot_1", 7)]) == []
     foreign.set_transform("robot_1", np.array([[1.0, 0, 10.0], [0, 1.0, 0]]))
-    assert foreign.in_own_frame(("robot_1", 7)) == (11.0, 2.0)
+    assert foreign.in_own_frame([("robot_1", 7)]) == [(11.0, 2.0)]
     foreign.set_transform("robot_1", np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0]]))
-    assert foreign.in_own_frame(("robot_1", 7)) == (-2.0, 1.0)
+    assert foreign.in_own_frame([("robot_1", 7)]) == [(-2.0, 1.0)]
     foreign.set_transform("robot_1", None)
     assert foreign.places("robot_1") == []
 
@@ -93,7 +93,7 @@ def test_foreign_points_are_bounded() -> None:
         foreign.add(Element("robot_1", number, 0.0, 0.0))
     assert foreign.count() == 10
     foreign.set_transform("robot_1", np.eye(3)[:2])
-    assert foreign.in_own_frame(("robot_1", 99)) is not None
+    assert foreign.in_own_frame([("robot_1", 99)]) == [(0.0, 0.0)]
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(-30, 30), st.floats(-30, 30))

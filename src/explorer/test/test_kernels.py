@@ -18,6 +18,7 @@ from explorer._kernels import (
     cells_near,
     changed_tiles,
     components,
+    cells_within,
     connected_part,
     distances_to,
     frontier_cells,
@@ -273,6 +274,22 @@ def test_connected_part_is_that_of_opencv(seed: int, share: float) -> None:
     assert (connected_part(cells, row, col) == (cells & cells[row, col] & (labels == labels[row, col]))).all()
     with pytest.raises(ValueError, match="outside"):
         connected_part(cells, cells.shape[0], 0)
+
+
+@settings(max_examples=100)
+@given(seeds, st.floats(0.2, 0.8), st.integers(0, 12))
+def test_cells_within_are_those_of_dilation_step_by_step(seed: int, share: float, steps: int) -> None:
+    random = np.random.default_rng(seed)
+    cells = random.random(tuple(random.integers(1, 40, 2))) < share
+    seeds = np.flatnonzero(random.random(cells.size) < 0.02)
+    expected = np.zeros(cells.size, dtype=bool)
+    expected[seeds] = True
+    expected = expected.reshape(cells.shape) & cells
+    for _ in range(steps):
+        expected = cv2.dilate(expected.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool) & cells
+    assert (cells_within(cells, seeds, steps) == expected).all()
+    with pytest.raises(ValueError, match="outside"):
+        cells_within(cells, np.array([cells.size]), steps)
 
 
 @settings(max_examples=60)

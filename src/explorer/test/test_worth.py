@@ -97,6 +97,16 @@ def test_what_is_seen_through_a_slit_counts_where_a_door_leads_there_too() -> No
     assert behind[SLIT.number].enterable > 0.1
 
 
+def test_a_slit_far_from_every_door_leads_nowhere() -> None:
+    """The corner of an outer wall that nobody has seen yet is a slit to all that is outside."""
+    rows = ["#" * 7 + " " * 6 + "#" * 77 + " " * 4 + "#" * 6, *["#" + "." * 98 + "#"] * 8, "#" * 100]
+    ways = Ways(drawn([*[" " * 100] * 40, *rows], scale=1, resolution=0.1), 0.25, ())
+    door, slit = Frontier(1, 1.0, 0.85), Frontier(2, 9.2, 0.85)
+    behind = prospects([door, slit], ways, (1.0, 0.5))
+    assert behind[door.number].enterable > 1.0
+    assert behind[slit.number].area > 0.5 and behind[slit.number].enterable == 0.0
+
+
 def test_the_robot_may_stand_only_where_it_can_get_to() -> None:
     ways = Ways(seen_through(door=False), 0.1, ())
     inside = enterable(ways, (0.3, 0.3))

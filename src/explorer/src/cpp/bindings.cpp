@@ -201,6 +201,17 @@ Array<bool> near_cells(const Array<bool>& cells, float resolution, float reach) 
   return result;
 }
 
+Array<bool> find_cells_within(const Array<bool>& cells, const Array<std::int64_t>& seeds, int steps) {
+  const Mask mask = to_mask(cells);
+  require(seeds.ndim() == 1, "seeds need the shape (n,)");
+  const auto n = static_cast<std::size_t>(seeds.shape(0));
+  require(std::all_of(seeds.data(), seeds.data() + n, [&](auto seed) { return seed >= 0 && seed < cells.size(); }),
+          "seed lies outside of the grid");
+  Array<bool> near({mask.rows, mask.columns});
+  cells_within(mask.cells, mask.rows, mask.columns, seeds.data(), n, steps, near.mutable_data());
+  return near;
+}
+
 Array<bool> find_connected(const Array<bool>& cells, py::ssize_t row, py::ssize_t column) {
   const Mask mask = to_mask(cells);
   require(is_inside(row, column, cells), "cell lies outside of the grid");
@@ -251,6 +262,9 @@ PYBIND11_MODULE(_kernels, module) {
   module.def(
       "connected_part", &find_connected, py::arg("cells"), py::arg("row"), py::arg("column"),
       "bool (rows, columns): the set cells of a bool array that are connected with one cell, 8 neighbours each.");
+  module.def("cells_within", &find_cells_within, py::arg("cells"), py::arg("seeds"), py::arg("steps"),
+             "bool (rows, columns): the set cells of a bool array that can be reached from the seeds, int64 (n,) flat "
+             "indices of cells, through set cells, 8 neighbours each, in at most so many steps.");
   module.def("any_in_box", &find_in_boxes, py::arg("cells"), py::arg("middles"), py::arg("reach"),
              "bool (n,): around which middles, int64 (n, 2), a cell of a bool array (rows, columns) is set that is no "
              "more than `reach` rows and columns away.");

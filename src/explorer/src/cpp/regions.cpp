@@ -75,4 +75,28 @@ void connected_part(const std::uint8_t* cells, std::ptrdiff_t rows, std::ptrdiff
   }
 }
 
+void cells_within(const std::uint8_t* cells, std::ptrdiff_t rows, std::ptrdiff_t columns, const std::int64_t* seeds,
+                  std::size_t n, int steps, bool* near) {
+  std::fill_n(near, rows * columns, false);
+  std::vector<std::ptrdiff_t> edge, next;
+  const auto take = [&](std::ptrdiff_t index) {
+    if (!cells[index] || near[index]) return;
+    near[index] = true;
+    next.push_back(index);
+  };
+  for (std::size_t i = 0; i < n; ++i) take(seeds[i]);
+  for (int step = 0; step < steps && !next.empty(); ++step) {
+    edge.clear();
+    edge.swap(next);
+    for (const std::ptrdiff_t index : edge) {
+      const std::ptrdiff_t row = index / columns, column = index % columns;
+      for (std::ptrdiff_t y = std::max<std::ptrdiff_t>(row - 1, 0); y <= std::min(row + 1, rows - 1); ++y) {
+        for (std::ptrdiff_t x = std::max<std::ptrdiff_t>(column - 1, 0); x <= std::min(column + 1, columns - 1); ++x) {
+          take(y * columns + x);
+        }
+      }
+    }
+  }
+}
+
 }  // namespace explorer

@@ -33,6 +33,7 @@ std::vector<Step> ray(int number, int reach) {
 
 Behind along(const SightMap& map, std::int64_t row, std::int64_t column, const std::vector<Step>& steps, int skipped) {
   Behind behind;
+  bool open = true;
   for (int step = 1; step <= static_cast<int>(steps.size()); ++step) {
     const Step& there = steps[static_cast<std::size_t>(step) - 1];
     const std::int64_t y = row + there.down, x = column + there.right;
@@ -45,7 +46,8 @@ Behind along(const SightMap& map, std::int64_t row, std::int64_t column, const s
     const double share = 2.0 * kPi * step / kDirections;
     behind.depth += 1.0;
     behind.area += share;
-    if (!inside || map.enterable[index]) behind.enterable += share;
+    if (inside) open = map.enterable[index];
+    if (open) behind.enterable += share;
   }
   return behind;
 }

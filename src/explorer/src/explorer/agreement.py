@@ -1,12 +1,13 @@
 """What the other robots have said: who has anything left to explore, and what they have decided."""
 
-from typing import Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from explorer.foreign import Element, ForeignFrontiers
+from explorer.geometry import Position
 from explorer.heard import Heard, HeardVerdict, Witness
-from explorer.statement import Stage, Statement
+from explorer.statement import Decided, LeftPlace, Stage, Statement
 from explorer.team import MAXIMUM_ROBOTS
 
 DONE = (Stage.NOTHING_LEFT, Stage.ENDED)
@@ -48,9 +49,6 @@ class Agreement:
         statement = self._said.get(robot)
         return None if statement is None else statement.stage
 
-    def stages(self) -> Mapping[str, Stage]:
-        return {robot: self._said[robot].stage for robot in sorted(self._said)}
-
     def heard(self, now: float) -> Heard:
         """By the newest transforms; robots without one say nothing of places. The same object while nothing changes."""
         explorers = tuple(robot for robot in sorted(self._said) if self._explores(robot, now))
@@ -68,14 +66,14 @@ class Agreement:
         for robot, said in sorted(self._said.items()):
             if not self._foreign.has_transform(robot):
                 continue
-            places = self._places(robot, [(each.x, each.y) for each in said.verdicts])
-            verdicts += [HeardVerdict(*p, each.kind, each.known, robot) for p, each in zip(places, said.verdicts)]
+            for each in said.verdicts:
+                verdicts += [HeardVerdict(*p, each.kind, each.known, robot) for p in self._places(robot, [each])]
             if said.stage in DONE:
-                left = self._places(robot, [(each.x, each.y) for each in said.left])
-                places_left = np.array(left, dtype=float).reshape(-1, 2)
+                places_left = np.array(self._places(robot, said.left), dtype=float).reshape(-1, 2)
                 witnesses.append(Witness(robot, said.area, places_left, said.stage == Stage.ENDED))
         return Heard(tuple(verdicts), tuple(witnesses), tuple(sorted(self._said)), explorers)
 
-    def _places(self, robot: str, points: List[Tuple[float, float]]) -> List[Tuple[float, float]]:
-        moved = [self._foreign.to_own_frame(Element(robot, 0, *point)) for point in points]
+    def _places(self, robot: str, told: Sequence[Union[Decided, LeftPlace]]) -> List[Position]:
+        """Where that is in metres in the own frame."""
+        moved = [self._foreign.to_own_frame(Element(robot, 0, each.x, each.y)) for each in told]
         return [place for place in moved if place is not None]

@@ -80,7 +80,7 @@ class ForeignFrontiers:
 
     def places(self, robot: str) -> List[Tuple[float, float]]:
         """Points of a robot in metres in the own map frame; none without a transform."""
-        return self.all_in_own_frame([(robot, number) for number in self._points.get(robot, {})])
+        return self.in_own_frame([(robot, number) for number in self._points.get(robot, {})])
 
     def to_own_frame(self, element: Element) -> Optional[Tuple[float, float]]:
         transform = self._transforms.get(element.detected_by)
@@ -88,12 +88,7 @@ class ForeignFrontiers:
             return None
         return _transformed(transform, element.x, element.y)
 
-    def in_own_frame(self, key: Key) -> Optional[Tuple[float, float]]:
-        """(x, y) in metres in the own map frame, or None if the point or the transform is not known."""
-        places = self.all_in_own_frame([key])
-        return places[0] if places else None
-
-    def all_in_own_frame(self, keys: Sequence[Key]) -> List[Tuple[float, float]]:
+    def in_own_frame(self, keys: Sequence[Key]) -> List[Tuple[float, float]]:
         """(x, y) in metres in the own map frame of those points that are known, with their transform."""
         points, transforms, places = self._points, self._transforms, []
         for robot, number in keys:

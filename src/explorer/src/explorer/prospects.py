@@ -2,15 +2,17 @@
 
 from typing import Dict, NamedTuple, Sequence
 
+import cv2
 import numpy as np
 
-from explorer._kernels import connected_part, unknown_behind
+from explorer._kernels import cells_within, connected_part, unknown_behind
 from explorer.frontiers import Frontier
 from explorer.geometry import Position
 from explorer.travel import SNAP_DISTANCE, nearest_cell
 from explorer.ways import Ways
 
 REACH = 2.0  # m that is looked into the unknown
+ENTRY = 2.5  # m of way into the unknown that the robot might take
 SKIPPED = 0.15  # m of known cells between a frontier point and the unknown
 
 
@@ -47,7 +49,13 @@ def prospects(frontiers: Sequence[Frontier], ways: Ways, place: Position) -> Dic
 
 def enterable(ways: Ways, place: Position) -> np.ndarray:
     """bool, of the map's shape: where the centre of the robot, now at `place` in metres, might come to stand if
-    everything unknown were free."""
-    open_cells = ways.grid.ground.layers.enterable
-    start = nearest_cell(open_cells, ways.occupancy.info, *place, SNAP_DISTANCE)
-    return open_cells if start is None else connected_part(open_cells, *start)
+    everything unknown were free, up to `ENTRY` beyond what is known: farther away the unknown may be outside of the
+    walls."""
+    layers, info = ways.grid.ground.layers, ways.occupancy.info
+    start = nearest_cell(layers.allowed, info, *place, SNAP_DISTANCE)
+    if start is None:
+        return layers.enterable
+    part = connected_part(layers.allowed, *start)
+    around = cv2.dilate(part.view(np.uint8), np.ones((3, 3), np.uint8)).view(bool)
+    ahead = layers.enterable & ~part
+    return part | cells_within(ahead, np.flatnonzero(around & ahead), round(ENTRY / info.resolution))

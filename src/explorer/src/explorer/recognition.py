@@ -46,7 +46,7 @@ class Listed:
 
 def listed(keys: Sequence[Key], foreign: ForeignFrontiers, own_name: str) -> Listed:
     """Points of other robots count where their place is known."""
-    places = foreign.all_in_own_frame([key for key in keys if key[0] != own_name])
+    places = foreign.in_own_frame([key for key in keys if key[0] != own_name])
     own = frozenset(number for robot, number in keys if robot == own_name)
     return Listed(own, np.array(places, dtype=float).reshape(-1, 2))
 
