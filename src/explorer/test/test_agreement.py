@@ -175,7 +175,7 @@ def test_visited_points_are_told_with_what_was_known() -> None:
     bench.run(0.4)
     for _ in range(2):
         for point in bench.agent.perception.frontiers.ordered():
-            bench.agent.mission.verdicts.look(point.number, lambda _: True, bench.now)
+            bench.agent.mission.verdicts.look(point.number, lambda _: True, lambda x, y: 0.0, bench.now)
         for _ in range(3):
             bench.map(corridor(left=False)).run(1.0)
     bench.run(3.0)

@@ -1,6 +1,6 @@
 """Verdicts on frontier points: visited, given up, revived, and what other robots tell."""
 
-from typing import List
+from typing import List, Optional
 
 import pytest
 
@@ -25,35 +25,47 @@ def cells_near(count: int):  # type: ignore[no-untyped-def]
     return lambda x, y: count
 
 
+def area_near(area: float):  # type: ignore[no-untyped-def]
+    return lambda x, y: area
+
+
 def look_until_visited(verdicts: Verdicts) -> None:
     for now in (0.0, 2.0):
-        verdicts.look(None, everything, now)
-        verdicts.judge_looked(now + 1.0, cells_near(9))
+        verdicts.look(None, everything, area_near(1.0), now)
+        verdicts.judge_looked(now + 1.0, cells_near(9), area_near(1.0))
 
 
 def test_a_look_ends_with_a_map_that_was_made_after_it() -> None:
     verdicts = known(POINT)
-    verdicts.look(POINT.number, lambda _: False, 1.0)
-    assert not verdicts.judge_looked(1.0, cells_near(9))
+    verdicts.look(POINT.number, lambda _: False, area_near(1.0), 1.0)
+    assert not verdicts.judge_looked(1.0, cells_near(9), area_near(1.5))
     assert verdicts.awaits_map(4.9) and not verdicts.of(7).ready(4.9)
-    assert not verdicts.judge_looked(1.1, cells_near(9))
+    assert not verdicts.judge_looked(1.1, cells_near(9), area_near(1.5))
     assert not verdicts.awaits_map(1.2) and verdicts.of(7).ready(1.2)
 
 
 def test_a_look_does_not_wait_for_ever_for_a_map() -> None:
     verdicts = known(POINT)
-    verdicts.look(POINT.number, lambda _: False, 1.0)
+    verdicts.look(POINT.number, lambda _: False, area_near(1.0), 1.0)
     assert not verdicts.of(7).ready(1.0 + 7.9) and verdicts.of(7).ready(1.0 + 8.0)
 
 
 def test_visited_after_two_looks_and_a_younger_map() -> None:
     verdicts = known(POINT)
     for now in (0.0, 2.0):
-        verdicts.look(POINT.number, lambda _: False, now)
-        verdicts.look(POINT.number, lambda _: False, now + 0.1)
-        assert not verdicts.judge_looked(now, cells_near(9))
-        assert verdicts.judge_looked(now + 0.2, cells_near(9)) == (now == 2.0)
+        verdicts.look(POINT.number, lambda _: False, area_near(now), now)
+        verdicts.look(POINT.number, lambda _: False, area_near(now), now + 0.1)
+        assert not verdicts.judge_looked(now, cells_near(9), area_near(now + 1.0))
+        assert verdicts.judge_looked(now + 0.2, cells_near(9), area_near(now + 1.0)) == (now == 2.0)
     assert verdicts.of(7).visited and not verdicts.is_goal(7)
+
+
+@pytest.mark.parametrize("target, shown, visited", [(7, 1.1, True), (7, 1.3, False), (None, 1.1, False)])
+def test_one_look_in_vain_from_its_own_viewpoint_is_enough(target: Optional[int], shown: float, visited: bool) -> None:
+    """Robots left a niche that no look could clear, and came back for the second look."""
+    verdicts = known(POINT)
+    verdicts.look(target, everything, area_near(1.0), 0.0)
+    assert verdicts.judge_looked(1.0, cells_near(9), area_near(shown)) == visited
 
 
 @pytest.mark.parametrize("offset, inherits", [(0.15, True), (0.25, False)])

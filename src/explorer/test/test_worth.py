@@ -151,8 +151,8 @@ def test_a_single_point_in_a_place_too_narrow_is_no_goal() -> None:
 def test_verdicts_come_before_what_is_seen() -> None:
     verdicts = verdicts_on(cluster_of(4))
     for now in (0.0, 2.0):
-        verdicts.look(None, lambda verdict: verdict.x == 0.0, now)
-        verdicts.judge_looked(now + 1.0, lambda x, y: 9)
+        verdicts.look(None, lambda verdict: verdict.x == 0.0, nothing_known, now)
+        verdicts.judge_looked(now + 1.0, lambda x, y: 9, nothing_known)
     verdicts.fail_cluster(0, [1], 1, lambda x, y: 0)
     worth = judged([ROOM, ROOM, ROOM, ROOM], verdicts)
     assert worth.reasons == {0: VISITED, 1: GIVEN_UP} and set(worth.goals) == {2, 3}

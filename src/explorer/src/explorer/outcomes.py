@@ -24,7 +24,10 @@ class Outcomes:
     def take(self, event: GoalEvent, here: Pose, now: float) -> None:
         if event.outcome == REACHED:
             self._verdicts.look(
-                event.goal.frontier, lambda verdict: self._perception.in_view(here, (verdict.x, verdict.y)), now
+                event.goal.frontier,
+                lambda verdict: self._perception.in_view(here, (verdict.x, verdict.y)),
+                self._perception.known_area_near,
+                now,
             )
         else:
             self._fail(event.goal, event.text, here, now)

@@ -73,7 +73,7 @@ class Perception:
         occupancy, pose = self._senses.map, self._senses.pose
         assert occupancy is not None and pose is not None
         if self._senses.rests(now):
-            self._stale = verdicts.judge_looked(now, self.known_near) or self._stale
+            self._stale = verdicts.judge_looked(now, self.known_near, self.known_area_near) or self._stale
         if not (self._new_map or self._stale or self._due(pose, verdicts, now)):
             return []
         gone: List[Frontier] = []
@@ -93,7 +93,7 @@ class Perception:
         assert self._senses.map is not None
         return known_near(self._senses.map, x, y)
 
-    def _known_area_near(self, x: float, y: float) -> float:
+    def known_area_near(self, x: float, y: float) -> float:
         """m^2 of the newest map that are known within a metre of a point."""
         assert self._senses.map is not None
         return self.known_near(x, y) * self._senses.map.info.resolution**2
@@ -132,7 +132,8 @@ class Perception:
         same = self.ways is not None and self.ways.grid is ways.grid and self._frontier_map is frontier_map
         self.ways, self._frontier_map = ways, frontier_map
         gone = [] if same else self._find_frontiers(occupancy, frontier_map, verdicts)
-        verdicts.judge_looked(now if self._senses.rests(now) else self._senses.shown, self.known_near)
+        shown = now if self._senses.rests(now) else self._senses.shown
+        verdicts.judge_looked(shown, self.known_near, self.known_area_near)
         verdicts.revive_changed(self.known_near)
         if not same:
             self._clusters.update(self.frontiers.ordered(), occupancy)
@@ -149,7 +150,7 @@ class Perception:
 
     def _assess(self, verdicts: Verdicts, now: float) -> None:
         assert self._views is not None
-        worth = worth_of(self._clusters.clusters, self._prospects, verdicts, self._known_area_near, now)
+        worth = worth_of(self._clusters.clusters, self._prospects, verdicts, self.known_area_near, now)
         clusters = self._views.assess(self._clusters.clusters, worth.goals)
         self.clusters, self.worth = without_detours(clusters, worth, self._prospects)
         self._deny(verdicts)

@@ -12,7 +12,7 @@ from explorer.travel import SNAP_DISTANCE, nearest_cell
 from explorer.ways import Ways
 
 REACH = 2.0  # m that is looked into the unknown
-ENTRY = 2.5  # m of way into the unknown that the robot might take
+ENTRY = 2.5  # m of way into the unknown that the robot might take; compared on the office, seeds 6601 to 6606
 SKIPPED = 0.15  # m of known cells between a frontier point and the unknown
 
 

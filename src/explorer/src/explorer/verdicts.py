@@ -7,12 +7,13 @@ from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequenc
 import numpy as np
 
 from explorer.frontiers import THINNING_DISTANCE, Frontier
-from explorer.heard import Heard
+from explorer.heard import Heard, KnownArea
 from explorer.places import Places
 from explorer.statement import MOST_VERDICTS, Decided, Kind
 
 LOOK_PATIENCE = 8.0  # s that a look waits at most for a map that was made after it
-LOOKS = 2  # times a frontier is looked at before it counts as visited
+LOOKS = 2  # times a frontier is looked at before it counts as visited; one is enough if it shows nothing new
+NEW_AREA = 0.2  # m^2 of known area more around a frontier that make it worth another look
 TRY_DISTANCE = 0.5  # m, frontiers this near to one that failed have failed with it
 RETRY_TIME = 8.0  # s after which a frontier that failed is tried again
 RETRY_TIME_BLOCKED = 4.0  # s, the same behind a robot
@@ -38,8 +39,9 @@ class Verdict:
 
     `visited`: it was looked at from close by and is still there, so it is no longer a goal. `failures` counts the goals
     that failed, `blocked` those that failed behind another robot. Until `retry_at`, in seconds, it is not tried again.
-    `looked_at`: time in seconds of a look of which no map shows yet what it has seen. `known`: number of cells known
-    around it when it was visited or given up.
+    `looked_at`: time in seconds of a look of which no map shows yet what it has seen, `aimed`: it was taken from the
+    viewpoint for this point; `area`: m^2 known around it then. `known`: number of cells known around it when it was
+    visited or given up.
     """
 
     x: float
@@ -50,6 +52,8 @@ class Verdict:
     blocked: int = 0
     retry_at: float = -math.inf
     looked_at: float = -math.inf
+    aimed: bool = False
+    area: float = 0.0
     looks: int = 0
     known: Optional[int] = None
     revivals: int = 0
@@ -130,23 +134,27 @@ class Verdicts:
 
     # ---- looks ----------------------------------------------------------------------------------------------------
 
-    def look(self, target: Optional[int], sees: Callable[[Verdict], bool], now: float) -> None:
+    def look(self, target: Optional[int], sees: Callable[[Verdict], bool], known_area: KnownArea, now: float) -> None:
         """The robot is where it can see its goal: what it sees now will be in the map soon."""
         for number, verdict in self._of.items():
             if verdict.visited or verdict.awaits_map(now):
                 continue
             if number == target or sees(verdict):
-                self._looked_at = now
-                self._of[number] = replace(verdict, looks=verdict.looks + 1, looked_at=now)
+                self._looked_at, area = now, known_area(verdict.x, verdict.y)
+                self._of[number] = replace(
+                    verdict, looks=verdict.looks + 1, looked_at=now, aimed=number == target, area=area
+                )
 
-    def judge_looked(self, shown: float, known_near: KnownNear) -> bool:
+    def judge_looked(self, shown: float, known_near: KnownNear, known_area: KnownArea) -> bool:
         """`shown`: time in seconds up to which the map shows what the robot has seen. Looks before it end; a frontier
-        that is still there after the last of several counts as visited. True if there was one."""
+        that is still there counts as visited after several, or after one from its own viewpoint that has shown
+        nothing new around it: leaving and coming back would show no more. True if there was one."""
         judged = False
         for number, verdict in self._of.items():
             if -math.inf < verdict.looked_at < shown:
                 verdict = self._of[number] = replace(verdict, looked_at=-math.inf)
-                if verdict.looks >= LOOKS and not verdict.visited:
+                in_vain = verdict.aimed and known_area(verdict.x, verdict.y) - verdict.area <= NEW_AREA
+                if (in_vain or verdict.looks >= LOOKS) and not verdict.visited:
                     self._of[number] = replace(verdict, visited=True, known=known_near(verdict.x, verdict.y))
                     judged = True
         self.revision += judged
