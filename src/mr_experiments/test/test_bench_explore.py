@@ -13,6 +13,7 @@ from mr_experiments.explore_missions import (
     MissionRow,
     append,
     as_json,
+    fast_trials_of,
     key_of,
     read_rows,
     row_of,
@@ -76,6 +77,25 @@ def test_bound_strategies_coverage_and_ends():
     assert text_table(rows, {("a", 1): 50.0}) == ["a: 7/R1 100 (50), 0/R1 200 (50), 7/R4 100"]
 
 
+def test_fast_missions_are_compared_with_full_ones_and_count_nowhere_else():
+    rows = [
+        mission(), mission(time=80.0, fast=True), mission("office26x15"), mission("office26x15", time=120.0, fast=True),
+        mission("b", time=50.0, fast=True), mission("b", time=None, status="unfinished"),
+    ]  # fmt: skip
+    found = entry(rows, "mean T, fast mode over full, R = 1")
+    assert found["value"] == pytest.approx(1.0) and not found["holds"], "b is not finished in full mode"
+    assert entry(rows[:4], "mean T, fast mode over full, R = 1")["holds"]
+    assert "of 2 " in entry(rows, "missions")["detail"] and "2 maps" in entry(rows, "coverage, mean")["detail"]
+    assert text_table(rows[:2], {}) == ["a: 7/R1 100, 7/R1 fast 80"]
+
+
+def test_fast_trials_are_of_the_same_worlds_and_seeds():
+    fast = {key_of(trial)[:-1] for trial in fast_trials_of([5001, 5002], [1], 7, 60.0) if trial.fast}
+    full = [*trials_of([5001, 5002], [1], [7], 60.0), *fast_trials_of([5001, 5002], [1], 7, 60.0)]
+    assert len({trial.key for trial in fast_trials_of([5001], [1], 7, 60.0)}) == 3, "a record of its own for each"
+    assert len(fast) == 4 and fast <= {key_of(trial)[:-1] for trial in full if not trial.fast}
+
+
 def test_a_row_tells_when_99_percent_was_known():
     record = {
         "trial": {"world": "w", "robots": 1, "strategy": 7, "seed": 3, "limit": 9.0},
@@ -117,7 +137,7 @@ def test_a_run_goes_on_and_repeats_missions_of_other_code(tmp_path, monkeypatch,
 
     monkeypatch.setattr(command, "LocalPool", Pool)
     out = tmp_path / "explore.json"
-    arguments = ["--out", str(out), "--worlds", "1", "--strategies", "7", "--no-bounds"]
+    arguments = ["--out", str(out), "--worlds", "1", "--strategies", "7", "--no-bounds", "--fast-worlds", "0"]
     command.main([*arguments, "--robots", "1", "2"])
     assert ran == [1, 2] and "left" in capsys.readouterr().out
     command.main([*arguments, "--robots", "1", "2", "4"])

@@ -8,7 +8,7 @@ from typing import Callable, Mapping, Sequence
 import numpy as np
 
 from mr_experiments.bench_merging import Row, row
-from mr_experiments.explore_missions import Bounds, MissionRow
+from mr_experiments.explore_missions import OFFICE, Bounds, MissionRow
 
 BEST, NEAREST = 7, 0  # strategies
 MOST = 4  # robots of the teams that the bars are for
@@ -16,6 +16,7 @@ TWO_BAR, FOUR_BAR, WORST_FOUR_BAR = 0.65, 0.48, 0.8
 BOUND_BARS = {1: 3.0, MOST: 2.5}
 STRATEGY_BARS = {1: 0.8, MOST: 0.6}
 MEAN_COVERAGE_BAR, WORST_COVERAGE_BAR = 0.999, 0.995
+FAST_BARS = 0.85, 1.15  # mean T in fast mode over mean T in full mode
 AFTER_BAR = 12.0  # percent of T
 END_BAR = 10.0  # s
 
@@ -25,6 +26,7 @@ Missions = Mapping[tuple, MissionRow]  # world, robots, strategy -> mission
 def table(rows: Sequence[MissionRow], bounds: Bounds) -> list[Row]:
     """The rows that the missions suffice for. A ratio is taken world by world, of missions that finished; worlds in
     which one of the two did not are counted in the detail, and the bar is missed."""
+    everything, rows = rows, [mission for mission in rows if mission.world != OFFICE and not mission.fast]
     missions = {(mission.world, mission.robots, mission.strategy): mission for mission in rows}
     best = [mission for mission in rows if mission.strategy == BEST]
     found = [
@@ -34,9 +36,28 @@ def table(rows: Sequence[MissionRow], bounds: Bounds) -> list[Row]:
         *(_against_bound(best, bounds, robots, bar) for robots, bar in BOUND_BARS.items()),
         *(_ratios(f"strategy {BEST} over strategy {NEAREST}, R = {robots}: mean T / T", missions, (robots, BEST),
                   (robots, NEAREST), bar) for robots, bar in STRATEGY_BARS.items()),
-        *_coverage(best), _after_known(best), _ends(best), _complete(rows),
+        *_fast_over_full(everything), *_coverage(best), _after_known(best), _ends(best), _complete(rows),
     ]  # fmt: skip
     return [entry for entry in found if entry is not None]
+
+
+def _fast_over_full(rows: Sequence[MissionRow]) -> list[Row]:
+    """For each team size, of missions that finished in both modes."""
+    full = {mission.key[:-1]: mission for mission in rows if not mission.fast}
+    pairs = [(fast, full[fast.key[:-1]]) for fast in rows if fast.fast and fast.key[:-1] in full]
+    return [_fast_row(size, [pair for pair in pairs if pair[0].robots == size]) for size in
+            sorted({fast.robots for fast, _ in pairs})]  # fmt: skip
+
+
+def _fast_row(robots: int, pairs: Sequence[tuple[MissionRow, MissionRow]]) -> Row:
+    times = [(fast.time, full.time) for fast, full in pairs if fast.time and full.time]
+    what, least, most = f"mean T, fast mode over full, R = {robots}", *FAST_BARS
+    if not times:
+        return row(what, f"{least:g} to {most:g}", math.inf, "", False, f"none of {len(pairs)} pairs finished")
+    ratios = [fast / full for fast, full in times]
+    value = sum(fast for fast, _ in times) / sum(full for _, full in times)
+    detail = f"{min(ratios):.2f} to {max(ratios):.2f}; {len(times)} of {len(pairs)} pairs of missions finished"
+    return row(what, f"{least:g} to {most:g}", value, "", least <= value <= most and len(times) == len(pairs), detail)
 
 
 def _mean(values: Sequence[float]) -> float:
@@ -129,6 +150,9 @@ def text_table(rows: Sequence[MissionRow], bounds: Bounds) -> list[str]:
         for mission in (mission for mission in rows if mission.world == world):
             time = "-" if mission.time is None else f"{mission.time:.0f}"
             bound = bounds.get((world, mission.robots))
-            told.append(f"{mission.strategy}/R{mission.robots} {time}" + ("" if bound is None else f" ({bound:.0f})"))
+            mode = " fast" if mission.fast else ""
+            told.append(
+                f"{mission.strategy}/R{mission.robots}{mode} {time}" + ("" if bound is None else f" ({bound:.0f})")
+            )
         lines.append(f"{world}: {', '.join(told)}")
     return lines

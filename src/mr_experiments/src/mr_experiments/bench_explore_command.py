@@ -23,6 +23,7 @@ from mr_experiments.explore_missions import (
     append,
     as_json,
     bounds_of,
+    fast_trials_of,
     key_of,
     read_bounds,
     read_rows,
@@ -52,6 +53,8 @@ def make_parser() -> argparse.ArgumentParser:
     add("--robots", type=int, nargs="+", default=[1, 2, MOST], metavar="R", help="team sizes (default: 1 2 4)")
     add("--strategies", type=int, nargs="+", default=[BEST, NEAREST], metavar="N", help="(default: 7 0)")
     add("--limit", type=float, default=LIMIT, metavar="S", help="s of virtual time (default: %(default)g)")
+    add("--fast-worlds", type=int, default=10, metavar="N", help="worlds that are run in fast mode too, "
+        "with some missions of the office (default: %(default)s)")  # fmt: skip
     add("--no-bounds", action="store_true", help="without what no team could beat, which takes half a minute a world")
     add("--only-table", action="store_true", help="run nothing; the table of the missions that are there")
     add("--jobs", type=int, default=default_jobs(), metavar="N", help="missions at a time (default: the cores, "
@@ -73,7 +76,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _check(options: argparse.Namespace) -> None:
-    for name, least in (("worlds", 1), ("first_seed", 0), ("jobs", 1)):
+    for name, least in (("worlds", 1), ("fast_worlds", 0), ("first_seed", 0), ("jobs", 1)):
         if getattr(options, name) < least:
             raise CallError(f"--{name.replace('_', '-')} {getattr(options, name)} must be at least {least}")
 
@@ -82,6 +85,7 @@ def _run(options: argparse.Namespace) -> int:
     console = Console(soft_wrap=True, emoji=False, width=None if sys.stdout.isatty() else 120)
     seeds = range(options.first_seed, options.first_seed + options.worlds)
     trials = trials_of(seeds, options.robots, options.strategies, options.limit)
+    trials += fast_trials_of(seeds[: options.fast_worlds], options.robots, BEST, options.limit)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     bounds: Bounds = {}
     if not options.no_bounds:

@@ -20,7 +20,8 @@ from mr_sim import measures
 KINDS = ("office", "equalrooms", "hall", "cave", "loop")
 SHORTEST_M, LONGEST_M = 15, 50
 DEPTHS = 0.5, 0.8  # of the length
-SCENARIO = "explore"
+SCENARIO, FAST_SCENARIO = "explore", "explore_fast"
+OFFICE, OFFICE_TRIALS = "office26x15", 4
 LIMIT = 3600.0  # s of virtual time
 KNOWN = 0.99  # share of the reference cells after which a mission only finishes off
 
@@ -44,11 +45,24 @@ def trials_of(seeds: Sequence[int], robots: Sequence[int], strategies: Sequence[
     ]
 
 
+def fast_trials_of(seeds: Sequence[int], robots: Sequence[int], strategy: int, limit: float) -> list[Trial]:
+    """Missions in fast mode of the worlds of these seeds, and some of the office in both modes."""
+    worlds = [
+        *((world_name(seed), seed, True) for seed in seeds),
+        *((OFFICE, seed, fast) for seed in seeds[:OFFICE_TRIALS] for fast in (False, True)),
+    ]
+    return [
+        Trial(world, size, seed, FAST_SCENARIO if fast else SCENARIO, strategy, limit, fast)
+        for world, seed, fast in worlds
+        for size in robots
+    ]
+
+
 @dataclass(frozen=True)
 class MissionRow:
     """One mission. `time`: T in s, None if it did not finish. `known_at`: s until the team knew 99 % of what can be
     known, None if it never did. `first_end`: s until the first robot ended. `coverage`: of each robot's final map.
-    `code`: that ran it."""
+    `code`: that ran it. `fast`: in fast mode."""
 
     world: str
     robots: int
@@ -64,16 +78,17 @@ class MissionRow:
     coverage: tuple[float, ...]
     wrong_walls: tuple[float, ...]
     distance: float  # m, of all robots
+    fast: bool = False
 
     @property
-    def key(self) -> tuple[str, int, int, int, float]:
+    def key(self) -> tuple:
         """What was asked for."""
-        return self.world, self.robots, self.strategy, self.seed, self.limit
+        return self.world, self.robots, self.strategy, self.seed, self.limit, self.fast
 
 
-def key_of(trial: Trial) -> tuple[str, int, int, int, float]:
+def key_of(trial: Trial) -> tuple:
     """As `MissionRow.key`."""
-    return trial.world, trial.robots, trial.strategy, trial.seed, trial.limit
+    return trial.world, trial.robots, trial.strategy, trial.seed, trial.limit, trial.fast
 
 
 def row_of(record: Mapping[str, Any]) -> MissionRow:
@@ -86,7 +101,7 @@ def row_of(record: Mapping[str, Any]) -> MissionRow:
         _known_at(record["team"]["series"]), min(ends, default=None),
         tuple(robot["map"].get("coverage", 0.0) for robot in robots),
         tuple(robot["map"].get("wrong_walls", 0.0) for robot in robots),
-        round(sum(robot["distance"] for robot in robots), 2),
+        round(sum(robot["distance"] for robot in robots), 2), trial.get("fast", False),
     )  # fmt: skip
 
 
