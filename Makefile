@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-sim experiments clean
+.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-sim experiments clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -18,7 +18,7 @@ dependencies:
 	@tools/install_dependencies
 
 # Each prints its table and writes rows of JSON below out/bench.
-bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-sim
+bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-sim
 
 bench-adhoc: build
 	@mkdir -p out/bench && $(ENVIRONMENT) missed=0; \
@@ -55,6 +55,10 @@ bench-explore: build
 	tools/bench_missions --out out/bench/missions.json || missed=1; \
 	rosrun mr_experiments bench_explore --out out/bench/explore.json $(EXPLORE) || missed=1; \
 	exit $$missed
+
+# Missions with a bad radio, a robot that dies, a partition, a huge floor, in virtual time: a quarter of an hour on two cores.
+bench-hardship: build
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_hardship --out out/bench/hardship.json
 
 # How long one robot of eight takes to decide on a map of 2000 x 2000 cells: two minutes.
 bench-explore-cpu: build

@@ -133,9 +133,23 @@ def test_robot_that_joins_late_takes_part():
     assert late["merges"] and late["map"]["coverage"] > 0.9
 
 
+def test_halves_of_a_team_do_not_hear_each_other_in_a_partition():
+    """Frames are exchanged within the halves; after it all hear all again."""
+    mission = Mission(Trial("office26x15", 3, 1, limit=300.0, partition=(5.0, 20.0)))
+    heard = {}
+    for until in (4.0, 19.0, 30.0):
+        while mission.begun_at is None or mission.since_start < until:
+            mission.run(until=mission.now + 1.0)
+        heard[until] = [sorted(mission.radio.neighbors(robot.own_radio.index)) for robot in mission.robots]
+    everybody = [["robot_1", "robot_2"], ["robot_0", "robot_2"], ["robot_0", "robot_1"]]
+    assert heard == {4.0: everybody, 19.0: [["robot_1"], ["robot_0"], []], 30.0: everybody}
+
+
 @pytest.mark.parametrize(
     "bad, text",
     [
+        ({"partition": (5.0, 5.0)}, "partition lasts"),
+        ({"partition": (5.0, 9.0), "fast": True}, "partition needs a radio"),
         ({"world": "nowhere"}, "nowhere"),
         ({"robots": 99}, "asked for 99"),
         ({"robots": 0}, "at least one robot"),

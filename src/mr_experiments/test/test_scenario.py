@@ -49,18 +49,27 @@ def test_all_keys(scenario_file):
     scenario = load_scenario(
         scenario_file(
             "description: all keys\nworld: small8x8\nrobots: [2]\nstrategies: [1, 7]\nlimit: 60\nfast: false\n"
-            "known_poses: true\nradio: {range: 5, loss: 0.1, bit_rate: 1e6, wall_attenuation: 3, contention: true,"
+            "known_poses: true\nradio: {range: 5, loss: 0.1, bit_rate: 1e6, contention: true,"
             " sealed: false}\ntopology: centralized\nbase: [2, 1.5]\n"
+            "partition: [10, 20.5]\n"
             "starts: [[1, 2, 90], [3, 4.5, -180]]\njoins: {1: 5}\ndeaths: {0: 9.5}\n"
         )
     )
-    assert scenario.radio == RadioOptions(5.0, 0.1, 1e6, 3.0, True, False)
+    assert scenario.radio == RadioOptions(5.0, 0.1, 1e6, 0.0, True, False)
     assert scenario.starts == ((1.0, 2.0, math.radians(90.0)), (3.0, 4.5, -math.pi))
     assert (scenario.joins, scenario.deaths) == ({1: 5.0}, {0: 9.5})
+    assert scenario.partition == scenario.trial(2, 7, 1).partition == (10.0, 20.5)
     assert (scenario.topology, scenario.base) == ("centralized", (2.0, 1.5))
     assert (scenario.name, scenario.strategies, scenario.known_poses, scenario.limit) == ("made", (1, 7), True, 60.0)
     alone = scenario.trial(1, 7, 1)
     assert alone.joins == {} and len(alone.starts) == 1
+
+
+def test_the_seed_draws_the_time_of_a_death(scenario_file):
+    scenario = load_scenario(scenario_file("description: x\ndeaths: {0: [5, 50], 1: 7}\n"))
+    times = [scenario.trial(2, 7, seed).deaths for seed in range(20)]
+    assert all(5.0 <= death[0] <= 50.0 and death[1] == 7.0 for death in times)
+    assert len({death[0] for death in times}) > 10 and scenario.trial(2, 7, 3).deaths == times[3]
 
 
 def test_radio_without_limits(scenario_file):
@@ -103,6 +112,9 @@ def test_radio_without_limits(scenario_file):
         ("description: x\njoins: {one: 5}", "joins: expected the index of a robot, 0 or above, not 'one'"),
         ("description: x\ndeaths: {-1: 5}", "deaths: expected the index of a robot"),
         ("description: x\ndeaths: {1: soon}", "deaths: robot 1: expected a number, not 'soon'"),
+        ("description: x\ndeaths: {1: [5, 2]}", "deaths: robot 1: expected a time and a later one"),
+        ("description: x\ndeaths: {1: [5]}", "deaths: robot 1: expected .from, to. in s"),
+        ("description: x\npartition: 60", "partition: expected .from, to. in s, not 60"),
         ("description: x\ndeaths: {1: -2}", "deaths: robot 1: expected a positive number"),
     ],
 )

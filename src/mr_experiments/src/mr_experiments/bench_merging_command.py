@@ -13,12 +13,11 @@ from typing import Sequence
 from rich.console import Console
 
 from mr_experiments.bench_merging import PARTS, Part, Record, Request, Row, records_of, text_of, wrong_row
-from mr_experiments.code_version import code_version
 from mr_experiments.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.following import follow, line_of
 from mr_experiments.merge_times import all_settled_at, classes_of_pairs
-from mr_experiments.sweep import Done, LocalPool, default_jobs, split_done
-from mr_experiments.trial import Trial, TrialError
+from mr_experiments.sweep import Done, LocalPool, default_jobs, left_for_this_code
+from mr_experiments.trial import TrialError
 from mr_experiments.trial_process import record_path
 
 
@@ -81,7 +80,7 @@ def _records(part: Part, request: Request, options: argparse.Namespace, console:
     trials = part.trials(request)
     folder = options.out.with_suffix("") / f"{part.name}-{trials[0].limit:g}"
     folder.mkdir(parents=True, exist_ok=True)
-    left = _left(trials, folder)
+    left = left_for_this_code(trials, folder)
     console.print(f"{part.name}: {len(left)} of {len(trials)} missions to run", highlight=False)
     follow(LocalPool(options.jobs), left, folder, console, lambda done: _line(done, folder))
     return records_of(trials, folder)
@@ -94,15 +93,6 @@ def _line(done: Done, folder: Path) -> str:
     time, kinds = all_settled_at(record), Counter(classes_of_pairs(record))
     merged = "never merged" if math.isinf(time) else f"merged after {time:.0f} s"
     return f"{done.trial.key}: {merged} ({', '.join(f'{count} {kind}' for kind, count in kinds.items())})"
-
-
-def _left(trials: Sequence[Trial], folder: Path) -> list[Trial]:
-    """Those that have no record made by the code that is here."""
-    left, done = split_done(trials, folder, retry_failed=True)
-    other = [entry.trial for entry in done if entry.code != code_version()]
-    for trial in other:
-        record_path(folder, trial).unlink()
-    return left + other
 
 
 def _told(rows: list[Row], console: Console) -> list[Row]:

@@ -19,7 +19,7 @@ from mr_experiments.fast_body import FastBody
 from mr_experiments.parameters import explorer_options, merger_options, navigation_options
 from mr_experiments.perfect_merging import TeamSight
 from mr_experiments.perfect_radio import PerfectRadio
-from mr_experiments.radio import Radio, TeamRadio, Walls
+from mr_experiments.radio import EVERYWHERE, Radio, TeamRadio, Walls
 from mr_experiments.recorder import Recorder
 from mr_experiments.robot import Robot
 from mr_experiments.start_up import StartUp
@@ -31,6 +31,7 @@ from mr_sim.world import World
 
 READY_PATIENCE = 30.0  # s until every robot must have a map and a pose
 HOME_PATIENCE = 180.0  # s from the end of exploration until all robots must be at rest
+OUT_OF_REACH = 10.0 * EVERYWHERE  # m
 RADIO_PERIOD = 0.5  # s between two readings of the robots' places by the radio
 FAST_STEP = 0.1  # s, of the motion of robots with perfect maps
 VIEW_PERIOD = 0.5  # s between two looks
@@ -184,7 +185,15 @@ class Mission:
     def _tell_places(self) -> None:
         for robot in self.robots:
             x, y, _ = self.world.pose(robot.index)
-            self.radio.place(robot.own_radio.index, x, y)
+            self.radio.place(robot.own_radio.index, x + self._apart(robot), y)
+
+    def _apart(self, robot: Robot) -> float:
+        """Metres that a robot's radio is taken aside: in a partition half of the team is out of everybody's reach."""
+        if self.begun_at is None or self.trial.partition is None:
+            return 0.0
+        begin, end = self.trial.partition
+        beyond = robot.index >= (len(self.robots) + 1) // 2
+        return OUT_OF_REACH if beyond and begin <= self.since_start < end else 0.0
 
     def _start_if_ready(self) -> None:
         if self._ordered:

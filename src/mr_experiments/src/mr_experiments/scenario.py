@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Callable, Iterable, Mapping
+from typing import Any, Callable, Iterable, Mapping, TypeVar
 
+import numpy as np
 import yaml  # type: ignore[import-untyped]
 
 from explorer.options import STRATEGIES
@@ -16,6 +17,11 @@ from mr_experiments.trial import DISTRIBUTED, Trial, TrialError
 from mr_sim.pose import Pose
 
 DEFAULT = "paper"
+
+T = TypeVar("T")
+
+Span = tuple[float, float]
+"""A time between these two, in s, that each mission draws from its seed."""
 
 
 @dataclass(frozen=True)
@@ -33,20 +39,30 @@ class Scenario:
     radio: RadioOptions = field(default_factory=RadioOptions)
     starts: tuple[Pose, ...] = ()
     joins: Mapping[int, float] = field(default_factory=dict)
-    deaths: Mapping[int, float] = field(default_factory=dict)
+    deaths: Mapping[int, float | Span] = field(default_factory=dict)
     topology: str = DISTRIBUTED
+    partition: tuple[float, float] | None = None
     base: tuple[float, float] | None = None
 
     def trial(self, robots: int, strategy: int, seed: int, world: str = "") -> Trial:
         """Robots that join or die but are not in the team do not count."""
         return Trial(
             world or self.world, robots, seed, self.name, strategy, self.limit, self.fast, self.radio, self.known_poses,
-            self.starts[:robots], _of(self.joins, robots), _of(self.deaths, robots), self.topology, self.base,
+            self.starts[:robots], _of(self.joins, robots), _drawn(_of(self.deaths, robots), seed), self.topology,
+            self.partition, self.base,
         )  # fmt: skip
 
 
-def _of(times: Mapping[int, float], robots: int) -> dict[int, float]:
+def _of(times: Mapping[int, T], robots: int) -> dict[int, T]:
     return {robot: time for robot, time in times.items() if robot < robots}
+
+
+def _drawn(times: Mapping[int, float | Span], seed: int) -> dict[int, float]:
+    random = {robot: np.random.default_rng([seed, robot]) for robot in times}
+    return {
+        robot: round(float(random[robot].uniform(*time)), 1) if isinstance(time, tuple) else time
+        for robot, time in times.items()
+    }
 
 
 def scenario_folder() -> Path:
@@ -175,6 +191,22 @@ def _seconds(value: Any) -> dict[int, float]:
     return {robot: _read(f"robot {robot}", _finite_positive, time) for robot, time in value.items()}
 
 
+def _spans(value: Any) -> dict[int, float | Span]:
+    """As `_seconds`, or [from, to] for a time in between."""
+    spans = {robot: time for robot, time in value.items() if isinstance(time, list)} if isinstance(value, dict) else {}
+    times = _seconds(value if not spans else {robot: time for robot, time in value.items() if robot not in spans})
+    return {**times, **{robot: _read(f"robot {robot}", _span, time) for robot, time in spans.items()}}
+
+
+def _span(value: Any) -> Span:
+    if not (isinstance(value, list) and len(value) == 2):
+        raise TrialError(f"expected [from, to] in s, not {value!r}")
+    begin, end = (_finite_positive(number) for number in value)
+    if begin >= end:
+        raise TrialError(f"expected a time and a later one, not {value!r}")
+    return (begin, end)
+
+
 def _poses(value: Any) -> tuple[Pose, ...]:
     """x, y in m and the heading in degrees, as in world files."""
     if not isinstance(value, list):
@@ -214,6 +246,6 @@ _RADIO_KEYS: dict[str, Callable[[Any], Any]] = {
 
 _KEYS: dict[str, Callable[[Any], Any]] = {
     "description": _text, "world": _text, "robots": _team_sizes, "strategies": _strategies, "limit": _finite_positive,
-    "fast": _flag, "known_poses": _flag, "radio": _radio, "starts": _poses, "joins": _seconds, "deaths": _seconds,
-    "topology": _text, "base": _place,
+    "fast": _flag, "known_poses": _flag, "radio": _radio, "starts": _poses, "joins": _seconds, "deaths": _spans,
+    "topology": _text, "partition": _span, "base": _place,
 }  # fmt: skip

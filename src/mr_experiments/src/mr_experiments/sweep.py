@@ -16,6 +16,7 @@ from typing import IO, Any, Callable, Iterable, Iterator, Protocol, Sequence
 
 import cv2
 
+from mr_experiments.code_version import code_version
 from mr_experiments.record import FORMAT, write_record
 from mr_experiments.recorder import truth_for
 from mr_experiments.trial import Trial, TrialError
@@ -72,6 +73,15 @@ def split_done(trials: Iterable[Trial], folder: Path, retry_failed: bool = False
         else:
             done.append(entry)
     return left, done
+
+
+def left_for_this_code(trials: Sequence[Trial], folder: Path) -> list[Trial]:
+    """Those that have no record made by the code that is here; records of other code are removed."""
+    left, done = split_done(trials, folder, retry_failed=True)
+    other = [entry.trial for entry in done if entry.code != code_version()]
+    for trial in other:
+        record_path(folder, trial).unlink()
+    return left + other
 
 
 def _read_done(trial: Trial, path: Path) -> Done:

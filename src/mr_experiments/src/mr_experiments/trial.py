@@ -35,6 +35,7 @@ class Trial:
     joins: Mapping[int, float] = field(default_factory=dict)  # robot -> s after the start of the others
     deaths: Mapping[int, float] = field(default_factory=dict)  # robot -> s after the start
     topology: str = DISTRIBUTED
+    partition: tuple[float, float] | None = None  # from, to: s after the start; halves do not hear each other meanwhile
     base: tuple[float, float] | None = None  # where the base of a centralized team stands, m, world frame
 
     def __post_init__(self) -> None:
@@ -48,6 +49,7 @@ class Trial:
             known = ", ".join(str(number) for number in STRATEGIES)
             raise TrialError(f"strategy {self.strategy} is unknown; there are {known}")
         self._check_topology()
+        self._check_partition()
         if not (math.isfinite(self.limit) and self.limit > 0.0):
             raise TrialError(f"the limit of a mission must be a positive number of seconds, not {self.limit!r}")
         for what, robots in (("joins", self.joins), ("deaths", self.deaths)):
@@ -67,6 +69,15 @@ class Trial:
         if self.topology == CENTRALIZED and self.fast:
             raise TrialError("perfect maps (fast) need no base: topology must be distributed")
 
+    def _check_partition(self) -> None:
+        if self.partition is None:
+            return
+        begin, end = self.partition
+        if not 0.0 <= begin < end < math.inf:
+            raise TrialError(f"a partition lasts from a time to a later one, not from {begin:g} s to {end:g} s")
+        if self.fast or self.radio.wall_attenuation > 0.0:
+            raise TrialError("a partition needs a radio, one that walls do not weaken: no fast, no wall_attenuation")
+
     @property
     def key(self) -> str:
         """Names the trial among others, fit for a file name."""
@@ -79,6 +90,7 @@ class Trial:
             values["radio"]["range"] = None
         for name in ("joins", "deaths"):
             values[name] = {str(robot): time for robot, time in values[name].items()}
+        values["partition"] = None if self.partition is None else list(self.partition)
         values["base"] = None if self.base is None else list(self.base)
         values["starts"] = [list(start) for start in self.starts]
         return values

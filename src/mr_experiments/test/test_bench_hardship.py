@@ -1,0 +1,74 @@
+"""The benchmark of hardship: which missions, and what its table says."""
+
+import json
+
+import pytest
+
+from mr_experiments import bench_hardship_command as command
+from mr_experiments.bench_hardship import HARDSHIPS, LARGE, table, trials_of
+
+
+def record(scenario="paper", robots=4, seed=1, time=100.0, status="finished", coverage=1.0, died_at=None):
+    members = {f"robot_{number}": {"map": {"coverage": coverage}, "died_at": None} for number in range(robots)}
+    members["robot_1"] = {"map": {"coverage": 0.2 if died_at else coverage}, "died_at": died_at}
+    return {
+        "trial": {"scenario": scenario, "robots": robots, "seed": seed},
+        "outcome": {"status": status, "reason": "" if status == "finished" else "limit of 9 s reached"},
+        "team": {"exploration_time": time if status == "finished" else None},
+        "robots": members,
+    }
+
+
+def entry(records, what):
+    (found,) = [row for row in table(records) if row["what"].startswith(what)]
+    return found
+
+
+def test_each_hardship_gets_the_same_seeds_and_the_large_floor_its_own():
+    trials = trials_of([*HARDSHIPS, LARGE], [5, 6], [5])
+    assert len(trials) == 2 * len(HARDSHIPS) + 2
+    assert [trial.robots for trial in trials if trial.scenario == LARGE] == [4, 8]
+    assert {trial.partition for trial in trials if trial.scenario == "partition"} == {(40.0, 100.0)}
+    assert {trial.radio.loss for trial in trials if trial.scenario == "loss30"} == {0.3}
+    deaths = [trial.deaths[1] for trial in trials if trial.scenario == "killed"]
+    assert len(set(deaths)) == 2 and all(10.0 <= time <= 100.0 for time in deaths)
+
+
+def test_a_mission_that_does_not_finish_misses_the_bar_and_is_named():
+    found = entry([record(), record(seed=2, status="unfinished")], "paper, R = 4: missions")
+    assert (found["value"], found["holds"]) == (1, False) and found["detail"] == "seed 2: limit of 9 s reached"
+
+
+def test_the_map_of_a_robot_that_died_does_not_count():
+    assert entry([record("killed", died_at=50.0)], "killed, R = 4: coverage, worst")["value"] == 1.0
+
+
+def test_the_short_radio_is_compared_seed_by_seed():
+    records = [record(), record(seed=2, time=300.0), record("range8", time=130.0), record("range8", seed=3)]
+    found = entry(records, "mean T with a radio of 8 m")
+    assert found["value"] == pytest.approx(1.3) and not found["holds"] and found["detail"] == "1 seeds"
+    assert all("radio of 8 m" not in row["what"] for row in table([record()]))
+
+
+def test_a_run_goes_on(tmp_path, monkeypatch, capsys):
+    """No mission is run: the pool is one that runs none."""
+    ran = []
+
+    def follow(pool, trials, folder, console, line):
+        for trial in trials:
+            ran.append(trial.seed)
+            made = {**record(seed=trial.seed), "trial": trial.to_json(), "format": 1}
+            (folder / f"{trial.key}.json").write_text(json.dumps(made))
+
+    monkeypatch.setattr(command, "follow", follow)
+    monkeypatch.setattr(command, "left_for_this_code", lambda trials, folder: [t for t in trials if t.seed not in ran])
+    arguments = ["--out", str(tmp_path / "hardship.json"), "--only", "paper", "--first-seed", "3"]
+    assert command.main([*arguments, "--trials", "1"]) == 0
+    assert command.main([*arguments, "--trials", "2"]) == 0 and ran == [3, 4]
+    assert json.loads((tmp_path / "hardship.json").read_text())[0]["value"] == 2
+    assert "1 of 2 missions to run" in capsys.readouterr().out
+
+
+def test_bad_calls(capsys):
+    assert command.main(["--trials", "0"]) == 2 and "--trials" in capsys.readouterr().err
+    assert command.main(["--only", "storm"]) == 2
