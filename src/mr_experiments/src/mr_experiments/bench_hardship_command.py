@@ -23,8 +23,8 @@ def make_parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="bench_hardship",
         description="Whether teams finish, and how much later, in virtual time: error-free, with 30 % of the frames "
-        "lost, a radio of 8 m, a robot that dies, a partition of a minute, and on a floor of 60 m x 60 m. A run that was "
-        "stopped goes on where it was; missions of other code are run again.",
+        "lost, a radio of 8 m, a robot that dies, a partition of a minute, and on a floor of 60 m x 60 m. A run that "
+        "was stopped goes on where it was; missions of other code are run again.",
         epilog="Exit code: 0 every bar holds, 1 some do not, 2 bad call, 130 interrupted.",
     )
     add = parser.add_argument
