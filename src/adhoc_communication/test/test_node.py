@@ -225,10 +225,12 @@ class Delivery(unittest.TestCase):
             self.assertEqual([message.data for message in listener.wait_for(len(texts))], texts)
 
     def test_late_subscriber_gets_the_last_message(self):
-        for data in ("first", "last"):
-            call("alice", "send_string", dst_robot="bob", topic="late", data=data)
+        with Listener("/bob/late", msg.RecvString) as early:
+            for data in ("first", "last"):
+                call("alice", "send_string", dst_robot="bob", topic="late", data=data)
+            early.wait_for_text("last")
         with Listener("/bob/late", msg.RecvString) as listener:
-            self.assertEqual(listener.wait_for()[-1].data, "last")
+            self.assertEqual(listener.wait_for()[0].data, "last")
 
     def test_message_of_any_type(self):
         sent = Float64MultiArray(data=[1.0, 2.5])
