@@ -39,6 +39,11 @@ def test_a_mission_that_does_not_finish_misses_the_bar_and_is_named():
     assert (found["value"], found["holds"]) == (1, False) and found["detail"] == "seed 2: limit of 9 s reached"
 
 
+def test_one_mission_has_no_interval():
+    assert entry([record()], "paper, R = 4: mean T")["detail"] == "100 to 100 s"
+    assert entry([record(), record(time=120.0)], "paper, R = 4: mean T")["detail"] == "+- 19.6 s (95 %), 100 to 120 s"
+
+
 def test_the_map_of_a_robot_that_died_does_not_count():
     assert entry([record("killed", died_at=50.0)], "killed, R = 4: coverage, worst")["value"] == 1.0
 

@@ -54,8 +54,10 @@ def _rows_of(what: str, records: Sequence[Record]) -> list[Row]:
     times = [record["team"]["exploration_time"] for record in finished]
     shares = [robot["map"].get("coverage", 0.0) for record in records for robot in _survivors(record)]
     if times:
-        error = 1.96 * float(np.std(times, ddof=1)) / math.sqrt(len(times)) if len(times) > 1 else math.nan
-        detail = f"+- {error:.1f} s (95 %), {min(times):.0f} to {max(times):.0f} s"
+        detail = f"{min(times):.0f} to {max(times):.0f} s"
+        if len(times) > 1:
+            error = 1.96 * float(np.std(times, ddof=1)) / math.sqrt(len(times))
+            detail = f"+- {error:.1f} s (95 %), {detail}"
         rows.append(row(f"{what}: mean T", "-", float(np.mean(times)), "s", True, detail))
     if shares:
         mean, worst = float(np.mean(shares)), min(shares)
