@@ -133,6 +133,11 @@ def test_robot_that_joins_late_takes_part():
     assert late["merges"] and late["map"]["coverage"] > 0.9
 
 
+def test_a_trial_without_a_partition_is_recorded_as_before_there_were_any():
+    assert "partition" not in Trial("office26x15", 2, 1).to_json()
+    assert Trial("office26x15", 2, 1, partition=(5.0, 9.0)).to_json()["partition"] == [5.0, 9.0]
+
+
 def test_halves_of_a_team_do_not_hear_each_other_in_a_partition():
     """Frames are exchanged within the halves; after it all hear all again."""
     mission = Mission(Trial("office26x15", 3, 1, limit=300.0, partition=(5.0, 20.0)))

@@ -90,7 +90,10 @@ class Trial:
             values["radio"]["range"] = None
         for name in ("joins", "deaths"):
             values[name] = {str(robot): time for robot, time in values[name].items()}
-        values["partition"] = None if self.partition is None else list(self.partition)
+        if self.partition is None:
+            del values["partition"]  # as in records that are older than partitions, so that their runs go on
+        else:
+            values["partition"] = list(self.partition)
         values["base"] = None if self.base is None else list(self.base)
         values["starts"] = [list(start) for start in self.starts]
         return values
