@@ -296,6 +296,46 @@ def test_no_progress_fails_the_goal() -> None:
     assert any(isinstance(e, CancelGoal) for e in bench.effects)
 
 
+def test_a_goal_that_is_not_reached_in_time_fails_though_the_robot_moves() -> None:
+    """It drives to and fro before a door that somebody stands in: 10 s, and 0.2 m/s for the 3 m to the viewpoint."""
+    bench = Bench(3, progress_timeout=10.0).map(corridor(left=False))
+    for second in range(60):
+        bench.place(0.5 + 0.5 * (second // 2 % 2), 0.0)
+        bench.run(1.0)
+        if bench.agent.counters.goals_failed:
+            break
+    assert 20.0 < bench.now - 100.0 < 30.0
+    assert any("in the time that its way takes" in each.text for each in bench.effects if isinstance(each, Note))
+
+
+def two_rooms() -> Any:
+    """A corridor that is open at its right end; a door on its left leads to a room that is open above and below."""
+    cells = np.full((60, 160), -1, dtype=np.int8)
+    cells[25:36, 60:150] = 0
+    cells[24, 60:150] = cells[36, 60:150] = 100
+    cells[0:60, 60] = 100
+    cells[26:35, 60] = 0
+    cells[5:55, 20:60] = 0
+    cells[4:56, 19] = 100
+    return map_of(cells, 0.1)
+
+
+def test_what_lies_behind_the_same_block_fails_with_the_goal() -> None:
+    """A robot has died in the door: one try after the other, for each frontier behind it, would take many minutes."""
+    bench = Bench(0).map(two_rooms())
+    bench.place(8.0, 3.0)
+    bench.run(1.0)
+    bench.place(6.8, 3.0)
+    bench.run(1.0)
+    for _ in range(2):
+        while bench.agent.goal is None or bench.agent.goal.pose.x > 6.0:
+            bench.run(1.0)
+        bench.agent.on_goal_result(bench.agent.goal.goal_id, FAILED, "blocked", bench.now)
+    states = {(verdict.x < 6.0, verdict.y < 3.0): verdict.given_up for verdict in bench.verdicts()}
+    assert states[(True, True)] and states[(True, False)]
+    assert not any(verdict.given_up for verdict in bench.verdicts() if verdict.x > 10.0)
+
+
 def test_results_of_former_goals_and_of_others_are_harmless() -> None:
     bench = Bench(3).map(corridor())
     bench.run(1.0)

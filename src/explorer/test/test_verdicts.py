@@ -83,7 +83,7 @@ def test_a_given_up_point_that_flickers_is_revived_by_a_changed_map_a_bounded_nu
     verdicts, point, revived = known(POINT), POINT, 0
     for number in range(8, 20):
         for now in (0.0, 10.0):
-            verdicts.fail(point.number, False, cells_near(100), now)
+            verdicts.fail(point.number, (), False, cells_near(100), now)
         assert verdicts.of(point.number).given_up
         verdicts.follow([], [point])
         point = Frontier(number, POINT.x + 0.05, POINT.y)
@@ -98,16 +98,23 @@ def test_failures_reach_as_far_as_the_robot_tries() -> None:
     near, far = Frontier(8, 1.4, 2.0), Frontier(9, 1.6, 2.0)
     verdicts = known(POINT, near, far)
     for now in (0.0, 10.0):
-        verdicts.fail(7, False, cells_near(100), now)
+        verdicts.fail(7, (), False, cells_near(100), now)
     assert [verdicts.of(number).given_up for number in (7, 8, 9)] == [True, True, False]
     assert verdicts.given_up() == 2
+
+
+def test_failures_reach_what_is_behind_the_same_block() -> None:
+    verdicts = known(POINT, Frontier(8, 9.0, 2.0), Frontier(9, 9.0, 4.0))
+    for now in (0.0, 10.0):
+        verdicts.fail(7, (8,), False, cells_near(100), now)
+    assert [verdicts.of(number).given_up for number in (7, 8, 9)] == [True, True, False]
 
 
 def test_behind_a_robot_three_failures_count_as_one() -> None:
     verdicts = known(POINT)
     outcomes: List[bool] = []
     for now in range(6):
-        verdicts.fail(7, True, cells_near(100), float(now))
+        verdicts.fail(7, (), True, cells_near(100), float(now))
         outcomes.append(verdicts.of(7).given_up)
     assert outcomes == [False] * 5 + [True]
 
@@ -128,7 +135,7 @@ def test_one_last_try_before_the_end() -> None:
     verdicts = known(POINT)
     verdicts.fail_cluster(1, [7], limit=1, known_near=cells_near(0))
     assert verdicts.revive_once() and verdicts.is_goal(7)
-    verdicts.fail(7, False, cells_near(0), 0.0)
+    verdicts.fail(7, (), False, cells_near(0), 0.0)
     assert not verdicts.is_goal(7) and not verdicts.revive_once()
 
 

@@ -92,7 +92,8 @@ class Ending:
                 continue
             self.closer_looks[spot] = tries + 1
             self._emit(Note(f"takes a closer look at unreachable frontiers near ({spot[0]}, {spot[1]})"))
-            self._driver.send(self._place_to_look(cluster, tries), scene.pose, scene.now)
+            place = self._place_to_look(cluster, tries)
+            self._driver.send(place, scene.pose, scene.now, self._perception.way(scene.pose, place))
             return True
         return False
 

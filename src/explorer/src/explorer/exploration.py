@@ -68,7 +68,7 @@ class Exploration:
         self.hearing = Hearing(
             self.team, foreign, self.verdicts, self.agreement, self.sharing, self._announcing, perception
         )
-        self._reopening = Reopening(options.finish_delay, perception, senses)
+        self._reopening = Reopening(options.finish_delay, perception)
         self._selection = selection_for(
             strategy, self.driver, self.claim, self.auctions, self.sharing, self.team, name, emit
         )
@@ -245,7 +245,7 @@ class Exploration:
         if limit is not None:
             self._finish(limit, now)
             return
-        event = self.driver.watch(here, now)
+        event = self.driver.watch(here, now, self._perception.rest_of_way)
         if event is not None:
             self._take_event(event, now)
         scene = self._scenes.scene(now)
@@ -292,6 +292,7 @@ class Exploration:
         why = "" if self.orders.complete else f": {reason}"
         self._emit(Note(f"exploration {how} after {self.exploration_time(now):.1f} s{why}"))
         self._emit(Note(sentence(self._perception.leftovers())))
+        self._reopening.end()
         if self.started_at is not None:
             self._journal.finish(self.orders.complete, self.counters, self._senses.map, now)
 
@@ -309,11 +310,12 @@ class Exploration:
             self._be(State.FINISHED, f"{ended_by}, {'at home' if at_home(here, home) else 'away from home'}")
             return
         self._be(State.RETURNING, f"{ended_by}, drives home")
-        event = self.driver.watch(here, now)
+        event = self.driver.watch(here, now, self._perception.rest_of_way)
         if event is not None:
             self._take_event(event, now)
             self.driver.end_home(FAILED, now)
-        self.driver.drive_home(here, home, now)
+        if self.driver.goal is None and self.driver.may_send(now):
+            self.driver.send(home, here, now, self._perception.way(here, home))
 
     def _be(self, state: State, text: str) -> None:
         self.state, self.text = state, text

@@ -8,7 +8,7 @@ from explorer.perception import Perception
 from explorer.team import Team
 from explorer.verdicts import Verdicts
 
-BLOCKING_DISTANCE = 1.5  # m, a robot this near may be what makes a goal fail
+BLOCKING_DISTANCE = 1.5  # m, a robot this near to where the way ended may be what makes a goal fail
 
 
 class Outcomes:
@@ -38,7 +38,8 @@ class Outcomes:
         self._emit(Note(f"goal {place} failed{' behind a robot' if blocked else ''}: {text}"))
         if goal.frontier is None or goal.frontier not in self._perception.frontiers.frontiers:
             return
-        self._verdicts.fail(goal.frontier, blocked, self._perception.known_near, now)
+        behind = self._perception.behind_block(goal.nearest, goal.pose)
+        self._verdicts.fail(goal.frontier, behind, blocked, self._perception.known_near, now)
         if not blocked and goal.cluster is not None:
             cluster = next((c for c in self._perception.clusters if c.number == goal.cluster), None)
             members = () if cluster is None else cluster.numbers

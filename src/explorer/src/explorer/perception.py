@@ -18,7 +18,7 @@ from explorer.senses import Senses
 from explorer.travel import CostField
 from explorer.verdicts import Verdicts
 from explorer.views import Views, sees
-from explorer.ways import Ways, known_near
+from explorer.ways import COMFORT, Ways, known_near
 from explorer.worth import (
     Worth,
     is_opening,
@@ -30,6 +30,8 @@ from explorer.worth import (
 
 REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
 REPLAN_DISTANCE = 0.3  # m of motion that makes them old
+BLOCK_AHEAD = 0.6  # m, as near as the middle of a robot comes to the middle of what blocks its way
+BLOCK_RADIUS = 0.4  # m around it that other ways are blocked as well
 
 
 class Perception:
@@ -110,6 +112,27 @@ class Perception:
         occupied, info = self.ways.grid.occupied, self.ways.occupancy.info
         return sees(occupied, info, pose, self._options.field_of_view, point)
 
+    def way(self, here: Pose, place: Pose) -> float:
+        """m of path between two places, infinite where none leads."""
+        assert self.ways is not None
+        return self.ways.grid.field_from(here.x, here.y).at(place.x, place.y)
+
+    def rest_of_way(self, place: Pose) -> float:
+        """m of path from where the robot was when it last perceived."""
+        assert self.field is not None
+        return self.field.at(place.x, place.y)
+
+    def behind_block(self, near: Position, place: Pose) -> List[int]:
+        """Numbers of the points in sight of places to which the way from `near` leads through what blocks that to
+        `place`, which is not on the map: something just ahead on the way, where that is narrow; else none."""
+        assert self.ways is not None
+        field = self.ways.grid.field_from(*near)
+        block = next((p for p in field.path_to(place.x, place.y) if distance(near, p) >= BLOCK_AHEAD), None)
+        if block is None or self.ways.grid.clearance_at(*block) >= COMFORT:
+            return []
+        views = {number: view for cluster in self.clusters for number, view in cluster.views.items()}
+        return [n for n, (x, y, _) in views.items() if _passes(field.path_to(x, y), block)]
+
     def leftovers(self) -> Tuple[Left, ...]:
         """What would be left unexplored if this were the end, the largest first."""
         return leftovers(self.clusters, self.worth, self._prospects)
@@ -179,3 +202,7 @@ class Perception:
             reasons = {number: reason for number, reason in self.worth.reasons.items() if number not in goals}
             self.worth = self.worth._replace(goals={**self.worth.goals, **goals}, reasons=reasons)
             self.clusters = self._views.assess(self._clusters.clusters, self.worth.goals)
+
+
+def _passes(path: Sequence[Position], place: Position) -> bool:
+    return any(distance(point, place) <= BLOCK_RADIUS for point in path)

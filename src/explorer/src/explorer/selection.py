@@ -35,9 +35,9 @@ class Selection:
         """Tells the others that this robot explores nothing any more."""
 
     def _drive_to(self, frontier: Frontier, cluster: Optional[int], scene: Scene) -> None:
-        x, y, _ = scene.views[frontier.number]
+        x, y, way = scene.views[frontier.number]
         pose = Pose(x, y, math.atan2(frontier.y - y, frontier.x - x))
-        self._driver.send(pose, scene.pose, scene.now, frontier.number, cluster)
+        self._driver.send(pose, scene.pose, scene.now, way, frontier.number, cluster)
 
     def _drive_in(self, cluster: Cluster, scene: Scene) -> None:
         """To the nearest frontier (Euclidean) of a cluster, as the paper ranks them."""

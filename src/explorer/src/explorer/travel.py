@@ -99,6 +99,10 @@ class TravelGrid:
             return CostField(self, np.full(self.traversable.shape, math.inf))
         return CostField(self, self.weighted.costs_from(*start))
 
+    def clearance_at(self, x: float, y: float) -> float:
+        """m to the nearest obstacle from a traversable cell at a point in metres; see `Ground` for the most."""
+        return float(self.coarse_clearance[self.info.cell_of(x, y)])
+
     def nearest(self, mask: np.ndarray, x: float, y: float, distance: float) -> Optional[Tuple[int, int]]:
         """The cell of a bool array (rows, cols) that is set and nearest to a point in metres, or None."""
         return nearest_cell(mask, self.info, x, y, distance)

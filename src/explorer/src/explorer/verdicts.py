@@ -162,11 +162,12 @@ class Verdicts:
 
     # ---- failures -------------------------------------------------------------------------------------------------
 
-    def fail(self, number: int, blocked: bool, known_near: KnownNear, now: float) -> None:
-        """A goal for the frontier failed. It is given up in the end; a robot in the way means further tries before."""
-        failed = self._of[number]
+    def fail(self, number: int, behind: Sequence[int], blocked: bool, known_near: KnownNear, now: float) -> None:
+        """A goal for the frontier failed, and so would those for the points `behind` what is in the way. They are given
+        up in the end; a robot in the way means further tries before."""
+        failed, others = self._of[number], set(behind)
         for other, verdict in self._of.items():
-            if math.hypot(verdict.x - failed.x, verdict.y - failed.y) > TRY_DISTANCE:
+            if other not in others and math.hypot(verdict.x - failed.x, verdict.y - failed.y) > TRY_DISTANCE:
                 continue
             retry_at = now + (RETRY_TIME_BLOCKED if blocked else RETRY_TIME)
             verdict = replace(verdict, retry_at=retry_at, blocked=verdict.blocked + blocked)

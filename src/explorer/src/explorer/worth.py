@@ -23,7 +23,7 @@ LEAST_AREA = 0.25  # m^2 that must be unknown behind a point
 LEAST_POINTS = 2  # of that kind that make a cluster a goal; one less where the robot can pass
 ROOM = 0.8  # m^2 of unknown ground where the robot might stand, behind two points, make an opening
 WAY_FOR_AREA = 4.0  # m of way that a square metre is worth that is no opening
-LEFT_SHARE = 0.004  # of the known free area: m^2 of unknown ground that may be left unseen in small pieces
+LEFT_SHARE = 0.005  # of the known free area: m^2 of unknown ground that may be left unseen in small pieces
 
 VISITED, GIVEN_UP = "visited", "given up"
 TOLD = "told by {}"

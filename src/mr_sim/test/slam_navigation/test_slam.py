@@ -67,6 +67,22 @@ def occupied(slam: Slam, x: float, y: float, radius: float) -> int:
     return int((np.hypot(cx, cy) < radius).sum())
 
 
+def test_a_wall_that_is_only_seen_at_a_grazing_angle_stays_in_the_map() -> None:
+    """On it hits are far apart, and many beams that end on it farther away cross the cells of each: they opened it."""
+    random, slam, angles = np.random.default_rng(5), Slam(), np.radians(np.arange(-135.0, 135.5))
+    for step in range(120):
+        x = 0.01 * step
+        with np.errstate(divide="ignore", invalid="ignore"):
+            sideways = np.where(angles > 0, 0.64, -0.61) / np.sin(angles)
+            ahead = np.where(np.abs(angles) < 1.5, (11.0 - x) / np.cos(angles), np.inf)
+        ranges = np.fmin(np.where(sideways > 0, sideways, np.inf), ahead) + random.normal(0.0, 0.01, angles.size)
+        slam.process(
+            LaserScan(ranges, angles[0], math.radians(1.0), 0.0, 12.0, (0.0, 0.0, 0.0)), (x, 0.0, 0.0), 0.1 * step
+        )
+    walls = [occupied(slam, at, 0.625, 0.1) for at in np.arange(5.0, 10.5, 0.1)]
+    assert np.mean(np.array(walls) > 0) > 0.8
+
+
 @pytest.mark.parametrize("seed", [3])
 def test_drift_over_a_loop_in_the_office(seed: int) -> None:
     drives = Drives("office26x15", seed=seed)

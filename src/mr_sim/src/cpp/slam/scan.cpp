@@ -7,6 +7,35 @@
 namespace mr_sim::slam {
 namespace {
 
+constexpr double kStraight = 0.03;     // m off the line through two hits at most, of a third on the same wall
+constexpr double kLongestStep = 2.0;  // m from one hit to the next on a wall that is seen at a grazing angle
+
+bool turn_to(const Point& eye, const Point& at, Point* normal) {
+  if (normal->x * (eye.x - at.x) + normal->y * (eye.y - at.y) < 0.0) *normal = {-normal->x, -normal->y};
+  return true;
+}
+
+// Of three successive beams whose ends lie on one line: a wall seen at a grazing angle, on which hits are far apart.
+bool normal_of_three(const std::vector<Beam>& beams, std::size_t first, Point* normal) {
+  const Beam &a = beams[first], &b = beams[first + 1], &c = beams[first + 2];
+  if (!a.hit || !b.hit || !c.hit) return false;
+  const double x = c.end.x - a.end.x, y = c.end.y - a.end.y, length = std::hypot(x, y);
+  const double px = b.end.x - a.end.x, py = b.end.y - a.end.y;
+  const double along = (px * x + py * y) / length;
+  if (length <= 0.0 || along <= 0.0 || along >= length) return false;
+  if (std::max(along, length - along) > kLongestStep || std::abs(px * y - py * x) > kStraight * length) return false;
+  *normal = {-y / length, x / length};
+  return true;
+}
+
+bool fit_sparse_normal(const std::vector<Beam>& beams, std::size_t index, const Point& eye, Point* normal) {
+  const std::size_t low = index < 2 ? 0 : index - 2;
+  for (std::size_t first = low; first <= index && first + 2 < beams.size(); ++first) {
+    if (normal_of_three(beams, first, normal)) return turn_to(eye, beams[index].end, normal);
+  }
+  return false;
+}
+
 // Direction of the line through the hits around `index`, by principal axes; needs three hits and some extent.
 bool fit_normal(const std::vector<Beam>& beams, std::size_t index, double window, const Point& eye, Point* normal) {
   const Point center = beams[index].end;
@@ -24,15 +53,14 @@ bool fit_normal(const std::vector<Beam>& beams, std::size_t index, double window
   }
   for (std::size_t i = index + 1; i < beams.size() && add(beams[i]); ++i) {
   }
-  if (count < 3) return false;
+  if (count < 3) return fit_sparse_normal(beams, index, eye, normal);
   const double xx = sxx - sx * sx / count, yy = syy - sy * sy / count, xy = sxy - sx * sy / count;
   const double spread = std::hypot(0.5 * (xx - yy), xy);
   const double large = 0.5 * (xx + yy) + spread, small = 0.5 * (xx + yy) - spread;
   if (large < 25.0 * small || large < count * 0.04 * window * window) return false;
   const double along = 0.5 * std::atan2(2.0 * xy, xx - yy);
   *normal = {-std::sin(along), std::cos(along)};
-  if (normal->x * (eye.x - center.x) + normal->y * (eye.y - center.y) < 0.0) *normal = {-normal->x, -normal->y};
-  return true;
+  return turn_to(eye, center, normal);
 }
 
 }  // namespace
