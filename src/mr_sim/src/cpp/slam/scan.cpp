@@ -7,7 +7,7 @@
 namespace mr_sim::slam {
 namespace {
 
-constexpr double kStraight = 0.03;     // m off the line through two hits at most, of a third on the same wall
+constexpr double kStraight = 0.03;    // m off the line through two hits at most, of a third on the same wall
 constexpr double kLongestStep = 2.0;  // m from one hit to the next on a wall that is seen at a grazing angle
 
 bool turn_to(const Point& eye, const Point& at, Point* normal) {
