@@ -4,7 +4,7 @@ find_package(Eigen3 REQUIRED)
 
 pybind11_add_module(_slam
   src/cpp/slam/bindings.cpp
-  src/cpp/slam/grid_map.cpp
+  src/cpp/slam/grid_map.cpp src/cpp/slam/odometry_model.cpp
   src/cpp/slam/scan.cpp
   src/cpp/slam/scan_matcher.cpp
   src/cpp/slam/slam.cpp

@@ -197,29 +197,54 @@ void GridMap::free_cell(const Cell& cell, const Ray& ray) {
   }
 }
 
-// Walks the cells of the line (Amanatides and Woo, A Fast Voxel Traversal Algorithm, 1987).
-void GridMap::see_through(const Point& eye, const Point& end) {
-  const double length = std::hypot(end.x - eye.x, end.y - eye.y);
-  if (length <= 0.0) return;
-  const Ray ray{eye, end, {(end.x - eye.x) / length, (end.y - eye.y) / length}};
+// Amanatides and Woo, A Fast Voxel Traversal Algorithm, 1987.
+template <class Visit>
+void GridMap::walk(const Ray& ray, double length, Visit visit) const {
   const Point& direction = ray.direction;
   const double r = options_.resolution;
-  Cell cell = cell_of(eye);
+  Cell cell = cell_of(ray.eye);
   const int step_x = direction.x < 0.0 ? -1 : 1, step_y = direction.y < 0.0 ? -1 : 1;
   const double far = std::numeric_limits<double>::infinity();
   const double delta_x = direction.x != 0.0 ? r / std::abs(direction.x) : far;
   const double delta_y = direction.y != 0.0 ? r / std::abs(direction.y) : far;
-  double next_x = direction.x != 0.0 ? ((cell.x + (step_x > 0)) * r - eye.x) / direction.x : far;
-  double next_y = direction.y != 0.0 ? ((cell.y + (step_y > 0)) * r - eye.y) / direction.y : far;
+  double next_x = direction.x != 0.0 ? ((cell.x + (step_x > 0)) * r - ray.eye.x) / direction.x : far;
+  double next_y = direction.y != 0.0 ? ((cell.y + (step_y > 0)) * r - ray.eye.y) / direction.y : far;
   double entered = 0.0;
-  while (entered < length) {
-    free_cell(cell, ray);
+  while (entered < length && visit(cell)) {
     if (next_x < next_y) {
       entered = next_x, next_x += delta_x, cell.x += step_x;
     } else {
       entered = next_y, next_y += delta_y, cell.y += step_y;
     }
   }
+}
+
+void GridMap::see_through(const Point& eye, const Point& end) {
+  const double length = std::hypot(end.x - eye.x, end.y - eye.y);
+  if (length <= 0.0) return;
+  const Ray ray{eye, end, {(end.x - eye.x) / length, (end.y - eye.y) / length}};
+  walk(ray, length, [&](const Cell& cell) {
+    free_cell(cell, ray);
+    return true;
+  });
+}
+
+bool GridMap::known(const Cell& cell) const {
+  const auto seen = [this](const Cell& at) { return contains(at) && seen_[index_of(at)] != 0; };
+  return seen(cell) && seen({cell.x - 1, cell.y}) && seen({cell.x + 1, cell.y}) && seen({cell.x, cell.y - 1}) &&
+         seen({cell.x, cell.y + 1});
+}
+
+bool GridMap::blocked(const Point& eye, const Point& end) const {
+  const double length = std::hypot(end.x - eye.x, end.y - eye.y);
+  if (length <= 0.0) return false;
+  const Ray ray{eye, end, {(end.x - eye.x) / length, (end.y - eye.y) / length}};
+  bool found = false;
+  walk(ray, length, [&](const Cell& cell) {
+    found = contains(cell) && has_surface(cell) && sees_through(surfaces_[index_of(cell)], ray);
+    return !found;
+  });
+  return found;
 }
 
 void GridMap::free_footprint(const Pose& robot) {

@@ -52,6 +52,11 @@ class GridMap {
   template <class Visit>
   void visit_surfaces(const Cell& low, const Cell& high, Visit visit) const;
 
+  // Whether the cell and those around it have been seen: a wall in it that is not on the map would be new.
+  bool known(const Cell& cell) const;
+  // Whether a surface of the map lies across the line, well before its end.
+  bool blocked(const Point& eye, const Point& end) const;
+
   // 100 occupied, 0 free, -1 never seen; row-major from the lowest y.
   std::vector<int8_t> occupancy() const;
 
@@ -73,6 +78,9 @@ class GridMap {
   void add_hit(const Beam& beam, const Frame& robot);
   static void add_to_surface(Surface& surface, const Point& end, const Point& normal, bool first_of_scan);
   void see_through(const Point& eye, const Point& end);
+  // Calls visit(cell) for the cells of a line, from its beginning, until it returns false.
+  template <class Visit>
+  void walk(const Ray& ray, double length, Visit visit) const;
   bool sees_through(const Surface& surface, const Ray& ray) const;
   void free_cell(const Cell& cell, const Ray& ray);
   void free_footprint(const Pose& robot);

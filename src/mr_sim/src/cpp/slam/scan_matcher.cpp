@@ -118,16 +118,44 @@ const Line* line_of(const GridMap& map, const Point& point, const Point& normal,
 
 struct Fit {
   Pose pose;
-  double share = 0.0;
-  double cost = 0.0;  // mean squared residual, capped, m^2
+  double share = 0.0;  // of the hits in known parts, those on a surface
+  double known = 0.0;  // share of the hits that lie in known parts
 };
+
+// A hit that lies on no surface: whether the map knows better.
+bool contradicts(const GridMap& map, const Point& eye, const Point& point) {
+  return map.known(map.cell_of(point)) || map.blocked(eye, point);
+}
+
+// What the map says to the hits at the pose of the fit.
+void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Point& eye, double reach,
+           std::vector<Association>& associations, Fit* fit) {
+  const Frame frame(fit->pose);
+  const Point from = frame * eye;
+  int on_surface = 0, against = 0;
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const Point point = frame * beams[i]->end;
+    const Line* line = line_of(map, point, frame.turned(beams[i]->normal), reach, associations[i]);
+    bool on = false;
+    if (line != nullptr) {
+      const double dx = point.x - line->through.x, dy = point.y - line->through.y;
+      const double beside = -line->normal.y * dx + line->normal.x * dy;
+      on = std::abs(beside) <= kTangential && std::abs(line->normal.x * dx + line->normal.y * dy) < kOnSurface;
+    }
+    on_surface += on;
+    against += !on && contradicts(map, from, point);
+  }
+  const int known = on_surface + against;
+  fit->share = known == 0 ? 0.0 : static_cast<double>(on_surface) / known;
+  fit->known = beams.empty() ? 0.0 : static_cast<double>(known) / static_cast<double>(beams.size());
+}
 
 // Gauss-Newton on point-to-line distances with Cauchy weights and the odometry prior.
 Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose& start, const Pose& expected,
-           const Pose& deviation, double surface_deviation, const MatchOptions& options,
+           const Pose& deviation, double surface_deviation, const Point& eye, const MatchOptions& options,
            std::vector<Association>& associations) {
   const double precision = 1.0 / (surface_deviation * surface_deviation);
-  Fit fit{start, 0.0, 0.0};
+  Fit fit{start};
   double reach = options.reach;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Pose& pose = fit.pose;
@@ -136,38 +164,29 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
         1.0 / (deviation.yaw * deviation.yaw);
     Eigen::Vector3d gradient(pose.x - expected.x, pose.y - expected.y, normalized(pose.yaw - expected.yaw));
     gradient = information * gradient;
-    int on_surface = 0;
-    double cost = 0.0;
     const Frame frame(pose);
     for (std::size_t i = 0; i < beams.size(); ++i) {
       const Point arm = frame.turned(beams[i]->end), normal = frame.turned(beams[i]->normal);
       const Point point{pose.x + arm.x, pose.y + arm.y};
       const Line* found = line_of(map, point, normal, reach, associations[i]);
-      if (found == nullptr) {
-        cost += options.reach * options.reach;
-        continue;
-      }
+      if (found == nullptr) continue;
       const Line& line = *found;
       const double nx = line.normal.x, ny = line.normal.y;
       const double dx = point.x - line.through.x, dy = point.y - line.through.y;
       const double residual = nx * dx + ny * dy, beside = -ny * dx + nx * dy;
       if (std::abs(beside) > kTangential) continue;
-      cost += residual * residual;
-      on_surface += std::abs(residual) < kOnSurface;
       const double scaled = residual / (2.5 * options.surface_deviation);
       const double weight = precision * line.weight / (1.0 + scaled * scaled);
       const Eigen::Vector3d jacobian(nx, ny, -nx * arm.y + ny * arm.x);
       information += weight * jacobian * jacobian.transpose();
       gradient += weight * residual * jacobian;
     }
-    fit.share = beams.empty() ? 0.0 : static_cast<double>(on_surface) / static_cast<double>(beams.size());
-    fit.cost = beams.empty() ? 0.0 : cost / static_cast<double>(beams.size());
-    if (iteration + 1 == kIterations) break;
     const Eigen::Vector3d step = information.ldlt().solve(-gradient);
     fit.pose = {pose.x + step.x(), pose.y + step.y(), normalized(pose.yaw + step.z())};
     reach = std::max(0.5 * reach, 0.12);
     if (iteration > 1 && step.head<2>().norm() < 2e-4 && std::abs(step.z()) < 1e-4) break;
   }
+  judge(map, beams, eye, reach, associations, &fit);
   return fit;
 }
 
@@ -213,21 +232,22 @@ bool better(const Fit& fit, const Fit& than) { return fit.share > than.share + 0
 Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
                  const Pose& previous, const MatchOptions& options) {
   const std::vector<const Beam*> beams = choose_beams(scan);
-  if (beams.size() < 10) return {expected, 0.0, false};
+  if (beams.size() < 10) return {expected};
   std::vector<Association> associations(beams.size());
   const auto fit = [&](const Pose& start) {
-    return refine(map, beams, start, start, deviation, options.surface_deviation, options, associations);
+    return refine(map, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations);
   };
   Fit best = fit(expected);
+  if (best.known < options.known_share) return {expected, best.share};
   if (best.share < options.good_share) {
-    const Fit stayed = fit(previous);
-    if (better(stayed, best)) best = stayed;
+    Match match{expected, best.share, Outcome::kContradicts};
+    Fit other = fit(previous);
+    match.stays = better(other, best);
+    if (!match.stays && best.share < options.poor_share) other = fit(search(map, beams, expected, options));
+    const bool found = other.known >= options.known_share && better(other, best);
+    if (found && other.share >= options.good_share) match.elsewhere = other.pose;
+    if (found || best.share < options.poor_share) return match;
   }
-  if (best.share < options.poor_share) {
-    const Fit found = fit(search(map, beams, expected, options));
-    if (better(found, best)) best = found;
-  }
-  if (best.share < options.poor_share) return {expected, best.share, false};
   // Neighbouring hits err together (walls on cell borders, corners), so where the wheels do not slip odometry is
   // worth more beside the scan than independent hits would leave it; this keeps headings from creeping. And where walls
   // fix no position along them, a robot that drives ahead must not carry this one with it: odometry is overruled only
@@ -235,9 +255,10 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
   const bool agreed = agree(best.pose, expected, deviation);
   const Pose trusted{kTrust * deviation.x, kTrust * deviation.y, deviation.yaw};
   const Fit joint = refine(map, beams, agreed ? best.pose : expected, expected, trusted, options.joint_deviation,
-                           options, associations);
-  if (!agreed && better(best, joint)) return {best.pose, best.share, true};
-  return {joint.pose, joint.share, joint.share >= options.poor_share};
+                           scan.eye, options, associations);
+  if (!agreed && better(best, joint)) return {expected, joint.share, Outcome::kContradicts, best.pose};
+  if (joint.share < options.poor_share) return {expected, joint.share, Outcome::kContradicts};
+  return {joint.pose, joint.share, Outcome::kMatched};
 }
 
 }  // namespace mr_sim::slam

@@ -1,6 +1,8 @@
 // Where must the robot be for its scan to lie on the surfaces of the map?
 #pragma once
 
+#include <optional>
+
 #include "grid_map.hpp"
 #include "scan.hpp"
 
@@ -13,17 +15,27 @@ struct MatchOptions {
   double window = 0.4;              // m, half width of the search where odometry alone does not lead to a match
   double angular_window = 0.2;      // rad, same for the heading
   double good_share = 0.6;          // share of hits on surfaces that makes a match certain
-  double poor_share = 0.3;          // share below which a match is refused
+  double poor_share = 0.3;          // share below which the scan contradicts the map
+  double known_share = 0.15;        // of the hits that must lie in known parts for a match
+};
+
+enum class Outcome {
+  kMatched,
+  kNothingKnown,  // too little of what the scan shows has been seen before: it may enter the map at odometry's pose
+  kContradicts,   // the pose is odometry's, and wrong
 };
 
 struct Match {
   Pose pose;
   double share = 0.0;  // of the hits in known parts, those that lie on a surface
-  bool accepted = false;
+  Outcome outcome = Outcome::kNothingKnown;
+  // Where the scan would fit far from where odometry leads: to be believed when scans from other places say the same.
+  std::optional<Pose> elsewhere = std::nullopt;
+  bool stays = false;  // that is where it was: its wheels slip
 };
 
 // `expected`: pose by odometry with its standard deviations, weak enough for the scan to overrule slipping wheels.
-// `previous`: pose at the last match, where the robot still is if its wheels slipped.
+// `previous`: pose at the last match that held, where the robot still is if its wheels slipped.
 Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
                  const Pose& previous, const MatchOptions& options);
 

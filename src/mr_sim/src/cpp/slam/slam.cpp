@@ -3,13 +3,36 @@
 namespace mr_sim::slam {
 namespace {
 
-// Odometry alone carries the robot over this many refused scans; then the map has to follow.
-constexpr int kRefusedLimit = 20;
 // Scans of a robot that stands which enter the map; the next ones only take from it. Hits that err by turns into one
 // cell and into the next would make thick walls.
 constexpr int kRestLimit = 3;
+constexpr int kStays = 2;               // matches in a row for which the wheels have slipped
+constexpr int kSayTheSame = 5;          // matches that bring the robot elsewhere
+constexpr double kSameDistance = 0.1;   // m within which they say the same
+constexpr double kSameAngle = 0.05;     // rad
+constexpr double kOtherDistance = 0.2;  // m from the first to the last
+constexpr double kOtherAngle = 0.35;    // rad
+
+bool near(const Pose& a, const Pose& b) {
+  return slam::distance(a, b) < kSameDistance && std::abs(normalized(a.yaw - b.yaw)) < kSameAngle;
+}
 
 }  // namespace
+
+bool Elsewhere::far_from_first(const Pose& odometry) const {
+  return slam::distance(first_, odometry) > kOtherDistance ||
+         std::abs(normalized(odometry.yaw - first_.yaw)) > kOtherAngle;
+}
+
+bool Elsewhere::add(const Match& match, const Pose& odometry) {
+  stays_ = match.elsewhere && match.stays ? stays_ + 1 : 0;
+  if (!match.elsewhere) return false;
+  const bool same = count_ > 0 && near(*match.elsewhere, correction_ * odometry);
+  if (!same) first_ = odometry;
+  count_ = same ? count_ + 1 : 1;
+  correction_ = *match.elsewhere * between(odometry, Pose{});
+  return stays_ >= kStays || (count_ >= kSayTheSame && far_from_first(odometry));
+}
 
 Slam::Slam(const SlamOptions& options) : options_(options), map_(options.grid) {}
 
@@ -18,7 +41,9 @@ bool Slam::moved(const Pose& from, const Pose& to, double distance, double angle
   return slam::distance(from, to) >= distance - 1e-4 || std::abs(normalized(to.yaw - from.yaw)) >= angle - 1e-4;
 }
 
-Pose Slam::pose_at(const Pose& odometry) const { return started_ ? pose_ * between(odometry_, odometry) : Pose{}; }
+Pose Slam::pose_at(const Pose& odometry) const {
+  return started_ ? pose_ * model_.corrected(between(odometry_, odometry)) : Pose{};
+}
 
 Pose Slam::map_to_odometry() const { return pose_ * between(odometry_, Pose{}); }
 
@@ -41,7 +66,7 @@ void Slam::start(const Scan& scan, const Pose& odometry, double time, SlamUpdate
 SlamUpdate Slam::rest(const Pose& odometry) const {
   SlamUpdate update;
   update.pose = pose_at(odometry);
-  update.matched = refused_ == 0;
+  update.matched = !contradicted_;
   update.share = share_;
   return update;
 }
@@ -50,7 +75,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
                          double time) {
   const bool stands = started_ && !moved(odometry_, odometry, options_.match_distance, options_.match_angle);
   // What has left while the robot stood must not stay in the map: it may be all that keeps the robot standing.
-  const bool due = refused_ == 0 && std::abs(time - updated_at_) >= options_.insert_interval;
+  const bool due = !contradicted_ && std::abs(time - updated_at_) >= options_.insert_interval;
   if (stands && !due) return rest(odometry);
   const Scan scan = make_scan(ranges, size, geometry, options_.surface_window);
   SlamUpdate update;
@@ -65,18 +90,27 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
     return update;
   }
   const Pose motion = between(odometry_, odometry);
-  const double driven = std::hypot(motion.x, motion.y);
-  const Pose deviation{0.02 + 0.5 * driven, 0.02 + 0.5 * driven, 0.0003 + 0.2 * std::abs(motion.yaw)};
-  const Match match = match_scan(map_, scan, pose_at(odometry), deviation, pose_, options_.match);
+  const Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), confirmed_, options_.match);
+  if (match.outcome == Outcome::kMatched && !match.elsewhere && match.share > options_.match.good_share) {
+    model_.learn(motion, between(pose_, match.pose));
+  } else {
+    model_.interrupt();
+  }
   pose_ = match.pose;
   odometry_ = odometry;
-  refused_ = match.accepted ? 0 : refused_ + 1;
-  if ((stands || moved(inserted_, pose_, options_.insert_distance, options_.insert_angle)) &&
-      (match.accepted || refused_ > kRefusedLimit)) {
+  contradicted_ = match.outcome == Outcome::kContradicts;
+  if (elsewhere_.add(match, odometry)) {
+    pose_ = *match.elsewhere;
+    contradicted_ = false;
+    elsewhere_.clear();
+  }
+  if (!contradicted_) confirmed_ = pose_;
+  if (!contradicted_ && !match.elsewhere &&
+      (stands || moved(inserted_, pose_, options_.insert_distance, options_.insert_angle))) {
     update.inserted = insert(scan, stands, time);
   }
   update.pose = pose_;
-  update.matched = match.accepted;
+  update.matched = !contradicted_;
   update.share = share_ = match.share;
   return update;
 }

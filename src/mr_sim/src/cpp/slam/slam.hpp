@@ -2,6 +2,7 @@
 #pragma once
 
 #include "grid_map.hpp"
+#include "odometry_model.hpp"
 #include "scan_matcher.hpp"
 
 namespace mr_sim::slam {
@@ -19,9 +20,25 @@ struct SlamOptions {
 
 struct SlamUpdate {
   Pose pose;              // robot in the map frame
-  bool matched = false;   // the last match held; otherwise odometry alone gives the pose
+  bool matched = false;   // the last scan did not contradict the map; otherwise odometry alone gives the pose
   bool inserted = false;  // the map that is handed out changed
   double share = 0.0;     // of the scan on known surfaces
+};
+
+// Where the robot would be if its odometry is wrong: believed when matches from different places say the same.
+class Elsewhere {
+ public:
+  // A match that says so, or one that does not; `odometry`: the robot's. True if it is to be believed.
+  bool add(const Match& match, const Pose& odometry);
+  void clear() { count_ = stays_ = 0; }
+
+ private:
+  bool far_from_first(const Pose& odometry) const;
+
+  Pose correction_;  // odometry frame in the map frame
+  Pose first_;       // odometry of the first match
+  int count_ = 0;
+  int stays_ = 0;  // matches in a row that say that the wheels slip
 };
 
 class Slam {
@@ -49,11 +66,14 @@ class Slam {
   bool started_ = false;
   Pose pose_;                // at the last match, map frame
   Pose odometry_;            // same moment, odometry frame
+  Pose confirmed_;           // same frame, where the last scan was that did not contradict the map
   Pose inserted_;            // pose of the last scan in the map
   double updated_at_ = 0.0;  // s, of the last scan in the map
   int rested_ = 0;           // scans in the map since it moved
   double share_ = 1.0;       // of the last match
-  int refused_ = 0;          // matches refused in a row
+  OdometryModel model_;
+  bool contradicted_ = false;  // by the last match
+  Elsewhere elsewhere_;
 };
 
 }  // namespace mr_sim::slam

@@ -1,0 +1,52 @@
+"""How well SLAM does on a log of scans whose truth is known."""
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from mr_sim.measures import OccupancyMap, Truth, coverage, wrong_walls
+from mr_sim.pose import seen_from
+from mr_sim.slam.engine import LaserScan, Slam
+from mr_sim.slam.scan_log import ScanLog
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Errors of the position in m: mean, 0.95 quantile, at the end; of the heading in rad, 0.95 quantile. Shares from 0
+    to 1: occupied cells that are no walls, the reference that is known, scans that contradicted the map. `milliseconds`
+    of a scan: mean and worst, map included."""
+
+    mean_error: float
+    q95_error: float
+    end_error: float
+    q95_heading: float
+    wrong_walls: float
+    coverage: float
+    contradicted: float
+    milliseconds: tuple[float, float]
+
+
+def evaluate(log: ScanLog, truth: Truth, slam: Slam | None = None) -> Evaluation:
+    """Runs SLAM over the whole log. Its first pose is where the log begins."""
+    slam = slam or Slam()
+    start = (float(log.truth[0, 0]), float(log.truth[0, 1]), float(log.truth[0, 2]))
+    poses, matched, spent = [], [], []
+    for index, (moment, odometry) in enumerate(zip(log.times.tolist(), log.odometry.tolist())):
+        scan: LaserScan = log.scan(index)
+        began = time.perf_counter()
+        update = slam.process(scan, (odometry[0], odometry[1], odometry[2]), moment)
+        spent.append(1e3 * (time.perf_counter() - began))
+        poses.append(update.pose)
+        matched.append(update.matched)
+    found = np.array(poses)
+    errors = np.hypot(*(found[:, :2] - seen_from(log.truth[:, :2], start)).T)
+    headings = np.abs([math.remainder(yaw, 2.0 * math.pi) for yaw in found[:, 2] - (log.truth[:, 2] - start[2])])
+    handed_out = slam.map()
+    occupancy = OccupancyMap(handed_out.cells, handed_out.resolution, (*handed_out.origin, 0.0))
+    return Evaluation(
+        float(errors.mean()), float(np.quantile(errors, 0.95)), float(errors[-1]), float(np.quantile(headings, 0.95)),
+        wrong_walls(truth, occupancy, start), coverage(truth, occupancy, start),
+        1.0 - float(np.mean(matched)), (float(np.mean(spent)), float(np.max(spent))),
+    )  # fmt: skip

@@ -1,0 +1,127 @@
+"""SLAM on logs of scans: what it learns of odometry, what it refuses, and how it is judged."""
+
+import math
+from pathlib import Path
+from typing import Callable
+
+import numpy as np
+import pytest
+from test_slam import ROUND, Drives, follow
+
+from mr_sim.slam.engine import LaserScan, Slam, SlamError
+from mr_sim.slam.scan_log import ScanLog, with_random_walk
+
+
+SEED = 8  # of a robot that turns by 5 % less than it counts
+
+
+class Recorder(Drives):
+    """Keeps what the robot's sensors said."""
+
+    def log(self) -> ScanLog:
+        times, ranges, odometry, truth = (np.array(column) for column in zip(*self.rows))
+        ranger = self.world.robots[0].rangers[0]
+        geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, *ranger.mount)
+        return ScanLog(self.name, np.array(geometry), times, ranges.astype(np.float32), odometry, truth)
+
+    def __init__(self, name: str, seed: int) -> None:
+        super().__init__(name, seed=seed)
+        self.name, self.rows = name, []
+
+    def process(self, robot, state, ranges):  # type: ignore[no-untyped-def]
+        odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
+        truth = (float(state["x"]), float(state["y"]), float(state["yaw"]))
+        self.rows.append((self.world.time, ranges.copy(), odometry, truth))
+
+
+def driven(name: str, seed: int, seconds: float) -> ScanLog:
+    drives = Recorder(name, seed)
+    drives.run(seconds, follow(ROUND, 0.4))
+    return drives.log()
+
+
+def test_odometry_that_counts_wrong_is_learned() -> None:
+    """Pioneers turn by up to 5 % more than they count."""
+    log = driven("office26x15", SEED, 190.0)
+    slam = Slam()
+    for index, (moment, odometry) in enumerate(zip(log.times.tolist(), log.odometry.tolist())):
+        slam.process(log.scan(index), tuple(odometry), moment)
+    x, y, yaw = log.odometry[-1].tolist()
+    turned, counted = np.unwrap(log.truth[:, 2]), np.unwrap(log.odometry[:, 2])
+    ratio = float(np.diff(turned) @ np.diff(counted) / (np.diff(counted) @ np.diff(counted)))
+    assert abs(ratio - 1.0) > 0.01, "the odometry of this robot has to err"
+    learned = math.remainder(slam.pose_at((x, y, yaw + 1.0))[2] - slam.pose_at((x, y, yaw))[2], 2 * math.pi)
+    assert learned == pytest.approx(ratio, abs=0.01)
+
+
+def box(distance: float, yaw: float = 0.0) -> np.ndarray:
+    """Ranges to the walls of a square room of 6 m whose middle lies `distance` m behind the laser."""
+    angles = np.radians(np.linspace(-135.0, 135.0, 541)) + yaw
+    with np.errstate(divide="ignore"):
+        ahead = np.where(np.cos(angles) > 0, (3.0 - distance), (3.0 + distance)) / np.abs(np.cos(angles))
+        sideways = 3.0 / np.abs(np.sin(angles))
+    return np.minimum(ahead, sideways)
+
+
+def scan_of(ranges: np.ndarray) -> LaserScan:
+    return LaserScan(ranges, math.radians(-135.0), math.radians(0.5), 0.0, 12.0, (0.0, 0.0, 0.0))
+
+
+def mapped() -> Slam:
+    slam = Slam()
+    for step in range(12):
+        slam.process(scan_of(box(0.1 * step)), (0.1 * step, 0.0, 0.0), 0.1 * step)
+    return slam
+
+
+def test_a_scan_that_contradicts_the_map_is_never_drawn() -> None:
+    """After twenty refusals it was, at odometry's pose: doubled walls."""
+    slam = mapped()
+    before = slam.map().cells
+    slanted = np.full(541, 1.2)
+    for step in range(60):
+        update = slam.process(scan_of(slanted), (1.1, 0.0, 0.05 * step), 2.0 + 0.1 * step)
+        assert not update.inserted
+    assert not update.matched and np.array_equal(slam.map().cells, before)
+
+
+def test_a_place_that_fits_better_is_believed_when_scans_from_several_places_say_so() -> None:
+    """With a sensor of 57 degrees one scan was enough, and the robot was elsewhere: 30 to 70 % of the walls were wrong."""
+    slam, turned = mapped(), []
+    for step in range(1, 12):
+        odometry = 1.1 + 0.05 * step
+        update = slam.process(scan_of(box(odometry, 0.15)), (odometry, 0.0, 0.0), 2.0 + 0.1 * step)
+        turned.append(update.pose[2])
+    assert turned[:4] == pytest.approx([0.0] * 4, abs=0.02)
+    assert turned[-1] == pytest.approx(0.15, abs=0.03)
+
+
+def test_what_nobody_has_seen_contradicts_nothing() -> None:
+    slam = Slam()
+    narrow = np.where(np.abs(np.linspace(-135.0, 135.0, 541)) < 30.0, box(0.0), np.nan)
+    assert slam.process(scan_of(narrow), (0.0, 0.0, 0.0), 0.0).matched
+    update = slam.process(scan_of(narrow), (0.0, 0.0, math.pi), 1.0)
+    assert update.matched and update.inserted and update.pose[2] == pytest.approx(math.pi, abs=0.01)
+
+
+def test_logs_are_kept(tmp_path: Path) -> None:
+    log = ScanLog("w", np.arange(7.0), np.arange(3.0), np.ones((3, 5), np.float32), np.ones((3, 3)), np.zeros((3, 3)))
+    log.save(tmp_path / "log.npz")
+    loaded = ScanLog.load(tmp_path / "log.npz")
+    assert loaded.world == "w" and np.array_equal(loaded.ranges, log.ranges)
+
+
+@pytest.mark.parametrize("write", [lambda path: path.write_bytes(b"no"), lambda path: np.savez(path, world="w")])
+def test_files_that_are_no_logs_are_named(write: Callable[[Path], None], tmp_path: Path) -> None:
+    write(tmp_path / "log.npz")
+    with pytest.raises(SlamError, match=r"log\.npz is no log of scans"):
+        ScanLog.load(tmp_path / "log.npz")
+
+
+def test_a_random_walk_errs_by_what_it_is_told() -> None:
+    truth = np.column_stack((np.linspace(0.0, 400.0, 8001), np.zeros(8001), np.zeros(8001)))
+    log = ScanLog("w", np.zeros(7), np.arange(8001.0), np.zeros((8001, 1), np.float32), truth, truth)
+    walk = with_random_walk(log, 0.03, 0.05, 1).odometry
+    errors = np.diff(walk[:, 0]) / 0.05 - 1.0
+    assert errors.std() == pytest.approx(0.03, rel=0.35) and abs(errors.mean()) < 0.015
+    assert np.array_equal(walk, with_random_walk(log, 0.03, 0.05, 1).odometry)
