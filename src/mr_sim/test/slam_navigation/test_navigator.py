@@ -175,7 +175,7 @@ def test_a_robot_that_stands_along_a_wall_gets_away_from_it(
     draw_world: Callable[..., str], side: int, gap: float
 ) -> None:
     """Its corners would touch if it turned, and along the wall nothing was nearer: it stayed for half an hour."""
-    loop = ClosedLoop(draw_world((14, 10), [], [(7.013, 0.1 + gap if side > 0 else 9.9 - gap, 0.0)]), 1, 2)
+    loop = ClosedLoop(draw_world((14, 10), [], [(7.013, 0.1 + gap if side > 0 else 9.9 - gap, 0.0)]), 1, 4)
     loop.run(2.5)
     robot = loop.robots[0]
     robot.navigator.set_goal((0.0, 4.0 * side, 0.0), loop.world.time)

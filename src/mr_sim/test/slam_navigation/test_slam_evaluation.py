@@ -11,7 +11,6 @@ from test_slam import ROUND, Drives, follow
 from mr_sim.slam.engine import LaserScan, Slam, SlamError
 from mr_sim.slam.scan_log import ScanLog, with_random_walk
 
-
 SEED = 8  # of a robot that turns by 5 % less than it counts
 
 

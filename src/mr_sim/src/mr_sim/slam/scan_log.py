@@ -17,7 +17,7 @@ _FIELDS = ("world", "geometry", "times", "ranges", "odometry", "truth")
 @dataclass(frozen=True)
 class ScanLog:
     """`world`: name, as `find_world` takes it. `geometry`: float64 (7,), angle_min, angle_increment, range_min,
-    range_max and the laser's pose in the robot's frame. Of n scans: `times` (n,) in s, `ranges` float32 (n, beams) in m,
+    range_max and the pose of the laser in the robot. Of n scans: `times` (n,) in s, `ranges` float32 (n, beams) in m,
     `odometry` and `truth` float64 (n, 3), the robot's pose in the odometry frame and in the world frame."""
 
     world: str
