@@ -85,7 +85,7 @@ def test_a_scan_that_contradicts_the_map_is_never_drawn() -> None:
 
 
 def test_a_place_that_fits_better_is_believed_when_scans_from_several_places_say_so() -> None:
-    """With a sensor of 57 degrees one scan was enough, and the robot was elsewhere: 30 to 70 % of the walls were wrong."""
+    """With a sensor of 57 degrees one scan was enough, and the robot was elsewhere: up to 70 % of walls were wrong."""
     slam, turned = mapped(), []
     for step in range(1, 12):
         odometry = 1.1 + 0.05 * step
