@@ -1,15 +1,18 @@
 # Local SLAM (MRPT) and navigation; included by CMakeLists.txt.
 find_package(mrpt-maps REQUIRED)
 find_package(Eigen3 REQUIRED)
+find_package(Ceres REQUIRED)
 
 pybind11_add_module(_slam
   src/cpp/slam/bindings.cpp
   src/cpp/slam/grid_map.cpp src/cpp/slam/odometry_model.cpp
+  src/cpp/slam/memory.cpp
+  src/cpp/slam/pose_graph.cpp
   src/cpp/slam/scan.cpp
   src/cpp/slam/scan_matcher.cpp
   src/cpp/slam/slam.cpp
   src/cpp/slam/small_objects.cpp)
-target_link_libraries(_slam PRIVATE mrpt::maps Eigen3::Eigen)
+target_link_libraries(_slam PRIVATE mrpt::maps Eigen3::Eigen Ceres::ceres)
 target_compile_options(_slam PRIVATE -Wall -Wextra -Werror -O3)
 set_target_properties(_slam PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${MR_SIM_PYTHON_DEVEL})
 install(TARGETS _slam DESTINATION ${MR_SIM_PYTHON_INSTALL})

@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 from test_slam import ROUND, Drives, follow
 
+from mr_sim._slam import PoseGraph
+from mr_sim.measures import Truth
 from mr_sim.slam.engine import LaserScan, Slam, SlamError
+from mr_sim.slam.evaluation import evaluate
 from mr_sim.slam.scan_log import ScanLog, with_random_walk
 
 SEED = 8  # of a robot that turns by 5 % less than it counts
@@ -51,6 +54,43 @@ def test_odometry_that_counts_wrong_is_learned() -> None:
     assert abs(ratio - 1.0) > 0.01, "the odometry of this robot has to err"
     learned = math.remainder(slam.pose_at((x, y, yaw + 1.0))[2] - slam.pose_at((x, y, yaw))[2], 2 * math.pi)
     assert learned == pytest.approx(ratio, abs=0.01)
+
+
+def test_the_map_is_drawn_anew_when_the_way_turns_out_to_be_another() -> None:
+    """A Turtlebot in a corridor has nothing but wheels to go by, and these count by 2.5 % wrong: 23 % of the walls were
+    wrong when it came back."""
+    drives = Recorder("office26x15_turtlebots", 3)
+    drives.run(240.0, follow(ROUND, 0.4))
+    evaluation = evaluate(drives.log(), Truth.of_world(drives.world))
+    assert evaluation.wrong_walls < 0.03 and evaluation.end_error < 0.15
+
+
+def test_a_loop_that_closes_tells_how_odometry_counts() -> None:
+    """Four times 2 m and a quarter turn, counted as 5 % more; the last pose is found to be the first one."""
+    graph, x, y, yaw = PoseGraph(), 0.0, 0.0, 0.0
+    graph.add((0.0, 0.0, 0.0))
+    for corner in range(1, 5):
+        x, y = x + 2.0 * math.cos(yaw), y + 2.0 * math.sin(yaw)
+        yaw = math.remainder(1.05 * corner * math.pi / 2, 2 * math.pi)
+        graph.add((x, y, yaw))
+        graph.link_odometry(corner, (2.0, 0.0, 1.05 * math.pi / 2), (0.02, 0.02, 0.02))
+    graph.link(0, 4, (0.0, 0.0, 0.0), np.diag([1e4, 1e4, 1e6]))
+    graph.solve()
+    for corner, expected in enumerate([(0, 0), (2, 0), (2, 2), (0, 2), (0, 0)]):
+        assert graph.pose(corner)[:2] == pytest.approx(expected, abs=0.05)
+    assert graph.pose(0) == (0.0, 0.0, 0.0)
+
+
+def test_a_false_link_does_not_bend_the_way() -> None:
+    graph = PoseGraph()
+    for index in range(30):
+        graph.add((0.5 * index, 0.0, 0.0))
+        if index:
+            graph.link_odometry(index, (0.5, 0.0, 0.0), (0.01, 0.01, 0.005))
+            graph.link(index - 1, index, (0.5, 0.0, 0.0), np.diag([1e4, 1e4, 1e5]))
+    graph.link(0, 29, (3.0, 2.0, 0.5), np.diag([1e4, 1e4, 1e5]))
+    graph.solve()
+    assert graph.pose(29) == pytest.approx((14.5, 0.0, 0.0), abs=0.3)
 
 
 def box(distance: float, yaw: float = 0.0) -> np.ndarray:

@@ -1,4 +1,5 @@
 // Python module mr_sim._slam.
+#include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -72,6 +73,17 @@ PYBIND11_MODULE(_slam, module) {
       .def_readwrite("insert_angle", &SlamOptions::insert_angle)
       .def_readwrite("insert_interval", &SlamOptions::insert_interval)
       .def_readwrite("surface_window", &SlamOptions::surface_window);
+  py::class_<PoseGraph>(module, "PoseGraph")
+      .def(py::init<>())
+      .def("add", [](PoseGraph& graph, const PoseTuple& pose) { graph.add(to_pose(pose)); })
+      .def("link_odometry",
+           [](PoseGraph& graph, std::size_t next, const PoseTuple& motion, const PoseTuple& deviation) {
+             graph.link_odometry(next, to_pose(motion), to_pose(deviation));
+           })
+      .def("link", [](PoseGraph& graph, std::size_t from, std::size_t to, const PoseTuple& relative,
+                      const Eigen::Matrix3d& information) { graph.link(from, to, to_pose(relative), information); })
+      .def("solve", &PoseGraph::solve)
+      .def("pose", [](const PoseGraph& graph, std::size_t index) { return to_tuple(graph.pose(index)); });
   py::class_<Slam>(module, "Slam")
       .def(py::init<const SlamOptions&>())
       .def("process", &process, py::arg("ranges"), py::arg("odometry"), py::arg("mount"), py::arg("angle_min"),

@@ -117,8 +117,9 @@ void GridMap::begin_scan(const Scan& scan, const Pose& robot) {
   changed_ = false;
 }
 
-bool GridMap::insert(const Scan& scan, const Pose& robot) {
+bool GridMap::insert(const Scan& scan, const Pose& robot, int origin) {
   begin_scan(scan, robot);
+  inserted_origin_ = origin;
   const Frame frame(robot);
   // Hits first: what this scan touches, its other beams do not erase.
   for (const Beam& beam : scan.beams) {
@@ -158,7 +159,7 @@ void GridMap::add_hit(const Beam& beam, const Frame& robot) {
   mark_surface(cell);
 }
 
-void GridMap::add_to_surface(Surface& surface, const Point& end, const Point& normal, bool first_of_scan) {
+void GridMap::add_to_surface(Surface& surface, const Point& end, const Point& normal, bool first_of_scan) const {
   const double agreement = surface.normal_x * normal.x + surface.normal_y * normal.y;
   if (surface.hits > 0.0F && agreement <= 0.0) {
     // The far side of a thin wall: keep the side seen more.
@@ -166,6 +167,7 @@ void GridMap::add_to_surface(Surface& surface, const Point& end, const Point& no
     if (surface.hits > 0.0F) return;
     surface = Surface{};
   }
+  if (surface.hits <= 0.0F) surface.origin = inserted_origin_;
   surface.hits = std::min(surface.hits + 1.0F, kMemory);
   if (first_of_scan || surface.scans == 0.0F) surface.scans += 1.0F;
   const float share = 1.0F / surface.hits;

@@ -21,6 +21,7 @@ struct Surface {
   float normal_x = 0.0F, normal_y = 0.0F;  // towards the side it was seen from
   float hits = 0.0F;                       // 0: no surface
   float scans = 0.0F;                      // in which it was hit: few for what moves
+  int origin = 0;                          // what the first of these was inserted with
 };
 
 struct GridOptions {
@@ -35,8 +36,8 @@ class GridMap {
  public:
   explicit GridMap(const GridOptions& options);
 
-  // Both return whether `occupancy` changed.
-  bool insert(const Scan& scan, const Pose& robot);
+  // Both return whether `occupancy` changed. `origin`: what its new surfaces are known by.
+  bool insert(const Scan& scan, const Pose& robot, int origin = 0);
   // Takes from the map what the scan sees through, and adds nothing.
   bool clear(const Scan& scan, const Pose& robot);
 
@@ -76,7 +77,7 @@ class GridMap {
   // Whether it is the first of the scan in its cell.
   bool touch(const Cell& cell);
   void add_hit(const Beam& beam, const Frame& robot);
-  static void add_to_surface(Surface& surface, const Point& end, const Point& normal, bool first_of_scan);
+  void add_to_surface(Surface& surface, const Point& end, const Point& normal, bool first_of_scan) const;
   void see_through(const Point& eye, const Point& end);
   // Calls visit(cell) for the cells of a line, from its beginning, until it returns false.
   template <class Visit>
@@ -100,6 +101,7 @@ class GridMap {
   Cell origin_;
   int width_ = 0, height_ = 0;
   uint32_t scan_number_ = 0;
+  int inserted_origin_ = 0;
   bool changed_ = false;  // by the last scan
 };
 

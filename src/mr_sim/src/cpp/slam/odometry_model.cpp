@@ -7,6 +7,7 @@ namespace {
 
 constexpr double kMemory = 40.0;  // windows after which what was learned is a running mean
 constexpr double kCaution = 2.0;  // times what was seen of errors is what is expected
+constexpr double kLeastError = 0.01;
 
 }  // namespace
 
@@ -33,6 +34,8 @@ void Gauge::learn(double odometry, double matched) {
   interrupt();
 }
 
+double Gauge::error() const { return std::max(kLeastError, std::sqrt(error_)); }
+
 Pose OdometryModel::corrected(const Pose& motion) const {
   return {distance_.factor() * motion.x, distance_.factor() * motion.y, turn_.factor() * motion.yaw};
 }
@@ -40,6 +43,11 @@ Pose OdometryModel::corrected(const Pose& motion) const {
 Pose OdometryModel::deviation(const Pose& motion) const {
   const double driven = 0.02 + distance_.share() * std::hypot(motion.x, motion.y);
   return {driven, driven, 0.0003 + turn_.share() * std::abs(motion.yaw)};
+}
+
+Pose OdometryModel::deviation_of_way(const Pose& motion) const {
+  const double driven = 0.01 + distance_.error() * std::hypot(motion.x, motion.y);
+  return {driven, driven, 0.002 + turn_.error() * std::abs(motion.yaw)};
 }
 
 void OdometryModel::learn(const Pose& motion, const Pose& matched) {

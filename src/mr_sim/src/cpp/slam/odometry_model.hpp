@@ -16,6 +16,8 @@ class Gauge {
   double factor() const { return factor_; }
   // Of the quantity: standard deviation of what odometry errs by.
   double share() const { return share_; }
+  // What was seen of that, as far as it can be known.
+  double error() const;
   void learn(double odometry, double matched);
   // What was gathered for a window cannot be compared.
   void interrupt() { odometry_ = matched_ = 0.0; }
@@ -34,6 +36,8 @@ class OdometryModel {
   Pose corrected(const Pose& motion) const;
   // Standard deviations of that.
   Pose deviation(const Pose& motion) const;
+  // The same for a longer way, over which the errors that have been seen add up and no wheel has slipped.
+  Pose deviation_of_way(const Pose& motion) const;
   // Between two matches that held.
   void learn(const Pose& motion, const Pose& matched);
   void interrupt();

@@ -10,6 +10,8 @@ constexpr int kIterations = 12;
 constexpr double kSpacing = 0.04;     // m between the hits used, so that near walls do not outweigh far ones
 constexpr double kEnough = 0.7;       // share of the hits that must be left when small objects are not used
 constexpr double kOnSurface = 0.05;   // m
+constexpr double kSure = 0.8;         // share on surfaces from which wheels are said to slip
+constexpr double kMostKnown = 0.5;    // of the hits that must be known for that
 constexpr double kTangential = 0.08;  // m, a surface reaches this far beside its mean
 constexpr int kNeighbours = 2;        // cells around a surface that make up its line
 constexpr double kMatureHits = 20.0;  // of a line, for its full weight
@@ -51,6 +53,7 @@ struct Line {
   double distance = 0.0;  // m, of the nearest surface
   double weight = 0.0;
   bool found = false;
+  int origin = 0;  // of the nearest surface
 };
 
 // What was found for a hit, and where it was then.
@@ -105,6 +108,7 @@ Line line_near(const GridMap& map, const Point& point, const Point& normal, doub
   const double maturity = std::clamp((scans / hits - 1.0) / (kMatureScans - 1.0), 0.0, 1.0);
   line.weight = maturity * std::min(1.0, hits / kMatureHits);
   line.found = true;
+  line.origin = center->origin;
   return line;
 }
 
@@ -118,8 +122,10 @@ const Line* line_of(const GridMap& map, const Point& point, const Point& normal,
 
 struct Fit {
   Pose pose;
-  double share = 0.0;  // of the hits in known parts, those on a surface
-  double known = 0.0;  // share of the hits that lie in known parts
+  double share = 0.0;                                     // of the hits in known parts, those on a surface
+  double known = 0.0;                                     // share of the hits that lie in known parts
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // of what the scan alone says of the pose
+  std::map<int, double> origins{};                        // of the surfaces that it lies on: shares of the hits
 };
 
 // A hit that lies on no surface: whether the map knows better.
@@ -143,6 +149,7 @@ void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Poin
       on = std::abs(beside) <= kTangential && std::abs(line->normal.x * dx + line->normal.y * dy) < kOnSurface;
     }
     on_surface += on;
+    if (on) fit->origins[line->origin] += 1.0 / static_cast<double>(beams.size());
     against += !on && contradicts(map, from, point);
   }
   const int known = on_surface + against;
@@ -162,6 +169,7 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     information.diagonal() << 1.0 / (deviation.x * deviation.x), 1.0 / (deviation.y * deviation.y),
         1.0 / (deviation.yaw * deviation.yaw);
+    const Eigen::Matrix3d prior = information;
     Eigen::Vector3d gradient(pose.x - expected.x, pose.y - expected.y, normalized(pose.yaw - expected.yaw));
     gradient = information * gradient;
     const Frame frame(pose);
@@ -181,6 +189,7 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
       information += weight * jacobian * jacobian.transpose();
       gradient += weight * residual * jacobian;
     }
+    fit.information = information - prior;
     const Eigen::Vector3d step = information.ldlt().solve(-gradient);
     fit.pose = {pose.x + step.x(), pose.y + step.y(), normalized(pose.yaw + step.z())};
     reach = std::max(0.5 * reach, 0.12);
@@ -242,7 +251,7 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
   if (best.share < options.good_share) {
     Match match{expected, best.share, Outcome::kContradicts};
     Fit other = fit(previous);
-    match.stays = better(other, best);
+    match.stays = better(other, best) && other.share >= kSure && other.known >= kMostKnown;
     if (!match.stays && best.share < options.poor_share) other = fit(search(map, beams, expected, options));
     const bool found = other.known >= options.known_share && better(other, best);
     if (found && other.share >= options.good_share) match.elsewhere = other.pose;
@@ -258,7 +267,11 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
                            scan.eye, options, associations);
   if (!agreed && better(best, joint)) return {expected, joint.share, Outcome::kContradicts, best.pose};
   if (joint.share < options.poor_share) return {expected, joint.share, Outcome::kContradicts};
-  return {joint.pose, joint.share, Outcome::kMatched};
+  Match match{joint.pose, joint.share, Outcome::kMatched};
+  match.known = joint.known;
+  match.information = joint.information;
+  match.origins = joint.origins;
+  return match;
 }
 
 }  // namespace mr_sim::slam

@@ -1,6 +1,8 @@
 // Where must the robot be for its scan to lie on the surfaces of the map?
 #pragma once
 
+#include <Eigen/Core>
+#include <map>
 #include <optional>
 
 #include "grid_map.hpp"
@@ -31,7 +33,10 @@ struct Match {
   Outcome outcome = Outcome::kNothingKnown;
   // Where the scan would fit far from where odometry leads: to be believed when scans from other places say the same.
   std::optional<Pose> elsewhere = std::nullopt;
-  bool stays = false;  // that is where it was: its wheels slip
+  bool stays = false;                                     // that is where it was: its wheels slip
+  double known = 0.0;                                     // share of the hits that lie in known parts
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // of what the scan alone says of the pose
+  std::map<int, double> origins{};                        // of the surfaces that it lies on: shares of the hits
 };
 
 // `expected`: pose by odometry with its standard deviations, weak enough for the scan to overrule slipping wheels.

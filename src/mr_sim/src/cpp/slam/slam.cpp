@@ -7,11 +7,11 @@ namespace {
 // cell and into the next would make thick walls.
 constexpr int kRestLimit = 3;
 constexpr int kStays = 2;               // matches in a row for which the wheels have slipped
-constexpr int kSayTheSame = 5;          // matches that bring the robot elsewhere
+constexpr int kSayTheSame = 8;          // matches that bring the robot elsewhere
 constexpr double kSameDistance = 0.1;   // m within which they say the same
 constexpr double kSameAngle = 0.05;     // rad
-constexpr double kOtherDistance = 0.2;  // m from the first to the last
-constexpr double kOtherAngle = 0.35;    // rad
+constexpr double kOtherDistance = 0.4;  // m from the first to the last
+constexpr double kOtherAngle = 0.7;     // rad
 
 bool near(const Pose& a, const Pose& b) {
   return slam::distance(a, b) < kSameDistance && std::abs(normalized(a.yaw - b.yaw)) < kSameAngle;
@@ -34,7 +34,8 @@ bool Elsewhere::add(const Match& match, const Pose& odometry) {
   return stays_ >= kStays || (count_ >= kSayTheSame && far_from_first(odometry));
 }
 
-Slam::Slam(const SlamOptions& options) : options_(options), map_(options.grid) {}
+Slam::Slam(const SlamOptions& options)
+    : options_(options), map_(options.grid), memory_(options.grid, options.surface_window) {}
 
 bool Slam::moved(const Pose& from, const Pose& to, double distance, double angle) const {
   // A whisker below the threshold, so that steps of exactly that length count.
@@ -52,7 +53,7 @@ bool Slam::insert(const Scan& scan, bool stands, double time) {
   rested_ = stands ? rested_ + 1 : 0;
   inserted_ = pose_;
   updated_at_ = time;
-  return map_.insert(scan, pose_);
+  return map_.insert(scan, pose_, memory_.origin(pose_));
 }
 
 void Slam::start(const Scan& scan, const Pose& odometry, double time, SlamUpdate* update) {
@@ -71,6 +72,14 @@ SlamUpdate Slam::rest(const Pose& odometry) const {
   return update;
 }
 
+// The map has been drawn anew: what lay at the first pose lies at the second.
+bool Slam::follow(const std::optional<std::pair<Pose, Pose>>& change) {
+  if (!change) return false;
+  for (Pose* pose : {&pose_, &confirmed_, &inserted_}) *pose = change->second * between(change->first, *pose);
+  elsewhere_.clear();
+  return true;
+}
+
 SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeometry& geometry, const Pose& odometry,
                          double time) {
   const bool stands = started_ && !moved(odometry_, odometry, options_.match_distance, options_.match_angle);
@@ -87,6 +96,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   }
   if (!started_) {
     start(scan, odometry, time, &update);
+    memory_.add({ranges, ranges + size}, geometry, pose_, odometry, model_, Match{});
     return update;
   }
   const Pose motion = between(odometry_, odometry);
@@ -108,7 +118,9 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   if (!contradicted_ && !match.elsewhere &&
       (stands || moved(inserted_, pose_, options_.insert_distance, options_.insert_angle))) {
     update.inserted = insert(scan, stands, time);
+    memory_.add({ranges, ranges + size}, geometry, pose_, odometry, model_, match);
   }
+  update.inserted |= follow(memory_.work(&map_));
   update.pose = pose_;
   update.matched = !contradicted_;
   update.share = share_ = match.share;

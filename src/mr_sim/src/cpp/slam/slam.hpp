@@ -2,6 +2,7 @@
 #pragma once
 
 #include "grid_map.hpp"
+#include "memory.hpp"
 #include "odometry_model.hpp"
 #include "scan_matcher.hpp"
 
@@ -59,6 +60,7 @@ class Slam {
   void start(const Scan& scan, const Pose& odometry, double time, SlamUpdate* update);
   SlamUpdate rest(const Pose& odometry) const;
   bool insert(const Scan& scan, bool stands, double time);
+  bool follow(const std::optional<std::pair<Pose, Pose>>& change);
   bool moved(const Pose& from, const Pose& to, double distance, double angle) const;
 
   SlamOptions options_;
@@ -72,6 +74,7 @@ class Slam {
   int rested_ = 0;           // scans in the map since it moved
   double share_ = 1.0;       // of the last match
   OdometryModel model_;
+  Memory memory_;
   bool contradicted_ = false;  // by the last match
   Elsewhere elsewhere_;
 };

@@ -1,0 +1,60 @@
+// All scans of the map, kept at places along the way (keyframes), so that it can be drawn anew when the way turns out
+// to be another. A keyframe is linked to those on whose surfaces its first scan lies: to old ones where a loop closes.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "grid_map.hpp"
+#include "odometry_model.hpp"
+#include "pose_graph.hpp"
+#include "scan_matcher.hpp"
+
+namespace mr_sim::slam {
+
+class Memory {
+ public:
+  Memory(const GridOptions& grid, double surface_window);
+
+  // By what the surfaces of the scan that is added next are to be known.
+  int origin(const Pose& pose) const;
+  // A scan has entered the map at `pose`, where `match` has put it.
+  void add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose, const Pose& odometry,
+           const OdometryModel& model, const Match& match);
+  // A part of the work that is left. When the map has been drawn anew it is moved to `map`; how the robot's pose on the
+  // former map is to be taken to it.
+  std::optional<std::pair<Pose, Pose>> work(GridMap* map);
+
+ private:
+  struct Kept {
+    std::vector<float> ranges;
+    Pose relative;  // to the keyframe
+  };
+  struct Keyframe {
+    Pose drawn;  // where it is on the map
+    Pose odometry;
+    std::vector<Kept> scans;
+  };
+  struct Redrawing {
+    GridMap map;
+    std::vector<Pose> poses;  // of the keyframes that there were when it began
+    std::size_t keyframe = 0, scan = 0;
+  };
+
+  void open(const Pose& pose, const Pose& odometry, const OdometryModel& model, const Match& match);
+  bool due(const Pose& pose) const;
+  Scan scan_of(const Kept& kept) const;
+  void solve();
+  Pose target(std::size_t keyframe) const;
+
+  GridOptions grid_;
+  double surface_window_;
+  LaserGeometry geometry_{};
+  PoseGraph graph_;
+  std::vector<Keyframe> keyframes_;
+  std::optional<Redrawing> redrawing_;
+  std::size_t solved_ = 0;  // keyframes at the last solution
+  std::size_t scans_ = 0;
+};
+
+}  // namespace mr_sim::slam
