@@ -78,7 +78,8 @@ class Perception:
             return []
         gone: List[Frontier] = []
         if self._new_map:
-            ways = Ways(occupancy, self._options.inflation_radius, others, team, self.ways)
+            radius, largest = self._options.inflation_radius, self._options.largest_robot_radius
+            ways = Ways(occupancy, radius, others, team, self.ways, largest)
             gone = self._read(occupancy, verdicts, ways, now)
         assert self.ways is not None
         self.field = self.ways.grid.field_from(pose.x, pose.y)
