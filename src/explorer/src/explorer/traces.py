@@ -7,7 +7,7 @@ import numpy as np
 
 from explorer.grid import GridInfo
 
-# From the centre of the largest robot of the team to its farthest corner, in metres, unless the parameter says otherwise.
+# From the centre of the largest robot of the team to its farthest corner, in metres, unless a parameter says otherwise.
 LARGEST_ROBOT_RADIUS = 0.29
 
 

@@ -73,9 +73,9 @@ class TravelGrid:
         cell: float = 0.1,
         ground: Optional[Ground] = None,
     ) -> None:
-        """`comfort`: at most `MOST_ROOM` more than the radius. `cell`: edge length in metres of the coarse cells, more where the map is
-        too large. `robots`: positions of the other robots in metres; the small isolated obstacles that the map shows
-        there are taken for the robots. `ground`: of this map with these robots, if it is there already.
+        """`comfort`: at most `MOST_ROOM` more than the radius. `cell`: edge length in metres of the coarse cells, more
+        where the map is too large. `robots`: positions of the other robots in metres; the small isolated obstacles that
+        the map shows there are taken for the robots. `ground`: of this map with these robots, if it is there already.
         """
         if comfort > radius + MOST_ROOM + 1e-9:
             raise ValueError(f"a comfortable clearance of {comfort:g} m is more than {radius + MOST_ROOM:g} m")

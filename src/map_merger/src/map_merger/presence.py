@@ -109,7 +109,7 @@ def _is_seen_back(sightings: Sightings, transform: Transform) -> bool:
 
 
 def _far_from_walls(viewer: Landmarks, places: np.ndarray, clearance: float) -> np.ndarray:
-    """Bool (n,): known, and nothing larger than a robot within `clearance` m, where the laser may have seen the wall."""
+    """Bool (n,): known, and nothing larger than a robot within `clearance` m, where the wall may have been seen."""
     known = values_at(viewer.known, viewer.info, np.column_stack([places.real, places.imag]), False)
     walls = viewer.surface.points[viewer.surface.solid] @ (1.0, 1j)
     far = known.copy()

@@ -9,8 +9,8 @@ from .detection import NARROWEST_M
 
 
 def objects_in_map(grid: Grid, viewer: Transform, reach: float, widest: float) -> np.ndarray:
-    """Centres (n, 2), m, in the map's frame, of small isolated obstacles, `widest` m across at most, within `reach` m of
-    the viewer."""
+    """Centres (n, 2), m, in the map's frame, of small isolated obstacles, at most `widest` m across, within `reach` m
+    of the viewer."""
     obstacles = obstacles_of(grid.occupied)
     extents = obstacles.extents() * grid.info.resolution
     fits = (obstacles.areas >= 2) & (extents >= NARROWEST_M) & (extents <= widest)

@@ -52,7 +52,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   // What has left while the robot stood must not stay in the map: it may be all that keeps the robot standing.
   const bool due = refused_ == 0 && std::abs(time - updated_at_) >= options_.insert_interval;
   if (stands && !due) return rest(odometry);
-  const Scan scan = make_scan(ranges, size, geometry, options_.surface_window);
+  const Scan scan = make_scan(ranges, size, geometry, options_.surface_window, options_.small_object_size);
   SlamUpdate update;
   if (stands && rested_ >= kRestLimit) {
     update = rest(odometry);
