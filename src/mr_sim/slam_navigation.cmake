@@ -38,6 +38,10 @@ if(CATKIN_ENABLE_TESTING)
   catkin_run_tests_target("pytest" "slam_navigation" "pytest-slam_navigation.xml"
     COMMAND "${PYTHON_EXECUTABLE} -m pytest -q ${CMAKE_CURRENT_SOURCE_DIR}/test/slam_navigation --junit-xml=${SLAM_NAVIGATION_RESULT}"
     DEPENDENCIES _world _slam _navigation)
+  set(PLATFORMS_RESULT ${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/pytest-platforms.xml)
+  catkin_run_tests_target("pytest" "platforms" "pytest-platforms.xml"
+    COMMAND "${PYTHON_EXECUTABLE} -m pytest -q ${CMAKE_CURRENT_SOURCE_DIR}/test/platforms --junit-xml=${PLATFORMS_RESULT}"
+    DEPENDENCIES _slam _navigation)
   add_rostest(test/ros/slam_navigation.test DEPENDENCIES _world _slam _navigation)
   roslaunch_add_file_check(launch/slam.launch)
   roslaunch_add_file_check(launch/move_base.launch)

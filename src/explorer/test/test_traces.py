@@ -9,8 +9,9 @@ from conftest import map_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from explorer.traces import ROBOT_EXTENT, ROBOT_REACH, robot_traces
+from explorer.traces import LARGEST_ROBOT_RADIUS, extent_of, reach_of, robot_traces
 from explorer.travel import TravelGrid
+from explorer.ways import Ways
 
 
 def two_rooms(thickness: int = 2) -> np.ndarray:
@@ -60,7 +61,24 @@ def test_the_rule_holds_wherever_a_robot_is(
     for label in range(1, count):
         found = np.argwhere(labels == label)
         middle = occupancy.info.centres_of(found).mean(axis=0)
-        small = (np.ptp(found, axis=0).max() + 1) * 0.05 <= ROBOT_EXTENT + 1e-9
-        if small and any(math.dist(middle, place) <= ROBOT_REACH for place in places):
+        small = (np.ptp(found, axis=0).max() + 1) * 0.05 <= extent_of(LARGEST_ROBOT_RADIUS) + 1e-9
+        if small and any(math.dist(middle, place) <= reach_of(LARGEST_ROBOT_RADIUS) for place in places):
             expected[labels == label] = True
     assert (robot_traces(occupancy.occupied, occupancy.info, places) == expected).all()
+
+
+def test_how_large_a_trace_may_be_follows_the_largest_robot_of_the_team() -> None:
+    cells = np.zeros((80, 80), dtype=np.int8)
+    cells[30:50, 30:50] = 100  # 1 m across
+    occupancy, places = map_of(cells, 0.05), [(2.0, 2.3)]
+    assert not robot_traces(occupancy.occupied, occupancy.info, places).any()
+    assert robot_traces(occupancy.occupied, occupancy.info, places, radius=0.4).sum() == 400
+    ground = TravelGrid(occupancy, 0.25, 0.6).ground
+    assert Ways(occupancy, 0.25, places).grid.ground.count == ground.count
+    assert Ways(occupancy, 0.25, places, largest=0.4).grid.ground.count == cells.size
+
+
+def test_a_smaller_robot_is_comfortable_nearer_to_walls() -> None:
+    occupancy = map_of(two_rooms(), 0.05)
+    along = {radius: Ways(occupancy, radius, []).grid.field_from(0.5, 2.0).at(2.5, 2.0) for radius in (0.15, 0.25)}
+    assert along[0.15] < along[0.25]

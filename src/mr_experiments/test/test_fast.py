@@ -17,6 +17,7 @@ from mr_experiments.trial import Trial
 from mr_experiments.trial_world import world_of
 from mr_experiments.true_map import TrueMap
 from mr_sim.measures import OccupancyMap, Truth, coverage, wrong_walls
+from mr_sim.navigation.options import NavigationOptions
 from mr_sim.pose import compose, inverse
 
 
@@ -47,7 +48,9 @@ def world():
 def body_in(world):
     start = world.pose(0)
     sight = TeamSight({"robot_0": start})
-    return FastBody("robot_0", start, world.robots[0].rangers[0], world.visible, sight, Stopwatch())
+    return FastBody(
+        "robot_0", start, world.robots[0].rangers[0], NavigationOptions(), world.visible, sight, Stopwatch()
+    )
 
 
 def test_what_is_seen_is_true_and_bounded_by_walls(world):

@@ -50,6 +50,70 @@ def test_nodes_of_a_robot(arguments, more):
     assert nodes == {"/adhoc_communication", "/map_merger", "/explorer"} | more
 
 
+def test_a_turtlebot_is_configured_as_one():
+    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", "robot:=turtlebot"))
+    assert parameters["/explorer/field_of_view"] == 0.99 and parameters["/move_base/yaw_goal_tolerance"] == 0.25
+    assert parameters["/move_base/velocity_topic"] == "cmd_vel_mux/input/navi"
+    assert parameters["/map_merger/largest_robot_radius"] == 0.18
+    team = yaml.safe_load(roslaunch("--dump-params", "robot.launch", "robot:=turtlebot", "team:=pioneer,turtlebot"))
+    assert team["/map_merger/largest_robot_radius"] == team["/explorer/largest_robot_radius"] == 0.29
+
+
+def test_arguments_go_before_the_preset():
+    words = {
+        "base_frame": "base", "odom_frame": "wheels", "scan_topic": "laser", "odometry_topic": "ways",
+        "velocity_topic": "drive",
+    }  # fmt: skip
+    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", *(f"{k}:={v}" for k, v in words.items())))
+    assert {parameters[f"/{node}/base_frame"] for node in ("slam", "move_base")} == {"base"}
+    assert (parameters["/explorer/base_link"], parameters["/slam/odom_frame"]) == ("base", "wheels")
+    assert {parameters[f"/{node}/scan_topic"] for node in ("slam", "move_base", "map_merger")} == {"laser"}
+    assert parameters["/slam/odometry_topic"] == parameters["/map_merger/position_local_robot_topic"] == "ways"
+    assert parameters["/move_base/velocity_topic"] == "drive"
+
+
+def test_configuration_files_go_before_the_preset(tmp_path):
+    for path in (PACKAGE / "config").glob("*.yaml"):
+        (tmp_path / path.name).write_text(path.read_text())
+    for node, words in {
+        "explorer": "view_distance: 0.9",
+        "slam": "free_radius: 0.1",
+        "navigation": "footprint_width: 1",
+    }.items():
+        (tmp_path / f"{node}.yaml").write_text(words + "\n")
+    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", f"config:={tmp_path}"))
+    assert parameters["/explorer/view_distance"] == 0.9 and parameters["/slam/free_radius"] == 0.1
+    assert parameters["/move_base/footprint_width"] == 1
+
+
+def test_an_own_robot(tmp_path):
+    template = subprocess.run(["rospack", "find", "mr_sim"], capture_output=True, text=True, check=True).stdout.strip()
+    own = tmp_path / "my robot.yaml"
+    own.write_text((Path(template) / "robots" / "template.yaml").read_text().replace("width: 0.40", "width: 0.50"))
+    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", f"robot:={own}"))
+    assert parameters["/explorer/inflation_radius"] == 0.31
+
+
+@pytest.mark.parametrize(
+    ("arguments", "part"),
+    [
+        (["robot:=tank"], "robot_parameters: no robot 'tank': there are pioneer, turtlebot"),
+        (["robot:=turtlebot", "slam:=gmapping"], "add the argument scan_topic:=scan"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_anything_starts(arguments, part):
+    command = ["roslaunch", "--nodes", "mr_launch", "robot.launch", *arguments]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode != 0 and part in result.stderr
+
+
+def test_the_arguments_stand_in_the_readme():
+    root = ElementTree.parse(PACKAGE / "launch" / "robot.launch").getroot()
+    table = (PACKAGE / "README.md").read_text().split("| Argument | Default | Meaning |")[1].split("\n\n")[0]
+    for argument in root.findall("arg"):
+        assert f"`{argument.get('name')}`" in table, argument.get("name")
+
+
 def test_every_node_knows_the_robots_name():
     parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", "robot_name:=anna", "simulated:=true"))
     for node in ("adhoc_communication", "map_merger", "explorer", "move_base", "robot"):

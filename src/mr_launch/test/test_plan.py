@@ -2,11 +2,13 @@
 
 import json
 import re
+from dataclasses import replace
 
 import pytest
 
 from mr_launch import isolation
 from mr_launch.arguments import parse_arguments
+from mr_launch.errors import UserError
 from mr_launch.plan import (
     Plan,
     RobotPlan,
@@ -19,6 +21,7 @@ from mr_launch.plan import (
     robot_environment,
     world_command,
 )
+from mr_launch.world import find_world, presets_of
 
 ROBOTS = [
     RobotPlan("robot_0", 0, 11311, (1.0, 2.0, 0.5)),
@@ -177,3 +180,26 @@ def test_without_a_base_robots_merge_for_themselves():
     arguments = launch_arguments(launch_command(plan(), ROBOTS[0]))
     assert (arguments["topology"], arguments["base_station"]) == ("distributed", "")
     assert plan().hosts == ROBOTS
+
+
+def test_robots_are_told_what_they_and_their_team_are():
+    kinds = [replace(robot, preset=preset) for robot, preset in zip(ROBOTS, ("robot_0", "turtlebot"))]
+    mixed = replace(plan(), robots=kinds, presets={"robot_0": "..."})
+    arguments = [launch_arguments(launch_command(mixed, robot)) for robot in kinds]
+    assert [each["robot"] for each in arguments] == ["/o/robots/robot_0.yaml", "turtlebot"]
+    assert {each["team"] for each in arguments} == {"/o/robots/robot_0.yaml,turtlebot"}
+    base = launch_arguments(launch_command(replace(mixed, base=CENTRALIZED), CENTRALIZED))
+    assert base["team"] == arguments[0]["team"]
+
+
+def test_equal_robots_of_a_world_share_a_preset():
+    kinds, presets = presets_of(find_world("office26x15_mixed"), ["robot_0", "robot_1", "robot_2"])
+    assert kinds == {"robot_0": "robot_0", "robot_1": "robot_1", "robot_2": "robot_0"}
+    assert set(presets) == {"robot_0", "robot_1"} and "diameter: 0.354" in presets["robot_1"]
+
+
+def test_a_robot_that_cannot_explore_is_refused(tmp_path):
+    world = tmp_path / "blind.world"
+    world.write_text('position ( name "blind" pose [ 0 0 0 0 ] )\n')
+    with pytest.raises(UserError, match=r"blind: no laser: add a ranger to its position model"):
+        presets_of(str(world), ["blind"])

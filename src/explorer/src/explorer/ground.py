@@ -9,13 +9,14 @@ from explorer._kernels import cells_near, distances_to, pooled_maximum
 from explorer.changes import Window, aligned, blocks, changed_windows, grown, within
 from explorer.geometry import Position
 from explorer.grid import FREE, OccupancyMap
-from explorer.traces import robot_traces
+from explorer.traces import LARGEST_ROBOT_RADIUS, robot_traces
 
-# A comfortable place keeps this far from unknown cells, in metres.
-UNKNOWN_CLEARANCE = 0.3
+# A comfortable place is this much farther from unknown cells than a robot has to be from obstacles, in metres.
+UNKNOWN_ROOM = 0.05
 
-# Clearance beyond this, in metres, makes no difference and is told as this much, so that changes have no effects afar.
-MOST_CLEARANCE = 0.7
+# Clearance beyond the robot's radius and this, in metres, makes no difference and is told as this much, so that changes
+# have no effects afar.
+MOST_ROOM = 0.45
 
 
 class Layers(NamedTuple):
@@ -66,7 +67,7 @@ class Ground:
     ) -> None:
         """`cells`: of the map without robots. `changed`: where they differ from those of the former one. See `of`."""
         self.occupancy, self.radius, self._cells = occupancy, radius, cells
-        self._limit = max(MOST_CLEARANCE, radius + occupancy.info.resolution)
+        self._limit = radius + max(MOST_ROOM, occupancy.info.resolution)
         self._reach = math.ceil(self._limit / occupancy.info.resolution) + 1
         self._whole: Optional[_Part] = None
         self._pools: Dict[int, Pools] = {}
@@ -79,12 +80,17 @@ class Ground:
 
     @classmethod
     def of(
-        cls, occupancy: OccupancyMap, radius: float, robots: Sequence[Position], former: Optional["Ground"] = None
+        cls,
+        occupancy: OccupancyMap,
+        radius: float,
+        robots: Sequence[Position],
+        former: Optional["Ground"] = None,
+        largest: float = LARGEST_ROBOT_RADIUS,
     ) -> "Ground":
         """`robots`: places of the others in metres; the small isolated obstacles that the map shows there are taken for
         them. `former`: of any earlier map; only what has changed since is computed, and without a change it is returned
-        itself."""
-        cells = _without_robots(occupancy, robots)
+        itself. `largest`: radius of the largest robot of the team in metres."""
+        cells = _without_robots(occupancy, robots, largest)
         changed = None
         if former is not None and (former.radius, former.occupancy.info) == (radius, occupancy.info):
             changed = changed_windows(former._cells, cells)
@@ -123,10 +129,10 @@ class Ground:
         fits = clearance >= self.radius
         allowed = fits & ~unknown & (cells < OccupancyMap.FREE_BELOW)
         layers = Layers(occupied, fits, allowed, allowed | (fits & unknown))
-        part = _Part(layers, clearance, ~cells_near(unknown, resolution, UNKNOWN_CLEARANCE))
+        part = _Part(layers, clearance, ~cells_near(unknown, resolution, self.radius + UNKNOWN_ROOM))
         return part.cut(within(window, outer))
 
 
-def _without_robots(occupancy: OccupancyMap, robots: Sequence[Position]) -> np.ndarray:
-    traces = robot_traces(occupancy.occupied, occupancy.info, robots)
+def _without_robots(occupancy: OccupancyMap, robots: Sequence[Position], largest: float) -> np.ndarray:
+    traces = robot_traces(occupancy.occupied, occupancy.info, robots, largest)
     return np.where(traces, np.int8(FREE), occupancy.cells) if traces.any() else occupancy.cells

@@ -54,6 +54,9 @@ PARAMETERS: Tuple[Parameter, ...] = (
     Parameter("local_map_metadata_topic", str, "map_metadata", "tells when the robot's own SLAM map was updated"),
     Parameter("autostart", bool, True, "start as soon as map, pose and move_base are there; else ~start starts"),
     Parameter("inflation_radius", float, 0.25, "m, the centre keeps this from obstacles", **_between(0.01, 5.0)),
+    Parameter(
+        "largest_robot_radius", float, 0.29, "m, of the team's largest robot to its corner", **_between(0.02, 5.0)
+    ),
     Parameter("minimal_frontier_length", float, 0.4, "m, shorter frontiers are noise", **_between(0.0, 10.0)),
     Parameter("view_distance", float, 1.5, "m, a frontier is looked at from this far at most", **_between(0.3, 20.0)),
     Parameter("field_of_view", float, 4.71, "rad, of the sensor", **_between(0.1, 6.2832)),
@@ -102,6 +105,7 @@ class Options:
     local_map_metadata_topic: str = "map_metadata"
     autostart: bool = True
     inflation_radius: float = 0.25
+    largest_robot_radius: float = 0.29
     minimal_frontier_length: float = 0.4
     view_distance: float = 1.5
     field_of_view: float = 4.71

@@ -18,7 +18,7 @@ from explorer.senses import Senses
 from explorer.travel import CostField
 from explorer.verdicts import Verdicts
 from explorer.views import Views, sees
-from explorer.ways import COMFORT, Ways, known_near
+from explorer.ways import Ways, known_near
 from explorer.worth import (
     Worth,
     is_opening,
@@ -80,7 +80,8 @@ class Perception:
             return []
         gone: List[Frontier] = []
         if self._new_map:
-            ways = Ways(occupancy, self._options.inflation_radius, others, team, self.ways)
+            radius, largest = self._options.inflation_radius, self._options.largest_robot_radius
+            ways = Ways(occupancy, radius, others, team, self.ways, largest)
             gone = self._read(occupancy, verdicts, ways, now)
         assert self.ways is not None
         self.field = self.ways.grid.field_from(pose.x, pose.y)
@@ -128,7 +129,7 @@ class Perception:
         assert self.ways is not None
         field = self.ways.grid.field_from(*near)
         block = next((p for p in field.path_to(place.x, place.y) if distance(near, p) >= BLOCK_AHEAD), None)
-        if block is None or self.ways.grid.clearance_at(*block) >= COMFORT:
+        if block is None or self.ways.grid.clearance_at(*block) >= self.ways.comfort:
             return []
         views = {number: view for cluster in self.clusters for number, view in cluster.views.items()}
         return [n for n, (x, y, _) in views.items() if _passes(field.path_to(x, y), block)]

@@ -16,6 +16,7 @@ from explorer.grid import GridInfo, OccupancyMap
 from explorer.messages import Pose
 from explorer.recognition import Listed
 from explorer.scene import Scene
+from explorer.traces import LARGEST_ROBOT_RADIUS
 from explorer.ways import Ways
 
 FORMAT = "explorer decision 1"
@@ -126,6 +127,7 @@ def _from_ways(ways: Ways) -> Json:
         "origin": [info.origin_x, info.origin_y],
         "cells": base64.b64encode(cells).decode("ascii"),
         "radius": ways.radius,
+        "largest": ways.largest,
         "robots": [list(place) for place in ways.robots],
     }
 
@@ -140,7 +142,9 @@ def _to_ways(given: Json) -> Ways:
     if len(octets) != width * height:
         raise SceneError(f"the map is not of {width} x {height} cells")
     cells = np.frombuffer(octets, dtype=np.int8).reshape(height, width)
-    return Ways(OccupancyMap(info, cells), float(given["radius"]), [_place(place) for place in given["robots"]])
+    robots = [_place(place) for place in given["robots"]]
+    largest = float(given.get("largest", LARGEST_ROBOT_RADIUS))  # older files were made by robots of one size
+    return Ways(OccupancyMap(info, cells), float(given["radius"]), robots, largest=largest)
 
 
 def _from_cluster(cluster: Cluster) -> Json:

@@ -12,7 +12,7 @@ import numpy as np
 
 from explorer._kernels import WeightedGrid
 from explorer.grid import GridInfo, OccupancyMap
-from explorer.ground import MOST_CLEARANCE, Ground
+from explorer.ground import MOST_ROOM, Ground
 
 # Traversable cells beyond which the next coarser grid is taken: bounds the time of one field to about 10 ms.
 MAXIMUM_CELLS = 80_000
@@ -73,12 +73,12 @@ class TravelGrid:
         cell: float = 0.1,
         ground: Optional[Ground] = None,
     ) -> None:
-        """`comfort`: `MOST_CLEARANCE` or less. `cell`: edge length in metres of the coarse cells, more where the map is
-        too large. `robots`: positions of the other robots in metres; the small isolated obstacles that the map shows
-        there are taken for the robots. `ground`: of this map with these robots, if it is there already.
+        """`comfort`: at most `MOST_ROOM` more than the radius. `cell`: edge length in metres of the coarse cells, more
+        where the map is too large. `robots`: positions of the other robots in metres; the small isolated obstacles that
+        the map shows there are taken for the robots. `ground`: of this map with these robots, if it is there already.
         """
-        if comfort > MOST_CLEARANCE:
-            raise ValueError(f"a comfortable clearance of {comfort:g} m is more than {MOST_CLEARANCE:g} m")
+        if comfort > radius + MOST_ROOM + 1e-9:
+            raise ValueError(f"a comfortable clearance of {comfort:g} m is more than {radius + MOST_ROOM:g} m")
         self.ground: Ground = Ground.of(occupancy, radius, robots) if ground is None else ground
         self.occupied = self.ground.layers.occupied
         self.factor = factor_for(self.ground, cell)

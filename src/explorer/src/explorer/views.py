@@ -16,8 +16,8 @@ from explorer.grid import GridInfo, OccupancyMap, line_is_clear
 from explorer.messages import Pose
 from explorer.travel import CostField
 
-# A viewpoint keeps this far from obstacles and unknown cells where it can, in metres.
-PREFERRED_CLEARANCE = 0.35
+# A viewpoint keeps this much farther from obstacles than the robot has to, where it can, in metres.
+PREFERRED_ROOM = 0.1
 
 # Half edge in metres of the square in which the unknown area around a cluster is counted.
 GAIN_REACH = 2.0
@@ -35,7 +35,9 @@ class Views:
         self._view_distance = view_distance
         grid = field.grid
         self._reachable = field.reachable
-        comfortable = self._reachable & (grid.coarse_clearance >= PREFERRED_CLEARANCE) & grid.away_from_unknown
+        comfortable = (
+            self._reachable & (grid.coarse_clearance >= grid.ground.radius + PREFERRED_ROOM) & grid.away_from_unknown
+        )
         former: Sequence[_NearestCell] = [] if like is None else like._lookups
         self._lookups: List[_NearestCell] = [
             _NearestCell.of(mask, former) for mask in (comfortable, self._reachable) if mask.any()

@@ -9,9 +9,10 @@ from explorer.geometry import Position
 from explorer.grid import OccupancyMap
 from explorer.ground import Ground
 from explorer.tour import ways_between
+from explorer.traces import LARGEST_ROBOT_RADIUS
 from explorer.travel import CostField, TravelGrid, factor_for
 
-COMFORT = 0.6  # m, cells nearer to obstacles cost more
+COMFORT = 0.35  # m more than the robot has to keep from obstacles: cells that are nearer cost more
 TOUR_CELL = 0.2  # m, resolution at which ways between clusters are measured
 FEWEST_FIELDS = 8  # of other robots' costs that are kept, more in a larger team
 
@@ -26,20 +27,22 @@ class Ways:
         robots: Sequence[Position],
         team: int = 0,
         former: Optional["Ways"] = None,
+        largest: float = LARGEST_ROBOT_RADIUS,
     ) -> None:
         """`radius`: of the robot in metres. `robots`: places of the others in metres, whose traces on the map are no
         obstacles. `team`: number of robots for which costs are kept. `former`: over any earlier map; what still holds
-        of it is not computed again."""
+        of it is not computed again. `largest`: radius of the largest robot of the team in metres."""
         self.occupancy = occupancy
-        self.radius, self.robots = radius, tuple(robots)
+        self.radius, self.largest, self.robots = radius, largest, tuple(robots)
+        self.comfort = radius + COMFORT
         self._kept = max(FEWEST_FIELDS, team)
-        ground = Ground.of(occupancy, radius, robots, None if former is None else former.grid.ground)
+        ground = Ground.of(occupancy, radius, robots, None if former is None else former.grid.ground, largest)
         self._fields: Dict[Position, CostField] = {}
         if former is not None and former.grid.ground is ground:
             self.grid: TravelGrid = former.grid
             self._fields.update(former._fields)
         else:
-            self.grid = TravelGrid(occupancy, radius, COMFORT, ground=ground)
+            self.grid = TravelGrid(occupancy, radius, self.comfort, ground=ground)
 
     def from_robot(self, position: Position) -> CostField:
         """Costs from near another robot's place, the same for half a metre around."""
@@ -60,7 +63,7 @@ class Ways:
     def _tour_grid(self) -> TravelGrid:
         if factor_for(self.grid.ground, TOUR_CELL) == self.grid.factor:
             return self.grid
-        return TravelGrid(self.occupancy, self.radius, COMFORT, cell=TOUR_CELL, ground=self.grid.ground)
+        return TravelGrid(self.occupancy, self.radius, self.comfort, cell=TOUR_CELL, ground=self.grid.ground)
 
 
 def known_near(occupancy: OccupancyMap, x: float, y: float, reach: float = 1.0) -> int:

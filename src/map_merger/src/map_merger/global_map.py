@@ -16,6 +16,7 @@ from .drawing import whole_shift
 from .grid import EMPTY_BOX, UNKNOWN, Box, Grid, GridInfo, full_box, union_of, window
 from .layers import Layer, difference
 from .places import Places, blocks
+from .robot_size import USUAL_SIZE, RobotSize
 from .transform import Transform
 
 GROWTH_BLOCK = 20
@@ -43,9 +44,9 @@ class Update(NamedTuple):
 class GlobalMap:
     """The maps, transforms and tracks of a team as one map. Grids that are passed in may not be changed afterwards."""
 
-    def __init__(self, name: str, policy: Policy = Policy.STRICT) -> None:
-        """`name`: the robot whose map the local one is."""
-        self._name, self._policy = name, policy
+    def __init__(self, name: str, policy: Policy = Policy.STRICT, size: RobotSize = USUAL_SIZE) -> None:
+        """`name`: the robot whose map the local one is. `size`: of the robots of the team."""
+        self._name, self._policy, self._size = name, policy, size
         self._local: Optional[Grid] = None
         self._at = EMPTY_BOX  # of the local map on the lattice, which counts from the corner of the first local map
         self._lattice = GridInfo(0, 0, 1.0)
@@ -102,11 +103,12 @@ class GlobalMap:
         changed = self._places.setdefault(name, Places()).set(places, self._lattice)
         if self._local is None:
             return
-        margin = ghosts.effect(self._lattice.resolution)
+        margin = ghosts.effect(self._lattice.resolution, self._size)
         for block in blocks(changed):
             box = block.grown(margin)
             maps = self._maps(box, self._layers).values()
-            if any(ghosts.possible(cells, changed, box, self._lattice.resolution) for cells in maps):
+            resolution = self._lattice.resolution
+            if any(ghosts.possible(cells, changed, box, resolution, self._size) for cells in maps):
                 self._dirty.add(box, weighing.reach(len(self._layers)))
 
     def render(self) -> Optional[Update]:
@@ -139,7 +141,7 @@ class GlobalMap:
 
     def _mark(self, box: Box) -> None:
         if not box.empty and self._local is not None:
-            margin = weighing.reach(len(self._layers)) + ghosts.reach(self._lattice.resolution)
+            margin = weighing.reach(len(self._layers)) + ghosts.reach(self._lattice.resolution, self._size)
             self._dirty.add(box, margin)
 
     def _choose_layers(self) -> None:
@@ -168,11 +170,11 @@ class GlobalMap:
 
     def _computed(self, box: Box) -> Box:
         """Computes the cells of the box; returns the box of those that changed."""
-        margin = weighing.reach(len(self._drawn)) + ghosts.reach(self._lattice.resolution)
+        margin = weighing.reach(len(self._drawn)) + ghosts.reach(self._lattice.resolution, self._size)
         around = box.grown(margin)
         maps = self._maps(around, self._drawn)
         places = {name: each.cells for name, each in self._places.items()}
-        maps = ghosts.without_ghosts(maps, places, around, self._lattice.resolution)
+        maps = ghosts.without_ghosts(maps, places, around, self._lattice.resolution, self._size)
         foreign = [maps[name] for name in self._drawn if name in maps]
         local = maps[self._name]
         cells = weighing.weighed(local, foreign, self._policy is Policy.STRICT) if self._drawn else local

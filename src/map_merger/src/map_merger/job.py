@@ -27,6 +27,7 @@ from .registration import (
     judge,
     judge_kept,
 )
+from .robot_size import USUAL_SIZE, RobotSize
 from .search import same_place
 from .sighting import SIGHTINGS_NEEDED, Sighting, moved, nowhere, places_seen
 from .surface import Landmarks, landmarks_of, without_places
@@ -38,8 +39,6 @@ BETTER_THAN_STAYING = 1.5
 """Factor of the scores from which on a jump is made."""
 SAME_M = 0.25
 """Transforms that lay the walls of the source so near one another are the same one."""
-_ROBOT_REACH_M = 0.35
-"""A robot hides that much around its centre from the others' lasers."""
 _CACHED_MAPS = 24
 _CACHED_CELLS = 40_000_000
 
@@ -61,13 +60,15 @@ class Member(NamedTuple):
 class LandmarkCache:
     """Landmarks of the most recently used maps, bounded in number and in cells. Used by one job at a time."""
 
-    def __init__(self) -> None:
+    def __init__(self, size: RobotSize = USUAL_SIZE) -> None:
+        """`size`: of the robots of the team."""
+        self._mover = size.mover
         self._known: OrderedDict[Hashable, Landmarks] = OrderedDict()
 
     def of(self, key: Hashable, grid: Callable[[], Grid]) -> Landmarks:
         """Landmarks of the map with this key, computed when needed."""
         if key not in self._known:
-            self._known[key] = landmarks_of(grid())
+            self._known[key] = landmarks_of(grid(), self._mover)
         self._known.move_to_end(key)
         while len(self._known) > _CACHED_MAPS or (len(self._known) > 1 and self._cells() > _CACHED_CELLS):
             self._known.popitem(last=False)
@@ -109,13 +110,15 @@ class Job:
     """False: nothing but the meeting is looked at."""
     suggested: Optional[Transform] = None
     """What the last search found, if the walls have nothing against it."""
+    size: RobotSize = USUAL_SIZE
+    """Of the robots of the team."""
 
     def run(self) -> Registration:
         """The outcome; for a followed transform the verdict says whether it may be kept."""
         target = self.cache.of(self.target.key, lambda: self.target.grid)
         source = self.cache.of(self.source.key, lambda: self.source.grid)
-        target = without_places(target, self.target_track[:, :2], _ROBOT_REACH_M)
-        source = without_places(source, self.source_track[:, :2], _ROBOT_REACH_M)
+        target = without_places(target, self.target_track[:, :2], self.size.touching)
+        source = without_places(source, self.source_track[:, :2], self.size.touching)
         if self.current is not None:
             return self._follow(target, source, self.current)
         if self.meeting is not None:
@@ -157,7 +160,11 @@ class Job:
         """The first of the transforms by which the other robot was seen to drive, if the walls give that one and no
         other."""
         for transform in transforms:
-            if self.prior is not None or transform is None or not presence_of(meeting, target, transform).confirms:
+            if (
+                self.prior is not None
+                or transform is None
+                or not presence_of(meeting, target, transform, self.size).confirms
+            ):
                 continue
             better, evidence = follow(target, source, transform)
             if judge(evidence, SIGHTED_CRITERIA) is not Verdict.ACCEPTED:
@@ -209,10 +216,12 @@ class Job:
         """True if the robots saw one another where the transform says. Scans tell that better than what maps keep of
         robots: in a building of copies some of it lies where another transform says, too."""
         if self.meeting is not None and len(self.meeting.sweeps.times):
-            return presence_of(self.meeting, target, transform).confirms
+            return presence_of(self.meeting, target, transform, self.size).confirms
         back = transform.inverse()
-        seen = places_seen(self.target.grid, self.seen, self.source_track, transform, self.other_tracks)
-        saw = places_seen(self.source.grid, self.saw, self.target_track, back, moved(self.other_tracks, back))
+        seen = places_seen(self.target.grid, self.seen, self.source_track, transform, self.other_tracks, self.size)
+        saw = places_seen(
+            self.source.grid, self.saw, self.target_track, back, moved(self.other_tracks, back), self.size
+        )
         return seen + saw >= (1 if self.others_placed else SIGHTINGS_NEEDED)
 
     def _follow(self, target: Landmarks, source: Landmarks, current: Transform) -> Registration:
@@ -240,7 +249,7 @@ class Job:
         def merge() -> Grid:
             return merged(self.target.grid, [(member.map.grid, member.transform) for member in self.team])
 
-        return without_places(self.cache.of(key, merge), self.target_track[:, :2], _ROBOT_REACH_M)
+        return without_places(self.cache.of(key, merge), self.target_track[:, :2], self.size.touching)
 
 
 def _are_same(first: Transform, second: Transform, source: Landmarks) -> bool:

@@ -26,7 +26,8 @@ class MergedMap:
         self._topology = topology_of(options)
         self._foreign_timer = Timer(options.seconds_pub_timer, options.seconds_pub_timer)
         self._local_timer = Timer(SHORTEST_PUBLISH_S)
-        self._map = GlobalMap(self._name, self._policy)
+        self._size = options.robot_size
+        self._map = GlobalMap(self._name, self._policy, self._size)
         self._drawn: Set[str] = set()
         self._version = -1
         self._left_out: Set[str] = set()
@@ -35,7 +36,7 @@ class MergedMap:
 
     def forget(self) -> None:
         """The own frame is a new one."""
-        self._map = GlobalMap(self._name, self._policy)
+        self._map = GlobalMap(self._name, self._policy, self._size)
         self._drawn, self._version, self.grid = set(), -1, None
 
     def step(

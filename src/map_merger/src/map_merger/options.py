@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
+from .robot_size import RobotSize
 from .transform import Transform, transform_of
 
 
@@ -50,6 +51,7 @@ PARAMETERS: Dict[str, Parameter] = {
     "initial_poses": Parameter(dict, {}),
     "scan_topic": Parameter(str, ""),
     "body_radius": Parameter(float, 0.2, least=0.02, most=2.0),
+    "largest_robot_radius": Parameter(float, 0.29, least=0.02, most=5.0),
     "local_priority": Parameter(str, "evidence", choices=("strict", "evidence")),
     "topology": Parameter(str, "distributed", choices=("distributed", "centralized")),
     "base_station": Parameter(str, ""),
@@ -104,9 +106,15 @@ class Options:
     initial_poses: Mapping[str, Transform] = field(default_factory=dict)
     scan_topic: str = ""
     body_radius: float = 0.2
+    largest_robot_radius: float = 0.29
     local_priority: str = "evidence"
     topology: str = "distributed"
     base_station: str = ""
+
+    @property
+    def robot_size(self) -> RobotSize:
+        """Of the robots of the team."""
+        return RobotSize(self.body_radius, self.largest_robot_radius)
 
     @property
     def centralized(self) -> bool:

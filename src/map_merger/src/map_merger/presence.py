@@ -14,11 +14,10 @@ from .grid import values_at
 from .meetings import Sightings
 from .meetings.identity import is_empty, who_moves_alike, who_was_there
 from .meetings.tracking import at_times
+from .robot_size import USUAL_SIZE, RobotSize
 from .surface import Landmarks
 from .transform import Transform
 
-_CLEARANCE_M = 0.4
-"""Nearer to a wall the laser may have seen the wall."""
 _ALIKE_M = 0.1
 """A laser sees surfaces, so the ways of robots that differ by less may be taken for one another."""
 _BACK_M = 0.3
@@ -63,7 +62,9 @@ def is_refuted(sightings: Sightings, transform: Transform) -> bool:
     return is_empty(sightings.sweeps, turn * told + shift, known)
 
 
-def presence_of(sightings: Sightings, viewer: Landmarks, transform: Transform) -> Presence:
+def presence_of(
+    sightings: Sightings, viewer: Landmarks, transform: Transform, size: RobotSize = USUAL_SIZE
+) -> Presence:
     """What the own sweeps, in the map frame of `viewer`, show where the other robot was by `transform` (its frame to
     the own one). Where a further robot was that is placed says nothing."""
     sweeps = sightings.sweeps
@@ -72,7 +73,7 @@ def presence_of(sightings: Sightings, viewer: Landmarks, transform: Transform) -
     places = turn * told + shift
     seen = sweeps.look(places, known, _REACH_M)
     there = seen.there.copy()
-    there[there] = _far_from_walls(viewer, places[there])
+    there[there] = _far_from_walls(viewer, places[there], size.clearance)
     if there.any() and _may_be_another(sightings, transform, sweeps.times[there], places[there]):
         return Presence(0, int(seen.empty.sum()))
     return Presence(int(there.sum()), int(seen.empty.sum()), _extent(places[there]))
@@ -107,13 +108,13 @@ def _is_seen_back(sightings: Sightings, transform: Transform) -> bool:
     return count >= FEWEST_SWEEPS
 
 
-def _far_from_walls(viewer: Landmarks, places: np.ndarray) -> np.ndarray:
-    """Bool (n,): known, and nothing larger than a robot within _CLEARANCE_M."""
+def _far_from_walls(viewer: Landmarks, places: np.ndarray, clearance: float) -> np.ndarray:
+    """Bool (n,): known, and nothing larger than a robot within `clearance` m, where the wall may have been seen."""
     known = values_at(viewer.known, viewer.info, np.column_stack([places.real, places.imag]), False)
     walls = viewer.surface.points[viewer.surface.solid] @ (1.0, 1j)
     far = known.copy()
     for index in np.flatnonzero(known):
-        far[index] = not (np.abs(walls - places[index]) < _CLEARANCE_M).any()
+        far[index] = not (np.abs(walls - places[index]) < clearance).any()
     return far
 
 

@@ -50,7 +50,7 @@ class Registrar:
         self._whereabouts, self._sightings, self._meetings = whereabouts, sightings, meetings
         self._alignments: Dict[str, Alignment] = {}
         self._generations: Dict[str, int] = {}
-        self._cache = LandmarkCache()
+        self._cache = LandmarkCache(options.robot_size)
         self._look_timers: Dict[str, Timer] = {}
         self._words: Dict[str, str] = {}
         self._started: Dict[str, float] = {}
@@ -157,6 +157,7 @@ class Registrar:
             seen,
             saw,
             suggested=self.alignment(robot).suggested,
+            size=self._options.robot_size,
         )
 
     def _members(self, robot: str, team: Team) -> Tuple[Member, ...]:

@@ -12,16 +12,13 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 from .grid import OCCUPIED_FROM, UNKNOWN, Grid, cell_centres, values_at
+from .robot_size import USUAL_SIZE, RobotSize
 from .transform import Transform
 
 LONGEST_LAG_S = 2.0
 """A place and an own map belong together if they are at most so many seconds apart."""
 LONGEST_MAP_LAG_S = 6.0
 """The same for another robot's map, which comes in parts and late."""
-BODY_M = 0.3
-"""The visible sides of a robot are at most this far from its reference point."""
-LEFT_M = 0.7
-"""A robot that is farther than this from a place has left it."""
 SIGHTINGS_NEEDED = 2
 """Places, counted in both directions, that are a meeting while another robot of the team may be anywhere; else one."""
 _SEEN_M = 0.25
@@ -97,10 +94,15 @@ def moved(track: np.ndarray, transform: Transform) -> np.ndarray:
 
 
 def places_seen(
-    present: Grid, sightings: Sequence[Sighting], track: np.ndarray, transform: Transform, others: np.ndarray
+    present: Grid,
+    sightings: Sequence[Sighting],
+    track: np.ndarray,
+    transform: Transform,
+    others: np.ndarray,
+    size: RobotSize = USUAL_SIZE,
 ) -> int:
-    """At how many places, LEFT_M apart, a view shows the other robot where it said it was, and the map shows that place
-    empty now that the robot has left it.
+    """At how many places, `size.left` apart, a view shows the other robot where it said it was, and the map shows that
+    place empty now that the robot has left it.
 
     present: the latest map of the viewer. track: places (n, 3: x, y, time) of the other robot in its frame, the latest
     last. transform: from the other robot's frame to the viewer's. others: places (n, 3) of all further robots, as far
@@ -108,26 +110,26 @@ def places_seen(
     """
     counted: List[Sighting] = []
     for each in sightings:
-        if not len(track) or any(math.hypot(each.x - other.x, each.y - other.y) < LEFT_M for other in counted):
+        if not len(track) or any(math.hypot(each.x - other.x, each.y - other.y) < size.left for other in counted):
             continue
         place = transform.apply_point(each.x, each.y)
         if (
-            math.hypot(track[-1, 0] - each.x, track[-1, 1] - each.y) >= LEFT_M
-            and not _may_be_another(each, place, others)
-            and _came_and_went(each.view, present, place)
+            math.hypot(track[-1, 0] - each.x, track[-1, 1] - each.y) >= size.left
+            and not _may_be_another(each, place, others, size)
+            and _came_and_went(each.view, present, place, size.visible)
         ):
             counted.append(each)
     return len(counted)
 
 
-def _may_be_another(sighting: Sighting, place: Tuple[float, float], others: np.ndarray) -> bool:
-    near = np.hypot(others[:, 0] - place[0], others[:, 1] - place[1]) <= 2.0 * BODY_M
+def _may_be_another(sighting: Sighting, place: Tuple[float, float], others: np.ndarray, size: RobotSize) -> bool:
+    near = np.hypot(others[:, 0] - place[0], others[:, 1] - place[1]) <= 2.0 * size.visible
     return bool((others[near, 2] <= sighting.time + LONGEST_LAG_S).any())
 
 
-def _came_and_went(view: View, present: Grid, place: Tuple[float, float]) -> bool:
-    shown = np.hypot(view.obstacles[:, 0] - place[0], view.obstacles[:, 1] - place[1]) <= BODY_M
-    cells = _cells_around(present, place)
+def _came_and_went(view: View, present: Grid, place: Tuple[float, float], body: float) -> bool:
+    shown = np.hypot(view.obstacles[:, 0] - place[0], view.obstacles[:, 1] - place[1]) <= body
+    cells = _cells_around(present, place, body)
     remains = int((cells >= OCCUPIED_FROM).sum())
     return (
         (int(shown.sum()) - remains) * view.resolution >= _SEEN_M - 1e-9
@@ -136,8 +138,8 @@ def _came_and_went(view: View, present: Grid, place: Tuple[float, float]) -> boo
     )
 
 
-def _cells_around(grid: Grid, place: Tuple[float, float]) -> np.ndarray:
-    count = math.ceil(BODY_M / grid.info.resolution)
+def _cells_around(grid: Grid, place: Tuple[float, float], body: float) -> np.ndarray:
+    count = math.ceil(body / grid.info.resolution)
     steps = np.arange(-count, count + 1) * grid.info.resolution
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
-    return values_at(grid.cells, grid.info, offsets[np.hypot(*offsets.T) <= BODY_M] + place, UNKNOWN)
+    return values_at(grid.cells, grid.info, offsets[np.hypot(*offsets.T) <= body] + place, UNKNOWN)

@@ -12,14 +12,13 @@ import numpy as np
 
 from ._surfaces import SurfaceIndex, border, walls, without_discs
 from .grid import UNKNOWN, Grid, GridInfo, cells_of, cropped, known_box
+from .robot_size import USUAL_SIZE
 
 NORMAL_WEIGHT = 0.3
 """Metres that a unit difference of the normals counts in a search for the nearest surface."""
 
 _SMALLEST_WALL = 4
 """Connected obstacles of fewer cells are noise."""
-LARGEST_MOVER_M = 0.9
-"""Connected obstacles of at most this extent may be robots or people."""
 CLEAR_CELLS = 3.0
 """Free cells farther than this from anything else are well observed: a wall of the other map there is a conflict."""
 
@@ -85,8 +84,8 @@ def without_places(landmarks: Landmarks, places: np.ndarray, reach: float) -> La
     return replace(landmarks, clear=without_discs(landmarks.clear, np.column_stack([rows, columns]), radius))
 
 
-def landmarks_of(grid: Grid) -> Landmarks:
-    """Landmarks of a map; a map without obstacles has an empty surface."""
+def landmarks_of(grid: Grid, mover: float = USUAL_SIZE.mover) -> Landmarks:
+    """Landmarks of a map; a map without obstacles has an empty surface. Obstacles of up to `mover` m are no walls."""
     around = known_box(grid)
     if around.empty:
         nothing = np.zeros(grid.cells.shape, bool)
@@ -94,7 +93,7 @@ def landmarks_of(grid: Grid) -> Landmarks:
     part = cropped(grid, around.grown(1))
     free = part.free
     clear = cv2.erode(free.view(np.uint8), _disc(CLEAR_CELLS)).view(bool)
-    return Landmarks(part, _surface(part.info, *_walls(part), free), clear, part.cells != UNKNOWN)
+    return Landmarks(part, _surface(part.info, *_walls(part, mover), free), clear, part.cells != UNKNOWN)
 
 
 def _surface(info: GridInfo, walls: np.ndarray, large: np.ndarray, free: np.ndarray) -> Surface:
@@ -106,10 +105,10 @@ def _surface(info: GridInfo, walls: np.ndarray, large: np.ndarray, free: np.ndar
     return Surface(points, normals, info.resolution, large[numbers])
 
 
-def _walls(grid: Grid) -> Tuple[np.ndarray, np.ndarray]:
-    """Cells (n, 2; row, column) of the obstacles without specks, and whether what they belong to is larger than a
-    robot, bool (n,)."""
-    return walls(grid.cells, _SMALLEST_WALL, LARGEST_MOVER_M / grid.info.resolution)
+def _walls(grid: Grid, mover: float) -> Tuple[np.ndarray, np.ndarray]:
+    """Cells (n, 2; row, column) of the obstacles without specks, and whether what they belong to is larger than
+    `mover` m, bool (n,)."""
+    return walls(grid.cells, _SMALLEST_WALL, mover / grid.info.resolution)
 
 
 def subsample(surface: Surface, most: int) -> Surface:

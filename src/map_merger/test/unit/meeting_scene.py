@@ -7,6 +7,7 @@ import numpy as np
 
 from map_merger.meetings.meetings import Meetings
 from map_merger.meetings.values import Hypothesis, LaserScan, TrackReport
+from map_merger.robot_size import RobotSize
 from map_merger.transform import Transform
 
 Way = Callable[[float], Transform]
@@ -83,7 +84,7 @@ class Scene:
         self.robots, self.walls, self.others = list(robots), list(walls), list(others)
         self.random = np.random.default_rng(seed)
         self.loss, self.late, self.worlds = loss, late, worlds or {}
-        self.meetings = {robot.name: Meetings(robot.name, robot.boot, BODY_M) for robot in robots}
+        self.meetings = {robot.name: Meetings(robot.name, robot.boot, RobotSize(BODY_M)) for robot in robots}
         self.jumps = jumps or {}
         self.waiting: List[Tuple[float, int, str, TrackReport]] = []
         self.reports: List[Tuple[float, TrackReport]] = []

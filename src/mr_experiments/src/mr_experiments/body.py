@@ -11,7 +11,7 @@ from mr_experiments.stopwatch import Stopwatch
 from mr_sim.navigation.engine import Navigator, Status
 from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, make_scan
 from mr_sim.pose import Pose
-from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, LaserScan, OccupancyMap, Slam
+from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, LaserScan, OccupancyMap, Slam, SlamOptions
 from mr_sim.world_model import RangerDescription
 
 GoalEnd = Callable[[int, bool, str], None]
@@ -22,9 +22,10 @@ class Body:
     """Scans and odometry in; pose, maps and velocity commands out."""
 
     def __init__(
-        self, name: str, ranger: RangerDescription, navigation: NavigationOptions, seed: int, stopwatch: Stopwatch
-    ) -> None:
-        self.slam = Slam()
+        self, name: str, ranger: RangerDescription, slam: SlamOptions, navigation: NavigationOptions, seed: int,
+        stopwatch: Stopwatch,
+    ) -> None:  # fmt: skip
+        self.slam = Slam(slam)
         self.navigator = Navigator(navigation, name, seed)
         self.pose: Pose | None = None
         self._stopwatch = stopwatch

@@ -31,10 +31,11 @@ class FastBody:
     """Moves along planned paths at full speed; knows what it has seen exactly. Robots do not touch each other."""
 
     def __init__(
-        self, name: str, start: Pose, ranger: RangerDescription, walls: Raster, sight: TeamSight, stopwatch: Stopwatch
-    ) -> None:
+        self, name: str, start: Pose, ranger: RangerDescription, navigation: NavigationOptions, walls: Raster,
+        sight: TeamSight, stopwatch: Stopwatch,
+    ) -> None:  # fmt: skip
         """`start`: world frame; `walls`: the true ones."""
-        self.options = NavigationOptions()
+        self.options = navigation
         self.pose: Pose = (0.0, 0.0, 0.0)  # map frame
         self.velocity = (0.0, 0.0)  # m/s, rad/s
         self.on_goal_end: GoalEnd = lambda *_: None

@@ -16,7 +16,7 @@ from mr_experiments.base_station import BaseStation
 from mr_experiments.body import Body
 from mr_experiments.exploring import TICK
 from mr_experiments.fast_body import FastBody
-from mr_experiments.parameters import explorer_options, merger_options, navigation_options
+from mr_experiments.parameters import Member, explorer_options, merger_options, navigation_options, slam_options
 from mr_experiments.perfect_merging import TeamSight
 from mr_experiments.perfect_radio import PerfectRadio
 from mr_experiments.radio import EVERYWHERE, Radio, TeamRadio, Walls
@@ -25,7 +25,8 @@ from mr_experiments.robot import Robot
 from mr_experiments.start_up import StartUp
 from mr_experiments.stopwatch import Stopwatch
 from mr_experiments.trial import Trial
-from mr_experiments.trial_world import world_of
+from mr_experiments.trial_world import platforms_of, world_of
+from mr_sim.platforms.parameters import kinds_of
 from mr_sim.pose import Pose
 from mr_sim.world import World
 
@@ -66,6 +67,8 @@ class Mission:
         poses = _start_poses(trial, self.world)
         starts = dict(zip(self.world.names, poses))
         self._sight = TeamSight(starts)
+        platforms = platforms_of(self.world)
+        self._members = [Member(platform, tuple(kinds_of(platforms))) for platform in platforms]
         self.recorder = Recorder(trial, self.world, poses, snapshot_period)
         self.robots = [self._robot(index, starts) for index in range(trial.robots)]
         # Those that take part to the end, also if they join later.
@@ -78,14 +81,16 @@ class Mission:
 
     def _robot(self, index: int, starts: dict[str, Pose]) -> Robot:
         name, ranger = self.world.names[index], self.world.robots[index].rangers[0]
-        exploring = replace(explorer_options(self.trial, name, index, ranger), scene_path=self._scene_path)
+        member = self._members[index]
+        exploring = replace(explorer_options(self.trial, name, index, member), scene_path=self._scene_path)
+        navigation = navigation_options(member)
         body: Body | FastBody
         if self.trial.fast:
-            body = FastBody(name, starts[name], ranger, self.world.visible, self._sight, self.stopwatch)
+            body = FastBody(name, starts[name], ranger, navigation, self.world.visible, self._sight, self.stopwatch)
         else:
-            body = Body(name, ranger, navigation_options(ranger), self.trial.seed, self.stopwatch)
+            body = Body(name, ranger, slam_options(member), navigation, self.trial.seed, self.stopwatch)
         return Robot(
-            index, starts[name], merger_options(self.trial, name, starts),
+            index, starts[name], merger_options(self.trial, name, starts, member),
             exploring, body, self.trial.seed, self.agenda, self.radio,
             self.stopwatch, self.recorder, lambda: self.now,
             FAST_TICK if self.trial.fast else TICK, self._sight,
@@ -93,7 +98,7 @@ class Mission:
 
     def _base_station(self, place: tuple[float, float], starts: dict[str, Pose]) -> BaseStation:
         boot = (self.trial.seed % 2**31, self.trial.robots + 1)
-        options = merger_options(self.trial, base_station.NAME, starts)
+        options = merger_options(self.trial, base_station.NAME, starts, self._members[0])
         return BaseStation(
             place, options, boot, self.agenda, self.radio, self.stopwatch, self.recorder, lambda: self.now
         )  # fmt: skip

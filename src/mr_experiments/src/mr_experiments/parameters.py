@@ -1,9 +1,10 @@
-"""The parameters with which robots run: those of mr_launch's configuration files."""
+"""The parameters with which robots run, as in mr_launch: those that follow from what the robot is, and those of the
+configuration files."""
 
 from __future__ import annotations
 
 import functools
-from typing import Any
+from typing import Any, Mapping, NamedTuple
 
 import yaml  # type: ignore[import-untyped]
 
@@ -13,13 +14,28 @@ from mr_experiments import base_station
 from mr_experiments.ros_packages import folder_of
 from mr_experiments.trial import CENTRALIZED, Trial, TrialError
 from mr_sim.navigation.options import NavigationOptions
+from mr_sim.platforms.parameters import (
+    explorer_parameters,
+    merger_parameters,
+    navigation_parameters,
+    slam_parameters,
+)
+from mr_sim.platforms.platform import Platform
 from mr_sim.pose import Pose
-from mr_sim.world_model import RangerDescription
+from mr_sim.slam.engine import SlamOptions
 
-ANOTHER_VIEW = 0.05  # rad by which a sensor's field of view differs from that of the configuration's laser
-NARROW_VIEW = 3.0  # rad; a robot with a narrower one has to face what it was sent to look at
-YAW_TOLERANCE = 0.25  # rad to which it does
-VIEW_SHARE = 0.5  # of a sensor's range from which a frontier is looked at: beyond, noise and gaps between beams grow
+# Frames, topics and periods, which the nodes have and their engines have not.
+NODES_OWN = frozenset(
+    {"map_frame", "odom_frame", "base_frame", "scan_topic", "odometry_topic", "velocity_topic", "map_topic"}
+    | {"robot_name", "map_update_interval", "transform_publish_period", "transform_tolerance"}
+)
+
+
+class Member(NamedTuple):
+    """One robot of a team, and each kind of robot in that team."""
+
+    platform: Platform
+    team: tuple[Platform, ...]
 
 
 @functools.lru_cache(maxsize=None)
@@ -31,9 +47,9 @@ def _configuration(node: str) -> dict[str, Any]:
     return values
 
 
-def merger_options(trial: Trial, name: str, starts: dict[str, Pose]) -> map_merger.options.Options:
+def merger_options(trial: Trial, name: str, starts: dict[str, Pose], member: Member) -> map_merger.options.Options:
     """`starts`: all robots' true start poses, told if the trial says so."""
-    given = dict(_configuration("map_merger"), robot_name=name)
+    given = {**merger_parameters(*member), **_configuration("map_merger"), "robot_name": name}
     if trial.topology == CENTRALIZED:
         given.update(topology=trial.topology, base_station=base_station.NAME, has_local_map=name != base_station.NAME)
     if trial.known_poses:
@@ -41,24 +57,21 @@ def merger_options(trial: Trial, name: str, starts: dict[str, Pose]) -> map_merg
     return map_merger.options.options_of(given, name)
 
 
-def explorer_options(trial: Trial, name: str, index: int, ranger: RangerDescription) -> explorer.options.Options:
-    """`ranger`: the robot's own, which may be another one than the laser of the configuration."""
-    given = dict(_configuration("explorer"), robot_name=name, autostart=False)
+def explorer_options(trial: Trial, name: str, index: int, member: Member) -> explorer.options.Options:
+    given = {**explorer_parameters(*member), **_configuration("explorer"), "robot_name": name, "autostart": False}
     given.update(frontier_selection=trial.strategy, seed=trial.seed + index)
-    options = explorer.options.load(given, 1, name)
-    return explorer.options.load({**given, **_view_of(ranger, options)}, 1, name)
+    return explorer.options.load(given, 1, name)
 
 
-def _view_of(ranger: RangerDescription, laser: explorer.options.Options) -> dict[str, float]:
-    """The explorer's parameters that follow the sensor: field of view in rad, distance in m of a look."""
-    view = laser.field_of_view
-    if abs(ranger.field_of_view - view) > ANOTHER_VIEW:
-        view = ranger.field_of_view
-    return {"field_of_view": view, "view_distance": min(laser.view_distance, VIEW_SHARE * ranger.range_max)}
+def navigation_options(member: Member) -> NavigationOptions:
+    return NavigationOptions(**_engine(navigation_parameters(*member), "navigation"))
 
 
-def navigation_options(ranger: RangerDescription) -> NavigationOptions:
-    """The defaults, with the heading of goals where the sensor needs it."""
-    if ranger.field_of_view >= NARROW_VIEW:
-        return NavigationOptions()
-    return NavigationOptions(yaw_goal_tolerance=YAW_TOLERANCE)
+def slam_options(member: Member) -> SlamOptions:
+    return SlamOptions(**_engine(slam_parameters(*member), "slam"))
+
+
+def _engine(follows: Mapping[str, Any], node: str) -> dict[str, Any]:
+    """The options of a node's engine: what follows from the robot, and the node's configuration."""
+    given = {**follows, **_configuration(node)}
+    return {name: value for name, value in given.items() if name not in NODES_OWN}

@@ -6,9 +6,11 @@ import functools
 from dataclasses import replace
 
 from mr_experiments.trial import Trial, TrialError
+from mr_sim.platforms.platform import Platform, PlatformError
+from mr_sim.platforms.simulated import platform_of
 from mr_sim.world import World, WorldError
 from mr_sim.world_file import WorldFileError
-from mr_sim.world_model import WorldDescription, load_world
+from mr_sim.world_model import RobotDescription, WorldDescription, load_world
 from mr_sim.worlds import WorldNotFoundError, find_world
 
 
@@ -30,10 +32,20 @@ def world_of(trial: Trial) -> World:
         world = World(description, trial.robots, trial.seed)
     except WorldError as error:
         raise TrialError(str(error)) from None
-    for robot in world.robots:
-        if not robot.rangers:
-            raise TrialError(f"{robot.name} of {trial.world} has no laser: add a ranger to its position model")
+    platforms_of(world)
     return world
+
+
+def platforms_of(world: World) -> tuple[Platform, ...]:
+    """What each robot is, as its model says. Raises TrialError."""
+    return tuple(_platform_of(robot, world.description.path.stem) for robot in world.robots)
+
+
+def _platform_of(robot: RobotDescription, world: str) -> Platform:
+    try:
+        return platform_of(robot)
+    except PlatformError as error:
+        raise TrialError(f"{robot.name} of {world}: {error}") from None
 
 
 def _with_starts(description: WorldDescription, trial: Trial) -> WorldDescription:

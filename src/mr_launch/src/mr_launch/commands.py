@@ -15,7 +15,7 @@ from mr_launch.errors import UserError
 from mr_launch.outside import run_team
 from mr_launch.plan import BASE, FIRST_PORT, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
-from mr_launch.world import check_start, find_world, keep_generated, robots_of
+from mr_launch.world import check_start, find_world, keep_generated, presets_of, robots_of
 
 BAD_CALL = 2
 INTERRUPTED = 130
@@ -53,9 +53,13 @@ def make_plan(options: Options) -> Plan:
     hosts = [*names, *([BASE] if options.topology == "centralized" else [])]
     ports = free_ports(len(hosts)) if kind == isolation.HUB else [FIRST_PORT] * len(hosts)
     starts = {BASE: dict(poses)[names[0]], **dict(poses)}
-    robots = [RobotPlan(name, index, ports[index], starts[name]) for index, name in enumerate(hosts)]
+    kinds, presets = presets_of(world, names)
+    robots = [
+        RobotPlan(name, index, ports[index], starts[name], kinds.get(name, kinds[names[0]]))
+        for index, name in enumerate(hosts)
+    ]
     base = robots.pop() if options.topology == "centralized" else None
-    return Plan(options, world, robots, str(Path(options.out).absolute()), kind, programs, base=base)
+    return Plan(options, world, robots, str(Path(options.out).absolute()), kind, programs, base=base, presets=presets)
 
 
 def make_output_folder(plan: Plan) -> None:
@@ -68,6 +72,10 @@ def make_output_folder(plan: Plan) -> None:
             plan.robot_folder(robot).mkdir(parents=True)
         for host in plan.hosts:
             plan.log_folder(host).mkdir(parents=True)
+        for name, text in plan.presets.items():
+            path = Path(plan.preset_file(name))
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(text, encoding="utf-8")
         if not plan.options.out.startswith("out/"):
             return
         latest = out.parent / "latest"

@@ -18,7 +18,8 @@ from mr_launch.truth import Track
 from mr_sim.pose import Pose, placed
 
 COLOURS = ("#d62728", "#1f77b4", "#2ca02c", "#ff9f1c", "#9467bd", "#17becf", "#8c564b", "#e377c2")
-ROBOT = np.array([(-0.22, -0.19), (0.12, -0.19), (0.22, 0.0), (0.12, 0.19), (-0.22, 0.19)])  # m, nose to the right
+ROBOT = np.array([(-0.5, -0.5), (0.27, -0.5), (0.5, 0.0), (0.27, 0.5), (-0.5, 0.5)])  # of length and width, nose ahead
+SIZE = (0.44, 0.38)  # m, length and width of a robot of which nothing is known
 UNKNOWN, FREE, OCCUPIED = (0.90, 0.91, 0.93, 1.0), (1.0, 1.0, 1.0, 1.0), (0.13, 0.15, 0.19, 1.0)
 
 
@@ -44,7 +45,13 @@ def bounds(grid: Grid, pose: Pose) -> tuple[float, float, float, float]:
 
 
 def draw_mission(
-    grid: Grid, pose: Pose, tracks: Mapping[str, Track], title: str, path: Path, start: float = 0.0
+    grid: Grid,
+    pose: Pose,
+    tracks: Mapping[str, Track],
+    title: str,
+    path: Path,
+    start: float = 0.0,
+    sizes: Mapping[str, tuple[float, float]] | None = None,
 ) -> None:
     """Write a PNG.
 
@@ -54,6 +61,7 @@ def draw_mission(
         tracks: true path of each robot; the part after the simulation time ``start`` (s) is drawn.
         title: one line above the picture.
         path: file to write.
+        sizes: length and width of each robot, m.
     """
     left, right, bottom, top = bounds(grid, pose)
     width, height = right - left, top - bottom
@@ -69,7 +77,7 @@ def draw_mission(
         transform=to_world + axes.transData,
     )
     for index, (name, track) in enumerate(tracks.items()):
-        draw_track(axes, name, track, start, COLOURS[index % len(COLOURS)])
+        draw_track(axes, name, track, start, COLOURS[index % len(COLOURS)], (sizes or {}).get(name, SIZE))
     axes.set_xlim(left - 0.3, right + 0.3)
     axes.set_ylim(bottom - 0.3, top + 0.3)
     axes.set_aspect("equal")
@@ -84,7 +92,7 @@ def draw_mission(
     plt.close(figure)
 
 
-def draw_track(axes: plt.Axes, name: str, track: Track, start: float, colour: str) -> None:
+def draw_track(axes: plt.Axes, name: str, track: Track, start: float, colour: str, size: tuple[float, float]) -> None:
     """Path, start (circle) and end (robot outline) of one robot."""
     records = track.records(start)
     if not records.size:
@@ -95,5 +103,5 @@ def draw_track(axes: plt.Axes, name: str, track: Track, start: float, colour: st
     axes.plot(
         x[0], y[0], "o", markersize=9, markerfacecolor="white", markeredgecolor=colour, markeredgewidth=2, zorder=5
     )
-    outline = placed(ROBOT, (x[-1], y[-1], yaw[-1]))
+    outline = placed(ROBOT * size, (x[-1], y[-1], yaw[-1]))
     axes.fill(*outline.T, facecolor=colour, edgecolor="black", linewidth=0.8, zorder=6)

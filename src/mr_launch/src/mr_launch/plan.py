@@ -26,6 +26,7 @@ class RobotPlan:
     index: int
     port: int
     start: tuple[float, float, float]
+    preset: str = "pioneer"  # what the robot is: its name in Plan.presets, or of one that comes with mr_sim
 
     @property
     def air(self) -> str:
@@ -45,6 +46,7 @@ class Plan:
     programs: dict[str, str] = field(default_factory=dict)  # name -> path, see programs.PROGRAMS
     private: str = ""  # folder for sockets
     base: RobotPlan | None = None  # the base station of a centralized team; it has no body
+    presets: dict[str, str] = field(default_factory=dict)  # name -> text of the preset, made from the world's model
 
     @property
     def hosts(self) -> list[RobotPlan]:
@@ -53,6 +55,15 @@ class Plan:
 
     def robot_folder(self, robot: RobotPlan) -> Path:
         return Path(self.out) / robot.name
+
+    def preset_file(self, name: str) -> str:
+        """As an argument of robot.launch."""
+        return str(Path(self.out) / "robots" / f"{name}.yaml") if name in self.presets else name
+
+    @property
+    def team(self) -> str:
+        """The kinds of robots, as an argument of robot.launch."""
+        return ",".join(dict.fromkeys(self.preset_file(robot.preset) for robot in self.robots))
 
     def log_folder(self, robot: RobotPlan | None = None) -> Path:
         logs = Path(self.out) / "logs"
@@ -167,6 +178,8 @@ def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
         "robot_name": robot.name,
         "interface": _interface(plan),
         "key_file": key_file(plan),
+        "robot": plan.preset_file(robot.preset),
+        "team": plan.team,
         "simulated": "true",
         "world_socket": plan.socket("world"),
         "slam": options.slam,
@@ -191,6 +204,7 @@ def _base_command(plan: Plan, base: RobotPlan) -> list[str]:
         "name": base.name,
         "interface": _interface(plan),
         "key_file": key_file(plan),
+        "team": plan.team,
         "initial_poses": initial_poses(plan) if plan.options.initial_poses else "{}",
         "log_path": str(plan.log_folder(base)),
     }

@@ -88,7 +88,16 @@ def draw(plan: Plan, outcome: Outcome, grids: dict[str, Grid], robots: dict[str,
     count = f"{len(plan.robots)} robot{'s' * (len(plan.robots) != 1)}"
     title = f"{Path(plan.world).stem}: {count}, {done}; global map of {best.name}"
     start = outcome.start if robots else 0.0
-    draw_mission(grids[best.name], best.start, truth.tracks, title, Path(plan.out) / "team.png", start)
+    draw_mission(grids[best.name], best.start, truth.tracks, title, Path(plan.out) / "team.png", start, sizes_of(plan))
+
+
+def sizes_of(plan: Plan) -> dict[str, tuple[float, float]]:
+    """Length and width in m of each robot whose preset was made from the world."""
+    from mr_sim.platforms.preset import load_platform
+
+    files = {robot.name: Path(plan.preset_file(robot.preset)) for robot in plan.robots if robot.preset in plan.presets}
+    known = {name: load_platform(str(path)).footprint for name, path in files.items()}
+    return {name: (footprint.length, footprint.width) for name, footprint in known.items()}
 
 
 def print_results(plan: Plan, summary: dict[str, Any]) -> None:

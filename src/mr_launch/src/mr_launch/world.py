@@ -6,7 +6,9 @@ import pickle
 import shutil
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, Sequence
+
+import yaml  # type: ignore[import-untyped]
 
 from mr_launch.errors import UserError
 from mr_launch.maps import Grid
@@ -41,6 +43,29 @@ def keep_generated(world: str, folder: Path) -> str:
     except OSError as error:
         raise UserError(f"cannot keep the world in {folder}: {error.strerror}") from None
     return str(folder / path.name)
+
+
+def presets_of(world: str, names: Sequence[str]) -> tuple[dict[str, str], dict[str, str]]:
+    """What the robots are by their models: the preset of each robot by name, and the text of each preset by name. Equal
+    robots share one, which has the name of the first. Raises UserError."""
+    from mr_sim.platforms.platform import PlatformError
+    from mr_sim.platforms.preset import platform_from, text_of
+    from mr_sim.platforms.simulated import platform_of
+    from mr_sim.world_model import load_world
+
+    of_robot: dict[str, str] = {}
+    texts: dict[str, str] = {}
+    for robot in load_world(world).robots:
+        if robot.name not in names:
+            continue
+        try:
+            text = text_of(platform_of(robot))
+            platform_from(yaml.safe_load(text))
+        except PlatformError as error:
+            raise UserError(f"{world}: {robot.name}: {error}") from None
+        of_robot[robot.name] = next((name for name, known in texts.items() if known == text), robot.name)
+        texts.setdefault(of_robot[robot.name], text)
+    return of_robot, texts
 
 
 def robots_of(world: str) -> list[tuple[str, Pose]]:

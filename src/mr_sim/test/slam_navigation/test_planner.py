@@ -6,14 +6,16 @@ from typing import List, Optional, Tuple
 
 import cv2
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from mr_sim import _navigation
 from mr_sim.navigation.options import Grid, NavigationOptions
-from mr_sim.navigation.planner import ROBOT_EXTENT, ROBOT_REACH, CostMap, path, plan, without_robots
+from mr_sim.navigation.planner import CostMap, path, plan, robot_extent, robot_reach, without_robots
 
 OPTIONS = NavigationOptions()
+RADIUS = OPTIONS.largest_robot_radius
 SIZE = 60  # cells
 
 
@@ -192,7 +194,7 @@ def test_a_robot_beside_a_wall_makes_no_hole_in_it() -> None:
     """Robots 0.3 m from a wall opened a hole of half a metre: ways led through the wall."""
     grid = Grid(two_rooms(), 0.05, (0.0, 0.0))
     for x in (2.7, 2.95, 3.4):
-        seen = without_robots(grid, [(x, 2.0)])
+        seen = without_robots(grid, [(x, 2.0)], RADIUS)
         assert (seen.cells == grid.cells).all()
         assert plan(CostMap(seen, OPTIONS), np.empty((0, 2)), (1.5, 2.0, 0.0), (4.5, 2.0), 0.5) is None
 
@@ -204,8 +206,8 @@ def test_what_a_laser_saw_of_a_robot_is_forgotten() -> None:
     cells[36:44, 57:66] = 100
     grid = Grid(cells, 0.05, (0.0, 0.0))
     assert plan(CostMap(grid, OPTIONS), np.empty((0, 2)), (1.5, 2.0, 0.0), (4.5, 2.0), 0.5) is None
-    assert (without_robots(grid, [(3.2, 2.1)]).cells == door).all()
-    assert (without_robots(grid, [(4.0, 2.0)]).cells == cells).all()
+    assert (without_robots(grid, [(3.2, 2.1)], RADIUS).cells == door).all()
+    assert (without_robots(grid, [(4.0, 2.0)], RADIUS).cells == cells).all()
     assert (grid.cells == cells).all(), "the map itself stays as it is"
 
 
@@ -224,7 +226,27 @@ def test_the_rule_holds_wherever_a_robot_is(
     expected = cells.copy()
     for label in range(1, count):
         found = np.argwhere(labels == label)
-        small = (np.ptp(found, axis=0).max() + 1) * 0.05 <= ROBOT_EXTENT + 1e-9
-        if small and any(math.dist(grid.center(*found.mean(axis=0)), p) <= ROBOT_REACH for p in positions):
+        small = (np.ptp(found, axis=0).max() + 1) * 0.05 <= robot_extent(RADIUS) + 1e-9
+        if small and any(math.dist(grid.center(*found.mean(axis=0)), p) <= robot_reach(RADIUS) for p in positions):
             expected[labels == label] = 0
-    assert (without_robots(grid, positions).cells == expected).all()
+    assert (without_robots(grid, positions, RADIUS).cells == expected).all()
+
+
+def test_how_large_a_trace_may_be_follows_the_largest_robot_of_the_team() -> None:
+    cells = np.zeros((80, 80), np.int8)
+    cells[30:50, 30:50] = 100  # 1 m across
+    grid = Grid(cells, 0.05, (0.0, 0.0))
+    assert (without_robots(grid, [(2.0, 2.3)], RADIUS).cells == cells).all()
+    assert not without_robots(grid, [(2.0, 2.3)], 0.4).cells.any()
+
+
+def test_room_to_get_free_and_to_pass_follows_the_size_of_the_robots() -> None:
+    large = NavigationOptions(footprint_length=0.9, footprint_width=0.7, inflation_radius=0.8, largest_robot_radius=0.6)
+    assert OPTIONS.passing_distance == 0.8 and OPTIONS.reach_in(1.1) == 1.3
+    assert large.passing_distance == 1.39 and large.reach_in(1.1) == 1.58
+    cells = np.zeros((80, 80), np.int8)
+    cells[:, 0] = 100
+    grid = Grid(cells, 0.05, (0.0, 0.0))
+    for options, reach in ((OPTIONS, 0.45), (large, 0.61)):
+        opened = CostMap(grid, options).slowness(np.empty((0, 2)), (0.1, 2.0, 0.0)) == 25.0
+        assert np.ptp(np.flatnonzero(opened.any(axis=1))) * 0.05 / 2 == pytest.approx(reach, abs=0.05)

@@ -282,3 +282,33 @@ def test_a_laser_far_ahead_that_looks_back_is_on_the_map() -> None:
     slam = Slam()
     scan = LaserScan(np.full(181, 100.0, np.float32), -0.5, 1.0 / 180, 0.0, 200.0, (0.0, 190.0, -math.pi / 2))
     assert slam.process(scan, (0.0, 0.0, 0.0), 0.0).inserted
+
+
+def boxed_room(box: float) -> LaserScan:
+    """What a laser in the middle of a room of 8 m x 8 m sees, with a box of 1.0 m in front of it at `box` m."""
+    angles = np.linspace(-2.36, 2.36, 541)
+    across, along = np.abs(np.cos(angles)), np.abs(np.sin(angles))
+    ranges = 4.0 / np.maximum(across, along)
+    hidden = np.abs(angles) < math.atan2(0.5, box)
+    ranges[hidden] = box / np.cos(angles[hidden])
+    return LaserScan(ranges.astype(np.float32), -2.36, 4.72 / 540, 0.05, 8.0, (0.0, 0.0, 0.0))
+
+
+def test_the_size_of_things_that_may_be_robots_is_a_parameter() -> None:
+    """The box comes nearer, the robot stands and its wheels slip: only what may be a robot leaves the pose alone."""
+    error = {}
+    for size in (0.7, 1.2):
+        slam = Slam(SlamOptions(small_object_size=size))
+        for step in range(8):
+            slam.process(boxed_room(1.5), (0.0, 0.0, 0.0), float(step))
+        error[size] = slam.process(boxed_room(1.4), (0.1, 0.0, 0.0), 9.0).pose[0]
+    assert error[1.2] < 0.5 * error[0.7]
+
+
+@pytest.mark.parametrize("radius", [0.17, 0.4])
+def test_the_ground_under_the_robot_is_free_as_far_as_it_reaches(radius: float) -> None:
+    slam = Slam(SlamOptions(free_radius=radius))
+    blind = LaserScan(np.full(100, math.nan, np.float32), -1.0, 0.02, 0.05, 8.0, (0.0, 0.0, 0.0))
+    slam.process(blind, (0.0, 0.0, 0.0), 0.0)
+    free = np.count_nonzero(slam.map().cells == 0) * slam.options.resolution**2
+    assert free == pytest.approx(math.pi * radius**2, rel=0.15)

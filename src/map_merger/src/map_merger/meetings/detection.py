@@ -4,12 +4,11 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
+from ..robot_size import RobotSize
 from .values import LaserScan
 
 FARTHEST_M = 6.0
 NARROWEST_M = 0.1
-WIDEST_M = 0.65
-"""A Pioneer is 0.58 m wide across its corners."""
 _JUMP_M = 0.15
 _JUMP_SHARE = 0.05
 """The background is farther than the edge of an object by at least this, and this share of the range."""
@@ -26,8 +25,8 @@ class Objects(NamedTuple):
 NO_OBJECTS = Objects(np.empty((0, 2)), np.empty(0))
 
 
-def objects_in_scan(scan: LaserScan, body_radius: float) -> Objects:
-    """Objects of a robot's size that stand in front of all that is beside them.
+def objects_in_scan(scan: LaserScan, size: RobotSize) -> Objects:
+    """Objects of the size of the team's robots that stand in front of all that is beside them.
 
     The beams end on the surface, the centre lies behind it: at half a body's depth behind a flat side, and on the line
     between both edges of anything that bulges towards the sensor as far as that (a corner, a round body).
@@ -40,13 +39,13 @@ def objects_in_scan(scan: LaserScan, body_radius: float) -> Objects:
     # Wider things are dropped by their angle, before their points are looked at.
     with np.errstate(divide="ignore"):
         widths = seen[first] * abs(scan.angle_increment) * (last - first)
-    fits = (seen[first] <= FARTHEST_M) & (last - first + 1 >= _FEWEST_BEAMS) & (widths <= 2.0 * WIDEST_M)
+    fits = (seen[first] <= FARTHEST_M) & (last - first + 1 >= _FEWEST_BEAMS) & (widths <= 2.0 * size.widest)
     first, last = first[fits], last[fits]
     if not first.size:
         return NO_OBJECTS
     angles = scan.angle_min + scan.angle_increment * np.arange(ranges.size)
     points = scan.mount.apply(np.column_stack([seen * np.cos(angles), seen * np.sin(angles)]))
-    return _measured(points.view(complex).ravel(), first, last, complex(scan.mount.x, scan.mount.y), body_radius)
+    return _measured(points.view(complex).ravel(), first, last, complex(scan.mount.x, scan.mount.y), size)
 
 
 def _in_front(seen: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
@@ -60,20 +59,20 @@ def _in_front(seen: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     return first[front], last[front]
 
 
-def _measured(points: np.ndarray, first: np.ndarray, last: np.ndarray, eye: complex, body_radius: float) -> Objects:
+def _measured(points: np.ndarray, first: np.ndarray, last: np.ndarray, eye: complex, size: RobotSize) -> Objects:
     centres, widths = [], []
     for start, end in zip(first.tolist(), last.tolist()):
         part = points[start : end + 1]
         chord = part[-1] - part[0]
         width = abs(chord)
         middle = 0.5 * (part[-1] + part[0])
-        if not NARROWEST_M <= width <= WIDEST_M:
+        if not NARROWEST_M <= width <= size.widest:
             continue
         away = chord / width * 1j
         if (away * (middle - eye).conjugate()).real < 0.0:
             away = -away
         bulge = max(0.0, float(-((part - middle) * away.conjugate()).real.min()))
-        centres.append(middle + away * max(0.0, body_radius - bulge))
+        centres.append(middle + away * max(0.0, size.body_radius - bulge))
         widths.append(width)
     if not centres:
         return NO_OBJECTS

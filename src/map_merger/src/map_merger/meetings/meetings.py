@@ -8,6 +8,7 @@ import numpy as np
 
 from ..grid import Grid
 from ..messages import NO_BOOT, Boot
+from ..robot_size import USUAL_SIZE, RobotSize
 from ..timer import LONGEST_AGE_S
 from ..transform import Transform
 from .detection import FARTHEST_M, objects_in_scan
@@ -43,11 +44,11 @@ class Meetings:
     """All that is known of the tracks of the own and the other robots. One owner, no thread: the `Sightings` that it
     hands out are values.
 
-    name, boot: of the own robot's run. body_radius: m, half the depth of a robot's body.
+    name, boot: of the own robot's run. size: of the robots of the team.
     """
 
-    def __init__(self, name: str, boot: Boot = NO_BOOT, body_radius: float = 0.2) -> None:
-        self._name, self._boot, self._body_radius = name, boot, body_radius
+    def __init__(self, name: str, boot: Boot = NO_BOOT, size: RobotSize = USUAL_SIZE) -> None:
+        self._name, self._boot, self._size = name, boot, size
         self._own = Trail(4, _POSE_PERIOD_S)
         self._objects = ObjectTracks()
         self._sweeps = SweepHistory()
@@ -94,7 +95,7 @@ class Meetings:
         self._sensor = scan.sensor
         if not self._due_to_look(now, SCAN_PERIOD_S):
             return
-        centres = objects_in_scan(scan, self._body_radius).centres
+        centres = objects_in_scan(scan, self._size).centres
         self._sweeps.add(now, scan, pose)
         self._follow(centres, pose, now)
 
@@ -103,7 +104,7 @@ class Meetings:
         if not self.watching or not len(self._own.rows) or not self._due_to_look(now, MAP_PERIOD_S):
             return
         pose = Transform(*self._own.rows[-1, 1:4].tolist())
-        self._follow(pose.inverse().apply(objects_in_map(grid, pose, FARTHEST_M)), pose, now)
+        self._follow(pose.inverse().apply(objects_in_map(grid, pose, FARTHEST_M, self._size.widest)), pose, now)
 
     def on_report(self, report: TrackReport, now: float) -> None:
         """What another robot tells. A new run forgets the former one."""
@@ -139,7 +140,7 @@ class Meetings:
             self._name,
             self._boot,
             now,
-            self._body_radius,
+            self._size.body_radius,
             self._sensor,
             poses,
             objects,

@@ -72,6 +72,10 @@ PYBIND11_MODULE(_slam, module) {
       .def_readwrite("insert_distance", &SlamOptions::insert_distance)
       .def_readwrite("insert_angle", &SlamOptions::insert_angle)
       .def_readwrite("insert_interval", &SlamOptions::insert_interval)
+      .def_property(
+          "free_radius", [](const SlamOptions& o) { return o.grid.free_radius; },
+          [](SlamOptions& o, double value) { o.grid.free_radius = value; })
+      .def_readwrite("small_object_size", &SlamOptions::small_object_size)
       .def_readwrite("surface_window", &SlamOptions::surface_window);
   py::class_<PoseGraph>(module, "PoseGraph")
       .def(py::init<>())

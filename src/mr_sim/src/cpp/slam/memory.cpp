@@ -32,7 +32,8 @@ Eigen::Matrix3d seen_from(const Pose& frame, const Eigen::Matrix3d& information)
 
 }  // namespace
 
-Memory::Memory(const GridOptions& grid, double surface_window) : grid_(grid), surface_window_(surface_window) {}
+Memory::Memory(const GridOptions& grid, double surface_window, double small_object_size)
+    : grid_(grid), surface_window_(surface_window), small_object_size_(small_object_size) {}
 
 bool Memory::due(const Pose& pose) const {
   return keyframes_.empty() || distance(keyframes_.back().drawn, pose) >= kKeyframeDistance ||
@@ -42,7 +43,7 @@ bool Memory::due(const Pose& pose) const {
 int Memory::origin(const Pose& pose) const { return static_cast<int>(keyframes_.size()) - (due(pose) ? 0 : 1); }
 
 Scan Memory::scan_of(const Kept& kept) const {
-  return make_scan(kept.ranges.data(), kept.ranges.size(), geometry_, surface_window_);
+  return make_scan(kept.ranges.data(), kept.ranges.size(), geometry_, surface_window_, small_object_size_);
 }
 
 void Memory::add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose,

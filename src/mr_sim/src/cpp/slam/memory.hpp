@@ -14,7 +14,8 @@ namespace mr_sim::slam {
 
 class Memory {
  public:
-  Memory(const GridOptions& grid, double surface_window);
+  // As in make_scan.
+  Memory(const GridOptions& grid, double surface_window, double small_object_size);
 
   // By what the surfaces of the scan that is added next are to be known.
   int origin(const Pose& pose) const;
@@ -48,7 +49,7 @@ class Memory {
   Pose target(std::size_t keyframe) const;
 
   GridOptions grid_;
-  double surface_window_;
+  double surface_window_, small_object_size_;
   LaserGeometry geometry_{};
   PoseGraph graph_;
   std::vector<Keyframe> keyframes_;

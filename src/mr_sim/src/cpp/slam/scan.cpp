@@ -65,7 +65,8 @@ bool fit_normal(const std::vector<Beam>& beams, std::size_t index, double window
 
 }  // namespace
 
-Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window) {
+Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window,
+               double small_object_size) {
   const Frame mount(geometry.mount);
   Scan scan;
   scan.eye = {geometry.mount.x, geometry.mount.y};
@@ -79,7 +80,7 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
     const Point end = mount * Point{length * std::cos(angle), length * std::sin(angle)};
     scan.beams.push_back({end, hit});
   }
-  mark_small_objects(scan);
+  mark_small_objects(scan, small_object_size);
   for (std::size_t i = 0; i < scan.beams.size(); ++i) {
     Beam& beam = scan.beams[i];
     if (!beam.hit) continue;

@@ -29,7 +29,8 @@ struct Scan {
 };
 
 // Readings that are NaN, negative or below range_min are dropped; infinity or range_max and above mean free space.
-// `surface_window`: m, neighbours up to this far apart form a surface.
-Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window);
+// `surface_window`: m, neighbours up to this far apart form a surface. `small_object_size`: m, see mark_small_objects.
+Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window,
+               double small_object_size);
 
 }  // namespace mr_sim::slam

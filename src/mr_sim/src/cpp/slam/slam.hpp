@@ -17,6 +17,8 @@ struct SlamOptions {
   double insert_angle = 0.087;   // rad
   double insert_interval = 1.0;  // s between scans of a robot that stands which change the map
   double surface_window = 0.15;  // m, see make_scan
+  // m, things that stand free up to this size may be robots: the largest of the team, from end to end, and some more
+  double small_object_size = 0.7;
 };
 
 struct SlamUpdate {

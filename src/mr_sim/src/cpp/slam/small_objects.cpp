@@ -7,7 +7,6 @@ namespace mr_sim::slam {
 namespace {
 
 constexpr double kStep = 0.25;  // m in range from one beam to the next, at which a surface ends
-constexpr double kSize = 0.7;   // m from end to end: the widest side of a robot, and some more
 
 // Beams in a row without a step in range between them.
 struct Segment {
@@ -32,24 +31,24 @@ std::vector<Segment> segments_of(const Scan& scan) {
   return segments;
 }
 
-bool is_small(const Scan& scan, const Segment& segment) {
+bool is_small(const Scan& scan, const Segment& segment, double size) {
   const Point &first = scan.beams[segment.first].end, &last = scan.beams[segment.last].end;
-  return scan.beams[segment.first].hit && std::hypot(first.x - last.x, first.y - last.y) < kSize;
+  return scan.beams[segment.first].hit && std::hypot(first.x - last.x, first.y - last.y) < size;
 }
 
 }  // namespace
 
-void mark_small_objects(Scan& scan) {
+void mark_small_objects(Scan& scan, double size) {
   const std::vector<Segment> segments = segments_of(scan);
   const auto stands_free = [&](std::size_t index) {
     const Segment& segment = segments[index];
-    return segment.before_left && segment.before_right && is_small(scan, segment);
+    return segment.before_left && segment.before_right && is_small(scan, segment, size);
   };
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Segment& segment = segments[i];
     // One object may hide a part of another.
     const bool left = segment.before_left || stands_free(i - 1), right = segment.before_right || stands_free(i + 1);
-    if (!left || !right || !is_small(scan, segment)) continue;
+    if (!left || !right || !is_small(scan, segment, size)) continue;
     for (std::size_t j = segment.first; j <= segment.last; ++j) scan.beams[j].on_small_object = true;
   }
 }

@@ -5,7 +5,8 @@
 
 namespace mr_sim::slam {
 
-// Sets `on_small_object` of the hits. To be called when all beams have their ends.
-void mark_small_objects(Scan& scan);
+// Sets `on_small_object` of the hits on what is less than `size` (m) from end to end. To be called when all beams have
+// their ends.
+void mark_small_objects(Scan& scan, double size);
 
 }  // namespace mr_sim::slam

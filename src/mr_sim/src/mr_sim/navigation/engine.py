@@ -31,11 +31,10 @@ from mr_sim.navigation.stall import StallWatch
 from mr_sim.navigation.yielding import HeldUp, find_retreat, nearest_blocker
 from mr_sim.pose import Pose, placed
 
-NEAR = 1.3  # m around the robot in which obstacles bear on its next motion
 WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
 POINT_SPACING = 0.03  # m, finer detail of obstacles does not matter
 ROBOT_NEAR = 1.5  # m within which a robot that says where it is bears on motions backwards
-ROBOT_RIM = 0.25  # m around that position that its footprint takes up
+ROBOT_RIM = 0.04  # m by which the rim that its footprint takes up lies within the radius of the largest robot
 HINT_AGE = 6.0  # s for which reported positions of other robots count
 DETOUR = 5.0  # m that a way around something moving may be longer before waiting is better
 DETOUR_WAIT = 8.0  # s after which any detour is taken
@@ -53,7 +52,6 @@ REVERSE_PATIENCE = 2.0  # s without progress after which a robot that nothing ho
 TURNING = 0.3  # rad/s from which a robot turns to where it wants to go
 RETREAT_TIME = 10.0  # s
 RETREAT_SPEED = 0.25  # m/s backwards
-TURNING_ROOM = 0.8  # m to what is in the way within which a robot that gives way goes back before it turns
 INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan
 TIME_ALLOWED = 30.0  # s for any goal, plus
 TIME_FACTOR = 5.0  # times what the way takes at full speed
@@ -124,9 +122,13 @@ class Navigator:
         self._progress_from: Optional[Tuple[float, float]] = None  # where the latest progress was made
         self._velocity = (0.0, 0.0)
         self._stall = StallWatch()
-        self._held_up = HeldUp(name, self.options.yield_patience, self._random)
+        self._held_up = HeldUp(name, self.options.yield_patience, self._random, self.options.largest_robot_radius)
         self._footprint = _footprint(self.options)
-        self._back_limits = _limits(self.options, BACK_OFF_SPEED)
+        self._near = self.options.reach_in(_navigation.Horizon().duration)
+        self._rim = round(self.options.largest_robot_radius - ROBOT_RIM, 3)
+        self._reverse = min(BACK_OFF_SPEED, self.options.max_linear_velocity)
+        self._retreat_speed = min(RETREAT_SPEED, self.options.max_linear_velocity)
+        self._back_limits = _limits(self.options, self._reverse)
         self._margins = _navigation.Margins(
             WALL_MARGIN, self.options.obstacle_margin, self.options.moving_margin, self.options.moving_reaction_time
         )
@@ -162,7 +164,7 @@ class Navigator:
         if self._grid is None or self._costs_hold:
             return self._costs
         self._costs_hold = True
-        grid = without_robots(self._grid, list(self._others.values()))
+        grid = without_robots(self._grid, list(self._others.values()), self.options.largest_robot_radius)
         if self._costs is None or not grid.equals(self._costs.grid):
             self._costs = CostMap(grid, self.options, self._costs)
         return self._costs
@@ -276,7 +278,7 @@ class Navigator:
             self._reverse_until = now + REVERSE_TIME
         if now < self._reverse_until:
             behind = self._with_robots_behind(now, pose, obstacles)
-            return self._choose(way, pose, behind, reverse=BACK_OFF_SPEED, penalty=0.0)
+            return self._choose(way, pose, behind, reverse=self._reverse, penalty=0.0)
         return self._choose(way, pose, obstacles, reverse=0.0)
 
     def _back_off(self, pose: Pose, obstacles: np.ndarray) -> Command:
@@ -308,13 +310,13 @@ class Navigator:
             self._mode_until = now + 1.5 + 3.0 * self._random.random()
             return self._brake(Status.ACTIVE)
         blocker = self._blocker(pose)
-        if blocker is not None and math.dist(blocker, pose[:2]) < TURNING_ROOM:
+        if blocker is not None and math.dist(blocker, pose[:2]) < self.options.passing_distance:
             back = self._backwards(retreat, pose, obstacles)
             if back is not None:
                 return self._ramp(pose, obstacles, back)
         # What was seen moving lately may be where the laser is blind.
         penalty = None if self._memory.size else 0.0
-        found, linear, angular = self._choose(retreat, pose, obstacles, reverse=BACK_OFF_SPEED, penalty=penalty)
+        found, linear, angular = self._choose(retreat, pose, obstacles, reverse=self._reverse, penalty=penalty)
         return Command(linear, angular, Status.ACTIVE) if found else self._brake(Status.ACTIVE)
 
     def _backwards(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Optional[Tuple[float, float]]:
@@ -322,10 +324,10 @@ class Navigator:
         best, least = None, math.inf
         for turn in (0.0, 0.4, -0.4):
             yaw = pose[2] + 0.5 * turn
-            behind = (pose[0] - RETREAT_SPEED * math.cos(yaw), pose[1] - RETREAT_SPEED * math.sin(yaw))
+            behind = (pose[0] - self._retreat_speed * math.cos(yaw), pose[1] - self._retreat_speed * math.sin(yaw))
             left = way.cost_at(*behind)
-            if left < least and self._is_clear(pose, obstacles, (-RETREAT_SPEED, turn), 1.0):
-                best, least = (-RETREAT_SPEED, turn), left
+            if left < least and self._is_clear(pose, obstacles, (-self._retreat_speed, turn), 1.0):
+                best, least = (-self._retreat_speed, turn), left
         return best
 
     def _enter_drive(self, now: float) -> None:
@@ -494,7 +496,7 @@ class Navigator:
         costs = self._cost_map()
         assert costs is not None
         return _navigation.surroundings(
-            scan.points, pose, self._memory.rows, costs.walls, self._margins, KNOWN_WITHIN, NEAR, POINT_SPACING
+            scan.points, pose, self._memory.rows, costs.walls, self._margins, KNOWN_WITHIN, self._near, POINT_SPACING
         )
 
     def _with_robots_behind(self, now: float, pose: Pose, obstacles: np.ndarray) -> np.ndarray:
@@ -509,7 +511,7 @@ class Navigator:
         ]
         if not behind:
             return obstacles
-        rims = (np.array(behind)[:, None, :] + ROBOT_RIM * CIRCLE[None, :, :]).reshape(-1, 2)
+        rims = (np.array(behind)[:, None, :] + self._rim * CIRCLE[None, :, :]).reshape(-1, 2)
         margins = np.tile([self.options.moving_margin, self.options.moving_reaction_time], (len(rims), 1))
         return np.concatenate([obstacles, np.hstack([rims, margins])])
 

@@ -23,7 +23,8 @@ from mr_sim.pose import Pose, compose
 from mr_sim.ros_poses import transform_pose
 
 FRAMES = {"map_frame": "map", "base_frame": "base_footprint"}
-TOPICS = {"scan": "base_scan", "command": "cmd_vel", "others": "all_positions", "plan": "~plan"}
+DRIVERS = {"scan_topic": "base_scan", "velocity_topic": "cmd_vel"}
+TOPICS = {"others": "all_positions", "plan": "~plan"}
 MAP_TOPIC = "map_merger/global_map"
 SCAN_AGE = 0.5  # s after which a scan no longer tells what is around
 POSE_AGE = 0.5  # s after which the pose no longer tells where the robot is
@@ -52,6 +53,7 @@ class MoveBaseNode:
     def __init__(self) -> None:
         self._navigator = Navigator(options(), robot_name())
         self._frames: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in FRAMES.items()}
+        drivers: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in DRIVERS.items()}
         self._lock = threading.RLock()
         self._scan: Optional[Any] = None
         self._mounts: Dict[str, Pose] = {}
@@ -59,7 +61,7 @@ class MoveBaseNode:
         self._moving = False
         self._buffer = tf2_ros.Buffer(rospy.Duration(10.0))
         self._listener = tf2_ros.TransformListener(self._buffer)
-        self._command = rospy.Publisher(TOPICS["command"], Twist, queue_size=1)
+        self._command = rospy.Publisher(drivers["velocity_topic"], Twist, queue_size=1)
         self._plan = rospy.Publisher(TOPICS["plan"], Path, queue_size=1, latch=True)
         self._server = actionlib.SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
         self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
@@ -67,7 +69,7 @@ class MoveBaseNode:
         map_topic = rospy.get_param("~map_topic", MAP_TOPIC)
         rospy.Subscriber(map_topic, numpy_msg(OccupancyGrid), self._on_map, queue_size=1, buff_size=2**24)
         rospy.Subscriber(TOPICS["others"], MmListOfPoints, self._on_others, queue_size=1)
-        rospy.Subscriber(TOPICS["scan"], numpy_msg(LaserScan), self._on_scan, queue_size=1)
+        rospy.Subscriber(drivers["scan_topic"], numpy_msg(LaserScan), self._on_scan, queue_size=1)
         self._server.start()
         period = rospy.Duration(self._navigator.options.controller_period)
         self._timer = rospy.Timer(period, self._on_timer, reset=True)

@@ -30,6 +30,7 @@ class NavigationOptions:
     angular_acceleration: float = 3.14  # rad/s^2
     footprint_length: float = 0.44  # m, along the robot
     footprint_width: float = 0.38
+    largest_robot_radius: float = 0.29  # m, from the centre of the largest robot of the team to its farthest corner
     obstacle_margin: float = 0.05  # m between footprint and what the laser sees
     moving_margin: float = 0.1  # m between footprint and what the map does not know, which may move
     moving_reaction_time: float = 0.25  # s of driving by which that margin grows
@@ -66,6 +67,16 @@ class NavigationOptions:
     @property
     def circumscribed_radius(self) -> float:
         return float(np.hypot(self.footprint_length, self.footprint_width)) / 2.0
+
+    @property
+    def passing_distance(self) -> float:
+        """Metres between the centres of this robot and another one from which on both can turn."""
+        return round(self.circumscribed_radius + self.largest_robot_radius + 0.22, 2)
+
+    def reach_in(self, seconds: float) -> float:
+        """Metres around the robot's centre in which obstacles bear on a motion of that duration."""
+        way = self.max_linear_velocity * (seconds + self.moving_reaction_time)
+        return round(way + self.circumscribed_radius + self.moving_margin + 0.23, 2)
 
 
 @dataclass(frozen=True)

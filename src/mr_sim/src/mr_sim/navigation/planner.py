@@ -12,12 +12,10 @@ from mr_sim.navigation.options import Grid, NavigationOptions
 from mr_sim.pose import Pose
 
 NEAR_WALL_COST = 6.0  # a cell at the wall costs this much more than a free one
-ESCAPE_RADIUS = 0.45  # m around a robot that stands too near to a wall in which it may move out
+ESCAPE_ROOM = 0.21  # m more than a robot has to keep from walls: around one that is nearer it may move out
 ESCAPE_COST = 25.0
 FIELD_MARGIN = 2.0  # m of cost to go beyond the robot that local control can use
 PATH_STEPS = 20000
-ROBOT_REACH = 0.45  # m from a robot's reported position to the middle of what the laser saw of it
-ROBOT_EXTENT = 0.8  # m; obstacles larger than this, with all that touches them, are walls, however near a robot is
 
 
 Seeds = Tuple[Tuple[int, int, float], ...]
@@ -49,7 +47,7 @@ class CostMap:
 
     def __init__(self, grid: Grid, options: NavigationOptions, former: Optional["CostMap"] = None) -> None:
         """`former`: any earlier one with the same options; only what has changed since is computed again."""
-        self.grid = grid
+        self.grid, self.options = grid, options
         self._inflation = _navigation.Inflation(options.inscribed_radius, options.inflation_radius, NEAR_WALL_COST)
         reach = math.ceil(options.inflation_radius / grid.resolution) + 1  # one more for what rounding leaves
         changed = None if former is None else _changed(former.grid, grid, reach)
@@ -87,7 +85,7 @@ class CostMap:
         row, column = self.grid.cell(robot[0], robot[1])
         if not self.grid.contains(row, column) or np.isfinite(slowness[row, column]):
             return slowness
-        reach = math.ceil(ESCAPE_RADIUS / self.grid.resolution)
+        reach = math.ceil(round(self.options.inscribed_radius + ESCAPE_ROOM, 3) / self.grid.resolution)
         top, left = max(0, row - reach), max(0, column - reach)
         slowness = slowness.copy()
         window = slowness[top : row + reach + 1, left : column + reach + 1]
@@ -124,13 +122,25 @@ def _grown(window: Window, reach: int, shape: Tuple[int, ...]) -> Tuple[Window, 
     return (larger[0], larger[1]), (inner[0], inner[1])
 
 
-def without_robots(grid: Grid, positions: List[Tuple[float, float]]) -> Grid:
-    """The grid without the small isolated obstacles where robots stand. `explorer` has the same rule."""
+def robot_reach(radius: float) -> float:
+    """The middle of what a laser saw of a robot of that radius lies this near to its reported position, m."""
+    return round(radius + 0.16, 3)
+
+
+def robot_extent(radius: float) -> float:
+    """Obstacles larger than this, with all that touches them, are walls, however near a robot of that radius is, m."""
+    return round(2.0 * radius + 0.22, 3)
+
+
+def without_robots(grid: Grid, positions: List[Tuple[float, float]], radius: float) -> Grid:
+    """The grid without the small isolated obstacles where robots stand. `radius`: of the largest, m. `explorer` has the
+    same rule."""
     if not positions:
         return grid
     cells = grid.cells.copy()
     # An obstacle that is small and near enough lies wholly in the window, so one cut off at its edge is never taken.
-    reach = int((ROBOT_REACH + ROBOT_EXTENT) / grid.resolution) + 2
+    most_apart, largest = robot_reach(radius), robot_extent(radius)
+    reach = int((most_apart + largest) / grid.resolution) + 2
     for x, y in positions:
         row, column = grid.cell(x, y)
         top, left = max(0, row - reach), max(0, column - reach)
@@ -143,8 +153,8 @@ def without_robots(grid: Grid, positions: List[Tuple[float, float]]) -> Grid:
         extent = np.maximum(statistics[:, cv2.CC_STAT_WIDTH], statistics[:, cv2.CC_STAT_HEIGHT]) * grid.resolution
         middles_x = grid.origin[0] + (middles[:, 0] + left + 0.5) * grid.resolution
         middles_y = grid.origin[1] + (middles[:, 1] + top + 0.5) * grid.resolution
-        near = np.hypot(middles_x - x, middles_y - y) <= ROBOT_REACH
-        robots = near & (extent <= ROBOT_EXTENT + 1e-9)
+        near = np.hypot(middles_x - x, middles_y - y) <= most_apart
+        robots = near & (extent <= largest + 1e-9)
         robots[0] = False  # the ground between the obstacles
         window[robots[labels]] = 0
     return Grid(cells, grid.resolution, grid.origin)

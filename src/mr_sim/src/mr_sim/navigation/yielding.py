@@ -17,18 +17,18 @@ from mr_sim.pose import Pose
 Point = Tuple[float, float]
 
 REACH = 1.4  # m within which something that the map does not know counts as in the way
-ROBOT_SIZE = 0.7  # m around a reported position in which its hits lie
 WINNER_PATIENCE = 6.0  # s a robot with the right of way waits before it gives way nevertheless
-ASIDE = 0.8  # m beside the other's way where it can pass
-ROOM = 0.36  # m from walls at a place to wait
+ROOM = 0.12  # m more than a robot has to keep from walls, at a place to wait
 SEARCHED = 5.0  # m of way to places to wait
 
 
 class HeldUp:
     """Decides when a robot that something holds up has to give way."""
 
-    def __init__(self, name: str, patience: float, random: np.random.Generator) -> None:
+    def __init__(self, name: str, patience: float, random: np.random.Generator, robot_radius: float) -> None:
+        """`patience`: s. `robot_radius`: of the largest robot of the team, m."""
         self._name = name
+        self._robot_size = round(2.0 * robot_radius + 0.12, 3)  # m around a reported position in which its hits lie
         self._patience = patience
         self._random = random
         self._since: Optional[float] = None
@@ -48,7 +48,7 @@ class HeldUp:
         return now - self._since >= self._limit
 
     def _draw(self, blocker: Point, others: Mapping[str, Point]) -> float:
-        near = [name for name, position in others.items() if math.dist(position, blocker) < ROBOT_SIZE]
+        near = [name for name, position in others.items() if math.dist(position, blocker) < self._robot_size]
         chance = self._random.random()
         if not near:
             return self._patience * (0.5 + 3.0 * chance)
@@ -79,7 +79,9 @@ def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Poi
     slowness[start] = min(slowness[start], 25.0)
     limit = 3.0 * SEARCHED / grid.resolution
     cost = _navigation.march(slowness, [(start[0], start[1], 0.0)], limit=limit)
-    rows, columns = np.nonzero(np.isfinite(cost) & (costs.wall_distance > ROOM))
+    rows, columns = np.nonzero(
+        np.isfinite(cost) & (costs.wall_distance > round(costs.options.inscribed_radius + ROOM, 3))
+    )
     if not rows.size:
         return None
     x = grid.origin[0] + (columns + 0.5) * grid.resolution - blocker[0]
@@ -88,9 +90,10 @@ def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Poi
     ux, uy = (pose[0] - blocker[0]) / length, (pose[1] - blocker[1]) / length
     aside, along, away = np.abs(ux * y - uy * x), ux * x + uy * y, np.hypot(x, y)
     way = cost[rows, columns] * grid.resolution
+    passing = costs.options.passing_distance  # beside the other's way, where it can pass
     # Waiting on the other's way helps only when it is far away: each metre nearer than wanted costs.
-    price = way + 20.0 * np.maximum(0.0, ASIDE - aside) + 4.0 * np.maximum(0.0, 1.2 - away)
-    price += np.where(aside < ASIDE, 3.0 * np.maximum(0.0, SEARCHED - along), 0.0)
+    price = way + 20.0 * np.maximum(0.0, passing - aside) + 4.0 * np.maximum(0.0, 1.2 - away)
+    price += np.where(aside < passing, 3.0 * np.maximum(0.0, SEARCHED - along), 0.0)
     best = int(np.argmin(price))
     target = grid.center(int(rows[best]), int(columns[best]))
     return plan(costs, obstacles, pose, target, 0.3)

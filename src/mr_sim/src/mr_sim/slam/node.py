@@ -19,7 +19,8 @@ from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamE
 T = TypeVar("T")
 
 FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}
-TOPICS = {"scan": "base_scan", "odom": "odom", "map": "map", "metadata": "map_metadata"}
+INPUTS = {"scan_topic": "base_scan", "odometry_topic": "odom"}
+TOPICS = {"map": "map", "metadata": "map_metadata"}
 TRANSFORM_PUBLISH_PERIOD = 0.1  # s
 TRANSFORM_TOLERANCE = 0.2  # s by which map -> odom is dated ahead
 
@@ -40,6 +41,7 @@ class SlamNode:
     def __init__(self) -> None:
         self._slam = Slam(options())
         self._frames: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in FRAMES.items()}
+        inputs: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in INPUTS.items()}
         self._map_interval = number_parameter("map_update_interval", MAP_UPDATE_INTERVAL)
         self._transform_period = number_parameter("transform_publish_period", TRANSFORM_PUBLISH_PERIOD)
         self._tolerance = rospy.Duration(number_parameter("transform_tolerance", TRANSFORM_TOLERANCE))
@@ -55,8 +57,8 @@ class SlamNode:
         self._broadcaster = tf2_ros.TransformBroadcaster()
         self._map = rospy.Publisher(TOPICS["map"], OccupancyGrid, queue_size=1, latch=True)
         self._metadata = rospy.Publisher(TOPICS["metadata"], MapMetaData, queue_size=1, latch=True)
-        rospy.Subscriber(TOPICS["odom"], Odometry, self._guard(self._on_odometry), queue_size=20)
-        rospy.Subscriber(TOPICS["scan"], numpy_msg(LaserScan), self._guard(self._on_scan), queue_size=2)
+        rospy.Subscriber(inputs["odometry_topic"], Odometry, self._guard(self._on_odometry), queue_size=20)
+        rospy.Subscriber(inputs["scan_topic"], numpy_msg(LaserScan), self._guard(self._on_scan), queue_size=2)
 
     def _guard(self, handler: Callable[[T], None]) -> Callable[[T], None]:
         """One message at a time; a bad one is reported and dropped."""

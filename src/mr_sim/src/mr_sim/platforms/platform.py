@@ -1,0 +1,85 @@
+"""The description of a kind of robot. SI units, angles in radians."""
+
+import math
+from dataclasses import dataclass, field
+
+
+class PlatformError(ValueError):
+    """A description that cannot be used; the text names the culprit and what is expected."""
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """length, width: m, of the smallest box around the middle of the wheel axis that holds the robot. radius: m from
+    there to its farthest corner."""
+
+    length: float
+    width: float
+    radius: float
+
+    @classmethod
+    def box(cls, length: float, width: float) -> "Footprint":
+        return cls(length, width, round(math.hypot(length, width) / 2.0, 4))
+
+    @classmethod
+    def disc(cls, diameter: float) -> "Footprint":
+        return cls(diameter, diameter, round(diameter / 2.0, 4))
+
+    @property
+    def half_width(self) -> float:
+        """Nearest that a wall can come to the middle."""
+        return min(self.length, self.width) / 2.0
+
+
+@dataclass(frozen=True)
+class RangeSensor:
+    """A laser, or a camera whose depth is read as one. noise: m, standard deviation at any range; noise_share: standard
+    deviation that comes on top, as a share of the range."""
+
+    range_min: float
+    range_max: float
+    field_of_view: float
+    noise: float
+    noise_share: float = 0.0
+
+    def noise_at(self, distance: float) -> float:
+        """Standard deviation in m of a reading at that distance."""
+        return math.hypot(self.noise, self.noise_share * distance)
+
+
+@dataclass(frozen=True)
+class Drive:
+    """m/s, rad/s, m/s^2, rad/s^2."""
+
+    max_linear_velocity: float
+    max_angular_velocity: float
+    linear_acceleration: float = 1.0
+    angular_acceleration: float = 3.14
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Of tf, between which the drivers publish."""
+
+    base: str = "base_footprint"
+    odom: str = "odom"
+
+
+@dataclass(frozen=True)
+class Topics:
+    """Of the drivers. The defaults are those of the simulated robot."""
+
+    scan: str = "base_scan"
+    odometry: str = "odom"
+    velocity: str = "cmd_vel"
+
+
+@dataclass(frozen=True)
+class Platform:
+    """One kind of robot."""
+
+    footprint: Footprint
+    sensor: RangeSensor
+    drive: Drive
+    frames: Frames = field(default_factory=Frames)
+    topics: Topics = field(default_factory=Topics)

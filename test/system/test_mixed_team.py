@@ -1,0 +1,48 @@
+"""A Pioneer and a Turtlebot explore the small world together, each configured as what it is."""
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Tuple
+
+import pytest
+
+LIMIT_S = 300
+WRONG_WALLS = 0.2  # what a Turtlebot sees of walls is less exact, and in both maps
+WORLDS = Path(__file__).parents[2] / "worlds"
+
+
+@pytest.fixture(scope="module")
+def mission(tmp_path_factory: pytest.TempPathFactory) -> Tuple[int, str, Path]:
+    """Exit code, output and folder of a mission in which robot_1 of the small world is a Turtlebot."""
+    folder = tmp_path_factory.mktemp("mixed")
+    text = (WORLDS / "small8x8.world").read_text()
+    text = text.replace('include "pioneer.inc"', f'include "{WORLDS}/pioneer.inc"\ninclude "{WORLDS}/turtlebot.inc"')
+    mixed = text.replace('pioneer ( name "robot_1"', 'turtlebot ( name "robot_1"')
+    assert mixed != text
+    (folder / "mixed.world").write_text(mixed)
+    command = ["rosrun", "mr_launch", "team", "--world", str(folder / "mixed.world"), "--robots", "2", "--seed", "3"]
+    run = subprocess.run(
+        [*command, "--rtf", "2", "--duration", "200", "--no-bag", "--out", str(folder / "out")],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=LIMIT_S,
+    )
+    return run.returncode, run.stdout, folder / "out"
+
+
+def test_both_kinds_of_robots_explore_the_world(mission: Tuple[int, str, Path]) -> None:
+    code, output, out = mission
+    assert code == 0, output
+    summary = json.loads((out / "summary.json").read_text())
+    for name, robot in summary["robots"].items():
+        assert robot["coverage"] >= 0.95, (name, output)
+        assert robot["wrong_walls"] <= WRONG_WALLS, (name, output)
+        assert robot["merged_with"], f"{name} merged with nobody"
+
+
+def test_the_presets_of_both_kinds_are_kept(mission: Tuple[int, str, Path]) -> None:
+    presets = {path.stem: path.read_text() for path in (mission[2] / "robots").iterdir()}
+    assert "field_of_view: 4.71" in presets["robot_0"] and "field_of_view: 0.99" in presets["robot_1"]
