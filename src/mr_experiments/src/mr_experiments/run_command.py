@@ -22,7 +22,7 @@ from mr_experiments.following import follow
 from mr_experiments.scenario import DEFAULT, Scenario, known_scenarios, load_scenario
 from mr_experiments.sweep import Done, LocalPool, default_jobs, split_done
 from mr_experiments.trial import Trial, TrialError
-from mr_experiments.trial_world import world_of
+from mr_experiments.trial_world import warning_of, world_of
 
 LARGEST_SEED = 2**31
 LOST = 3  # exit code
@@ -107,6 +107,10 @@ def _run(arguments: argparse.Namespace) -> int:
     trials = plan(load_scenario(arguments.scenario), arguments)
     for trial in {(trial.world, trial.robots): trial for trial in trials}.values():
         world_of(trial)
+    for world in dict.fromkeys(trial.world for trial in trials):
+        warning = warning_of(world)
+        if warning:
+            print(f"run: warning: {warning}", file=sys.stderr)
     folder = Path(arguments.out)
     try:
         folder.mkdir(parents=True, exist_ok=True)

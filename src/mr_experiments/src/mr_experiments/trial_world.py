@@ -6,6 +6,7 @@ import functools
 from dataclasses import replace
 
 from mr_experiments.trial import Trial, TrialError
+from mr_sim import worlds
 from mr_sim.world import World, WorldError
 from mr_sim.world_file import WorldFileError
 from mr_sim.world_model import WorldDescription, load_world
@@ -19,6 +20,11 @@ def description_of(world: str) -> WorldDescription:
         return load_world(find_world(world))
     except (WorldNotFoundError, WorldFileError, OSError) as error:
         raise TrialError(str(error)) from None
+
+
+def warning_of(world: str) -> str:
+    """One line on what the world says without effect, empty if there is nothing. Raises TrialError."""
+    return worlds.warning_of(world, description_of(world))
 
 
 def world_of(trial: Trial) -> World:

@@ -15,7 +15,7 @@ from mr_launch.errors import UserError
 from mr_launch.outside import run_team
 from mr_launch.plan import BASE, FIRST_PORT, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
-from mr_launch.world import check_start, find_world, keep_generated, robots_of
+from mr_launch.world import check_start, find_world, keep_generated, robots_of, warning_of
 
 BAD_CALL = 2
 INTERRUPTED = 130
@@ -44,6 +44,9 @@ def make_plan(options: Options) -> Plan:
     if options.topology == "centralized" and BASE in names:
         raise UserError(f"{world} has a robot named {BASE}, which is the name of the base station")
     check_start(world, len(names))
+    warning = warning_of(options.world, world)
+    if warning:
+        print(f"team: warning: {warning}", file=sys.stderr)
     programs = find_programs(options.slam, options.navigation)
     kind, reason = isolation.choose(options.isolation, os.geteuid())
     if kind == isolation.HUB:

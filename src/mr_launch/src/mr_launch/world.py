@@ -54,6 +54,14 @@ def robots_of(world: str) -> list[tuple[str, Pose]]:
         raise UserError(str(error)) from None
 
 
+def warning_of(name: str, world: str) -> str:
+    """One line on what the world, by its given name and its path, says without effect; empty if there is nothing."""
+    from mr_sim.world_model import load_world
+    from mr_sim.worlds import warning_of as warning
+
+    return warning(name, load_world(world))
+
+
 def check_start(world: str, robots: int) -> None:
     """The robots of the team stand free. Raises UserError."""
     from mr_sim.world import World, WorldError

@@ -13,7 +13,7 @@ from mr_sim.world import World
 from mr_sim.world_client import WorldClient
 from mr_sim.world_model import load_world
 from mr_sim.world_server import WorldServer, listen
-from mr_sim.worlds import find_world
+from mr_sim.worlds import find_world, warning_of
 
 
 def _arguments() -> argparse.Namespace:
@@ -58,6 +58,9 @@ def main() -> int:
     try:
         description = load_world(find_world(arguments.world))
         rospy.init_node("stageros", disable_rostime=True)
+        warning = warning_of(arguments.world, description)
+        if warning:
+            rospy.logwarn(warning)
         rospy.set_param("/use_sim_time", True)
         seed = rospy.get_param("~seed", 0)
         if not isinstance(seed, int) or seed < 0:

@@ -11,7 +11,7 @@ from mr_sim.world import World, WorldError
 from mr_sim.world_file import WorldFileError
 from mr_sim.world_model import load_world
 from mr_sim.world_server import ServerError, WorldServer, listen
-from mr_sim.worlds import WorldNotFoundError, find_world
+from mr_sim.worlds import WorldNotFoundError, find_world, warning_of
 
 
 def argument_parser() -> argparse.ArgumentParser:
@@ -43,6 +43,9 @@ def _make_server(arguments: argparse.Namespace) -> WorldServer:
         if value is not None and not (math.isfinite(value) and value >= 0.0):
             raise WorldError(f"--{option} must be a number >= 0, not {value:g}")
     description = load_world(find_world(arguments.world))
+    warning = warning_of(arguments.world, description)
+    if warning:
+        _say(f"warning: {warning}")
     world = World(description, arguments.robots, arguments.seed)
     factor = description.speedup if arguments.rtf is None else arguments.rtf
     trace = None

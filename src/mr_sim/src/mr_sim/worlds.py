@@ -9,6 +9,7 @@ from pathlib import Path
 from mr_plans.names import FORM, is_generated, parse_name
 from mr_plans.world_files import WorldFiles, world_files
 from mr_sim.reference import reference_path
+from mr_sim.world_model import WorldDescription
 
 GENERATED = Path("out/worlds")
 """Where generated worlds are written unless another folder is given."""
@@ -42,6 +43,14 @@ def find_world(name: str, folder: Path = GENERATED) -> Path:
     known = sorted({world.stem for place in world_folders() for world in place.glob("*.world")})
     ways = f"give the path of a .world file, {FORM}, or one of: {', '.join(known)}"
     raise WorldNotFoundError(f'no world "{name}": {ways}')
+
+
+def warning_of(name: str, description: WorldDescription) -> str:
+    """One line that names what the world, given as to `find_world`, says without effect; empty if there is nothing or
+    the world is one of the project's, which lose nothing that matters."""
+    if not description.warning or is_generated(name) or description.path.parent in world_folders():
+        return ""
+    return f"{description.path}: {description.warning}"
 
 
 def label_of(name: str) -> str:

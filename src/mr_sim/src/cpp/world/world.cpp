@@ -183,6 +183,7 @@ void World::count_odometry(Robot& robot) const {
 
 Contact World::contact_at(int index, const Pose& pose) const {
   const Robot& robot = at(index);
+  if (!robot.options.solid) return Contact::kNone;
   const std::vector<Polygon> outline = place(robot.options.footprint, pose);
   for (const Polygon& polygon : outline) {
     if (touches(*obstacles_, polygon)) return Contact::kWall;

@@ -33,7 +33,7 @@ struct RobotOptions {
   int base_steps;                    // simulation steps per base update
   double command_timeout;            // s of simulated time without a command after which the robot stops
   bool visible;                      // ranger_return: other robots' lasers see it
-  bool solid;                        // obstacle_return: other robots bump into it
+  bool solid;                        // obstacle_return: it bumps into walls and robots, and they into it
   uint64_t noise_seed;
   std::vector<Ranger> rangers;
 };
