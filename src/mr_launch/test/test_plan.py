@@ -19,6 +19,7 @@ from mr_launch.plan import (
     robot_environment,
     world_command,
 )
+from mr_launch.world import scan_topics
 
 ROBOTS = [
     RobotPlan("robot_0", 0, 11311, (1.0, 2.0, 0.5)),
@@ -109,6 +110,17 @@ def test_robot_gets_its_interface(kind, interface):
     assert arguments["autostart"] == "false"
     assert key_command(plan(kind)) == ["/bin/team_key", "create", arguments["key_file"]]
     assert arguments["bag"] == "/o/robot_0/robot_0.bag"
+
+
+def test_robot_is_told_the_topic_of_the_laser_by_which_it_finds_its_way(tmp_path):
+    world = tmp_path / "w.world"
+    sonars, laser = "ranger ( scount 2 )", "ranger ( sensor ( samples 181 ) )"
+    world.write_text(f'position ( name "a" {laser} ) position ( name "b" pose [ 2 0 0 0 ] {sonars} {laser} )')
+    topics = scan_topics(str(world))
+    assert topics == {"a": "base_scan", "b": "base_scan_1"}
+    robot = RobotPlan("b", 1, 11311, (2.0, 0.0, 0.0), topics["b"])
+    assert launch_arguments(launch_command(plan(), robot))["scan_topic"] == "base_scan_1"
+    assert launch_arguments(launch_command(plan(), ROBOTS[0]))["scan_topic"] == "base_scan"
 
 
 def test_start_poses_are_told_only_when_asked_for():

@@ -13,9 +13,9 @@ from mr_launch import isolation
 from mr_launch.arguments import Options, choose_robots, parse_arguments
 from mr_launch.errors import UserError
 from mr_launch.outside import run_team
-from mr_launch.plan import BASE, FIRST_PORT, Plan, RobotPlan
+from mr_launch.plan import BASE, FIRST_PORT, SCAN, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
-from mr_launch.world import check_start, find_world, keep_generated, robots_of, warning_of
+from mr_launch.world import check_start, find_world, keep_generated, robots_of, scan_topics, warning_of
 
 BAD_CALL = 2
 INTERRUPTED = 130
@@ -56,7 +56,8 @@ def make_plan(options: Options) -> Plan:
     hosts = [*names, *([BASE] if options.topology == "centralized" else [])]
     ports = free_ports(len(hosts)) if kind == isolation.HUB else [FIRST_PORT] * len(hosts)
     starts = {BASE: dict(poses)[names[0]], **dict(poses)}
-    robots = [RobotPlan(name, index, ports[index], starts[name]) for index, name in enumerate(hosts)]
+    scans = {BASE: SCAN, **scan_topics(world)}
+    robots = [RobotPlan(name, index, ports[index], starts[name], scans[name]) for index, name in enumerate(hosts)]
     base = robots.pop() if options.topology == "centralized" else None
     return Plan(options, world, robots, str(Path(options.out).absolute()), kind, programs, base=base)
 

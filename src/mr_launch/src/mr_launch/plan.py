@@ -15,17 +15,20 @@ FIRST_PORT = 11311
 RADIO_INTERFACE = "radio0"
 SLOWEST_RADIO = 0.001  # the least real-time factor that the radio daemon takes
 BASE = "base"  # name of the base station of a centralized team
+SCAN = "base_scan"
 TRUTH_FILE = "truth.pickle"  # what maps are compared with, in the private folder
 
 
 @dataclass(frozen=True)
 class RobotPlan:
-    """One robot of the team. ``start`` is its true pose in the world frame: x, y in m, yaw in rad."""
+    """One robot of the team. ``start`` is its true pose in the world frame: x, y in m, yaw in rad; ``scan`` the topic
+    of the ranger by which it finds its way."""
 
     name: str
     index: int
     port: int
     start: tuple[float, float, float]
+    scan: str = SCAN
 
     @property
     def air(self) -> str:
@@ -169,6 +172,7 @@ def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
         "key_file": key_file(plan),
         "simulated": "true",
         "world_socket": plan.socket("world"),
+        "scan_topic": robot.scan,
         "slam": options.slam,
         "navigation": options.navigation,
         "frontier_selection": str(options.strategy),

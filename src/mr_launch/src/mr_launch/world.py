@@ -10,7 +10,7 @@ from typing import Any
 
 from mr_launch.errors import UserError
 from mr_launch.maps import Grid
-from mr_launch.plan import Walls
+from mr_launch.plan import SCAN, Walls
 from mr_sim.pose import Pose
 
 
@@ -52,6 +52,14 @@ def robots_of(world: str) -> list[tuple[str, Pose]]:
         return [(robot.name, robot.start) for robot in load_world(world).robots]
     except (WorldFileError, OSError) as error:
         raise UserError(str(error)) from None
+
+
+def scan_topics(world: str) -> dict[str, str]:
+    """Topic, by name of the robot, of the ranger by which each finds its way: numbered where there are several."""
+    from mr_sim.world_model import load_world
+
+    robots = load_world(world).robots
+    return {r.name: f"{SCAN}_{r.main_ranger}" if len(r.rangers) > 1 else SCAN for r in robots}
 
 
 def warning_of(name: str, world: str) -> str:

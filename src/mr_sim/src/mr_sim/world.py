@@ -71,7 +71,8 @@ class World:
         self.obstacles = _raster_of(solid, description.resolution)
         self.visible = _raster_of(visible, description.resolution)
         self.core = _world.World(_core_raster(self.obstacles), _core_raster(self.visible), description.interval)
-        self.odometry_bias: list[tuple[float, float]] = []  # per robot: shares by which distance and turn count wrong
+        # Per robot: shares by which the way ahead, the way to the left and the turn count wrong in the whole run.
+        self.odometry_bias: list[tuple[float, float, float]] = []
         for index, robot in enumerate(self.robots):
             self._add_robot(index, robot, seed, command_timeout)
         self._check_starts()
@@ -80,24 +81,33 @@ class World:
     def _add_robot(self, index: int, robot: RobotDescription, seed: int, command_timeout: float) -> None:
         sequence = np.random.SeedSequence([seed, index])
         generator = np.random.Generator(np.random.PCG64(sequence))
-        forward, _, _, turn = robot.odom_error
-        bias = (float(generator.uniform(-forward, forward)), float(generator.uniform(-turn, turn)))
-        self.odometry_bias.append((0.0, 0.0) if robot.exact_localization else bias)
+        forward, aside, _, turn = robot.odom_error
+        linear, angular = float(generator.uniform(-forward, forward)), float(generator.uniform(-turn, turn))
+        noise_seed = int(generator.integers(0, 2**63))
+        # Drawn last, so that robots that cannot drive aside have the streams they always had.
+        lateral = float(generator.uniform(-aside, aside))
+        bias = (linear, lateral, angular)
+        self.odometry_bias.append((0.0, 0.0, 0.0) if robot.exact_localization else bias)
         self.core.add_robot(
             start=robot.start,
             footprint=robot.footprint,
             linear_bounds=robot.linear_bounds,
+            lateral_bounds=robot.lateral_bounds,
             angular_bounds=robot.angular_bounds,
             localization_origin=robot.localization_origin,
             exact_localization=robot.exact_localization,
             bias=bias,
+            walk=(0.0, 0.0, 0.0),
+            walk_seed=0,
             base_steps=_steps(robot.update_interval, self.interval),
             command_timeout=command_timeout,
             visible=robot.visible,
             solid=robot.solid,
-            noise_seed=int(generator.integers(0, 2**63)),
+            noise_seed=noise_seed,
             rangers=[
-                _world.Ranger(r.mount, r.range_max, r.field_of_view, r.samples, r.noise_variance, r.noise_share)
+                _world.Ranger(
+                    r.mount, r.range_max, r.field_of_view, r.samples, r.noise_variance, r.noise_share, r.noise_bearing
+                )
                 for r in robot.rangers
             ],
         )
@@ -132,19 +142,21 @@ class World:
         except ValueError:
             raise WorldError(f'no robot "{name}" in this world; there are {", ".join(self.names)}') from None
 
-    def command(self, robot: int, linear: float, angular: float) -> None:
-        """Velocity wanted from now on, m/s and rad/s; takes effect with the robot's next base update.
+    def command(self, robot: int, linear: float, angular: float, lateral: float = 0.0) -> None:
+        """Velocity wanted from now on, m/s, rad/s and, for an omnidirectional drive, m/s to the left; takes effect with
+        the robot's next base update.
 
-        Raises ValueError unless both are finite.
+        Raises ValueError unless all are finite.
         """
-        self.core.command(robot, linear, angular)
+        self.core.command(robot, linear, lateral, angular)
 
     def step(self) -> None:
         """Advance by one interval."""
         self.core.step()
 
     def states(self) -> np.ndarray:
-        """One record per robot: odometry_x/y/yaw, linear, angular, x/y/yaw, velocity_x/y/yaw, stalled, contact."""
+        """One record per robot: odometry_x/y/yaw, linear, lateral, angular, x/y/yaw, velocity_x/y/yaw, stalled, contact
+        (see `RobotState` of the core)."""
         return self.core.states()
 
     def base_due(self, robot: int) -> bool:

@@ -24,7 +24,7 @@ from mr_sim.world_words import (
 
 MAX_SAMPLES = 20_000  # beams of a ranger: a sweep must fit into one packet of the world socket
 MAX_RANGERS = 255  # sensors of a robot: the world socket numbers them by a byte
-DRIVES = ("diff",)
+DRIVES = ("diff", "omni")
 
 STAGE_FOV = 0.1  # rad, of a sensor that says nothing
 SONAR_RANGE = (0.0, 5.0)  # m, of a ring that says nothing
@@ -42,6 +42,7 @@ class RangerDescription:
     update_interval: float
     noise_variance: float  # m^2; Stage uses the first number of `noise` as a variance
     noise_share: float = 0.0  # of the range: the second number, by which a reading errs at most, evenly spread
+    noise_bearing: float = 0.0  # the third in rad: a share of the angle between beams, half of which a beam may err
 
     @property
     def angle_increment(self) -> float:
@@ -60,6 +61,7 @@ class RobotDescription:
     start: Pose  # world frame
     footprint: tuple[Polygon, ...]  # robot's frame
     linear_bounds: tuple[float, float]
+    lateral_bounds: tuple[float, float]  # to the left; both 0 but for drive "omni"
     angular_bounds: tuple[float, float]
     exact_localization: bool  # localization "gps"
     localization_origin: Pose  # world frame
@@ -159,7 +161,7 @@ class _Builder:
 
     def _add_robot(self, block: Block, parent: Pose) -> None:
         reader = Reader(block, POSITION_WORDS, self._context)
-        reader.text("drive", "diff", DRIVES)
+        drive = reader.text("drive", "diff", DRIVES)
         localization = reader.text("localization", "gps", ("gps", "odom"))
         name = reader.text("name", f"robot_{len(self.robots)}")
         if any(robot.name == name for robot in self.robots):
@@ -182,6 +184,7 @@ class _Builder:
                 start=start,
                 footprint=footprint,
                 linear_bounds=(bounds[0], bounds[1]),
+                lateral_bounds=(bounds[2], bounds[3]) if drive == "omni" else (0.0, 0.0),
                 angular_bounds=(bounds[6], bounds[7]),
                 exact_localization=localization == "gps",
                 localization_origin=reader.pose("localization_origin") if reader.has("localization_origin") else start,
@@ -278,8 +281,6 @@ def _description(
         raise noisy.fail("noise", "must not be negative")
     if noise[1] > 1.0:
         raise noisy.fail("noise", f"has a second number that is a share of the range, at most 1, not {noise[1]:g}")
-    if noise[2]:
-        raise noisy.fail("noise", "knows no error of the bearing: its third number must be 0")
     return RangerDescription(
         mount=mount,
         range_min=limits[0],
@@ -289,6 +290,7 @@ def _description(
         update_interval=ranger.interval("update_interval", 100.0),
         noise_variance=noise[0],
         noise_share=noise[1],
+        noise_bearing=noise[2],
     )
 
 

@@ -40,6 +40,65 @@ def test_command_is_clipped_to_velocity_bounds(make_world, drive):
     assert world.pose(0)[2] == pytest.approx(-math.pi / 2)
 
 
+OMNI = 'rover ( name "a" drive "omni" velocity_bounds [ -0.5 0.5 -0.2 0.3 0 0 -90 90 ] %s )\n'
+
+
+def test_omnidirectional_robot_drives_aside_too(make_world):
+    world = make_world(OMNI % "pose [ 0 0 0 90 ]")
+    for _ in range(20):
+        world.command(0, 0.2, 0.0, lateral=0.25)
+        world.step()
+    state = world.states()[0]
+    assert world.pose(0) == pytest.approx((-0.25, 0.2, math.pi / 2)), "ahead is up, to the left is -x"
+    assert (state["linear"], state["lateral"], state["angular"]) == (0.2, 0.25, 0.0)
+    assert (state["velocity_x"], state["velocity_y"]) == pytest.approx((-0.25, 0.2))
+    assert (state["odometry_x"], state["odometry_y"]) == pytest.approx((0.2, 0.25))
+
+
+def test_omnidirectional_robot_turns_while_it_drives_aside(make_world):
+    world = make_world(OMNI % "")
+    for _ in range(20):
+        world.command(0, 0.0, 0.5, lateral=0.2)
+        world.step()
+    x, y, yaw = world.pose(0)
+    assert yaw == pytest.approx(0.5)
+    state = world.states()[0]
+    assert (state["odometry_x"], state["odometry_y"], state["odometry_yaw"]) == pytest.approx((x, y, yaw))
+    assert x < -0.02 and 0.15 < y < 0.2
+
+
+def test_lateral_speed_is_clipped_and_a_differential_drive_has_none(make_world):
+    world = make_world(OMNI % "" + 'rover ( name "b" pose [ 3 0 0 0 ] )')
+    for lateral, expected in ((9.0, 0.3), (-9.0, -0.2)):
+        for robot in (0, 1):
+            world.command(robot, 0.0, 0.0, lateral)
+        world.step()
+        assert world.states()["lateral"].tolist() == [expected, 0.0]
+    assert world.pose(1) == (3.0, 0.0, 0.0)
+    with pytest.raises(ValueError, match="finite"):
+        world.command(0, 0.0, 0.0, math.nan)
+
+
+def test_omnidirectional_robot_is_blocked_aside(make_world):
+    world = make_world("model ( size [ 4 0.2 1 ] pose [ 0 0.5 0 0 ] )\n" + OMNI % "")
+    for _ in range(40):
+        world.command(0, 0.0, 0.0, lateral=0.3)
+        world.step()
+    assert world.states()[0]["contact"] == CONTACT_WITH_WALL
+    assert 0.19 <= world.pose(0)[1] <= 0.21
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_odometry_aside_has_a_bias_of_its_own(make_world, seed):
+    world = make_world(OMNI % "odom_error [ 0 0.1 0 0 ]", seed=seed)
+    for _ in range(20):
+        world.command(0, 0.0, 0.0, lateral=0.2)
+        world.step()
+    aside = world.odometry_bias[0][1]
+    assert 0.0 < abs(aside) <= 0.1
+    assert world.states()[0]["odometry_y"] == pytest.approx(0.2 * (1.0 + aside))
+
+
 def test_robot_without_fresh_command_stops_after_half_a_second(make_world):
     world = make_world(ROVER)
     world.command(0, 0.4, 0.0)
@@ -129,7 +188,7 @@ def test_gps_is_exact_even_when_blocked(make_world, drive):
 @pytest.mark.parametrize("seed", range(5))
 def test_odometry_error_is_one_bias_for_the_whole_run(make_world, drive, seed):
     world = make_world('rover ( name "a" odom_error [ 0.03 0.03 0 0.05 ] )', seed=seed)
-    forward, turn = world.odometry_bias[0]
+    forward, _, turn = world.odometry_bias[0]
     assert abs(forward) <= 0.03 and abs(turn) <= 0.05 and forward != 0.0 and turn != 0.0
     drive(world, 2.0, (0.5, 0.0))
     assert world.states()[0]["odometry_x"] == pytest.approx(1.0 + forward)
@@ -140,7 +199,7 @@ def test_odometry_error_is_one_bias_for_the_whole_run(make_world, drive, seed):
 def test_odometry_bias_fills_its_range(make_world):
     biases = np.array(
         [make_world('rover ( name "a" odom_error [ 0.03 0 0 0.05 ] )', seed=s).odometry_bias[0] for s in range(60)]
-    )
+    )[:, [0, 2]]
     assert (biases.min(axis=0) < [-0.02, -0.035]).all() and (biases.max(axis=0) > [0.02, 0.035]).all()
 
 
