@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import replace
 
 from mr_experiments.trial import Trial, TrialError
 from mr_sim import worlds
@@ -30,25 +29,15 @@ def warning_of(world: str) -> str:
 def world_of(trial: Trial) -> World:
     """The simulated world with the robots of the trial. Raises TrialError."""
     description = description_of(trial.world)
-    if trial.starts:
-        description = _with_starts(description, trial)
+    if 0 < len(trial.starts) < trial.robots:
+        raise TrialError(f"the scenario gives {len(trial.starts)} start poses; {trial.robots} robots are asked for")
     try:
+        if trial.starts:
+            description = worlds.with_starts(description, trial.starts)
         world = World(description, trial.robots, trial.seed)
-    except WorldError as error:
+    except (WorldError, worlds.StartsError) as error:
         raise TrialError(str(error)) from None
     for robot in world.robots:
         if not robot.rangers:
             raise TrialError(f"{robot.name} of {trial.world} has no laser: add a ranger to its position model")
     return world
-
-
-def _with_starts(description: WorldDescription, trial: Trial) -> WorldDescription:
-    """Robots beyond those of the world file are like its last one."""
-    if len(trial.starts) < trial.robots:
-        raise TrialError(f"the scenario gives {len(trial.starts)} start poses; {trial.robots} robots are asked for")
-    models = description.robots
-    robots = tuple(
-        replace(models[min(i, len(models) - 1)], name=f"robot_{i}", start=start, localization_origin=start)
-        for i, start in enumerate(trial.starts)
-    )
-    return replace(description, robots=robots)

@@ -26,6 +26,7 @@ class Options:
     """What the user asked for, checked for itself (not yet against the world file)."""
 
     world: str
+    starts: list[float]
     robots: int | None
     range: float
     loss: float
@@ -59,8 +60,9 @@ def make_parser() -> argparse.ArgumentParser:
         epilog="Exit code: 0 every robot finished, 1 not all finished or a failure, 2 bad options, 130 interrupted.",
     )
     add = parser.add_argument
-    add("--world", default="office26x15", metavar="NAME|FILE", help="world by name or file, or "
+    add("--world", default="office26x15", metavar="NAME|FILE", help="world by name or file, a map's .yaml file, or "
         "generated:KIND:SEED, which is drawn (default: %(default)s)")  # fmt: skip
+    add("--starts", type=float, nargs="+", default=[], metavar="X Y DEGREES", help="start poses of the robots in a map")
     add(
         "--robots",
         type=int,

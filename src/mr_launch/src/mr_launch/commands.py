@@ -38,9 +38,10 @@ def team(arguments: Sequence[str]) -> int:
 
 def make_plan(options: Options) -> Plan:
     """Everything checked that can be checked before anything starts. Raises UserError."""
-    world = find_world(options.world)
+    world = find_world(options.world, options.starts)
     poses = robots_of(world)
-    names = choose_robots(options.robots, [name for name, _ in poses], world)
+    asked = options.robots or len(options.starts) // 3 or None
+    names = choose_robots(asked, [name for name, _ in poses], world)
     if options.topology == "centralized" and BASE in names:
         raise UserError(f"{world} has a robot named {BASE}, which is the name of the base station")
     check_start(world, len(names))

@@ -6,7 +6,7 @@ import pickle
 import shutil
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, Sequence
 
 from mr_launch.errors import UserError
 from mr_launch.maps import Grid
@@ -14,13 +14,19 @@ from mr_launch.plan import SCAN, Walls
 from mr_sim.pose import Pose
 
 
-def find_world(name: str) -> str:
-    """Path of a world given by name or file. Raises UserError that lists the known ones."""
-    from mr_sim.worlds import WorldNotFoundError
+def find_world(name: str, starts: Sequence[float] = ()) -> str:
+    """Path of a world given by name or file. `starts`: x m, y m and degrees of each robot in a map. Raises UserError
+    that lists the known worlds."""
+    from mr_sim.map_world import is_map
+    from mr_sim.worlds import StartsError, WorldNotFoundError, starts_of
     from mr_sim.worlds import find_world as find
 
     try:
-        return str(find(name).resolve())
+        if starts and not is_map(name):
+            raise UserError(f"--starts are for a map (.yaml); {name} says itself where its robots stand")
+        return str(find(name, starts=starts_of(starts)).resolve())
+    except StartsError as error:
+        raise UserError(str(error)) from None
     except (WorldNotFoundError, OSError) as error:
         raise UserError(f"--world: {error}") from None
 

@@ -60,7 +60,7 @@ class World:
         if count < 1 or count > len(description.robots):
             raise WorldError(
                 f"{description.path} defines {len(description.robots)} robots; asked for {count}: "
-                "add position models to the world or ask for fewer"
+                "give start poses, add position models to the world or ask for fewer"
             )
         self.description = description
         self.robots: tuple[RobotDescription, ...] = description.robots[:count]

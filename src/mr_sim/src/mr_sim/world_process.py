@@ -11,16 +11,26 @@ from mr_sim.world import World, WorldError
 from mr_sim.world_file import WorldFileError
 from mr_sim.world_model import load_world
 from mr_sim.world_server import ServerError, WorldServer, listen
-from mr_sim.worlds import WorldNotFoundError, find_world, warning_of
+from mr_sim.worlds import WorldNotFoundError, find_world, starts_of, warning_of, with_starts
 
 
 def argument_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="world", description="Holds the truth of a Stage world and serves it to robots over a Unix socket."
     )
-    parser.add_argument("--world", required=True, help="a .world file, or the name of one of the project's worlds")
+    parser.add_argument(
+        "--world", required=True, help="a .world file, a map's .yaml file, or the name of one of the project's worlds"
+    )
     parser.add_argument("--socket", required=True, help="path of the Unix socket to listen on")
     parser.add_argument("--robots", type=int, help="take the first N robots of the world (default: all)")
+    parser.add_argument(
+        "--starts",
+        type=float,
+        nargs="+",
+        default=[],
+        metavar="X Y DEGREES",
+        help="start poses of the robots in the world frame, m and degrees, instead of the world's own",
+    )
     parser.add_argument(
         "--rtf", type=float, help="real-time factor, 0 = as fast as the robots read (default: the speedup of the world)"
     )
@@ -43,6 +53,8 @@ def _make_server(arguments: argparse.Namespace) -> WorldServer:
         if value is not None and not (math.isfinite(value) and value >= 0.0):
             raise WorldError(f"--{option} must be a number >= 0, not {value:g}")
     description = load_world(find_world(arguments.world))
+    if arguments.starts:
+        description = with_starts(description, starts_of(arguments.starts))
     warning = warning_of(arguments.world, description)
     if warning:
         _say(f"warning: {warning}")
