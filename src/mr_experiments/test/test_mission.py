@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -139,6 +140,18 @@ def test_a_trial_without_a_partition_is_recorded_as_before_there_were_any():
     assert Trial("office26x15", 2, 1, partition=(5.0, 9.0)).to_json()["partition"] == [5.0, 9.0]
 
 
+def test_odometry_model_is_recorded_where_it_is_not_that_of_older_records():
+    assert "odometry" not in Trial("office26x15", 2, 1).to_json()
+    assert Trial("office26x15", 2, 1, odometry="random_walk").to_json()["odometry"] == "random_walk"
+
+
+def test_odometry_model_reaches_the_world():
+    trial = Trial("small8x8", 1, 1, limit=5.0, odometry="random_walk")
+    mission = Mission(trial)
+    assert mission.world.odometry == "random_walk"
+    assert run_trial(trial)["team"]["series"] != run_trial(replace(trial, odometry="bias"))["team"]["series"]
+
+
 def test_halves_of_a_team_do_not_hear_each_other_in_a_partition():
     """Frames are exchanged within the halves; after it all hear all again."""
     mission = Mission(Trial("office26x15", 3, 1, limit=300.0, partition=(5.0, 20.0)))
@@ -155,6 +168,7 @@ def test_halves_of_a_team_do_not_hear_each_other_in_a_partition():
     "bad, text",
     [
         ({"partition": (5.0, 5.0)}, "partition lasts"),
+        ({"odometry": "gauss"}, "odometry 'gauss' is unknown; there are bias, random_walk"),
         ({"partition": (5.0, 9.0), "fast": True}, "partition needs a radio"),
         ({"world": "nowhere"}, "nowhere"),
         ({"robots": 99}, "asked for 99"),

@@ -96,6 +96,11 @@ def test_world_waits_for_the_whole_team_and_tells_the_radio():
     assert command[command.index("--radio-control") + 1] == "/private/radio"
 
 
+def test_world_is_told_the_model_of_odometry():
+    command = world_command(plan(isolation.NAMESPACES, "--odometry", "random_walk"))
+    assert command[command.index("--odometry") + 1] == "random_walk"
+
+
 def test_cable_ends_in_the_holders_namespace():
     first, *rest = link_commands(ROBOTS[0], 77)
     assert first == ["ip", "link", "add", "air0", "type", "veth", "peer", "name", "radio0", "netns", "77"]

@@ -24,6 +24,7 @@ from mr_experiments.scenario import DEFAULT, Scenario, known_scenarios, load_sce
 from mr_experiments.sweep import Done, LocalPool, default_jobs, split_done
 from mr_experiments.trial import Trial, TrialError
 from mr_experiments.trial_world import warning_of, world_of
+from mr_sim.world import ODOMETRY_MODELS
 from mr_sim.worlds import StartsError, starts_of
 
 LARGEST_SEED = 2**31
@@ -48,6 +49,8 @@ def make_parser() -> argparse.ArgumentParser:
         "of the scenario's or the world's; a map has none of its own")  # fmt: skip
     add("--robots", type=int, nargs="+", metavar="R", help="team sizes (default: the scenario's)")
     add("--strategy", type=int, nargs="+", metavar="N", help="strategies (default: the scenario's)")
+    add("--odometry", choices=ODOMETRY_MODELS, help="how it errs: by one share for the whole mission, or anew at each "
+        "step (default: the scenario's)")  # fmt: skip
     add("--trials", type=int, default=40, metavar="N", help="trials for each team size (default: %(default)s)")
     add("--seed", type=int, default=1, metavar="N", help="of the first trial; each further one has the next "
         "(default: %(default)s)")  # fmt: skip
@@ -72,6 +75,8 @@ def plan(scenario: Scenario, arguments: argparse.Namespace) -> list[Trial]:
         raise StartsError(f"--starts gives {len(starts)} start poses; {max(arguments.robots)} robots are asked for")
     if starts:
         scenario = replace(scenario, starts=starts, robots=arguments.robots or (len(starts),))
+    if arguments.odometry:
+        scenario = replace(scenario, odometry=arguments.odometry)
     trials = (
         scenario.trial(robots, strategy, seed, arguments.world)
         for seed in range(arguments.seed, arguments.seed + arguments.trials)

@@ -34,7 +34,7 @@ def world_of(trial: Trial) -> World:
     try:
         if trial.starts:
             description = worlds.with_starts(description, trial.starts)
-        world = World(description, trial.robots, trial.seed)
+        world = World(description, trial.robots, trial.seed, odometry=trial.odometry)
     except (WorldError, worlds.StartsError) as error:
         raise TrialError(str(error)) from None
     for robot in world.robots:

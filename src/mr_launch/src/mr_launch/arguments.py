@@ -43,6 +43,7 @@ class Options:
     quiet: bool
     isolation: str
     topology: str
+    odometry: str
 
     def to_dict(self) -> dict[str, Any]:
         return asdict(self)
@@ -108,6 +109,8 @@ def make_parser() -> argparse.ArgumentParser:
         help="distributed: every robot merges maps; centralized: a base station at the start of the first robot merges "
         "for all (default: %(default)s)",
     )
+    add("--odometry", choices=("bias", "random_walk"), default="bias", help="how it errs: by one share for the whole "
+        "mission, or anew at each step (default: %(default)s)")  # fmt: skip
     add("--quiet", action="store_true", help="print only notices, errors and the final table")
     add(
         "--isolation",

@@ -137,6 +137,7 @@ def world_command(plan: Plan) -> list[str]:
     options = plan.options
     command = [plan.programs["world"], "--world", plan.world, "--socket", plan.socket("world")]
     command += ["--robots", str(len(plan.robots)), "--rtf", f"{options.rtf:g}", "--seed", str(options.seed)]
+    command += ["--odometry", options.odometry]
     command += ["--radio-control", plan.socket("radio"), "--trace", str(Path(plan.out) / "truth.csv")]
     return command
 

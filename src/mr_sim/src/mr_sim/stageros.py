@@ -9,7 +9,7 @@ import rospy
 import tf2_ros
 
 from mr_sim.robot_node import ParameterError, RobotNode
-from mr_sim.world import World
+from mr_sim.world import BIAS, World
 from mr_sim.world_client import WorldClient
 from mr_sim.world_model import load_world
 from mr_sim.world_server import WorldServer, listen
@@ -65,7 +65,7 @@ def main() -> int:
         seed = rospy.get_param("~seed", 0)
         if not isinstance(seed, int) or seed < 0:
             raise ParameterError(f"~seed must be a whole number >= 0, not {seed!r}")
-        world = World(description, seed=seed)
+        world = World(description, seed=seed, odometry=rospy.get_param("~odometry", BIAS))
         with tempfile.TemporaryDirectory(prefix="mr_sim") as folder:
             _run(world, arguments.u, folder)
     except ValueError as error:

@@ -18,6 +18,9 @@ from mr_sim.world_model import Obstacle, RobotDescription, WorldDescription
 
 COMMAND_TIMEOUT = 0.5  # s of simulated time without a fresh command after which a robot stops
 
+BIAS, RANDOM_WALK = ODOMETRY_MODELS = ("bias", "random_walk")
+"""How odometry errs: by one share for the whole run, as in Stage, or anew at each step."""
+
 NO_CONTACT, CONTACT_WITH_WALL, CONTACT_WITH_ROBOT = 0, 1, 2
 
 
@@ -45,8 +48,10 @@ class World:
     Args:
         description: from `world_model.load_world`.
         robots: how many of the robots take part, in file order; all when None. The others are absent.
-        seed: of range noise and odometry bias; each robot has streams of its own, so one more robot changes nothing
+        seed: of range noise and odometry error; each robot has streams of its own, so one more robot changes nothing
             for the others.
+        odometry: one of ODOMETRY_MODELS. Under a random walk `odom_error` is the standard deviation, in m and rad, of
+            what the odometry has erred after 1 m ahead, 1 m aside and 1 rad of turn; it grows with the square root.
     """
 
     def __init__(
@@ -55,7 +60,10 @@ class World:
         robots: int | None = None,
         seed: int = 0,
         command_timeout: float = COMMAND_TIMEOUT,
+        odometry: str = BIAS,
     ) -> None:
+        if odometry not in ODOMETRY_MODELS:
+            raise WorldError(f'odometry must be {" or ".join(ODOMETRY_MODELS)}, not "{odometry}"')
         count = len(description.robots) if robots is None else robots
         if count < 1 or count > len(description.robots):
             raise WorldError(
@@ -66,6 +74,7 @@ class World:
         self.robots: tuple[RobotDescription, ...] = description.robots[:count]
         self.names: tuple[str, ...] = tuple(robot.name for robot in self.robots)
         self.interval = description.interval
+        self.odometry = odometry
         solid = tuple(obstacle for obstacle in description.obstacles if obstacle.solid)
         visible = tuple(obstacle for obstacle in description.obstacles if obstacle.visible)
         self.obstacles = _raster_of(solid, description.resolution)
@@ -86,8 +95,12 @@ class World:
         noise_seed = int(generator.integers(0, 2**63))
         # Drawn last, so that robots that cannot drive aside have the streams they always had.
         lateral = float(generator.uniform(-aside, aside))
-        bias = (linear, lateral, angular)
+        walk_seed = int(generator.integers(0, 2**63))
+        walks = self.odometry == RANDOM_WALK
+        bias = (0.0, 0.0, 0.0) if walks else (linear, lateral, angular)
         self.odometry_bias.append((0.0, 0.0, 0.0) if robot.exact_localization else bias)
+        omnidirectional = robot.lateral_bounds != (0.0, 0.0)
+        walk = (forward, aside if omnidirectional else 0.0, turn) if walks else (0.0, 0.0, 0.0)
         self.core.add_robot(
             start=robot.start,
             footprint=robot.footprint,
@@ -97,8 +110,8 @@ class World:
             localization_origin=robot.localization_origin,
             exact_localization=robot.exact_localization,
             bias=bias,
-            walk=(0.0, 0.0, 0.0),
-            walk_seed=0,
+            walk=walk,
+            walk_seed=walk_seed,
             base_steps=_steps(robot.update_interval, self.interval),
             command_timeout=command_timeout,
             visible=robot.visible,

@@ -7,7 +7,7 @@ import sys
 
 from mr_sim.radio_control import RadioControl
 from mr_sim.trace import TraceWriter
-from mr_sim.world import World, WorldError
+from mr_sim.world import BIAS, ODOMETRY_MODELS, World, WorldError
 from mr_sim.world_file import WorldFileError
 from mr_sim.world_model import load_world
 from mr_sim.world_server import ServerError, WorldServer, listen
@@ -35,6 +35,9 @@ def argument_parser() -> argparse.ArgumentParser:
         "--rtf", type=float, help="real-time factor, 0 = as fast as the robots read (default: the speedup of the world)"
     )
     parser.add_argument("--seed", type=int, default=0, help="of range noise and odometry error (default: 0)")
+    parser.add_argument(
+        "--odometry", choices=ODOMETRY_MODELS, default=BIAS, help="how it errs, see the README (default: %(default)s)"
+    )
     parser.add_argument("--duration", type=float, help="simulated seconds to run (default: until stopped)")
     parser.add_argument("--radio-control", help="control socket of the radio daemon, told where the robots are")
     parser.add_argument("--trace", help="file to write the truth trace to")
@@ -58,7 +61,7 @@ def _make_server(arguments: argparse.Namespace) -> WorldServer:
     warning = warning_of(arguments.world, description)
     if warning:
         _say(f"warning: {warning}")
-    world = World(description, arguments.robots, arguments.seed)
+    world = World(description, arguments.robots, arguments.seed, odometry=arguments.odometry)
     factor = description.speedup if arguments.rtf is None else arguments.rtf
     trace = None
     if arguments.trace:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from mr_sim.world import CONTACT_WITH_ROBOT, CONTACT_WITH_WALL, World, WorldError
+from mr_sim.world import CONTACT_WITH_ROBOT, CONTACT_WITH_WALL, ODOMETRY_MODELS, RANDOM_WALK, World, WorldError
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
 
@@ -201,6 +201,80 @@ def test_odometry_bias_fills_its_range(make_world):
         [make_world('rover ( name "a" odom_error [ 0.03 0 0 0.05 ] )', seed=s).odometry_bias[0] for s in range(60)]
     )[:, [0, 2]]
     assert (biases.min(axis=0) < [-0.02, -0.035]).all() and (biases.max(axis=0) > [0.02, 0.035]).all()
+
+
+def walked(make_world, seed, seconds, command, text='rover ( name "a" odom_error [ 0.03 0.1 0 0.05 ] %s )'):
+    """The state after a way under the random walk."""
+    world = make_world(text % "", seed=seed, odometry=RANDOM_WALK)
+    assert world.odometry_bias == [(0.0, 0.0, 0.0)]
+    for _ in range(round(seconds / world.interval)):
+        world.command(0, *command)
+        world.step()
+    return world.states()[0]
+
+
+@pytest.mark.parametrize("seconds", [2.0, 18.0])
+def test_random_walk_grows_with_the_square_root_of_the_way(make_world, seconds):
+    ways = [walked(make_world, seed, seconds, (0.5, 0.0)) for seed in range(120)]
+    errors = np.array([way["odometry_x"] - way["x"] for way in ways])
+    assert errors.std() == pytest.approx(0.03 * math.sqrt(0.5 * seconds), rel=0.2)
+    assert abs(errors.mean()) < 0.35 * errors.std()
+    assert all(way["odometry_yaw"] == 0.0 for way in ways)
+
+
+def test_random_walk_of_the_turn(make_world):
+    turns = [walked(make_world, seed, 2.0, (0.0, 1.0)) for seed in range(120)]
+    errors = np.array([turn["odometry_yaw"] - turn["yaw"] for turn in turns])
+    assert errors.std() == pytest.approx(0.05 * math.sqrt(2.0), rel=0.2)
+
+
+def test_random_walk_aside(make_world):
+    text = 'rover ( name "a" drive "omni" velocity_bounds [ -1 1 -1 1 0 0 -90 90 ] odom_error [ 0 0.1 0 0 ] %s )'
+    ways = [walked(make_world, seed, 2.0, (0.0, 0.0, 0.5), text) for seed in range(120)]
+    errors = np.array([way["odometry_y"] - way["y"] for way in ways])
+    assert errors.std() == pytest.approx(0.1, rel=0.2)
+
+
+def test_random_walk_is_seeded_and_its_steps_are_independent(make_world):
+    first, again, other = (walked(make_world, seed, 2.0, (0.5, 0.3)) for seed in (3, 3, 4))
+    assert first == again and first["odometry_x"] != other["odometry_x"]
+    world = make_world('rover ( name "a" odom_error [ 0.03 0 0 0.05 ] )', odometry=RANDOM_WALK)
+    steps = []
+    for _ in range(400):
+        before = float(world.states()[0]["odometry_x"])
+        world.command(0, 0.5, 0.0)
+        world.step()
+        steps.append(float(world.states()[0]["odometry_x"]) - before)
+    assert abs(np.corrcoef(steps[1:-1], steps[2:])[0, 1]) < 0.15
+    world.command(0, 0.0, 0.0)
+    world.step()
+    rest = world.states()[0]["odometry_x"]
+    world.step()
+    assert world.states()[0]["odometry_x"] == rest, "a robot at rest does not drift"
+
+
+def test_odometry_model_changes_nothing_else(make_world, drive):
+    text = (
+        'rover ( name "a" odom_error [ 0.03 0.03 0 0.05 ] ranger ( sensor ( samples 9 noise [ 0.01 0 0 ] ) ) )'
+        + WALL_AHEAD
+    )
+    bias, walk = (make_world(text, seed=2, odometry=model) for model in ODOMETRY_MODELS)
+    for world in (bias, walk):
+        drive(world, 0.5, (0.3, 0.2))
+    assert bias.pose(0) == walk.pose(0)
+    assert np.array_equal(bias.core.scan(0, 1), walk.core.scan(0, 1))
+
+
+def test_random_walk_spares_exact_localization(make_world, drive):
+    world = make_world('rover ( name "a" localization "gps" )', odometry=RANDOM_WALK)
+    drive(world, 1.0, (0.5, 0.5))
+    state = world.states()[0]
+    assert (state["odometry_x"], state["odometry_y"], state["odometry_yaw"]) == pytest.approx(world.pose(0))
+
+
+def test_unknown_odometry_model(make_world):
+    with pytest.raises(WorldError, match='must be bias or random_walk, not "gauss"'):
+        make_world(ROVER, odometry="gauss")
 
 
 # --- rangers ---
