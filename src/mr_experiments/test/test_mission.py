@@ -4,7 +4,9 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from mr_experiments.mission import Mission
@@ -138,6 +140,18 @@ def test_a_trial_without_a_partition_is_recorded_as_before_there_were_any():
     assert Trial("office26x15", 2, 1, partition=(5.0, 9.0)).to_json()["partition"] == [5.0, 9.0]
 
 
+def test_odometry_model_is_recorded_where_it_is_not_that_of_older_records():
+    assert "odometry" not in Trial("office26x15", 2, 1).to_json()
+    assert Trial("office26x15", 2, 1, odometry="random_walk").to_json()["odometry"] == "random_walk"
+
+
+def test_odometry_model_reaches_the_world():
+    trial = Trial("small8x8", 1, 1, limit=5.0, odometry="random_walk")
+    mission = Mission(trial)
+    assert mission.world.odometry == "random_walk"
+    assert run_trial(trial)["team"]["series"] != run_trial(replace(trial, odometry="bias"))["team"]["series"]
+
+
 def test_halves_of_a_team_do_not_hear_each_other_in_a_partition():
     """Frames are exchanged within the halves; after it all hear all again."""
     mission = Mission(Trial("office26x15", 3, 1, limit=300.0, partition=(5.0, 20.0)))
@@ -154,6 +168,7 @@ def test_halves_of_a_team_do_not_hear_each_other_in_a_partition():
     "bad, text",
     [
         ({"partition": (5.0, 5.0)}, "partition lasts"),
+        ({"odometry": "gauss"}, "odometry 'gauss' is unknown; there are bias, random_walk"),
         ({"partition": (5.0, 9.0), "fast": True}, "partition needs a radio"),
         ({"world": "nowhere"}, "nowhere"),
         ({"robots": 99}, "asked for 99"),
@@ -172,3 +187,37 @@ def test_team_of_which_nobody_lives_does_not_count_as_finished():
     record = run_trial(Trial("small8x8", 1, 1, limit=60.0, deaths={0: 3.0}))
     assert record["outcome"]["status"] == "unfinished" and record["outcome"]["reason"] == "no robot lives to the end"
     assert record["team"]["exploration_time"] is None
+
+
+@pytest.fixture
+def plan_map(tmp_path, monkeypatch):
+    """A map of map_server of two rooms of 4 m x 4 m with a door between, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    pixels = np.full((90, 170), 205, dtype=np.uint8)
+    pixels[2:88, 2:168] = 0
+    pixels[4:86, 4:84] = pixels[4:86, 86:166] = pixels[35:55, 84:86] = 254
+    (tmp_path / "plan.pgm").write_bytes(b"P5 170 90 255\n" + pixels.tobytes())
+    (tmp_path / "plan.yaml").write_text("image: plan.pgm\nresolution: 0.05\norigin: [-4, -2, 0]\n")
+    return "plan.yaml"
+
+
+def test_a_map_of_map_server_is_explored(plan_map):
+    starts = ((-3.0, 0.0, 0.0), (-2.0, 0.0, 0.0))
+    record = run_trial(Trial(plan_map, 2, 1, limit=200.0, starts=starts))
+    assert record["outcome"]["status"] == "finished"
+    assert record["trial"]["world"] == "plan.yaml" and record["trial"]["starts"][0] == [-3.0, 0.0, 0.0]
+    assert min(robot["map"]["coverage"] for robot in record["robots"].values()) > 0.95
+
+
+def test_missions_use_the_laser_among_the_rangers(tmp_path):
+    """Sonars before the laser in the world file, as Stage's Pioneers have them."""
+    ring = "ranger ( sensor ( pose [ 0 0 0 90 ] range [ 0 5 ] ) sensor ( pose [ 0 0 0 -90 ] range [ 0 5 ] ) )"
+    laser = "ranger ( sensor ( range [ 0 8 ] fov 270 samples 541 ) )"
+    (tmp_path / "w.world").write_text(
+        "resolution 0.02 interval_sim 50 model ( size [ 6 6 1 ] noblocks 1 boundary 1 )\n"
+        f'position ( name "r0" size [ 0.44 0.38 1 ] update_interval 50 localization "odom" {ring} {laser} )\n'
+    )
+    mission = Mission(Trial(str(tmp_path / "w.world"), 1, 1, limit=60.0))
+    mission.run()
+    assert mission.finished
+    assert record_of(mission, None)["robots"]["r0"]["map"]["coverage"] > 0.95

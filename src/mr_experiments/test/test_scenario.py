@@ -52,12 +52,14 @@ def test_all_keys(scenario_file):
             "known_poses: true\nradio: {range: 5, loss: 0.1, bit_rate: 1e6, contention: true,"
             " sealed: false}\ntopology: centralized\nbase: [2, 1.5]\n"
             "partition: [10, 20.5]\n"
+            "odometry: random_walk\n"
             "starts: [[1, 2, 90], [3, 4.5, -180]]\njoins: {1: 5}\ndeaths: {0: 9.5}\n"
         )
     )
     assert scenario.radio == RadioOptions(5.0, 0.1, 1e6, 0.0, True, False)
     assert scenario.starts == ((1.0, 2.0, math.radians(90.0)), (3.0, 4.5, -math.pi))
     assert (scenario.joins, scenario.deaths) == ({1: 5.0}, {0: 9.5})
+    assert scenario.odometry == scenario.trial(2, 7, 1).odometry == "random_walk"
     assert scenario.partition == scenario.trial(2, 7, 1).partition == (10.0, 20.5)
     assert (scenario.topology, scenario.base) == ("centralized", (2.0, 1.5))
     assert (scenario.name, scenario.strategies, scenario.known_poses, scenario.limit) == ("made", (1, 7), True, 60.0)

@@ -3,6 +3,9 @@
 import os
 from pathlib import Path
 
+import pytest
+
+from mr_launch.errors import UserError
 from mr_launch.world import find_world, keep_generated, robots_of
 
 
@@ -22,3 +25,36 @@ def test_the_world_files_are_copied_to_the_mission(tmp_path, monkeypatch):
 def test_other_worlds_stay_where_they_are(tmp_path):
     world = find_world("office26x15")
     assert keep_generated(world, tmp_path / "world") == world and not (tmp_path / "world").exists()
+
+
+@pytest.fixture
+def map_file(tmp_path, monkeypatch):
+    """A room of 5 m x 5 m."""
+    monkeypatch.chdir(tmp_path)
+    rows = [b"\xfe" * 100] * 100
+    (tmp_path / "plan.pgm").write_bytes(b"P5 100 100 255\n" + b"".join(rows))
+    (tmp_path / "plan.yaml").write_text("image: plan.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n")
+    return "plan.yaml"
+
+
+def test_robots_of_a_team_stand_in_a_map(map_file, tmp_path):
+    drawn = find_world(map_file, [1.0, 1.0, 90.0, 3.0, 1.0, 0.0, 3.0, 3.0, 0.0, 1.0, 3.0, 0.0])
+    assert [(name, pose[:2]) for name, pose in robots_of(drawn)][:2] == [
+        ("robot_0", (1.0, 1.0)),
+        ("robot_1", (3.0, 1.0)),
+    ]
+    kept = keep_generated(drawn, tmp_path / "world")
+    assert Path(kept).parent == tmp_path / "world" and robots_of(kept) == robots_of(drawn)
+
+
+@pytest.mark.parametrize(
+    ("world", "starts", "told"),
+    [
+        ("plan.yaml", [1.0, 1.0], "--starts takes X Y DEGREES"),
+        ("small8x8", [1.0, 1.0, 0.0], "--starts are for a map"),
+        ("none.yaml", [1.0, 1.0, 0.0], 'no world "none.yaml"'),
+    ],
+)
+def test_starts_that_do_not_fit_are_told(map_file, world, starts, told):
+    with pytest.raises(UserError, match=told):
+        find_world(world, starts)

@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 
 import pytest
+import yaml
 
 from mr_launch import isolation
 from mr_launch.arguments import parse_arguments
@@ -98,6 +99,11 @@ def test_world_waits_for_the_whole_team_and_tells_the_radio():
     assert command[command.index("--radio-control") + 1] == "/private/radio"
 
 
+def test_world_is_told_the_model_of_odometry():
+    command = world_command(plan(isolation.NAMESPACES, "--odometry", "random_walk"))
+    assert command[command.index("--odometry") + 1] == "random_walk"
+
+
 def test_cable_ends_in_the_holders_namespace():
     first, *rest = link_commands(ROBOTS[0], 77)
     assert first == ["ip", "link", "add", "air0", "type", "veth", "peer", "name", "radio0", "netns", "77"]
@@ -112,6 +118,15 @@ def test_robot_gets_its_interface(kind, interface):
     assert arguments["autostart"] == "false"
     assert key_command(plan(kind)) == ["/bin/team_key", "create", arguments["key_file"]]
     assert arguments["bag"] == "/o/robot_0/robot_0.bag"
+
+
+def test_robot_is_told_the_topic_of_the_laser_by_which_it_finds_its_way(tmp_path):
+    world = tmp_path / "w.world"
+    sonars, laser = "ranger ( scount 2 )", "ranger ( sensor ( samples 181 ) )"
+    world.write_text(f'position ( name "a" {laser} ) position ( name "b" pose [ 2 0 0 0 ] {sonars} {laser} )')
+    kinds, presets = presets_of(str(world), ["a", "b"])
+    scans = {name: yaml.safe_load(presets[kinds[name]])["topics"]["scan"] for name in kinds}
+    assert scans == {"a": "base_scan", "b": "base_scan_1"}
 
 
 def test_start_poses_are_told_only_when_asked_for():

@@ -77,7 +77,8 @@ def record(trial: Trial) -> ScanLog:
 
     robot.on_scan = on_scan  # type: ignore[method-assign]
     mission.run(LIMIT)
-    ranger = mission.world.robots[0].rangers[0]
+    description = mission.world.robots[0]
+    ranger = description.rangers[description.main_ranger]
     geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, *ranger.mount)
     times, ranges, odometry, truth = (np.array(column) for column in zip(*rows))
     return ScanLog(trial.world, np.array(geometry), times, ranges.astype(np.float32), odometry, truth)

@@ -80,8 +80,8 @@ class Mission:
         self.recorder.attach(self.robots, self.radio, [each.index for each in radios])
 
     def _robot(self, index: int, starts: dict[str, Pose]) -> Robot:
-        name, ranger = self.world.names[index], self.world.robots[index].rangers[0]
-        member = self._members[index]
+        name, description = self.world.names[index], self.world.robots[index]
+        ranger, member = description.rangers[description.main_ranger], self._members[index]
         exploring = replace(explorer_options(self.trial, name, index, member), scene_path=self._scene_path)
         navigation = navigation_options(member)
         body: Body | FastBody
@@ -154,7 +154,7 @@ class Mission:
             states = self.world.states()
         for scan in scans:
             robot = self.robots[scan.robot]
-            if scan.ranger == 0 and robot.senses:
+            if scan.ranger == self.world.robots[scan.robot].main_ranger and robot.senses:
                 state = states[scan.robot]
                 odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
                 self.world.command(scan.robot, *robot.on_scan(scan.ranges, odometry))

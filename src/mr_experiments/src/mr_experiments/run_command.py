@@ -8,6 +8,7 @@ import signal
 import statistics
 import sys
 from contextlib import closing, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 from typing import Iterator, Sequence
@@ -22,7 +23,9 @@ from mr_experiments.following import follow
 from mr_experiments.scenario import DEFAULT, Scenario, known_scenarios, load_scenario
 from mr_experiments.sweep import Done, LocalPool, default_jobs, split_done
 from mr_experiments.trial import Trial, TrialError
-from mr_experiments.trial_world import world_of
+from mr_experiments.trial_world import warning_of, world_of
+from mr_sim.world import ODOMETRY_MODELS
+from mr_sim.worlds import StartsError, starts_of
 
 LARGEST_SEED = 2**31
 LOST = 3  # exit code
@@ -40,10 +43,14 @@ def make_parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("--scenario", default=DEFAULT, metavar="NAME|FILE", help="what the trials have in common: "
         + ", ".join(known_scenarios()) + ", or a .yaml file (default: %(default)s)")  # fmt: skip
-    add("--world", default="", metavar="NAME|FILE", help="instead of the scenario's world; "
+    add("--world", default="", metavar="NAME|FILE", help="instead of the scenario's world; a map's .yaml file is one, "
         "generated:KIND:SEED draws one (see plans)")  # fmt: skip
+    add("--starts", type=float, nargs="+", default=[], metavar="X Y DEGREES", help="start poses of the robots, instead "
+        "of the scenario's or the world's; a map has none of its own")  # fmt: skip
     add("--robots", type=int, nargs="+", metavar="R", help="team sizes (default: the scenario's)")
     add("--strategy", type=int, nargs="+", metavar="N", help="strategies (default: the scenario's)")
+    add("--odometry", choices=ODOMETRY_MODELS, help="how it errs: by one share for the whole mission, or anew at each "
+        "step (default: the scenario's)")  # fmt: skip
     add("--trials", type=int, default=40, metavar="N", help="trials for each team size (default: %(default)s)")
     add("--seed", type=int, default=1, metavar="N", help="of the first trial; each further one has the next "
         "(default: %(default)s)")  # fmt: skip
@@ -63,6 +70,13 @@ def make_parser() -> argparse.ArgumentParser:
 
 def plan(scenario: Scenario, arguments: argparse.Namespace) -> list[Trial]:
     """Seed by seed, so that a part of a sweep already compares all team sizes. None twice."""
+    starts = starts_of(arguments.starts)
+    if starts and len(starts) < max(arguments.robots or [0]):
+        raise StartsError(f"--starts gives {len(starts)} start poses; {max(arguments.robots)} robots are asked for")
+    if starts:
+        scenario = replace(scenario, starts=starts, robots=arguments.robots or (len(starts),))
+    if arguments.odometry:
+        scenario = replace(scenario, odometry=arguments.odometry)
     trials = (
         scenario.trial(robots, strategy, seed, arguments.world)
         for seed in range(arguments.seed, arguments.seed + arguments.trials)
@@ -77,7 +91,7 @@ def main(argv: Sequence[str]) -> int:
     try:
         with _termination_as_interrupt():
             return _run(make_parser().parse_args(argv))
-    except (CallError, TrialError) as error:
+    except (CallError, TrialError, StartsError) as error:
         print(f"run: {error}", file=sys.stderr)
         return BAD_CALL
     except (ClusterLostError, OSError) as error:
@@ -107,6 +121,10 @@ def _run(arguments: argparse.Namespace) -> int:
     trials = plan(load_scenario(arguments.scenario), arguments)
     for trial in {(trial.world, trial.robots): trial for trial in trials}.values():
         world_of(trial)
+    for world in dict.fromkeys(trial.world for trial in trials):
+        warning = warning_of(world)
+        if warning:
+            print(f"run: warning: {warning}", file=sys.stderr)
     folder = Path(arguments.out)
     try:
         folder.mkdir(parents=True, exist_ok=True)

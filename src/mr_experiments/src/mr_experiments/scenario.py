@@ -15,6 +15,7 @@ from mr_experiments.radio import RadioOptions
 from mr_experiments.ros_packages import folder_of
 from mr_experiments.trial import DISTRIBUTED, Trial, TrialError
 from mr_sim.pose import Pose
+from mr_sim.world import BIAS
 
 DEFAULT = "paper"
 
@@ -43,13 +44,14 @@ class Scenario:
     topology: str = DISTRIBUTED
     partition: tuple[float, float] | None = None
     base: tuple[float, float] | None = None
+    odometry: str = BIAS
 
     def trial(self, robots: int, strategy: int, seed: int, world: str = "") -> Trial:
         """Robots that join or die but are not in the team do not count."""
         return Trial(
             world or self.world, robots, seed, self.name, strategy, self.limit, self.fast, self.radio, self.known_poses,
             self.starts[:robots], _of(self.joins, robots), _drawn(_of(self.deaths, robots), seed), self.topology,
-            self.partition, self.base,
+            self.partition, self.base, self.odometry,
         )  # fmt: skip
 
 
@@ -247,5 +249,5 @@ _RADIO_KEYS: dict[str, Callable[[Any], Any]] = {
 _KEYS: dict[str, Callable[[Any], Any]] = {
     "description": _text, "world": _text, "robots": _team_sizes, "strategies": _strategies, "limit": _finite_positive,
     "fast": _flag, "known_poses": _flag, "radio": _radio, "starts": _poses, "joins": _seconds, "deaths": _spans,
-    "topology": _text, "partition": _span, "base": _place,
+    "topology": _text, "partition": _span, "base": _place, "odometry": _text,
 }  # fmt: skip

@@ -9,6 +9,7 @@ from typing import Any, Mapping
 from explorer.options import STRATEGIES
 from mr_experiments.radio import RadioOptions
 from mr_sim.pose import Pose
+from mr_sim.world import BIAS, ODOMETRY_MODELS
 from mr_sim.worlds import WorldNotFoundError, label_of
 
 DISTRIBUTED, CENTRALIZED = TOPOLOGIES = ("distributed", "centralized")
@@ -37,6 +38,7 @@ class Trial:
     topology: str = DISTRIBUTED
     partition: tuple[float, float] | None = None  # from, to: s after the start; halves do not hear each other meanwhile
     base: tuple[float, float] | None = None  # where the base of a centralized team stands, m, world frame
+    odometry: str = BIAS  # how it errs, one of ODOMETRY_MODELS
 
     def __post_init__(self) -> None:
         try:
@@ -48,6 +50,8 @@ class Trial:
         if self.strategy not in STRATEGIES:
             known = ", ".join(str(number) for number in STRATEGIES)
             raise TrialError(f"strategy {self.strategy} is unknown; there are {known}")
+        if self.odometry not in ODOMETRY_MODELS:
+            raise TrialError(f"odometry {self.odometry!r} is unknown; there are {', '.join(ODOMETRY_MODELS)}")
         self._check_topology()
         self._check_partition()
         if not (math.isfinite(self.limit) and self.limit > 0.0):
@@ -94,6 +98,8 @@ class Trial:
             del values["partition"]  # as in records that are older than partitions, so that their runs go on
         else:
             values["partition"] = list(self.partition)
+        if self.odometry == BIAS:
+            del values["odometry"]  # as in records that are older than the other model
         values["base"] = None if self.base is None else list(self.base)
         values["starts"] = [list(start) for start in self.starts]
         return values

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import replace
 
 from mr_experiments.trial import Trial, TrialError
+from mr_sim import worlds
 from mr_sim.platforms.platform import Platform, PlatformError
 from mr_sim.platforms.simulated import platform_of
 from mr_sim.world import World, WorldError
@@ -23,14 +23,21 @@ def description_of(world: str) -> WorldDescription:
         raise TrialError(str(error)) from None
 
 
+def warning_of(world: str) -> str:
+    """One line on what the world says without effect, empty if there is nothing. Raises TrialError."""
+    return worlds.warning_of(world, description_of(world))
+
+
 def world_of(trial: Trial) -> World:
     """The simulated world with the robots of the trial. Raises TrialError."""
     description = description_of(trial.world)
-    if trial.starts:
-        description = _with_starts(description, trial)
+    if 0 < len(trial.starts) < trial.robots:
+        raise TrialError(f"the scenario gives {len(trial.starts)} start poses; {trial.robots} robots are asked for")
     try:
-        world = World(description, trial.robots, trial.seed)
-    except WorldError as error:
+        if trial.starts:
+            description = worlds.with_starts(description, trial.starts)
+        world = World(description, trial.robots, trial.seed, odometry=trial.odometry)
+    except (WorldError, worlds.StartsError) as error:
         raise TrialError(str(error)) from None
     platforms_of(world)
     return world
@@ -46,15 +53,3 @@ def _platform_of(robot: RobotDescription, world: str) -> Platform:
         return platform_of(robot)
     except PlatformError as error:
         raise TrialError(f"{robot.name} of {world}: {error}") from None
-
-
-def _with_starts(description: WorldDescription, trial: Trial) -> WorldDescription:
-    """Robots beyond those of the world file are like its last one."""
-    if len(trial.starts) < trial.robots:
-        raise TrialError(f"the scenario gives {len(trial.starts)} start poses; {trial.robots} robots are asked for")
-    models = description.robots
-    robots = tuple(
-        replace(models[min(i, len(models) - 1)], name=f"robot_{i}", start=start, localization_origin=start)
-        for i, start in enumerate(trial.starts)
-    )
-    return replace(description, robots=robots)

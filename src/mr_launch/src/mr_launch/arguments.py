@@ -26,6 +26,7 @@ class Options:
     """What the user asked for, checked for itself (not yet against the world file)."""
 
     world: str
+    starts: list[float]
     robots: int | None
     range: float
     loss: float
@@ -42,6 +43,7 @@ class Options:
     quiet: bool
     isolation: str
     topology: str
+    odometry: str
 
     def to_dict(self) -> dict[str, Any]:
         return asdict(self)
@@ -59,8 +61,9 @@ def make_parser() -> argparse.ArgumentParser:
         epilog="Exit code: 0 every robot finished, 1 not all finished or a failure, 2 bad options, 130 interrupted.",
     )
     add = parser.add_argument
-    add("--world", default="office26x15", metavar="NAME|FILE", help="world by name or file, or "
+    add("--world", default="office26x15", metavar="NAME|FILE", help="world by name or file, a map's .yaml file, or "
         "generated:KIND:SEED, which is drawn (default: %(default)s)")  # fmt: skip
+    add("--starts", type=float, nargs="+", default=[], metavar="X Y DEGREES", help="start poses of the robots in a map")
     add(
         "--robots",
         type=int,
@@ -106,6 +109,8 @@ def make_parser() -> argparse.ArgumentParser:
         help="distributed: every robot merges maps; centralized: a base station at the start of the first robot merges "
         "for all (default: %(default)s)",
     )
+    add("--odometry", choices=("bias", "random_walk"), default="bias", help="how it errs: by one share for the whole "
+        "mission, or anew at each step (default: %(default)s)")  # fmt: skip
     add("--quiet", action="store_true", help="print only notices, errors and the final table")
     add(
         "--isolation",

@@ -15,7 +15,7 @@ from mr_launch.errors import UserError
 from mr_launch.outside import run_team
 from mr_launch.plan import BASE, FIRST_PORT, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
-from mr_launch.world import check_start, find_world, keep_generated, presets_of, robots_of
+from mr_launch.world import check_start, find_world, keep_generated, presets_of, robots_of, warning_of
 
 BAD_CALL = 2
 INTERRUPTED = 130
@@ -38,12 +38,16 @@ def team(arguments: Sequence[str]) -> int:
 
 def make_plan(options: Options) -> Plan:
     """Everything checked that can be checked before anything starts. Raises UserError."""
-    world = find_world(options.world)
+    world = find_world(options.world, options.starts)
     poses = robots_of(world)
-    names = choose_robots(options.robots, [name for name, _ in poses], world)
+    asked = options.robots or len(options.starts) // 3 or None
+    names = choose_robots(asked, [name for name, _ in poses], world)
     if options.topology == "centralized" and BASE in names:
         raise UserError(f"{world} has a robot named {BASE}, which is the name of the base station")
     check_start(world, len(names))
+    warning = warning_of(options.world, world)
+    if warning:
+        print(f"team: warning: {warning}", file=sys.stderr)
     programs = find_programs(options.slam, options.navigation)
     kind, reason = isolation.choose(options.isolation, os.geteuid())
     if kind == isolation.HUB:

@@ -20,7 +20,8 @@ TRUTH_FILE = "truth.pickle"  # what maps are compared with, in the private folde
 
 @dataclass(frozen=True)
 class RobotPlan:
-    """One robot of the team. ``start`` is its true pose in the world frame: x, y in m, yaw in rad."""
+    """One robot of the team. ``start`` is its true pose in the world frame: x, y in m, yaw in rad; ``scan`` the topic
+    of the ranger by which it finds its way."""
 
     name: str
     index: int
@@ -145,6 +146,7 @@ def world_command(plan: Plan) -> list[str]:
     options = plan.options
     command = [plan.programs["world"], "--world", plan.world, "--socket", plan.socket("world")]
     command += ["--robots", str(len(plan.robots)), "--rtf", f"{options.rtf:g}", "--seed", str(options.seed)]
+    command += ["--odometry", options.odometry]
     command += ["--radio-control", plan.socket("radio"), "--trace", str(Path(plan.out) / "truth.csv")]
     return command
 

@@ -16,13 +16,19 @@ from mr_launch.plan import Walls
 from mr_sim.pose import Pose
 
 
-def find_world(name: str) -> str:
-    """Path of a world given by name or file. Raises UserError that lists the known ones."""
-    from mr_sim.worlds import WorldNotFoundError
+def find_world(name: str, starts: Sequence[float] = ()) -> str:
+    """Path of a world given by name or file. `starts`: x m, y m and degrees of each robot in a map. Raises UserError
+    that lists the known worlds."""
+    from mr_sim.map_world import is_map
+    from mr_sim.worlds import StartsError, WorldNotFoundError, starts_of
     from mr_sim.worlds import find_world as find
 
     try:
-        return str(find(name).resolve())
+        if starts and not is_map(name):
+            raise UserError(f"--starts are for a map (.yaml); {name} says itself where its robots stand")
+        return str(find(name, starts=starts_of(starts)).resolve())
+    except StartsError as error:
+        raise UserError(str(error)) from None
     except (WorldNotFoundError, OSError) as error:
         raise UserError(f"--world: {error}") from None
 
@@ -77,6 +83,14 @@ def robots_of(world: str) -> list[tuple[str, Pose]]:
         return [(robot.name, robot.start) for robot in load_world(world).robots]
     except (WorldFileError, OSError) as error:
         raise UserError(str(error)) from None
+
+
+def warning_of(name: str, world: str) -> str:
+    """One line on what the world, by its given name and its path, says without effect; empty if there is nothing."""
+    from mr_sim.world_model import load_world
+    from mr_sim.worlds import warning_of as warning
+
+    return warning(name, load_world(world))
 
 
 def check_start(world: str, robots: int) -> None:

@@ -21,6 +21,7 @@ class Ranger:
         samples: int,
         noise_variance: float,
         noise_share: float,
+        noise_bearing: float = 0.0,
     ) -> None: ...
 
 class World:
@@ -31,10 +32,13 @@ class World:
         start: _Pose,
         footprint: Sequence[Sequence[_Pair]],
         linear_bounds: _Pair,
+        lateral_bounds: _Pair,
         angular_bounds: _Pair,
         localization_origin: _Pose,
         exact_localization: bool,
-        bias: _Pair,
+        bias: _Pose,
+        walk: _Pose,
+        walk_seed: int,
         base_steps: int,
         command_timeout: float,
         visible: bool,
@@ -42,7 +46,7 @@ class World:
         noise_seed: int,
         rangers: list[Ranger],
     ) -> int: ...
-    def command(self, robot: int, linear: float, angular: float) -> None: ...
+    def command(self, robot: int, linear: float, lateral: float, angular: float) -> None: ...
     def step(self) -> None: ...
     @property
     def time(self) -> float: ...

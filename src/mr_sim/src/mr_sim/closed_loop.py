@@ -68,10 +68,12 @@ class ClosedLoop:
                         )
                     )
             for scan in self.world.due_scans():
-                self._control(self.robots[scan.robot], states[scan.robot], scan.ranges)
+                if scan.ranger == self.world.robots[scan.robot].main_ranger:
+                    self._control(self.robots[scan.robot], states[scan.robot], scan.ranges)
 
     def _control(self, robot: Robot, state: np.ndarray, ranges: np.ndarray) -> None:
-        ranger = self.world.robots[robot.index].rangers[0]
+        description = self.world.robots[robot.index]
+        ranger = description.rangers[description.main_ranger]
         now = self.world.time
         odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
         begun = time.process_time()

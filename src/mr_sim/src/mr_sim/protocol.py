@@ -5,9 +5,9 @@ One packet is one message: a byte that tells its kind, then little-endian fields
 | Kind | From | Fields |
 | --- | --- | --- |
 | `H` hello | robot | version u8, robot name (UTF-8): the first packet of a connection |
-| `C` command | robot | linear f64, angular f64: wanted velocity |
+| `C` command | robot | linear f64, lateral f64, angular f64: wanted velocity |
 | `W` welcome | world | version u8, interval f64, start pose 3 f64, number of rangers u8, then per ranger: mount 3 f64, range_min f64, range_max f64, angle_min f64, angle_increment f64, samples u32, update_interval f64 |
-| `S` state | world | time f64, odometry pose 3 f64, wheel velocities 2 f64, true pose 3 f64, true velocity in the world frame 3 f64, stalled u8, contact u8 (0 none, 1 wall, 2 robot): at each base update |
+| `S` state | world | time f64, odometry pose 3 f64, wheel velocities (ahead, to the left, turn) 3 f64, true pose 3 f64, true velocity in the world frame 3 f64, stalled u8, contact u8 (0 none, 1 wall, 2 robot): at each base update |
 | `R` ranges | world | ranger u8, time f64, then f32 per sample: after the state of the same time |
 | `E` refusal | world | reason (UTF-8); the world closes the connection |
 | `B` bye | world | nothing: the world ends in an orderly way |
@@ -23,14 +23,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-VERSION = 1
+VERSION = 2
 MAX_PACKET = 1 << 17
 MAX_NAME = 64
 
-_COMMAND = struct.Struct("<cdd")
+_COMMAND = struct.Struct("<c3d")
 _WELCOME = struct.Struct("<cBd3dB")
 _RANGER = struct.Struct("<3d4dId")
-_STATE = struct.Struct("<cd3d2d3d3dBB")
+_STATE = struct.Struct("<cd3d3d3d3dBB")
 _RANGES = struct.Struct("<cBd")
 
 
@@ -46,6 +46,7 @@ class Hello:
 @dataclass(frozen=True)
 class Command:
     linear: float
+    lateral: float
     angular: float
 
 
@@ -71,7 +72,7 @@ class Welcome:
 class State:
     time: float
     odometry: tuple[float, float, float]
-    wheels: tuple[float, float]
+    wheels: tuple[float, float, float]
     pose: tuple[float, float, float]
     velocity: tuple[float, float, float]
     stalled: bool
@@ -102,8 +103,8 @@ def encode_hello(name: str) -> bytes:
     return b"H" + bytes([VERSION]) + name.encode()
 
 
-def encode_command(linear: float, angular: float) -> bytes:
-    return _COMMAND.pack(b"C", linear, angular)
+def encode_command(linear: float, lateral: float, angular: float) -> bytes:
+    return _COMMAND.pack(b"C", linear, lateral, angular)
 
 
 def encode_welcome(welcome: Welcome) -> bytes:
@@ -152,10 +153,10 @@ def _decode_hello(packet: bytes) -> Hello:
 
 
 def _decode_command(packet: bytes) -> Command:
-    _, linear, angular = _COMMAND.unpack(packet)
-    if not (math.isfinite(linear) and math.isfinite(angular)):
+    _, linear, lateral, angular = _COMMAND.unpack(packet)
+    if not all(map(math.isfinite, (linear, lateral, angular))):
         raise ProtocolError("a velocity command must be finite")
-    return Command(linear, angular)
+    return Command(linear, lateral, angular)
 
 
 def _decode_welcome(packet: bytes) -> Welcome:
@@ -172,8 +173,8 @@ def _decode_welcome(packet: bytes) -> Welcome:
 
 
 def _decode_state(packet: bytes) -> State:
-    _, time, ox, oy, oyaw, linear, angular, x, y, yaw, vx, vy, vyaw, stalled, contact = _STATE.unpack(packet)
-    return State(time, (ox, oy, oyaw), (linear, angular), (x, y, yaw), (vx, vy, vyaw), bool(stalled), contact)
+    _, time, ox, oy, oyaw, linear, lateral, angular, x, y, yaw, vx, vy, vyaw, stalled, contact = _STATE.unpack(packet)
+    return State(time, (ox, oy, oyaw), (linear, lateral, angular), (x, y, yaw), (vx, vy, vyaw), bool(stalled), contact)
 
 
 def _decode_ranges(packet: bytes) -> Ranges:

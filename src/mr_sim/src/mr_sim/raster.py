@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 
+from mr_sim.bitmap import load_bitmap
+from mr_sim.bodies import Polygon
 from mr_sim.pose import compose
-from mr_sim.world_file import WorldFileError
-from mr_sim.world_model import OCCUPIED_BELOW, Obstacle, Polygon
+from mr_sim.world_model import Obstacle
 
 MAX_CELLS = 100_000_000
 
@@ -22,18 +22,6 @@ class Grid:
     cells: np.ndarray
     resolution: float
     origin: tuple[float, float]
-
-
-def load_bitmap(obstacle: Obstacle) -> np.ndarray:
-    """Occupied pixels, bool (rows, columns), row 0 at the bottom, cropped to their bounding box as Stage does."""
-    image = cv2.imread(str(obstacle.bitmap), cv2.IMREAD_GRAYSCALE)
-    if image is None:
-        raise WorldFileError(str(obstacle.bitmap), "is not an image that can be read")
-    occupied = np.flipud(image < OCCUPIED_BELOW)
-    rows, columns = np.flatnonzero(occupied.any(axis=1)), np.flatnonzero(occupied.any(axis=0))
-    if rows.size == 0:
-        raise WorldFileError(str(obstacle.bitmap), "has no dark pixel, so no walls")
-    return occupied[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
 
 
 def _bounds(obstacles: Sequence[Obstacle]) -> tuple[float, float, float, float]:
@@ -76,8 +64,8 @@ class _Canvas:
         y = self.origin[1] + (np.arange(row_slice.start, row_slice.stop) + 0.5) * self.resolution
         return np.stack(np.meshgrid(x, y), axis=-1), row_slice, column_slice
 
-    def draw_bitmap(self, obstacle: Obstacle) -> None:
-        pixels = load_bitmap(obstacle)
+    def draw_bitmap(self, obstacle: Obstacle, bitmap: Path) -> None:
+        pixels = load_bitmap(bitmap)
         rows, columns = pixels.shape
         scale = np.array([obstacle.size[0] / columns, obstacle.size[1] / rows])
         cosine, sine = math.cos(obstacle.pose[2]), math.sin(obstacle.pose[2])
@@ -132,7 +120,7 @@ def rasterise(obstacles: Sequence[Obstacle], resolution: float) -> Grid:
     canvas = _Canvas(_bounds(obstacles), resolution)
     for obstacle in obstacles:
         if obstacle.bitmap is not None:
-            canvas.draw_bitmap(obstacle)
+            canvas.draw_bitmap(obstacle, obstacle.bitmap)
         for polygon in obstacle.polygons:
             corners = _place(polygon, obstacle)
             canvas.draw_polygon(corners)

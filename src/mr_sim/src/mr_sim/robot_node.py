@@ -83,9 +83,9 @@ class RobotNode:
         ]
 
     def _on_command(self, message: Twist) -> None:
-        linear, angular = message.linear.x, message.angular.z
-        if math.isfinite(linear) and math.isfinite(angular):
-            self._client.command(linear, angular)
+        linear, lateral, angular = message.linear.x, message.linear.y, message.angular.z
+        if all(map(math.isfinite, (linear, lateral, angular))):
+            self._client.command(linear, angular, lateral)
         else:
             rospy.logwarn_throttle(1.0, "cmd_vel ignored: its velocities must be finite numbers")
 
@@ -112,7 +112,7 @@ class RobotNode:
             self._clock.publish(stamp)
         odometry, base = self._prefix + "odom", self._prefix + "base_footprint"
         self._transforms.sendTransform(ros_io.transform(stamp, odometry, base, state.odometry))
-        ros_io.fill_odometry(self._odometry_message, stamp, state.odometry, (state.wheels[0], 0.0, state.wheels[1]))
+        ros_io.fill_odometry(self._odometry_message, stamp, state.odometry, state.wheels)
         self._odometry.publish(self._odometry_message)
         if self._truth and self._truth.get_num_connections():
             ros_io.fill_odometry(self._truth_message, stamp, state.pose, state.velocity)

@@ -9,11 +9,11 @@ import rospy
 import tf2_ros
 
 from mr_sim.robot_node import ParameterError, RobotNode
-from mr_sim.world import World
+from mr_sim.world import BIAS, World
 from mr_sim.world_client import WorldClient
 from mr_sim.world_model import load_world
 from mr_sim.world_server import WorldServer, listen
-from mr_sim.worlds import find_world
+from mr_sim.worlds import find_world, warning_of
 
 
 def _arguments() -> argparse.Namespace:
@@ -58,11 +58,14 @@ def main() -> int:
     try:
         description = load_world(find_world(arguments.world))
         rospy.init_node("stageros", disable_rostime=True)
+        warning = warning_of(arguments.world, description)
+        if warning:
+            rospy.logwarn(warning)
         rospy.set_param("/use_sim_time", True)
         seed = rospy.get_param("~seed", 0)
         if not isinstance(seed, int) or seed < 0:
             raise ParameterError(f"~seed must be a whole number >= 0, not {seed!r}")
-        world = World(description, seed=seed)
+        world = World(description, seed=seed, odometry=rospy.get_param("~odometry", BIAS))
         with tempfile.TemporaryDirectory(prefix="mr_sim") as folder:
             _run(world, arguments.u, folder)
     except ValueError as error:

@@ -18,6 +18,9 @@ from mr_sim.world_model import Obstacle, RobotDescription, WorldDescription
 
 COMMAND_TIMEOUT = 0.5  # s of simulated time without a fresh command after which a robot stops
 
+BIAS, RANDOM_WALK = ODOMETRY_MODELS = ("bias", "random_walk")
+"""How odometry errs: by one share for the whole run, as in Stage, or anew at each step."""
+
 NO_CONTACT, CONTACT_WITH_WALL, CONTACT_WITH_ROBOT = 0, 1, 2
 
 
@@ -45,8 +48,10 @@ class World:
     Args:
         description: from `world_model.load_world`.
         robots: how many of the robots take part, in file order; all when None. The others are absent.
-        seed: of range noise and odometry bias; each robot has streams of its own, so one more robot changes nothing
+        seed: of range noise and odometry error; each robot has streams of its own, so one more robot changes nothing
             for the others.
+        odometry: one of ODOMETRY_MODELS. Under a random walk `odom_error` is the standard deviation, in m and rad, of
+            what the odometry has erred after 1 m ahead, 1 m aside and 1 rad of turn; it grows with the square root.
     """
 
     def __init__(
@@ -55,23 +60,28 @@ class World:
         robots: int | None = None,
         seed: int = 0,
         command_timeout: float = COMMAND_TIMEOUT,
+        odometry: str = BIAS,
     ) -> None:
+        if odometry not in ODOMETRY_MODELS:
+            raise WorldError(f'odometry must be {" or ".join(ODOMETRY_MODELS)}, not "{odometry}"')
         count = len(description.robots) if robots is None else robots
         if count < 1 or count > len(description.robots):
             raise WorldError(
                 f"{description.path} defines {len(description.robots)} robots; asked for {count}: "
-                "add position models to the world or ask for fewer"
+                "give start poses, add position models to the world or ask for fewer"
             )
         self.description = description
         self.robots: tuple[RobotDescription, ...] = description.robots[:count]
         self.names: tuple[str, ...] = tuple(robot.name for robot in self.robots)
         self.interval = description.interval
+        self.odometry = odometry
         solid = tuple(obstacle for obstacle in description.obstacles if obstacle.solid)
         visible = tuple(obstacle for obstacle in description.obstacles if obstacle.visible)
         self.obstacles = _raster_of(solid, description.resolution)
         self.visible = _raster_of(visible, description.resolution)
         self.core = _world.World(_core_raster(self.obstacles), _core_raster(self.visible), description.interval)
-        self.odometry_bias: list[tuple[float, float]] = []  # per robot: shares by which distance and turn count wrong
+        # Per robot: shares by which the way ahead, the way to the left and the turn count wrong in the whole run.
+        self.odometry_bias: list[tuple[float, float, float]] = []
         for index, robot in enumerate(self.robots):
             self._add_robot(index, robot, seed, command_timeout)
         self._check_starts()
@@ -80,24 +90,37 @@ class World:
     def _add_robot(self, index: int, robot: RobotDescription, seed: int, command_timeout: float) -> None:
         sequence = np.random.SeedSequence([seed, index])
         generator = np.random.Generator(np.random.PCG64(sequence))
-        forward, _, _, turn = robot.odom_error
-        bias = (float(generator.uniform(-forward, forward)), float(generator.uniform(-turn, turn)))
-        self.odometry_bias.append((0.0, 0.0) if robot.exact_localization else bias)
+        forward, aside, _, turn = robot.odom_error
+        linear, angular = float(generator.uniform(-forward, forward)), float(generator.uniform(-turn, turn))
+        noise_seed = int(generator.integers(0, 2**63))
+        # Drawn last, so that robots that cannot drive aside have the streams they always had.
+        lateral = float(generator.uniform(-aside, aside))
+        walk_seed = int(generator.integers(0, 2**63))
+        walks = self.odometry == RANDOM_WALK
+        bias = (0.0, 0.0, 0.0) if walks else (linear, lateral, angular)
+        self.odometry_bias.append((0.0, 0.0, 0.0) if robot.exact_localization else bias)
+        omnidirectional = robot.lateral_bounds != (0.0, 0.0)
+        walk = (forward, aside if omnidirectional else 0.0, turn) if walks else (0.0, 0.0, 0.0)
         self.core.add_robot(
             start=robot.start,
             footprint=robot.footprint,
             linear_bounds=robot.linear_bounds,
+            lateral_bounds=robot.lateral_bounds,
             angular_bounds=robot.angular_bounds,
             localization_origin=robot.localization_origin,
             exact_localization=robot.exact_localization,
             bias=bias,
+            walk=walk,
+            walk_seed=walk_seed,
             base_steps=_steps(robot.update_interval, self.interval),
             command_timeout=command_timeout,
             visible=robot.visible,
             solid=robot.solid,
-            noise_seed=int(generator.integers(0, 2**63)),
+            noise_seed=noise_seed,
             rangers=[
-                _world.Ranger(r.mount, r.range_max, r.field_of_view, r.samples, r.noise_variance, r.noise_share)
+                _world.Ranger(
+                    r.mount, r.range_max, r.field_of_view, r.samples, r.noise_variance, r.noise_share, r.noise_bearing
+                )
                 for r in robot.rangers
             ],
         )
@@ -132,19 +155,21 @@ class World:
         except ValueError:
             raise WorldError(f'no robot "{name}" in this world; there are {", ".join(self.names)}') from None
 
-    def command(self, robot: int, linear: float, angular: float) -> None:
-        """Velocity wanted from now on, m/s and rad/s; takes effect with the robot's next base update.
+    def command(self, robot: int, linear: float, angular: float, lateral: float = 0.0) -> None:
+        """Velocity wanted from now on, m/s, rad/s and, for an omnidirectional drive, m/s to the left; takes effect with
+        the robot's next base update.
 
-        Raises ValueError unless both are finite.
+        Raises ValueError unless all are finite.
         """
-        self.core.command(robot, linear, angular)
+        self.core.command(robot, linear, lateral, angular)
 
     def step(self) -> None:
         """Advance by one interval."""
         self.core.step()
 
     def states(self) -> np.ndarray:
-        """One record per robot: odometry_x/y/yaw, linear, angular, x/y/yaw, velocity_x/y/yaw, stalled, contact."""
+        """One record per robot: odometry_x/y/yaw, linear, lateral, angular, x/y/yaw, velocity_x/y/yaw, stalled, contact
+        (see `RobotState` of the core)."""
         return self.core.states()
 
     def base_due(self, robot: int) -> bool:

@@ -53,10 +53,10 @@ class WorldClient:
             return None
         return protocol.decode(packet) if packet else None
 
-    def command(self, linear: float, angular: float) -> None:
+    def command(self, linear: float, angular: float, lateral: float = 0.0) -> None:
         """Send a wanted velocity; a lost connection shows in `receive`."""
         with contextlib.suppress(OSError):
-            self._socket.send(protocol.encode_command(linear, angular))
+            self._socket.send(protocol.encode_command(linear, lateral, angular))
 
     def close(self) -> None:
         """Ends a blocked `receive` as well."""

@@ -1,23 +1,26 @@
 """Syntax of Stage's world files: text in, a tree of blocks with their properties and places out.
 
 `include` and `define` are resolved here, so the tree holds only blocks of built-in kinds. What the words mean is the
-business of `world_model`.
+business of `world_model`. As in Stage, a definition is read anew at each use, so it may name what is defined later, and
+the first definition of a name holds.
 """
 
+import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from mr_sim.world_words import BLOCK_KINDS, nearest
+
 Value = float | str | tuple[float | str, ...]
 
-BLOCK_KINDS = frozenset({"world", "model", "position", "ranger", "laser", "sensor", "block", "window", "camera"})
 MAX_INCLUDE_DEPTH = 32
 
 _TOKEN = re.compile(
     r"""(?P<space>[ \t\r\f\v]+) | (?P<comment>\#[^\n]*) | (?P<newline>\n)
       | (?P<string>"[^"\n]*") | (?P<bracket>[()\[\]])
-      | (?P<number>[-+]?\.?[0-9][^\s()\[\]"\#]*) | (?P<word>[^\s()\[\]"\#]+(?:\[[0-9]+\])?)""",
+      | (?P<number>[-+]?\.?[0-9][^\s()\[\]"\#]*) | (?P<word>[^\s()\[\]"\#]+(?:\[[0-9]+\][^\s()\[\]"\#]*)*)""",
     re.VERBOSE,
 )
 
@@ -61,6 +64,14 @@ class Block:
 
 
 @dataclass(frozen=True)
+class Remark:
+    """What a reader of the file should hear of although it is no fault."""
+
+    place: Place
+    text: str
+
+
+@dataclass(frozen=True)
 class _Token:
     kind: str
     text: str
@@ -90,11 +101,39 @@ def _number(token: _Token) -> float:
     return value
 
 
+@dataclass(frozen=True)
+class _Definition:
+    """`define NAME MODEL ( ... )`: the tokens from MODEL on, the index of that one, and the file they stand in."""
+
+    tokens: Sequence[_Token]
+    at: int
+    path: Path
+
+
+def find_file(name: str, world: Path, mentioned_in: Path) -> Path | None:
+    """A file that a world names: beside the world file, as in Stage, or else beside the file that mentions it."""
+    for folder in (world.parent, mentioned_in.parent):
+        if (folder / name).is_file():
+            return folder / name
+    return None
+
+
+def _on_stage_path(name: str) -> Path | None:
+    """Stage looks for the bare name of a missing file in the folders of STAGEPATH."""
+    for folder in os.environ.get("STAGEPATH", "").split(":"):
+        if folder and (Path(folder) / Path(name).name).is_file():
+            return Path(folder) / Path(name).name
+    return None
+
+
 class _Parser:
     """Recursive descent over one world file and the files it includes."""
 
-    def __init__(self) -> None:
-        self._definitions: dict[str, Block] = {}
+    def __init__(self, world: Path) -> None:
+        self.remarks: list[Remark] = []
+        self._world = world
+        self._definitions: dict[str, _Definition] = {}
+        self._in_use: list[str] = []
         self._open_files: list[Path] = []
 
     def parse_file(self, path: Path, into: Block, place: Place | None = None) -> None:
@@ -141,7 +180,9 @@ class _Parser:
     def _include(self, following: _Token, at: int, into: Block, path: Path) -> int:
         if following.kind != "string":
             raise WorldFileError(following.place, f"include needs a file name in quotes, found {following.text}")
-        self.parse_file(path.parent / following.text.strip('"'), into, following.place)
+        name = following.text.strip('"')
+        found = find_file(name, self._world, path) or _on_stage_path(name) or path.parent / name
+        self.parse_file(found, into, following.place)
         return at + 2
 
     def _define(self, tokens: Sequence[_Token], at: int, path: Path) -> int:
@@ -149,28 +190,51 @@ class _Parser:
         words = tokens[at + 1 : at + 4]
         if [token.kind for token in words] != ["word", "word", "bracket"] or words[2].text != "(":
             raise WorldFileError(place, "define needs a name, a model and a block: define NAME MODEL ( ... )")
-        name = words[0].text
-        if name in BLOCK_KINDS:
-            raise WorldFileError(words[0].place, f'"{name}" is a built-in model and cannot be defined anew')
-        holder = Block("world", "define", place)
-        end = self._block(tokens, at + 2, holder, path)
-        self._definitions[name] = holder.children[0]
+        name, end, depth = words[0].text, at + 4, 1
+        while end < len(tokens) and depth:
+            depth += {"(": 1, ")": -1}.get(tokens[end].text, 0)
+            end += 1
+        if depth:
+            raise WorldFileError(words[1].place, f'the block of "{name}" is never closed')
+        if name not in self._definitions:
+            self._definitions[name] = _Definition(tokens[:end], at + 2, path)
+        elif not self._same(self._definitions[name], tokens[at + 2 : end]):
+            self.remarks.append(Remark(place, f'"{name}" is defined already and stays as it was'))
         return end
 
+    @staticmethod
+    def _same(definition: _Definition, tokens: Sequence[_Token]) -> bool:
+        return [token.text for token in definition.tokens[definition.at :]] == [token.text for token in tokens]
+
     def _block(self, tokens: Sequence[_Token], at: int, into: Block, path: Path) -> int:
-        token = tokens[at]
-        base = self._definitions.get(token.text)
-        if base is None and token.text not in BLOCK_KINDS:
-            raise WorldFileError(token.place, f'unknown model "{token.text}"')
-        block = Block(base.kind if base else token.text, token.text, token.place)
-        if base:
-            block.properties.update(base.properties)
-            block.children.extend(base.children)
+        block = self._open_block(tokens[at], into)
         end = self._statements(tokens, at + 2, block, path)
         if end >= len(tokens):
-            raise WorldFileError(token.place, f'the block of "{token.text}" is never closed')
-        into.children.append(block)
+            raise WorldFileError(tokens[at].place, f'the block of "{tokens[at].text}" is never closed')
         return end + 1
+
+    def _open_block(self, token: _Token, into: Block) -> Block:
+        """A new child of `into`, with all that the definition of its name, if it has one, says."""
+        definition = self._definitions.get(token.text)
+        if definition is None:
+            if token.text not in BLOCK_KINDS - {"world"}:
+                raise WorldFileError(token.place, f'unknown model "{token.text}"{self._meant(token.text)}')
+            block = Block(token.text, token.text, token.place)
+            into.children.append(block)
+            return block
+        if token.text in self._in_use:
+            raise WorldFileError(token.place, f'"{token.text}" is defined by itself')
+        self._in_use.append(token.text)
+        count = len(into.children)
+        self._block(definition.tokens, definition.at, into, definition.path)
+        self._in_use.pop()
+        block = into.children[count]
+        block.word, block.place = token.text, token.place
+        return block
+
+    def _meant(self, word: str) -> str:
+        meant = nearest(word, BLOCK_KINDS.union(self._definitions))
+        return f', did you mean "{meant}"?' if meant else ": is its definition's file included?"
 
     @staticmethod
     def _value(tokens: Sequence[_Token], at: int, word: _Token) -> tuple[Value, int]:
@@ -192,12 +256,19 @@ class _Parser:
         raise WorldFileError(word.place, f'the tuple of "{word.text}" is never closed')
 
 
-def parse_world_file(path: str | Path) -> Block:
-    """Parse a world file with everything it includes.
+@dataclass(frozen=True)
+class WorldFile:
+    """What a world file says: `root` is the block of kind "world", whose properties are the world's and whose children
+    are the models in file order."""
 
-    Returns the block of kind "world": its properties are the world's, its children the models in file order.
-    Raises WorldFileError with file, line and word.
-    """
+    path: Path
+    root: Block
+    remarks: tuple[Remark, ...]
+
+
+def parse_world_file(path: str | Path) -> WorldFile:
+    """Parse a world file with everything it includes. Raises WorldFileError with file, line and word."""
     root = Block("world", "world", Place(str(path), 1))
-    _Parser().parse_file(Path(path), root)
-    return root
+    parser = _Parser(Path(path))
+    parser.parse_file(Path(path), root)
+    return WorldFile(Path(path), root, tuple(parser.remarks))

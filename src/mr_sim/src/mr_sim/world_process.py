@@ -7,24 +7,37 @@ import sys
 
 from mr_sim.radio_control import RadioControl
 from mr_sim.trace import TraceWriter
-from mr_sim.world import World, WorldError
+from mr_sim.world import BIAS, ODOMETRY_MODELS, World, WorldError
 from mr_sim.world_file import WorldFileError
 from mr_sim.world_model import load_world
 from mr_sim.world_server import ServerError, WorldServer, listen
-from mr_sim.worlds import WorldNotFoundError, find_world
+from mr_sim.worlds import WorldNotFoundError, find_world, starts_of, warning_of, with_starts
 
 
 def argument_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="world", description="Holds the truth of a Stage world and serves it to robots over a Unix socket."
     )
-    parser.add_argument("--world", required=True, help="a .world file, or the name of one of the project's worlds")
+    parser.add_argument(
+        "--world", required=True, help="a .world file, a map's .yaml file, or the name of one of the project's worlds"
+    )
     parser.add_argument("--socket", required=True, help="path of the Unix socket to listen on")
     parser.add_argument("--robots", type=int, help="take the first N robots of the world (default: all)")
+    parser.add_argument(
+        "--starts",
+        type=float,
+        nargs="+",
+        default=[],
+        metavar="X Y DEGREES",
+        help="start poses of the robots in the world frame, m and degrees, instead of the world's own",
+    )
     parser.add_argument(
         "--rtf", type=float, help="real-time factor, 0 = as fast as the robots read (default: the speedup of the world)"
     )
     parser.add_argument("--seed", type=int, default=0, help="of range noise and odometry error (default: 0)")
+    parser.add_argument(
+        "--odometry", choices=ODOMETRY_MODELS, default=BIAS, help="how it errs, see the README (default: %(default)s)"
+    )
     parser.add_argument("--duration", type=float, help="simulated seconds to run (default: until stopped)")
     parser.add_argument("--radio-control", help="control socket of the radio daemon, told where the robots are")
     parser.add_argument("--trace", help="file to write the truth trace to")
@@ -43,7 +56,12 @@ def _make_server(arguments: argparse.Namespace) -> WorldServer:
         if value is not None and not (math.isfinite(value) and value >= 0.0):
             raise WorldError(f"--{option} must be a number >= 0, not {value:g}")
     description = load_world(find_world(arguments.world))
-    world = World(description, arguments.robots, arguments.seed)
+    if arguments.starts:
+        description = with_starts(description, starts_of(arguments.starts))
+    warning = warning_of(arguments.world, description)
+    if warning:
+        _say(f"warning: {warning}")
+    world = World(description, arguments.robots, arguments.seed, odometry=arguments.odometry)
     factor = description.speedup if arguments.rtf is None else arguments.rtf
     trace = None
     if arguments.trace:

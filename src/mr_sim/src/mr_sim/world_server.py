@@ -214,7 +214,7 @@ class WorldServer:
         if isinstance(message, protocol.Hello) and client.robot is None:
             self._welcome(client, message.name)
         elif isinstance(message, protocol.Command) and client.robot is not None:
-            self.world.command(client.robot, message.linear, message.angular)
+            self.world.command(client.robot, message.linear, message.angular, message.lateral)
         else:
             raise protocol.ProtocolError(f"a robot may not send {type(message).__name__} now")
 

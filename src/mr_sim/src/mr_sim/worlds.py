@@ -1,14 +1,20 @@
 """Where the project's worlds are, in a source tree or an install space, and worlds that are drawn when asked for."""
 
 import contextlib
+import math
 import os
 import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
 from mr_plans.names import FORM, is_generated, parse_name
 from mr_plans.world_files import WorldFiles, world_files
+from mr_sim.map_world import is_map, map_world_files
+from mr_sim.pose import Pose
 from mr_sim.reference import reference_path
+from mr_sim.world_model import WorldDescription
 
 GENERATED = Path("out/worlds")
 """Where generated worlds are written unless another folder is given."""
@@ -16,7 +22,11 @@ ROBOT = "pioneer.inc"
 
 
 class WorldNotFoundError(ValueError):
-    """No world of that name."""
+    """No world of that name, or none that can be drawn."""
+
+
+class StartsError(ValueError):
+    """Start poses that are none."""
 
 
 def world_folders() -> list[Path]:
@@ -26,12 +36,13 @@ def world_folders() -> list[Path]:
     return [folder for folder in candidates if folder.is_dir() and any(folder.glob("*.world"))]
 
 
-def find_world(name: str, folder: Path = GENERATED) -> Path:
-    """Path of a world: `name` is a path, the name of one of the project's worlds with or without `.world`, or that of a
-    generated one, whose files are then written to `folder`. Raises WorldNotFoundError, OSError if they cannot be."""
+def find_world(name: str, folder: Path = GENERATED, starts: Sequence[Pose] = ()) -> Path:
+    """Path of a world: `name` is a path, the name of one of the project's worlds with or without `.world`, that of a
+    generated one or the `.yaml` file of a map; the files of the last two are then written to `folder`. `starts`: of the
+    robots in a map, world frame, else there is one. Raises WorldNotFoundError, OSError if they cannot be written."""
     path = Path(name)
     if path.is_file():
-        return path
+        return _from_map(name, folder, starts) if is_map(name) else path
     if is_generated(name):
         return _generated(name, folder)
     names = [name] if name.endswith(".world") else [name, f"{name}.world"]
@@ -40,8 +51,16 @@ def find_world(name: str, folder: Path = GENERATED) -> Path:
             if "/" not in name and (place / candidate).is_file():
                 return place / candidate
     known = sorted({world.stem for place in world_folders() for world in place.glob("*.world")})
-    ways = f"give the path of a .world file, {FORM}, or one of: {', '.join(known)}"
+    ways = f"give the path of a .world file or of a map's .yaml file, {FORM}, or one of: {', '.join(known)}"
     raise WorldNotFoundError(f'no world "{name}": {ways}')
+
+
+def warning_of(name: str, description: WorldDescription) -> str:
+    """One line that names what the world, given as to `find_world`, says without effect; empty if there is nothing or
+    the world is one of the project's, which lose nothing that matters."""
+    if not description.warning or is_generated(name) or is_map(name) or description.path.parent in world_folders():
+        return ""
+    return f"{description.path}: {description.warning}"
 
 
 def label_of(name: str) -> str:
@@ -54,12 +73,44 @@ def label_of(name: str) -> str:
         raise WorldNotFoundError(str(error)) from None
 
 
+def with_starts(description: WorldDescription, starts: Sequence[Pose]) -> WorldDescription:
+    """Robots robot_0, ... at other poses (world frame); those beyond the ones of the world are like its last one.
+    Raises StartsError for a world without any."""
+    models = description.robots
+    if not models:
+        raise StartsError(f"{description.path} has no robot that could stand at a start pose: add a position model")
+    robots = tuple(
+        replace(models[min(i, len(models) - 1)], name=f"robot_{i}", start=start, localization_origin=start)
+        for i, start in enumerate(starts)
+    )
+    return replace(description, robots=robots)
+
+
+def starts_of(numbers: Sequence[float]) -> tuple[Pose, ...]:
+    """Start poses from x and y in m and the heading in degrees of each robot in turn. Raises StartsError."""
+    if len(numbers) % 3 or not all(map(math.isfinite, numbers)):
+        raise StartsError(f"--starts takes X Y DEGREES for each robot, not {len(numbers)} numbers")
+    triples = zip(numbers[::3], numbers[1::3], numbers[2::3], strict=True)
+    return tuple((x, y, math.radians(degrees)) for x, y, degrees in triples)
+
+
+def _from_map(name: str, folder: Path, starts: Sequence[Pose]) -> Path:
+    try:
+        return _write(map_world_files(name, starts), folder)
+    except ValueError as error:
+        raise WorldNotFoundError(str(error)) from None
+
+
 def _generated(name: str, folder: Path) -> Path:
     """Drawn anew by each process, so that files of former code are replaced."""
     try:
         files = _drawn(name)
     except ValueError as error:
         raise WorldNotFoundError(f"{name}: {error}") from None
+    return _write(files, folder)
+
+
+def _write(files: WorldFiles, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     world = folder / f"{files.stem}.world"
     _keep(folder / ROBOT, _robot())

@@ -17,12 +17,12 @@ def test_what_is_encoded_is_decoded(make_world):
     world.command(0, 0.3, 0.2)
     world.step()
     assert p.decode(p.encode_hello("robot_0")) == p.Hello("robot_0")
-    assert p.decode(p.encode_command(0.25, -1.5)) == p.Command(0.25, -1.5)
+    assert p.decode(p.encode_command(0.25, 0.5, -1.5)) == p.Command(0.25, 0.5, -1.5)
     assert p.decode(p.encode_welcome(WELCOME)) == WELCOME
     assert p.decode(p.encode_refusal("no such robot")) == p.Refusal("no such robot")
     assert p.decode(p.encode_bye()) == p.Bye()
     state = p.decode(p.encode_state(world.time, world.states()[0]))
-    assert (state.time, state.pose, state.wheels) == (0.05, world.pose(0), (0.3, 0.2))
+    assert (state.time, state.pose, state.wheels) == (0.05, world.pose(0), (0.3, 0.0, 0.2))
     assert (state.stalled, state.contact) == (False, 0)
     ranges = world.core.scan(0, 0)
     decoded = p.decode(p.encode_ranges(0, world.time, ranges))
@@ -33,8 +33,9 @@ def test_what_is_encoded_is_decoded(make_world):
 @pytest.mark.parametrize(
     "packet",
     [
-        b"", b"?", b"H", b"H\x01", b"H\x02robot_0", b"H\x01\xff\xfe", b"H\x01" + b"x" * 1000, b"C", b"C" + bytes(15),
-        p.encode_command(float("nan"), 0.0), p.encode_command(0.0, float("inf")), p.encode_welcome(WELCOME)[:-1],
+        b"", b"?", b"H", b"H\x02", b"H\x01robot_0", b"H\x02\xff\xfe", b"H\x02" + b"x" * 1000, b"C", b"C" + bytes(15),
+        p.encode_command(float("nan"), 0.0, 0.0), p.encode_command(0.0, float("nan"), 0.0),
+        p.encode_command(0.0, 0.0, float("inf")), p.encode_welcome(WELCOME)[:-1],
         b"W\x09" + p.encode_welcome(WELCOME)[2:], b"S" + bytes(7), b"R\x00",
         p.encode_ranges(0, 0.0, np.zeros(2, "f4"))[:-1],
     ],

@@ -75,6 +75,50 @@ def test_what_is_seen_does_not_shift_the_draws(make_world):
     assert 2 <= changed.sum() <= 8 and changed[20] and not changed[[5, 35]].any()
 
 
+TILTED = "model ( size [ 0.2 9 1 ] pose [ 3 0 0 45 ] )\n"  # what a beam errs aside shows in the range
+
+
+def bearing_errors(make_world, degrees: float, fov: float, samples: int, count: int = 400) -> np.ndarray:
+    """Bearings (count, samples) at which beams hit a tilted wall, less those they are reported at, in rad."""
+    robot = f"position ( ranger ( sensor ( range [ 0 8 ] fov {fov} samples {samples} noise [ 0 0 {degrees} ] ) ) )"
+    world = make_world("resolution 0.002\n" + TILTED + robot, head="interval_sim 100\n")
+    ranger = world.robots[0].rangers[0]
+    reported = ranger.angle_min + ranger.angle_increment * np.arange(samples)
+    face = 3.0 - 0.1 * math.sqrt(2.0)  # where the line of the wall's near face crosses the x axis
+    # The face is x - y = face, so range * (cos(bearing) - sin(bearing)) = face.
+    hit = np.arccos(np.clip(face / (sweeps(world, count).astype(float) * math.sqrt(2.0)), -1.0, 1.0)) - math.pi / 4.0
+    return hit - reported
+
+
+@pytest.mark.parametrize(("fov", "samples", "between"), [(40, 5, 10), (20, 1, 20)])
+def test_third_number_errs_the_bearing_as_in_stage(make_world, fov, samples, between):
+    """Evenly spread over a share of the angle between two beams: the number, read as degrees, in rad."""
+    errors = bearing_errors(make_world, 20.0, fov, samples)
+    bound = 0.5 * math.radians(20.0) * math.radians(between)
+    exact = bearing_errors(make_world, 0.0, fov, samples, 1)
+    noise = errors - exact
+    assert abs(noise).max() <= bound + 2e-3
+    assert noise.std() == pytest.approx(bound / math.sqrt(3.0), rel=0.1)
+    assert abs(noise.mean()) < 0.1 * bound
+
+
+def test_error_of_the_bearing_is_seeded_and_spares_other_noise(make_world):
+    wall = "model ( size [ 0.2 9 1 ] pose [ 3.1 0 0 20 ] )\n"
+    robot = "position ( ranger ( sensor ( range [ 0 8 ] fov 40 samples 9 noise [ 0 0 90 ] ) ) )"
+    first, again, other = (sweeps(make_world(wall + robot, seed=seed), 5) for seed in (3, 3, 4))
+    assert np.array_equal(first, again) and not np.array_equal(first, other)
+
+
+def test_robot_at_the_edge_of_an_erring_beam_is_seen(make_world):
+    """Large errors reach beams that would miss the other robot by more than one."""
+    robots = """
+    position ( ranger ( sensor ( range [ 0 8 ] fov 90 samples 91 noise [ 0 0 720 ] ) ) )
+    position ( size [ 0.1 0.1 1 ] pose [ 3 0 0 0 ] )
+    """
+    hits = (sweeps(make_world(robots), 400) < 8.0).any(axis=0)
+    assert hits[39:52].all() and not hits[:36].any() and not hits[55:].any()
+
+
 def mersenne_twister(seed: int):
     """Numbers of 64 bits, after Nishimura and Matsumoto, as std::mt19937_64 defines them."""
     mask, words = 2**64 - 1, [seed]
@@ -112,9 +156,9 @@ def test_constant_noise_alone_draws_what_it_always_drew(samples):
     world = _world.World(raster, raster, 0.05)
     world.add_robot(
         start=(2.0, 5.0, 0.0), footprint=[[(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)]],
-        linear_bounds=(-1.0, 1.0), angular_bounds=(-1.0, 1.0), localization_origin=(0.0, 0.0, 0.0),
-        exact_localization=True, bias=(0.0, 0.0), base_steps=1, command_timeout=0.5, visible=True, solid=True,
-        noise_seed=5489, rangers=[exact, noisy],
+        linear_bounds=(-1.0, 1.0), lateral_bounds=(0.0, 0.0), angular_bounds=(-1.0, 1.0),
+        localization_origin=(0.0, 0.0, 0.0), exact_localization=True, bias=(0.0,) * 3, walk=(0.0,) * 3, walk_seed=0,
+        base_steps=1, command_timeout=0.5, visible=True, solid=True, noise_seed=5489, rangers=[exact, noisy],
     )  # fmt: skip
     drawn = normals(5489)
     for _ in range(3):

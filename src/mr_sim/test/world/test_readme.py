@@ -4,7 +4,7 @@ import ast
 import re
 from pathlib import Path
 
-from mr_sim import world_model, world_process
+from mr_sim import world_process, world_words
 
 PACKAGE = Path(__file__).parents[2]
 README = (PACKAGE / "README.md").read_text(encoding="utf-8")
@@ -36,8 +36,27 @@ def test_topics_of_the_robot_node():
     assert set(constant("TOPICS")) <= set(first_columns("| Topic | Type | Direction | Rate | |"))
 
 
+def rows_of(header: str) -> str:
+    """All of the table with this header."""
+    table = README[README.index(header) :]
+    return table[: table.index("\n\n")]
+
+
 def test_words_of_the_world_language():
-    table = README[README.index("| Block | Words with an effect |") : README.index("Words and blocks that only")]
-    named = set(re.findall(r"`([a-z_]+)(?: \"[a-z]+\")?`", table))
-    words = world_model.WORLD_WORDS | world_model.POSITION_WORDS | world_model.RANGER_WORDS | world_model.SENSOR_WORDS
-    assert words - named == set()
+    effective, passed_over = rows_of("| Block | Words with an effect |"), rows_of("| Block | Words without an effect |")
+    named = set(re.findall(r"`([a-z_]+)(?:\[i\])?(?: \"[a-z]+\")?`", effective))
+    words = frozenset().union(*(world_words.words_of(kind) for kind in world_words.BLOCK_KINDS))
+    assert words - named <= set().union(*world_words.PASSED_OVER_WORDS.values())
+    assert words - named - set(re.findall(r"`([a-z_]+)`", passed_over)) == set()
+
+
+def test_every_passed_over_word_stands_in_the_row_of_its_block():
+    passed_over = rows_of("| Block | Words without an effect |")
+    for kind, words in world_words.PASSED_OVER_WORDS.items():
+        label = {"world": "world", "model": "all models"}.get(kind, f"`{kind}`")
+        (row,) = (line for line in passed_over.splitlines() if label in line.split("|")[1])
+        assert words - set(re.findall(r"`([a-z_]+)`", row)) == set()
+
+
+def test_every_passed_over_model_is_named():
+    assert all(f"`{kind}`" in README for kind in world_words.PASSED_OVER_MODELS)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from mr_sim.world import CONTACT_WITH_ROBOT, CONTACT_WITH_WALL, World, WorldError
+from mr_sim.world import CONTACT_WITH_ROBOT, CONTACT_WITH_WALL, ODOMETRY_MODELS, RANDOM_WALK, World, WorldError
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
 
@@ -38,6 +38,65 @@ def test_command_is_clipped_to_velocity_bounds(make_world, drive):
     assert world.pose(0)[0] == pytest.approx(0.5)
     drive(world, 1.0, (0.0, -9.0))
     assert world.pose(0)[2] == pytest.approx(-math.pi / 2)
+
+
+OMNI = 'rover ( name "a" drive "omni" velocity_bounds [ -0.5 0.5 -0.2 0.3 0 0 -90 90 ] %s )\n'
+
+
+def test_omnidirectional_robot_drives_aside_too(make_world):
+    world = make_world(OMNI % "pose [ 0 0 0 90 ]")
+    for _ in range(20):
+        world.command(0, 0.2, 0.0, lateral=0.25)
+        world.step()
+    state = world.states()[0]
+    assert world.pose(0) == pytest.approx((-0.25, 0.2, math.pi / 2)), "ahead is up, to the left is -x"
+    assert (state["linear"], state["lateral"], state["angular"]) == (0.2, 0.25, 0.0)
+    assert (state["velocity_x"], state["velocity_y"]) == pytest.approx((-0.25, 0.2))
+    assert (state["odometry_x"], state["odometry_y"]) == pytest.approx((0.2, 0.25))
+
+
+def test_omnidirectional_robot_turns_while_it_drives_aside(make_world):
+    world = make_world(OMNI % "")
+    for _ in range(20):
+        world.command(0, 0.0, 0.5, lateral=0.2)
+        world.step()
+    x, y, yaw = world.pose(0)
+    assert yaw == pytest.approx(0.5)
+    state = world.states()[0]
+    assert (state["odometry_x"], state["odometry_y"], state["odometry_yaw"]) == pytest.approx((x, y, yaw))
+    assert x < -0.02 and 0.15 < y < 0.2
+
+
+def test_lateral_speed_is_clipped_and_a_differential_drive_has_none(make_world):
+    world = make_world(OMNI % "" + 'rover ( name "b" pose [ 3 0 0 0 ] )')
+    for lateral, expected in ((9.0, 0.3), (-9.0, -0.2)):
+        for robot in (0, 1):
+            world.command(robot, 0.0, 0.0, lateral)
+        world.step()
+        assert world.states()["lateral"].tolist() == [expected, 0.0]
+    assert world.pose(1) == (3.0, 0.0, 0.0)
+    with pytest.raises(ValueError, match="finite"):
+        world.command(0, 0.0, 0.0, math.nan)
+
+
+def test_omnidirectional_robot_is_blocked_aside(make_world):
+    world = make_world("model ( size [ 4 0.2 1 ] pose [ 0 0.5 0 0 ] )\n" + OMNI % "")
+    for _ in range(40):
+        world.command(0, 0.0, 0.0, lateral=0.3)
+        world.step()
+    assert world.states()[0]["contact"] == CONTACT_WITH_WALL
+    assert 0.19 <= world.pose(0)[1] <= 0.21
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_odometry_aside_has_a_bias_of_its_own(make_world, seed):
+    world = make_world(OMNI % "odom_error [ 0 0.1 0 0 ]", seed=seed)
+    for _ in range(20):
+        world.command(0, 0.0, 0.0, lateral=0.2)
+        world.step()
+    aside = world.odometry_bias[0][1]
+    assert 0.0 < abs(aside) <= 0.1
+    assert world.states()[0]["odometry_y"] == pytest.approx(0.2 * (1.0 + aside))
 
 
 def test_robot_without_fresh_command_stops_after_half_a_second(make_world):
@@ -129,7 +188,7 @@ def test_gps_is_exact_even_when_blocked(make_world, drive):
 @pytest.mark.parametrize("seed", range(5))
 def test_odometry_error_is_one_bias_for_the_whole_run(make_world, drive, seed):
     world = make_world('rover ( name "a" odom_error [ 0.03 0.03 0 0.05 ] )', seed=seed)
-    forward, turn = world.odometry_bias[0]
+    forward, _, turn = world.odometry_bias[0]
     assert abs(forward) <= 0.03 and abs(turn) <= 0.05 and forward != 0.0 and turn != 0.0
     drive(world, 2.0, (0.5, 0.0))
     assert world.states()[0]["odometry_x"] == pytest.approx(1.0 + forward)
@@ -140,8 +199,82 @@ def test_odometry_error_is_one_bias_for_the_whole_run(make_world, drive, seed):
 def test_odometry_bias_fills_its_range(make_world):
     biases = np.array(
         [make_world('rover ( name "a" odom_error [ 0.03 0 0 0.05 ] )', seed=s).odometry_bias[0] for s in range(60)]
-    )
+    )[:, [0, 2]]
     assert (biases.min(axis=0) < [-0.02, -0.035]).all() and (biases.max(axis=0) > [0.02, 0.035]).all()
+
+
+def walked(make_world, seed, seconds, command, text='rover ( name "a" odom_error [ 0.03 0.1 0 0.05 ] %s )'):
+    """The state after a way under the random walk."""
+    world = make_world(text % "", seed=seed, odometry=RANDOM_WALK)
+    assert world.odometry_bias == [(0.0, 0.0, 0.0)]
+    for _ in range(round(seconds / world.interval)):
+        world.command(0, *command)
+        world.step()
+    return world.states()[0]
+
+
+@pytest.mark.parametrize("seconds", [2.0, 18.0])
+def test_random_walk_grows_with_the_square_root_of_the_way(make_world, seconds):
+    ways = [walked(make_world, seed, seconds, (0.5, 0.0)) for seed in range(120)]
+    errors = np.array([way["odometry_x"] - way["x"] for way in ways])
+    assert errors.std() == pytest.approx(0.03 * math.sqrt(0.5 * seconds), rel=0.2)
+    assert abs(errors.mean()) < 0.35 * errors.std()
+    assert all(way["odometry_yaw"] == 0.0 for way in ways)
+
+
+def test_random_walk_of_the_turn(make_world):
+    turns = [walked(make_world, seed, 2.0, (0.0, 1.0)) for seed in range(120)]
+    errors = np.array([turn["odometry_yaw"] - turn["yaw"] for turn in turns])
+    assert errors.std() == pytest.approx(0.05 * math.sqrt(2.0), rel=0.2)
+
+
+def test_random_walk_aside(make_world):
+    text = 'rover ( name "a" drive "omni" velocity_bounds [ -1 1 -1 1 0 0 -90 90 ] odom_error [ 0 0.1 0 0 ] %s )'
+    ways = [walked(make_world, seed, 2.0, (0.0, 0.0, 0.5), text) for seed in range(120)]
+    errors = np.array([way["odometry_y"] - way["y"] for way in ways])
+    assert errors.std() == pytest.approx(0.1, rel=0.2)
+
+
+def test_random_walk_is_seeded_and_its_steps_are_independent(make_world):
+    first, again, other = (walked(make_world, seed, 2.0, (0.5, 0.3)) for seed in (3, 3, 4))
+    assert first == again and first["odometry_x"] != other["odometry_x"]
+    world = make_world('rover ( name "a" odom_error [ 0.03 0 0 0.05 ] )', odometry=RANDOM_WALK)
+    steps = []
+    for _ in range(400):
+        before = float(world.states()[0]["odometry_x"])
+        world.command(0, 0.5, 0.0)
+        world.step()
+        steps.append(float(world.states()[0]["odometry_x"]) - before)
+    assert abs(np.corrcoef(steps[1:-1], steps[2:])[0, 1]) < 0.15
+    world.command(0, 0.0, 0.0)
+    world.step()
+    rest = world.states()[0]["odometry_x"]
+    world.step()
+    assert world.states()[0]["odometry_x"] == rest, "a robot at rest does not drift"
+
+
+def test_odometry_model_changes_nothing_else(make_world, drive):
+    text = (
+        'rover ( name "a" odom_error [ 0.03 0.03 0 0.05 ] ranger ( sensor ( samples 9 noise [ 0.01 0 0 ] ) ) )'
+        + WALL_AHEAD
+    )
+    bias, walk = (make_world(text, seed=2, odometry=model) for model in ODOMETRY_MODELS)
+    for world in (bias, walk):
+        drive(world, 0.5, (0.3, 0.2))
+    assert bias.pose(0) == walk.pose(0)
+    assert np.array_equal(bias.core.scan(0, 1), walk.core.scan(0, 1))
+
+
+def test_random_walk_spares_exact_localization(make_world, drive):
+    world = make_world('rover ( name "a" localization "gps" )', odometry=RANDOM_WALK)
+    drive(world, 1.0, (0.5, 0.5))
+    state = world.states()[0]
+    assert (state["odometry_x"], state["odometry_y"], state["odometry_yaw"]) == pytest.approx(world.pose(0))
+
+
+def test_unknown_odometry_model(make_world):
+    with pytest.raises(WorldError, match='must be bias or random_walk, not "gauss"'):
+        make_world(ROVER, odometry="gauss")
 
 
 # --- rangers ---

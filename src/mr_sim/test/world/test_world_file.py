@@ -9,8 +9,12 @@ from hypothesis import strategies as st
 from mr_sim.world_file import WorldFileError, parse_world_file
 
 
+def root_of(path):
+    return parse_world_file(path).root
+
+
 def test_properties_blocks_and_comments(write_world):
-    root = parse_world_file(
+    root = root_of(
         write_world('# head\nresolution 0.02 # metres\nmodel ( name "box" size [ 1 2.5 -3e-1 ] # end )\n model ( ) )\n')
     )
     assert root.properties["resolution"].value == 0.02
@@ -22,7 +26,7 @@ def test_properties_blocks_and_comments(write_world):
 
 
 def test_define_inherits_overrides_and_chains(write_world):
-    root = parse_world_file(
+    root = root_of(
         write_world(
             'define a model ( color "red" size [ 1 1 1 ] model ( name "inner" ) )\n'
             'define b a ( color "blue" )\n'
@@ -42,8 +46,51 @@ def test_include_is_relative_to_its_file_and_brings_definitions(write_world, tmp
     (tmp_path / "sub").mkdir()
     (tmp_path / "sub" / "outer.inc").write_text('include "inner.inc"\n')
     (tmp_path / "sub" / "inner.inc").write_text("define thing model ( size [ 1 1 1 ] )\n")
-    root = parse_world_file(write_world('include "sub/outer.inc"\nthing ( )\n'))
+    root = root_of(write_world('include "sub/outer.inc"\nthing ( )\n'))
     assert root.children[0].properties["size"].place.file.endswith("inner.inc")
+
+
+def test_files_are_looked_up_as_stage_does(write_world, tmp_path, monkeypatch):
+    """Beside the world file, then beside the file that names them, then by their bare name in STAGEPATH."""
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "outer.inc").write_text('include "inner.inc"\n')
+    (tmp_path / "sub" / "inner.inc").write_text("resolution 1\n")
+    text = 'include "sub/outer.inc"\n'
+    assert root_of(write_world(text)).properties["resolution"].value == 1
+    assert root_of(write_world(text, inner_inc="resolution 2")).properties["resolution"].value == 2
+    shared = tmp_path / "shared"
+    shared.mkdir()
+    (shared / "far.inc").write_text("resolution 3\n")
+    monkeypatch.setenv("STAGEPATH", f"/nowhere:{shared}")
+    assert root_of(write_world('include "elsewhere/far.inc"')).properties["resolution"].value == 3
+    assert root_of(write_world(f'include "{shared}/far.inc"')).properties["resolution"].value == 3
+
+
+def test_definition_may_name_what_is_defined_later(write_world):
+    root = root_of(write_world("define a model ( b ( ) )\ndefine b model ( size [ 1 1 1 ] )\na ( )"))
+    assert root.children[0].children[0].word == "b"
+    assert root.children[0].children[0].properties["size"].value == (1.0, 1.0, 1.0)
+
+
+def test_definition_may_have_the_name_of_a_block(write_world):
+    root = root_of(write_world("define block model ( size [ 1 1 1 ] )\nblock ( )"))
+    assert (root.children[0].kind, root.children[0].word) == ("model", "block")
+
+
+def test_first_definition_holds_and_another_one_is_told(write_world):
+    file = parse_world_file(write_world("define a model ( mass 1 )\ndefine a model ( mass 2 )\na ( )"))
+    assert file.root.children[0].properties["mass"].value == 1
+    (remark,) = file.remarks
+    assert remark.place.line == 2 and '"a" is defined already' in remark.text
+    again = "define a model ( mass 1 )\n"
+    assert parse_world_file(write_world(again + again)).remarks == ()
+
+
+def test_words_with_an_index(write_world):
+    root = root_of(
+        write_world("model ( spose[0] [ 1 2 3 ] block[0].points 4 block[0].point[1] [ 1 2 ] size[ 1 1 1 ] )")
+    )
+    assert set(root.children[0].properties) == {"spose[0]", "block[0].points", "block[0].point[1]", "size"}
 
 
 @pytest.mark.parametrize(
@@ -60,7 +107,11 @@ def test_include_is_relative_to_its_file_and_brings_definitions(write_world, tmp
         ("model ( ) )", 1, 'unexpected ")"'),
         ("pioneer ( )", 1, 'unknown model "pioneer"'),
         ("define a", 1, "define needs"),
-        ("define model model ( )", 1, "built-in"),
+        ("define model model ( )\nmodel ( )", 1, '"model" is defined by itself'),
+        ("define a b ( )\ndefine b a ( )\na ( )", 2, '"a" is defined by itself'),
+        ("define a model (", 1, 'block of "a" is never closed'),
+        ("positoin ( )", 1, 'unknown model "positoin", did you mean "position"?'),
+        ("define rover model ( )\nrovre ( )", 2, 'did you mean "rover"?'),
         ("include pioneer.inc", 1, "file name in quotes"),
         ('\n\ninclude "missing.inc"', 3, "no such file"),
         ("resolution", 1, "has no value"),
@@ -111,7 +162,7 @@ def _written(value: object) -> str:
 @given(properties=st.dictionaries(names, values, max_size=6), spacing=st.sampled_from([" ", "\n", "\t # x\n"]))
 def test_what_is_written_is_read(write_world, properties, spacing):
     text = spacing.join(f"{word} {_written(value)}" for word, value in properties.items())
-    root = parse_world_file(write_world(f"model ({spacing}{text}{spacing})"))
+    root = root_of(write_world(f"model ({spacing}{text}{spacing})"))
     assert {word: entry.value for word, entry in root.children[0].properties.items()} == properties
 
 

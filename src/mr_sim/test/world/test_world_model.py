@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from mr_sim.raster import load_bitmap, rasterise
+from mr_sim.bitmap import load_bitmap
+from mr_sim.raster import rasterise
 from mr_sim.world_file import WorldFileError
 from mr_sim.world_model import load_world
 
@@ -102,7 +103,7 @@ def test_bitmap_is_cropped_to_its_walls_and_fills_the_size(load, image):
     pixels[4:6, 5:10] = 255
     image("plan.png", pixels)
     world = load('resolution 0.1 model ( bitmap "plan.png" size [ 1.0 0.6 1 ] pose [ 0.5 0.3 0 0 ] )')
-    assert load_bitmap(world.obstacles[0]).shape == (6, 10)
+    assert load_bitmap(world.obstacles[0].bitmap).shape == (6, 10)
     grid = rasterise(world.obstacles, world.resolution)
     assert grid.origin == (0.0, 0.0)
     assert np.array_equal(grid.cells, pixels[2:8, 3:13] == 0)
@@ -137,13 +138,15 @@ def test_boundary_makes_a_wall_around(load):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("resolutoin 0.02", 'unknown word "resolutoin" in "world"'),
-        ('position ( driev "diff" )', 'unknown word "driev" in "position"'),
-        ('position ( drive "omni" )', '"omni" is not supported'),
-        ("position ( boundary 1 )", 'unknown word "boundary"'),
-        ('position ( bitmap "plan.png" )', 'unknown word "bitmap"'),
-        ('position ( model ( bitmap "plan.png" ) )', 'unknown word "bitmap"'),
-        ("position ( model ( ranger ( ) ) )", '"ranger" inside a part of a robot\'s body is not supported'),
+        ("resolutoin 0.02", 'unknown word "resolutoin" in "world", did you mean "resolution"?'),
+        ('position ( driev "diff" )', 'unknown word "driev" in "position", did you mean "drive"?'),
+        ("model ( gui_moove 1 )", 'did you mean "gui_move"?'),
+        ("position ( ranger ( sensor ( sampels 3 ) ) )", 'did you mean "samples"?'),
+        ('position ( drive "car" )', '"drive" must be "diff" or "omni", not "car"'),
+        ('position ( name "r" camera ( ) )', 'a camera is the only sensor of "r"'),
+        ('unit_length "inch"', '"unit_length" must be "m" or "cm" or "mm", not "inch"'),
+        ("position ( gripper ( paddle_size [ 1.2 0.1 0.4 ] ) )", "must be shares of the gripper"),
+        ('position ( bitmap "none.png" )', "does not exist"),
         ("position ( ranger ( sensor ( model ( ) ) ) )", '"model" inside a sensor is not supported'),
         ('position ( localization "slam" )', '"gps" or "odom"'),
         ("position ( drive 3 )", "needs a string"),
@@ -151,15 +154,15 @@ def test_boundary_makes_a_wall_around(load):
         ('position ( pose [ 1 2 3 "4" ] )', '"pose" needs 4 numbers'),
         ("position ( velocity_bounds [ 1 -1 0 0 0 0 -90 90 ] )", "minimum above its maximum"),
         ("position ( update_interval 0 )", "greater than 0"),
-        ('position ( ctrl "wander" )', 'unknown word "ctrl"'),
         ('position ( name "a" ) position ( name "a" )', '"a" is used by two robots'),
         ('position ( name "robot_1" ) position ( )', '"robot_1" is used by two robots'),
         ("position ( position ( ) )", '"position" inside a position model'),
         ('model ( bitmap "none.png" )', "does not exist"),
         ('model ( bitmap "" )', "needs a file name"),
         ("model ( size [ 1 0 1 ] )", "must be positive"),
-        ("model ( size 1 )", "needs 3 numbers"),
-        ("ranger ( )", "cannot stand here"),
+        ("model ( size 1 )", "needs 2 numbers"),
+        ("sensor ( )", "cannot stand here"),
+        ("block ( )", "cannot stand here"),
         ("position ( ranger ( sensor ( samples 0 ) ) )", "at least 1"),
         ("position ( ranger ( sensor ( samples 2.5 ) ) )", "whole number"),
         ("position ( ranger ( sensor ( samples 1e9 ) ) )", "whole number"),
@@ -168,11 +171,12 @@ def test_boundary_makes_a_wall_around(load):
         ("position ( ranger ( sensor ( noise [ -1 0 0 ] ) ) )", "must not be negative"),
         ("position ( ranger ( sensor ( noise [ 0 -0.1 0 ] ) ) )", "must not be negative"),
         ("position ( ranger ( sensor ( noise [ 0 1.1 0 ] ) ) )", "share of the range, at most 1, not 1.1"),
-        ("position ( ranger ( sensor ( noise [ 0 0 1 ] ) ) )", "no error of the bearing"),
-        ("position ( ranger ( fov 90 sensor ( ) ) )", "outside the sensor block"),
-        ("position ( ranger ( scount 16 ) )", 'unknown word "scount"'),
+        ("position ( ranger ( sensor ( noise [ 0 0 -1 ] ) ) )", "must not be negative"),
         ("model ( block ( points 2 ) )", "at least 3"),
         ("model ( block ( points 3 point[0] [ 0 0 ] ) )", "lacks point[1]"),
+        ("position ( ranger ( scount 0 ) )", "at least 1"),
+        ("position ( ranger ( scount 1000 ) )", "whole number up to 255"),
+        ("position ( ranger ( scount 2 spose[0] [ 1 2 ] ) )", "needs 3 numbers"),
         ("resolution 0", "greater than 0"),
     ],
 )

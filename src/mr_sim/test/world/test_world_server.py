@@ -94,8 +94,16 @@ def test_commands_move_the_robot_that_sends_them(start):
     first, second = running.connect("a"), running.connect("b")
     first.command(0.5, 0.0)
     moved = next(s for s in states(first, 1.0)[0] if s.pose[0] > 0.2)
-    assert moved.wheels == (0.5, 0.0) and moved.velocity[0] == pytest.approx(0.5)
+    assert moved.wheels == (0.5, 0.0, 0.0) and moved.velocity[0] == pytest.approx(0.5)
     assert all(s.pose == (0, 2, 0) for s in states(second, 1.0)[0])
+
+
+def test_commands_aside_reach_an_omnidirectional_robot(start):
+    running = start('rover ( name "a" drive "omni" velocity_bounds [ -1 1 -1 1 0 0 -90 90 ] )', real_time_factor=5.0)
+    client = running.connect("a")
+    client.command(0.0, 0.0, lateral=0.4)
+    moved = next(s for s in states(client, 1.0)[0] if s.pose[1] > 0.1)
+    assert moved.wheels == (0.0, 0.4, 0.0) and moved.odometry[1] == pytest.approx(moved.pose[1], rel=0.1)
 
 
 def test_end_is_announced(start):
@@ -115,7 +123,7 @@ def test_end_is_announced(start):
     ("packet", "reason"),
     [
         (b"?", "unknown kind of message"),
-        (p.encode_command(1.0, 0.0), "may not send Command now"),
+        (p.encode_command(1.0, 0.0, 0.0), "may not send Command now"),
         (p.encode_hello("nobody"), 'no robot "nobody" in this world; there are a, b'),
         (b"H\x07a", "protocol version 7"),
         (b"C123", "malformed message"),
@@ -164,7 +172,7 @@ def test_dead_robot_stands_still_the_world_goes_on_and_it_may_return(start):
     again = running.connect("a")
     seen = states(again, later + 1.0)[0]
     assert 0.05 < seen[0].pose[0] < 0.5
-    assert len({s.pose for s in seen}) == 1 and seen[0].wheels == (0, 0)
+    assert len({s.pose for s in seen}) == 1 and seen[0].wheels == (0, 0, 0)
     assert any(line.startswith("a is gone (") for line in running.said)
 
 

@@ -13,7 +13,7 @@ from scipy import ndimage
 from mr_sim.pose import placed
 from mr_sim.world import World
 from mr_sim.world_model import load_world
-from mr_sim.worlds import find_world
+from mr_sim.worlds import find_world, warning_of
 
 WORLDS = {
     "office26x15": 16, "office26x15_mixed": 16, "office26x15_turtlebots": 16, "small8x8": 4, "narrow": 16,
@@ -131,3 +131,12 @@ def test_pictures_are_those_of_their_generator(tmp_path):
     for name in made:
         kept = cv2.imread(str(find_world(name.replace(".png", "")).parent / name), cv2.IMREAD_GRAYSCALE)
         assert np.array_equal(cv2.imread(str(tmp_path / name), cv2.IMREAD_GRAYSCALE), kept), f"{name}: run make_worlds"
+
+
+def test_only_worlds_of_others_give_a_warning(tmp_path):
+    own = find_world("office26x15")
+    description = load_world(own)
+    assert description.warning and warning_of("office26x15", description) == ""
+    (tmp_path / "mine.world").write_text('position ( ctrl "wander" )')
+    mine = str(tmp_path / "mine.world")
+    assert warning_of(mine, load_world(mine)) == f"{mine}: without effect here: words ctrl"

@@ -15,6 +15,8 @@ using PoseTuple = std::tuple<double, double, double>;
 
 Pose to_pose(const PoseTuple& pose) { return {std::get<0>(pose), std::get<1>(pose), std::get<2>(pose)}; }
 
+OdometryError to_error(const PoseTuple& error) { return {std::get<0>(error), std::get<1>(error), std::get<2>(error)}; }
+
 std::shared_ptr<Raster> make_raster(const Cells& cells, double resolution, std::pair<double, double> origin) {
   if (cells.ndim() != 2) throw std::invalid_argument("a raster needs a two-dimensional array");
   return std::make_shared<Raster>(cells.data(), static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1)),
@@ -22,26 +24,29 @@ std::shared_ptr<Raster> make_raster(const Cells& cells, double resolution, std::
 }
 
 Ranger make_ranger(const PoseTuple& mount, double range_max, double field_of_view, int samples, double noise_variance,
-                   double noise_share) {
-  return {to_pose(mount), range_max, field_of_view, samples, noise_variance, noise_share};
+                   double noise_share, double noise_bearing) {
+  return {to_pose(mount), range_max, field_of_view, samples, noise_variance, noise_share, noise_bearing};
 }
 
 int add_robot(World& world, const PoseTuple& start,
               const std::vector<std::vector<std::pair<double, double>>>& footprint,
-              std::pair<double, double> linear_bounds, std::pair<double, double> angular_bounds,
-              const PoseTuple& localization_origin, bool exact_localization, std::pair<double, double> bias,
-              int base_steps, double command_timeout, bool visible, bool solid, uint64_t noise_seed,
-              const std::vector<Ranger>& rangers) {
+              std::pair<double, double> linear_bounds, std::pair<double, double> lateral_bounds,
+              std::pair<double, double> angular_bounds, const PoseTuple& localization_origin, bool exact_localization,
+              const PoseTuple& bias, const PoseTuple& walk, uint64_t walk_seed, int base_steps, double command_timeout,
+              bool visible, bool solid, uint64_t noise_seed, const std::vector<Ranger>& rangers) {
   RobotOptions options{to_pose(start),
                        {},
                        linear_bounds.first,
                        linear_bounds.second,
+                       lateral_bounds.first,
+                       lateral_bounds.second,
                        angular_bounds.first,
                        angular_bounds.second,
                        to_pose(localization_origin),
                        exact_localization,
-                       bias.first,
-                       bias.second,
+                       to_error(bias),
+                       to_error(walk),
+                       walk_seed,
                        base_steps,
                        command_timeout,
                        visible,
@@ -85,8 +90,8 @@ py::array_t<double> cast(const Raster& raster, std::pair<double, double> origin,
 
 PYBIND11_MODULE(_world, module) {
   module.doc() = "Core of the world engine: raster of walls, ray casting, robots. SI units, angles in radians.";
-  PYBIND11_NUMPY_DTYPE(RobotState, odometry_x, odometry_y, odometry_yaw, linear, angular, x, y, yaw, velocity_x,
-                       velocity_y, velocity_yaw, stalled, contact);
+  PYBIND11_NUMPY_DTYPE(RobotState, odometry_x, odometry_y, odometry_yaw, linear, lateral, angular, x, y, yaw,
+                       velocity_x, velocity_y, velocity_yaw, stalled, contact);
 
   py::class_<Raster, std::shared_ptr<Raster>>(module, "Raster")
       .def(py::init(&make_raster), py::arg("cells"), py::arg("resolution"), py::arg("origin"))
@@ -98,7 +103,7 @@ PYBIND11_MODULE(_world, module) {
 
   py::class_<Ranger>(module, "Ranger")
       .def(py::init(&make_ranger), py::arg("mount"), py::arg("range_max"), py::arg("field_of_view"), py::arg("samples"),
-           py::arg("noise_variance"), py::arg("noise_share"));
+           py::arg("noise_variance"), py::arg("noise_share"), py::arg("noise_bearing") = 0.0);
 
   py::class_<World>(module, "World")
       .def(py::init([](std::shared_ptr<Raster> obstacles, std::shared_ptr<Raster> visible, double interval) {
@@ -106,10 +111,10 @@ PYBIND11_MODULE(_world, module) {
            }),
            py::arg("obstacles"), py::arg("visible"), py::arg("interval"))
       .def("add_robot", &add_robot, py::kw_only(), py::arg("start"), py::arg("footprint"), py::arg("linear_bounds"),
-           py::arg("angular_bounds"), py::arg("localization_origin"), py::arg("exact_localization"), py::arg("bias"),
-           py::arg("base_steps"), py::arg("command_timeout"), py::arg("visible"), py::arg("solid"),
-           py::arg("noise_seed"), py::arg("rangers"))
-      .def("command", &World::command, py::arg("robot"), py::arg("linear"), py::arg("angular"))
+           py::arg("lateral_bounds"), py::arg("angular_bounds"), py::arg("localization_origin"),
+           py::arg("exact_localization"), py::arg("bias"), py::arg("walk"), py::arg("walk_seed"), py::arg("base_steps"),
+           py::arg("command_timeout"), py::arg("visible"), py::arg("solid"), py::arg("noise_seed"), py::arg("rangers"))
+      .def("command", &World::command, py::arg("robot"), py::arg("linear"), py::arg("lateral"), py::arg("angular"))
       .def("step", &World::step)
       .def_property_readonly("time", &World::time)
       .def_property_readonly("steps", &World::steps)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 namespace mr_sim {
@@ -87,14 +88,17 @@ int World::add_robot(RobotOptions options) {
   robot.radius = reach(options.footprint);
   robot.outline = place(options.footprint, options.start);
   robot.noise.seed(options.noise_seed);
+  robot.walk.seed(options.walk_seed);
   const Pose odometry = relative(options.localization_origin, options.start);
   robot.state = {
-      odometry.x, odometry.y, odometry.yaw, 0, 0, options.start.x, options.start.y, options.start.yaw, 0, 0, 0, 0, 0};
+      odometry.x, odometry.y, odometry.yaw, 0, 0, 0, options.start.x, options.start.y, options.start.yaw, 0, 0, 0,
+      0,          0};
   for (const Ranger& ranger : options.rangers) {
     if (ranger.samples < 1) throw std::invalid_argument("a ranger needs at least one sample");
     Beams beams;
     beams.first = ranger.samples > 1 ? -ranger.field_of_view / 2.0 : 0.0;
     beams.increment = ranger.samples > 1 ? ranger.field_of_view / (ranger.samples - 1) : 0.0;
+    beams.error = static_cast<int>(std::ceil(0.5 * ranger.noise_bearing));
     for (int i = 0; i < ranger.samples; ++i) {
       const double bearing = beams.first + i * beams.increment;
       beams.directions.push_back({std::cos(bearing), std::sin(bearing)});
@@ -111,12 +115,13 @@ const World::Robot& World::at(int robot) const { return robots_.at(static_cast<s
 const RobotState& World::state(int robot) const { return at(robot).state; }
 int World::samples(int robot, int ranger) const { return at(robot).options.rangers.at(ranger).samples; }
 
-void World::command(int robot, double linear, double angular) {
-  if (!std::isfinite(linear) || !std::isfinite(angular)) {
+void World::command(int robot, double linear, double lateral, double angular) {
+  if (!std::isfinite(linear) || !std::isfinite(lateral) || !std::isfinite(angular)) {
     throw std::invalid_argument("a velocity command must be finite");
   }
   Robot& target = at(robot);
   target.wanted_linear = linear;
+  target.wanted_lateral = lateral;
   target.wanted_angular = angular;
   target.commanded_at = time();
 }
@@ -137,6 +142,7 @@ void World::take_up_command(Robot& robot) const {
   // Half a step of tolerance: times are sums of steps, equal ones may differ in the last bit.
   const bool fresh = time() - robot.commanded_at < options.command_timeout - 0.5 * interval_;
   robot.state.linear = fresh ? std::clamp(robot.wanted_linear, options.linear_min, options.linear_max) : 0.0;
+  robot.state.lateral = fresh ? std::clamp(robot.wanted_lateral, options.lateral_min, options.lateral_max) : 0.0;
   robot.state.angular = fresh ? std::clamp(robot.wanted_angular, options.angular_min, options.angular_max) : 0.0;
 }
 
@@ -146,10 +152,10 @@ void World::move(int index) {
   state.stalled = 0;
   state.contact = static_cast<uint8_t>(Contact::kNone);
   state.velocity_x = state.velocity_y = state.velocity_yaw = 0.0;
-  if (state.linear == 0.0 && state.angular == 0.0) return;
+  if (state.linear == 0.0 && state.lateral == 0.0 && state.angular == 0.0) return;
 
   const Pose pose{state.x, state.y, state.yaw};
-  const Pose next = compose(pose, {state.linear * interval_, 0.0, state.angular * interval_});
+  const Pose next = compose(pose, {state.linear * interval_, state.lateral * interval_, state.angular * interval_});
   const Contact contact = contact_at(index, next);
   if (contact != Contact::kNone) {
     state.stalled = 1;
@@ -173,16 +179,34 @@ void World::count_odometry(Robot& robot) const {
   if (options.exact_localization) {
     odometry = relative(options.localization_origin, {state.x, state.y, state.yaw});
   } else {
-    odometry = compose(odometry, {state.linear * (1.0 + options.linear_bias) * interval_, 0.0,
-                                  state.angular * (1.0 + options.angular_bias) * interval_});
+    odometry = compose(odometry, wheel_motion(robot, interval_));
   }
   state.odometry_x = odometry.x;
   state.odometry_y = odometry.y;
   state.odometry_yaw = odometry.yaw;
 }
 
+// What the wheels count in one step. Of a random walk numbers are drawn at each step, also at rest.
+Pose World::wheel_motion(Robot& robot, double interval) {
+  const RobotState& state = robot.state;
+  const auto& [bias, walk] = std::tie(robot.options.bias, robot.options.walk);
+  Pose motion{state.linear * (1.0 + bias.linear) * interval, state.lateral * (1.0 + bias.lateral) * interval,
+              state.angular * (1.0 + bias.angular) * interval};
+  if (walk.linear > 0.0 || walk.angular > 0.0) {
+    const auto [along, around] = two_normals(robot.walk);
+    motion.x += along * walk.linear * std::sqrt(std::abs(motion.x));
+    motion.yaw += around * walk.angular * std::sqrt(std::abs(motion.yaw));
+  }
+  if (walk.lateral > 0.0) {
+    const double aside = two_normals(robot.walk).first;
+    motion.y += aside * walk.lateral * std::sqrt(std::abs(motion.y));
+  }
+  return motion;
+}
+
 Contact World::contact_at(int index, const Pose& pose) const {
   const Robot& robot = at(index);
+  if (!robot.options.solid) return Contact::kNone;
   const std::vector<Polygon> outline = place(robot.options.footprint, pose);
   for (const Polygon& polygon : outline) {
     if (touches(*obstacles_, polygon)) return Contact::kWall;
@@ -203,13 +227,29 @@ Contact World::contact_at(int index, const Pose& pose) const {
 void World::scan(int index, int ranger_index, float* ranges) {
   Robot& robot = at(index);
   const Ranger& ranger = robot.options.rangers.at(static_cast<size_t>(ranger_index));
-  const Beams& beams = robot.beams[static_cast<size_t>(ranger_index)];
+  const Beams& exact = robot.beams[static_cast<size_t>(ranger_index)];
+  const bool errs = ranger.noise_bearing > 0.0;
+  const Beams wrong = errs ? disturbed(exact, ranger, robot.noise) : Beams{};
+  const Beams& beams = errs ? wrong : exact;
   const Pose eye = compose({robot.state.x, robot.state.y, robot.state.yaw}, ranger.mount);
   see_walls(ranger, beams, eye, ranges);
   for (int i = 0; i < size(); ++i) {
     if (i != index && robots_[i].options.visible) see_robot(robots_[i], ranger, beams, eye, ranges);
   }
   add_noise(ranger, robot.noise, ranges);
+}
+
+// Beams that look beside the bearings they are reported at: evenly spread, as in Stage up to half of the share of the
+// angle between two beams, or of the field of view if there is one only.
+World::Beams World::disturbed(const Beams& beams, const Ranger& ranger, std::mt19937_64& generator) {
+  Beams wrong = beams;
+  const double between = ranger.field_of_view / std::max(ranger.samples - 1, 1);
+  for (int i = 0; i < ranger.samples; ++i) {
+    const double error = 0.5 * between * ranger.noise_bearing * (2.0 * uniform(generator) - 1.0);
+    const double bearing = beams.first + i * beams.increment + error;
+    wrong.directions[i] = {std::cos(bearing), std::sin(bearing)};
+  }
+  return wrong;
 }
 
 void World::see_walls(const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const {
@@ -236,8 +276,10 @@ void World::see_robot(const Robot& target, const Ranger& ranger, const Beams& be
     const double to = bearing + turn + half_width - beams.first;
     const double last = ranger.samples - 1;
     const bool single = beams.increment == 0.0;
-    const int begin = static_cast<int>(single ? 0.0 : std::clamp(std::floor(from / beams.increment), 0.0, last + 1.0));
-    const int end = static_cast<int>(single ? 0.0 : std::clamp(std::ceil(to / beams.increment), -1.0, last));
+    const double first_beam = std::floor(from / beams.increment) - beams.error;
+    const double last_beam = std::ceil(to / beams.increment) + beams.error;
+    const int begin = static_cast<int>(single ? 0.0 : std::clamp(first_beam, 0.0, last + 1.0));
+    const int end = static_cast<int>(single ? 0.0 : std::clamp(last_beam, -1.0, last));
     for (int i = begin; i <= end; ++i) {
       ranges[i] = std::min(ranges[i], static_cast<float>(first_hit(outline, beams.directions[i])));
     }

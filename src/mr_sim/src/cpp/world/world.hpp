@@ -20,20 +20,29 @@ struct Ranger {
   int samples;
   double noise_variance;  // m^2, the first number of Stage's `noise`
   double noise_share;     // of the range, the second number: largest error of its even part
+  double noise_bearing;   // the third number, in rad: share of the angle between beams, half of which a beam may err
+};
+
+// Along the heading, to the left, of the turn.
+struct OdometryError {
+  double linear, lateral, angular;
 };
 
 struct RobotOptions {
-  Pose start;                        // world frame
-  std::vector<Polygon> footprint;    // robot frame
-  double linear_min, linear_max;     // velocity_bounds, m/s
-  double angular_min, angular_max;   // rad/s
-  Pose localization_origin;          // world frame: where the odometry counts from
-  bool exact_localization;           // localization "gps"
-  double linear_bias, angular_bias;  // share by which odometry counts too much
-  int base_steps;                    // simulation steps per base update
-  double command_timeout;            // s of simulated time without a command after which the robot stops
-  bool visible;                      // ranger_return: other robots' lasers see it
-  bool solid;                        // obstacle_return: other robots bump into it
+  Pose start;                       // world frame
+  std::vector<Polygon> footprint;   // robot frame
+  double linear_min, linear_max;    // velocity_bounds, m/s
+  double lateral_min, lateral_max;  // m/s to the left; both 0 but for an omnidirectional drive
+  double angular_min, angular_max;  // rad/s
+  Pose localization_origin;         // world frame: where the odometry counts from
+  bool exact_localization;          // localization "gps"
+  OdometryError bias;               // shares by which odometry counts too much
+  OdometryError walk;               // standard deviation of what it errs in 1 m or 1 rad, grows with the square root
+  uint64_t walk_seed;
+  int base_steps;          // simulation steps per base update
+  double command_timeout;  // s of simulated time without a command after which the robot stops
+  bool visible;            // ranger_return: other robots' lasers see it
+  bool solid;              // obstacle_return: it bumps into walls and robots, and they into it
   uint64_t noise_seed;
   std::vector<Ranger> rangers;
 };
@@ -43,7 +52,7 @@ enum class Contact : uint8_t { kNone = 0, kWall = 1, kRobot = 2 };
 // Plain layout: handed to Python as a NumPy record.
 struct RobotState {
   double odometry_x, odometry_y, odometry_yaw;  // robot's odometry frame
-  double linear, angular;                       // wheels: m/s, rad/s
+  double linear, lateral, angular;              // wheels: m/s, m/s to the left, rad/s
   double x, y, yaw;                             // truth, world frame
   double velocity_x, velocity_y, velocity_yaw;  // truth, world frame
   uint8_t stalled;                              // 1: the last step was blocked
@@ -58,7 +67,7 @@ class World {
   int add_robot(RobotOptions options);
 
   // Wanted velocity, taken up at the robot's next base update. Throws std::invalid_argument unless finite.
-  void command(int robot, double linear, double angular);
+  void command(int robot, double linear, double lateral, double angular);
 
   // Advances the world by one interval.
   void step();
@@ -79,6 +88,7 @@ class World {
   struct Beams {
     std::vector<Point> directions;  // unit vectors in the ranger's frame
     double first, increment;        // rad
+    int error;                      // beams by which a bearing may be wrong
   };
   struct Robot {
     RobotOptions options;
@@ -86,10 +96,12 @@ class World {
     std::vector<Polygon> outline;  // footprint in the world frame at the present pose
     double radius;
     double wanted_linear = 0.0;
+    double wanted_lateral = 0.0;
     double wanted_angular = 0.0;
     double commanded_at = -std::numeric_limits<double>::infinity();
     std::vector<Beams> beams;
     std::mt19937_64 noise;
+    std::mt19937_64 walk;
   };
 
   Robot& at(int robot);
@@ -97,6 +109,8 @@ class World {
   void take_up_command(Robot& robot) const;
   void move(int index);
   void count_odometry(Robot& robot) const;
+  static Pose wheel_motion(Robot& robot, double interval);
+  static Beams disturbed(const Beams& beams, const Ranger& ranger, std::mt19937_64& generator);
   void see_walls(const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const;
   void see_robot(const Robot& target, const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const;
 

@@ -8,15 +8,18 @@ from mr_sim.world_model import RangerDescription, RobotDescription
 
 def platform_of(robot: RobotDescription) -> Platform:
     """Lengths to 0.1 mm; angles rounded down to 0.01 rad, so that nobody counts on more than there is. Of several
-    rangers the first counts. Raises PlatformError for a robot that cannot explore."""
+    rangers the main one counts. Raises PlatformError for a robot that cannot explore."""
     if not robot.rangers:
         raise PlatformError("no laser: add a ranger to its position model")
     linear, angular = robot.linear_bounds[1], min(-robot.angular_bounds[0], robot.angular_bounds[1])
     if linear <= 0.0 or angular <= 0.0:
         raise PlatformError("it cannot drive ahead and turn both ways: see velocity_bounds of its model")
-    scan = Topics.scan if len(robot.rangers) == 1 else f"{Topics.scan}_0"
+    scan = Topics.scan if len(robot.rangers) == 1 else f"{Topics.scan}_{robot.main_ranger}"
     return Platform(
-        _footprint(robot), _sensor(robot.rangers[0]), Drive(linear, _rounded_down(angular)), topics=Topics(scan)
+        _footprint(robot),
+        _sensor(robot.rangers[robot.main_ranger]),
+        Drive(linear, _rounded_down(angular)),
+        topics=Topics(scan),
     )
 
 

@@ -1,0 +1,40 @@
+"""Pictures of a world: dark pixels are solid."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from mr_sim.world_file import WorldFileError
+
+OCCUPIED_BELOW = 128  # grey level of a pixel under which it is wall
+
+Rectangle = tuple[int, int, int, int]
+"""First column and row, then the column and row behind the last; row 0 at the bottom."""
+
+
+def load_bitmap(path: str | Path) -> np.ndarray:
+    """Occupied pixels, bool (rows, columns), row 0 at the bottom, cropped to their bounding box as Stage does. Raises
+    WorldFileError."""
+    image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+    if image is None:
+        raise WorldFileError(str(path), "is not an image that can be read")
+    occupied = np.flipud(image < OCCUPIED_BELOW)
+    rows, columns = np.flatnonzero(occupied.any(axis=1)), np.flatnonzero(occupied.any(axis=0))
+    if rows.size == 0:
+        raise WorldFileError(str(path), "has no dark pixel, so no walls")
+    return occupied[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+
+
+def rectangles(pixels: np.ndarray) -> list[Rectangle]:
+    """Rectangles that together are the True `pixels`, bool (rows, columns): runs, joined with equal ones above."""
+    done: list[Rectangle] = []
+    growing: dict[tuple[int, int], int] = {}  # columns of a run -> row it began in
+    for row, line in enumerate([*pixels, np.zeros(pixels.shape[1], dtype=bool)]):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], line.astype(np.int8), [0]])))
+        runs = {(int(begin), int(end)) for begin, end in zip(edges[::2], edges[1::2], strict=True)}
+        for run in growing.keys() - runs:
+            done.append((run[0], growing.pop(run), run[1], row))
+        for run in runs - growing.keys():
+            growing[run] = row
+    return sorted(done)
