@@ -146,7 +146,7 @@ def test_odometry_model_is_recorded_where_it_is_not_that_of_older_records():
 
 
 def test_odometry_model_reaches_the_world():
-    trial = Trial("small8x8", 1, 1, limit=5.0, odometry="random_walk")
+    trial = Trial("small8x8", 1, 1, limit=40.0, odometry="random_walk")
     mission = Mission(trial)
     assert mission.world.odometry == "random_walk"
     assert run_trial(trial)["team"]["series"] != run_trial(replace(trial, odometry="bias"))["team"]["series"]
