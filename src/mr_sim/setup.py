@@ -1,4 +1,8 @@
 from catkin_pkg.python_setup import generate_distutils_setup
 from setuptools import setup
 
-setup(**generate_distutils_setup(packages=["mr_sim", "mr_sim.slam", "mr_sim.navigation"], package_dir={"": "src"}))
+setup(
+    **generate_distutils_setup(
+        packages=["mr_sim", "mr_sim.slam", "mr_sim.navigation", "mr_sim.nuisance"], package_dir={"": "src"}
+    )
+)
