@@ -75,7 +75,7 @@ def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Poi
     start = grid.cell(pose[0], pose[1])
     if not grid.contains(*start):
         return None
-    slowness = costs.slowness(obstacles, pose).copy()
+    slowness = costs.slowness(obstacles, pose, narrow=True).copy()
     slowness[start] = min(slowness[start], 25.0)
     limit = 3.0 * SEARCHED / grid.resolution
     cost = _navigation.march(slowness, [(start[0], start[1], 0.0)], limit=limit)
@@ -93,4 +93,4 @@ def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Poi
     price += np.where(aside < ASIDE, 3.0 * np.maximum(0.0, SEARCHED - along), 0.0)
     best = int(np.argmin(price))
     target = grid.center(int(rows[best]), int(columns[best]))
-    return plan(costs, obstacles, pose, target, 0.3)
+    return plan(costs, obstacles, pose, target, 0.3, narrow=True)
