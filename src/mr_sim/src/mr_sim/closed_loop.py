@@ -94,6 +94,7 @@ class ClosedLoop:
             self.on_scan(robot, pose)
         begun = time.process_time()
         if robot.map_at == now and robot.grid is not None:
+            robot.navigator.set_own_map(robot.grid, now)
             robot.navigator.set_map(self.merge(robot, robot.grid))
             if self.share_positions:
                 robot.navigator.set_others(self._positions(robot), now)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from mr_sim import _navigation
 from mr_sim.closed_loop import ClosedLoop, Robot
+from mr_sim.navigation.arrivals import Arrivals
 from mr_sim.navigation.clock import Clock
 from mr_sim.navigation.engine import Command, Navigator, Status
 from mr_sim.navigation.obstacles import ObstacleMemory
@@ -250,7 +251,9 @@ def test_thinning_keeps_the_nearest_point() -> None:
     navigator.set_map(Grid(np.zeros((40, 40), np.int8), 0.05, (-1.0, -1.0)))
     points = np.array([[0.599, 0.0], [0.571, 0.0], [0.585, 0.0]])
     scan = Scan(points, np.full(3, 0.6), 0.0, 0.01, 8.0, (0.0, 0.0, 0.0))
-    assert navigator._obstacles((0.0, 0.0, 0.0), scan)[:, 0].min() == pytest.approx(0.571)
+    assert navigator._obstacles(CostMap(navigator._grid, navigator.options), (0.0, 0.0, 0.0), scan)[
+        :, 0
+    ].min() == pytest.approx(0.571)
 
 
 def test_a_new_goal_does_not_stop_the_robot() -> None:
@@ -401,7 +404,7 @@ def beside(wall: float) -> Scan:
 def seen_around(scan: Scan, grid: Grid) -> np.ndarray:
     navigator = Navigator()
     navigator.set_map(grid)
-    return navigator._obstacles((2.0, 2.0, 0.0), scan)[:, :2] - (2.0, 2.0)
+    return navigator._obstacles(CostMap(grid, navigator.options), (2.0, 2.0, 0.0), scan)[:, :2] - (2.0, 2.0)
 
 
 def test_a_wall_beside_the_robot_is_where_most_hits_are() -> None:
@@ -420,6 +423,23 @@ def test_a_wall_goes_on_where_the_laser_is_blind() -> None:
         behind = points[(points[:, 0] < -0.3) & (points[:, 0] > -0.5)]
         assert (len(behind) == 0) == known
         assert np.abs(behind[:, 1] + 0.205).max(initial=0.0) < 0.03
+
+
+def test_what_comes_into_the_own_map_is_no_wall_until_it_has_settled() -> None:
+    """A robot that stood in a corridor was a wall across it: there was no way, and nothing to give way to."""
+    arrivals, empty = Arrivals(), room((slice(0, 80), slice(0, 2)))
+    robot = Grid(empty.cells.copy(), 0.05, (0.0, 0.0))
+    robot.cells[30:36, 40:46] = 100
+    robot.cells[50:56, 2:3] = 100  # the wall, seen better
+    arrivals.update(empty, 0.0)
+    arrivals.update(robot, 2.0)
+    larger = Grid(np.pad(robot.cells, ((20, 0), (10, 0)), constant_values=-1), 0.05, (-0.5, -1.0))
+    for now, present in ((3.0, False), (31.0, False), (33.0, True)):
+        arrivals.update(larger, now)
+        taken = arrivals.taken_from(larger, now)
+        assert (taken.cells[50:56, 50:56] == (100 if present else 0)).all()
+        assert (taken.cells[70:76, 10:13] == 100).all()
+        assert (arrivals.taken_from(robot, now).cells[30:36, 40:46] == (100 if present else 0)).all()
 
 
 def test_walls_of_the_map_count_where_the_laser_is_blind() -> None:

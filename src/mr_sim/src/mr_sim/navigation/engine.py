@@ -14,6 +14,7 @@ from typing import List, Mapping, Optional, Tuple
 import numpy as np
 
 from mr_sim import _navigation
+from mr_sim.navigation.arrivals import Arrivals
 from mr_sim.navigation.clock import Clock
 from mr_sim.navigation.manoeuvre import Manoeuvre, plan_manoeuvre
 from mr_sim.navigation.obstacles import KNOWN_WITHIN, ObstacleMemory
@@ -47,7 +48,7 @@ STANDING = 2.5  # s without progress, and with nothing in the way, after which a
 AWAY = 0.6  # rad to the way from which a robot without room to turn does so at once
 TOUCHING = 0.03  # m to what is beside a robot from which it first gains room
 MANOEUVRE_PAUSE = 0.5  # s between plans of that kind
-GIVE_WAY_TIME = 10.0  # s
+GIVE_WAY_TIME, GIVE_WAY_FACTOR, GIVE_WAY_MOST = 10.0, 2.0, 30.0  # s, plus so often the way at full speed, up to s
 TURN_TIME = 8.0  # s to turn to the heading of a goal
 BUMPED = 0.03  # m before the side that ran into what the laser does not see, where it is taken to be
 INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan
@@ -99,6 +100,7 @@ class Navigator:
         self.plan: Optional[Plan] = None
         self._random = np.random.Generator(np.random.PCG64([seed, zlib.crc32(name.encode())]))
         self._grid: Optional[Grid] = None
+        self._arrivals = Arrivals()
         self._costs: Optional[CostMap] = None
         self._costs_hold = False  # whether they are those of the present map and positions
         self._known: Optional[Plan] = None  # the latest way through the map alone
@@ -109,6 +111,7 @@ class Navigator:
         self._planned_at = -math.inf
         self._mode_until = 0.0
         self._retreat: Optional[Plan] = None
+        self._gives_way_since: Optional[float] = None
         self._manoeuvre: Optional[Manoeuvre] = None
         self._manoeuvre_at = -math.inf  # when it was planned last
         self._progress_at = 0.0
@@ -138,6 +141,12 @@ class Navigator:
         self._grid = grid
         self._costs_hold = False
 
+    def set_own_map(self, grid: Grid, now: float) -> None:
+        """What this robot's own SLAM says, in the same frame: it tells what moves. What the others drew shifts with
+        where their maps are believed to lie."""
+        self._arrivals.update(grid, self._clock(now))
+        self._costs_hold = False
+
     def set_others(self, positions: Mapping[str, Tuple[float, float]], now: float) -> List[str]:
         """Where the other robots say they are, map frame. A hint: nothing depends on it being there or right. Returns
         the names of those whose position cannot be and is ignored."""
@@ -147,13 +156,13 @@ class Navigator:
         self._costs_hold = False
         return sorted(set(positions) - set(usable))
 
-    def _cost_map(self) -> Optional[CostMap]:
-        """Of the present map. Robots that stood still long enough to enter it are no walls: they are taken out where
-        they report."""
+    def _cost_map(self, now: float) -> Optional[CostMap]:
+        """Of the present map. Robots that stood still long enough to enter it are no walls: what came lately is taken
+        out, and them where they report."""
         if self._grid is None or self._costs_hold:
             return self._costs
         self._costs_hold = True
-        grid = without_robots(self._grid, list(self._others.values()))
+        grid = without_robots(self._arrivals.taken_from(self._grid, now), list(self._others.values()))
         if self._costs is None or not grid.equals(self._costs.grid):
             self._costs = CostMap(grid, self.options, self._costs)
         return self._costs
@@ -186,7 +195,8 @@ class Navigator:
 
     def step(self, now: float, pose: Optional[Pose], scan: Optional[Scan]) -> Command:
         """The command for the next period. `pose`: robot in the map frame; `scan`: the latest; None = not known."""
-        now, costs = self._clock(now), self._cost_map()
+        now = self._clock(now)
+        costs = self._cost_map(now)
         if pose is None or scan is None or costs is None:
             return self._without_input(now, pose, scan)
         self._hits, self._pose = scan.points, pose
@@ -198,7 +208,7 @@ class Navigator:
             self._stall.clear()
             self._memory.add(self._bumped(pose), now)
             self._velocity, self._manoeuvre, self._manoeuvre_at = (0.0, 0.0), None, -math.inf
-        command = self._act(now, pose, self._with_robots_behind(now, pose, self._obstacles(pose, scan)))
+        command = self._act(now, pose, self._with_robots_behind(now, pose, self._obstacles(costs, pose, scan)))
         self._velocity = (command.linear, command.angular)
         self._stall.command(now, self._velocity)
         return command
@@ -309,6 +319,9 @@ class Navigator:
         self._progress_at = now
         self._goal.best = math.inf
         self._planned_at = -math.inf
+        if self._gives_way_since is not None and self._goal.blocked_since is not None:
+            self._goal.blocked_since += now - self._gives_way_since  # what it left alone did not block it
+        self._gives_way_since = None
 
     # --- decisions ----------------------------------------------------------------------------------------------------
 
@@ -399,7 +412,7 @@ class Navigator:
     def _blocker(self, pose: Pose) -> Optional[Tuple[float, float]]:
         """What moves ahead of the robot, or, on a way that closed after it was planned, whatever is ahead."""
         assert self._goal is not None
-        closed = self._goal.blocked_since is not None
+        closed = self._goal.blocked_since is not None and not self._memory.size
         points = self._memory.points
         return nearest_blocker(np.concatenate([points, placed(self._hits, pose)]) if closed else points, pose)
 
@@ -412,7 +425,11 @@ class Navigator:
             self._retreat = find_retreat(self._costs, self._moving_points(pose), pose, blocker)
         self.mode = Mode.GIVE_WAY
         self._manoeuvre = None
-        self._mode_until = now + GIVE_WAY_TIME
+        self._gives_way_since = now
+        left = math.inf if self._retreat is None else self._retreat.cost_at(pose[0], pose[1])
+        self._mode_until = now + min(
+            GIVE_WAY_TIME + GIVE_WAY_FACTOR * left / self.options.max_linear_velocity, GIVE_WAY_MOST
+        )
         return self._brake(Status.ACTIVE)
 
     def _abort(self, text: str) -> Command:
@@ -436,10 +453,8 @@ class Navigator:
         points = self._memory.points
         return points[np.hypot(points[:, 0] - pose[0], points[:, 1] - pose[1]) > self.options.inscribed_radius]
 
-    def _obstacles(self, pose: Pose, scan: Scan) -> np.ndarray:
+    def _obstacles(self, costs: CostMap, pose: Pose, scan: Scan) -> np.ndarray:
         """What the next motion must not touch: rows (x, y, margin, reaction time) in the map frame."""
-        costs = self._cost_map()
-        assert costs is not None
         return _navigation.surroundings(
             scan.points, pose, self._memory.rows, costs.walls, self._margins, KNOWN_WITHIN, NEAR, POINT_SPACING,
             scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
