@@ -249,7 +249,8 @@ std::vector<Waypoint> manoeuvre(const Field& field, const Pose& start, const std
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint) {
   const double reach = std::hypot(footprint.half_length, footprint.half_width) + kTurningRoom;
   return std::none_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
-    return std::hypot(obstacle.x - pose.x, obstacle.y - pose.y) - obstacle.margin < reach;
+    const double dx = obstacle.x - pose.x, dy = obstacle.y - pose.y, near = reach + obstacle.margin;
+    return dx * dx + dy * dy < near * near;
   });
 }
 

@@ -287,10 +287,12 @@ class Navigator:
             return False
         if now - self._progress_at > STANDING and self._blocker(pose) is None:
             return True
+        if _navigation.has_room_to_turn(pose, tight, self._footprint):
+            return False
         if _navigation.clearance(pose, tight, self._footprint) < TOUCHING:
             return True
         off = _navigation.turn_wanted(way.cost, way.grid.resolution, way.grid.origin, way.goal, pose)
-        return abs(off) > AWAY and not _navigation.has_room_to_turn(pose, tight, self._footprint)
+        return abs(off) > AWAY
 
     def _bumped(self, pose: Pose) -> np.ndarray:
         """Points (n, 2) along the side that ran into something."""
