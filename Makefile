@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-slam bench-sim experiments clean
+.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-slam bench-navigation bench-sim experiments clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -18,7 +18,7 @@ dependencies:
 	@tools/install_dependencies
 
 # Each prints its table and writes rows of JSON below out/bench.
-bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-slam bench-sim
+bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-slam bench-navigation bench-sim
 
 bench-adhoc: build
 	@mkdir -p out/bench && $(ENVIRONMENT) missed=0; \
@@ -67,6 +67,10 @@ bench-explore-cpu: build
 # SLAM on scans and odometry of fifteen missions, which are recorded first: five minutes on two cores.
 bench-slam: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_slam --out out/bench/slam.json
+
+# Where robots get stuck: two hundred scenes drawn from seeds, a minute.
+bench-navigation: build
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_sim bench_navigation --seeds 200 --jobs 2 --out out/bench/navigation.json
 
 bench-sim: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_experiments --out out/bench/sim.json

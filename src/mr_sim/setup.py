@@ -3,6 +3,7 @@ from setuptools import setup
 
 setup(
     **generate_distutils_setup(
-        packages=["mr_sim", "mr_sim.slam", "mr_sim.navigation", "mr_sim.platforms"], package_dir={"": "src"}
+        packages=["mr_sim", "mr_sim.slam", "mr_sim.navigation", "mr_sim.nuisance", "mr_sim.platforms"],
+        package_dir={"": "src"},
     )
 )

@@ -19,6 +19,7 @@ install(TARGETS _slam DESTINATION ${MR_SIM_PYTHON_INSTALL})
 
 pybind11_add_module(_navigation
   src/cpp/navigation/bindings.cpp
+  src/cpp/navigation/manoeuvre.cpp
   src/cpp/navigation/march.cpp
   src/cpp/navigation/rollout.cpp
   src/cpp/navigation/slowness.cpp

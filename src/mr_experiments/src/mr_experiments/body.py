@@ -54,7 +54,10 @@ class Body:
             return None
         self._map_at, self._revision = now, self.slam.revision
         with self._stopwatch.span("slam"):
-            return self.slam.map()
+            own = self.slam.map()
+        with self._stopwatch.span("navigation"):
+            self.navigator.set_own_map(Grid(own.cells, own.resolution, own.origin), now)
+        return own
 
     def steer(self, scan: LaserScan, now: float) -> tuple[float, float]:
         """Velocities in m/s and rad/s until the next scan."""

@@ -9,7 +9,6 @@ _Pose = tuple[float, float, float]
 
 class Limits:
     linear: float
-    reverse: float
     angular: float
     linear_acceleration: float
     angular_acceleration: float
@@ -25,8 +24,16 @@ class Horizon:
     step: float
     goal_radius: float
     heading_weight: float
-    reverse_penalty: float
     slack: float
+    def __init__(self) -> None: ...
+
+class Agility:
+    linear: float
+    angular: float
+    margin: float
+    slack: float
+    full_speed: float
+    full_turn: float
     def __init__(self) -> None: ...
 
 def march(
@@ -82,6 +89,10 @@ def surroundings(
     known_within: float,
     reach: float,
     spacing: float,
+    ranges: np.ndarray = ...,
+    angle_min: float = ...,
+    angle_increment: float = ...,
+    mount: _Pose = ...,
 ) -> np.ndarray: ...
 def choose_velocity(
     cost: np.ndarray,
@@ -96,9 +107,18 @@ def choose_velocity(
     horizon: Horizon,
     period: float,
 ) -> tuple[bool, float, float, float, float]: ...
-def escape(
-    pose: _Pose, velocity: _Pair, obstacles: np.ndarray, limits: Limits, footprint: Footprint, horizon: Horizon
-) -> tuple[float, float, float] | None: ...
+def manoeuvre(
+    cost: np.ndarray,
+    resolution: float,
+    origin: _Pair,
+    goal: _Pair,
+    pose: _Pose,
+    obstacles: np.ndarray,
+    footprint: Footprint,
+    agility: Agility,
+) -> np.ndarray: ...
+def turn_wanted(cost: np.ndarray, resolution: float, origin: _Pair, goal: _Pair, pose: _Pose) -> float: ...
+def has_room_to_turn(pose: _Pose, obstacles: np.ndarray, footprint: Footprint) -> bool: ...
 def is_clear(
     pose: _Pose,
     velocity: _Pair,

@@ -3,7 +3,7 @@
 import math
 import time
 from dataclasses import dataclass, field
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, Optional, Tuple, Union
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from mr_sim.navigation.options import Grid, NavigationOptions, make_scan
 from mr_sim.pose import Pose, compose, inverse, normalized
 from mr_sim.slam.engine import LaserScan, Slam
 from mr_sim.world import World
-from mr_sim.world_model import load_world
+from mr_sim.world_model import WorldDescription, load_world
 from mr_sim.worlds import find_world
 
 MAP_PERIOD = 2.0  # s between maps handed to navigation
@@ -43,13 +43,18 @@ class Robot:
 class ClosedLoop:
     """Steps the world; scans go to SLAM, its pose and map to navigation, the commands back."""
 
-    def __init__(self, world: str, robots: int, seed: int, options: Optional[NavigationOptions] = None) -> None:
-        self.world = World(load_world(find_world(world)), robots=robots, seed=seed)
+    def __init__(
+        self, world: Union[str, WorldDescription], robots: int, seed: int, options: Optional[NavigationOptions] = None
+    ) -> None:
+        """`world`: a description, or what `find_world` knows."""
+        description = load_world(find_world(world)) if isinstance(world, str) else world
+        self.world = World(description, robots=robots, seed=seed)
         self.robots = [
             Robot(i, self.world.pose(i), Slam(), Navigator(options, name, seed))
             for i, name in enumerate(self.world.names)
         ]
         self.on_scan: Optional[Callable[[Robot, Pose], None]] = None
+        self.merge: Callable[[Robot, Grid], Grid] = lambda robot, grid: grid  # the map to plan on, from the own one
         self.share_positions = True
 
     def run(self, until: float, stop: Callable[[], bool] = lambda: False) -> None:
@@ -91,7 +96,8 @@ class ClosedLoop:
             self.on_scan(robot, pose)
         begun = time.process_time()
         if robot.map_at == now and robot.grid is not None:
-            robot.navigator.set_map(robot.grid)
+            robot.navigator.set_own_map(robot.grid, now)
+            robot.navigator.set_map(self.merge(robot, robot.grid))
             if self.share_positions:
                 robot.navigator.set_others(self._positions(robot), now)
         robot.command = robot.navigator.step(now, pose, make_scan(ranges, *geometry))

@@ -7,6 +7,7 @@
 #include <optional>
 #include <tuple>
 
+#include "manoeuvre.hpp"
 #include "march.hpp"
 #include "rollout.hpp"
 #include "slowness.hpp"
@@ -131,17 +132,22 @@ std::vector<Obstacle> to_obstacles(const Doubles& rows) {
   return {first, first + rows.shape(0)};
 }
 
+Field to_field(const Floats& cost, double resolution, const Pair& origin, const Pair& goal) {
+  require(cost.ndim() == 2, "the cost to go needs the shape (rows, columns)");
+  return {cost.data(),
+          static_cast<int>(cost.shape(0)),
+          static_cast<int>(cost.shape(1)),
+          resolution,
+          origin.first,
+          origin.second,
+          goal.first,
+          goal.second};
+}
+
 py::tuple choose_velocity(const Floats& cost, double resolution, const Pair& origin, const Pair& goal,
                           const Triple& pose, const Pair& velocity, const Doubles& obstacles, const Limits& limits,
                           const Footprint& footprint, const Horizon& horizon, double period) {
-  const Field field{cost.data(),
-                    static_cast<int>(cost.shape(0)),
-                    static_cast<int>(cost.shape(1)),
-                    resolution,
-                    origin.first,
-                    origin.second,
-                    goal.first,
-                    goal.second};
+  const Field field = to_field(cost, resolution, origin, goal);
   const Choice choice = choose(field, to_pose(pose), {velocity.first, velocity.second}, to_obstacles(obstacles), limits,
                                footprint, horizon, period);
   return py::make_tuple(choice.found, choice.velocity.linear, choice.velocity.angular, choice.time, choice.clearance);
@@ -154,7 +160,6 @@ PYBIND11_MODULE(_navigation, module) {
   py::class_<Limits>(module, "Limits")
       .def(py::init<>())
       .def_readwrite("linear", &Limits::linear)
-      .def_readwrite("reverse", &Limits::reverse)
       .def_readwrite("angular", &Limits::angular)
       .def_readwrite("linear_acceleration", &Limits::linear_acceleration)
       .def_readwrite("angular_acceleration", &Limits::angular_acceleration);
@@ -168,7 +173,6 @@ PYBIND11_MODULE(_navigation, module) {
       .def_readwrite("step", &Horizon::step)
       .def_readwrite("goal_radius", &Horizon::goal_radius)
       .def_readwrite("heading_weight", &Horizon::heading_weight)
-      .def_readwrite("reverse_penalty", &Horizon::reverse_penalty)
       .def_readwrite("slack", &Horizon::slack);
   module.def("march", &march_grid, py::arg("slowness"), py::arg("seeds"), py::arg("stop") = std::make_pair(-1, -1),
              py::arg("beyond") = 0.0F, py::arg("limit") = kUnreached, py::arg("former") = py::none(),
@@ -224,29 +228,53 @@ PYBIND11_MODULE(_navigation, module) {
   module.def(
       "surroundings",
       [](const Doubles& points, const Triple& pose, const Doubles& remembered, const OwnedWalls& walls,
-         const Margins& margins, double known_within, double reach, double spacing) {
-        const ScanView scan = view_of(points, Doubles(0), 0.0, 1.0, {0.0, 0.0, 0.0});
+         const Margins& margins, double known_within, double reach, double spacing, const Doubles& ranges,
+         double angle_min, double angle_increment, const Triple& mount) {
+        const ScanView scan = view_of(points, ranges, angle_min, angle_increment, mount);
         return to_rows(surroundings(scan, to_pose(pose), to_remembered(remembered), walls.view, margins, known_within,
                                     reach, spacing));
       },
       py::arg("points"), py::arg("pose"), py::arg("remembered"), py::arg("walls"), py::arg("margins"),
-      py::arg("known_within"), py::arg("reach"), py::arg("spacing"),
+      py::arg("known_within"), py::arg("reach"), py::arg("spacing"), py::arg("ranges") = Doubles(0),
+      py::arg("angle_min") = 0.0, py::arg("angle_increment") = 1.0, py::arg("mount") = Triple(0.0, 0.0, 0.0),
       "Obstacles near the robot, rows (x, y, margin, reaction time).");
   module.def("choose_velocity", &choose_velocity, py::arg("cost"), py::arg("resolution"), py::arg("origin"),
              py::arg("goal"), py::arg("pose"), py::arg("velocity"), py::arg("obstacles"), py::arg("limits"),
              py::arg("footprint"), py::arg("horizon"), py::arg("period"),
              "(found, linear, angular, seconds to the goal, clearance).");
+  py::class_<Agility>(module, "Agility")
+      .def(py::init<>())
+      .def_readwrite("linear", &Agility::linear)
+      .def_readwrite("angular", &Agility::angular)
+      .def_readwrite("margin", &Agility::margin)
+      .def_readwrite("slack", &Agility::slack)
+      .def_readwrite("full_speed", &Agility::full_speed)
+      .def_readwrite("full_turn", &Agility::full_turn);
   module.def(
-      "escape",
-      [](const Triple& pose, const Pair& velocity, const Doubles& obstacles, const Limits& limits,
-         const Footprint& footprint, const Horizon& horizon) -> std::optional<Triple> {
-        const auto found = escape(to_pose(pose), {velocity.first, velocity.second}, to_obstacles(obstacles), limits,
-                                  footprint, horizon);
-        if (!found) return std::nullopt;
-        return Triple{found->target.linear, found->target.angular, found->duration};
+      "manoeuvre",
+      [](const Floats& cost, double resolution, const Pair& origin, const Pair& goal, const Triple& pose,
+         const Doubles& obstacles, const Footprint& footprint, const Agility& agility) {
+        const Field field = to_field(cost, resolution, origin, goal);
+        return to_rows(manoeuvre(field, to_pose(pose), to_obstacles(obstacles), footprint, agility));
       },
-      py::arg("pose"), py::arg("velocity"), py::arg("obstacles"), py::arg("limits"), py::arg("footprint"),
-      py::arg("horizon"), "Linear and angular velocity and duration of the slow motion that gains room, or None.");
+      py::arg("cost"), py::arg("resolution"), py::arg("origin"), py::arg("goal"), py::arg("pose"), py::arg("obstacles"),
+      py::arg("footprint"), py::arg("agility"), "Rows (x, y, yaw, direction, seconds), the first the present pose.");
+  module.def(
+      "turn_wanted",
+      [](const Floats& cost, double resolution, const Pair& origin, const Pair& goal, const Triple& pose) {
+        const Field field = to_field(cost, resolution, origin, goal);
+        const Pose at = to_pose(pose);
+        const auto direction = downhill(field, at.x, at.y);
+        return direction ? std::remainder(*direction - at.yaw, 2.0 * M_PI) : 0.0;
+      },
+      py::arg("cost"), py::arg("resolution"), py::arg("origin"), py::arg("goal"), py::arg("pose"),
+      "rad from the heading to where the cost to go falls.");
+  module.def(
+      "has_room_to_turn",
+      [](const Triple& pose, const Doubles& obstacles, const Footprint& footprint) {
+        return has_room_to_turn(to_pose(pose), to_obstacles(obstacles), footprint);
+      },
+      py::arg("pose"), py::arg("obstacles"), py::arg("footprint"));
   module.def(
       "is_clear",
       [](const Triple& pose, const Pair& velocity, const Pair& target, const Doubles& obstacles, const Limits& limits,

@@ -7,52 +7,12 @@
 namespace mr_sim::navigation {
 namespace {
 
-constexpr double kHidden = 1e3;         // m, clearance where there is no obstacle
-constexpr double kTouching = 0.03;      // m to obstacles, less than which may be a touch: poses and points are inexact
-constexpr double kClosest = 0.02;       // m to obstacles, less than which no slack is given
-constexpr double kRoomy = 0.08;         // m to obstacles, more than which does not matter to a robot that is stuck
-constexpr double kEscapeStep = 1.0;     // s by which motions that gain room are lengthened
-constexpr double kRoomPerSecond = 0.5;  // steps of room that make up for a second
-constexpr double kEscapeTurns[] = {0.0,   0.2,  -0.2,  0.4,  -0.4,  0.8,  -0.8, 0.01,
-                                   -0.01, 0.02, -0.02, 0.04, -0.04, 0.08, -0.08};  // rad/s
+constexpr double kHidden = 1e3;     // m, clearance where there is no obstacle
+constexpr double kTouching = 0.03;  // m to obstacles, less than which may be a touch: poses and points are inexact
+constexpr double kClosest = 0.02;   // m to obstacles, less than which no slack is given
 
 double approach(double value, double target, double change) {
   return value + std::clamp(target - value, -change, change);
-}
-
-double cost_at(const Field& field, double x, double y) {
-  const double column = (x - field.origin_x) / field.resolution - 0.5;
-  const double row = (y - field.origin_y) / field.resolution - 0.5;
-  const int c = static_cast<int>(std::floor(column)), r = static_cast<int>(std::floor(row));
-  double sum = 0.0, weights = 0.0;
-  for (int dr = 0; dr < 2; ++dr) {
-    for (int dc = 0; dc < 2; ++dc) {
-      const int rr = r + dr, cc = c + dc;
-      if (rr < 0 || cc < 0 || rr >= field.rows || cc >= field.columns) continue;
-      const float cost = field.cost[static_cast<std::size_t>(rr) * field.columns + cc];
-      if (!std::isfinite(cost)) continue;
-      const double weight = (1.0 - std::abs(column - cc)) * (1.0 - std::abs(row - rr));
-      sum += weight * cost;
-      weights += weight;
-    }
-  }
-  return weights > 1e-6 ? sum / weights : kUnreached;
-}
-
-// Direction of steepest descent, over a stencil wide enough to smooth the grid.
-std::optional<double> downhill(const Field& field, double x, double y) {
-  const double h = 2.0 * field.resolution;
-  const double here = cost_at(field, x, y);
-  const auto slope = [&](double dx, double dy) {
-    const double ahead = cost_at(field, x + dx, y + dy), behind = cost_at(field, x - dx, y - dy);
-    if (std::isfinite(ahead) && std::isfinite(behind)) return 0.5 * (ahead - behind);
-    if (std::isfinite(ahead)) return std::min(0.0, ahead - here);
-    if (std::isfinite(behind)) return std::max(0.0, here - behind);
-    return 0.0;
-  };
-  const double gx = slope(h, 0.0), gy = slope(0.0, h);
-  if (gx == 0.0 && gy == 0.0) return std::nullopt;
-  return std::atan2(-gy, -gx);
 }
 
 // Where the robot heads in one step, and at its end.
@@ -146,17 +106,47 @@ double time_left(const Field& field, const Motion& motion, const Limits& limits,
   return time;
 }
 
-// Clearance on a coarse scale that ends where there is enough of it.
-long room(double clearance) { return std::lround(std::floor(std::min(clearance, kRoomy) / 0.005)); }
-
 std::vector<double> speeds(const Limits& limits) {
   std::vector<double> values{0.0};
   for (const double share : {0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 1.0}) values.push_back(share * limits.linear);
-  if (limits.reverse > 0.0) values.insert(values.end(), {-0.5 * limits.reverse, -limits.reverse});
   return values;
 }
 
 }  // namespace
+
+double cost_at(const Field& field, double x, double y) {
+  const double column = (x - field.origin_x) / field.resolution - 0.5;
+  const double row = (y - field.origin_y) / field.resolution - 0.5;
+  const int c = static_cast<int>(std::floor(column)), r = static_cast<int>(std::floor(row));
+  double sum = 0.0, weights = 0.0;
+  for (int dr = 0; dr < 2; ++dr) {
+    for (int dc = 0; dc < 2; ++dc) {
+      const int rr = r + dr, cc = c + dc;
+      if (rr < 0 || cc < 0 || rr >= field.rows || cc >= field.columns) continue;
+      const float cost = field.cost[static_cast<std::size_t>(rr) * field.columns + cc];
+      if (!std::isfinite(cost)) continue;
+      const double weight = (1.0 - std::abs(column - cc)) * (1.0 - std::abs(row - rr));
+      sum += weight * cost;
+      weights += weight;
+    }
+  }
+  return weights > 1e-6 ? sum / weights : kUnreached;
+}
+
+std::optional<double> downhill(const Field& field, double x, double y) {
+  const double h = 2.0 * field.resolution;
+  const double here = cost_at(field, x, y);
+  const auto slope = [&](double dx, double dy) {
+    const double ahead = cost_at(field, x + dx, y + dy), behind = cost_at(field, x - dx, y - dy);
+    if (std::isfinite(ahead) && std::isfinite(behind)) return 0.5 * (ahead - behind);
+    if (std::isfinite(ahead)) return std::min(0.0, ahead - here);
+    if (std::isfinite(behind)) return std::max(0.0, here - behind);
+    return 0.0;
+  };
+  const double gx = slope(h, 0.0), gy = slope(0.0, h);
+  if (gx == 0.0 && gy == 0.0) return std::nullopt;
+  return std::atan2(-gy, -gx);
+}
 
 Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>& obstacles,
                     const Footprint& footprint) {
@@ -198,8 +188,6 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
       const Velocity target{linear, rates[i]};
       Motion motion = drive(&field, pose, velocity.linear, linear, headings[i], limits, horizon);
       double time = time_left(field, motion, limits, horizon);
-      // Backwards the laser is blind: only where it saves a lot.
-      if (linear < 0.0) time += horizon.reverse_penalty;
       time += 0.02 * std::abs(target.angular - velocity.angular);
       if (time < kUnreached) candidates.push_back({target, std::move(motion), time});
     }
@@ -221,36 +209,6 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
   }
   best.velocity = {approach(velocity.linear, best.target.linear, limits.linear_acceleration * period),
                    approach(velocity.angular, best.target.angular, limits.angular_acceleration * period)};
-  return best;
-}
-
-std::optional<Escape> escape(const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
-                             const Limits& limits, const Footprint& footprint, const Horizon& horizon) {
-  const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
-  const long before = room(at_start.bare);
-  const auto steps = static_cast<std::size_t>(std::lround(kEscapeStep / horizon.step));
-  std::optional<Escape> best;
-  // Where there is enough room already, any motion will do that keeps it.
-  double most = at_start.bare < kRoomy ? 0.0 : -kEscapeStep * kRoomPerSecond - 1.0;
-  for (const double linear : {-limits.reverse, -0.5 * limits.reverse, limits.reverse, 0.5 * limits.reverse, 0.0}) {
-    for (const double angular : kEscapeTurns) {
-      if (linear == 0.0 && angular == 0.0) continue;
-      const Velocity target{linear, angular};
-      const auto headings = turn(pose.yaw, velocity.angular, angular, limits, horizon);
-      Motion motion = drive(nullptr, pose, velocity.linear, linear, headings, limits, horizon);
-      // The longest part of it that touches nothing.
-      const std::size_t clear = clear_poses(motion, target, obstacles, at_start, footprint, horizon.slack).count;
-      motion.poses.resize(clear / steps * steps);
-      for (std::size_t count = steps; count <= motion.poses.size(); count += steps) {
-        const double duration = static_cast<double>(count) * horizon.step;
-        const long gained = room(clearance(motion.poses[count - 1], 0.0, obstacles, footprint).bare) - before;
-        const double value = static_cast<double>(gained) - kRoomPerSecond * duration;
-        if (value <= most || (at_start.bare < kRoomy && gained <= 0)) continue;
-        most = value;
-        best = {target, duration};
-      }
-    }
-  }
   return best;
 }
 

@@ -23,7 +23,7 @@ struct Obstacle {
 };
 
 struct Limits {
-  double linear = 0.5, reverse = 0.0;  // m/s
+  double linear = 0.5;                 // m/s
   double angular = 1.57;               // rad/s
   double linear_acceleration = 1.0;    // m/s^2
   double angular_acceleration = 3.14;  // rad/s^2
@@ -37,7 +37,6 @@ struct Horizon {
   double duration = 1.1, step = 0.1;  // s
   double goal_radius = 0.1;           // m, a motion that comes this near to the goal is complete
   double heading_weight = 0.7;        // s of turning counted as this share of driving
-  double reverse_penalty = 1.5;       // s by which driving backwards counts as longer
   double slack = 0.0;                 // m nearer than now that a robot within touching distance may come
 };
 
@@ -48,6 +47,12 @@ struct Field {
   double resolution, origin_x, origin_y;  // m
   double goal_x, goal_y;                  // m
 };
+
+// Between cells; infinity where there is no way.
+double cost_at(const Field& field, double x, double y);
+
+// Direction of steepest descent, rad, over a stencil wide enough to smooth the grid.
+std::optional<double> downhill(const Field& field, double x, double y);
 
 struct Choice {
   Velocity velocity;  // to command now
@@ -67,18 +72,6 @@ Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>&
 
 Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
               const Limits& limits, const Footprint& footprint, const Horizon& horizon, double period);
-
-struct Escape {
-  Velocity target;
-  double duration;  // s
-};
-
-// The slow motion, up to `limits.reverse` either way and up to `horizon.duration` long, that gains room around the
-// footprint soonest; of equals the first of back, ahead and on the spot. Along a wall that is a long shallow arc,
-// because the corners of a robot that turns come nearer before its middle gets away. None comes nearer to anything than
-// the robot is, once inside its margin, but for `horizon.slack`. Nothing if no motion gains room where it is short.
-std::optional<Escape> escape(const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
-                             const Limits& limits, const Footprint& footprint, const Horizon& horizon);
 
 // Whether the motion ramping to `target` stays clear of the obstacles for `duration`.
 bool is_clear(const Pose& pose, const Velocity& velocity, const Velocity& target,

@@ -58,8 +58,8 @@ std::vector<Point> hits(double* ranges, std::size_t count, const Point* directio
 std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanView& scan, const Pose& pose,
                                  const Walls& walls, const Memory& memory, double now);
 
-// Hits, remembered points and walls within `reach` of the robot; of each square of `spacing` the nearest, of those
-// close to the robot all.
+// Hits, remembered points and, where the laser is blind, walls within `reach` of the robot; of each square of `spacing`
+// the nearest, of those close to the robot all.
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
                                    const Walls& walls, const Margins& margins, double known_within, double reach,
                                    double spacing);

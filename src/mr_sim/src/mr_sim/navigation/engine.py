@@ -14,6 +14,9 @@ from typing import List, Mapping, Optional, Tuple
 import numpy as np
 
 from mr_sim import _navigation
+from mr_sim.navigation.arrivals import Arrivals
+from mr_sim.navigation.clock import Clock
+from mr_sim.navigation.manoeuvre import Manoeuvre, plan_manoeuvre
 from mr_sim.navigation.obstacles import KNOWN_WITHIN, ObstacleMemory
 from mr_sim.navigation.options import (
     COARSEST,
@@ -26,7 +29,6 @@ from mr_sim.navigation.options import (
     is_place,
 )
 from mr_sim.navigation.planner import CostMap, Plan, path, plan, without_robots
-from mr_sim.navigation.recovery import StuckPlaces
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.navigation.yielding import HeldUp, find_retreat, nearest_blocker
 from mr_sim.pose import Pose, placed
@@ -41,17 +43,17 @@ DETOUR_WAIT = 8.0  # s after which any detour is taken
 NO_WAY_CHECKS = 3  # plans that must fail before a goal is called unreachable
 NO_WAY_PAUSE = 0.25  # s between them
 PROGRESS = 0.1  # m of way that count as progress
-BACK_OFF_SPEED = 0.15  # m/s
-BACK_OFF_TIME = 1.6  # s
-BACK_OFF_LONGEST = 10.0  # s of a motion along a wall that leads away from it
-REVERSE_TIME = 10.0  # s for which a robot that stays stuck may drive its way backwards
-STUCK_SLACK = (
-    0.002  # m; along a wall of the map, whose cells are not quite in line, a robot has to come this much nearer
-)
-REVERSE_PATIENCE = 2.0  # s without progress after which a robot that nothing holds up may
-TURNING = 0.3  # rad/s from which a robot turns to where it wants to go
-RETREAT_TIME = 10.0  # s
-RETREAT_SPEED = 0.25  # m/s backwards
+STANDING = 2.5  # s without progress, and with nothing in the way, after which a robot plans how to turn and back
+STILL = 1.0  # s without driving after which a robot that has to give way does
+CREEPING = 0.05  # m/s
+TO_AND_FRO = 3.0  # s for which driving without coming nearer counts as getting on
+AWAY = 0.6  # rad to the way from which a robot without room to turn does so at once
+TOUCHING = 0.03  # m to what is beside a robot from which it first gains room
+MANOEUVRE_PAUSE = 0.5  # s between plans of that kind
+GIVE_WAY_TIME, GIVE_WAY_FACTOR, GIVE_WAY_MOST = 10.0, 2.0, 30.0  # s, plus so often the way at full speed, up to s
+PASSING_NEAR, PASSING_TIME = 2.5, 8.0  # m within which a robot that passes is waited for, for s more at most
+TURN_TIME = 8.0  # s to turn to the heading of a goal
+BUMPED = 0.03  # m before the side that ran into what the laser does not see, where it is taken to be
 INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan
 TIME_ALLOWED = 30.0  # s for any goal, plus
 TIME_FACTOR = 5.0  # times what the way takes at full speed
@@ -69,8 +71,7 @@ class Status(Enum):
 class Mode(Enum):
     DRIVE = "drive"
     TURN = "turn"
-    BACK_OFF = "back off"
-    RETREAT = "give way"
+    GIVE_WAY = "give way"
     WAIT = "wait"
 
 
@@ -86,10 +87,8 @@ class Command:
 class _Goal:
     pose: Pose
     since: float
-    progress_at: float
     best: float = math.inf  # least way left so far by the present plan, m
     deadline: float = math.inf
-    recoveries: int = 0
     blocked_since: Optional[float] = None
     failed_plans: int = 0
 
@@ -104,6 +103,7 @@ class Navigator:
         self.plan: Optional[Plan] = None
         self._random = np.random.Generator(np.random.PCG64([seed, zlib.crc32(name.encode())]))
         self._grid: Optional[Grid] = None
+        self._arrivals = Arrivals()
         self._costs: Optional[CostMap] = None
         self._costs_hold = False  # whether they are those of the present map and positions
         self._known: Optional[Plan] = None  # the latest way through the map alone
@@ -114,21 +114,20 @@ class Navigator:
         self._planned_at = -math.inf
         self._mode_until = 0.0
         self._retreat: Optional[Plan] = None
-        self._retreat_from = (0.0, 0.0)
-        self._back: Optional[Tuple[float, float]] = None  # m/s and rad/s by which it backs off, once chosen
-        self._back_off_since = 0.0
-        self._stuck_places = StuckPlaces()
-        self._reverse_until = -math.inf
-        self._progress_from: Optional[Tuple[float, float]] = None  # where the latest progress was made
+        self._gives_way_since: Optional[float] = None
+        self._manoeuvre: Optional[Manoeuvre] = None
+        self._manoeuvre_at = -math.inf  # when it was planned last
+        self._progress_at = 0.0
+        self._nearer_at = 0.0  # when it last came nearer to its goal than before
+        self._moved_at = 0.0  # when it last drove, other than turning
+        self._clock = Clock()
         self._velocity = (0.0, 0.0)
         self._stall = StallWatch()
         self._held_up = HeldUp(name, self.options.yield_patience, self._random, self.options.largest_robot_radius)
         self._footprint = _footprint(self.options)
         self._near = self.options.reach_in(_navigation.Horizon().duration)
         self._rim = round(self.options.largest_robot_radius - ROBOT_RIM, 3)
-        self._reverse = min(BACK_OFF_SPEED, self.options.max_linear_velocity)
-        self._retreat_speed = min(RETREAT_SPEED, self.options.max_linear_velocity)
-        self._back_limits = _limits(self.options, self._reverse)
+        self._limits = _limits(self.options)
         self._margins = _navigation.Margins(
             WALL_MARGIN, self.options.obstacle_margin, self.options.moving_margin, self.options.moving_reaction_time
         )
@@ -149,22 +148,29 @@ class Navigator:
         self._grid = grid
         self._costs_hold = False
 
+    def set_own_map(self, grid: Grid, now: float) -> None:
+        """What this robot's own SLAM says, in the same frame: it tells what moves. What the others drew shifts with
+        where their maps are believed to lie."""
+        self._arrivals.update(grid, self._clock(now))
+        self._costs_hold = False
+
     def set_others(self, positions: Mapping[str, Tuple[float, float]], now: float) -> List[str]:
         """Where the other robots say they are, map frame. A hint: nothing depends on it being there or right. Returns
         the names of those whose position cannot be and is ignored."""
         usable = {name: position for name, position in positions.items() if is_place(*position)}
         self._others = {name: position for name, position in usable.items() if name != self.name}
-        self._others_at = now
+        self._others_at = self._clock(now)
         self._costs_hold = False
         return sorted(set(positions) - set(usable))
 
-    def _cost_map(self) -> Optional[CostMap]:
-        """Of the present map. Robots that stood still long enough to enter it are no walls: they are taken out where
-        they report."""
+    def _cost_map(self, now: float) -> Optional[CostMap]:
+        """Of the present map. Robots that stood still long enough to enter it are no walls: what came lately is taken
+        out, and them where they report."""
         if self._grid is None or self._costs_hold:
             return self._costs
         self._costs_hold = True
-        grid = without_robots(self._grid, list(self._others.values()), self.options.largest_robot_radius)
+        grid = self._arrivals.taken_from(self._grid, now)
+        grid = without_robots(grid, list(self._others.values()), self.options.largest_robot_radius)
         if self._costs is None or not grid.equals(self._costs.grid):
             self._costs = CostMap(grid, self.options, self._costs)
         return self._costs
@@ -175,24 +181,21 @@ class Navigator:
             raise NavigationError(
                 f"goal ({goal[0]:g}, {goal[1]:g}, {goal[2]:g}) is not within {FARTHEST:g} m of the map"
             )
-        self._goal = _Goal(goal, now, self._progress_since(now))
+        now = self._clock(now)
+        if self._goal is None:
+            self._progress_at = now  # another goal is none
+        self._goal = _Goal(goal, now)
         self._planned_at = -math.inf
         self.plan = None
         if self.mode is Mode.TURN:
             self.mode = Mode.DRIVE
-
-    def _progress_since(self, now: float) -> float:
-        """When a robot that is given another goal made progress last: it may be stuck, then the new goal is no news."""
-        if self._goal is None or self.mode is not Mode.DRIVE or self._progress_from is None or self._pose is None:
-            return now
-        moved = math.dist(self._progress_from, self._pose[:2]) >= PROGRESS
-        return now if moved else min(now, self._goal.progress_at)
 
     def cancel(self) -> None:
         """Drops the goal; the robot brakes."""
         self._goal = None
         self.plan = None
         self.mode = Mode.DRIVE
+        self._manoeuvre = None
 
     def path(self, pose: Pose) -> List[Tuple[float, float]]:
         """Points of the present way, empty when there is none."""
@@ -200,7 +203,8 @@ class Navigator:
 
     def step(self, now: float, pose: Optional[Pose], scan: Optional[Scan]) -> Command:
         """The command for the next period. `pose`: robot in the map frame; `scan`: the latest; None = not known."""
-        costs = self._cost_map()
+        now = self._clock(now)
+        costs = self._cost_map(now)
         if pose is None or scan is None or costs is None:
             return self._without_input(now, pose, scan)
         self._hits, self._pose = scan.points, pose
@@ -210,22 +214,21 @@ class Navigator:
             return self._brake(Status.IDLE)
         if self._stall.blocked(now, pose):
             self._stall.clear()
-            self._velocity = (0.0, 0.0)
-            command = self._recover(now, pose, "the wheels turn but the robot does not move")
-        else:
-            command = self._act(now, pose, self._obstacles(pose, scan))
+            self._memory.add(self._bumped(pose), now)
+            self._velocity, self._manoeuvre, self._manoeuvre_at = (0.0, 0.0), None, -math.inf
+        command = self._act(now, pose, self._with_robots_behind(now, pose, self._obstacles(costs, pose, scan)))
         self._velocity = (command.linear, command.angular)
+        if abs(command.linear) > CREEPING:
+            self._moved_at = now
         self._stall.command(now, self._velocity)
         return command
 
     # --- modes --------------------------------------------------------------------------------------------------------
 
     def _act(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
-        if self.mode is Mode.BACK_OFF and now < self._mode_until:
-            return self._back_off(pose, self._with_robots_behind(now, pose, obstacles))
-        if self.mode is Mode.RETREAT:
-            return self._give_way(now, pose, self._with_robots_behind(now, pose, obstacles))
-        if self.mode is Mode.WAIT and now < self._mode_until:
+        if self.mode is Mode.GIVE_WAY:
+            return self._give_way(now, pose, obstacles)
+        if self.mode is Mode.WAIT and (now < self._mode_until or self._lets_pass(now, pose)):
             return self._brake(Status.ACTIVE)
         if self.mode is not Mode.TURN:
             self._enter_drive(now)
@@ -243,16 +246,18 @@ class Navigator:
             return self._turn_to_goal(now, pose, obstacles)
         left = way.cost_at(pose[0], pose[1])
         if left < goal.best - PROGRESS:
-            goal.best, goal.progress_at, self._progress_from = left, now, pose[:2]
-        elif self._progress_from is None:
-            self._progress_from = pose[:2]
+            if goal.best < math.inf:
+                self._progress_at = now
+            goal.best, self._nearer_at = left, now
         if now > goal.deadline:
             return self._abort(f"{now - goal.since:.0f} s were not enough to reach the goal, {left:.1f} m are left")
-        found, linear, angular = self._choose_way(now, way, pose, obstacles)
-        if self._held(now, pose, moving=found and linear > 0.05):
-            return self._begin_retreat(now, pose)
-        if now - goal.progress_at > self.options.progress_patience:
-            return self._recover(now, pose, "no progress")
+        found, linear, angular = self._follow(now, way, pose, obstacles)
+        drives = found and abs(linear) + 0.1 * abs(angular) > CREEPING and now - self._nearer_at < TO_AND_FRO
+        if self._held(now, pose, moving=drives):
+            return self._begin_to_give_way(now, pose)
+        if now - self._progress_at > self.options.blocked_timeout:
+            hint = "" if self._blocker(pose) is None else "; an obstacle that is not in the map is near"
+            return self._abort(f"stuck at ({pose[0]:.2f}, {pose[1]:.2f}): no progress{hint}")
         # Nothing is safe, not even to brake gently: stop.
         return Command(linear, angular, Status.ACTIVE) if found else Command(0.0, 0.0, Status.ACTIVE)
 
@@ -264,71 +269,62 @@ class Navigator:
             return self._brake(Status.SUCCEEDED)
         if self.mode is not Mode.TURN:
             self.mode = Mode.TURN
-            self._mode_until = now + self.options.progress_patience + 4.0
+            self._mode_until = now + TURN_TIME
         if now > self._mode_until:
             return self._abort(f"cannot turn to the heading of the goal: {math.degrees(error):.0f} degrees are left")
         rate = min(self.options.max_angular_velocity, math.sqrt(2.0 * abs(error)))
         return self._ramp(pose, obstacles, (0.0, math.copysign(rate, error)))
 
-    def _choose_way(self, now: float, way: Plan, pose: Pose, obstacles: np.ndarray) -> Tuple[bool, float, float]:
-        """Ahead; backwards, too, for a while when that does not do: where there is no room to turn."""
-        assert self._goal is not None
-        stands = now - self._goal.progress_at > REVERSE_PATIENCE and abs(self._velocity[1]) < TURNING
-        if stands and self._blocker(pose) is None:
-            self._reverse_until = now + REVERSE_TIME
-        if now < self._reverse_until:
-            behind = self._with_robots_behind(now, pose, obstacles)
-            return self._choose(way, pose, behind, reverse=self._reverse, penalty=0.0)
-        return self._choose(way, pose, obstacles, reverse=0.0)
+    def _follow(self, now: float, way: Plan, pose: Pose, obstacles: np.ndarray) -> Tuple[bool, float, float]:
+        """Whether anything is safe, m/s and rad/s. Where the way cannot be driven ahead, a manoeuvre leads on."""
+        tight = obstacles - (0.0, 0.0, self.options.obstacle_margin, 0.0)
+        tight[:, 2:] = np.maximum(tight[:, 2:], 0.0) * (1.0, 0.0)
+        if self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, tight):
+            self._manoeuvre_at = now
+            self._manoeuvre = plan_manoeuvre(way, pose, tight, self._footprint, self.options)
+        if self._manoeuvre is not None:
+            target = self._manoeuvre.velocity(pose, self.options.controller_period)
+            if target is not None:
+                if self._is_clear(pose, tight, target, 0.4):
+                    return (True, *self._approach(target))
+                self._manoeuvre = None
+                return (True, *self._approach((0.0, 0.0)))
+            self._manoeuvre = None
+            self._progress_at = now
+        return self._choose(way, pose, obstacles)
 
-    def _back_off(self, pose: Pose, obstacles: np.ndarray) -> Command:
-        """One motion for the whole of it: chosen anew in each step, ways to both sides undo one another."""
-        if self._back is None:
-            self._back = self._way_out(pose, obstacles)
-        if self._back is not None and self._is_clear(pose, obstacles, self._back, 0.4):
-            return Command(*self._approach(self._back), Status.ACTIVE)
-        self._mode_until = -math.inf
-        return self._brake(Status.ACTIVE)
+    def _wants_manoeuvre(self, now: float, way: Plan, pose: Pose, tight: np.ndarray) -> bool:
+        if now - self._manoeuvre_at < MANOEUVRE_PAUSE:
+            return False
+        if self.mode is Mode.GIVE_WAY:
+            if now - self._moved_at > STILL:
+                return True
+        elif now - self._progress_at > STANDING and self._blocker(pose) is None:
+            return True
+        if _navigation.has_room_to_turn(pose, tight, self._footprint):
+            return False
+        if _navigation.clearance(pose, tight, self._footprint) < TOUCHING:
+            return True
+        off = _navigation.turn_wanted(way.cost, way.grid.resolution, way.grid.origin, way.goal, pose)
+        return abs(off) > AWAY
 
-    def _way_out(self, pose: Pose, obstacles: np.ndarray) -> Optional[Tuple[float, float]]:
-        """The motion to back off with, for as long as it takes to gain room."""
-        horizon = _horizon(BACK_OFF_LONGEST, STUCK_SLACK)
-        found = _navigation.escape(pose, self._velocity, obstacles, self._back_limits, self._footprint, horizon)
-        if found is None:
-            return None
-        linear, angular, duration = found
-        self._mode_until = max(self._mode_until, self._back_off_since + duration)
-        return linear, angular
+    def _bumped(self, pose: Pose) -> np.ndarray:
+        """Points (n, 2) along the side that ran into something."""
+        if self._velocity[0] == 0.0:
+            return np.empty((0, 2))
+        x = math.copysign(self.options.footprint_length / 2.0 + BUMPED, self._velocity[0])
+        half = self.options.footprint_width / 2.0
+        return placed(np.array([(x, y) for y in np.linspace(-half, half, 9)]), pose)
 
     def _give_way(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
         retreat = self._retreat
         if retreat is None or now >= self._mode_until or math.dist(pose[:2], retreat.goal) < 0.2:
-            if math.dist(pose[:2], self._retreat_from) < PROGRESS:
-                # It cannot move either way; what seemed to be in the way may be a wall that the map shows elsewhere.
-                return self._recover(now, pose, "no room to give way")
             self.mode = Mode.WAIT
+            self._manoeuvre = None
             self._mode_until = now + 1.5 + 3.0 * self._random.random()
             return self._brake(Status.ACTIVE)
-        blocker = self._blocker(pose)
-        if blocker is not None and math.dist(blocker, pose[:2]) < self.options.passing_distance:
-            back = self._backwards(retreat, pose, obstacles)
-            if back is not None:
-                return self._ramp(pose, obstacles, back)
-        # What was seen moving lately may be where the laser is blind.
-        penalty = None if self._memory.size else 0.0
-        found, linear, angular = self._choose(retreat, pose, obstacles, reverse=self._reverse, penalty=penalty)
+        found, linear, angular = self._follow(now, retreat, pose, obstacles)
         return Command(linear, angular, Status.ACTIVE) if found else self._brake(Status.ACTIVE)
-
-    def _backwards(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Optional[Tuple[float, float]]:
-        """Nose to nose there is no room to turn: the way back that is clear and leads nearest to the retreat."""
-        best, least = None, math.inf
-        for turn in (0.0, 0.4, -0.4):
-            yaw = pose[2] + 0.5 * turn
-            behind = (pose[0] - self._retreat_speed * math.cos(yaw), pose[1] - self._retreat_speed * math.sin(yaw))
-            left = way.cost_at(*behind)
-            if left < least and self._is_clear(pose, obstacles, (-self._retreat_speed, turn), 1.0):
-                best, least = (-self._retreat_speed, turn), left
-        return best
 
     def _enter_drive(self, now: float) -> None:
         if self.mode is Mode.DRIVE:
@@ -336,10 +332,12 @@ class Navigator:
         assert self._goal is not None
         self.mode = Mode.DRIVE
         self._held_up.clear()
-        self._goal.progress_at = now
+        self._progress_at = now
         self._goal.best = math.inf
-        self._progress_from = None
         self._planned_at = -math.inf
+        if self._gives_way_since is not None and self._goal.blocked_since is not None:
+            self._goal.blocked_since += now - self._gives_way_since  # what it left alone did not block it
+        self._gives_way_since = None
 
     # --- decisions ----------------------------------------------------------------------------------------------------
 
@@ -352,12 +350,17 @@ class Navigator:
         self._planned_at = now
         target = (goal.pose[0], goal.pose[1])
         radius = self.options.goal_search_radius
-        self._known = known = plan(self._costs, np.empty((0, 2)), pose, target, radius, self._known)
+        empty, narrow = np.empty((0, 2)), False
+        known = plan(self._costs, empty, pose, target, radius, self._known)
+        if known is None:
+            narrow = True
+            known = plan(self._costs, empty, pose, target, radius, self._known, narrow)
+        self._known = known
         if known is None:
             return self._no_way(now, target)
         goal.failed_plans = 0
         moving = self._moving_points(pose)
-        around = plan(self._costs, moving, pose, target, radius, known) if len(moving) else known
+        around = plan(self._costs, moving, pose, target, radius, known, narrow) if len(moving) else known
         way = self._prefer(now, pose, known, around)
         if way is None:
             waited = now - (goal.blocked_since or now)
@@ -385,6 +388,7 @@ class Navigator:
             return around
         if goal.blocked_since is None:
             goal.blocked_since = now
+        goal.blocked_since = max(goal.blocked_since, self._nearer_at)
         if around is not None and now - goal.blocked_since > DETOUR_WAIT:
             return around
         return known if now - goal.blocked_since <= self.options.blocked_timeout else None
@@ -425,50 +429,32 @@ class Navigator:
     def _blocker(self, pose: Pose) -> Optional[Tuple[float, float]]:
         """What moves ahead of the robot, or, on a way that closed after it was planned, whatever is ahead."""
         assert self._goal is not None
-        closed = self._goal.blocked_since is not None
+        closed = self._goal.blocked_since is not None and not self._memory.size
         points = self._memory.points
         return nearest_blocker(np.concatenate([points, placed(self._hits, pose)]) if closed else points, pose)
 
-    def _begin_retreat(self, now: float, pose: Pose) -> Command:
+    def _begin_to_give_way(self, now: float, pose: Pose) -> Command:
         assert self._costs is not None
         blocker = self._blocker(pose)
         self._held_up.clear()
         self._retreat = None
         if blocker is not None:
             self._retreat = find_retreat(self._costs, self._moving_points(pose), pose, blocker)
-        if self._retreat is None:
-            return self._begin_back_off(now)
-        self.mode = Mode.RETREAT
-        self._retreat_from = pose[:2]
-        self._mode_until = now + RETREAT_TIME
+        self.mode = Mode.GIVE_WAY
+        self._held_up.gave_way(now)
+        self._manoeuvre = None
+        self._gives_way_since = now
+        left = math.inf if self._retreat is None else self._retreat.cost_at(pose[0], pose[1])
+        self._mode_until = now + min(
+            GIVE_WAY_TIME + GIVE_WAY_FACTOR * left / self.options.max_linear_velocity, GIVE_WAY_MOST
+        )
         return self._brake(Status.ACTIVE)
 
-    def _begin_back_off(self, now: float) -> Command:
-        self.mode = Mode.BACK_OFF
-        self._back = None
-        self._back_off_since = now
-        self._mode_until = now + BACK_OFF_TIME * (0.5 + self._random.random())
-        return self._brake(Status.ACTIVE)
-
-    def _recover(self, now: float, pose: Pose, why: str) -> Command:
-        """Backs off, or makes room where something moves; where that has not helped, lets the robot drive backwards.
-        Gives the goal up when that has not helped often enough."""
-        assert self._goal is not None
-        goal = self._goal
-        goal.recoveries += 1
-        before = self._stuck_places.add(now, pose) - 1
-        blocker = self._blocker(pose)
-        if goal.recoveries > self.options.recovery_limit:
-            hint = "" if blocker is None else "; an obstacle that is not in the map is near"
-            return self._abort(
-                f"stuck at ({pose[0]:.2f}, {pose[1]:.2f}) after {goal.recoveries - 1} recoveries: {why}{hint}"
-            )
-        if blocker is not None and before % 2 == 1:
-            return self._begin_retreat(now, pose)
-        if before:
-            self._reverse_until = now + REVERSE_TIME
-        self._memory.clear()
-        return self._begin_back_off(now)
+    def _lets_pass(self, now: float, pose: Pose) -> bool:
+        """Whether a robot with the right of way is still near the one that made room for it."""
+        others = self._others if now - self._others_at < HINT_AGE else {}
+        near = [name for name, place in others.items() if math.dist(place, pose[:2]) < PASSING_NEAR]
+        return now - self._mode_until < PASSING_TIME and min(near, default=self.name) < self.name
 
     def _abort(self, text: str) -> Command:
         self.cancel()
@@ -491,13 +477,12 @@ class Navigator:
         points = self._memory.points
         return points[np.hypot(points[:, 0] - pose[0], points[:, 1] - pose[1]) > self.options.inscribed_radius]
 
-    def _obstacles(self, pose: Pose, scan: Scan) -> np.ndarray:
+    def _obstacles(self, costs: CostMap, pose: Pose, scan: Scan) -> np.ndarray:
         """What the next motion must not touch: rows (x, y, margin, reaction time) in the map frame."""
-        costs = self._cost_map()
-        assert costs is not None
         return _navigation.surroundings(
-            scan.points, pose, self._memory.rows, costs.walls, self._margins, KNOWN_WITHIN, self._near, POINT_SPACING
-        )
+            scan.points, pose, self._memory.rows, costs.walls, self._margins, KNOWN_WITHIN, self._near, POINT_SPACING,
+            scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
+        )  # fmt: skip
 
     def _with_robots_behind(self, now: float, pose: Pose, obstacles: np.ndarray) -> np.ndarray:
         """Behind, where the laser is blind, also the rims of robots that say they are there."""
@@ -515,25 +500,19 @@ class Navigator:
         margins = np.tile([self.options.moving_margin, self.options.moving_reaction_time], (len(rims), 1))
         return np.concatenate([obstacles, np.hstack([rims, margins])])
 
-    def _choose(
-        self, way: Plan, pose: Pose, obstacles: np.ndarray, reverse: float, penalty: Optional[float] = None
-    ) -> Tuple[bool, float, float]:
-        """`reverse`: m/s; `penalty`: s by which driving backwards counts as longer."""
+    def _choose(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Tuple[bool, float, float]:
         horizon = _navigation.Horizon()
         horizon.goal_radius = 0.7 * self.options.xy_goal_tolerance
-        if penalty is not None:
-            horizon.reverse_penalty, horizon.slack = penalty, STUCK_SLACK
         found, linear, angular, _, _ = _navigation.choose_velocity(
             way.cost, way.grid.resolution, way.grid.origin, way.goal, pose, self._velocity, obstacles,
-            _limits(self.options, reverse), self._footprint, horizon, self.options.controller_period,
+            self._limits, self._footprint, horizon, self.options.controller_period,
         )  # fmt: skip
         return found, linear, angular
 
     def _is_clear(self, pose: Pose, obstacles: np.ndarray, target: Tuple[float, float], duration: float) -> bool:
-        slack = STUCK_SLACK if self.mode is Mode.BACK_OFF else 0.0
-        return _navigation.is_clear(
-            pose, self._velocity, target, obstacles, self._back_limits, self._footprint, _horizon(duration, slack)
-        )
+        horizon = _navigation.Horizon()
+        horizon.duration, horizon.slack = duration, 0.002
+        return _navigation.is_clear(pose, self._velocity, target, obstacles, self._limits, self._footprint, horizon)
 
     def _ramp(self, pose: Pose, obstacles: np.ndarray, target: Tuple[float, float]) -> Command:
         """Towards a velocity within the acceleration limits; brakes where that would touch something."""
@@ -553,20 +532,13 @@ class Navigator:
         return Command(linear, angular, status)
 
 
-def _limits(options: NavigationOptions, reverse: float = 0.0) -> _navigation.Limits:
+def _limits(options: NavigationOptions) -> _navigation.Limits:
     limits = _navigation.Limits()
     limits.linear = options.max_linear_velocity
-    limits.reverse = reverse
     limits.angular = options.max_angular_velocity
     limits.linear_acceleration = options.linear_acceleration
     limits.angular_acceleration = options.angular_acceleration
     return limits
-
-
-def _horizon(duration: float, slack: float) -> _navigation.Horizon:
-    horizon = _navigation.Horizon()
-    horizon.duration, horizon.slack = duration, slack
-    return horizon
 
 
 def _footprint(options: NavigationOptions) -> _navigation.Footprint:

@@ -26,6 +26,7 @@ FRAMES = {"map_frame": "map", "base_frame": "base_footprint"}
 DRIVERS = {"scan_topic": "base_scan", "velocity_topic": "cmd_vel"}
 TOPICS = {"others": "all_positions", "plan": "~plan"}
 MAP_TOPIC = "map_merger/global_map"
+OWN_MAP_TOPIC = "map"  # of this robot's SLAM
 SCAN_AGE = 0.5  # s after which a scan no longer tells what is around
 POSE_AGE = 0.5  # s after which the pose no longer tells where the robot is
 PLAN_PERIOD = 1.0  # s between published paths
@@ -68,6 +69,7 @@ class MoveBaseNode:
         rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1)
         map_topic = rospy.get_param("~map_topic", MAP_TOPIC)
         rospy.Subscriber(map_topic, numpy_msg(OccupancyGrid), self._on_map, queue_size=1, buff_size=2**24)
+        rospy.Subscriber(OWN_MAP_TOPIC, numpy_msg(OccupancyGrid), self._on_own_map, queue_size=1, buff_size=2**24)
         rospy.Subscriber(TOPICS["others"], MmListOfPoints, self._on_others, queue_size=1)
         rospy.Subscriber(drivers["scan_topic"], numpy_msg(LaserScan), self._on_scan, queue_size=1)
         self._server.start()
@@ -83,6 +85,13 @@ class MoveBaseNode:
                 self._navigator.set_map(ros_io.grid_value(message))
         except NavigationError as error:
             rospy.logwarn_throttle(10.0, f"map ignored: {error}")
+
+    def _on_own_map(self, message: Any) -> None:
+        try:
+            with self._lock:
+                self._navigator.set_own_map(ros_io.grid_value(message), rospy.get_time())
+        except NavigationError as error:
+            rospy.logwarn_throttle(10.0, f"own map ignored: {error}")
 
     def _on_scan(self, message: Any) -> None:
         self._scan = message

@@ -37,6 +37,10 @@ class ObstacleMemory:
     def clear(self) -> None:
         self._rows = np.empty((0, 3))
 
+    def add(self, points: np.ndarray, now: float) -> None:
+        """Points (n, 2) known from elsewhere than the laser."""
+        self._rows = np.vstack([self._rows, np.column_stack([points, np.full(len(points), now)])])
+
     def update(self, scan: Scan, pose: Pose, walls: _navigation.Walls, now: float) -> None:
         """`walls`: of the map; hits at them are not remembered."""
         self._rows = _navigation.remember(

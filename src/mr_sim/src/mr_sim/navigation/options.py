@@ -43,9 +43,7 @@ class NavigationOptions:
     plan_period: float = 1.0  # s
     obstacle_memory: float = 4.0  # s an obstacle out of sight is remembered
     yield_patience: float = 1.0  # s a robot that has to give way waits before it does
-    progress_patience: float = 4.0  # s without progress before recovery
-    blocked_timeout: float = 25.0  # s a way may stay blocked before the goal is given up
-    recovery_limit: int = 6  # recoveries without progress before the goal is given up
+    blocked_timeout: float = 25.0  # s a way may stay blocked or the robot stuck before the goal is given up
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -60,9 +58,14 @@ class NavigationOptions:
             )
 
     @property
+    def half_width(self) -> float:
+        """Nearest the robot's centre can come to a wall, m."""
+        return min(self.footprint_length, self.footprint_width) / 2.0
+
+    @property
     def inscribed_radius(self) -> float:
-        """Nearest the robot's centre may come to a wall."""
-        return min(self.footprint_length, self.footprint_width) / 2.0 + self.obstacle_margin
+        """Nearest the robot's centre comes to a wall unless there is no other way."""
+        return self.half_width + self.obstacle_margin
 
     @property
     def circumscribed_radius(self) -> float:

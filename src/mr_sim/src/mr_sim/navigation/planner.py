@@ -14,6 +14,7 @@ from mr_sim.pose import Pose
 NEAR_WALL_COST = 6.0  # a cell at the wall costs this much more than a free one
 ESCAPE_ROOM = 0.21  # m more than a robot has to keep from walls: around one that is nearer it may move out
 ESCAPE_COST = 25.0
+NARROW_COST = 12.0  # of a cell where the body fits through and has no margin
 FIELD_MARGIN = 2.0  # m of cost to go beyond the robot that local control can use
 PATH_STEPS = 20000
 
@@ -48,6 +49,7 @@ class CostMap:
     def __init__(self, grid: Grid, options: NavigationOptions, former: Optional["CostMap"] = None) -> None:
         """`former`: any earlier one with the same options; only what has changed since is computed again."""
         self.grid, self.options = grid, options
+        self._narrow: Optional[np.ndarray] = None
         self._inflation = _navigation.Inflation(options.inscribed_radius, options.inflation_radius, NEAR_WALL_COST)
         reach = math.ceil(options.inflation_radius / grid.resolution) + 1  # one more for what rounding leaves
         changed = None if former is None else _changed(former.grid, grid, reach)
@@ -66,13 +68,21 @@ class CostMap:
             np.ascontiguousarray(cells), self.grid.resolution, self._inflation, not options.allow_unknown
         )
 
-    def slowness(self, obstacles: np.ndarray, robot: Optional[Pose]) -> np.ndarray:
+    def slowness(self, obstacles: np.ndarray, robot: Optional[Pose], narrow: bool = False) -> np.ndarray:
         """Cost per cell, float32 (rows, columns), infinity = blocked, with obstacle points (n, 2) beside the map's
-        walls. Not to be written to."""
-        slowness, cells = self._of_walls, self._cells_of(obstacles)
+        walls. `narrow`: also between walls where only the body fits. Not to be written to."""
+        slowness, cells = self._with_narrow_places() if narrow else self._of_walls, self._cells_of(obstacles)
         if len(cells):
             slowness = _navigation.slower_around(slowness, cells, self.grid.resolution, self._inflation)
         return slowness if robot is None else self._open_around(robot, slowness, cells)
+
+    def _with_narrow_places(self) -> np.ndarray:
+        if self._narrow is None:
+            fits = (self.wall_distance >= self.options.half_width) & ~np.isfinite(self._of_walls)
+            if not self.options.allow_unknown:
+                fits &= self.grid.cells >= 0
+            self._narrow = np.where(fits, np.float32(NARROW_COST), self._of_walls)
+        return self._narrow
 
     def _cells_of(self, points: np.ndarray) -> np.ndarray:
         """Cells of the map (row, column), int64 (k, 2), of points (n, 2)."""
@@ -167,14 +177,16 @@ def plan(
     goal: Tuple[float, float],
     search_radius: float,
     former: Optional[Plan] = None,
+    narrow: bool = False,
 ) -> Optional[Plan]:
     """The way from `robot` to `goal`, or to the nearest reachable point within `search_radius`; None: no way.
-    `former`: any earlier plan; what still holds of it is not computed again, the result is the same."""
+    `former`: any earlier plan; what still holds of it is not computed again, the result is the same. `narrow`: also
+    through places where only the body fits."""
     grid = costs.grid
     start = grid.cell(robot[0], robot[1])
     if not grid.contains(*start):
         return None
-    slowness = costs.slowness(obstacles, robot)
+    slowness = costs.slowness(obstacles, robot, narrow)
     row, column = grid.cell(*goal)
     if grid.contains(row, column) and np.isfinite(slowness[row, column]):
         seeds: Seeds = ((row, column, 0.0),)

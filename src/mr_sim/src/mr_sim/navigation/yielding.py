@@ -17,8 +17,11 @@ from mr_sim.pose import Pose
 Point = Tuple[float, float]
 
 REACH = 1.4  # m within which something that the map does not know counts as in the way
+SPREAD, LARGEST_SPREAD = 3.0, 12.0  # times the patience
+AGAIN = 30.0  # s within which giving way once more shows that it was in vain
 WINNER_PATIENCE = 6.0  # s a robot with the right of way waits before it gives way nevertheless
 ROOM = 0.12  # m more than a robot has to keep from walls, at a place to wait
+SLOWEST = 2.0  # times a free cell's cost; what narrow places cost on other ways would end the search in them
 SEARCHED = 5.0  # m of way to places to wait
 
 
@@ -33,9 +36,16 @@ class HeldUp:
         self._random = random
         self._since: Optional[float] = None
         self._limit = 0.0
+        self._spread = SPREAD  # times the patience, by chance
+        self._gave_way_at = -math.inf
 
     def clear(self) -> None:
         self._since = None
+
+    def gave_way(self, now: float) -> None:
+        """Once per time. When it was in vain, as the other one did so, too, chance decides about more next time."""
+        self._spread = min(2.0 * self._spread, LARGEST_SPREAD) if now - self._gave_way_at < AGAIN else SPREAD
+        self._gave_way_at = now
 
     def must_give_way(self, now: float, blocker: Optional[Point], others: Mapping[str, Point]) -> bool:
         """Once per step; `blocker` is None while nothing holds the robot up. `others`: reported positions."""
@@ -51,7 +61,7 @@ class HeldUp:
         near = [name for name, position in others.items() if math.dist(position, blocker) < self._robot_size]
         chance = self._random.random()
         if not near:
-            return self._patience * (0.5 + 3.0 * chance)
+            return self._patience * (0.5 + self._spread * chance)
         if self._name > min(near):
             return 0.3 * self._patience
         return WINNER_PATIENCE + 2.0 * chance
@@ -75,8 +85,9 @@ def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Poi
     start = grid.cell(pose[0], pose[1])
     if not grid.contains(*start):
         return None
-    slowness = costs.slowness(obstacles, pose).copy()
-    slowness[start] = min(slowness[start], 25.0)
+    slowness = costs.slowness(obstacles, pose, narrow=True)
+    slowness = np.where(np.isfinite(slowness), np.minimum(slowness, SLOWEST), slowness)
+    slowness[start] = min(slowness[start], SLOWEST)
     limit = 3.0 * SEARCHED / grid.resolution
     cost = _navigation.march(slowness, [(start[0], start[1], 0.0)], limit=limit)
     rows, columns = np.nonzero(
@@ -96,4 +107,4 @@ def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Poi
     price += np.where(aside < passing, 3.0 * np.maximum(0.0, SEARCHED - along), 0.0)
     best = int(np.argmin(price))
     target = grid.center(int(rows[best]), int(columns[best]))
-    return plan(costs, obstacles, pose, target, 0.3)
+    return plan(costs, obstacles, pose, target, 0.3, narrow=True)

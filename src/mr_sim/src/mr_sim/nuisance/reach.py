@@ -1,0 +1,153 @@
+"""What a body can reach in a true world, and how soon: ways over (x, y, heading) that its footprint fits through.
+
+Independent of navigation. Headings are those of steps to cells of the lattice, so no motion is rounded.
+"""
+
+import math
+
+import cv2
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import dijkstra
+
+from mr_sim.pose import Pose
+from mr_sim.raster import Grid, rasterise
+from mr_sim.world_model import Polygon, WorldDescription
+
+CELL = 0.06  # m of the lattice, a multiple of the resolution of a world
+MARGIN = 0.01  # m around the footprint
+SPEED, TURN_RATE = 0.5, 1.57  # m/s, rad/s
+GOAL_REACH = 0.12
+_HALF = ((1, 0), (2, 1), (1, 1), (1, 2), (0, 1), (-1, 2), (-1, 1), (-2, 1))  # cells, of half a turn
+STEPS = (*_HALF, *((-x, -y) for x, y in _HALF))
+HEADINGS = [math.atan2(y, x) for x, y in STEPS]
+
+Edges = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Numbers of nodes, of the nodes they lead to, and seconds."""
+
+
+class Reach:
+    """Of one robot model in a world without other robots."""
+
+    def __init__(self, world: WorldDescription) -> None:
+        self._grid: Grid = rasterise(world.obstacles, world.resolution)
+        self._polygons = world.robots[0].footprint
+        self._every = round(CELL / world.resolution)
+        free = (self._grid.cells == 0).astype(np.uint8)
+        self._room = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * world.resolution
+        self._graph: coo_matrix | None = None
+        self._known: dict[tuple[float, float], np.ndarray] = {}
+
+    def room(self, point: tuple[float, float]) -> float:
+        """m to the nearest obstacle, 0 outside."""
+        row, column = self._cell(point, self._grid.resolution)
+        rows, columns = self._room.shape
+        return float(self._room[row, column]) if 0 <= row < rows and 0 <= column < columns else 0.0
+
+    def stands(self, pose: Pose, margin: float) -> bool:
+        """Whether the footprint with a margin touches nothing there."""
+        mask = self._mask(pose[2], margin)
+        row, column = self._cell(pose[:2], self._grid.resolution)
+        half = mask.shape[0] // 2
+        padded = cv2.copyMakeBorder(self._grid.cells, half, half, half, half, cv2.BORDER_CONSTANT, value=1)
+        if not (0 <= row < self._grid.cells.shape[0] and 0 <= column < self._grid.cells.shape[1]):
+            return False
+        return not (padded[row : row + mask.shape[0], column : column + mask.shape[1]] & mask).any()
+
+    def seconds(self, start: Pose, goal: tuple[float, float]) -> float:
+        """The least time from a pose to within reach of a goal, s; infinity if there is no way."""
+        if goal not in self._known:
+            self._known[goal] = self._from(goal)
+        field = self._known[goal]
+        row, column = self._cell(start[:2], CELL)
+        best = math.inf
+        for dr in (-1, 0, 1):
+            for dc in (-1, 0, 1):
+                r, c = row + dr, column + dc
+                if 0 <= r < field.shape[1] and 0 <= c < field.shape[2]:
+                    turns = [abs(math.remainder(start[2] - heading, 2.0 * math.pi)) for heading in HEADINGS]
+                    nearest = sorted(range(len(HEADINGS)), key=lambda k: turns[k])[:2]
+                    best = min([best, *(field[k, r, c] + turns[k] / TURN_RATE for k in nearest)])
+        return float(best)
+
+    def _from(self, goal: tuple[float, float]) -> np.ndarray:
+        """Seconds (headings, rows, columns) to the goal."""
+        free = self._free()
+        if self._graph is None:
+            self._graph = _graph(free)
+        rows, columns = np.indices(free.shape[1:])
+        x = self._grid.origin[0] + (columns + 0.5) * CELL
+        y = self._grid.origin[1] + (rows + 0.5) * CELL
+        there = free & (np.hypot(x - goal[0], y - goal[1]) <= GOAL_REACH)
+        sources = np.flatnonzero(there)
+        if not sources.size:
+            return np.full(free.shape, np.inf)
+        seconds = dijkstra(self._graph, directed=False, indices=sources, min_only=True)
+        return np.where(free, seconds.reshape(free.shape), np.inf)
+
+    def _free(self) -> np.ndarray:
+        """bool (headings, rows, columns): whether the footprint fits there."""
+        start = self._every // 2
+        layers = [
+            cv2.dilate(
+                self._grid.cells, np.ascontiguousarray(self._mask(heading, MARGIN)[::-1, ::-1]),
+                borderType=cv2.BORDER_CONSTANT, borderValue=1,
+            )[start :: self._every, start :: self._every] == 0
+            for heading in HEADINGS
+        ]  # fmt: skip
+        return np.array(layers)
+
+    def _mask(self, heading: float, margin: float) -> np.ndarray:
+        return _footprint_mask(self._polygons, heading, margin, self._grid.resolution)
+
+    def _cell(self, point: tuple[float, float], size: float) -> tuple[int, int]:
+        x, y = point
+        return math.floor((y - self._grid.origin[1]) / size), math.floor((x - self._grid.origin[0]) / size)
+
+
+def _footprint_mask(polygons: tuple[Polygon, ...], heading: float, margin: float, resolution: float) -> np.ndarray:
+    """uint8 (odd, odd): cells around the middle one within `margin` of the footprint."""
+    points = np.concatenate([np.array(polygon) for polygon in polygons])
+    half = math.ceil((float(np.hypot(*points.T).max()) + margin) / resolution) + 1
+    offsets = (np.arange(2 * half + 1) - half) * resolution
+    dx, dy = np.meshgrid(offsets, offsets)
+    c, s = math.cos(heading), math.sin(heading)
+    x, y = c * dx + s * dy, -s * dx + c * dy
+    (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
+    outside = np.hypot(np.maximum(np.maximum(left - x, x - right), 0), np.maximum(np.maximum(bottom - y, y - top), 0))
+    return (outside <= margin + resolution / 2.0).astype(np.uint8)
+
+
+def _graph(free: np.ndarray) -> coo_matrix:
+    """Undirected, seconds: steps along the heading and turns to the next one."""
+    numbers = np.arange(free.size).reshape(free.shape)
+    edges: list[Edges] = []
+    for k, (dx, dy) in enumerate(STEPS):
+        following = (k + 1) % len(STEPS)
+        both = free[k] & free[following]
+        turn = abs(math.remainder(HEADINGS[following] - HEADINGS[k], 2.0 * math.pi)) / TURN_RATE
+        _add(numbers[k][both], numbers[following][both], turn, edges)
+        if k >= len(STEPS) // 2:
+            continue  # the same steps backwards
+        for layer in (k, k + len(STEPS) // 2):
+            here, there = _shifted(free.shape[1:], dx, dy)
+            both = free[layer][here] & free[layer][there]
+            seconds = CELL * math.hypot(dx, dy) / SPEED
+            _add(numbers[layer][here][both], numbers[layer][there][both], seconds, edges)
+    shape = (free.size, free.size)
+    starts, ends, weights = (np.concatenate(part) for part in zip(*edges))
+    return coo_matrix((weights, (starts, ends)), shape=shape).tocsr()
+
+
+def _shifted(shape: tuple[int, ...], dx: int, dy: int) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
+    """Windows of cells and of the cells (dx, dy) beside them."""
+
+    def pair(size: int, by: int) -> tuple[slice, slice]:
+        return slice(max(0, -by), size - max(0, by)), slice(max(0, by), size - max(0, -by))
+
+    (rows, rows_there), (columns, columns_there) = pair(shape[0], dy), pair(shape[1], dx)
+    return (rows, columns), (rows_there, columns_there)
+
+
+def _add(starts: np.ndarray, ends: np.ndarray, weight: float, edges: list[Edges]) -> None:
+    edges.append((starts, ends, np.full(starts.shape, weight)))

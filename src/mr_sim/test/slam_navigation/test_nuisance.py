@@ -1,0 +1,96 @@
+"""Scenes in which robots get stuck: drawn as promised, and counted as defined."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mr_sim.bench_navigation import rows
+from mr_sim.navigation.options import Grid
+from mr_sim.nuisance.merged import MergedMap
+from mr_sim.nuisance.reach import Reach
+from mr_sim.nuisance.runs import MODEL_WORLD, GoalRun, SceneRun, run_seed
+from mr_sim.nuisance.scenes import KINDS, STANDING_ROOM, draw
+from mr_sim.world_model import Obstacle, WorldDescription, load_world
+from mr_sim.worlds import find_world
+
+ROBOT = load_world(find_world(MODEL_WORLD)).robots[0]
+
+
+def world_of(*boxes: tuple) -> WorldDescription:
+    """An area of 6 m x 4 m with boxes (left, bottom, right, top) in it."""
+    obstacles = []
+    for left, bottom, right, top in [(0, 0, 6, 0.1), (0, 3.9, 6, 4), (0, 0, 0.1, 4), (5.9, 0, 6, 4), *boxes]:
+        a, b = (right - left) / 2, (top - bottom) / 2
+        corners = ((-a, -b), (a, -b), (a, b), (-a, b))
+        middle = ((left + right) / 2, (bottom + top) / 2, 0.0)
+        obstacles.append(Obstacle(middle, (2 * a, 2 * b), (corners,), None, False, True, True))
+    return WorldDescription(Path("test"), 0.02, 0.05, 0.0, None, tuple(obstacles), (ROBOT,))
+
+
+def test_way_in_the_open_takes_as_long_as_driving_it() -> None:
+    assert Reach(world_of()).seconds((1.0, 2.0, 0.0), (5.0, 2.0)) == pytest.approx(8.0, abs=0.4)
+    assert Reach(world_of()).seconds((1.0, 2.0, math.pi), (5.0, 2.0)) == pytest.approx(8.0, abs=0.4), "backwards"
+
+
+@pytest.mark.parametrize("width, open_", [(0.36, False), (0.5, True)])
+def test_a_gap_is_passed_by_what_fits_through(width: float, open_: bool) -> None:
+    walls = ((3.0, 0.0, 3.1, 2.0 - width / 2), (3.0, 2.0 + width / 2, 3.1, 4.0))
+    assert math.isfinite(Reach(world_of(*walls)).seconds((1.0, 2.0, 0.0), (5.0, 2.0))) == open_
+
+
+def test_a_bend_needs_room_to_turn() -> None:
+    """A disc of the robot's width would pass."""
+    for width, open_ in ((0.46, False), (0.8, True)):
+        walls = (
+            (0.1, 0.1, 3.0, 2.0),
+            (0.1, 2.0 + width, 3.0 + width, 3.9),
+            (3.0 + width, 2.0 - width, 3.2 + width, 3.9),
+        )
+        assert math.isfinite(Reach(world_of(*walls)).seconds((0.5, 2.0 + width / 2, 0.0), (5.0, 1.0))) == open_
+
+
+@pytest.mark.parametrize("seed", range(len(KINDS)))
+def test_scenes_come_from_their_seed(seed: int) -> None:
+    scene, again = draw(seed, ROBOT), draw(seed, ROBOT)
+    assert scene.world == again.world and scene.goals == again.goals and scene.map_error == again.map_error
+    assert scene.kind == list(KINDS)[seed]
+    assert scene.world.obstacles != draw(seed + len(KINDS), ROBOT).world.obstacles or scene.kind == "along a wall"
+    for robot, goals in zip(scene.world.robots, scene.goals):
+        assert scene.reach.stands(robot.start, STANDING_ROOM)
+        assert all(math.isfinite(scene.reach.seconds(robot.start, goal)) for goal in goals)
+
+
+def test_own_cells_win_over_those_of_a_map_drawn_beside() -> None:
+    merged = MergedMap(world_of(), (0.3, 0.0, 0.0))
+    own = Grid(np.full((40, 40), -1, np.int8), 0.05, (-1.0, -1.0))
+    own.cells[20, 20] = 100
+    grid = merged.of(own, (3.0, 2.0, 0.0))
+    assert grid.cells[grid.cell(0.025, 0.025)] == 100
+    assert grid.cells[grid.cell(1.0, 1.0)] == 0
+    assert grid.cells[grid.cell(-2.65, 0.0)] == 100, "the wall at x = 0 is drawn at 0.3"
+    assert grid.cells[grid.cell(-2.95, 0.0)] == -1
+
+
+def test_a_goal_that_is_not_reached_counts() -> None:
+    reached = GoalRun(0, (1.0, 1.0), True, 12.0, 8.0, "")
+    run = SceneRun("desks", 2, (reached, replace(reached, reached=False)), 3, 100, 0.1, 0.01)
+    values = {row.what: row.value for row in rows([run, replace(run, goals=(reached,) * 2, contacts=0)])}
+    assert values["stuck per 100 goals"] == 25.0
+    assert values["steps in contact"] == 3
+    assert values["time over the ideal"] == 1.5
+
+
+def test_a_scene_runs() -> None:
+    run = run_seed(2)
+    assert run.kind == "desks" and run.stuck == 0 and run.contacts == 0
+    assert all(0.5 < goal.seconds / goal.ideal < 5.0 for goal in run.goals)
+
+
+@pytest.mark.parametrize("seed", [37, 93, 117])
+def test_robots_that_meet_in_a_corridor_pass(seed: int) -> None:
+    """Both gave way at once and came back at once; or one dithered where it could not turn, or gave up a goal that it
+    came nearer to all the time."""
+    assert run_seed(seed).stuck == 0
