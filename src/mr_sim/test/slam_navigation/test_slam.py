@@ -312,3 +312,33 @@ def test_the_ground_under_the_robot_is_free_as_far_as_it_reaches(radius: float) 
     slam.process(blind, (0.0, 0.0, 0.0), 0.0)
     free = np.count_nonzero(slam.map().cells == 0) * slam.options.resolution**2
     assert free == pytest.approx(math.pi * radius**2, rel=0.15)
+
+
+def sweep_while_turning(turn: float) -> np.ndarray:
+    """Ranges of 541 beams over 270 degrees in a room of 6 m x 4 m, while the robot turns by `turn`, rad."""
+    bearings = np.radians(np.linspace(-135.0, 135.0, 541)) + turn * np.linspace(0.0, 1.0, 541)
+    return np.minimum(3.0 / np.abs(np.cos(bearings)), 2.0 / np.abs(np.sin(bearings))).astype(np.float32)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_sweep_of_a_robot_that_turns_gives_straight_walls(known: bool) -> None:
+    """At 2 rad/s and ten sweeps a second the last beam is 0.2 rad off."""
+    turn = 0.2
+    geometry = (math.radians(-135.0), math.radians(0.5), 0.1, 30.0, (0.0, 0.0, 0.0))
+    slam = Slam()
+    slam.process(LaserScan(sweep_while_turning(turn), *geometry, (0.0, 0.0, turn if known else 0.0)), (0, 0, 0), 0.0)
+    x, y = np.abs(slam._core.surfaces()[:, :2]).T
+    off = np.minimum(np.abs(x - 3.0), np.abs(y - 2.0))
+    assert (off.max() < 0.02) == known and (known or off.max() > 0.1)
+
+
+def test_how_long_a_sweep_takes_comes_from_the_scan() -> None:
+    from sensor_msgs.msg import LaserScan as Message
+
+    from mr_sim.slam.ros_io import sweep_time
+
+    assert sweep_time(Message(ranges=[1.0] * 541, time_increment=1e-4)) == pytest.approx(0.054)
+    assert sweep_time(Message()) == 0.0
+    for increment in (0.1, -1e-4, math.nan):
+        with pytest.raises(SlamError, match="beams count as taken at once"):
+            sweep_time(Message(ranges=[1.0] * 541, time_increment=increment))

@@ -20,8 +20,8 @@ Pose to_pose(const PoseTuple& pose) { return {std::get<0>(pose), std::get<1>(pos
 PoseTuple to_tuple(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
 
 py::tuple process(Slam& slam, const Ranges& ranges, const PoseTuple& odometry, const PoseTuple& mount, double angle_min,
-                  double angle_increment, double range_min, double range_max, double time) {
-  const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, to_pose(mount)};
+                  double angle_increment, double range_min, double range_max, double time, const PoseTuple& swept) {
+  const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, to_pose(mount), to_pose(swept)};
   const SlamUpdate update =
       slam.process(ranges.data(), static_cast<std::size_t>(ranges.size()), geometry, to_pose(odometry), time);
   return py::make_tuple(to_tuple(update.pose), update.matched, update.inserted, update.share);
@@ -91,7 +91,8 @@ PYBIND11_MODULE(_slam, module) {
   py::class_<Slam>(module, "Slam")
       .def(py::init<const SlamOptions&>())
       .def("process", &process, py::arg("ranges"), py::arg("odometry"), py::arg("mount"), py::arg("angle_min"),
-           py::arg("angle_increment"), py::arg("range_min"), py::arg("range_max"), py::arg("time"))
+           py::arg("angle_increment"), py::arg("range_min"), py::arg("range_max"), py::arg("time"),
+           py::arg("swept") = PoseTuple{0.0, 0.0, 0.0})
       .def("pose_at",
            [](const Slam& slam, const PoseTuple& odometry) { return to_tuple(slam.pose_at(to_pose(odometry))); })
       .def("map_to_odometry", [](const Slam& slam) { return to_tuple(slam.map_to_odometry()); })

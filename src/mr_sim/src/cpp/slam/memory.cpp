@@ -43,7 +43,9 @@ bool Memory::due(const Pose& pose) const {
 int Memory::origin(const Pose& pose) const { return static_cast<int>(keyframes_.size()) - (due(pose) ? 0 : 1); }
 
 Scan Memory::scan_of(const Kept& kept) const {
-  return make_scan(kept.ranges.data(), kept.ranges.size(), geometry_, surface_window_, small_object_size_);
+  LaserGeometry geometry = geometry_;
+  geometry.swept = kept.swept;
+  return make_scan(kept.ranges.data(), kept.ranges.size(), geometry, surface_window_, small_object_size_);
 }
 
 void Memory::add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose,
@@ -52,7 +54,7 @@ void Memory::add(const std::vector<float>& ranges, const LaserGeometry& geometry
   ++scans_;
   geometry_ = geometry;
   if (due(pose)) open(pose, odometry, model, match);
-  keyframes_.back().scans.push_back({ranges, between(keyframes_.back().drawn, pose)});
+  keyframes_.back().scans.push_back({ranges, geometry.swept, between(keyframes_.back().drawn, pose)});
 }
 
 void Memory::open(const Pose& pose, const Pose& odometry, const OdometryModel& model, const Match& match) {

@@ -29,6 +29,7 @@ class Memory {
  private:
   struct Kept {
     std::vector<float> ranges;
+    Pose swept;     // see LaserGeometry
     Pose relative;  // to the keyframe
   };
   struct Keyframe {

@@ -68,6 +68,8 @@ bool fit_normal(const std::vector<Beam>& beams, std::size_t index, double window
 Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window,
                double small_object_size) {
   const Frame mount(geometry.mount);
+  const Pose& swept = geometry.swept;
+  const bool moves = size > 1 && (swept.x != 0.0 || swept.y != 0.0 || swept.yaw != 0.0);
   Scan scan;
   scan.eye = {geometry.mount.x, geometry.mount.y};
   scan.beams.reserve(size);
@@ -77,7 +79,11 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
     const bool hit = range < geometry.range_max - 1e-3;
     const double length = hit ? range : geometry.range_max;
     const double angle = geometry.angle_min + static_cast<double>(i) * geometry.angle_increment;
-    const Point end = mount * Point{length * std::cos(angle), length * std::sin(angle)};
+    Point end = mount * Point{length * std::cos(angle), length * std::sin(angle)};
+    if (moves) {
+      const double share = static_cast<double>(i) / static_cast<double>(size - 1);
+      end = Pose{share * swept.x, share * swept.y, share * swept.yaw} * end;
+    }
     scan.beams.push_back({end, hit});
   }
   mark_small_objects(scan, small_object_size);

@@ -56,6 +56,7 @@ class LaserScan:
     range_min: float
     range_max: float
     mount: Pose  # laser in the robot's frame
+    swept: Pose = (0.0, 0.0, 0.0)  # robot at the last beam, by odometry, seen from where it was at the first
 
 
 @dataclass(frozen=True)
@@ -121,19 +122,20 @@ class Slam:
         self.revision = 0  # counts changes of the map
 
     def process(self, scan: LaserScan, odometry: Pose, time: float) -> SlamUpdate:
-        """`odometry`: robot in the odometry frame at the time of the scan. `time`: s, of the scan; only differences
+        """`odometry`: robot in the odometry frame at the first beam. `time`: s, of that; only differences
         count. Raises SlamError for unusable input."""
         ranges = np.ascontiguousarray(scan.ranges, dtype=np.float32)
         if ranges.ndim != 1 or ranges.size < 3:
             raise SlamError(f"a scan needs at least 3 ranges, not {ranges.size}")
         if not (0.0 < scan.range_max < 1000.0):
             raise SlamError(f"range_max of the scan must lie between 0 and 1000 m, not {scan.range_max!r}")
-        numbers = (*odometry, *scan.mount, scan.angle_min, scan.angle_increment, scan.range_min, time)
+        numbers = (*odometry, *scan.mount, *scan.swept, scan.angle_min, scan.angle_increment, scan.range_min, time)
         if not np.isfinite(numbers).all():
             raise SlamError("odometry, time or geometry of the scan is not finite")
         pose, matched, inserted, share = self._core.process(
-            ranges, odometry, scan.mount, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, time
-        )
+            ranges, odometry, scan.mount, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, time,
+            scan.swept,
+        )  # fmt: skip
         self.revision += inserted
         return SlamUpdate(pose, matched, inserted, share)
 

@@ -11,7 +11,7 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
-from mr_sim.pose import Pose
+from mr_sim.pose import Pose, compose, inverse
 from mr_sim.ros_poses import transform_pose, yaw_of
 from mr_sim.slam import ros_io
 from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
@@ -87,17 +87,27 @@ class SlamNode:
         if mount is None:
             return
         time = message.header.stamp.to_sec()
-        odometry = self._odometry.at(time)
-        if odometry is None:
+        last = time + self._sweep_time(message)
+        odometry, odometry_after = self._odometry.at(time), self._odometry.at(last)
+        if odometry is None or odometry_after is None:
             newest = self._odometry.newest()
             # Too new: wait for the odometry of its time. Too old: of no use any more.
-            self._pending = message if newest is not None and time > newest[0] else None
+            self._pending = message if newest is not None and last > newest[0] else None
             return
-        update = self._slam.process(ros_io.scan_value(message, mount), odometry, time)
+        scan = ros_io.scan_value(message, mount, compose(inverse(odometry), odometry_after))
+        update = self._slam.process(scan, odometry, time)
         if not update.matched:
             rospy.logwarn_throttle(10.0, f"scan does not match the map ({update.share:.0%} of it does)")
         if not 0.0 <= time - self._published_at < self._map_interval:
             self._publish_map(message.header.stamp)
+
+    @staticmethod
+    def _sweep_time(message: Any) -> float:
+        try:
+            return ros_io.sweep_time(message)
+        except SlamError as error:
+            rospy.logwarn_once(str(error))
+            return 0.0
 
     def _mount(self, frame: str) -> Optional[Pose]:
         """The laser on the robot; looked up once, because listening to tf costs more than matching scans."""

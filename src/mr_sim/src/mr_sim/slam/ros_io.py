@@ -9,12 +9,27 @@ from sensor_msgs.msg import LaserScan as LaserScanMessage
 
 from mr_sim.pose import Pose
 from mr_sim.ros_poses import quaternion
-from mr_sim.slam.engine import LaserScan, OccupancyMap
+from mr_sim.slam.engine import LaserScan, OccupancyMap, SlamError
 
 ArrayOccupancyGrid = numpy_msg(OccupancyGrid)
 
 
-def scan_value(message: LaserScanMessage, mount: Pose) -> LaserScan:
+LONGEST_SWEEP = 0.5  # s from the first beam to the last one
+
+
+def sweep_time(message: LaserScanMessage) -> float:
+    """Seconds from the first beam to the last one. Raises SlamError for what no laser does."""
+    seconds = max(0, len(message.ranges) - 1) * float(message.time_increment)
+    if not 0.0 <= seconds <= LONGEST_SWEEP:
+        raise SlamError(
+            f"time_increment {message.time_increment:g} of the scan lets its {len(message.ranges)} beams take "
+            f"{seconds:g} s, not 0 to {LONGEST_SWEEP:g} s: beams count as taken at once"
+        )
+    return seconds
+
+
+def scan_value(message: LaserScanMessage, mount: Pose, swept: Pose = (0.0, 0.0, 0.0)) -> LaserScan:
+    """`swept`: robot at the last beam seen from where it was at the first."""
     return LaserScan(
         np.asarray(message.ranges, dtype=np.float32),
         message.angle_min,
@@ -22,6 +37,7 @@ def scan_value(message: LaserScanMessage, mount: Pose) -> LaserScan:
         message.range_min,
         message.range_max,
         mount,
+        swept,
     )
 
 
