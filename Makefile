@@ -88,6 +88,7 @@ sanitize: dependencies
 # Fuzzes the protocol engine: FUZZ_SECONDS for each target. What it learns stays in build/fuzz.
 FUZZ_SECONDS ?= 600
 fuzz: dependencies
+	@tools/install_dependencies fuzz
 	@PATH=/usr/bin:$$PATH src/adhoc_communication/test/fuzz/run_fuzz.py --build build/fuzz --seconds $(FUZZ_SECONDS)
 
 # Random teams on the simulated radio, one for each seed, all promises checked after every event.

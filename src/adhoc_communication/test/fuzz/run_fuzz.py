@@ -7,7 +7,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -22,7 +21,7 @@ def build(folder):
     """The folder of the executables, built if need be."""
     clang = shutil.which("clang++")
     if clang is None:
-        raise FuzzError("the fuzzers need clang++, which is not installed: run tools/install_dependencies")
+        raise FuzzError("the fuzzers need clang++, which is not installed: run tools/install_dependencies fuzz")
     commands = [
         ["cmake", "-S", str(HERE), "-B", str(folder), f"-DCMAKE_CXX_COMPILER={clang}"],
         ["cmake", "--build", str(folder), "--parallel", str(os.cpu_count()), "--target", *TARGETS],
@@ -41,13 +40,7 @@ def run(folder, target, seconds):
     return fuzz(folder, target, seconds, found)
 
 
-def run_alike(folder, target, seconds):
-    """As run(), but with the same random numbers each time and from the stored corpus alone."""
-    with tempfile.TemporaryDirectory() as found:
-        return fuzz(folder, target, seconds, found, "-seed=1")
-
-
-def fuzz(folder, target, seconds, found, *options):
+def fuzz(folder, target, seconds, found):
     command = [
         str(folder / target),
         f"-max_total_time={seconds}",
@@ -57,7 +50,6 @@ def fuzz(folder, target, seconds, found, *options):
         "-rss_limit_mb=2048",
         "-print_final_stats=1",
         f"-artifact_prefix={folder}/{target}-",
-        *options,
         str(found),  # new inputs are written to the first folder
         str(HERE / "corpus" / target),
     ]
