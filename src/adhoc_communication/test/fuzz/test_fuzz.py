@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))
+sys.path.insert(0, str(Path(__file__).resolve().parent))
 import run_fuzz
 
+HERE = Path(__file__).resolve().parent
 VARIANTS = {"fuzz_engine": 4000}  # of each stored input; two engines take longer than a parser
 MOST_VARIANTS = 100_000
 
