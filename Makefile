@@ -21,6 +21,7 @@ dependencies:
 bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-slam bench-navigation bench-sim
 
 bench-adhoc: build
+	@tools/build --target adhoc_communication_benchmarks
 	@mkdir -p out/bench && $(ENVIRONMENT) missed=0; \
 	rosrun adhoc_communication bench_namespaces --out out/bench/adhoc.json || missed=1; \
 	rosrun adhoc_communication bench_hosts --out out/bench/adhoc_hosts.json || missed=1; \
@@ -31,6 +32,7 @@ bench-adhoc: build
 
 # A thousand transfers for each number of hops and each loss, a hundred robots for ten virtual minutes: about an hour.
 bench-adhoc-long: build
+	@tools/build --target adhoc_communication_benchmarks
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun adhoc_communication bench_engine --part intact --trials 1000 \
 	  --json out/bench/adhoc_intact.json
 	@$(ENVIRONMENT) rosrun adhoc_communication bench_engine --part mobile --minutes 10 --json out/bench/adhoc_mobile.json

@@ -62,24 +62,27 @@ if(CATKIN_ENABLE_TESTING)
 endif()
 
 file(GLOB ADHOC_BENCH_SOURCES CONFIGURE_DEPENDS ${ADHOC_ENGINE_DIR}/test/bench/*.cpp)
-add_executable(bench_engine ${ADHOC_BENCH_SOURCES})
+# Benchmarks are built when they are asked for: `make bench-adhoc`.
+add_custom_target(${PROJECT_NAME}_benchmarks)
+add_executable(bench_engine EXCLUDE_FROM_ALL ${ADHOC_BENCH_SOURCES})
 target_link_libraries(bench_engine adhoc_engine_test_support)
 if(COMMAND catkin_package)
-  install(TARGETS bench_engine RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+  install(TARGETS bench_engine RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION} OPTIONAL)
 endif()
 
 # The memory of one engine.
 file(GLOB ADHOC_MEMORY_SOURCES CONFIGURE_DEPENDS ${ADHOC_ENGINE_DIR}/test/bench/memory/*.cpp)
-add_executable(bench_memory ${ADHOC_MEMORY_SOURCES} ${ADHOC_ENGINE_DIR}/test/bench/rows.cpp)
+add_executable(bench_memory EXCLUDE_FROM_ALL ${ADHOC_MEMORY_SOURCES} ${ADHOC_ENGINE_DIR}/test/bench/rows.cpp)
 target_include_directories(bench_memory PRIVATE ${ADHOC_ENGINE_DIR}/test/bench)
 target_link_libraries(bench_memory adhoc_engine_test_support)
 if(COMMAND catkin_package)
-  install(TARGETS bench_memory RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+  install(TARGETS bench_memory RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION} OPTIONAL)
 endif()
 
 # The simulated radio alone.
-add_executable(bench_medium ${ADHOC_ENGINE_DIR}/test/engine/bench_medium.cpp)
+add_executable(bench_medium EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/test/engine/bench_medium.cpp)
 target_link_libraries(bench_medium adhoc_engine)
 if(COMMAND catkin_package)
-  install(TARGETS bench_medium RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+  install(TARGETS bench_medium RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION} OPTIONAL)
 endif()
+add_dependencies(${PROJECT_NAME}_benchmarks bench_engine bench_memory bench_medium)
