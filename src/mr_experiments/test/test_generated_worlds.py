@@ -1,6 +1,7 @@
 """Missions in worlds that are drawn from a seed, and the command that shows them."""
 
 import cv2
+import numpy as np
 import pytest
 
 from mr_experiments.plans_command import main
@@ -44,6 +45,14 @@ def test_plans_draws_the_worlds_asked_for(folder):
     assert main(["generated:hall:3:20x15", "generated:cave:4:anywhere", "--out", "sheet.png"]) == 0
     picture = cv2.imread(str(folder / "sheet.png"))
     assert picture.shape[1] > 200 + 260 and picture.shape[0] > 180
+
+
+def test_plans_draws_stored_worlds(folder):
+    assert main(["narrow", "small8x8", "--out", str(folder / "worlds.png")]) == 0
+    picture = cv2.imread(str(folder / "worlds.png"))
+    red = (picture == (60, 60, 220)).all(axis=2)
+    found, _ = cv2.connectedComponents(red.astype(np.uint8))
+    assert found - 1 == 16 + 4
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import cv2
 
 from mr_experiments.command_line import BAD_CALL, CallError, Parser
 from mr_experiments.plan_pictures import sheet
-from mr_plans import WORLD_KINDS, parse_name
+from mr_plans import WORLD_KINDS
 from mr_plans.names import FORM
 
 
@@ -24,7 +24,9 @@ def make_parser() -> argparse.ArgumentParser:
         "rosrun mr_experiments run --world generated:office:7, rosrun mr_launch team --world generated:hall:3:40x25. "
         "Their files are written to out/worlds. Exit code: 0 done, 2 bad call.",
     )
-    parser.add_argument("worlds", nargs="*", metavar="WORLD", help=f"{FORM} (default: one of every kind)")
+    parser.add_argument(
+        "worlds", nargs="*", metavar="WORLD", help=f"{FORM} or a stored world's name (default: one of every kind)"
+    )
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of one of every kind (default: %(default)s)")
     parser.add_argument("--out", type=Path, metavar="FILE.png", help="picture to draw")
     return parser
@@ -56,7 +58,7 @@ def _draw(options: argparse.Namespace) -> None:
     if options.out.suffix.lower() != ".png":
         raise CallError(f"--out {options.out} must end in .png")
     names = options.worlds or [f"generated:{kind}:{options.seed}" for kind in WORLD_KINDS]
-    done, data = cv2.imencode(".png", sheet([parse_name(name) for name in names]), [cv2.IMWRITE_PNG_COMPRESSION, 9])
+    done, data = cv2.imencode(".png", sheet(names), [cv2.IMWRITE_PNG_COMPRESSION, 9])
     if not done:
         raise CallError("the worlds are too large for one picture")
     options.out.parent.mkdir(parents=True, exist_ok=True)

@@ -17,11 +17,12 @@ from mr_sim.worlds import find_world, warning_of
 
 WORLDS = {
     "office26x15": 16, "office26x15_mixed": 16, "office26x15_turtlebots": 16, "small8x8": 4, "narrow": 16,
-    "equalrooms26x15": 16, "large60x60": 16,
+    "equalrooms26x15": 16, "large60x60": 16, "cave26x18": 16, "hall30x20": 16, "loop30x20": 16, "office40x22": 16,
 }  # fmt: skip
 SIZES = {
     "office26x15": (26, 15), "small8x8": (8, 8), "narrow": (15, 12), "equalrooms26x15": (26, 15),
-    "large60x60": (60, 60),
+    "large60x60": (60, 60), "cave26x18": (26, 18), "hall30x20": (30, 20), "loop30x20": (30, 20),
+    "office40x22": (40, 22),
 }  # m  # fmt: skip
 WAY = 0.25  # m that a robot's middle keeps from walls on its way
 GENERATOR = Path(__file__).parents[4] / "tools" / "make_worlds"
@@ -50,6 +51,14 @@ def cell_of(world: World, x: float, y: float) -> tuple:
 def test_every_world_is_among_these():
     folder = find_world("small8x8").parent
     assert {path.stem for path in folder.glob("*.world")} == set(WORLDS)
+
+
+@pytest.mark.skipif(not GENERATOR.is_file(), reason="installed without docs/")
+def test_every_world_has_a_picture_in_the_docs():
+    docs = GENERATOR.parents[1] / "docs"
+    page = (docs / "worlds.md").read_text(encoding="utf-8")
+    assert all(f"`{name}`" in page or f"## {name}\n" in page for name in WORLDS)
+    assert all((docs / "images" / "worlds" / f"{name}.png").is_file() for name in SIZES)
 
 
 def test_robots_and_size(world):
@@ -127,8 +136,12 @@ def test_start_poses_of_the_office():
 def test_pictures_are_those_of_their_generator(tmp_path):
     subprocess.run([sys.executable, str(GENERATOR), str(tmp_path)], check=True)
     made = sorted(path.name for path in tmp_path.iterdir())
-    assert made == ["equalrooms26x15.png", "large60x60.png", "narrow.png"]
-    for name in made:
+    generated = ["cave26x18", "hall30x20", "loop30x20", "office40x22"]
+    pictures = sorted(f"{name}.png" for name in (*generated, "equalrooms26x15", "large60x60", "narrow"))
+    assert made == sorted([*pictures, *(f"{name}.world" for name in generated)])
+    for name in generated:
+        assert (tmp_path / f"{name}.world").read_text() == find_world(name).read_text(), f"{name}: run make_worlds"
+    for name in pictures:
         kept = cv2.imread(str(find_world(name.replace(".png", "")).parent / name), cv2.IMREAD_GRAYSCALE)
         assert np.array_equal(cv2.imread(str(tmp_path / name), cv2.IMREAD_GRAYSCALE), kept), f"{name}: run make_worlds"
 
