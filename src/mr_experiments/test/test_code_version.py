@@ -17,7 +17,7 @@ def tree(tmp_path, monkeypatch):
     for name in (
         "packages/explorer/src/explorer/a.py", "packages/explorer/src/cpp/a.cpp", "packages/explorer/src/cpp/a.hpp",
         "packages/explorer/msg/Bid.msg", "packages/explorer/CMakeLists.txt", "packages/mr_launch/config/slam.yaml",
-        "packages/adhoc_communication/include/adhoc_communication/engine.hpp", "packages/adhoc_communication/engine.cmake",
+        "packages/adhoc_communication/include/engine.hpp", "packages/adhoc_communication/engine.cmake",
         "worlds/flat.world", "worlds/flat.png", "worlds/robot.inc",
     ):  # fmt: skip
         path = tmp_path / name
@@ -42,7 +42,7 @@ def tree(tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", [
     "packages/explorer/src/explorer/a.py", "packages/explorer/src/cpp/a.cpp", "packages/explorer/src/cpp/a.hpp",
     "packages/explorer/msg/Bid.msg", "packages/explorer/CMakeLists.txt", "packages/mr_launch/config/slam.yaml",
-    "packages/adhoc_communication/include/adhoc_communication/engine.hpp", "packages/adhoc_communication/engine.cmake",
+    "packages/adhoc_communication/include/engine.hpp", "packages/adhoc_communication/engine.cmake",
     "worlds/flat.world", "worlds/flat.png", "worlds/robot.inc",
 ])  # fmt: skip
 def test_sources_parameters_and_worlds_count(tree, name):
@@ -54,8 +54,8 @@ def test_sources_parameters_and_worlds_count(tree, name):
 
 @pytest.mark.parametrize("name", [
     "devel/explorer/_grid.so", "devel/explorer/msg/_Bid.py", "packages/explorer/src/explorer/_grid.so",
-    "packages/explorer/src/explorer/__pycache__/a.pyc", "packages/explorer/README.md", "packages/explorer/test/test_a.py",
-    "worlds/flat.reference.json",
+    "packages/explorer/src/explorer/__pycache__/a.pyc", "packages/explorer/README.md",
+    "packages/explorer/test/test_a.py", "worlds/flat.reference.json",
 ])  # fmt: skip
 def test_build_products_and_what_describes_do_not(tree, name):
     folder, version = tree
