@@ -4,21 +4,26 @@ import json
 
 import pytest
 
-from mr_experiments.agreement import agreements, stack_runs, virtual_runs
+from mr_experiments.agreement import MINIMUM_MISSIONS, Verdict, agreements, rows_of, stack_runs, virtual_runs
 from mr_experiments.agreement_command import main
+from mr_experiments.stack_missions import ATTEMPTS, NO_SUMMARY, begin_attempt, read_attempts
+
+TIMES = [100.0 + (7 * seed) % MINIMUM_MISSIONS for seed in range(MINIMUM_MISSIONS)]  # 100 s to 111 s
 
 
-def write_mission(folder, time, errors):
-    folder.mkdir(parents=True)
+def write_mission(folder, time, errors, seed=0, world="w"):
+    folder.mkdir(parents=True, exist_ok=True)
     robots = {f"robot_{i}": {"map_error": error} for i, error in enumerate(errors)}
-    (folder / "summary.json").write_text(json.dumps({"team": {"exploration_time": time}, "robots": robots}))
+    summary = {"world": f"/worlds/{world}.world", "options": {"seed": seed}, "robots": robots}
+    (folder / "summary.json").write_text(json.dumps({**summary, "team": {"exploration_time": time}}))
 
 
-def write_record(folder, seed, time, errors):
+def write_record(folder, seed, time, errors, world="w", code="c"):
     folder.mkdir(exist_ok=True)
     record = {
         "format": 1,
-        "trial": {"world": "w", "robots": len(errors), "seed": seed, "scenario": "s", "strategy": 7},
+        "trial": {"world": world, "robots": len(errors), "seed": seed, "scenario": "s", "strategy": 7},
+        "versions": {"code": code},
         "outcome": {"status": "finished" if time else "unfinished", "reason": "", "time": time or 900.0},
         "team": {"exploration_time": time},
         "robots": {f"robot_{i}": {"map": {"error": error}} for i, error in enumerate(errors)},
@@ -28,38 +33,137 @@ def write_record(folder, seed, time, errors):
 
 @pytest.fixture
 def folders(tmp_path):
+    """Missions of one robot that take 2 % longer in virtual time."""
     missions, records = tmp_path / "missions", tmp_path / "records"
-    for seed, time in enumerate((100.0, 110.0, 120.0)):
-        write_mission(missions / f"one-{seed}", time, [0.1 * seed])
-        write_record(records, seed, time + 11.0, [0.1])
-    write_mission(missions / "two", None, [0.0, 1.0])
-    write_record(records, 9, None, [0.5, 0.5])
+    for seed, time in enumerate(TIMES):
+        write_mission(begin_attempt(missions, "w", 1, seed, "c", "abc"), time, [0.1 * seed], seed)
+        write_record(records, seed, 1.02 * time, [0.1])
     return missions, records
 
 
-def test_ratio_of_medians_and_scatter(folders):
+def compared(missions, records):
+    (entry,) = agreements(stack_runs(missions), virtual_runs(records))
+    return entry
+
+
+def scaled(folder, factors):
+    """Records whose times are those of the stack's missions times factors that take turns."""
+    for seed, time in enumerate(TIMES):
+        write_record(folder, seed, time * factors[seed % len(factors)], [0.1])
+    return folder
+
+
+def test_near_is_equivalent(folders):
+    entry = compared(*folders)
+    assert entry.mean.value == pytest.approx(1.02) and entry.median.value == pytest.approx(1.02)
+    assert 0.95 < entry.mean.interval.low < 1.02 < entry.mean.interval.high < 1.08
+    assert entry.verdict is Verdict.EQUIVALENT and entry.error_within and entry.holds
+
+
+@pytest.mark.parametrize("factors, verdict", [
+    ((1.3,), Verdict.DIFFERENT), ((0.7,), Verdict.DIFFERENT),
+    ((1.14,), Verdict.UNDECIDED),  # within the bar, but its interval is not
+    ((1.16,), Verdict.UNDECIDED),  # outside, but its interval is not
+    ((0.6, 1.7), Verdict.UNDECIDED),  # scatters too much
+])  # fmt: skip
+def test_verdict_is_the_interval_s(folders, tmp_path, factors, verdict):
+    entry = compared(folders[0], scaled(tmp_path / "other", factors))
+    assert entry.verdict is verdict and not entry.holds
+
+
+@pytest.mark.parametrize("side", ["stack", "virtual"])
+def test_too_few_missions_give_no_verdict(folders, side):
     missions, records = folders
-    one, two = agreements(stack_runs(missions), virtual_runs(records))
-    assert one.ratio == pytest.approx(1.1) and one.error_within and one.holds
-    assert two.stack.unfinished == 1 and two.virtual.unfinished == 1
-    assert two.ratio is None and not two.holds
+    if side == "stack":
+        write_mission(missions / "w-1-0", None, [0.1])  # not finished: it has no time
+    else:
+        (records / "1-0.json").unlink()
+    entry = compared(missions, records)
+    assert entry.verdict is Verdict.TOO_FEW and not entry.holds
+    assert "too few missions, 12 on either side are needed" in rows_of(entry)[0]["detail"]
+
+
+def test_attempts_without_summary_are_counted_and_named(folders):
+    missions, records = folders
+    (missions / "stopped" / "logs").mkdir(parents=True)  # by rosrun mr_launch team, beside what was noted
+    (missions / "stopped" / "robot_0").mkdir()
+    begin_attempt(missions, "w", 1, 77, "c", "abc")  # and nothing is left of it
+    entry = compared(missions, records)
+    assert entry.verdict is Verdict.EQUIVALENT and not entry.holds
+    lost = rows_of(entry)[1]
+    assert lost["value"] == 2 and not lost["holds"] and lost["detail"].startswith("of 14 of the ROS stack")
+    assert "stopped (no summary)" in lost["detail"] and "w-1-77 (no summary)" in lost["detail"]
+
+
+def test_attempt_of_unknown_team_size_counts_for_all(folders):
+    missions, _ = folders
+    (missions / "sudden" / "logs").mkdir(parents=True)
+    write_mission(missions / "two", 50.0, [0.0, 1.0])
+    assert [[one.name for one in runs.not_finished] for runs in stack_runs(missions).values()] == [["sudden"]] * 2
+
+
+def test_unfinished_missions_are_named(folders):
+    missions, records = folders
+    write_mission(missions / "slow", None, [0.1])
+    write_record(records, 99, None, [0.1])
+    detail = rows_of(compared(missions, records))[1]["detail"]
+    assert "slow (unfinished)" in detail and "1-99 (unfinished)" in detail
+
+
+def test_second_attempt_with_a_seed_is_one_more(tmp_path):
+    folders = [begin_attempt(tmp_path, "generated:cave:3", 2, 5, "c", "abc") for _ in range(2)]
+    assert [folder.name for folder in folders] == ["generated-cave-3-26x18-2-5", "generated-cave-3-26x18-2-5.2"]
+    assert len((tmp_path / ATTEMPTS).read_text().splitlines()) == 2
+    write_mission(folders[1], 50.0, [0.0, 1.0], 5)
+    lost, finished = read_attempts(tmp_path)
+    assert (lost.status, lost.robots, lost.seed, lost.code, lost.commit) == (NO_SUMMARY, 2, 5, "c", "abc")
+    assert (finished.time, finished.errors, finished.seed, finished.code) == (50.0, (0.0, 1.0), 5, "c")
 
 
 def test_command_writes_rows_and_figure_and_tells(folders, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main([*map(str, folders), "--out", str(out)]) == 0
+    (comparison,) = json.loads((out / "agreement.json").read_text())["comparisons"]
+    assert [row["holds"] for row in comparison["rows"]] == [True, True, True]
+    assert comparison["codes"] == {"stack": ["c"], "virtual": ["c"]} and comparison["commits"] == ["abc"]
+    (team,) = comparison["teams"]
+    assert team["verdict"] == "equivalent within +-15 %" and team["mean_ratio"][0] == 1.02
+    assert [(one["seed"], one["time"]) for one in team["stack"]][:2] == [(0, 100.0), (1, 107.0)]
+    assert (out / "agreement.png").stat().st_size > 1000
+    assert "equivalent within +-15 %; mean 1.020 (" in capsys.readouterr().out
+
+
+def test_history_is_kept(folders, tmp_path):
     missions, records = folders
-    assert main([str(missions), str(records), "--out", str(tmp_path / "out")]) == 1
-    rows = json.loads((tmp_path / "out" / "agreement.json").read_text())
-    assert [row["holds"] for row in rows] == [True, True, False, True]
-    assert (tmp_path / "out" / "agreement.png").stat().st_size > 1000
-    assert "1.1" in capsys.readouterr().out
+    out = tmp_path / "out"
+    out.mkdir()
+    former = {"rows": [{"what": "of another time"}]}
+    (out / "agreement.json").write_text(json.dumps({"comparisons": [former]}))
+    for _ in range(2):  # the same again is no second comparison
+        assert main([str(missions), str(records), "--out", str(out)]) == 0
+    other = scaled(tmp_path / "other", (1.3,))
+    assert main([str(missions), str(other), "--out", str(out)]) == 1
+    comparisons = json.loads((out / "agreement.json").read_text())["comparisons"]
+    assert comparisons[0] == former and len(comparisons) == 3
+    assert [entry["teams"][0]["verdict"] for entry in comparisons[1:]] == ["equivalent within +-15 %", "different"]
 
 
-def test_too_slow_virtual_time_does_not_hold(folders, tmp_path):
-    missions, _ = folders
+def test_a_file_that_is_no_history_is_not_overwritten(folders, tmp_path, capsys):
+    (tmp_path / "agreement.json").write_text("[1, 2]")
+    assert main([*map(str, folders), "--out", str(tmp_path)]) == 2
+    assert "agreement.json holds no comparisons" in capsys.readouterr().err
+    assert (tmp_path / "agreement.json").read_text() == "[1, 2]"
+
+
+def test_other_code_is_noted_and_another_world_refused(folders, tmp_path, capsys):
+    missions, records = folders
+    write_record(records, 3, TIMES[3], [0.1], code="d")
+    main([str(missions), str(records), "--out", str(tmp_path / "out")])
+    assert "Note: not shown to be of one code: ROS stack c, virtual time c, d" in capsys.readouterr().out
     for seed in range(3):
-        write_record(tmp_path / "slow", seed, 130.0, [0.1])
-    (entry,) = agreements(stack_runs(missions), virtual_runs(tmp_path / "slow"))
-    assert entry.ratio == pytest.approx(130.0 / 110.0) and not entry.holds
+        write_record(tmp_path / "elsewhere", seed, 100.0, [0.1], world="other")
+    assert main([str(missions), str(tmp_path / "elsewhere"), "--out", str(tmp_path / "out")]) == 2
+    assert "missions of different worlds are not compared: other, w" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("broken, text", [("missions", "no summary.json"), ("records", "no records")])

@@ -1,14 +1,18 @@
-"""A few seeded missions whose outcome is stored: what changes the behaviour of robots shows as a difference here.
+"""Seeded missions of many kinds whose outcome is stored: what changes the behaviour of robots shows as a difference.
 
+Those in small worlds end by themselves, the others are cut at a limit, and what they have come to by then counts.
 After a change that is wanted, `test_guard.py --store` runs them and stores the new outcome.
 """
 
 import argparse
+import contextlib
 import json
+import os
 import sys
 import tempfile
 from pathlib import Path
 
+from mr_experiments.radio import RadioOptions
 from mr_experiments.record import versions
 from mr_experiments.sweep import LocalPool, default_jobs
 from mr_experiments.trial import Trial
@@ -16,9 +20,36 @@ from mr_experiments.trial_process import record_path
 
 TABLE = Path(__file__).with_name("guard.json")
 STORE = "/usr/bin/python3 test_guard.py --store"
+WEAK = RadioOptions(range=5.0, loss=0.1, wall_attenuation=10.0)
+
+
+def trial(world, robots, strategy, scenario="guard", limit=300.0, **options):
+    return Trial(world, robots, 1, scenario=scenario, strategy=strategy, limit=limit, **options)
+
+
 TRIALS = [
-    Trial("small8x8", robots, seed, scenario="guard", strategy=strategy, limit=300.0)
-    for robots, strategy, seed in [(1, 7, 1), (1, 1, 1), (2, 7, 1), (2, 1, 1)]
+    trial("small8x8", 1, 7),
+    trial("small8x8", 1, 1),
+    trial("small8x8", 2, 7),
+    trial("small8x8", 2, 1),
+    trial("small8x8", 1, 7, "walk", odometry="random_walk"),
+    trial("small8x8", 2, 1, "walk", odometry="random_walk"),
+    trial("generated:cave:7001:18x12", 2, 7),
+    trial("generated:cave:7001:18x12", 3, 1, "loss", radio=RadioOptions(loss=0.3)),
+    trial("generated:hall:7003:18x12", 1, 7, "walk", odometry="random_walk"),
+    trial("generated:office:7002:18x12", 3, 1, limit=60.0),
+    trial("narrow", 2, 1, limit=60.0),
+    trial("narrow", 3, 7, limit=60.0),
+    trial("equalrooms26x15", 2, 7, limit=60.0),
+    trial("office26x15", 3, 7, limit=60.0),
+    trial("office26x15", 3, 1, "weak", 60.0, radio=WEAK),
+    trial("office26x15", 3, 7, "death", 60.0, deaths={1: 20.0}),
+    trial("office26x15", 3, 7, "centralized", 45.0, topology="centralized", base=(0.5, 13.8)),
+    trial("office26x15_turtlebots", 1, 7, limit=90.0),
+    trial("office26x15_turtlebots", 2, 1, "walk", 60.0, odometry="random_walk"),
+    trial("office26x15_mixed", 2, 7, limit=60.0),
+    trial("office26x15", 1, 1, "fast", fast=True),
+    trial("office26x15", 3, 7, "fast", fast=True),
 ]
 # Missions are the same bit for bit on one type of computer. Another processor may round sines, fused multiplications
 # and sums of vectors otherwise in the last bit. As long as this changes no decision, a path differs by less than a
@@ -27,6 +58,8 @@ TOLERANCES = {
     "exploration time, s": 0.1,
     "distance, m": 0.01,
     "map error, %": 0.05,
+    "known, m2": 0.1,
+    "worst wrong walls": 0.002,
 }
 
 
@@ -35,11 +68,17 @@ def outcome_of(record):
     robots = record["robots"].values()
     errors = [robot["map"].get("error") for robot in robots]
     merges = [merge for robot in robots for merge in robot["merges"]]
+    walls = [robot["map"].get("wrong_walls") for robot in robots]
+    outcome, known = record["outcome"], record["team"]["series"]["explored"]
     return {
-        "status": record["outcome"]["status"] + (record["outcome"]["reason"] and f" ({record['outcome']['reason']})"),
+        # Where robots drive to when a mission is cut is rounded, which may turn out otherwise on another processor.
+        "status": outcome["status"] + (f" ({outcome['reason']})" if outcome["status"] == "failed" else ""),
         "exploration time, s": record["team"]["exploration_time"],
         "distance, m": round(sum(robot["distance"] for robot in robots), 3),
         "map error, %": max((error for error in errors if error is not None), key=abs, default=None),
+        "known, m2": round(known[-1], 3) if known else None,
+        "worst wrong walls": max((share for share in walls if share is not None), default=None),
+        "collisions": sum(robot["collisions"]["walls"] + robot["collisions"]["robots"] for robot in robots),
         "frames": sum(robot["radio"].get("frames_sent", 0) for robot in robots),
         "goals": sum(robot["counters"]["goals"] for robot in robots),
         "merges": len(merges),
@@ -47,10 +86,22 @@ def outcome_of(record):
     }
 
 
+@contextlib.contextmanager
+def working_in(folder):
+    """Generated worlds are written below the working folder, and what lies beside them there would count."""
+    before = os.getcwd()
+    os.chdir(folder)
+    try:
+        yield
+    finally:
+        os.chdir(before)
+
+
 def run_all():
     """The table and what it depends on."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    with tempfile.TemporaryDirectory() as name, working_in(name):
+        folder = Path(name) / "records"
+        folder.mkdir()
         list(LocalPool(min(2, default_jobs())).run(TRIALS, folder))
         records = {trial.key: json.loads(record_path(folder, trial).read_text()) for trial in TRIALS}
     libraries = {name: version for name, version in versions().items() if name != "code"}
@@ -98,6 +149,32 @@ def change(before, after):
 def test_missions_end_as_stored():
     lines = differences(json.loads(TABLE.read_text()), run_all())
     assert not lines, "\n" + "\n".join(lines)
+
+
+def test_trials_are_of_many_kinds():
+    assert len({trial.key for trial in TRIALS}) == len(TRIALS)
+    for kind in ("robots", "strategy", "odometry", "fast", "topology", "world"):
+        assert len({getattr(trial, kind) for trial in TRIALS}) > 1, kind
+    assert {1, 2, 3} == {trial.robots for trial in TRIALS}
+    assert any(trial.radio.loss > 0.0 for trial in TRIALS) and any(trial.deaths for trial in TRIALS)
+    for world in ("turtlebots", "mixed", "generated:"):
+        assert any(world in trial.world for trial in TRIALS), world
+
+
+def test_what_a_cut_mission_has_come_to_counts():
+    robot = {
+        "map": {"error": None, "wrong_walls": 0.01}, "merges": [], "distance": 12.0, "radio": {},
+        "collisions": {"walls": 1, "robots": 2}, "counters": {"goals": 4},
+    }  # fmt: skip
+    record = {
+        "outcome": {"status": "unfinished", "reason": "limit of 60 s reached: robot_0: drives to (1.0, 2.0)"},
+        "team": {"exploration_time": None, "series": {"explored": [10.0, 83.25]}}, "robots": {"robot_0": robot},
+    }  # fmt: skip
+    row = outcome_of(record)
+    assert (row["status"], row["known, m2"], row["worst wrong walls"]) == ("unfinished", 83.25, 0.01)
+    assert (row["distance, m"], row["collisions"], row["goals"]) == (12.0, 3, 4)
+    record["outcome"] = {"status": "failed", "reason": "its process ended"}
+    assert outcome_of({**record, "robots": {}})["status"] == "failed (its process ended)"
 
 
 def table(**figures):

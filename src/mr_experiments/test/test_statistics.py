@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from mr_experiments.statistics import MINIMUM_PAIRS, Verdict, compare_pairs, mean_interval, summarise
+from mr_experiments.statistics import (
+    MINIMUM_PAIRS,
+    Verdict,
+    compare_pairs,
+    mean_interval,
+    mean_ratio,
+    median_ratio,
+    summarise,
+)
 
 
 def test_summary():
@@ -64,3 +72,30 @@ def test_equal_sets_rarely_differ():
         for _ in range(300)
     ]
     assert sum(verdict is not Verdict.NOT_SHOWN for verdict in verdicts) / 300 <= 0.08
+
+
+def test_ratio_of_constants_and_of_too_few():
+    for ratio_of in (mean_ratio, median_ratio):
+        assert ratio_of([3.0], [2.0, 2.0]) is None and ratio_of([3.0, 3.0], [2.0]) is None
+        ratio = ratio_of([3.0] * 4, [2.0] * 3)
+        assert (ratio.value, ratio.interval.low, ratio.interval.high) == pytest.approx((1.5, 1.5, 1.5))
+
+
+def test_ratio_of_medians_repeats_and_holds_them():
+    generator = np.random.default_rng(3)
+    above, below = generator.uniform(110.0, 130.0, 20), generator.uniform(90.0, 110.0, 12)
+    ratio = median_ratio(above, below)
+    assert ratio == median_ratio(above, below)
+    assert ratio.value == pytest.approx(np.median(above) / np.median(below))
+    assert 1.0 < ratio.interval.low < ratio.value < ratio.interval.high < 1.4
+
+
+@pytest.mark.parametrize("ratio_of, runs", [(mean_ratio, 400), (median_ratio, 40)])
+def test_interval_of_a_ratio_holds_its_level_for_few_values_of_unequal_scatter(ratio_of, runs):
+    generator = np.random.default_rng(7)
+    held = 0
+    for _ in range(runs):
+        above, below = (np.exp(sd * generator.standard_normal(n)) for sd, n in ((0.2, 20), (0.1, 12)))
+        interval = ratio_of(above, below).interval
+        held += interval.low <= 1.0 <= interval.high
+    assert 0.92 * runs <= held <= 0.99 * runs + 1

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Sequence
 
-from mr_experiments.agreement import agreements, rows_of, stack_runs, virtual_runs, write_agreement
+from mr_experiments.agreement import agreements, notes_of, rows_of, stack_runs, virtual_runs, write_agreement
 from mr_experiments.command_line import BAD_CALL, CallError, Parser
 from mr_experiments.record_set import RecordError
 
@@ -16,15 +16,15 @@ def make_parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="agreement",
         description="Compares missions of the whole ROS stack with trials of the same kind in virtual time. First: "
-        "rosrun mr_launch team --out MISSIONS/... (several seeds and team sizes), and "
-        "rosrun mr_experiments run --scenario launch --out RECORDS.",
-        epilog="Exit code: 0 they agree, 1 they do not, 2 bad call.",
+        "tools/bench_missions --runs 12 (or rosrun mr_launch team --out MISSIONS/..., several seeds and team sizes), "
+        "and rosrun mr_experiments run --scenario launch --out RECORDS.",
+        epilog="Exit code: 0 equivalent and every mission finished, 1 not shown, 2 bad call.",
     )
     parser.add_argument("missions", metavar="MISSIONS", type=Path, help="folder with output folders of mr_launch team")
     parser.add_argument("records", metavar="RECORDS", type=Path, help="folder with records of mr_experiments run")
     parser.add_argument(
-        "--out", type=Path, default=Path("out/agreement"), metavar="DIR", help="for agreement.json and agreement.png "
-        "(default: %(default)s)"
+        "--out", type=Path, default=Path("out/agreement"), metavar="DIR", help="for agreement.json, which keeps "
+        "former comparisons, and agreement.png (default: %(default)s)"
     )  # fmt: skip
     return parser
 
@@ -41,5 +41,7 @@ def main(arguments: Sequence[str]) -> int:
         for row in rows_of(entry):
             mark = "ok  " if row["holds"] else "MISS"
             print(f"{mark} {row['what']}: {row['value']} {row['unit']} (bar {row['bar']}) {row['detail']}")
+    for note in notes_of(found):
+        print(f"Note: {note}")
     print("Files: " + ", ".join(str(path) for path in files))
     return 0 if all(entry.holds for entry in found) else 1

@@ -33,6 +33,14 @@ class Summary:
     median: float
 
 
+@dataclass(frozen=True)
+class Ratio:
+    """Of two groups of missions, with its confidence interval."""
+
+    value: float
+    interval: Interval
+
+
 class Verdict(Enum):
     BETTER = "better"
     WORSE = "worse"
@@ -78,6 +86,40 @@ def _expanded_tail(count: int) -> float:
     """Share of the bootstrap distribution to cut at either end."""
     student = stats.t.ppf(0.5 + CONFIDENCE / 2.0, count - 1)
     return float(stats.norm.cdf(-math.sqrt(count / (count - 1)) * student))
+
+
+def mean_ratio(numerator: Sequence[float], denominator: Sequence[float]) -> Ratio | None:
+    """Ratio of the geometric means of independent positive values (N,), (M,), with the interval of Welch's test on
+    their logarithms, which holds its level for few values and unequal scatter; None for fewer than two in a group."""
+    groups = [np.log(np.asarray(values, dtype=float)) for values in (numerator, denominator)]
+    if min(group.size for group in groups) < 2:
+        return None
+    centre = float(groups[0].mean() - groups[1].mean())
+    parts = [float(group.var(ddof=1)) / group.size for group in groups]
+    variance = sum(parts)
+    half = 0.0
+    if variance > 0.0:
+        freedom = variance**2 / sum(part**2 / (group.size - 1) for part, group in zip(parts, groups))
+        half = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, freedom)) * math.sqrt(variance)
+    return Ratio(math.exp(centre), Interval(math.exp(centre - half), math.exp(centre + half)))
+
+
+def median_ratio(numerator: Sequence[float], denominator: Sequence[float]) -> Ratio | None:
+    """Ratio of the medians of independent positive values (N,), (M,) with its bootstrap interval, expanded as in
+    `mean_interval`; None for fewer than two in a group."""
+    groups = np.asarray(numerator, dtype=float), np.asarray(denominator, dtype=float)
+    fewest = min(group.size for group in groups)
+    if fewest < 2:
+        return None
+    found = stats.bootstrap(
+        groups, _ratio_of_medians, n_resamples=RESAMPLES, vectorized=True, method="percentile",
+        confidence_level=1.0 - 2.0 * _expanded_tail(fewest), random_state=np.random.default_rng(SEED),
+    ).confidence_interval  # fmt: skip
+    return Ratio(float(_ratio_of_medians(*groups)), Interval(float(found.low), float(found.high)))
+
+
+def _ratio_of_medians(numerator: np.ndarray, denominator: np.ndarray, axis: int = -1) -> np.ndarray:
+    return np.asarray(np.median(numerator, axis=axis) / np.median(denominator, axis=axis))
 
 
 def compare_pairs(candidate: Sequence[float], baseline: Sequence[float], lower_is_better: bool) -> Difference:
