@@ -109,6 +109,14 @@ def test_the_command_writes_tables_and_pages(tmp_path, capsys):
     assert ">104<" in page.read_text() and publish_command.main(["pages", "--check", str(page)]) == 0
 
 
+def test_of_several_comparisons_the_latest_is_published(tmp_path):
+    rows = [{"what": "T", "value": value} for value in (1.1, 0.9)]
+    source, table = tmp_path / "agreement.json", tmp_path / "t.csv"
+    source.write_text(json.dumps({"comparisons": [{"rows": [row]} for row in rows]}))
+    assert publish_command.main(["bench", str(source), str(table)]) == 0
+    assert publish_command.read_table(table) == [{"what": "T", "value": "0.9"}]
+
+
 def test_bad_sources_are_one_line(tmp_path, capsys):
     assert publish_command.main(["missions", str(tmp_path), str(tmp_path / "t.csv")]) == 2
     assert publish_command.main(["bench", str(tmp_path / "no.json"), str(tmp_path / "t.csv")]) == 2

@@ -29,7 +29,7 @@ def make_parser() -> argparse.ArgumentParser:
     for name, about, source in (
         ("missions", "one row for each kind of mission in folders of records", "DIR"),
         ("worlds", "one row for each kind of world in the missions of bench_explore", "FILE.jsonl"),
-        ("bench", "the rows of a benchmark", "FILE.json"),
+        ("bench", "the rows of a benchmark, or of the latest comparison of agreement", "FILE.json"),
     ):
         add = commands.add_parser(name, help=about, description=f"Writes {about}.").add_argument
         add("sources", nargs="+", metavar=source)
@@ -109,10 +109,15 @@ def _of_worlds(files: Sequence[str]) -> list[dict[str, Any]]:
 
 
 def _of_bench(files: Sequence[str]) -> list[dict[str, Any]]:
-    rows = [row for file in files for row in _json(Path(file))]
+    rows = [row for file in files for row in _bench_rows(_json(Path(file)))]
     if not rows or any("what" not in row for row in rows):
         raise CallError(f"{', '.join(files)}: no rows of a benchmark")
     return rows
+
+
+def _bench_rows(found: Any) -> list[dict[str, Any]]:
+    """Of agreement's comparisons, the latest."""
+    return found["comparisons"][-1]["rows"] if isinstance(found, dict) and found.get("comparisons") else list(found)
 
 
 def _json(path: Path) -> Any:
