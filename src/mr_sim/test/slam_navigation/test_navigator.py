@@ -39,6 +39,24 @@ def until_end(navigator: Navigator, pose: Pose, scan: Scan = EMPTY, limit: float
     raise AssertionError("goal did not end")
 
 
+@pytest.mark.parametrize("ahead, stops", [(0.30, True), (1.0, False)])
+def test_a_robot_whose_goal_ended_brakes_at_once_where_gently_it_would_touch(ahead: float, stops: bool) -> None:
+    """It reached its goal at full speed in a bend and touched the wall while it braked."""
+    navigator = Navigator()
+    navigator.set_map(room())
+    navigator.set_goal((3.5, 2.0, 0.0), 0.0)
+    pose = (1.0, 2.0, 0.0)
+    for step in range(10):
+        pose = (1.0 + 0.05 * step, 2.0, 0.0)
+        speed = navigator.step(0.1 * step, pose, EMPTY).linear
+    assert speed > 0.4
+    navigator.cancel()
+    bearings = np.linspace(-2.356, 2.356, 541)
+    ranges = np.where(np.abs(bearings) < 0.5, (ahead - 0.1) / np.cos(bearings), np.inf)
+    command = navigator.step(1.0, pose, make_scan(ranges, -2.356, 4.712 / 540, 0.0, 8.0, (0.1, 0.0, 0.0)))
+    assert command.status is Status.IDLE and (command.linear == 0.0) == stops
+
+
 def test_no_way_is_said_within_a_second() -> None:
     navigator = Navigator()
     navigator.set_map(room((slice(None), slice(40, 42))))

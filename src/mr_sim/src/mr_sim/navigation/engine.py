@@ -53,6 +53,7 @@ MANOEUVRE_PAUSE = 0.5  # s between plans of that kind
 GIVE_WAY_TIME, GIVE_WAY_FACTOR, GIVE_WAY_MOST = 10.0, 2.0, 30.0  # s, plus so often the way at full speed, up to s
 PASSING_NEAR, PASSING_TIME = 2.5, 8.0  # m within which a robot that passes is waited for, for s more at most
 TURN_TIME = 8.0  # s to turn to the heading of a goal
+BRAKING = 0.6  # s that it takes at most
 BUMPED = 0.03  # m before the side that ran into what the laser does not see, where it is taken to be
 INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan
 TIME_ALLOWED = 30.0  # s for any goal, plus
@@ -211,12 +212,17 @@ class Navigator:
         self._memory.update(scan, pose, costs.walls, now)
         if self._goal is None:
             self._stall.clear()
-            return self._brake(Status.IDLE)
+            if self._velocity == (0.0, 0.0):
+                return Command(0.0, 0.0, Status.IDLE)
+            return self._brake_clear(self._brake(Status.IDLE), pose, self._obstacles(costs, pose, scan))
         if self._stall.blocked(now, pose):
             self._stall.clear()
             self._memory.add(self._bumped(pose), now)
             self._velocity, self._manoeuvre, self._manoeuvre_at = (0.0, 0.0), None, -math.inf
-        command = self._act(now, pose, self._with_robots_behind(now, pose, self._obstacles(costs, pose, scan)))
+        obstacles = self._with_robots_behind(now, pose, self._obstacles(costs, pose, scan))
+        command = self._act(now, pose, obstacles)
+        if self._goal is None:
+            command = self._brake_clear(command, pose, obstacles)
         self._velocity = (command.linear, command.angular)
         if abs(command.linear) > CREEPING:
             self._moved_at = now
@@ -277,8 +283,7 @@ class Navigator:
 
     def _follow(self, now: float, way: Plan, pose: Pose, obstacles: np.ndarray) -> Tuple[bool, float, float]:
         """Whether anything is safe, m/s and rad/s. Where the way cannot be driven ahead, a manoeuvre leads on."""
-        tight = obstacles - (0.0, 0.0, self.options.obstacle_margin, 0.0)
-        tight[:, 2:] = np.maximum(tight[:, 2:], 0.0) * (1.0, 0.0)
+        tight = _bare(obstacles, self.options.obstacle_margin)
         if self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, tight):
             self._manoeuvre_at = now
             self._manoeuvre = plan_manoeuvre(way, pose, tight, self._footprint, self.options)
@@ -530,6 +535,22 @@ class Navigator:
         linear, angular = self._approach((0.0, 0.0))
         self._velocity = (linear, angular)
         return Command(linear, angular, status)
+
+    def _brake_clear(self, command: Command, pose: Pose, obstacles: np.ndarray) -> Command:
+        """Of a robot without a goal, which brakes on the curve that it was on: at once where that touches something."""
+        tight = _bare(obstacles, self.options.obstacle_margin)
+        self._velocity = (command.linear, command.angular)
+        if self._is_clear(pose, tight, (0.0, 0.0), BRAKING):
+            return command
+        self._velocity = (0.0, 0.0)
+        return Command(0.0, 0.0, command.status, command.text)
+
+
+def _bare(obstacles: np.ndarray, margin: float) -> np.ndarray:
+    """Rows (x, y, margin, reaction time) with `margin`, m, less: as near as the body can come."""
+    bare = obstacles - (0.0, 0.0, margin, 0.0)
+    bare[:, 2:] = np.maximum(bare[:, 2:], 0.0) * (1.0, 0.0)
+    return bare
 
 
 def _limits(options: NavigationOptions) -> _navigation.Limits:
