@@ -1,8 +1,24 @@
 from catkin_pkg.python_setup import generate_distutils_setup
 from setuptools import setup
 
+FOLDERS = (
+    "bench",
+    "common",
+    "host",
+    "host.fast",
+    "measures",
+    "publish",
+    "replay",
+    "report",
+    "sweep",
+    "trial",
+    "worlds",
+)
+
 setup(
     **generate_distutils_setup(
-        packages=["mr_experiments"], package_dir={"": "src"}, package_data={"mr_experiments": ["replay_page.*"]}
+        packages=["mr_experiments", *(f"mr_experiments.{folder}" for folder in FOLDERS)],
+        package_dir={"": "src"},
+        package_data={"mr_experiments.replay": ["replay_page.*"]},
     )
 )

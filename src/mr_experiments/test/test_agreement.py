@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from mr_experiments.agreement import MINIMUM_MISSIONS, Verdict, agreements, rows_of, stack_runs, virtual_runs
-from mr_experiments.agreement_command import main
-from mr_experiments.stack_missions import ATTEMPTS, NO_SUMMARY, begin_attempt, read_attempts
+from mr_experiments.report.agreement import MINIMUM_MISSIONS, Verdict, agreements, rows_of, stack_runs, virtual_runs
+from mr_experiments.report.agreement_command import main
+from mr_experiments.report.stack_missions import ATTEMPTS, NO_SUMMARY, begin_attempt, read_attempts
 
 TIMES = [100.0 + (7 * seed) % MINIMUM_MISSIONS for seed in range(MINIMUM_MISSIONS)]  # 100 s to 111 s
 

@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from mr_experiments import bench
-from mr_experiments.trial import Trial, TrialError
-from mr_experiments.trial_process import failed_record
+from mr_experiments.bench import bench
+from mr_experiments.sweep.trial_process import failed_record
+from mr_experiments.trial.trial import Trial, TrialError
 
 
 @pytest.fixture

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from mr_experiments import bench_decisions
-from mr_experiments.scripted_team import ScriptedTeam
+from mr_experiments.bench import bench_decisions
+from mr_experiments.bench.scripted_team import ScriptedTeam
 
 SMALL = (26.0, 15.0)
 

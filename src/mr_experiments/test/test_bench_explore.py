@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 
-from mr_experiments import bench_explore_command as command
-from mr_experiments.bench_explore import table, text_table
-from mr_experiments.explore_missions import (
+from mr_experiments.bench import bench_explore_command as command
+from mr_experiments.bench.bench_explore import table, text_table
+from mr_experiments.bench.explore_missions import (
     LONGEST_M,
     SHORTEST_M,
     MissionRow,
@@ -20,7 +20,7 @@ from mr_experiments.explore_missions import (
     trials_of,
     world_name,
 )
-from mr_experiments.sweep import Done
+from mr_experiments.sweep.sweep import Done
 from mr_plans import parse_name
 
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from mr_experiments import bench_hardship_command as command
-from mr_experiments.bench_hardship import HARDSHIPS, LARGE, table, trials_of
+from mr_experiments.bench import bench_hardship_command as command
+from mr_experiments.bench.bench_hardship import HARDSHIPS, LARGE, table, trials_of
 
 
 def record(scenario="paper", robots=4, seed=1, time=100.0, status="finished", coverage=1.0, died_at=None):

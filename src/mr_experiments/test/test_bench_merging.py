@@ -5,13 +5,13 @@ import math
 
 import pytest
 
-from mr_experiments import bench_merging, bench_merging_command
-from mr_experiments.bench_merging import PARTS, Request, wrong_row
-from mr_experiments.code_version import code_version
-from mr_experiments.merge_times import all_settled_at, classes_of_pairs, known_at, quantile, settled_at
-from mr_experiments.record import run_trial
-from mr_experiments.trial import Trial
-from mr_experiments.trial_process import failed_record, record_path
+from mr_experiments.bench import bench_merging, bench_merging_command
+from mr_experiments.bench.bench_merging import PARTS, Request, wrong_row
+from mr_experiments.bench.merge_times import all_settled_at, classes_of_pairs, known_at, quantile, settled_at
+from mr_experiments.common.code_version import code_version
+from mr_experiments.sweep.record import run_trial
+from mr_experiments.sweep.trial_process import failed_record, record_path
+from mr_experiments.trial.trial import Trial
 
 
 def entry(at, kind="right", other="robot_1"):

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from mr_experiments import bench_slam
-from mr_experiments.trial import Trial
+from mr_experiments.bench import bench_slam
+from mr_experiments.trial.trial import Trial
 from mr_sim.slam.scan_log import ScanLog
 
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mr_experiments.mission import Mission
-from mr_experiments.radio import Radio
-from mr_experiments.record import record_of
-from mr_experiments.scenario import load_scenario
-from mr_experiments.trial import Trial, TrialError
+from mr_experiments.host.mission import Mission
+from mr_experiments.host.radio import Radio
+from mr_experiments.sweep.record import record_of
+from mr_experiments.trial.scenario import load_scenario
+from mr_experiments.trial.trial import Trial, TrialError
 from mr_sim.pose import seen_from
 
 SHORT = replace(load_scenario("centralized").trial(2, 7, 1, "small8x8"), limit=60.0)

@@ -6,8 +6,8 @@ from types import ModuleType
 
 import pytest
 
-from mr_experiments import code_version as module
-from mr_experiments.code_version import WORLDS, _modules, code_version, named
+from mr_experiments.common import code_version as module
+from mr_experiments.common.code_version import WORLDS, _modules, code_version, named
 from mr_sim.worlds import world_folders
 
 

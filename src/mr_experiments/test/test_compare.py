@@ -5,10 +5,10 @@ import csv
 import pytest
 from sample_records import failed_record, make_record, write_random_set, write_record
 
-from mr_experiments.comparison import compare_sets, comparison_table
-from mr_experiments.record_set import RecordError, load_records
-from mr_experiments.report import make_report
-from mr_experiments.statistics import Verdict
+from mr_experiments.common.statistics import Verdict
+from mr_experiments.report.comparison import compare_sets, comparison_table
+from mr_experiments.report.record_set import RecordError, load_records
+from mr_experiments.report.report import make_report
 
 
 def write_set(folder, trials, *, faster=0.0, more_bytes=0, **trial):

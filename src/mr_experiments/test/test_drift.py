@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from map_merger.transform import Transform, displacement, rotation_between
-from mr_experiments.drift import Track, best_rigid_fit, overlap
+from mr_experiments.measures.drift import Track, best_rigid_fit, overlap
 from mr_sim.measures import OccupancyMap
 
 coordinates = st.floats(-20.0, 20.0)

@@ -7,15 +7,15 @@ import time
 import numpy as np
 import pytest
 
-from mr_experiments.agenda import Agenda
-from mr_experiments.fast_body import FastBody
-from mr_experiments.perfect_merging import PerfectMerger, TeamSight
-from mr_experiments.perfect_radio import PerfectRadio
-from mr_experiments.record import run_trial
-from mr_experiments.stopwatch import Stopwatch
-from mr_experiments.trial import Trial
-from mr_experiments.trial_world import world_of
-from mr_experiments.true_map import TrueMap
+from mr_experiments.common.stopwatch import Stopwatch
+from mr_experiments.host.agenda import Agenda
+from mr_experiments.host.fast.fast_body import FastBody
+from mr_experiments.host.fast.perfect_merging import PerfectMerger, TeamSight
+from mr_experiments.host.fast.perfect_radio import PerfectRadio
+from mr_experiments.measures.true_map import TrueMap
+from mr_experiments.sweep.record import run_trial
+from mr_experiments.trial.trial import Trial
+from mr_experiments.trial.trial_world import world_of
 from mr_sim.measures import OccupancyMap, Truth, coverage, wrong_walls
 from mr_sim.navigation.options import NavigationOptions
 from mr_sim.pose import compose, inverse

@@ -4,9 +4,9 @@ import cv2
 import numpy as np
 import pytest
 
-from mr_experiments.plans_command import main
-from mr_experiments.record import run_trial
-from mr_experiments.trial import Trial, TrialError
+from mr_experiments.sweep.record import run_trial
+from mr_experiments.trial.trial import Trial, TrialError
+from mr_experiments.worlds.plans_command import main
 
 
 @pytest.fixture(autouse=True)

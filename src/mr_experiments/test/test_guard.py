@@ -12,11 +12,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-from mr_experiments.radio import RadioOptions
-from mr_experiments.record import versions
-from mr_experiments.sweep import LocalPool, default_jobs
-from mr_experiments.trial import Trial
-from mr_experiments.trial_process import record_path
+from mr_experiments.sweep.record import versions
+from mr_experiments.sweep.sweep import LocalPool, default_jobs
+from mr_experiments.sweep.trial_process import record_path
+from mr_experiments.trial.radio_options import RadioOptions
+from mr_experiments.trial.trial import Trial
 
 TABLE = Path(__file__).with_name("guard.json")
 STORE = "/usr/bin/python3 test_guard.py --store"

@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from mr_experiments.lower_bound import LowerBound, shared_out, shortest_chains
-from mr_experiments.visibility import DrivingDistance, Views, inscribed_radius
+from mr_experiments.measures.lower_bound import LowerBound, shared_out, shortest_chains
+from mr_experiments.measures.visibility import DrivingDistance, Views, inscribed_radius
 from mr_sim import _world
 from mr_sim.world import World
 from mr_sim.world_model import load_world

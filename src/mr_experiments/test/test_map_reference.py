@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from mr_experiments import map_reference, reference_command
-from mr_experiments.map_reference import TOLERANCE, deviation, make_reference
-from mr_experiments.trial import TrialError
+from mr_experiments.sweep import map_reference, reference_command
+from mr_experiments.sweep.map_reference import TOLERANCE, deviation, make_reference
+from mr_experiments.trial.trial import TrialError
 from mr_sim.reference import VIRTUAL_TIME, MapReferenceError, load_reference, write_reference
 from mr_sim.worlds import find_world
 

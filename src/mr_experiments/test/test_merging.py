@@ -6,10 +6,10 @@ import pytest
 from map_merger import ros_io
 from map_merger.messages import Tile
 from map_merger.options import Options
-from mr_experiments.agenda import Agenda
-from mr_experiments.merging import Merger
-from mr_experiments.robot_radio import RobotRadio
-from mr_experiments.stopwatch import Stopwatch
+from mr_experiments.common.stopwatch import Stopwatch
+from mr_experiments.host.agenda import Agenda
+from mr_experiments.host.merging import Merger
+from mr_experiments.host.robot_radio import RobotRadio
 
 
 class SlowRadio:

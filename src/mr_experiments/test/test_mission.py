@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mr_experiments.mission import Mission
-from mr_experiments.radio import RadioOptions
-from mr_experiments.record import record_of, run_trial
-from mr_experiments.trial import Trial, TrialError
+from mr_experiments.host.mission import Mission
+from mr_experiments.sweep.record import record_of, run_trial
+from mr_experiments.trial.radio_options import RadioOptions
+from mr_experiments.trial.trial import Trial, TrialError
 
 SHORT = Trial("small8x8", 2, 3, limit=20.0)
 
@@ -47,7 +47,8 @@ def test_series_are_of_one_length_and_in_order(finished):
 def test_same_seed_same_record_in_another_process():
     """Bit for bit, whatever the order in which that process hashes strings."""
     code = (
-        "import json, sys; from mr_experiments.trial import Trial; from mr_experiments.record import run_trial;"
+        "import json; from mr_experiments.trial.trial import Trial;"
+        "from mr_experiments.sweep.record import run_trial;"
         f"record = run_trial(Trial('small8x8', 2, {SHORT.seed}, limit={SHORT.limit})); del record['measured'];"
         "print(json.dumps(record))"
     )
@@ -76,7 +77,7 @@ def test_crash_of_an_engine_is_a_failed_record_with_its_time(monkeypatch):
         raise ZeroDivisionError("made by the test")
 
     mission.agenda.at(5.0, crash)
-    monkeypatch.setattr("mr_experiments.record.Mission", lambda *_: mission)
+    monkeypatch.setattr("mr_experiments.sweep.record.Mission", lambda *_: mission)
     record = run_trial(SHORT)
     assert record["outcome"]["status"] == "failed"
     assert "ZeroDivisionError: made by the test" in record["outcome"]["reason"]

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from mr_experiments import publish_command
-from mr_experiments.explore_missions import MissionRow
-from mr_experiments.mission_table import mission_rows, world_rows
-from mr_experiments.published import PublishError, render
+from mr_experiments.bench.explore_missions import MissionRow
+from mr_experiments.publish import publish_command
+from mr_experiments.publish.mission_table import mission_rows, world_rows
+from mr_experiments.publish.published import PublishError, render
 
 ROOT = Path(__file__).resolve().parents[3]
 ROWS = [{"robots": "1", "mean": "238.03"}, {"robots": "4", "mean": "103.94"}, {"robots": "8", "mean": ""}]

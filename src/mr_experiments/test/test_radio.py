@@ -5,11 +5,12 @@ import pytest
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from std_msgs.msg import String
 
-from mr_experiments.agenda import Agenda
-from mr_experiments.perfect_radio import PerfectRadio
-from mr_experiments.radio import Radio, RadioOptions, TypedMessage
-from mr_experiments.robot_radio import RobotRadio
-from mr_experiments.stopwatch import Stopwatch
+from mr_experiments.common.stopwatch import Stopwatch
+from mr_experiments.host.agenda import Agenda
+from mr_experiments.host.fast.perfect_radio import PerfectRadio
+from mr_experiments.host.radio import Radio, TypedMessage
+from mr_experiments.host.robot_radio import RobotRadio
+from mr_experiments.trial.radio_options import RadioOptions
 
 END = 3.0  # s
 

@@ -4,7 +4,7 @@ import dataclasses
 import re
 from pathlib import Path
 
-from mr_experiments.scenario import Scenario, known_scenarios
+from mr_experiments.trial.scenario import Scenario, known_scenarios
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 SECTION = README[README.index("## Scenarios") : README.index("## Does virtual time")]

@@ -5,7 +5,7 @@ import json
 import pytest
 from sample_records import failed_record, make_record, write_record
 
-from mr_experiments.record_set import Chapter, Group, RecordError, load_record, load_records
+from mr_experiments.report.record_set import Chapter, Group, RecordError, load_record, load_records
 
 
 def test_values_of_a_record(tmp_path):

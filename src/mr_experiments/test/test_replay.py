@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 from replay_sample import add_snapshots, map_around, sample_record, world_walls
 
-from mr_experiments import replay_data
-from mr_experiments.replay import check_record, make_page, page_data, read_record, thinned
-from mr_experiments.replay_data import ReplayError
-from mr_experiments.replay_maps import (
+from mr_experiments.replay import replay_data
+from mr_experiments.replay.replay import check_record, make_page, page_data, read_record, thinned
+from mr_experiments.replay.replay_data import ReplayError
+from mr_experiments.replay.replay_maps import (
     FREE,
     OCCUPIED,
     UNKNOWN,
@@ -37,7 +37,7 @@ from mr_experiments.replay_maps import (
     viewpoints,
     wall_picture,
 )
-from mr_experiments.show_command import main
+from mr_experiments.replay.show_command import main
 from mr_sim.pose import placed
 from mr_sim.raster import Grid
 

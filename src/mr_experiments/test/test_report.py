@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from sample_records import failed_record, make_record, write_random_set, write_record
 
-from mr_experiments import paper
-from mr_experiments.figures import finishing_curve, mean_progress, progress_figure, reference_area
-from mr_experiments.map_figure import load_maps, map_figure, overlay, shrunk, typical_record
-from mr_experiments.record_set import load_record, load_records
-from mr_experiments.report import make_report
-from mr_experiments.report_command import main
-from mr_experiments.scope import scopes
-from mr_experiments.time_axis import DETAIL, TimeAxis
+from mr_experiments.report import paper
+from mr_experiments.report.figures import finishing_curve, mean_progress, progress_figure, reference_area
+from mr_experiments.report.map_figure import load_maps, map_figure, overlay, shrunk, typical_record
+from mr_experiments.report.record_set import load_record, load_records
+from mr_experiments.report.report import make_report
+from mr_experiments.report.report_command import main
+from mr_experiments.report.scope import scopes
+from mr_experiments.report.time_axis import DETAIL, TimeAxis
 
 VOID = {"meta", "br", "link", "img", "hr"}
 

@@ -8,8 +8,8 @@ import yaml
 
 import explorer.options
 import map_merger.options
-from mr_experiments.mission import Mission
-from mr_experiments.trial import Trial
+from mr_experiments.host.mission import Mission
+from mr_experiments.trial.trial import Trial
 from mr_launch.arguments import parse_arguments
 from mr_launch.commands import make_output_folder
 from mr_launch.plan import Plan, RobotPlan, launch_command

@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from mr_experiments.radio import RadioOptions
-from mr_experiments.scenario import known_scenarios, load_scenario
-from mr_experiments.trial import TrialError
-from mr_experiments.trial_world import world_of
+from mr_experiments.trial.radio_options import RadioOptions
+from mr_experiments.trial.scenario import known_scenarios, load_scenario
+from mr_experiments.trial.trial import TrialError
+from mr_experiments.trial.trial_world import world_of
 
 SCENARIOS = sorted(known_scenarios())
 

@@ -5,7 +5,7 @@ import pytest
 from explorer import scene_file
 from explorer.decision import replayed
 from explorer.strategies import strategy_of
-from mr_experiments.scenes_command import main
+from mr_experiments.sweep.scenes_command import main
 
 
 @pytest.mark.parametrize("strategy", [7, 4])

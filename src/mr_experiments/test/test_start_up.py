@@ -4,9 +4,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mr_experiments.mission import Mission
-from mr_experiments.start_up import NODES, ORDER, SENSING, StartUp
-from mr_experiments.trial import Trial
+from mr_experiments.host.mission import Mission
+from mr_experiments.host.start_up import NODES, ORDER, SENSING, StartUp
+from mr_experiments.trial.trial import Trial
 
 
 @given(st.integers(1, 16), st.integers(0, 2**31))

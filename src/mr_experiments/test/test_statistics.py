@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mr_experiments.statistics import (
+from mr_experiments.common.statistics import (
     MINIMUM_PAIRS,
     Verdict,
     compare_pairs,

@@ -2,9 +2,9 @@
 
 import pytest
 
-from mr_experiments.radio import RadioOptions
-from mr_experiments.record import run_trial
-from mr_experiments.trial import Trial
+from mr_experiments.sweep.record import run_trial
+from mr_experiments.trial.radio_options import RadioOptions
+from mr_experiments.trial.trial import Trial
 
 
 def survivors_of(trial):

@@ -12,14 +12,14 @@ from pathlib import Path
 
 import pytest
 
-from mr_experiments import dask_cluster as cluster_module
-from mr_experiments import trial_process
-from mr_experiments.bench import dask_cluster
-from mr_experiments.dask_cluster import ClusterLostError, DaskCluster
-from mr_experiments.run_command import main
-from mr_experiments.sweep import Done, LocalPool, split_done
-from mr_experiments.trial import Trial, TrialError
-from mr_experiments.trial_process import failed_record, record_path
+from mr_experiments.bench.bench import dask_cluster
+from mr_experiments.sweep import dask_cluster as cluster_module
+from mr_experiments.sweep import trial_process
+from mr_experiments.sweep.dask_cluster import ClusterLostError, DaskCluster
+from mr_experiments.sweep.run_command import main
+from mr_experiments.sweep.sweep import Done, LocalPool, split_done
+from mr_experiments.sweep.trial_process import failed_record, record_path
+from mr_experiments.trial.trial import Trial, TrialError
 
 
 def trial_of(seed, limit=1.0, **options):
@@ -245,7 +245,7 @@ def test_all_finished_is_zero(short, tmp_path, fake_mission, capsys):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_interruption_is_one_line_and_leaves_no_process(short, number):
-    code = "import sys; from mr_experiments.run_command import main; sys.exit(main(sys.argv[1:]))"
+    code = "import sys; from mr_experiments.sweep.run_command import main; sys.exit(main(sys.argv[1:]))"
     arguments = ["--robots", "4", "--trials", "4", "--jobs", "2", "--out", short[-1]]
     run = subprocess.Popen(
         [sys.executable, "-c", code, *arguments], stderr=subprocess.PIPE, text=True, start_new_session=True
@@ -380,7 +380,8 @@ def test_unfit_worker_is_told(cluster, tmp_path, monkeypatch):
 def test_process_of_a_worker_ends_with_it(tmp_path):
     """So that the trial does not go on beside the one that replaces it."""
     code = (
-        "import pickle; from mr_experiments.dask_cluster import remote_call; from mr_experiments.trial import Trial;"
+        "import pickle; from mr_experiments.sweep.dask_cluster import remote_call;"
+        "from mr_experiments.trial.trial import Trial;"
         "remote_call()(pickle.dumps((Trial('office26x15', 3, 1), float('inf'), 600.0)))"
     )
     worker = subprocess.Popen([sys.executable, "-c", code], start_new_session=True)

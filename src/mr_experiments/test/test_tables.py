@@ -6,14 +6,14 @@ import io
 import pytest
 from sample_records import failed_record, make_record, write_record
 
-from mr_experiments import paper
-from mr_experiments.derived import all_merged_at, merges_at_end
-from mr_experiments.paper_tables import distance_table, exploration_time_table, map_error_table
-from mr_experiments.record_set import load_record, load_records
-from mr_experiments.scope import scopes
-from mr_experiments.table import SIGNIFICANT, Column, Table, shown, to_csv
-from mr_experiments.tables import chapter_tables, outcome_table, trials_table, trouble_table
-from mr_experiments.team_tables import computing_table, merging_table, radio_table, team_table
+from mr_experiments.report import paper
+from mr_experiments.report.derived import all_merged_at, merges_at_end
+from mr_experiments.report.paper_tables import distance_table, exploration_time_table, map_error_table
+from mr_experiments.report.record_set import load_record, load_records
+from mr_experiments.report.scope import scopes
+from mr_experiments.report.table import SIGNIFICANT, Column, Table, shown, to_csv
+from mr_experiments.report.tables import chapter_tables, outcome_table, trials_table, trouble_table
+from mr_experiments.report.team_tables import computing_table, merging_table, radio_table, team_table
 
 
 @pytest.fixture

@@ -1,0 +1,145 @@
+"""SLAM on scans and odometry of whole missions, with odometry as recorded and with one whose errors wander."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
+from mr_experiments.host.mission import Mission
+from mr_experiments.trial.scenario import load_scenario
+from mr_experiments.trial.trial import Trial, TrialError
+from mr_sim.measures import Truth
+from mr_sim.slam.engine import SlamError
+from mr_sim.slam.evaluation import Evaluation, evaluate
+from mr_sim.slam.scan_log import ScanLog, with_random_walk
+from mr_sim.world import World
+from mr_sim.world_model import load_world
+from mr_sim.worlds import find_world, label_of
+
+HALLS = ("generated:hall:{}:48x20", "generated:loop:{}:45x40")
+ODOMETRY_ERROR = {"pioneers": (0.03, 0.05), "turtlebots": (0.03, 0.01), "halls and loops": (0.03, 0.05)}
+"""Standard deviations of a random walk: shares of distance and turn. Bounds of Stage's bias in the worlds."""
+WRONG_WALLS = {"pioneers": (0.5, 3.0), "turtlebots": (3.0, 8.0), "halls and loops": (5.0, 5.0)}  # %, mean and worst
+LIMIT = 900.0  # s of a mission
+PER_SCAN = (4.0, 60.0)  # ms, mean and worst
+
+
+def make_parser() -> argparse.ArgumentParser:
+    parser = Parser(
+        prog="bench_slam",
+        description="Records scans and odometry of missions of one robot (office with Pioneers and with Turtlebots, "
+        "generated halls and loops) and runs SLAM over them. Logs that are there are taken as they are.",
+        epilog="Exit code: 0 all bars reached, 1 one is missed, 2 bad options, 130 interrupted.",
+    )
+    add = parser.add_argument
+    add("--first-seed", type=int, default=1, metavar="N", help="of the missions (default: %(default)s)")
+    add("--missions", type=int, default=5, metavar="N", help="of each kind (default: %(default)s)")
+    add("--kinds", nargs="+", choices=sorted(WRONG_WALLS), default=sorted(WRONG_WALLS), help="(default: all)")
+    add("--logs", default="out/bench/scans", metavar="DIR", help="folder of the logs (default: %(default)s)")
+    add("--out", default="out/bench/slam.json", metavar="FILE", help="rows (default: %(default)s)")
+    return parser
+
+
+def trials(kind: str, first: int, count: int) -> Iterator[Trial]:
+    for seed in range(first, first + count):
+        scenario = load_scenario("turtlebot" if kind == "turtlebots" else "paper")
+        world = HALLS[seed % len(HALLS)].format(seed) if kind == "halls and loops" else ""
+        yield scenario.trial(1, 7, seed, world)
+
+
+def recorded(trial: Trial, folder: Path) -> ScanLog:
+    """The log of the trial's first robot, recorded unless it is there."""
+    path = folder / f"{label_of(trial.world)}-s{trial.seed}.npz"
+    if path.is_file():
+        return ScanLog.load(path)
+    folder.mkdir(parents=True, exist_ok=True)
+    log = record(trial)
+    log.save(path)
+    return log
+
+
+def record(trial: Trial) -> ScanLog:
+    """Runs the mission."""
+    mission = Mission(trial)
+    robot, rows = mission.robots[0], []
+    handle = robot.on_scan
+
+    def on_scan(ranges: np.ndarray, odometry: tuple[float, float, float]) -> tuple[float, float]:
+        rows.append((mission.world.time, ranges.copy(), odometry, mission.world.pose(0)))
+        return handle(ranges, odometry)
+
+    robot.on_scan = on_scan  # type: ignore[method-assign]
+    mission.run(LIMIT)
+    description = mission.world.robots[0]
+    ranger = description.rangers[description.main_ranger]
+    geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, *ranger.mount)
+    times, ranges, odometry, truth = (np.array(column) for column in zip(*rows))
+    return ScanLog(trial.world, np.array(geometry), times, ranges.astype(np.float32), odometry, truth)
+
+
+def truth_of(world: str) -> Truth:
+    return Truth.of_world(World(load_world(find_world(world)), 1, 0))
+
+
+def rows_of(kind: str, odometry: str, results: Sequence[Evaluation]) -> list[dict[str, Any]]:
+    walls = [100.0 * each.wrong_walls for each in results]
+    bars, name = WRONG_WALLS[kind], f"{kind}, odometry with {odometry}"
+    detail = (
+        f"{len(results)} logs; position error mean {np.mean([r.mean_error for r in results]):.3f} m, 0.95 quantile "
+        f"{np.mean([r.q95_error for r in results]):.3f} m, at the end {np.mean([r.end_error for r in results]):.3f} m, "
+        f"heading {np.degrees(np.mean([r.q95_heading for r in results])):.2f} deg, "
+        f"contradicted {100 * np.mean([r.contradicted for r in results]):.1f} %"
+    )
+    return [
+        _row(f"wrong walls, mean, {name}", bars[0], float(np.mean(walls)), "%", detail),
+        _row(f"wrong walls, worst, {name}", bars[1], max(walls), "%", ""),
+    ]
+
+
+def _row(what: str, bar: float, value: float, unit: str, detail: str) -> dict[str, Any]:
+    holds = value <= bar
+    print(f"{'ok  ' if holds else 'MISS'} {what}: {value:.2f} {unit} (bar <= {bar:g}) {detail}", flush=True)
+    return {"what": what, "bar": f"<= {bar:g}", "value": value, "unit": unit, "holds": holds, "detail": detail}
+
+
+def run(given: argparse.Namespace) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = []
+    spent: list[tuple[float, float]] = []
+    for kind in given.kinds:
+        biased, wandering = [], []
+        for trial in trials(kind, given.first_seed, given.missions):
+            log, truth = recorded(trial, Path(given.logs)), truth_of(trial.world)
+            biased.append(evaluate(log, truth))
+            wandering.append(evaluate(with_random_walk(log, *ODOMETRY_ERROR[kind], trial.seed), truth))
+            spent += [biased[-1].milliseconds, wandering[-1].milliseconds]
+            print(f"{label_of(trial.world)}, seed {trial.seed}: wrong walls {100 * biased[-1].wrong_walls:.1f} and "
+                  f"{100 * wandering[-1].wrong_walls:.1f} %", flush=True)  # fmt: skip
+        rows += rows_of(kind, "a constant bias", biased) + rows_of(kind, "a random walk", wandering)
+    rows.append(_row("SLAM per scan, mean", PER_SCAN[0], float(np.mean([mean for mean, _ in spent])), "ms", ""))
+    rows.append(_row("SLAM per scan, worst", PER_SCAN[1], max(worst for _, worst in spent), "ms", ""))
+    return rows
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Writes the rows; returns the exit code."""
+    try:
+        given = make_parser().parse_args(arguments)
+        if given.missions < 1:
+            raise CallError(f"--missions must be at least 1, not {given.missions}")
+        rows = run(given)
+        Path(given.out).parent.mkdir(parents=True, exist_ok=True)
+        Path(given.out).write_text(json.dumps(rows, indent=1) + "\n")
+    except (CallError, TrialError, SlamError, OSError) as error:
+        print(f"bench_slam: {error}", file=sys.stderr)
+        return BAD_CALL
+    except KeyboardInterrupt:
+        print("bench_slam: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    return 0 if all(row["holds"] for row in rows) else 1

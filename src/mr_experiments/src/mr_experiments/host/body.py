@@ -1,0 +1,95 @@
+"""SLAM and navigation of one robot in virtual time."""
+
+from __future__ import annotations
+
+import math
+from typing import Callable, Mapping
+
+import numpy as np
+
+from mr_experiments.common.stopwatch import Stopwatch
+from mr_sim.navigation.engine import Navigator, Status
+from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, make_scan
+from mr_sim.pose import Pose
+from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, LaserScan, OccupancyMap, Slam, SlamOptions
+from mr_sim.world_model import RangerDescription
+
+GoalEnd = Callable[[int, bool, str], None]
+"""Number of a goal, whether it was reached, and why not."""
+
+
+class Body:
+    """Scans and odometry in; pose, maps and velocity commands out."""
+
+    def __init__(
+        self, name: str, ranger: RangerDescription, slam: SlamOptions, navigation: NavigationOptions, seed: int,
+        stopwatch: Stopwatch,
+    ) -> None:  # fmt: skip
+        self.slam = Slam(slam)
+        self.navigator = Navigator(navigation, name, seed)
+        self.pose: Pose | None = None
+        self._stopwatch = stopwatch
+        self._geometry = (
+            ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, ranger.mount,
+        )  # fmt: skip
+        self._map_at = -math.inf
+        self._revision = 0
+        self._goal: int | None = None
+        self._rests = True
+        self.on_goal_end: GoalEnd = lambda *_: None
+
+    def scan_of(self, ranges: np.ndarray) -> LaserScan:
+        """What the driver makes of the laser's ranges, m."""
+        return LaserScan(ranges, *self._geometry)
+
+    def locate(self, scan: LaserScan, odometry: Pose, now: float) -> Pose:
+        """The robot's pose in its map frame, from a scan."""
+        with self._stopwatch.span("slam"):
+            self.pose = self.slam.process(scan, odometry, now).pose
+        return self.pose
+
+    def new_map(self, now: float) -> OccupancyMap | None:
+        """The local map if there is a new one to hand out."""
+        if now - self._map_at < MAP_UPDATE_INTERVAL or self.slam.revision == self._revision:
+            return None
+        self._map_at, self._revision = now, self.slam.revision
+        with self._stopwatch.span("slam"):
+            own = self.slam.map()
+        with self._stopwatch.span("navigation"):
+            self.navigator.set_own_map(Grid(own.cells, own.resolution, own.origin), now)
+        return own
+
+    def steer(self, scan: LaserScan, now: float) -> tuple[float, float]:
+        """Velocities in m/s and rad/s until the next scan."""
+        if self._goal is None and self._rests:
+            return 0.0, 0.0
+        with self._stopwatch.span("navigation"):
+            command = self.navigator.step(now, self.pose, make_scan(scan.ranges, *self._geometry))
+        self._rests = command.linear == 0.0 and command.angular == 0.0
+        if self._goal is not None and command.status in (Status.SUCCEEDED, Status.ABORTED):
+            goal, self._goal = self._goal, None
+            self.on_goal_end(goal, command.status is Status.SUCCEEDED, command.text or "goal reached")
+        return command.linear, command.angular
+
+    def set_map(self, cells: np.ndarray, resolution: float, origin: tuple[float, float]) -> None:
+        """The merged map, on which paths are planned."""
+        with self._stopwatch.span("navigation"):
+            self.navigator.set_map(Grid(cells, resolution, origin))
+
+    def set_others(self, positions: Mapping[str, tuple[float, float]], now: float) -> None:
+        with self._stopwatch.span("navigation"):
+            self.navigator.set_others(positions, now)
+
+    def set_goal(self, goal_id: int, pose: Pose, now: float) -> None:
+        """A former goal is forgotten without a report, as the action does."""
+        self._goal = goal_id
+        try:
+            self.navigator.set_goal(pose, now)
+        except NavigationError as error:
+            self._goal = None
+            self.navigator.cancel()
+            self.on_goal_end(goal_id, False, str(error))
+
+    def cancel(self) -> None:
+        self._goal = None
+        self.navigator.cancel()

@@ -1,0 +1,1 @@
+"""Fast mode: what takes the place of SLAM, navigation, merging and the radio."""

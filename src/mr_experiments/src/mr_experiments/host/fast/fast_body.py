@@ -1,0 +1,134 @@
+"""A robot with a perfect local map and perfect control, for questions about strategy alone."""
+
+from __future__ import annotations
+
+import math
+from typing import Mapping
+
+import numpy as np
+
+from mr_experiments.common.stopwatch import Stopwatch
+from mr_experiments.host.body import GoalEnd
+from mr_experiments.host.fast.perfect_merging import TeamSight
+from mr_experiments.measures.true_map import TrueMap
+from mr_sim import _world
+from mr_sim.navigation.options import Grid, NavigationOptions
+from mr_sim.navigation.planner import CostMap, Plan, path, plan
+from mr_sim.pose import Pose, compose
+from mr_sim.raster import Grid as Raster
+from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, OccupancyMap
+from mr_sim.world_model import RangerDescription
+
+BEAMS = 181  # that bound the visible area
+BEHIND = 0.08  # m behind where a beam ends that are seen, which is the wall itself
+LOOK_AHEAD = 0.35  # m of the path that the robot aims at
+STRAIGHT = 0.6  # rad off its way up to which a robot drives while it turns
+SEARCH_RADIUS = 0.3  # m around a goal in which a free place will do
+YAW_TOLERANCE = 0.1  # rad
+
+
+class FastBody:
+    """Moves along planned paths at full speed; knows what it has seen exactly. Robots do not touch each other."""
+
+    def __init__(
+        self, name: str, start: Pose, ranger: RangerDescription, navigation: NavigationOptions, walls: Raster,
+        sight: TeamSight, stopwatch: Stopwatch,
+    ) -> None:  # fmt: skip
+        """`start`: world frame; `walls`: the true ones."""
+        self.options = navigation
+        self.pose: Pose = (0.0, 0.0, 0.0)  # map frame
+        self.velocity = (0.0, 0.0)  # m/s, rad/s
+        self.on_goal_end: GoalEnd = lambda *_: None
+        self._name, self._start, self._ranger, self._sight, self._stopwatch = name, start, ranger, sight, stopwatch
+        self._raster = _world.Raster(walls.cells, walls.resolution, walls.origin)
+        self.true_map = TrueMap(walls, start)
+        self._seen = self.true_map.nothing()
+        self._looked_from: Pose | None = None
+        self._map_at = -math.inf
+        self._costs: CostMap | None = None
+        self._goal: tuple[int, Pose] | None = None
+        self._path: list[tuple[float, float]] = []
+        self._way: Plan | None = None
+
+    @property
+    def true_pose(self) -> Pose:
+        """World frame."""
+        return compose(self._start, self.pose)
+
+    def look(self) -> None:
+        """Adds the area visible from here to the map."""
+        if self.pose == self._looked_from:
+            return
+        self._looked_from = self.pose
+        with self._stopwatch.span("visibility"):
+            ranger = self._ranger
+            eye = compose(self.true_pose, ranger.mount)
+            angles = eye[2] + np.linspace(-0.5, 0.5, BEAMS) * ranger.field_of_view
+            ranges = self._raster.cast(eye[:2], angles, ranger.range_max)
+            reach = np.where(ranges < ranger.range_max - 1e-3, ranges + BEHIND, ranges)[:, None]
+            ends = np.asarray(eye[:2]) + reach * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+            area = np.concatenate([[eye[:2]], ends])
+            self.true_map.add(area, self._seen)
+            self._sight.add(self._name, area, self.true_pose)
+
+    def new_map(self, now: float) -> OccupancyMap | None:
+        """The local map if it is time to hand one out."""
+        if now - self._map_at < MAP_UPDATE_INTERVAL - 1e-6:
+            return None
+        self._map_at = now
+        return self.true_map.known(self._seen)
+
+    def drive(self, seconds: float) -> None:
+        """Moves on."""
+        x, y, yaw = self.pose
+        self.velocity = (0.0, 0.0)
+        if self._goal is None:
+            return
+        while len(self._path) > 1 and math.dist(self._path[0], (x, y)) < LOOK_AHEAD:
+            self._path.pop(0)
+        at_end = len(self._path) <= 1 and (not self._path or math.dist(self._path[0], (x, y)) < 0.05)
+        ahead = self._goal[1][2] if at_end else math.atan2(self._path[0][1] - y, self._path[0][0] - x)
+        error = math.remainder(ahead - yaw, 2.0 * math.pi)
+        if at_end and abs(error) < YAW_TOLERANCE:
+            self._end(True, "goal reached")
+            return
+        turn = max(-1.0, min(1.0, error / (self.options.max_angular_velocity * seconds)))
+        turn *= self.options.max_angular_velocity
+        speed = 0.0
+        if not at_end and abs(error) < STRAIGHT:
+            left = math.dist(self._path[0], (x, y)) if len(self._path) == 1 else math.inf
+            speed = min(self.options.max_linear_velocity, left / seconds)
+        yaw += turn * seconds
+        self.pose = (x + speed * seconds * math.cos(yaw), y + speed * seconds * math.sin(yaw), yaw)
+        self.velocity = (speed, turn)
+
+    def set_map(self, cells: np.ndarray, resolution: float, origin: tuple[float, float]) -> None:
+        with self._stopwatch.span("navigation"):
+            self._costs = CostMap(Grid(cells, resolution, origin), self.options, self._costs)
+            self._plan()
+
+    def set_others(self, positions: Mapping[str, tuple[float, float]], now: float) -> None:
+        """They are in nobody's way."""
+
+    def set_goal(self, goal_id: int, pose: Pose, now: float) -> None:
+        self._goal = (goal_id, pose)
+        with self._stopwatch.span("navigation"):
+            self._plan()
+
+    def cancel(self) -> None:
+        self._goal, self._path = None, []
+
+    def _plan(self) -> None:
+        if self._goal is None or self._costs is None:
+            return
+        self._way = plan(self._costs, np.empty((0, 2)), self.pose, self._goal[1][:2], SEARCH_RADIUS, self._way)
+        if self._way is None:
+            self._end(False, "there is no way")
+            return
+        self._path = path(self._way, self.pose)[1:]
+
+    def _end(self, reached: bool, text: str) -> None:
+        assert self._goal is not None
+        goal_id = self._goal[0]
+        self.cancel()
+        self.on_goal_end(goal_id, reached, text)

@@ -1,0 +1,76 @@
+"""Which transforms between robots were believed, when, and how right they were."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Sequence
+
+import numpy as np
+
+from map_merger.benchmark import classify
+from map_merger.transform import Transform, displacement, rotation_between
+from mr_experiments.host.robot import Robot
+from mr_experiments.measures.drift import FEWEST_POINTS, Track, best_rigid_fit, overlap
+from mr_experiments.measures.occupancy import occupancy_of
+from mr_sim.pose import Pose, compose, inverse
+
+
+class MergeLog:
+    """`starts`: true start poses, world frame, of `robots`."""
+
+    def __init__(self, starts: Sequence[Pose], names: Sequence[str]) -> None:
+        self._starts = dict(zip(names, starts))
+        self._tracks = {name: Track() for name in names}
+        self._believed: dict[str, dict[str, Transform]] = {name: {} for name in names}
+        self.entries: dict[str, list[dict[str, Any]]] = {name: [] for name in names}
+
+    def follow(self, robot: Robot, true: Pose) -> None:
+        """Notes where a robot is, world frame, and where it believes to be."""
+        if robot.body.pose is not None:
+            self._tracks[robot.name].add(compose(inverse(self._starts[robot.name]), true), robot.body.pose)
+
+    def look(self, robot: Robot, team: Sequence[Robot], now: float) -> None:
+        """Notes what has changed in the transforms of a robot's merger; later refinements count only for the error."""
+        partners = {one.name: one for one in team}
+        before = self._believed[robot.name]
+        present = {name: transform for name, transform in robot.merger.transforms().items() if name in partners}
+        for other in sorted(before.keys() - present.keys()):
+            self.entries[robot.name].append({"with": other, "at": round(now, 3), "transform": None})
+        for other, transform in present.items():
+            if other not in before or _apart(before[other], transform):
+                self.entries[robot.name].append(self._entry(robot, partners[other], transform, now))
+                before = {**before, other: transform}
+        self._believed[robot.name] = {name: before[name] for name in present}
+
+    def _entry(self, robot: Robot, other: Robot, transform: Transform, now: float) -> dict[str, Any]:
+        true, points = self._truth(robot, other)
+        offsets = displacement(transform, true, points)
+        turn = rotation_between(transform, true)
+        kind = classify(offsets, turn)
+        return {
+            "with": other.name,
+            "at": round(now, 3),
+            "transform": [round(transform.x, 4), round(transform.y, 4), round(transform.yaw, 5)],
+            "offset": round(float(offsets.max()), 4),
+            "turn": round(turn, 5),
+            "class": kind,
+            "right": kind != "wrong",
+        }
+
+    def _truth(self, robot: Robot, other: Robot) -> tuple[Transform, np.ndarray]:
+        """The best rigid fit over what both maps know, and those places (n, 2) in the other's map. Where they share too
+        little, that of the starts and all of the other's map."""
+        start = Transform(*compose(inverse(self._starts[robot.name]), self._starts[other.name]))
+        target, source = occupancy_of(robot.local_map), occupancy_of(other.local_map)
+        target_points, source_points = overlap(
+            target, self._tracks[robot.name], source, self._tracks[other.name], start
+        )
+        if len(source_points) >= FEWEST_POINTS:
+            return best_rigid_fit(target_points, source_points), source_points
+        places = source.centres(source.data >= 0)
+        return start, places if len(places) else np.zeros((1, 2))
+
+
+def _apart(first: Transform, second: Transform) -> bool:
+    moved = math.hypot(first.x - second.x, first.y - second.y)
+    return moved > 0.05 or rotation_between(first, second) > 0.01

@@ -1,0 +1,1 @@
+"""What is computed from worlds and maps: bounds, visibility, drift, truth."""

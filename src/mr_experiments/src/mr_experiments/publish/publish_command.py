@@ -1,0 +1,131 @@
+"""Command line of `rosrun mr_experiments publish`."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import sys
+from pathlib import Path
+from typing import Any, Mapping, Sequence
+
+from mr_experiments.bench.explore_missions import read_rows
+from mr_experiments.common.command_line import BAD_CALL, CallError, Parser
+from mr_experiments.publish.mission_table import mission_rows, world_rows
+from mr_experiments.publish.published import PublishError, render
+
+Row = Mapping[str, Any]
+
+
+def make_parser() -> argparse.ArgumentParser:
+    parser = Parser(
+        prog="publish",
+        description="Results for the documentation: tables as CSV from records or from the rows of a benchmark, and "
+        "pages whose marked figures are written anew from such tables.",
+        epilog="Exit code: 0 done, 1 with --check: a page is out of date, 2 bad options or files. "
+        "Example: rosrun mr_experiments publish missions out/paper docs/results/data/paper.csv",
+    )
+    commands = parser.add_subparsers(dest="command", required=True, parser_class=Parser, metavar="COMMAND")
+    for name, about, source in (
+        ("missions", "one row for each kind of mission in folders of records", "DIR"),
+        ("worlds", "one row for each kind of world in the missions of bench_explore", "FILE.jsonl"),
+        ("bench", "the rows of a benchmark, or of the latest comparison of agreement", "FILE.json"),
+    ):
+        add = commands.add_parser(name, help=about, description=f"Writes {about}.").add_argument
+        add("sources", nargs="+", metavar=source)
+        add("table", metavar="TABLE.csv", help="file to write")
+    pages = commands.add_parser("pages", help="write the marked figures of pages anew")
+    pages.add_argument("pages", nargs="+", metavar="PAGE.md")
+    pages.add_argument("--check", action="store_true", help="write nothing; name the pages that are out of date")
+    return parser
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Publish; returns the exit code."""
+    try:
+        options = make_parser().parse_args(arguments)
+        if options.command == "pages":
+            return publish_pages([Path(page) for page in options.pages], options.check)
+        rows = {"missions": _of_missions, "worlds": _of_worlds, "bench": _of_bench}[options.command](options.sources)
+        write_table(Path(options.table), rows)
+    except (CallError, PublishError) as error:
+        print(f"publish: {error}", file=sys.stderr)
+        return BAD_CALL
+    except OSError as error:
+        print(f"publish: {error.filename}: {error.strerror}", file=sys.stderr)
+        return BAD_CALL
+    return 0
+
+
+def publish_pages(pages: Sequence[Path], check: bool) -> int:
+    stale = []
+    for page in pages:
+        before = page.read_text(encoding="utf-8")
+        try:
+            after = render(before, lambda name, page=page: read_table(page.parent / name))  # type: ignore[misc]
+        except PublishError as error:
+            raise PublishError(f"{page}, {error}") from None
+        if after != before:
+            stale.append(page)
+            if not check:
+                page.write_text(after, encoding="utf-8")
+    if check:
+        for page in stale:
+            print(f"{page} is out of date: rosrun mr_experiments publish pages {page}")
+    return 1 if check and stale else 0
+
+
+def read_table(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def write_table(path: Path, rows: Sequence[Row]) -> None:
+    """Numbers with six figures; nothing for None."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
+
+
+def _cell(value: Any) -> Any:
+    return f"{value:.6g}" if isinstance(value, float) else "" if value is None else value
+
+
+def _of_missions(folders: Sequence[str]) -> list[dict[str, Any]]:
+    records = [_json(path) for folder in folders for path in sorted(Path(folder).glob("*.json"))]
+    trials = [record for record in records if isinstance(record, dict) and "trial" in record]
+    if not trials:
+        raise CallError(f"no records of missions in {', '.join(folders)}")
+    return mission_rows(trials)
+
+
+def _of_worlds(files: Sequence[str]) -> list[dict[str, Any]]:
+    rows = [row for file in files for row in read_rows(Path(file))]
+    if not rows:
+        raise CallError(f"no missions in {', '.join(files)}")
+    return world_rows(rows)
+
+
+def _of_bench(files: Sequence[str]) -> list[dict[str, Any]]:
+    rows = [row for file in files for row in _bench_rows(_json(Path(file)))]
+    if not rows or any("what" not in row for row in rows):
+        raise CallError(f"{', '.join(files)}: no rows of a benchmark")
+    return rows
+
+
+def _bench_rows(found: Any) -> list[dict[str, Any]]:
+    """Of agreement's comparisons, the latest."""
+    return found["comparisons"][-1]["rows"] if isinstance(found, dict) and found.get("comparisons") else list(found)
+
+
+def _json(path: Path) -> Any:
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise CallError(f"{path} is no JSON: {error}") from None
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

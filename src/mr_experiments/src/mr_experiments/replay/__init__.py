@@ -1,0 +1,1 @@
+"""A page on which a mission is played again."""

@@ -1,0 +1,187 @@
+"""Two record sets compared, trial by trial: what changed, how sure that is, and whether it is for the better."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, Iterator, Sequence, Tuple
+
+from mr_experiments.common.statistics import MINIMUM_PAIRS, Difference, compare_pairs
+from mr_experiments.report.derived import mean, moving_share
+from mr_experiments.report.record_set import Record, RecordError, RecordSet
+from mr_experiments.report.table import SIGNIFICANT, Cell, Column, Table
+
+KEYS = ("world", "scenario", "strategy", "robots")  # of a group; trials of a group are paired by seed
+ACROSS = ("world", "scenario", "strategy")  # keys that may differ between the two sets
+
+GroupKey = Tuple[object, ...]
+
+
+@dataclass(frozen=True)
+class Metric:
+    name: str
+    label: str
+    lower_is_better: bool
+    value: Callable[[Record], float | None]
+
+
+METRICS = (
+    Metric("finished", "finished, share", False, lambda record: float(record.finished)),
+    Metric("exploration_time_s", "exploration time T in s", True, lambda record: record.exploration_time),
+    Metric("distance_m", "distance in m", True, lambda record: record.distance),
+    Metric("abs_map_error_percent", "|map error e| in %", True, lambda record: _map_error(record)),
+    Metric("coverage", "coverage at the end", False, lambda record: record.final_coverage),
+    Metric("kilobytes", "radio traffic in kB", True, lambda record: _kilobytes(record)),
+    Metric("moving", "moving, share of time", False, lambda record: moving_share(record)),
+    Metric("overlap", "overlap of robots", True, lambda record: _overlap(record)),
+)
+
+
+def _map_error(record: Record) -> float | None:
+    return mean(abs(error) for error in record.map_errors)
+
+
+def _kilobytes(record: Record) -> float | None:
+    return sum(robot.bytes_sent for robot in record.robots) / 1000.0
+
+
+def _overlap(record: Record) -> float | None:
+    return record.overlap if record.group.robots > 1 else None
+
+
+@dataclass(frozen=True)
+class Row:
+    """One metric in one group: means over the pairs that have it in both sets, and their difference."""
+
+    group: GroupKey
+    metric: Metric
+    candidate: float | None
+    baseline: float | None
+    difference: Difference
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Candidate against baseline. `keys` names the parts of a group."""
+
+    candidate: RecordSet
+    baseline: RecordSet
+    keys: tuple[str, ...]
+    rows: tuple[Row, ...]
+    pairs: int
+    only_candidate: int
+    only_baseline: int
+    notes: tuple[str, ...]  # what else differs between the trials of a pair than should
+
+
+def compare_sets(candidate: RecordSet, baseline: RecordSet, across: Sequence[str] = ()) -> Comparison:
+    """Pair the trials and compare every metric in every group.
+
+    `across`: keys that may differ, of ACROSS. Raises RecordError when nothing can be paired or when a trial has more
+    than one partner.
+    """
+    keys = tuple(key for key in KEYS if key not in across)
+    first, second = _by_key(candidate, keys), _by_key(baseline, keys)
+    common = [key for key in first if key in second]
+    if not common:
+        raise RecordError(
+            f"no trial of {candidate.folder} has a partner in {baseline.folder} with equal {', '.join(keys)} and seed"
+        )
+    groups: dict[GroupKey, list[tuple[Record, Record]]] = {}
+    for key in common:
+        groups.setdefault(key[:-1], []).append((first[key], second[key]))
+    rows = [_compare(group, metric, pairs) for group, pairs in groups.items() for metric in METRICS]
+    rows = [row for row in rows if row.difference.pairs]
+    return Comparison(
+        candidate,
+        baseline,
+        keys,
+        tuple(rows),
+        len(common),
+        len(first) - len(common),
+        len(second) - len(common),
+        tuple(_unequal_settings([(first[key], second[key]) for key in common], across)),
+    )
+
+
+def _unequal_settings(pairs: Sequence[tuple[Record, Record]], across: Sequence[str]) -> Iterator[str]:
+    """Sentences on settings that differ between the trials of pairs, beside those that come with `across`."""
+    if "scenario" in across:  # which is a name for settings
+        return
+    wanted = {"seed", *across, *(("starts",) if "world" in across else ())}
+    names = sorted({name for pair in pairs for record in pair for name in record.settings} - wanted)
+    for name in names:
+        unequal = sum(first.settings.get(name) != second.settings.get(name) for first, second in pairs)
+        if unequal:
+            yield f"Comparison: setting {name} differs between the two trials of {unequal} of {len(pairs)} pairs"
+
+
+def _by_key(records: RecordSet, keys: Sequence[str]) -> dict[GroupKey, Record]:
+    found: dict[GroupKey, Record] = {}
+    for record in records.records:
+        key = (*(getattr(record.group, name) for name in keys), record.seed)
+        if key in found:
+            raise RecordError(f"{record.path} and {found[key].path.name} would both be paired with the same trial")
+        found[key] = record
+    return found
+
+
+def _compare(group: GroupKey, metric: Metric, pairs: Sequence[tuple[Record, Record]]) -> Row:
+    values = []
+    for first, second in pairs:
+        # A crash says nothing about a metric but that the mission did not finish.
+        if metric.name != "finished" and (first.failed or second.failed):
+            continue
+        one, other = metric.value(first), metric.value(second)
+        if one is not None and other is not None:
+            values.append((one, other))
+    candidate, baseline = [one for one, _ in values], [other for _, other in values]
+    difference = compare_pairs(candidate, baseline, metric.lower_is_better)
+    return Row(group, metric, mean(candidate), mean(baseline), difference)
+
+
+def comparison_table(comparison: Comparison) -> Table:
+    rows: list[tuple[Cell, ...]] = [
+        (
+            *(str(part) for part in row.group),
+            row.metric.label,
+            row.difference.pairs,
+            row.candidate,
+            row.baseline,
+            row.difference.mean,
+            *_bounds(row.difference),
+            row.difference.verdict.value,
+        )
+        for row in comparison.rows
+    ]
+    return Table("comparison", "Comparison", explanation(comparison), _columns(comparison.keys), tuple(rows))
+
+
+def _columns(keys: Sequence[str]) -> tuple[Column, ...]:
+    labels = {"robots": "R"}
+    return (
+        *(Column(key, labels.get(key, key), text=True) for key in keys),
+        Column("metric", "metric", text=True),
+        Column("pairs", "pairs"),
+        Column("candidate_mean", "this set", SIGNIFICANT, "mean"),
+        Column("baseline_mean", "other set", SIGNIFICANT, "mean"),
+        Column("difference_mean", "mean", SIGNIFICANT, "difference"),
+        Column("difference_low", "from", SIGNIFICANT, "difference"),
+        Column("difference_high", "to", SIGNIFICANT, "difference"),
+        Column("verdict", "verdict", text=True),
+    )
+
+
+def _bounds(difference: Difference) -> tuple[Cell, Cell]:
+    interval = difference.interval
+    return (interval.low, interval.high) if interval else (None, None)
+
+
+def explanation(comparison: Comparison) -> str:
+    return (
+        f"This set against the other one: {comparison.pairs} pairs of trials with equal {', '.join(comparison.keys)} "
+        f"and seed; {comparison.only_candidate} trials of this set and {comparison.only_baseline} of the other have "
+        "no partner. A metric uses the pairs that have it in both sets; times, for instance, only those that finished "
+        "in both. Difference: this set minus the other one, with the 95 % bootstrap interval of its mean. A verdict "
+        f"is given when the interval excludes zero and there are at least {MINIMUM_PAIRS} pairs. Of twenty verdicts on "
+        "metrics that did not change, about one is wrong." + "".join(f" {note}." for note in comparison.notes)
+    )

@@ -1,0 +1,34 @@
+"""The part of a record set that one table or figure shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Mapping, Sequence
+
+from mr_experiments.report import paper
+from mr_experiments.report.record_set import Chapter, Record, RecordSet
+from mr_experiments.report.table import Column
+
+ROBOTS = Column("robots", "R")
+
+
+@dataclass(frozen=True)
+class Scope:
+    """The part of a record set that a table shows: team sizes of one chapter."""
+
+    chapter: Chapter
+    teams: Mapping[int, Sequence[Record]]
+
+    @property
+    def beside_paper(self) -> bool:
+        """Whether these are the paper's simulations, repeated."""
+        return Path(self.chapter.world).stem == paper.WORLD and self.chapter.scenario == paper.SCENARIO
+
+    def results(self, robots: int) -> list[Record]:
+        """Trials that came to a result, finished or not."""
+        return [record for record in self.teams[robots] if not record.failed]
+
+
+def scopes(records: RecordSet) -> list[Scope]:
+    return [Scope(chapter, teams) for chapter, teams in records.chapters.items()]

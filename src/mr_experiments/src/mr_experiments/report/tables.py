@@ -1,0 +1,127 @@
+"""The tables of a report, computed from records.
+
+Failed trials (an engine crashed) have no result and enter the counts only. Unfinished trials enter every table except
+the exploration time, which they do not have; their number stands beside it.
+"""
+
+from __future__ import annotations
+
+import statistics
+
+from mr_experiments.report.paper_tables import distance_table, exploration_time_table, map_error_table
+from mr_experiments.report.record_set import FAILED, FINISHED, UNFINISHED, Group, Record, RecordSet, count_outcomes
+from mr_experiments.report.scope import Scope
+from mr_experiments.report.table import Cell, Column, Table
+from mr_experiments.report.team_tables import computing_table, merging_table, radio_table, team_table
+
+
+def chapter_tables(scope: Scope) -> list[Table]:
+    """All tables of a chapter in the order of the report."""
+    return [
+        map_error_table(scope),
+        distance_table(scope),
+        exploration_time_table(scope),
+        team_table(scope),
+        merging_table(scope),
+        radio_table(scope),
+        computing_table(scope),
+    ]
+
+
+def outcome_table(records: RecordSet) -> Table:
+    rows = []
+    for group, members in records.groups.items():
+        counts = count_outcomes(members)
+        rows.append(
+            (*_group_cells(group), len(members), *(counts[status] for status in (FINISHED, UNFINISHED, FAILED)))
+        )
+    return Table(
+        "outcomes",
+        "Outcomes",
+        "Unfinished: the mission reached its limit of time before every robot had declared its exploration "
+        "finished. Failed: an engine crashed. Nothing is left out of these counts.",
+        (
+            *_GROUP_COLUMNS,
+            Column("trials", "trials"),
+            Column("finished", "finished"),
+            Column("unfinished", "unfinished"),
+            Column("failed", "failed"),
+        ),
+        tuple(rows),
+    )
+
+
+def trouble_table(records: RecordSet) -> Table:
+    """Every trial that did not finish, with its seed and reason."""
+    rows = [
+        (*_group_cells(record.group), record.seed, record.status, record.time, record.reason)
+        for record in records.records
+        if not record.finished
+    ]
+    return Table(
+        "not_finished",
+        "Trials that did not finish",
+        "Each can be repeated with its seed.",
+        (
+            *_GROUP_COLUMNS,
+            Column("seed", "seed"),
+            Column("status", "outcome", text=True),
+            Column("time_s", "at / s", 1),
+            Column("reason", "reason", text=True),
+        ),
+        tuple(rows),
+    )
+
+
+def trials_table(records: RecordSet) -> Table:
+    """One row for each trial, for computing of one's own."""
+    return Table(
+        "trials",
+        "Trials",
+        "Distance, bytes and collisions are those of all robots together, the map error is the mean of their maps; "
+        "merges count accepted transforms.",
+        (
+            *_GROUP_COLUMNS,
+            Column("seed", "seed"),
+            Column("status", "outcome", text=True),
+            Column("exploration_time_s", "T / s", 1),
+            Column("distance_m", "distance / m", 1),
+            Column("map_error_percent", "e / %", 3),
+            Column("overlap", "overlap", 3),
+            Column("collisions", "collisions"),
+            Column("merges", "merges"),
+            Column("wrong_merges", "wrong"),
+            Column("bytes_sent", "bytes"),
+        ),
+        tuple(_trial_row(record) for record in records.records),
+    )
+
+
+def _trial_row(record: Record) -> tuple[Cell, ...]:
+    errors = [robot.map_error for robot in record.robots if robot.map_error is not None]
+    merges = [merge for robot in record.robots for merge in robot.merges if merge.accepted]
+    return (
+        *_group_cells(record.group),
+        record.seed,
+        record.status,
+        record.exploration_time,
+        sum(robot.distance for robot in record.robots),
+        statistics.mean(errors) if errors else None,
+        record.overlap,
+        sum(sum(robot.collisions) for robot in record.robots),
+        len(merges),
+        sum(not merge.right for merge in merges),
+        sum(robot.bytes_sent for robot in record.robots),
+    )
+
+
+_GROUP_COLUMNS = (
+    Column("world", "world", text=True),
+    Column("scenario", "scenario", text=True),
+    Column("strategy", "strategy", text=True),
+    Column("robots", "R"),
+)
+
+
+def _group_cells(group: Group) -> tuple[Cell, ...]:
+    return group.world, group.scenario, str(group.strategy), group.robots

@@ -1,0 +1,1 @@
+"""Many trials: each in a process, their records, clusters, references of maps."""

@@ -1,0 +1,1 @@
+"""What a mission is asked to be: a trial, scenarios of trials, their worlds."""
