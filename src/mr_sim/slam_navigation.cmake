@@ -11,7 +11,8 @@ pybind11_add_module(_slam
   src/cpp/slam/scan.cpp
   src/cpp/slam/scan_matcher.cpp
   src/cpp/slam/slam.cpp
-  src/cpp/slam/small_objects.cpp)
+  src/cpp/slam/small_objects.cpp
+  src/cpp/slam/standing.cpp)
 target_link_libraries(_slam PRIVATE mrpt::maps Eigen3::Eigen Ceres::ceres)
 target_compile_options(_slam PRIVATE -Wall -Wextra -Werror -O3)
 set_target_properties(_slam PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${MR_SIM_PYTHON_DEVEL})

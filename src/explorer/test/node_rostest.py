@@ -49,7 +49,7 @@ class FakeRobot:
         self.said: List[TeamVerdicts] = []
         self.log_masks: List[int] = []
         self.goals: List[Tuple[float, float]] = []
-        self.lock = threading.Lock()
+        self.may_drive = threading.Event()
         self.map_publisher = rospy.Publisher("map_merger/global_map", OccupancyGrid, queue_size=1, latch=True)
         self.meta_publisher = rospy.Publisher("map_metadata", MapMetaData, queue_size=1, latch=True)
         self.auction_publisher = rospy.Publisher("auction", ExpAuction, queue_size=10, latch=True)
@@ -139,7 +139,7 @@ class FakeRobot:
             if gap < 0.05:
                 self.move_base.set_succeeded(MoveBaseResult())
                 return
-            step = min(gap, 0.1)
+            step = min(gap, 0.1) if self.may_drive.is_set() else 0.0
             self.x += step * (target.x - self.x) / gap
             self.y += step * (target.y - self.y) / gap
             rate.sleep()
@@ -201,6 +201,7 @@ class TestNode(unittest.TestCase):
         self.check_pictures()
         self.check_orders()
         self.check_status(status.wait(20))
+        fake.may_drive.set()
         state = self.wait_for_state(lambda s: s.state == ExplorationState.FINISHED, 80)
         self.assertTrue(state.exploration_finished)
         self.assertGreater(state.exploration_time, 3.0)

@@ -128,6 +128,25 @@ def test_slipping_while_turning_against_a_wall(draw_world: Callable[..., str]) -
     assert max(drives.loop.robots[0].drift) < 0.1
 
 
+def narrow_view(yaw: float) -> LaserScan:
+    """57 degrees from the middle of a room of 6 m x 4 m."""
+    bearings = yaw + np.radians(np.linspace(-28.5, 28.5, 640))
+    ranges = np.minimum(3.0 / np.abs(np.cos(bearings)), 2.0 / np.abs(np.sin(bearings))).astype(np.float32)
+    return LaserScan(ranges, math.radians(-28.5), math.radians(57.0 / 639.0), 0.3, 10.0, (0.0, 0.0, 0.0))
+
+
+def test_wheels_that_turn_a_narrow_view_on_the_spot_turn_no_pose() -> None:
+    """The view is that of one wall, and a little turn at a time was believed until the map had turned by a radian."""
+    slam, step = Slam(), 0.05
+    slam.process(narrow_view(0.0), (0.0, 0.0, 0.0), 0.0)
+    for count in range(1, 21):
+        pose = slam.process(narrow_view(0.0), (0.0, 0.0, count * step), 0.1 * count).pose
+        assert abs(pose[2]) <= step + 1e-6
+    for count in range(1, 11):
+        pose = slam.process(narrow_view(0.1 * count), (0.0, 0.0, 20 * step + 0.1 * count), 3.0 + 0.1 * count).pose
+    assert pose == pytest.approx((0.0, 0.0, 1.0), abs=0.02)
+
+
 def test_slipping_against_a_robot(draw_world: Callable[..., str]) -> None:
     drives = Drives(draw_world((8, 4), [], [(3.0, 2.0, 0.0), (4.5, 2.0, 90.0)]), robots=2)
     drives.run(2.4, lambda robot, state, now: (0.5, 0.0) if robot == 0 else (0.0, 0.0))

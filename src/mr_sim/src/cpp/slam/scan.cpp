@@ -85,6 +85,7 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
       end = Pose{share * swept.x, share * swept.y, share * swept.yaw} * end;
     }
     scan.beams.push_back({end, hit});
+    scan.beams.back().index = i;
   }
   mark_small_objects(scan, small_object_size);
   for (std::size_t i = 0; i < scan.beams.size(); ++i) {

@@ -22,6 +22,7 @@ struct Beam {
   bool has_normal = false;  // the surface is seen densely enough to know its direction
   Point normal{};           // robot's frame, towards the laser
   double spacing = 0.0;     // m along the surface from one beam to the next
+  std::size_t index = 0;    // of its reading
 };
 
 struct Scan {

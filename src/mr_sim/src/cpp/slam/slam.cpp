@@ -72,10 +72,20 @@ SlamUpdate Slam::rest(const Pose& odometry) const {
   return update;
 }
 
+// The wheels turned and the robot did not move.
+SlamUpdate Slam::slip(const Pose& odometry) {
+  pose_ = confirmed_ = stood_;
+  odometry_ = odometry;
+  contradicted_ = false;
+  elsewhere_.clear();
+  model_.interrupt();
+  return rest(odometry);
+}
+
 // The map has been drawn anew: what lay at the first pose lies at the second.
 bool Slam::follow(const std::optional<std::pair<Pose, Pose>>& change) {
   if (!change) return false;
-  for (Pose* pose : {&pose_, &confirmed_, &inserted_}) *pose = change->second * between(change->first, *pose);
+  for (Pose* pose : {&pose_, &confirmed_, &inserted_, &stood_}) *pose = change->second * between(change->first, *pose);
   elsewhere_.clear();
   return true;
 }
@@ -97,8 +107,11 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   if (!started_) {
     start(scan, odometry, time, &update);
     memory_.add({ranges, ranges + size}, geometry, pose_, odometry, model_, Match{});
+    standing_.judge(ranges, size, geometry, scan, odometry);
     return update;
   }
+  const Standing::Verdict verdict = standing_.judge(ranges, size, geometry, scan, odometry);
+  if (verdict == Standing::Verdict::kStands) return slip(odometry);
   const Pose motion = between(odometry_, odometry);
   const Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), confirmed_, options_.match);
   if (match.outcome == Outcome::kMatched && !match.elsewhere && match.share > options_.match.good_share) {
@@ -120,6 +133,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
     update.inserted = insert(scan, stands, time);
     memory_.add({ranges, ranges + size}, geometry, pose_, odometry, model_, match);
   }
+  if (verdict == Standing::Verdict::kMoved) stood_ = pose_;
   update.inserted |= follow(memory_.work(&map_));
   update.pose = pose_;
   update.matched = !contradicted_;

@@ -5,6 +5,7 @@
 #include "memory.hpp"
 #include "odometry_model.hpp"
 #include "scan_matcher.hpp"
+#include "standing.hpp"
 
 namespace mr_sim::slam {
 
@@ -61,6 +62,7 @@ class Slam {
  private:
   void start(const Scan& scan, const Pose& odometry, double time, SlamUpdate* update);
   SlamUpdate rest(const Pose& odometry) const;
+  SlamUpdate slip(const Pose& odometry);
   bool insert(const Scan& scan, bool stands, double time);
   bool follow(const std::optional<std::pair<Pose, Pose>>& change);
   bool moved(const Pose& from, const Pose& to, double distance, double angle) const;
@@ -79,6 +81,8 @@ class Slam {
   Memory memory_;
   bool contradicted_ = false;  // by the last match
   Elsewhere elsewhere_;
+  Standing standing_;
+  Pose stood_;  // map frame, where the scan was taken that `standing_` compares with
 };
 
 }  // namespace mr_sim::slam
