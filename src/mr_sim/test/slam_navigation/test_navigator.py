@@ -489,7 +489,7 @@ def test_giving_way_in_vain_widens_the_chance() -> None:
 
     def wait(held: HeldUp) -> float:
         held.clear()
-        return next(t for t in np.arange(0.0, 60.0, 0.1) if held.must_give_way(t, (1.0, 0.0), {}))
+        return next(t for t in np.arange(0.0, 60.0, 0.1) if held.must_give_way(t, (0.0, 0.0), (1.0, 0.0), {}))
 
     def waits(times: int) -> List[float]:
         result = []

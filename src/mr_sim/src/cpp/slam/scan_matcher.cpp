@@ -8,7 +8,8 @@ namespace {
 
 constexpr int kIterations = 12;
 constexpr double kSpacing = 0.04;     // m between the hits used, so that near walls do not outweigh far ones
-constexpr double kEnough = 0.7;       // share of the hits that must be left when small objects are not used
+constexpr double kEnough = 0.7;       // share of the hits that must be left when small objects are not used,
+constexpr double kAcross = 0.08;      // or of their weight in the direction that they say least of
 constexpr double kOnSurface = 0.05;   // m
 constexpr double kSure = 0.8;         // share on surfaces from which wheels are said to slip
 constexpr double kMostKnown = 0.5;    // of the hits that must be known for that
@@ -24,11 +25,18 @@ constexpr double kSamePlace = 0.005;  // m, a hit that moves less between two it
 // Small objects that drive along carry the pose with them. A narrow sensor may see little else.
 bool without_small_objects(const Scan& scan) {
   int hits = 0, left = 0;
+  Eigen::Matrix2d directions = Eigen::Matrix2d::Zero();
   for (const Beam& beam : scan.beams) {
     hits += beam.has_normal;
-    left += beam.has_normal && !beam.on_small_object;
+    if (!beam.has_normal || beam.on_small_object) continue;
+    ++left;
+    const Eigen::Vector2d normal(beam.normal.x, beam.normal.y);
+    directions += normal * normal.transpose();
   }
-  return left >= kEnough * hits;
+  if (left >= kEnough * hits) return true;
+  const double across =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(directions, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  return across >= kAcross * hits;
 }
 
 // Whether a hit is used must not depend on its own noise: asking how far it lies from the last one would prefer, on

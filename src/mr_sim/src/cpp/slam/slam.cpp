@@ -6,12 +6,13 @@ namespace {
 // Scans of a robot that stands which enter the map; the next ones only take from it. Hits that err by turns into one
 // cell and into the next would make thick walls.
 constexpr int kRestLimit = 3;
-constexpr int kStays = 2;               // matches in a row for which the wheels have slipped
-constexpr int kSayTheSame = 8;          // matches that bring the robot elsewhere
-constexpr double kSameDistance = 0.1;   // m within which they say the same
-constexpr double kSameAngle = 0.05;     // rad
-constexpr double kOtherDistance = 0.4;  // m from the first to the last
-constexpr double kOtherAngle = 0.7;     // rad
+constexpr int kStays = 2;                   // matches in a row for which the wheels have slipped
+constexpr int kSayTheSame = 8;              // matches that bring the robot elsewhere
+constexpr Pose kSlipped{0.03, 0.03, 0.03};  // m and rad, deviations from where the robot stood when its wheels slipped
+constexpr double kSameDistance = 0.1;       // m within which they say the same
+constexpr double kSameAngle = 0.05;         // rad
+constexpr double kOtherDistance = 0.4;      // m from the first to the last
+constexpr double kOtherAngle = 0.7;         // rad
 
 bool near(const Pose& a, const Pose& b) {
   return slam::distance(a, b) < kSameDistance && std::abs(normalized(a.yaw - b.yaw)) < kSameAngle;
@@ -72,11 +73,12 @@ SlamUpdate Slam::rest(const Pose& odometry) const {
   return update;
 }
 
-// The wheels turned and the robot did not move.
-SlamUpdate Slam::slip(const Pose& odometry) {
-  pose_ = confirmed_ = stood_;
+// The wheels turned and the robot moved by no more than it may have done before they slipped.
+SlamUpdate Slam::slip(const Scan& scan, const Pose& odometry) {
+  const Match match = match_scan(map_, scan, stood_, kSlipped, stood_, options_.match);
+  pose_ = confirmed_ = match.outcome == Outcome::kMatched ? match.pose : stood_;
   odometry_ = odometry;
-  contradicted_ = false;
+  contradicted_ = left_confirmed_ = false;
   elsewhere_.clear();
   model_.interrupt();
   return rest(odometry);
@@ -111,10 +113,13 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
     return update;
   }
   const Standing::Verdict verdict = standing_.judge(ranges, size, geometry, scan, odometry);
-  if (verdict == Standing::Verdict::kStands) return slip(odometry);
+  if (verdict == Standing::Verdict::kStands) return slip(scan, odometry);
   const Pose motion = between(odometry_, odometry);
-  const Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), confirmed_, options_.match);
-  if (match.outcome == Outcome::kMatched && !match.elsewhere && match.share > options_.match.good_share) {
+  Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), confirmed_, options_.match);
+  left_confirmed_ |= verdict == Standing::Verdict::kMoved;
+  if (match.stays && left_confirmed_) match.elsewhere.reset();
+  const bool doubtful = verdict == Standing::Verdict::kSeemsToStand;
+  if (match.outcome == Outcome::kMatched && !doubtful && !match.elsewhere && match.share > options_.match.good_share) {
     model_.learn(motion, between(pose_, match.pose));
   } else {
     model_.interrupt();
@@ -127,13 +132,16 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
     contradicted_ = false;
     elsewhere_.clear();
   }
-  if (!contradicted_) confirmed_ = pose_;
-  if (!contradicted_ && !match.elsewhere &&
+  if (!contradicted_) {
+    confirmed_ = pose_;
+    left_confirmed_ = false;
+  }
+  if (!contradicted_ && !doubtful && !match.elsewhere &&
       (stands || moved(inserted_, pose_, options_.insert_distance, options_.insert_angle))) {
     update.inserted = insert(scan, stands, time);
     memory_.add({ranges, ranges + size}, geometry, pose_, odometry, model_, match);
   }
-  if (verdict == Standing::Verdict::kMoved) stood_ = pose_;
+  if (verdict == Standing::Verdict::kMoved || verdict == Standing::Verdict::kUnknown) stood_ = pose_;
   update.inserted |= follow(memory_.work(&map_));
   update.pose = pose_;
   update.matched = !contradicted_;

@@ -62,7 +62,7 @@ class Slam {
  private:
   void start(const Scan& scan, const Pose& odometry, double time, SlamUpdate* update);
   SlamUpdate rest(const Pose& odometry) const;
-  SlamUpdate slip(const Pose& odometry);
+  SlamUpdate slip(const Scan& scan, const Pose& odometry);
   bool insert(const Scan& scan, bool stands, double time);
   bool follow(const std::optional<std::pair<Pose, Pose>>& change);
   bool moved(const Pose& from, const Pose& to, double distance, double angle) const;
@@ -79,7 +79,8 @@ class Slam {
   double share_ = 1.0;       // of the last match
   OdometryModel model_;
   Memory memory_;
-  bool contradicted_ = false;  // by the last match
+  bool contradicted_ = false;    // by the last match
+  bool left_confirmed_ = false;  // as scans say
   Elsewhere elsewhere_;
   Standing standing_;
   Pose stood_;  // map frame, where the scan was taken that `standing_` compares with

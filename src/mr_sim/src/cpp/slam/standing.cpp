@@ -8,8 +8,11 @@ constexpr double kLeastAngle = 0.07;  // rad
 constexpr double kTolerance = 0.03;   // m between equal readings, plus
 constexpr double kShare = 0.02;       // of the range
 constexpr int kLeastBeams = 20;       // that are compared
-constexpr double kSame = 0.8;         // of them that see what they saw, where the robot stands,
-constexpr double kClearly = 0.35;     // and so many more than see what they would if it had moved
+constexpr double kSame = 0.55;        // of them that see what they saw, where the robot stands among others that move,
+constexpr double kClearly = 0.25;     // and so many more than see what they would if it had moved
+constexpr double kSeen = 0.1;         // so many more of them see that it moved
+constexpr double kMostWay = 0.5;      // m, and
+constexpr double kMostAngle = 0.6;    // rad by odometry that are waited for a verdict
 
 bool equal(double a, double b) { return std::abs(a - b) < kTolerance + kShare * std::max(a, b); }
 
@@ -29,7 +32,7 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
                                   const Scan& scan, const Pose& odometry) {
   if (ranges_.size() != size) {
     keep(ranges, size, scan, odometry);
-    return Verdict::kMoved;
+    return Verdict::kUnknown;
   }
   const Pose motion = between(odometry_, odometry);
   const bool drives = std::hypot(motion.x, motion.y) >= kLeastWay;
@@ -49,13 +52,16 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
     same += is_hit(now, geometry) && equal(now, ranges_[beam.index]);
     moved += is_hit(there, geometry) && equal(there, std::hypot(end.x, end.y));
   }
-  const bool stands = compared >= kLeastBeams && same >= kSame * compared && same - moved >= kClearly * compared;
-  if (stands) {
+  if (compared >= kLeastBeams && same >= kSame * compared && same - moved >= kClearly * compared) {
     odometry_ = odometry;
     return Verdict::kStands;
   }
+  const bool far = std::hypot(motion.x, motion.y) >= kMostWay || std::abs(motion.yaw) >= kMostAngle;
+  const bool moves = moved - same >= kSeen * compared;
+  // Along a wall, or turned by little, a robot would see much the same.
+  if (!moves && !far) return same - moved >= kSeen * compared ? Verdict::kSeemsToStand : Verdict::kUndecided;
   keep(ranges, size, scan, odometry);
-  return Verdict::kMoved;
+  return moves ? Verdict::kMoved : Verdict::kUnknown;
 }
 
 }  // namespace mr_sim::slam

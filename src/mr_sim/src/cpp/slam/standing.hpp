@@ -10,12 +10,14 @@ namespace mr_sim::slam {
 class Standing {
  public:
   enum class Verdict {
-    kUndecided,  // too little motion by odometry, or too little to see, to tell
-    kMoved,
+    kUndecided,     // too little motion by odometry to tell
+    kSeemsToStand,  // same, but rest explains the scan better
     kStands,
+    kMoved,    // later scans are compared with this one
+    kUnknown,  // same, after so much motion without a verdict
   };
 
-  // One more scan. Where it moved, later scans are compared with this one.
+  // One more scan.
   Verdict judge(const float* ranges, std::size_t size, const LaserGeometry& geometry, const Scan& scan,
                 const Pose& odometry);
 

@@ -47,6 +47,7 @@ STANDING = 2.5  # s without progress, and with nothing in the way, after which a
 STILL = 1.0  # s without driving after which a robot that has to give way does
 CREEPING = 0.05  # m/s
 TO_AND_FRO = 3.0  # s for which driving without coming nearer counts as getting on
+TO_AND_FRO_LIMIT = 2.0  # times the timeout of a blocked way, for which a robot may give way and come back
 AWAY = 0.6  # rad to the way from which a robot without room to turn does so at once
 TOUCHING = 0.03  # m to what is beside a robot from which it first gains room
 MANOEUVRE_PAUSE = 0.5  # s between plans of that kind
@@ -90,6 +91,8 @@ class _Goal:
     since: float
     best: float = math.inf  # least way left so far by the present plan, m
     deadline: float = math.inf
+    nearest: float = math.inf  # least way left so far through the map alone, m
+    nearest_at: float = -math.inf  # since when
     blocked_since: Optional[float] = None
     failed_plans: int = 0
 
@@ -385,18 +388,22 @@ class Navigator:
         """Around what moves when that is not far; else up to it, waiting; None when it has not moved for long."""
         assert self._goal is not None
         goal = self._goal
-        extra = math.inf
+        left, extra = known.cost_at(pose[0], pose[1]), math.inf
+        if left < goal.nearest - PROGRESS:
+            goal.nearest, goal.nearest_at = left, now
         if around is not None:
-            extra = around.cost_at(pose[0], pose[1]) - known.cost_at(pose[0], pose[1])
+            extra = around.cost_at(pose[0], pose[1]) - left
         if extra <= DETOUR:
             goal.blocked_since = None
             return around
         if goal.blocked_since is None:
             goal.blocked_since = now
-        goal.blocked_since = max(goal.blocked_since, self._nearer_at)
+        timeout = self.options.blocked_timeout
+        # Who gives way and comes back comes nearer each time, but not nearer than before.
+        goal.blocked_since = max(goal.blocked_since, min(self._nearer_at, goal.nearest_at + TO_AND_FRO_LIMIT * timeout))
         if around is not None and now - goal.blocked_since > DETOUR_WAIT:
             return around
-        return known if now - goal.blocked_since <= self.options.blocked_timeout else None
+        return known if now - goal.blocked_since <= timeout else None
 
     def _no_way(self, now: float, target: Tuple[float, float]) -> Optional[Command]:
         assert self._goal is not None
@@ -429,7 +436,7 @@ class Navigator:
         """Whether something that moves holds the robot up and it is on this robot to make room."""
         blocker = None if moving else self._blocker(pose)
         others = self._others if now - self._others_at < HINT_AGE else {}
-        return self._held_up.must_give_way(now, blocker, others)
+        return self._held_up.must_give_way(now, pose[:2], blocker, others)
 
     def _blocker(self, pose: Pose) -> Optional[Tuple[float, float]]:
         """What moves ahead of the robot, or, on a way that closed after it was planned, whatever is ahead."""

@@ -19,6 +19,7 @@ Point = Tuple[float, float]
 REACH = 1.4  # m within which something that the map does not know counts as in the way
 SPREAD, LARGEST_SPREAD = 3.0, 12.0  # times the patience
 AGAIN = 30.0  # s within which giving way once more shows that it was in vain
+LEAVING = 0.1  # m farther off than it was: what holds the robot up goes
 WINNER_PATIENCE = 6.0  # s a robot with the right of way waits before it gives way nevertheless
 ROOM = 0.12  # m more than a robot has to keep from walls, at a place to wait
 SLOWEST = 2.0  # times a free cell's cost; what narrow places cost on other ways would end the search in them
@@ -36,6 +37,7 @@ class HeldUp:
         self._random = random
         self._since: Optional[float] = None
         self._limit = 0.0
+        self._closest = math.inf  # m, how near the blocker has been meanwhile
         self._spread = SPREAD  # times the patience, by chance
         self._gave_way_at = -math.inf
 
@@ -47,14 +49,17 @@ class HeldUp:
         self._spread = min(2.0 * self._spread, LARGEST_SPREAD) if now - self._gave_way_at < AGAIN else SPREAD
         self._gave_way_at = now
 
-    def must_give_way(self, now: float, blocker: Optional[Point], others: Mapping[str, Point]) -> bool:
-        """Once per step; `blocker` is None while nothing holds the robot up. `others`: reported positions."""
+    def must_give_way(self, now: float, place: Point, blocker: Optional[Point], others: Mapping[str, Point]) -> bool:
+        """Once per step. `place`: of the robot; `blocker` is None while nothing holds it up. `others`: reported
+        positions."""
         if blocker is None:
             self._since = None
             return False
-        if self._since is None or now < self._since:
-            self._since = now
+        off = math.dist(place, blocker)
+        if self._since is None or now < self._since or off > self._closest + LEAVING:
+            self._since, self._closest = now, off
             self._limit = self._draw(blocker, others)
+        self._closest = min(self._closest, off)
         return now - self._since >= self._limit
 
     def _draw(self, blocker: Point, others: Mapping[str, Point]) -> float:
