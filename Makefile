@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-slam bench-navigation bench-sim experiments clean
+.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim experiments clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -18,7 +18,7 @@ dependencies:
 	@tools/install_dependencies
 
 # Each prints its table and writes rows of JSON below out/bench.
-bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-slam bench-navigation bench-sim
+bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim
 
 bench-adhoc: build
 	@tools/build --target adhoc_communication_benchmarks
@@ -61,6 +61,11 @@ bench-explore: build
 # Missions with a bad radio, a robot that dies, a partition, a huge floor, in virtual time: a quarter of an hour on two cores.
 bench-hardship: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_hardship --out out/bench/hardship.json
+
+# Missions in other buildings, with other robots and larger teams, in virtual time: hours. Goes on where it was stopped.
+# BUILDINGS="--trials 3 --only turtlebot mixed" runs a part.
+bench-buildings: build
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_buildings --out out/bench/buildings.json $(BUILDINGS)
 
 # How long one robot of eight takes to decide on a map of 2000 x 2000 cells: two minutes.
 bench-explore-cpu: build

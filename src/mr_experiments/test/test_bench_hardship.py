@@ -5,6 +5,7 @@ import json
 import pytest
 
 from mr_experiments.bench import bench_hardship_command as command
+from mr_experiments.bench import mission_set
 from mr_experiments.bench.bench_hardship import HARDSHIPS, LARGE, table, trials_of
 
 
@@ -65,8 +66,10 @@ def test_a_run_goes_on(tmp_path, monkeypatch, capsys):
             made = {**record(seed=trial.seed), "trial": trial.to_json(), "format": 1}
             (folder / f"{trial.key}.json").write_text(json.dumps(made))
 
-    monkeypatch.setattr(command, "follow", follow)
-    monkeypatch.setattr(command, "left_for_this_code", lambda trials, folder: [t for t in trials if t.seed not in ran])
+    monkeypatch.setattr(mission_set, "follow", follow)
+    monkeypatch.setattr(
+        mission_set, "left_for_this_code", lambda trials, folder: [t for t in trials if t.seed not in ran]
+    )
     arguments = ["--out", str(tmp_path / "hardship.json"), "--only", "paper", "--first-seed", "3"]
     assert command.main([*arguments, "--trials", "1"]) == 0
     assert command.main([*arguments, "--trials", "2"]) == 0 and ran == [3, 4]

@@ -12,10 +12,9 @@ from rich.console import Console
 
 from mr_experiments.bench.bench_hardship import HARDSHIPS, LARGE, table, trials_of
 from mr_experiments.bench.bench_merging import text_of
+from mr_experiments.bench.mission_set import records_of_all
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
-from mr_experiments.sweep.following import follow, line_of
-from mr_experiments.sweep.sweep import LocalPool, default_jobs, left_for_this_code
-from mr_experiments.sweep.trial_process import record_path
+from mr_experiments.sweep.sweep import default_jobs
 from mr_experiments.trial.trial import TrialError
 
 
@@ -64,12 +63,7 @@ def _run(options: argparse.Namespace) -> int:
     console = Console(soft_wrap=True, emoji=False, width=None if sys.stdout.isatty() else 120)
     first = options.first_seed
     trials = trials_of(options.only, range(first, first + options.trials), range(first, first + options.large_trials))
-    folder = options.out.with_suffix("")
-    folder.mkdir(parents=True, exist_ok=True)
-    left = left_for_this_code(trials, folder)
-    console.print(f"{len(left)} of {len(trials)} missions to run", highlight=False)
-    follow(LocalPool(options.jobs), left, folder, console, line_of)
-    rows = table([json.loads(record_path(folder, trial).read_text(encoding="utf-8")) for trial in trials])
+    rows = table(records_of_all(trials, options.out.with_suffix(""), options.jobs, console))
     for entry in rows:
         console.print(text_of(entry), highlight=False, markup=False)
     options.out.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")

@@ -1,0 +1,150 @@
+"""Whether teams come to their end, come home, touch nothing and draw right walls in other buildings, with other robots
+and in larger teams than those of the office."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Callable, Mapping, Sequence
+
+import numpy as np
+
+from mr_experiments.bench.bench_merging import Row, row
+from mr_experiments.bench.explore_missions import world_name
+from mr_experiments.trial.scenario import load_scenario
+from mr_experiments.trial.trial import Trial
+
+STRATEGY = 7
+HOME = 1.5  # m from its start within which a robot is at home: two cannot stand on one spot
+WIDE = ("generated:hall:{}:48x20", "generated:loop:{}:45x40")  # wider than a Pioneer's laser reaches
+
+Record = Mapping[str, Any]
+Bars = tuple[float, float]  # percent of wrong walls: mean and worst of all maps
+PIONEERS: Bars = (0.5, 3.0)
+TURTLEBOTS: Bars = (3.0, 8.0)
+WIDE_HALLS: Bars = (5.0, 5.0)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """`world`: from a seed; empty is the scenario's own. `unrevoked`: transforms that are right must stay."""
+
+    scenario: str
+    teams: tuple[int, ...]
+    walls: Bars = PIONEERS
+    world: Callable[[int], str] = lambda seed: ""
+    unrevoked: bool = False
+
+
+KINDS: Mapping[str, Kind] = {
+    "narrow": Kind("narrow", (2, 4)),
+    "unknown_poses": Kind("unknown_poses", (4,)),
+    "turtlebot": Kind("turtlebot", (1, 2, 3, 4), TURTLEBOTS, unrevoked=True),
+    "mixed": Kind("mixed", (4,), TURTLEBOTS),
+    "wide": Kind("paper", (1, 4), WIDE_HALLS, lambda seed: WIDE[seed % len(WIDE)].format(seed), unrevoked=True),
+    "generated": Kind("paper", (1, 4), world=world_name),
+    "large": Kind("large", (4,)),
+    "many": Kind("many", (8, 16)),
+}
+HUGE = ("large", "many")  # a quarter of an hour and more for each mission
+
+
+def trials_of(names: Sequence[str], seeds: Sequence[int], huge_seeds: Sequence[int]) -> dict[tuple[str, int], list]:
+    """By kind and team size."""
+    return {
+        (name, team): [_trial(KINDS[name], team, seed) for seed in (huge_seeds if name in HUGE else seeds)]
+        for name in names
+        for team in KINDS[name].teams
+    }
+
+
+def _trial(kind: Kind, team: int, seed: int) -> Trial:
+    return load_scenario(kind.scenario).trial(team, STRATEGY, seed, kind.world(seed))
+
+
+def table(groups: Mapping[tuple[str, int], Sequence[Record]]) -> list[Row]:
+    """`groups`: records by kind and team size."""
+    return [made for (name, team), records in groups.items() for made in _rows_of(name, team, records)]
+
+
+def _rows_of(name: str, team: int, records: Sequence[Record]) -> list[Row]:
+    what, kind = f"{name}, R = {team}", KINDS[name]
+    finished = [record for record in records if record["outcome"]["status"] == "finished"]
+    late = _named([(record, record["outcome"]["reason"]) for record in records if record not in finished])
+    rows = [_row(f"{what}: missions that finished", "all", len(finished), f"of {len(records)}",
+                 len(finished) == len(records), _times(finished) + late)]  # fmt: skip
+    away = [
+        (record, f"{robot} is {off:.1f} m from home") for record in records for robot, off in _far_from_home(record)
+    ]
+    rows.append(_row(f"{what}: robots that did not get home", "0", len(away), "", not away, _named(away)))
+    touched = [(record, name) for record in records for name, robot in record["robots"].items() if _contacts(robot)]
+    rows.append(_row(f"{what}: robots that touched something", "0", len(touched), "", not touched, _named(touched)))
+    rows += _wall_rows(what, kind.walls, records)
+    if kind.unrevoked and team > 1:
+        revoked = [(record, f"{one} of {other} at {at:.0f} s") for record in records for one, other, at in
+                   revoked_though_right(record)]  # fmt: skip
+        rows.append(_row(f"{what}: right transforms revoked", "0", len(revoked), "", not revoked, _named(revoked)))
+    return rows
+
+
+def _wall_rows(what: str, bars: Bars, records: Sequence[Record]) -> list[Row]:
+    """A robot that died has no say."""
+    maps = [(record, name, 100.0 * robot["map"]["wrong_walls"]) for record in records
+            for name, robot in record["robots"].items()
+            if robot["died_at"] is None and robot["map"].get("wrong_walls") is not None]  # fmt: skip
+    if not maps:
+        return [_row(f"{what}: wrong walls", "-", math.inf, "%", False, "no map")]
+    shares = [share for _, _, share in maps]
+    mean, worst = float(np.mean(shares)), max(shares)
+    bad = _named([(record, f"{name} {share:.0f} %") for record, name, share in maps if share > bars[1]])
+    return [
+        _row(f"{what}: wrong walls, mean", f"<= {bars[0]:g}", mean, "%", mean <= bars[0], f"{len(maps)} maps"),
+        _row(f"{what}: wrong walls, worst", f"<= {bars[1]:g}", worst, "%", worst <= bars[1], bad),
+    ]
+
+
+def revoked_though_right(record: Record) -> list[tuple[str, str, float]]:
+    """Robot, the other one, and when, s, of transforms that were right and were taken back."""
+    found = []
+    for name, robot in record["robots"].items():
+        right: dict[str, bool] = {}
+        for merge in robot["merges"]:
+            if merge["transform"]:
+                right[merge["with"]] = bool(merge["right"])
+                continue
+            if right.pop(merge["with"], False):
+                found.append((name, merge["with"], float(merge["at"])))
+    return found
+
+
+def _far_from_home(record: Record) -> list[tuple[str, float]]:
+    """Robot and m."""
+    found = []
+    for name, robot in record["robots"].items():
+        series = robot["series"]
+        if robot["died_at"] is not None or not series["x"]:
+            continue
+        off = math.dist((series["x"][-1], series["y"][-1]), robot["start"][:2])
+        if off > HOME:
+            found.append((name, off))
+    return found
+
+
+def _contacts(robot: Mapping[str, Any]) -> int:
+    return int(robot["collisions"]["walls"] + robot["collisions"]["robots"])
+
+
+def _times(records: Sequence[Record]) -> str:
+    times = [record["team"]["exploration_time"] for record in records]
+    return f"T {min(times):.0f} to {max(times):.0f} s, mean {float(np.mean(times)):.0f} s" if times else ""
+
+
+def _named(cases: Sequence[tuple[Record, str]], most: int = 6) -> str:
+    """The first cases with the seeds of their missions."""
+    told = [f"; seed {record['trial']['seed']}: {text}" for record, text in cases[:most]]
+    more = f"; {len(cases) - most} more" if len(cases) > most else ""
+    return "".join(told) + more
+
+
+def _row(what: str, bar: str, value: float, unit: str, holds: bool, detail: str) -> Row:
+    return row(what, bar, value, unit, holds, detail.removeprefix("; "))

@@ -1,0 +1,105 @@
+"""The benchmark of other buildings and robots: which missions, and what its table says."""
+
+import json
+
+import pytest
+
+from mr_experiments.bench import bench_buildings_command as command
+from mr_experiments.bench import mission_set
+from mr_experiments.bench.bench_buildings import HUGE, KINDS, revoked_though_right, table, trials_of
+
+
+def robot(walls=0.0, collisions=0, last=(1.0, 2.0), merges=(), died_at=None):
+    return {
+        "map": {"wrong_walls": walls},
+        "died_at": died_at,
+        "collisions": {"walls": collisions, "robots": 0},
+        "start": [1.0, 2.0, 0.0],
+        "series": {"x": [1.0, last[0]], "y": [2.0, last[1]]},
+        "merges": list(merges),
+    }
+
+
+def record(*robots, seed=1, time=100.0, status="finished"):
+    return {
+        "trial": {"seed": seed},
+        "outcome": {"status": status, "reason": "" if status == "finished" else "limit of 9 s reached"},
+        "team": {"exploration_time": time if status == "finished" else None},
+        "robots": {f"robot_{number}": each for number, each in enumerate(robots or (robot(),))},
+    }
+
+
+def entry(records, what, kind="turtlebot", team=4):
+    (found,) = [row for row in table({(kind, team): records}) if row["what"].endswith(what)]
+    return found
+
+
+def merge(at, transform, right=True):
+    return {"with": "robot_1", "at": at, "transform": transform, "right": right}
+
+
+def test_each_kind_has_its_worlds_and_robots():
+    groups = trials_of(list(KINDS), range(3, 5), range(3, 4))
+    assert {key: len(trials) for key, trials in groups.items() if key[0] in HUGE} == {
+        ("large", 4): 1, ("many", 8): 1, ("many", 16): 1}  # fmt: skip
+    assert all(trial.robots == team for (_, team), trials in groups.items() for trial in trials)
+    assert [trial.world for trial in groups["wide", 4]] == ["generated:loop:3:45x40", "generated:hall:4:48x20"]
+    assert all(trial.world.startswith("generated:") for trial in groups["generated", 1])
+    assert {trial.world for trial in groups["mixed", 4]} == {"office26x15_mixed"}
+
+
+def test_a_mission_without_an_end_is_named():
+    found = entry([record(), record(seed=7, status="unfinished")], "missions that finished")
+    assert not found["holds"] and found["detail"] == "T 100 to 100 s, mean 100 s; seed 7: limit of 9 s reached"
+
+
+@pytest.mark.parametrize(
+    "bad, what, detail",
+    [
+        (robot(last=(4.0, 6.0)), "did not get home", "seed 1: robot_0 is 5.0 m from home"),
+        (robot(collisions=2), "touched something", "seed 1: robot_0"),
+        (robot(walls=0.2), "wrong walls, worst", "seed 1: robot_0 20 %"),
+        (robot(merges=[merge(3.0, [1, 2, 0]), merge(9.0, None)]), "revoked", "seed 1: robot_0 of robot_1 at 9 s"),
+    ],
+)
+def test_each_fault_misses_its_bar_and_is_named(bad, what, detail):
+    assert entry([record(robot())], what)["holds"]
+    found = entry([record(bad, robot())], what)
+    assert not found["holds"] and found["detail"] == detail
+
+
+def test_robots_that_died_need_no_way_home_and_no_map():
+    records = [record(robot(), robot(last=(9.0, 9.0), walls=0.5, died_at=30.0))]
+    assert entry(records, "did not get home")["holds"] and entry(records, "wrong walls, worst")["value"] == 0.0
+
+
+def test_only_transforms_that_were_right_count_when_they_are_taken_back():
+    wrong = robot(
+        merges=[merge(1.0, [0, 0, 0], right=False), merge(2.0, []), merge(3.0, [1, 0, 0]), merge(4.0, [2, 0, 0])]
+    )
+    assert revoked_though_right(record(wrong)) == []
+
+
+def test_a_run_goes_on(tmp_path, monkeypatch, capsys):
+    """No mission is run: the pool is one that runs none."""
+    ran = []
+
+    def follow(pool, trials, folder, console, line):
+        for trial in trials:
+            ran.append(trial.seed)
+            (folder / f"{trial.key}.json").write_text(json.dumps({**record(seed=trial.seed), "format": 1}))
+
+    monkeypatch.setattr(mission_set, "follow", follow)
+    monkeypatch.setattr(
+        mission_set, "left_for_this_code", lambda trials, folder: [t for t in trials if t.seed not in ran]
+    )
+    arguments = ["--out", str(tmp_path / "buildings.json"), "--only", "mixed", "--first-seed", "3"]
+    assert command.main([*arguments, "--trials", "1"]) == 0
+    assert command.main([*arguments, "--trials", "2"]) == 0 and ran == [3, 4]
+    assert json.loads((tmp_path / "buildings.json").read_text())[0]["value"] == 2
+    assert "1 of 2 missions to run" in capsys.readouterr().out
+
+
+def test_bad_calls(capsys):
+    assert command.main(["--huge-trials", "0"]) == 2 and "--huge-trials" in capsys.readouterr().err
+    assert command.main(["--only", "moon"]) == 2
