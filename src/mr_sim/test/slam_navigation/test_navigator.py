@@ -18,7 +18,7 @@ from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, 
 from mr_sim.navigation.planner import CostMap, plan
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.navigation.yielding import HeldUp, find_retreat
-from mr_sim.pose import Pose
+from mr_sim.pose import Pose, compose
 
 EMPTY = make_scan(np.full(541, np.inf), -2.356, 4.712 / 540, 0.0, 8.0, (0.1, 0.0, 0.0))
 
@@ -262,6 +262,24 @@ def test_backwards_not_into_a_robot_that_says_where_it_is() -> None:
         navigator.set_goal((0.3, 2.0, 0.0), 0.0)
         least = min(navigator.step(0.1 * step, (1.0, 2.0, 0.0), EMPTY).linear for step in range(30))
         assert (least < -0.05) == backs
+
+
+@pytest.mark.parametrize("degrees, touches", [(57.0, False), (270.0, True)])
+def test_not_into_a_robot_that_says_it_is_beside_a_narrow_view(degrees: float, touches: bool) -> None:
+    """Turtlebots that knew one another's positions touched: neither was behind the other, nor in its view. What a wide
+    view does not show is not there."""
+    navigator, other = Navigator(name="robot_0"), (1.6, 2.36)
+    navigator.set_map(room())
+    navigator.set_others({"robot_1": other}, 0.0)
+    navigator.set_goal((3.2, 2.0, 0.0), 0.0)
+    view = math.radians(degrees)
+    scan = make_scan(np.full(541, np.inf), -0.5 * view, view / 540, 0.0, 8.0, (0.0, 0.0, 0.0))
+    pose, nearest = (1.0, 2.0, 0.0), math.inf
+    for step in range(50):
+        command = navigator.step(0.1 * step, pose, scan)
+        pose = compose(pose, (0.1 * command.linear, 0.0, 0.1 * command.angular))
+        nearest = min(nearest, math.dist(pose[:2], other))
+    assert (nearest < 0.45) == touches
 
 
 def test_thinning_keeps_the_nearest_point() -> None:

@@ -31,11 +31,11 @@ from mr_sim.navigation.options import (
 from mr_sim.navigation.planner import CostMap, Plan, path, plan, without_robots
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.navigation.yielding import HeldUp, find_retreat, nearest_blocker
-from mr_sim.pose import Pose, placed
+from mr_sim.pose import Pose, placed, seen_from
 
 WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
 POINT_SPACING = 0.03  # m, finer detail of obstacles does not matter
-ROBOT_NEAR = 1.5  # m within which a robot that says where it is bears on motions backwards
+ROBOT_NEAR = 1.5  # m within which a robot that says where it is counts where the laser is blind
 ROBOT_RIM = 0.04  # m by which the rim that its footprint takes up lies within the radius of the largest robot
 HINT_AGE = 6.0  # s for which reported positions of other robots count
 DETOUR = 5.0  # m that a way around something moving may be longer before waiting is better
@@ -222,7 +222,7 @@ class Navigator:
             self._stall.clear()
             self._memory.add(self._bumped(pose), now)
             self._velocity, self._manoeuvre, self._manoeuvre_at = (0.0, 0.0), None, -math.inf
-        obstacles = self._with_robots_behind(now, pose, self._obstacles(costs, pose, scan))
+        obstacles = self._with_unseen_robots(now, pose, scan, self._obstacles(costs, pose, scan))
         command = self._act(now, pose, obstacles)
         if self._goal is None:
             command = self._brake_clear(command, pose, obstacles)
@@ -496,19 +496,15 @@ class Navigator:
             scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
         )  # fmt: skip
 
-    def _with_robots_behind(self, now: float, pose: Pose, obstacles: np.ndarray) -> np.ndarray:
-        """Behind, where the laser is blind, also the rims of robots that say they are there."""
+    def _with_unseen_robots(self, now: float, pose: Pose, scan: Scan, obstacles: np.ndarray) -> np.ndarray:
+        """Behind, and wherever else the laser is blind, also the rims of robots that say they are there."""
         if now - self._others_at >= HINT_AGE:
             return obstacles
-        ahead = (math.cos(pose[2]), math.sin(pose[2]))
-        behind = [
-            (x, y)
-            for x, y in self._others.values()
-            if math.dist((x, y), pose[:2]) < ROBOT_NEAR and (x - pose[0]) * ahead[0] + (y - pose[1]) * ahead[1] < 0.0
-        ]
-        if not behind:
+        near = np.array([place for place in self._others.values() if math.dist(place, pose[:2]) < ROBOT_NEAR])
+        unseen = near[_unseen(seen_from(near, pose), scan)] if len(near) else near
+        if not len(unseen):
             return obstacles
-        rims = (np.array(behind)[:, None, :] + self._rim * CIRCLE[None, :, :]).reshape(-1, 2)
+        rims = (unseen[:, None, :] + self._rim * CIRCLE[None, :, :]).reshape(-1, 2)
         margins = np.tile([self.options.moving_margin, self.options.moving_reaction_time], (len(rims), 1))
         return np.concatenate([obstacles, np.hstack([rims, margins])])
 
@@ -558,6 +554,16 @@ def _bare(obstacles: np.ndarray, margin: float) -> np.ndarray:
     bare = obstacles - (0.0, 0.0, margin, 0.0)
     bare[:, 2:] = np.maximum(bare[:, 2:], 0.0) * (1.0, 0.0)
     return bare
+
+
+def _unseen(points: np.ndarray, scan: Scan) -> np.ndarray:
+    """bool (n,), of points (n, 2) in the robot's frame: behind the robot, or beside the field of view."""
+    half_view = 0.5 * (len(scan.ranges) - 1) * scan.angle_increment
+    from_laser = seen_from(points, scan.mount)
+    bearing = np.arctan2(from_laser[:, 1], from_laser[:, 0]) - (scan.angle_min + half_view)
+    beside = np.abs(np.remainder(bearing + math.pi, 2.0 * math.pi) - math.pi) > abs(half_view)
+    unseen: np.ndarray = (points[:, 0] < 0.0) | beside
+    return unseen
 
 
 def _limits(options: NavigationOptions) -> _navigation.Limits:
