@@ -4,31 +4,25 @@ No clock, no ROS, no thread: every call takes `now` in seconds, `tick` returns t
 """
 
 import math
-from typing import Any, Callable, List, Mapping, Optional, Sequence
+from typing import List, Mapping, Optional, Sequence
 
 import numpy as np
 
-from explorer.auction import first_auction_id
-from explorer.decision import Decision, telling
 from explorer.driver import Goal
 from explorer.edge import Edge
-from explorer.exploration import Exploration
 from explorer.foreign import Element, ForeignFrontiers
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
-from explorer.leftovers import reasons
 from explorer.messages import Auction, Effect, Note, Pose
+from explorer.missions import Missions, OnDecision
 from explorer.options import Options
-from explorer.orders import STOPPED, Answer
+from explorer.orders import Answer
 from explorer.perception import Perception
 from explorer.pictures import picture_of, status_of
 from explorer.report import Report, report_of
-from explorer.scene import Scene
 from explorer.senses import Senses
 from explorer.statement import Statement
 from explorer.status import Counters, Picture, State, Status
-from explorer.strategies import strategy_of
-from explorer.strategies.strategy import Bids, Strategy
 
 CLOCK_TOLERANCE = 1.0  # s by which the clock may be set back without consequences
 MAXIMUM_CHOSEN = 5000  # elements of one negotiation list that are read
@@ -39,36 +33,20 @@ class ExplorerAgent:
 
     Owns what outlives a mission; the mission is an `Exploration`, and a new one when the clock is set back."""
 
-    def __init__(self, options: Options, on_decision: Optional[Callable[[Decision], None]] = None) -> None:
+    def __init__(self, options: Options, on_decision: Optional[OnDecision] = None) -> None:
         """`on_decision` takes each decision of the strategy at the moment when it is made."""
         self.options = options
-        self._on_decision = on_decision
         self.name = options.robot_name
         self.foreign = ForeignFrontiers()
         self._senses = Senses(Pose(*options.home_pose) if options.home_pose else None)
         self.perception = Perception(options, self._senses)
-        self._random = np.random.default_rng(options.seed)
         self._outbox: List[Effect] = []
         self._edge = Edge(self.name, self._outbox.append)
         self._reached: List[str] = []  # by the radio
         self._ticked = -math.inf
-        self.mission = self._new_mission(0, first_auction_id(self.name, options.robot_number, options.simulation))
-
-    def _new_mission(self, last_goal: int, last_auction: int) -> Exploration:
-        options, emit = self.options, self._outbox.append
-        return Exploration(
-            options, self._strategy(), self._senses, self.perception, self.foreign, emit, last_goal, last_auction
-        )
-
-    def _strategy(self) -> Strategy:
-        kind = strategy_of(self.options.frontier_selection)
-        return kind(self._random) if self._on_decision is None else telling(kind, self._random, self._tell)
-
-    def _tell(self, scene: Scene, bids: Bids, choice: Optional[int], random: Mapping[str, Any]) -> None:
-        assert self._on_decision is not None
-        strategy = strategy_of(self.options.frontier_selection).name
-        why = reasons(self.perception.clusters, self.perception.worth)
-        self._on_decision(Decision(self.name, strategy, scene, bids, choice, random, why))
+        emit = self._outbox.append
+        self._missions = Missions(options, self._senses, self.perception, self.foreign, emit, on_decision)
+        self.mission = self._missions.first()
 
     # ---- input ----------------------------------------------------------------------------------------------------
 
@@ -159,34 +137,12 @@ class ExplorerAgent:
         auction message."""
         if now < self._ticked - CLOCK_TOLERANCE:
             self._outbox.append(Note(f"time went back by {self._ticked - now:.1f} s; the mission starts anew", True))
-            self._start_anew(now)
+            self.mission = self._missions.anew(self.mission, now)
         self._ticked = now
         self.mission.step(now)
         effects = list(self._outbox)
         self._outbox.clear()
         return effects
-
-    def _start_anew(self, now: float) -> None:
-        """All times noted so far lie in the future. What has none stays: map, pose, home and the robots that are there.
-        Numbers that they know are not given again."""
-        old = self.mission
-        old.driver.drop()
-        sent = old.sharing.sent()
-        self._senses.restart()
-        self.perception.restart()
-        self.mission = self._new_mission(old.driver.last_id, old.auctions.last_id)
-        self.mission.sharing.recall(sent)
-        self.mission.hearing.take_robots(old.team.known())
-        if self._senses.map is not None:
-            self.on_global_map(self._senses.map, now)
-        if self._senses.pose is not None:
-            self.on_pose(self._senses.pose, now)
-        if old.started_at is not None:
-            self.start(now)
-        if old.orders.paused:
-            self.pause(now)
-        elif old.orders.ended_by == STOPPED:
-            self.stop(now)
 
     # ---- what is told of the robot --------------------------------------------------------------------------------
 
@@ -223,11 +179,6 @@ class ExplorerAgent:
     @property
     def counters(self) -> Counters:
         return self.mission.counters
-
-    @property
-    def revision(self) -> int:
-        """Counts the changes of what `picture` shows."""
-        return self.perception.revision
 
     @property
     def goal(self) -> Optional[Goal]:
