@@ -104,7 +104,7 @@ def test_all_figures_are_in_and_beside(made, text):
 
 def test_trials_that_did_not_finish_are_counted_and_named(text):
     page = Page(text)
-    assert "16 simulated missions: 14 finished, 1 unfinished, 1 failed" in text
+    assert "16 missions: 14 finished, 1 unfinished, 1 failed" in text
     assert page.rows(paper.WORLD, "paper", "7", "3") == [
         [paper.WORLD, "paper", "7", "3", "4", "3", "0", "1"],
         [paper.WORLD, "paper", "7", "3", "2", "failed", "12.5", "map_merger: IndexError at 12.5 s"],

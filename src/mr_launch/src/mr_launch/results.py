@@ -1,4 +1,4 @@
-"""Output folder of a mission: maps, picture, summary.json and the final table."""
+"""Output folder of a mission: maps, picture, summary.json, record.json and the final table."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from rich.table import Table
 from mr_launch.maps import Grid, load_raw, save_map
 from mr_launch.mission import Outcome
 from mr_launch.plan import TRUTH_FILE, Plan, RobotPlan
+from mr_launch.record import mission_record
 from mr_launch.reports import RobotReport
 from mr_launch.summary import mission_summary, robot_summary, team_summary
 from mr_launch.truth import Truth
@@ -38,6 +39,8 @@ def write_results(
     summary = mission_summary(plan, robots, team, outcome.reason, outcome.notes)
     draw(plan, outcome, grids, robots, truth)
     (Path(plan.out) / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+    record = mission_record(plan, summary, outcome, truth, grids)
+    (Path(plan.out) / "record.json").write_text(json.dumps(record, separators=(",", ":")) + "\n")
     return summary
 
 
@@ -151,6 +154,7 @@ def files_of(plan: Plan) -> list[str]:
     out, first = Path(plan.out), plan.robots[0].name
     names = (
         "summary.json",
+        "record.json",
         "team.png",
         "truth.csv",
         "logs",

@@ -15,10 +15,10 @@ from mr_experiments.host.radio import TeamRadio
 from mr_experiments.host.robot import Robot
 from mr_experiments.host.transforms import MergeLog
 from mr_experiments.measures.occupancy import free_area, grid_as_map, occupancy_of
-from mr_experiments.measures.pictures import picture_of
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
 from mr_plans import is_generated
+from mr_sim.map_picture import picture_of
 from mr_sim.measures import Truth
 from mr_sim.pose import Pose, seen_from
 from mr_sim.stored_truth import truth_of_generated

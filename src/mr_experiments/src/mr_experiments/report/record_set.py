@@ -15,6 +15,7 @@ from mr_sim.pose import Pose
 from mr_sim.worlds import label_of
 
 FORMAT = 1
+STACK_RECORD = "record.json"  # in the output folder of a mission of the ROS stack
 FINISHED, UNFINISHED, FAILED = "finished", "unfinished", "failed"
 STATUSES = (FINISHED, UNFINISHED, FAILED)
 
@@ -111,6 +112,7 @@ class Record:
     progress: Progress
     robots: tuple[RobotRecord, ...]
     measured: Mapping[str, Any]
+    merges_recorded: bool = True  # missions of the ROS stack have none
 
     @property
     def finished(self) -> bool:
@@ -187,13 +189,17 @@ def count_outcomes(records: Iterable[Record]) -> dict[str, int]:
 
 
 def load_records(folder: str | Path) -> RecordSet:
-    """Every `*.json` of a folder. Raises RecordError for no records, a broken one or one that is there twice."""
+    """Every `*.json` of a folder, or the `record.json` of every mission of the ROS stack below it. Raises RecordError
+    for no records, a broken one or one that is there twice."""
     folder = Path(folder)
     if not folder.is_dir():
         raise RecordError(f"{folder} is no folder; give the folder into which the trials were written")
-    paths = sorted(folder.glob("*.json"))
+    missions = sorted(folder.glob(f"**/{STACK_RECORD}"))
+    paths = missions or sorted(folder.glob("*.json"))
     if not paths:
-        raise RecordError(f"{folder} holds no records (*.json)")
+        raise RecordError(
+            f"{folder} holds no records (*.json) and no missions of rosrun mr_launch team ({STACK_RECORD})"
+        )
     records = [load_record(path) for path in paths]
     _refuse_doubles(records)
     return RecordSet(folder, tuple(sorted(records, key=_order)))
@@ -209,7 +215,7 @@ def _refuse_doubles(records: Sequence[Record]) -> None:
     for record in records:
         other = seen.setdefault((record.group, record.seed), record.path)
         if other != record.path:
-            raise RecordError(f"{record.path} and {other.name} record the same trial; remove one of them")
+            raise RecordError(f"{record.path} and {other} record the same trial; remove one of them")
 
 
 def load_record(path: Path) -> Record:
@@ -244,6 +250,7 @@ def load_record(path: Path) -> Record:
         progress=_read_progress(reader),
         robots=robots,
         measured=reader.mapping("measured"),
+        merges_recorded=not robots or any(reader.get("robots", robot.name, "merges") is not None for robot in robots),
     )
 
 

@@ -169,7 +169,7 @@ def make_report(
     parts = scopes(records)
     chapters = [_chapter_section(scope, making, with_bound) for scope in parts]
     body = [
-        page.heading(1, "Missions in virtual time"),
+        page.heading(1, "Missions"),
         page.paragraph(_introduction(records)),
         page.contents(_contents(parts, comparison)),
         _outcome_section(records, making),
@@ -194,7 +194,7 @@ def _introduction(records: RecordSet) -> str:
     counts = records.counts
     total = len(records.records)
     return (
-        f"{total} simulated missions: {counts['finished']} finished, {counts['unfinished']} unfinished, "
+        f"{total} missions: {counts['finished']} finished, {counts['unfinished']} unfinished, "
         f"{counts['failed']} failed. Failed missions enter the counts only; unfinished ones enter everything but the "
         "exploration time, which they do not have. Numbers headed by 0.05 and 0.95 are quantiles. R is the number "
         "of robots."

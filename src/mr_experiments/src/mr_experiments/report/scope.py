@@ -25,6 +25,10 @@ class Scope:
         """Whether these are the paper's simulations, repeated."""
         return Path(self.chapter.world).stem == paper.WORLD and self.chapter.scenario == paper.SCENARIO
 
+    @property
+    def merges_recorded(self) -> bool:
+        return any(record.merges_recorded for records in self.teams.values() for record in records)
+
     def results(self, robots: int) -> list[Record]:
         """Trials that came to a result, finished or not."""
         return [record for record in self.teams[robots] if not record.failed]

@@ -22,7 +22,7 @@ def chapter_tables(scope: Scope) -> list[Table]:
         distance_table(scope),
         exploration_time_table(scope),
         team_table(scope),
-        merging_table(scope),
+        *([merging_table(scope)] if scope.merges_recorded else []),
         radio_table(scope),
         computing_table(scope),
     ]
@@ -109,8 +109,8 @@ def _trial_row(record: Record) -> tuple[Cell, ...]:
         statistics.mean(errors) if errors else None,
         record.overlap,
         sum(sum(robot.collisions) for robot in record.robots),
-        len(merges),
-        sum(not merge.right for merge in merges),
+        len(merges) if record.merges_recorded else None,
+        sum(not merge.right for merge in merges) if record.merges_recorded else None,
         sum(robot.bytes_sent for robot in record.robots),
     )
 

@@ -22,8 +22,8 @@ from mr_experiments.host.mission import Mission
 from mr_experiments.host.robot import Robot
 from mr_experiments.measures.allocation import keep_freed_memory
 from mr_experiments.measures.occupancy import grid_as_map, occupancy_of
-from mr_experiments.measures.pictures import picture_of
 from mr_experiments.trial.trial import Trial, TrialError
+from mr_sim.map_picture import picture_of
 from mr_sim.measures import collisions, coverage, moving_share, overlap_between_robots, wrong_walls
 from mr_sim.reference import VIRTUAL_TIME, MapReferenceError, error_of_map
 from mr_sim.worlds import find_world
