@@ -13,9 +13,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.transforms import Affine2D
 
+from mr_grid import Pose
 from mr_launch.maps import Grid
 from mr_launch.truth import Track
-from mr_sim.pose import Pose, placed
 
 COLOURS = ("#d62728", "#1f77b4", "#2ca02c", "#ff9f1c", "#9467bd", "#17becf", "#8c564b", "#e377c2")
 ROBOT = np.array([(-0.5, -0.5), (0.27, -0.5), (0.5, 0.0), (0.27, 0.5), (-0.5, 0.5)])  # of length and width, nose ahead
@@ -40,7 +40,7 @@ def bounds(grid: Grid, pose: Pose) -> tuple[float, float, float, float]:
     xs = grid.origin[0] + grid.resolution * np.array([columns.min(), columns.max() + 1])
     ys = grid.origin[1] + grid.resolution * np.array([rows.min(), rows.max() + 1])
     corners = np.array([(x, y) for x in xs for y in ys])
-    world = placed(corners, pose)
+    world = pose.apply(corners)
     return world[:, 0].min(), world[:, 0].max(), world[:, 1].min(), world[:, 1].max()
 
 
@@ -103,5 +103,5 @@ def draw_track(axes: plt.Axes, name: str, track: Track, start: float, colour: st
     axes.plot(
         x[0], y[0], "o", markersize=9, markerfacecolor="white", markeredgecolor=colour, markeredgewidth=2, zorder=5
     )
-    outline = placed(ROBOT * size, (x[-1], y[-1], yaw[-1]))
+    outline = Pose(x[-1], y[-1], yaw[-1]).apply(ROBOT * size)
     axes.fill(*outline.T, facecolor=colour, edgecolor="black", linewidth=0.8, zorder=6)

@@ -10,10 +10,10 @@ from typing import Any, Sequence
 
 import yaml  # type: ignore[import-untyped]
 
+from mr_grid import Pose
 from mr_launch.errors import UserError
 from mr_launch.maps import Grid
 from mr_launch.plan import Walls
-from mr_sim.pose import Pose
 
 
 def find_world(name: str, starts: Sequence[float] = ()) -> str:
@@ -138,7 +138,7 @@ def load_truth(path: Path) -> Any | None:
 def occupancy_map(grid: Grid) -> Any:
     from mr_sim.measures import OccupancyMap
 
-    return OccupancyMap(grid.cells, grid.resolution, (*grid.origin, 0.0))
+    return OccupancyMap(grid.cells, grid.resolution, Pose(*grid.origin))
 
 
 class CoverageMeter:

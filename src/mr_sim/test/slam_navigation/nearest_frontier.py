@@ -13,10 +13,10 @@ from typing import Dict, List, Optional, Tuple
 import cv2
 import numpy as np
 
+from mr_grid import Pose
 from mr_sim.closed_loop import ClosedLoop, Robot
 from mr_sim.navigation.engine import Status
 from mr_sim.navigation.options import Grid
-from mr_sim.pose import Pose
 
 GOAL_PERIOD = 2.0  # s between choices of a goal
 

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from mr_grid import Pose
 from mr_sim import _navigation
 from mr_sim.navigation.options import Grid, NavigationOptions
 from mr_sim.navigation.planner import CostMap, path, plan, robot_extent, robot_reach, without_robots
@@ -168,8 +169,8 @@ def test_closed_room_is_no_way_and_goal_in_a_wall_goes_beside_it() -> None:
     cells[:, 30] = 100
     grid = Grid(cells, 0.05, (0.0, 0.0))
     costs = CostMap(grid, OPTIONS)
-    assert plan(costs, np.empty((0, 2)), (0.7, 1.5, 0.0), (2.5, 1.5), 0.5) is None
-    beside = plan(costs, np.empty((0, 2)), (0.7, 1.5, 0.0), (1.5, 1.5), 0.5)
+    assert plan(costs, np.empty((0, 2)), Pose(0.7, 1.5, 0.0), (2.5, 1.5), 0.5) is None
+    beside = plan(costs, np.empty((0, 2)), Pose(0.7, 1.5, 0.0), (1.5, 1.5), 0.5)
     assert beside is not None and not beside.exact and 1.1 < beside.goal[0] < 1.3
 
 
@@ -177,7 +178,7 @@ def test_unknown_is_no_ground_unless_allowed() -> None:
     cells = np.zeros((SIZE, SIZE), np.int8)
     cells[:, 25:35] = -1
     grid = Grid(cells, 0.05, (0.0, 0.0))
-    start, goal = (0.5, 1.5, 0.0), (2.5, 1.5)
+    start, goal = Pose(0.5, 1.5, 0.0), (2.5, 1.5)
     assert plan(CostMap(grid, OPTIONS), np.empty((0, 2)), start, goal, 0.3) is None
     assert plan(CostMap(grid, NavigationOptions(allow_unknown=True)), np.empty((0, 2)), start, goal, 0.3) is not None
 
@@ -196,7 +197,7 @@ def test_a_robot_beside_a_wall_makes_no_hole_in_it() -> None:
     for x in (2.7, 2.95, 3.4):
         seen = without_robots(grid, [(x, 2.0)], RADIUS)
         assert (seen.cells == grid.cells).all()
-        assert plan(CostMap(seen, OPTIONS), np.empty((0, 2)), (1.5, 2.0, 0.0), (4.5, 2.0), 0.5) is None
+        assert plan(CostMap(seen, OPTIONS), np.empty((0, 2)), Pose(1.5, 2.0, 0.0), (4.5, 2.0), 0.5) is None
 
 
 def test_what_a_laser_saw_of_a_robot_is_forgotten() -> None:
@@ -205,7 +206,7 @@ def test_what_a_laser_saw_of_a_robot_is_forgotten() -> None:
     door = cells.copy()
     cells[36:44, 57:66] = 100
     grid = Grid(cells, 0.05, (0.0, 0.0))
-    assert plan(CostMap(grid, OPTIONS), np.empty((0, 2)), (1.5, 2.0, 0.0), (4.5, 2.0), 0.5) is None
+    assert plan(CostMap(grid, OPTIONS), np.empty((0, 2)), Pose(1.5, 2.0, 0.0), (4.5, 2.0), 0.5) is None
     assert (without_robots(grid, [(3.2, 2.1)], RADIUS).cells == door).all()
     assert (without_robots(grid, [(4.0, 2.0)], RADIUS).cells == cells).all()
     assert (grid.cells == cells).all(), "the map itself stays as it is"
@@ -248,5 +249,5 @@ def test_room_to_get_free_and_to_pass_follows_the_size_of_the_robots() -> None:
     cells[:, 0] = 100
     grid = Grid(cells, 0.05, (0.0, 0.0))
     for options, reach in ((OPTIONS, 0.45), (large, 0.61)):
-        opened = CostMap(grid, options).slowness(np.empty((0, 2)), (0.1, 2.0, 0.0)) == 25.0
+        opened = CostMap(grid, options).slowness(np.empty((0, 2)), Pose(0.1, 2.0, 0.0)) == 25.0
         assert np.ptp(np.flatnonzero(opened.any(axis=1))) * 0.05 / 2 == pytest.approx(reach, abs=0.05)

@@ -8,9 +8,9 @@ from typing import Callable, Mapping
 import numpy as np
 
 from mr_experiments.common.stopwatch import Stopwatch
+from mr_grid import Pose
 from mr_sim.navigation.engine import Navigator, Status
 from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, make_scan
-from mr_sim.pose import Pose
 from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, LaserScan, OccupancyMap, Slam, SlamOptions
 from mr_sim.world_model import RangerDescription
 
@@ -45,8 +45,9 @@ class Body:
     def locate(self, scan: LaserScan, odometry: Pose, now: float) -> Pose:
         """The robot's pose in its map frame, from a scan."""
         with self._stopwatch.span("slam"):
-            self.pose = self.slam.process(scan, odometry, now).pose
-        return self.pose
+            pose = self.slam.process(scan, odometry, now).pose
+        self.pose = pose
+        return pose
 
     def new_map(self, now: float) -> OccupancyMap | None:
         """The local map if there is a new one to hand out."""

@@ -22,7 +22,7 @@ from map_merger.view import NoTransform
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.robot_radio import RobotRadio
-from mr_sim.pose import Pose
+from mr_grid import Pose
 from mr_sim.slam.engine import LaserScan
 
 TICK = 0.2  # s

@@ -18,9 +18,9 @@ from mr_experiments.measures.occupancy import free_area, grid_as_map, occupancy_
 from mr_experiments.measures.pictures import picture_of
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
+from mr_grid import Pose
 from mr_plans import is_generated
 from mr_sim.measures import Truth
-from mr_sim.pose import Pose, seen_from
 from mr_sim.stored_truth import truth_of_generated
 from mr_sim.trace import RECORD
 from mr_sim.world import World
@@ -73,7 +73,7 @@ class Recorder:
         self.trial, self.world, self.starts = trial, world, starts
         self.truth = truth_for(trial, world)
         # The reference cells as the robots see them, by their true starts.
-        self._reference = [seen_from(self.truth.reference, start) for start in self.starts]
+        self._reference = [start.apply_inverse(self.truth.reference) for start in self.starts]
         self.logs = [RobotLog() for _ in range(trial.robots)]
         self.merges = MergeLog(self.starts, world.names)
         self.team: dict[str, list[float]] = {

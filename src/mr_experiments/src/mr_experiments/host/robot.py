@@ -20,7 +20,7 @@ from mr_experiments.host.fast.perfect_merging import PerfectMerger, TeamSight
 from mr_experiments.host.merging import Merger
 from mr_experiments.host.radio import TeamRadio
 from mr_experiments.host.robot_radio import RobotRadio
-from mr_sim.pose import Pose
+from mr_grid import Pose
 from mr_sim.slam.engine import OccupancyMap
 
 STATUS_PERIOD = 1.0  # s between two messages of adhoc_communication/status
@@ -162,7 +162,7 @@ class Robot:
     def set_goal(self, goal_id: int, pose: messages.Pose, now: float) -> None:
         self._observer.on_goal(self.index, goal_id, pose, now)
         self.explorer.on_goal_accepted(goal_id)
-        self.body.set_goal(goal_id, (pose.x, pose.y, pose.yaw), now)
+        self.body.set_goal(goal_id, Pose(pose.x, pose.y, pose.yaw), now)
 
     def cancel_goal(self, now: float) -> None:
         self._observer.on_goal_end(self.index, None, "cancelled", "", now)

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from map_merger.transform import Transform
+from mr_grid import Pose
 from mr_sim.measures import OccupancyMap
-from mr_sim.pose import Pose
 
 MOST_POINTS = 400  # of an overlap
 FEWEST_POINTS = 20  # for a fit

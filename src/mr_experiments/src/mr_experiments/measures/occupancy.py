@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from map_merger.grid import Grid
+from mr_grid import Pose
 from mr_sim.measures import OccupancyMap
 from mr_sim.slam.engine import OccupancyMap as LocalMap
 
@@ -16,11 +17,11 @@ def free_area(cells: np.ndarray, resolution: float) -> float:
 
 def grid_as_map(grid: Grid) -> OccupancyMap:
     origin = grid.info.origin
-    return OccupancyMap(grid.cells, grid.info.resolution, (origin.x, origin.y, origin.yaw))
+    return OccupancyMap(grid.cells, grid.info.resolution, Pose(origin.x, origin.y, origin.yaw))
 
 
 def occupancy_of(local: LocalMap | None) -> OccupancyMap:
     """Without cells where there is no map yet."""
     if local is None:
         return OccupancyMap(np.zeros((0, 0), dtype=np.int8), 1.0)
-    return OccupancyMap(local.cells, local.resolution, (*local.origin, 0.0))
+    return OccupancyMap(local.cells, local.resolution, Pose(*local.origin))

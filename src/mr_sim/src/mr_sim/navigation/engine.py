@@ -13,6 +13,7 @@ from typing import List, Mapping, Optional, Tuple
 
 import numpy as np
 
+from mr_grid import Pose
 from mr_sim import _navigation
 from mr_sim.navigation.arrivals import Arrivals
 from mr_sim.navigation.clock import Clock
@@ -31,7 +32,6 @@ from mr_sim.navigation.options import (
 from mr_sim.navigation.planner import CostMap, Plan, path, plan, without_robots
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.navigation.yielding import HeldUp, find_retreat, nearest_blocker
-from mr_sim.pose import Pose, placed
 
 WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
 POINT_SPACING = 0.03  # m, finer detail of obstacles does not matter
@@ -319,7 +319,7 @@ class Navigator:
             return np.empty((0, 2))
         x = math.copysign(self.options.footprint_length / 2.0 + BUMPED, self._velocity[0])
         half = self.options.footprint_width / 2.0
-        return placed(np.array([(x, y) for y in np.linspace(-half, half, 9)]), pose)
+        return pose.apply(np.array([(x, y) for y in np.linspace(-half, half, 9)]))
 
     def _give_way(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
         retreat = self._retreat
@@ -436,7 +436,7 @@ class Navigator:
         assert self._goal is not None
         closed = self._goal.blocked_since is not None and not self._memory.size
         points = self._memory.points
-        return nearest_blocker(np.concatenate([points, placed(self._hits, pose)]) if closed else points, pose)
+        return nearest_blocker(np.concatenate([points, pose.apply(self._hits)]) if closed else points, pose)
 
     def _begin_to_give_way(self, now: float, pose: Pose) -> Command:
         assert self._costs is not None

@@ -6,8 +6,8 @@ from typing import Tuple
 
 import numpy as np
 
+from mr_grid import Pose
 from mr_sim import _navigation
-from mr_sim.pose import Pose
 
 FARTHEST = 1e5  # m from the origin of the frame; arithmetic on cells goes wrong with larger coordinates
 FINEST, COARSEST = 1e-3, 1e2  # m, cells of a map

@@ -7,9 +7,9 @@ from typing import List, Optional, Tuple
 import cv2
 import numpy as np
 
+from mr_grid import Pose
 from mr_sim import _navigation
 from mr_sim.navigation.options import Grid, NavigationOptions
-from mr_sim.pose import Pose
 
 NEAR_WALL_COST = 6.0  # a cell at the wall costs this much more than a free one
 ESCAPE_ROOM = 0.21  # m more than a robot has to keep from walls: around one that is nearer it may move out

@@ -9,8 +9,8 @@ from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseFeedback
 from nav_msgs.msg import Path
 
+from mr_grid import Pose
 from mr_sim.navigation.options import Grid, NavigationError, Scan, make_scan
-from mr_sim.pose import Pose
 from mr_sim.ros_poses import quaternion, yaw_of
 
 
@@ -20,7 +20,7 @@ def goal_value(message: PoseStamped) -> Pose:
     norm = math.sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w)
     if not abs(norm - 1.0) < 0.1:
         raise NavigationError(f"orientation of the goal is no rotation (norm {norm:.3f}): set orientation.w to 1")
-    goal = (position.x, position.y, yaw_of(q))
+    goal = Pose(position.x, position.y, yaw_of(q))
     if not all(math.isfinite(value) for value in goal):
         raise NavigationError("goal has coordinates that are not finite")
     return goal

@@ -10,9 +10,9 @@ from typing import Mapping, Optional, Tuple
 
 import numpy as np
 
+from mr_grid import Pose
 from mr_sim import _navigation
 from mr_sim.navigation.planner import CostMap, Plan, plan
-from mr_sim.pose import Pose
 
 Point = Tuple[float, float]
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from mr_grid import Pose
 from mr_sim.navigation.options import Grid
-from mr_sim.pose import Pose, compose, inverse
 from mr_sim.raster import rasterise
 from mr_sim.world_model import WorldDescription
 
@@ -22,7 +22,7 @@ class MergedMap:
         """`start`: of the robot in the world, where its map frame lies. On the lattice of the own map."""
         shape = np.array(self._truth.cells.shape) * self._truth.resolution
         corners = [
-            compose(inverse(start), (self._truth.origin[0] + x, self._truth.origin[1] + y, 0.0))[:2]
+            start.inverse().apply_point(self._truth.origin[0] + x, self._truth.origin[1] + y)
             for x in (-BORDER, shape[1] + BORDER)
             for y in (-BORDER, shape[0] + BORDER)
         ]
@@ -41,7 +41,7 @@ class MergedMap:
     ) -> np.ndarray:
         """The other robot's map on a lattice in the frame of a robot that started there."""
         row, column = np.indices((rows, columns))
-        frame = compose(inverse(self._error), start)
+        frame = self._error.between(start)
         x, y = origin[0] + (column + 0.5) * resolution, origin[1] + (row + 0.5) * resolution
         c, s = np.cos(frame[2]), np.sin(frame[2])
         there_x, there_y = frame[0] + c * x - s * y, frame[1] + s * x + c * y

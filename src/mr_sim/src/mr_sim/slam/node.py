@@ -11,7 +11,7 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
-from mr_sim.pose import Pose, compose, inverse
+from mr_grid import Pose
 from mr_sim.ros_poses import transform_pose, yaw_of
 from mr_sim.slam import ros_io
 from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
@@ -75,7 +75,7 @@ class SlamNode:
     def _on_odometry(self, message: Odometry) -> None:
         pose = message.pose.pose
         stamp = message.header.stamp
-        self._odometry.add(stamp.to_sec(), (pose.position.x, pose.position.y, yaw_of(pose.orientation)))
+        self._odometry.add(stamp.to_sec(), Pose(pose.position.x, pose.position.y, yaw_of(pose.orientation)))
         if self._pending is not None:
             scan, self._pending = self._pending, None
             self._on_scan(scan)
@@ -94,7 +94,7 @@ class SlamNode:
             # Too new: wait for the odometry of its time. Too old: of no use any more.
             self._pending = message if newest is not None and last > newest[0] else None
             return
-        scan = ros_io.scan_value(message, mount, compose(inverse(odometry), odometry_after))
+        scan = ros_io.scan_value(message, mount, odometry.between(odometry_after))
         update = self._slam.process(scan, odometry, time)
         if not update.matched:
             rospy.logwarn_throttle(10.0, f"scan does not match the map ({update.share:.0%} of it does)")

@@ -7,7 +7,7 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan as LaserScanMessage
 
-from mr_sim.pose import Pose
+from mr_grid import IDENTITY, Pose
 from mr_sim.ros_poses import quaternion
 from mr_sim.slam.engine import LaserScan, OccupancyMap, SlamError
 
@@ -28,7 +28,7 @@ def sweep_time(message: LaserScanMessage) -> float:
     return seconds
 
 
-def scan_value(message: LaserScanMessage, mount: Pose, swept: Pose = (0.0, 0.0, 0.0)) -> LaserScan:
+def scan_value(message: LaserScanMessage, mount: Pose, swept: Pose = IDENTITY) -> LaserScan:
     """`swept`: robot at the last beam seen from where it was at the first."""
     return LaserScan(
         np.asarray(message.ranges, dtype=np.float32),

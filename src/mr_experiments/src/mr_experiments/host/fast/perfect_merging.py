@@ -13,7 +13,7 @@ from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.merging import MergerListener
 from mr_experiments.measures.true_map import TrueMap
-from mr_sim.pose import Pose, compose, inverse
+from mr_grid import Pose
 
 POSITION_PERIOD = 1.0  # s between positions, as map_merger's seconds_send_position in mr_launch
 
@@ -95,11 +95,11 @@ class PerfectMerger:
 
     def _transform(self, robot: str) -> Transform:
         starts = self._sight.starts
-        return Transform(*compose(inverse(starts[self._name]), starts[robot]))
+        return Transform(*starts[self._name].between(starts[robot]))
 
     def _tell_positions(self, now: float) -> None:
         if not self._running:
             return
-        start = inverse(self._sight.starts[self._name])
+        start = self._sight.starts[self._name].inverse()
         poses = {robot: self._sight.poses[robot] for robot in sorted(self._present) if robot in self._sight.poses}
-        self._listener.on_positions({robot: compose(start, pose)[:2] for robot, pose in poses.items()}, now)
+        self._listener.on_positions({robot: start.compose(pose)[:2] for robot, pose in poses.items()}, now)
