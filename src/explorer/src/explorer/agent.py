@@ -17,7 +17,7 @@ from explorer.foreign import Element, ForeignFrontiers
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
 from explorer.leftovers import reasons
-from explorer.messages import Auction, Effect, Note, Pose
+from explorer.messages import Auction, Effect, Note
 from explorer.options import Options
 from explorer.orders import STOPPED, Answer
 from explorer.perception import Perception
@@ -29,6 +29,7 @@ from explorer.statement import Statement
 from explorer.status import Counters, Picture, State, Status
 from explorer.strategies import strategy_of
 from explorer.strategies.strategy import Bids, Strategy
+from mr_grid import Pose
 
 CLOCK_TOLERANCE = 1.0  # s by which the clock may be set back without consequences
 MAXIMUM_CHOSEN = 5000  # elements of one negotiation list that are read

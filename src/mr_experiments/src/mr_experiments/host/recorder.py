@@ -183,7 +183,7 @@ class Recorder:
         """SLAM has a new pose; `true`: the robot's at that moment, world frame."""
         self.merges.follow(self._robots[robot], true)
 
-    def on_goal(self, robot: int, goal_id: int, pose: messages.Pose, now: float) -> None:
+    def on_goal(self, robot: int, goal_id: int, pose: Pose, now: float) -> None:
         self._end_goal(robot, "replaced", "", now)
         self.logs[robot].goals.append(
             {

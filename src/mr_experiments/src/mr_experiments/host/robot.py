@@ -29,7 +29,7 @@ STATUS_PERIOD = 1.0  # s between two messages of adhoc_communication/status
 class Observer(Protocol):
     """Who records what happens on a robot. `robot`: its index."""
 
-    def on_goal(self, robot: int, goal_id: int, pose: messages.Pose, now: float) -> None: ...
+    def on_goal(self, robot: int, goal_id: int, pose: Pose, now: float) -> None: ...
 
     def on_goal_end(self, robot: int, goal_id: int | None, outcome: str, text: str, now: float) -> None: ...
 
@@ -159,10 +159,10 @@ class Robot:
 
     # What the explorer wants.
 
-    def set_goal(self, goal_id: int, pose: messages.Pose, now: float) -> None:
+    def set_goal(self, goal_id: int, pose: Pose, now: float) -> None:
         self._observer.on_goal(self.index, goal_id, pose, now)
         self.explorer.on_goal_accepted(goal_id)
-        self.body.set_goal(goal_id, Pose(pose.x, pose.y, pose.yaw), now)
+        self.body.set_goal(goal_id, pose, now)
 
     def cancel_goal(self, now: float) -> None:
         self._observer.on_goal_end(self.index, None, "cancelled", "", now)
