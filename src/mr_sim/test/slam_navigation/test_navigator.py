@@ -8,14 +8,14 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 from mr_sim import _navigation
 from mr_sim.closed_loop import ClosedLoop, Robot
 from mr_sim.navigation.arrivals import Arrivals
 from mr_sim.navigation.clock import Clock
 from mr_sim.navigation.engine import Command, Navigator, Status
 from mr_sim.navigation.obstacles import ObstacleMemory
-from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, Scan, make_scan
+from mr_sim.navigation.options import NavigationError, NavigationOptions, Scan, make_scan
 from mr_sim.navigation.planner import CostMap, plan
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.navigation.yielding import HeldUp, find_retreat
@@ -23,11 +23,11 @@ from mr_sim.navigation.yielding import HeldUp, find_retreat
 EMPTY = make_scan(np.full(541, np.inf), -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.1, 0.0, 0.0))
 
 
-def room(walls: Tuple[slice, ...] = ()) -> Grid:
+def room(walls: Tuple[slice, ...] = ()) -> OccupancyGrid:
     cells = np.zeros((80, 80), np.int8)
     for rows, columns in zip(walls[::2], walls[1::2]):
         cells[rows, columns] = 100
-    return Grid(cells, 0.05, (0.0, 0.0))
+    return OccupancyGrid.of(cells, 0.05)
 
 
 def until_end(navigator: Navigator, pose: Pose, scan: Scan = EMPTY, limit: float = 60.0) -> Tuple[float, Command]:
@@ -87,9 +87,9 @@ def test_missing_input_is_named() -> None:
     [
         lambda n: n.set_goal(Pose(math.nan, 0.0, 0.0), 0.0),
         lambda n: n.set_goal(Pose(0.0, 1e308, 0.0), 0.0),
-        lambda n: n.set_map(Grid(np.zeros((4, 4), np.int8), 0.05, (1e308, 0))),
-        lambda n: n.set_map(Grid(np.zeros((4, 4), np.int8), 1e-300, (0, 0))),
-        lambda n: n.set_map(Grid(np.zeros((0, 4), np.int8), 0.05, (0, 0))),
+        lambda n: n.set_map(OccupancyGrid.of(np.zeros((4, 4), np.int8), 0.05, Pose(1e308, 0))),
+        lambda n: n.set_map(OccupancyGrid.of(np.zeros((4, 4), np.int8), 0.05, Pose(yaw=0.1))),
+        lambda n: n.set_map(OccupancyGrid.of(np.zeros((0, 4), np.int8), 0.05, Pose(0, 0))),
     ],
 )
 def test_bad_input_is_refused(call: Callable[[Navigator], None]) -> None:
@@ -267,7 +267,7 @@ def test_backwards_not_into_a_robot_that_says_where_it_is() -> None:
 def test_thinning_keeps_the_nearest_point() -> None:
     """A corner was taken for 4 cm farther away than it was, and touched."""
     navigator = Navigator()
-    navigator.set_map(Grid(np.zeros((40, 40), np.int8), 0.05, (-1.0, -1.0)))
+    navigator.set_map(OccupancyGrid.of(np.zeros((40, 40), np.int8), 0.05, Pose(-1.0, -1.0)))
     points = np.array([[0.599, 0.0], [0.571, 0.0], [0.585, 0.0]])
     scan = Scan(points, np.full(3, 0.6), 0.0, 0.01, 8.0, (0.0, 0.0, 0.0))
     assert navigator._obstacles(CostMap(navigator._grid, navigator.options), (0.0, 0.0, 0.0), scan)[
@@ -345,7 +345,7 @@ def test_random_goals_in_the_office_without_touching_anything() -> None:
         assert robot.grid is not None
         rows, columns = np.nonzero(robot.grid.cells == 0)
         index = int(random.integers(rows.size))
-        goal = robot.grid.center(int(rows[index]), int(columns[index]))
+        goal = robot.grid.info.centre_of(int(rows[index]), int(columns[index]))
         pose = robot.local(loop.world.pose(0))
         costs = CostMap(robot.grid, robot.navigator.options)
         outcomes.append(
@@ -390,7 +390,7 @@ def test_way_blocked_by_what_the_map_does_not_know(draw_world: Callable[..., str
     known = (np.abs(y) < 1.9) & (x > -1.3) & (x < 6.3)
     cells[known] = 0
     cells[known & (np.abs(x - 2.5) < 0.05) & (np.abs(y) > 0.3)] = 100
-    before = Grid(cells, 0.05, first.grid.origin)
+    before = OccupancyGrid.of(cells, 0.05, first.grid.origin)
     first.navigator.set_map = lambda grid, set_map=first.navigator.set_map: set_map(before)  # type: ignore[method-assign]
     first.navigator.set_map(before)
     first.navigator.set_goal(first.local(Pose(6.5, 2.0, 0.0)), loop.world.time)
@@ -402,7 +402,7 @@ def test_way_blocked_by_what_the_map_does_not_know(draw_world: Callable[..., str
 def test_close_obstacles_are_not_thinned_out() -> None:
     """Standing robots that turned a little touched with a corner: the point it came to was left out for one nearer to
     the middle of the robot."""
-    costs = CostMap(Grid(np.zeros((80, 80), dtype=np.int8), 0.05, (-2.0, -2.0)), NavigationOptions())
+    costs = CostMap(OccupancyGrid.of(np.zeros((80, 80), dtype=np.int8), 0.05, Pose(-2.0, -2.0)), NavigationOptions())
     close, far = [[0.301, 0.001], [0.325, 0.025]], [[0.905, 0.001], [0.925, 0.025]]
     rows = _navigation.surroundings(
         np.array(close + far), (0.0, 0.0, 0.0), ObstacleMemory(1.0).rows, costs.walls,
@@ -420,7 +420,7 @@ def beside(wall: float) -> Scan:
     return make_scan(ranges, -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.0, 0.0, 0.0))
 
 
-def seen_around(scan: Scan, grid: Grid) -> np.ndarray:
+def seen_around(scan: Scan, grid: OccupancyGrid) -> np.ndarray:
     navigator = Navigator()
     navigator.set_map(grid)
     return navigator._obstacles(CostMap(grid, navigator.options), (2.0, 2.0, 0.0), scan)[:, :2] - (2.0, 2.0)
@@ -429,7 +429,7 @@ def seen_around(scan: Scan, grid: Grid) -> np.ndarray:
 def test_a_wall_beside_the_robot_is_where_most_hits_are() -> None:
     """The nearest of them seemed to touch a robot that stood 1.5 cm beside it; no motion led away."""
     cells = np.full((80, 80), -1, np.int8)
-    points = seen_around(beside(0.205), Grid(cells, 0.05, (0.0, 0.0)))
+    points = seen_around(beside(0.205), OccupancyGrid.of(cells, 0.05))
     close = points[(np.abs(points[:, 0]) < 0.1) & (points[:, 1] < 0.0)]
     assert len(close) > 10 and close[:, 1].max() < -0.2
 
@@ -438,7 +438,7 @@ def test_a_wall_goes_on_where_the_laser_is_blind() -> None:
     """Robots that turned touched it with a corner behind the last beam."""
     unknown, free = np.full((80, 80), -1, np.int8), np.zeros((80, 80), np.int8)
     for cells, known in ((unknown, False), (free, True)):
-        points = seen_around(beside(0.205), Grid(cells, 0.05, (0.0, 0.0)))
+        points = seen_around(beside(0.205), OccupancyGrid.of(cells, 0.05))
         behind = points[(points[:, 0] < -0.3) & (points[:, 0] > -0.5)]
         assert (len(behind) == 0) == known
         assert np.abs(behind[:, 1] + 0.205).max(initial=0.0) < 0.03
@@ -447,12 +447,12 @@ def test_a_wall_goes_on_where_the_laser_is_blind() -> None:
 def test_what_comes_into_the_own_map_is_no_wall_until_it_has_settled() -> None:
     """A robot that stood in a corridor was a wall across it: there was no way, and nothing to give way to."""
     arrivals, empty = Arrivals(), room((slice(0, 80), slice(0, 2)))
-    robot = Grid(empty.cells.copy(), 0.05, (0.0, 0.0))
+    robot = OccupancyGrid.of(empty.cells.copy(), 0.05)
     robot.cells[30:36, 40:46] = 100
     robot.cells[50:56, 2:3] = 100  # the wall, seen better
     arrivals.update(empty, 0.0)
     arrivals.update(robot, 2.0)
-    larger = Grid(np.pad(robot.cells, ((20, 0), (10, 0)), constant_values=-1), 0.05, (-0.5, -1.0))
+    larger = OccupancyGrid.of(np.pad(robot.cells, ((20, 0), (10, 0)), constant_values=-1), 0.05, (-0.5, -1.0))
     for now, present in ((3.0, False), (31.0, False), (33.0, True)):
         arrivals.update(larger, now)
         taken = arrivals.taken_from(larger, now)
@@ -508,6 +508,6 @@ def test_a_retreat_leads_out_of_a_long_narrow_corridor() -> None:
     cells = np.full((60, 140), 100, np.int8)
     cells[2:58, 2:40] = 0
     cells[26:35, 40:138] = 0
-    costs = CostMap(Grid(cells, 0.05, (0.0, 0.0)), NavigationOptions())
+    costs = CostMap(OccupancyGrid.of(cells, 0.05), NavigationOptions())
     retreat = find_retreat(costs, np.empty((0, 2)), Pose(5.5, 1.52, math.pi), (6.4, 1.52))
     assert retreat is not None and retreat.goal[0] < 1.9

@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 from mr_sim.bench_navigation import rows
-from mr_sim.navigation.options import Grid
 from mr_sim.nuisance.merged import MergedMap
 from mr_sim.nuisance.reach import Reach
 from mr_sim.nuisance.runs import MODEL_WORLD, GoalRun, SceneRun, run_seed
@@ -66,13 +65,13 @@ def test_scenes_come_from_their_seed(seed: int) -> None:
 
 def test_own_cells_win_over_those_of_a_map_drawn_beside() -> None:
     merged = MergedMap(world_of(), Pose(0.3, 0.0, 0.0))
-    own = Grid(np.full((40, 40), -1, np.int8), 0.05, (-1.0, -1.0))
+    own = OccupancyGrid.of(np.full((40, 40), -1, np.int8), 0.05, Pose(-1.0, -1.0))
     own.cells[20, 20] = 100
     grid = merged.of(own, Pose(3.0, 2.0, 0.0))
-    assert grid.cells[grid.cell(0.025, 0.025)] == 100
-    assert grid.cells[grid.cell(1.0, 1.0)] == 0
-    assert grid.cells[grid.cell(-2.65, 0.0)] == 100, "the wall at x = 0 is drawn at 0.3"
-    assert grid.cells[grid.cell(-2.95, 0.0)] == -1
+    assert grid.cells[grid.info.cell_of(0.025, 0.025)] == 100
+    assert grid.cells[grid.info.cell_of(1.0, 1.0)] == 0
+    assert grid.cells[grid.info.cell_of(-2.65, 0.0)] == 100, "the wall at x = 0 is drawn at 0.3"
+    assert grid.cells[grid.info.cell_of(-2.95, 0.0)] == -1
 
 
 def test_a_goal_that_is_not_reached_counts() -> None:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from map_merger.grid import Grid
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 from mr_sim.measures import OccupancyMap
-from mr_sim.slam.engine import OccupancyMap as LocalMap
 
 
 def free_area(cells: np.ndarray, resolution: float) -> float:
@@ -20,8 +19,8 @@ def grid_as_map(grid: Grid) -> OccupancyMap:
     return OccupancyMap(grid.cells, grid.info.resolution, Pose(origin.x, origin.y, origin.yaw))
 
 
-def occupancy_of(local: LocalMap | None) -> OccupancyMap:
+def occupancy_of(local: OccupancyGrid | None) -> OccupancyMap:
     """Without cells where there is no map yet."""
     if local is None:
         return OccupancyMap(np.zeros((0, 0), dtype=np.int8), 1.0)
-    return OccupancyMap(local.cells, local.resolution, Pose(*local.origin))
+    return OccupancyMap(local.cells, local.resolution, local.origin)

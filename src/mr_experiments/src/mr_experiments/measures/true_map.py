@@ -5,9 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 from mr_sim.raster import Grid as Raster
-from mr_sim.slam.engine import OccupancyMap
 
 RESOLUTION = 0.1  # m; twice that of SLAM, which the strategy does not notice and the time does
 
@@ -29,14 +28,13 @@ class TrueMap:
         cells = (self._start.apply_inverse(area) - self._origin) / RESOLUTION
         cv2.fillPoly(seen, [np.floor(cells).astype(np.int32)], 1)
 
-    def known(self, seen: np.ndarray) -> OccupancyMap:
+    def known(self, seen: np.ndarray) -> OccupancyGrid:
         """The map of someone who has seen that much: its bounding box."""
         left, low, width, height = cv2.boundingRect(seen)
         window = np.s_[low : low + height, left : left + width]
         cells = np.where(seen[window] > 0, self._cells[window], np.int8(-1))
-        return OccupancyMap(
-            cells, RESOLUTION, (self._origin[0] + left * RESOLUTION, self._origin[1] + low * RESOLUTION)
-        )
+        corner = Pose(self._origin[0] + left * RESOLUTION, self._origin[1] + low * RESOLUTION)
+        return OccupancyGrid.of(cells, RESOLUTION, corner)
 
 
 def _in_map_frame(walls: Raster, start: Pose) -> tuple[np.ndarray, np.ndarray]:

@@ -26,7 +26,7 @@ def plan_manoeuvre(
     agility.linear = min(agility.linear, options.max_linear_velocity)
     agility.angular = min(agility.angular, options.max_angular_velocity)
     rows = _navigation.manoeuvre(
-        way.cost, way.grid.resolution, way.grid.origin, way.goal, pose, obstacles, footprint, agility
+        way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, obstacles, footprint, agility
     )
     return Manoeuvre(rows) if len(rows) > 1 else None
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from mr_grid import Pose
-from mr_sim.navigation.options import Grid
+from mr_grid import OccupancyGrid, Pose
 from mr_sim.raster import rasterise
 from mr_sim.world_model import WorldDescription
 
@@ -18,7 +17,7 @@ class MergedMap:
         self._truth = rasterise(world.obstacles, world.resolution)
         self._error = error
 
-    def of(self, own: Grid, start: Pose) -> Grid:
+    def of(self, own: OccupancyGrid, start: Pose) -> OccupancyGrid:
         """`start`: of the robot in the world, where its map frame lies. On the lattice of the own map."""
         shape = np.array(self._truth.cells.shape) * self._truth.resolution
         corners = [
@@ -26,15 +25,16 @@ class MergedMap:
             for x in (-BORDER, shape[1] + BORDER)
             for y in (-BORDER, shape[0] + BORDER)
         ]
-        far = np.array(own.origin) + np.array(own.cells.shape[::-1]) * own.resolution
-        low, high = np.minimum(np.min(corners, axis=0), own.origin), np.maximum(np.max(corners, axis=0), far)
-        left, bottom = np.ceil((np.array(own.origin) - low) / own.resolution - 1e-6).astype(int)
+        corner = np.array(own.origin[:2])
+        far = corner + np.array(own.cells.shape[::-1]) * own.resolution
+        low, high = np.minimum(np.min(corners, axis=0), corner), np.maximum(np.max(corners, axis=0), far)
+        left, bottom = np.ceil((corner - low) / own.resolution - 1e-6).astype(int)
         origin = (own.origin[0] - left * own.resolution, own.origin[1] - bottom * own.resolution)
         columns, rows = np.ceil((high - origin) / own.resolution - 1e-6).astype(int)
         cells = self._drawn(int(rows), int(columns), own.resolution, origin, start)
         window = cells[bottom : bottom + own.cells.shape[0], left : left + own.cells.shape[1]]
         np.copyto(window, own.cells, where=own.cells >= 0)
-        return Grid(cells, own.resolution, origin)
+        return OccupancyGrid.of(cells, own.resolution, Pose(*origin))
 
     def _drawn(
         self, rows: int, columns: int, resolution: float, origin: tuple[float, float], start: Pose

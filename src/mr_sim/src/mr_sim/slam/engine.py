@@ -12,7 +12,7 @@ from typing import Deque, Optional, Tuple
 
 import numpy as np
 
-from mr_grid import IDENTITY, Pose
+from mr_grid import IDENTITY, OccupancyGrid, Pose
 from mr_sim import _slam
 
 ODOMETRY_KEPT = 100
@@ -65,18 +65,6 @@ class SlamUpdate:
     matched: bool  # whether the scan confirmed it; otherwise odometry alone
     inserted: bool  # whether the map that is handed out changed
     share: float  # of the scan that lies on known surfaces
-
-
-@dataclass(frozen=True)
-class OccupancyMap:
-    """`cells`: int8 (rows, columns), 100 occupied, 0 free, -1 never seen; `origin`: lower left corner, metres.
-
-    The origin is a multiple of the resolution and the pose at the start is (0, 0, 0): a growing map keeps its lattice.
-    """
-
-    cells: np.ndarray
-    resolution: float
-    origin: Tuple[float, float]
 
 
 class OdometryHistory:
@@ -147,7 +135,9 @@ class Slam:
         """Odometry frame in the map frame."""
         return Pose(*self._core.map_to_odometry())
 
-    def map(self) -> OccupancyMap:
+    def map(self) -> OccupancyGrid:
+        """The pose at the start is (0, 0, 0), and the origin a multiple of the resolution away from it, not turned: a
+        growing map keeps its lattice."""
         cells, column, row = self._core.occupancy()
         resolution = self.options.resolution
-        return OccupancyMap(cells, resolution, (column * resolution, row * resolution))
+        return OccupancyGrid.of(cells, resolution, Pose(column * resolution, row * resolution))

@@ -11,12 +11,12 @@ from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.body import GoalEnd
 from mr_experiments.host.fast.perfect_merging import TeamSight
 from mr_experiments.measures.true_map import TrueMap
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 from mr_sim import _world
-from mr_sim.navigation.options import Grid, NavigationOptions
+from mr_sim.navigation.options import NavigationOptions
 from mr_sim.navigation.planner import CostMap, Plan, path, plan
 from mr_sim.raster import Grid as Raster
-from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, OccupancyMap
+from mr_sim.slam.engine import MAP_UPDATE_INTERVAL
 from mr_sim.world_model import RangerDescription
 
 BEAMS = 181  # that bound the visible area
@@ -71,7 +71,7 @@ class FastBody:
             self.true_map.add(area, self._seen)
             self._sight.add(self._name, area, self.true_pose)
 
-    def new_map(self, now: float) -> OccupancyMap | None:
+    def new_map(self, now: float) -> OccupancyGrid | None:
         """The local map if it is time to hand one out."""
         if now - self._map_at < MAP_UPDATE_INTERVAL - 1e-6:
             return None
@@ -102,9 +102,9 @@ class FastBody:
         self.pose = Pose(x + speed * seconds * math.cos(yaw), y + speed * seconds * math.sin(yaw), yaw)
         self.velocity = (speed, turn)
 
-    def set_map(self, cells: np.ndarray, resolution: float, origin: tuple[float, float]) -> None:
+    def set_map(self, grid: OccupancyGrid) -> None:
         with self._stopwatch.span("navigation"):
-            self._costs = CostMap(Grid(cells, resolution, origin), self.options, self._costs)
+            self._costs = CostMap(grid, self.options, self._costs)
             self._plan()
 
     def set_others(self, positions: Mapping[str, tuple[float, float]], now: float) -> None:
