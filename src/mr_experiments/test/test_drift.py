@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 from map_merger.transform import Transform, displacement, rotation_between
 from mr_experiments.measures.drift import Track, best_rigid_fit, overlap
-from mr_grid import Pose
-from mr_sim.measures import OccupancyMap
+from mr_grid import OccupancyGrid, Pose
 
 coordinates = st.floats(-20.0, 20.0)
 transforms = st.builds(Transform, coordinates, coordinates, st.floats(-3.1, 3.1))
@@ -23,10 +22,10 @@ def straight_track(slip_from: float, slip: float) -> Track:
     return track
 
 
-def corridor(left: float, right: float) -> OccupancyMap:
+def corridor(left: float, right: float) -> OccupancyGrid:
     """Known from `left` to `right`, 2 m wide."""
     cells = np.zeros((40, round((right - left) / 0.05)), dtype=np.int8)
-    return OccupancyMap(cells, 0.05, Pose(left, -1.0, 0.0))
+    return OccupancyGrid.of(cells, 0.05, Pose(left, -1.0, 0.0))
 
 
 @given(transforms, st.integers(0, 2**32 - 1))

@@ -17,7 +17,7 @@ from mr_experiments.sweep.record import run_trial
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
 from mr_grid import OccupancyGrid, Pose
-from mr_sim.measures import OccupancyMap, Truth, coverage, wrong_walls
+from mr_sim.measures import Truth, coverage, wrong_walls
 from mr_sim.navigation.options import NavigationOptions
 
 
@@ -57,8 +57,7 @@ def test_what_is_seen_is_true_and_bounded_by_walls(world):
     start = world.pose(0)
     body = body_in(world)
     body.look()
-    seen = body.new_map(0.0)
-    occupancy = OccupancyMap(seen.cells, seen.resolution, seen.origin)
+    occupancy = body.new_map(0.0)
     truth = Truth.of_world(world)
     assert 0.05 < coverage(truth, occupancy, start) < 0.9
     assert wrong_walls(truth, occupancy, start) == 0.0

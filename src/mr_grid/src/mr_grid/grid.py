@@ -56,9 +56,13 @@ class GridInfo:
 
     def cells_of(self, points: np.ndarray) -> np.ndarray:
         """(row, column), int (n, 2), of the cells that contain points (n, 2) in metres; they may lie outside."""
+        return np.stack(self.rows_and_columns(points), axis=1)
+
+    def rows_and_columns(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """Rows and columns, int (n,) each, of the cells that contain points (n, 2) in metres."""
         # Column by column: many times faster than along rows of two.
-        x, y = (np.floor(axis).astype(np.int64) for axis in (self._local(points) / self.resolution).T)
-        return np.stack([y, x], axis=1)
+        x, y = (np.floor(axis / self.resolution).astype(np.int64) for axis in self._local(points).T)
+        return y, x
 
     def continuous_cells(self, points: np.ndarray) -> np.ndarray:
         """(row, column) with fraction, float (n, 2), of points (n, 2) in metres; cell r covers [r, r + 1)."""
@@ -159,7 +163,7 @@ def grid_of(info: GridInfo, data: np.ndarray) -> OccupancyGrid:
 
 def values_at(cells: np.ndarray, info: GridInfo, points: np.ndarray, outside: float) -> np.ndarray:
     """Value of `cells` (rows, columns), of any type, at points (n, 2) in metres, `outside` beyond the grid."""
-    rows, columns = info.cells_of(points).T
+    rows, columns = info.rows_and_columns(points)
     inside = (rows >= 0) & (rows < info.height) & (columns >= 0) & (columns < info.width)
     if not cells.size:
         return np.full(len(rows), outside, dtype=cells.dtype)

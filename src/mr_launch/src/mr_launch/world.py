@@ -10,7 +10,7 @@ from typing import Any, Sequence
 
 import yaml  # type: ignore[import-untyped]
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 from mr_launch.errors import UserError
 from mr_launch.maps import Grid
 from mr_launch.plan import Walls
@@ -135,10 +135,8 @@ def load_truth(path: Path) -> Any | None:
         return None
 
 
-def occupancy_map(grid: Grid) -> Any:
-    from mr_sim.measures import OccupancyMap
-
-    return OccupancyMap(grid.cells, grid.resolution, Pose(*grid.origin))
+def occupancy_map(grid: Grid) -> OccupancyGrid:
+    return OccupancyGrid.of(grid.cells, grid.resolution, Pose(*grid.origin))
 
 
 class CoverageMeter:
@@ -169,13 +167,13 @@ class Measures:
         """Coverage, wrong walls, free cells and map error of one robot's final map; None where there is none."""
         if grid is None:
             return {"coverage": None, "wrong_walls": None, "free_cells": None, **no_error("the robot gave no map")}
-        from mr_sim.measures import coverage, wrong_walls
+        from mr_sim.measures import coverage, explored_free_cells, wrong_walls
 
         occupancy, truth = occupancy_map(grid), self._truth
         return {
             "coverage": None if truth is None else round(coverage(truth, occupancy, start), 4),
             "wrong_walls": None if truth is None else round(wrong_walls(truth, occupancy, start), 4),
-            "free_cells": occupancy.explored_free_cells,
+            "free_cells": explored_free_cells(occupancy),
             **self._error(occupancy),
         }
 

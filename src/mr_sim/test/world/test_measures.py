@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from mr_grid import IDENTITY, Pose
+from mr_grid import IDENTITY, OccupancyGrid, Pose
 from mr_sim import measures as m
 from mr_sim.raster import Grid
 from mr_sim.trace import TraceError, TraceWriter, read_trace
@@ -30,7 +30,7 @@ def map_of(grid, start=IDENTITY):
     data = np.where(grid.cells == 1, 100, 0).astype(np.int8)
     c, s = math.cos(-start[2]), math.sin(-start[2])
     corner = Pose(-c * start[0] + s * start[1], -s * start[0] - c * start[1], -start[2])
-    return m.OccupancyMap(data, grid.resolution, corner)
+    return OccupancyGrid.of(data, grid.resolution, corner)
 
 
 def test_reference_of_an_empty_room_is_all_but_its_margin():
@@ -66,15 +66,15 @@ def test_perfect_map_has_full_coverage_and_no_wrong_walls(start):
 
 def test_coverage_is_the_known_share():
     truth, occupancy = truth_of(room()), map_of(room())
-    occupancy.data[:, :40] = -1
+    occupancy.cells[:, :40] = -1
     assert m.coverage(truth, occupancy, Pose(0, 0, 0)) == pytest.approx(0.5)
-    empty = m.OccupancyMap(np.full((1, 1), -1, dtype=np.int8), 0.05)
+    empty = OccupancyGrid.of(np.full((1, 1), -1, dtype=np.int8), 0.05)
     assert m.coverage(truth, empty, Pose(0, 0, 0)) == 0.0 and m.wrong_walls(truth, empty, Pose(0, 0, 0)) == 0.0
 
 
 def test_larger_or_smaller_map_with_another_lattice():
     truth, data = truth_of(room()), np.zeros((40, 100), dtype=np.int8)
-    half = m.OccupancyMap(data, 0.1, Pose(-3.0, -2.5, 0.0))  # x from -3 to 7, y from -2.5 to 1.5
+    half = OccupancyGrid.of(data, 0.1, Pose(-3.0, -2.5, 0.0))  # x from -3 to 7, y from -2.5 to 1.5
     assert m.coverage(truth, half, Pose(0, 0, 0)) == pytest.approx(27 / 54)
 
 
@@ -86,14 +86,13 @@ def test_misplaced_map_has_wrong_walls():
 
 
 def test_occupied_cells_far_outside_the_world_are_wrong():
-    occupancy = m.OccupancyMap(np.full((1, 1), 100, dtype=np.int8), 0.05, Pose(50.0, 50.0, 0.0))
+    occupancy = OccupancyGrid.of(np.full((1, 1), 100, dtype=np.int8), 0.05, Pose(50.0, 50.0, 0.0))
     assert m.wrong_walls(truth_of(room()), occupancy, Pose(0, 0, 0)) == 1.0
 
 
 def test_values_of_a_map():
-    occupancy = m.OccupancyMap(np.array([[-1, 0, 49, 50, 65, 100]], dtype=np.int8), 0.05)
-    assert occupancy.explored_free_cells == 2
-    assert len(occupancy.centres(occupancy.data >= m.OCCUPIED_FROM)) == 2
+    occupancy = OccupancyGrid.of(np.array([[-1, 0, 49, 50, 65, 100]], dtype=np.int8), 0.05)
+    assert m.explored_free_cells(occupancy) == 2
 
 
 def test_world_without_free_space_is_refused():

@@ -165,8 +165,7 @@ class Recorder:
     def known_cells(self) -> list[np.ndarray]:
         """For each robot, which of the reference cells its own local map knows: bool (N,)."""
         return [
-            occupancy_of(robot.local_map).cells_at(places)[0] >= 0
-            for robot, places in zip(self._robots, self._reference)
+            occupancy_of(robot.local_map).values_at(places) >= 0 for robot, places in zip(self._robots, self._reference)
         ]
 
     def records(self, robot: int) -> np.ndarray:

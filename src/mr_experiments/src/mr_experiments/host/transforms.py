@@ -67,7 +67,7 @@ class MergeLog:
         )
         if len(source_points) >= FEWEST_POINTS:
             return best_rigid_fit(target_points, source_points), source_points
-        places = source.centres(source.data >= 0)
+        places = source.info.centres_of(np.argwhere(source.cells >= 0))
         return start, places if len(places) else np.zeros((1, 2))
 
 

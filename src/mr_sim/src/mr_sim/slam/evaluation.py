@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mr_grid import Pose
-from mr_sim.measures import OccupancyMap, Truth, coverage, wrong_walls
+from mr_sim.measures import Truth, coverage, wrong_walls
 from mr_sim.slam.engine import LaserScan, Slam
 from mr_sim.slam.scan_log import ScanLog
 
@@ -43,8 +43,7 @@ def evaluate(log: ScanLog, truth: Truth, slam: Slam | None = None) -> Evaluation
     found = np.array(poses)
     errors = np.hypot(*(found[:, :2] - start.apply_inverse(log.truth[:, :2])).T)
     headings = np.abs([math.remainder(yaw, 2.0 * math.pi) for yaw in found[:, 2] - (log.truth[:, 2] - start.yaw)])
-    handed_out = slam.map()
-    occupancy = OccupancyMap(handed_out.cells, handed_out.resolution, handed_out.origin)
+    occupancy = slam.map()
     return Evaluation(
         float(errors.mean()), float(np.quantile(errors, 0.95)), float(errors[-1]), float(np.quantile(headings, 0.95)),
         wrong_walls(truth, occupancy, start), coverage(truth, occupancy, start),
