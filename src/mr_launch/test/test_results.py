@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import yaml
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 from mr_launch.arguments import parse_arguments
-from mr_launch.maps import Grid, load_raw, save_map, save_raw
+from mr_launch.maps import load_raw, save_map, save_raw
 from mr_launch.mission import Outcome
 from mr_launch.monitor import Digest
 from mr_launch.nodes import NodeWatch, parse_ends
@@ -31,7 +31,7 @@ def grid():
     cells[0] = 100  # lowest row
     cells[1, :2] = 0
     cells[1, 2] = 50
-    return Grid(cells, 0.05, (-1.0, -2.0))
+    return OccupancyGrid.of(cells, 0.05, Pose(-1.0, -2.0))
 
 
 def write_trace(path, rows):
@@ -115,7 +115,7 @@ def test_raw_map_keeps_every_value(tmp_path):
     save_raw(grid(), tmp_path / "m.npz")
     loaded = load_raw(tmp_path / "m.npz")
     assert (loaded.cells == grid().cells).all() and loaded.cells.dtype == np.int8
-    assert (loaded.resolution, loaded.origin) == (0.05, (-1.0, -2.0))
+    assert (loaded.resolution, loaded.origin) == (0.05, (-1.0, -2.0, 0.0))
 
 
 def test_known_part_of_a_turned_map_in_the_world():
@@ -128,7 +128,7 @@ def test_picture_is_written_even_without_known_cells(tmp_path):
     write_trace(tmp_path / "t.csv", [(0.0, 0.0, "a", 0, 0, 0, 0, 0, 0, 0), (0.1, 0.1, "a", 0.1, 0, 0, 0, 0, 0, 0)])
     truth = Truth(tmp_path / "t.csv", ["a", "silent"])
     truth.update()
-    empty = Grid(np.full((2, 2), -1, np.int8), 0.05, (0.0, 0.0))
+    empty = OccupancyGrid.of(np.full((2, 2), -1, np.int8), 0.05)
     for number, map_ in enumerate((grid(), empty)):
         path = tmp_path / f"{number}.png"
         draw_mission(map_, Pose(0.0, 0.0, 0.0), truth.tracks, "title", path)
