@@ -18,7 +18,6 @@ from explorer.messages import (
     CancelGoal,
     LogOutput,
     Note,
-    Pose,
     SendAuction,
     SendFrontiers,
     SetGoal,
@@ -28,6 +27,7 @@ from explorer.options import Options
 from explorer.status import State
 from explorer.travel import TravelGrid
 from explorer.verdicts import Verdict
+from mr_grid import Pose
 
 IDENTITY = np.array([[1.0, 0, 0], [0, 1.0, 0]])
 

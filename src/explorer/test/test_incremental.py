@@ -14,13 +14,13 @@ from explorer.changes import TILE, aligned, blocks, changed_windows, grown, with
 from explorer.frontier_map import FrontierMap, frontier_cells
 from explorer.grid import OccupancyMap
 from explorer.ground import Ground
-from explorer.messages import Pose
 from explorer.options import Options
 from explorer.perception import Perception
 from explorer.senses import Senses
 from explorer.travel import TravelGrid
 from explorer.verdicts import Verdicts
 from explorer.ways import TOUR_CELL, Ways
+from mr_grid import Pose
 
 seeds = st.integers(0, 2**32 - 1)
 RADIUS, COMFORT = 0.25, 0.6

@@ -17,11 +17,12 @@ from explorer.clusters import Cluster
 from explorer.decision import Decision, replayed
 from explorer.errors import SceneError
 from explorer.foreign import Element
-from explorer.messages import Auction, Bid, Pose, SendAuction
+from explorer.messages import Auction, Bid, SendAuction
 from explorer.options import Options
 from explorer.scene import Scene
 from explorer.scene_folder import SceneFolder
 from explorer.strategies import TITLES, strategy_of
+from mr_grid import Pose
 
 ROOMS = [
     "   ......   ##########      ",

@@ -9,13 +9,13 @@ from conftest import map_of
 
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
-from explorer.messages import Pose
 from explorer.recognition import Listed
 from explorer.scene import Scene
 from explorer.strategies import TITLES, strategy_of
 from explorer.strategies.coordinated import travel_bid
 from explorer.strategies.strategy import FrontierStrategy, registered
 from explorer.ways import Ways
+from mr_grid import Pose
 
 HALL = Ways(map_of(np.zeros((100, 200))), 0.25, [])  # 20 m x 10 m
 

@@ -8,9 +8,9 @@ from conftest import drawn, map_of
 
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
-from explorer.messages import Pose
 from explorer.travel import TravelGrid
 from explorer.views import Views, sees
+from mr_grid import Pose
 
 HALL = ["############", "#......     ", "#......     ", "#......     ", "############"]
 

@@ -14,7 +14,6 @@ from explorer.messages import (
     REACHED,
     AskTransform,
     CancelGoal,
-    Pose,
     SendAuction,
     SendFrontiers,
     SendStatement,
@@ -23,6 +22,7 @@ from explorer.messages import (
 from explorer.options import Options
 from explorer.status import State
 from explorer.travel import TravelGrid
+from mr_grid import Pose
 
 IDENTITY = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 CELLS_PER_SIGN = 6  # doors of one sign are 0.6 m wide

@@ -7,7 +7,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from mr_sim.pose import Pose, compose, placed
+from mr_grid import Pose
 from mr_sim.raster import Grid, rasterise
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
@@ -31,7 +31,7 @@ def map_around(walls: Grid, start: Pose, reach: float) -> dict[str, Any]:
     """True map in the frame of a robot that started at `start`, of the square of half side `reach` m around it."""
     count = round(2.0 * reach / RESOLUTION)
     axis = -reach + (np.arange(count) + 0.5) * RESOLUTION
-    points = placed(np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2), start)
+    points = start.apply(np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2))
     index = np.floor((points - walls.origin) / walls.resolution).astype(int)
     inside = ((index >= 0) & (index < walls.cells.shape[::-1])).all(axis=1)
     gray = np.full(count * count, 205, dtype=np.uint8)
@@ -42,7 +42,7 @@ def map_around(walls: Grid, start: Pose, reach: float) -> dict[str, Any]:
 def sample_robot(index: int, names: list[str], start: Pose, end: int) -> dict[str, Any]:
     """A robot that drives a circle of 0.5 m to its left once in `end` seconds."""
     times = list(range(end + 1))
-    poses = [compose(start, _on_circle(2.0 * math.pi * t / end)) for t in times]
+    poses = [start.compose(_on_circle(2.0 * math.pi * t / end)) for t in times]
     other = names[(index + 1) % len(names)]
     linked = [[other] if len(names) > 1 and 10 <= t < 30 else [] for t in times]
     merge = {"with": other, "at": 12.0, "transform": [0.1, 0.2, 0.3], "offset": 0.05, "turn": 0.01, "right": index != 1}
@@ -74,14 +74,14 @@ def sample_robot(index: int, names: list[str], start: Pose, end: int) -> dict[st
 
 
 def _on_circle(angle: float) -> Pose:
-    return 0.5 * math.sin(angle), 0.5 - 0.5 * math.cos(angle), angle
+    return Pose(0.5 * math.sin(angle), 0.5 - 0.5 * math.cos(angle), angle)
 
 
 def sample_record(robots: int = 2, end: int = 60) -> dict[str, Any]:
     """A record of a finished mission in the small world with all parts, without snapshots."""
     walls = world_walls("small8x8")
     names = [f"robot_{index}" for index in range(robots)]
-    starts = {name: (1.5 + 0.4 * index, 2.0, math.pi / 2.0 + 0.3 * index) for index, name in enumerate(names)}
+    starts = {name: Pose(1.5 + 0.4 * index, 2.0, math.pi / 2.0 + 0.3 * index) for index, name in enumerate(names)}
     times = list(range(end + 1))
     return {
         "format": 1,
@@ -109,7 +109,7 @@ def add_snapshots(record: dict[str, Any], every: int = 10) -> dict[str, Any]:
     walls = world_walls("small8x8")
     end = int(record["outcome"]["time"])
     record["snapshots"] = [
-        {"time": float(time), "robot": name, **map_around(walls, tuple(robot["start"]), 1.0 + 3.0 * time / end)}
+        {"time": float(time), "robot": name, **map_around(walls, Pose(*robot["start"]), 1.0 + 3.0 * time / end)}
         for time in range(0, end + 1, every)
         for name, robot in record["robots"].items()
     ]

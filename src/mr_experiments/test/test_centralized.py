@@ -10,7 +10,6 @@ from mr_experiments.host.radio import Radio
 from mr_experiments.sweep.record import record_of
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial, TrialError
-from mr_sim.pose import seen_from
 
 SHORT = replace(load_scenario("centralized").trial(2, 7, 1, "small8x8"), limit=60.0)
 
@@ -33,7 +32,7 @@ class Heard:
 def known_of(mission, robot):
     """Which of the reference cells a robot's global map knows, bool (n,)."""
     grid, start = mission.recorder.logs[robot].global_map, mission.recorder.starts[robot]
-    places = seen_from(mission.recorder.truth.reference, start)
+    places = start.apply_inverse(mission.recorder.truth.reference)
     cells = np.floor((places - (grid.info.origin.x, grid.info.origin.y)) / grid.info.resolution).astype(int)
     inside = ((cells >= 0) & (cells < (grid.info.width, grid.info.height))).all(axis=1)
     known = np.zeros(len(places), bool)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from map_merger.transform import Transform, displacement, rotation_between
 from mr_experiments.measures.drift import Track, best_rigid_fit, overlap
-from mr_sim.measures import OccupancyMap
+from mr_grid import OccupancyGrid, Pose
 
 coordinates = st.floats(-20.0, 20.0)
 transforms = st.builds(Transform, coordinates, coordinates, st.floats(-3.1, 3.1))
@@ -18,14 +18,14 @@ def straight_track(slip_from: float, slip: float) -> Track:
     """Ten metres along x; from `slip_from` on the robot believes to be `slip` m farther back."""
     track = Track()
     for x in np.arange(0.0, 10.01, 0.25):
-        track.add((x, 0.0, 0.0), (x - slip * (x >= slip_from), 0.0, 0.0))
+        track.add(Pose(x, 0.0, 0.0), Pose(x - slip * (x >= slip_from), 0.0, 0.0))
     return track
 
 
-def corridor(left: float, right: float) -> OccupancyMap:
+def corridor(left: float, right: float) -> OccupancyGrid:
     """Known from `left` to `right`, 2 m wide."""
     cells = np.zeros((40, round((right - left) / 0.05)), dtype=np.int8)
-    return OccupancyMap(cells, 0.05, (left, -1.0, 0.0))
+    return OccupancyGrid.of(cells, 0.05, Pose(left, -1.0, 0.0))
 
 
 @given(transforms, st.integers(0, 2**32 - 1))
@@ -47,14 +47,14 @@ def test_places_go_there_and_back() -> None:
 
 def test_a_turned_robot_turns_what_it_maps() -> None:
     track = Track()
-    track.add((2.0, 0.0, 0.0), (2.0, 0.0, 0.1))
+    track.add(Pose(2.0, 0.0, 0.0), Pose(2.0, 0.0, 0.1))
     assert np.allclose(track.drifted(np.array([[3.0, 0.0]])), [[2.0 + math.cos(0.1), math.sin(0.1)]])
 
 
 def test_a_robot_that_stands_adds_one_pose_to_its_track() -> None:
     track = Track()
     for _ in range(100):
-        track.add((1.0, 1.0, 0.0), (1.5, 1.0, 0.0))
+        track.add(Pose(1.0, 1.0, 0.0), Pose(1.5, 1.0, 0.0))
     assert np.allclose(track.drifted(np.array([[9.0, 9.0]])), [[9.5, 9.0]])
     assert len(track) == 1
 

@@ -16,9 +16,9 @@ from mr_experiments.measures.true_map import TrueMap
 from mr_experiments.sweep.record import run_trial
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
-from mr_sim.measures import OccupancyMap, Truth, coverage, wrong_walls
+from mr_grid import OccupancyGrid, Pose
+from mr_sim.measures import Truth, coverage, wrong_walls
 from mr_sim.navigation.options import NavigationOptions
-from mr_sim.pose import compose, inverse
 
 
 def test_teams_explore_everything_and_faster_than_one_alone():
@@ -57,8 +57,7 @@ def test_what_is_seen_is_true_and_bounded_by_walls(world):
     start = world.pose(0)
     body = body_in(world)
     body.look()
-    seen = body.new_map(0.0)
-    occupancy = OccupancyMap(seen.cells, seen.resolution, (*seen.origin, 0.0))
+    occupancy = body.new_map(0.0)
     truth = Truth.of_world(world)
     assert 0.05 < coverage(truth, occupancy, start) < 0.9
     assert wrong_walls(truth, occupancy, start) == 0.0
@@ -71,14 +70,14 @@ def test_goals_end_as_the_action_would_end_them(world):
     body.on_goal_end = lambda *end: ends.append(end)
     body.look()
     seen = body.new_map(0.0)
-    body.set_map(seen.cells, seen.resolution, seen.origin)
-    body.set_goal(1, (0.8, 0.1, 1.0), 0.0)
+    body.set_map(seen)
+    body.set_goal(1, Pose(0.8, 0.1, 1.0), 0.0)
     before = body.pose
     for _ in range(100):
         body.drive(0.1)
     assert ends == [(1, True, "goal reached")]
     assert math.dist(body.pose[:2], (0.8, 0.1)) < 0.3 and abs(body.pose[2] - 1.0) < 0.15 and body.pose != before
-    body.set_goal(2, (500.0, 0.0, 0.0), 10.0)
+    body.set_goal(2, Pose(500.0, 0.0, 0.0), 10.0)
     assert ends[-1] == (2, False, "there is no way")
 
 
@@ -139,30 +138,30 @@ def known_cells(published):
 
 
 def test_perfect_merger_knows_what_those_have_seen_who_were_on_the_radio(world):
-    starts = {"robot_0": (2.0, 2.0, 0.5), "robot_1": (5.0, 6.0, -2.0)}
+    starts = {"robot_0": Pose(2.0, 2.0, 0.5), "robot_1": Pose(5.0, 6.0, -2.0)}
     sight, agenda, published = TeamSight(starts), Agenda(), Published()
     merger = PerfectMerger(
         "robot_0", TrueMap(world.visible, starts["robot_0"]), sight, agenda, Stopwatch(), published, lambda: 0.0
     )
     merger.start(0.0)
     own, other = (np.array([[x, 2.0], [x + 1.0, 2.0], [x + 1.0, 3.0], [x, 3.0]]) for x in (2.0, 5.0))
-    sight.add("robot_0", own, (2.0, 2.0, 0.5))
-    sight.add("robot_1", other, (5.0, 7.0, -2.0))
-    merger.on_local_map(np.zeros((1, 1), dtype=np.int8), 0.1, (0.0, 0.0))
+    sight.add("robot_0", own, Pose(2.0, 2.0, 0.5))
+    sight.add("robot_1", other, Pose(5.0, 7.0, -2.0))
+    merger.on_local_map(OccupancyGrid.of(np.zeros((1, 1), dtype=np.int8), 0.1))
     alone = known_cells(published)
     assert alone == pytest.approx(100, rel=0.3)  # a square metre
     assert merger.transforms() == {} and merger.transform_point("robot_1", (0.0, 0.0)) is None
 
     merger.on_robot("robot_1")
-    merger.on_local_map(np.zeros((1, 1), dtype=np.int8), 0.1, (0.0, 0.0))
+    merger.on_local_map(OccupancyGrid.of(np.zeros((1, 1), dtype=np.int8), 0.1))
     assert known_cells(published) == pytest.approx(2 * alone, rel=0.15)
-    expected = compose(inverse(starts["robot_0"]), compose(starts["robot_1"], (1.0, 0.0, 0.0)))
+    expected = starts["robot_0"].between(starts["robot_1"].compose(Pose(1.0, 0.0, 0.0)))
     assert merger.transform_point("robot_1", (1.0, 0.0)) == pytest.approx(expected[:2])
     agenda.run_due(0.0)
-    assert published.positions["robot_1"] == pytest.approx(compose(inverse(starts["robot_0"]), (5.0, 7.0, 0.0))[:2])
+    assert published.positions["robot_1"] == pytest.approx(starts["robot_0"].inverse().apply_point(5.0, 7.0))
 
     merger.on_robot_lost("robot_1")
-    merger.on_local_map(np.zeros((1, 1), dtype=np.int8), 0.1, (0.0, 0.0))
+    merger.on_local_map(OccupancyGrid.of(np.zeros((1, 1), dtype=np.int8), 0.1))
     agenda.run_due(1.0)
     assert known_cells(published) > 1.8 * alone and published.positions == {}
 

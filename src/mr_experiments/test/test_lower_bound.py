@@ -8,6 +8,7 @@ import pytest
 
 from mr_experiments.measures.lower_bound import LowerBound, shared_out, shortest_chains
 from mr_experiments.measures.visibility import DrivingDistance, Views, inscribed_radius
+from mr_grid import Pose
 from mr_sim import _world
 from mr_sim.world import World
 from mr_sim.world_model import load_world
@@ -31,7 +32,7 @@ model ( size [ 0.1 2.9 1 ] pose [ 5 1.45 0 0 ] )
 robot ( name "a" pose [ 1 1 0 0 ] )
 robot ( name "b" pose [ 2 1 0 0 ] )
 """
-START = (1.0, 1.0, 0.0)
+START = Pose(1.0, 1.0, 0.0)
 DOOR = (5.0, 3.4)
 SPEED = 0.4
 
@@ -138,7 +139,7 @@ def test_driving_distance_in_every_direction(tmp_path):
 
 def test_starts_outside_are_refused(driving):
     with pytest.raises(ValueError, match=r"\(100, 1\) lies outside"):
-        driving.from_start((100.0, 1.0, 0.0))
+        driving.from_start(Pose(100.0, 1.0, 0.0))
 
 
 def test_views_stop_at_walls(world, driving):

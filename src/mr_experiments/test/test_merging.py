@@ -10,6 +10,7 @@ from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.merging import Merger
 from mr_experiments.host.robot_radio import RobotRadio
+from mr_grid import OccupancyGrid
 
 
 class SlowRadio:
@@ -52,7 +53,7 @@ def host():
 def test_positions_do_not_wait_behind_a_map(host):
     """Both were in one queue of group sends, so that a position waited for the slowest member to have the map."""
     merger, radio, until = host
-    merger.on_local_map(np.zeros((20, 80), np.int8), 0.05, (0.0, 0.0))
+    merger.on_local_map(OccupancyGrid.of(np.zeros((20, 80), np.int8), 0.05))
     merger.on_pose(1.0, 2.0, 0.5)
     until(3.0)
     assert radio.services()[:2] == ["send_map", "send_position"], "the anchor, before the map, is still under way"
@@ -60,7 +61,7 @@ def test_positions_do_not_wait_behind_a_map(host):
 
 def test_a_tile_that_is_not_delivered_does_not_end_the_group_send(host):
     merger, radio, until = host
-    merger.on_local_map(np.zeros((20, 80), np.int8), 0.05, (0.0, 0.0))
+    merger.on_local_map(OccupancyGrid.of(np.zeros((20, 80), np.int8), 0.05))
     until(0.1)
     delivered = iter([True, True, False, True, True])
     for index in range(5):

@@ -38,7 +38,7 @@ from mr_experiments.replay.replay_maps import (
     wall_picture,
 )
 from mr_experiments.replay.show_command import main
-from mr_sim.pose import placed
+from mr_grid import Pose
 from mr_sim.raster import Grid
 
 
@@ -133,7 +133,7 @@ def test_script_is_valid(tmp_path, page):
 
 def test_goal_lies_in_the_world_by_the_start_pose():
     robot = {"goals": [{"set": 1.0, "x": 2.0, "y": 0.5, "end": 3.0, "outcome": "reached", "text": ""}]}
-    goal = replay_data.goals(robot, (10.0, 20.0, math.pi / 2.0), "robots.r")[0]
+    goal = replay_data.goals(robot, Pose(10.0, 20.0, math.pi / 2.0), "robots.r")[0]
     assert (goal["x"], goal["y"]) == pytest.approx((9.5, 22.0))
 
 
@@ -148,7 +148,7 @@ def test_goals_of_the_page_are_placed(record, page):
 
 def test_picture_lies_in_the_world_by_the_start_pose():
     # 3 rows of 0.5 m: the upper left corner of the picture is at (-1, 0.5) in the map, a quarter turn makes (-0.5, -1).
-    matrix = picture_to_world((10.0, 20.0, math.pi / 2.0), 0.5, (-1.0, -1.0), rows=3)
+    matrix = picture_to_world(Pose(10.0, 20.0, math.pi / 2.0), 0.5, (-1.0, -1.0), rows=3)
     a, b, c, d, e, f = matrix
     assert (e, f) == pytest.approx((9.5, 19.0))
     assert (a, b) == pytest.approx((0.0, 0.5))  # a column further right: along the map's x, the world's y
@@ -533,8 +533,8 @@ def test_script_runs(written):
 def test_sample_maps_are_placed_right():
     """The sample itself: a robot's start is free, the walls around it are where they are."""
     walls = world_walls("small8x8")
-    start = (1.5, 2.0, 1.0)
+    start = Pose(1.5, 2.0, 1.0)
     picture = decode_map(map_around(walls, start, 2.0), "sample")
-    free = placed(picture.centres()[picture.classes.reshape(-1) == FREE], start)
+    free = start.apply(picture.centres()[picture.classes.reshape(-1) == FREE])
     index = np.floor((free - walls.origin) / walls.resolution).astype(int)
     assert (walls.cells[index[:, 1], index[:, 0]] == 0).all()

@@ -10,6 +10,7 @@ import explorer.options
 import map_merger.options
 from mr_experiments.host.mission import Mission
 from mr_experiments.trial.trial import Trial
+from mr_grid import Pose
 from mr_launch.arguments import parse_arguments
 from mr_launch.commands import make_output_folder
 from mr_launch.plan import Plan, RobotPlan, launch_command
@@ -25,7 +26,7 @@ def plan_of(world, folder):
     """A mission of the team runner up to its first process."""
     names = [f"robot_{index}" for index in range(ROBOTS)]
     kinds, presets = presets_of(find_world(world), names)
-    robots = [RobotPlan(name, index, 11311, (0.0, 0.0, 0.0), kinds[name]) for index, name in enumerate(names)]
+    robots = [RobotPlan(name, index, 11311, Pose(0.0, 0.0, 0.0), kinds[name]) for index, name in enumerate(names)]
     options = parse_arguments(["--world", world, "--out", str(folder)])
     plan = Plan(options, world, robots, str(folder), "hub", {"roslaunch": "roslaunch"}, str(folder), presets=presets)
     make_output_folder(plan)

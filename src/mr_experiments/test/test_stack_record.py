@@ -10,7 +10,7 @@ import pytest
 from mr_experiments.replay.replay import make_page, read_record
 from mr_experiments.report.record_set import RecordError, load_record, load_records
 from mr_experiments.report.report import make_report
-from mr_launch.maps import Grid
+from mr_grid import OccupancyGrid, Pose
 from mr_launch.mission import Outcome
 from mr_launch.record import mission_record
 from mr_launch.truth import Track
@@ -45,7 +45,7 @@ def record(time=20.0, seed=1, reason=""):
         "cpu": {"robot_0": {"explorer": 0.1}, "robot_1": {"explorer": 0.2}},
     }
     summary = {"team": team, "robots": {robot.name: summary_of(time) for robot in robots}}
-    grid = Grid(np.array([[0, 100], [-1, 0]], dtype=np.int8), 0.05, (-1.0, -1.0))
+    grid = OccupancyGrid.of(np.array([[0, 100], [-1, 0]], dtype=np.int8), 0.05, Pose(-1.0, -1.0))
     outcome = Outcome(START, START + 30.0, reason, ["robot_1 was late"])
     truth = SimpleNamespace(tracks={robot.name: driven(30.0) for robot in robots})
     return mission_record(SimpleNamespace(options=options, robots=robots), summary, outcome, truth, {"robot_0": grid})

@@ -2,6 +2,7 @@
 
 import pytest
 
+from mr_grid import Pose
 from mr_launch.arguments import choose_robots, parse_arguments
 from mr_launch.commands import make_output_folder
 from mr_launch.errors import UserError
@@ -69,7 +70,7 @@ def test_robots_that_the_world_cannot_give(asked, names, culprit):
 
 def plan_with(out):
     options = parse_arguments(["--out", str(out)])
-    return Plan(options, "w", [RobotPlan("a", 0, 11311, (0.0, 0.0, 0.0))], str(out), "hub")
+    return Plan(options, "w", [RobotPlan("a", 0, 11311, Pose(0.0, 0.0, 0.0))], str(out), "hub")
 
 
 def test_output_folder_must_be_empty(tmp_path):

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 import yaml
 
+from mr_grid import Pose
 from mr_launch import isolation
 from mr_launch.arguments import parse_arguments
 from mr_launch.errors import UserError
@@ -25,8 +26,8 @@ from mr_launch.plan import (
 from mr_launch.world import find_world, presets_of
 
 ROBOTS = [
-    RobotPlan("robot_0", 0, 11311, (1.0, 2.0, 0.5)),
-    RobotPlan("a_robot_with_a_long_name", 1, 11311, (1.0, 3.0, 0.0)),
+    RobotPlan("robot_0", 0, 11311, Pose(1.0, 2.0, 0.5)),
+    RobotPlan("a_robot_with_a_long_name", 1, 11311, Pose(1.0, 3.0, 0.0)),
 ]
 PROGRAMS = {"radio": "/bin/radio", "team_key": "/bin/team_key", "world": "/bin/world", "roslaunch": "/bin/roslaunch"}
 
@@ -88,7 +89,7 @@ def test_radio_knows_the_walls_only_when_asked_to():
 
 
 def test_interface_names_fit_the_kernel():
-    for robot in [*ROBOTS, RobotPlan("r", 99, 1, (0.0, 0.0, 0.0))]:
+    for robot in [*ROBOTS, RobotPlan("r", 99, 1, Pose(0.0, 0.0, 0.0))]:
         assert len(robot.air) <= 15
 
 
@@ -136,7 +137,7 @@ def test_start_poses_are_told_only_when_asked_for():
 
 
 def test_every_robot_has_its_own_master_and_logs():
-    robots = [RobotPlan("a", 0, 1001, (0.0, 0.0, 0.0)), RobotPlan("b", 1, 1002, (0.0, 0.0, 0.0))]
+    robots = [RobotPlan("a", 0, 1001, Pose(0.0, 0.0, 0.0)), RobotPlan("b", 1, 1002, Pose(0.0, 0.0, 0.0))]
     one, two = (robot_environment(plan(isolation.HUB), robot) for robot in robots)
     assert one["ROS_MASTER_URI"] == "http://localhost:1001" != two["ROS_MASTER_URI"]
     assert one["ROS_HOME"] != two["ROS_HOME"] and one["ROS_LOG_DIR"] != two["ROS_LOG_DIR"]
@@ -161,7 +162,7 @@ def test_system_python_comes_first_on_path():
     assert isolation.search_path("/opt/pyenv/bin:/usr/bin").split(":").count("/usr/bin") == 1
 
 
-CENTRALIZED = RobotPlan("base", 2, 11311, (1.0, 2.0, 0.5))
+CENTRALIZED = RobotPlan("base", 2, 11311, Pose(1.0, 2.0, 0.5))
 
 
 def centralized(kind=isolation.NAMESPACES, *arguments):

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 import yaml
 
+from mr_grid import OccupancyGrid, Pose
 from mr_launch.arguments import parse_arguments
-from mr_launch.maps import Grid, load_raw, save_map, save_raw
+from mr_launch.maps import load_raw, save_map, save_raw
 from mr_launch.mission import Outcome
 from mr_launch.monitor import Digest
 from mr_launch.nodes import NodeWatch, parse_ends
@@ -30,7 +31,7 @@ def grid():
     cells[0] = 100  # lowest row
     cells[1, :2] = 0
     cells[1, 2] = 50
-    return Grid(cells, 0.05, (-1.0, -2.0))
+    return OccupancyGrid.of(cells, 0.05, Pose(-1.0, -2.0))
 
 
 def write_trace(path, rows):
@@ -114,11 +115,11 @@ def test_raw_map_keeps_every_value(tmp_path):
     save_raw(grid(), tmp_path / "m.npz")
     loaded = load_raw(tmp_path / "m.npz")
     assert (loaded.cells == grid().cells).all() and loaded.cells.dtype == np.int8
-    assert (loaded.resolution, loaded.origin) == (0.05, (-1.0, -2.0))
+    assert (loaded.resolution, loaded.origin) == (0.05, (-1.0, -2.0, 0.0))
 
 
 def test_known_part_of_a_turned_map_in_the_world():
-    left, right, bottom, top = bounds(grid(), (10.0, 20.0, np.pi / 2))
+    left, right, bottom, top = bounds(grid(), Pose(10.0, 20.0, np.pi / 2))
     # Known cells: x -1.0 to -0.8, y -2.0 to -1.9; a quarter turn makes (x, y) to (-y, x).
     assert (left, right, bottom, top) == pytest.approx((11.9, 12.0, 19.0, 19.2))
 
@@ -127,10 +128,10 @@ def test_picture_is_written_even_without_known_cells(tmp_path):
     write_trace(tmp_path / "t.csv", [(0.0, 0.0, "a", 0, 0, 0, 0, 0, 0, 0), (0.1, 0.1, "a", 0.1, 0, 0, 0, 0, 0, 0)])
     truth = Truth(tmp_path / "t.csv", ["a", "silent"])
     truth.update()
-    empty = Grid(np.full((2, 2), -1, np.int8), 0.05, (0.0, 0.0))
+    empty = OccupancyGrid.of(np.full((2, 2), -1, np.int8), 0.05)
     for number, map_ in enumerate((grid(), empty)):
         path = tmp_path / f"{number}.png"
-        draw_mission(map_, (0.0, 0.0, 0.0), truth.tracks, "title", path)
+        draw_mission(map_, Pose(0.0, 0.0, 0.0), truth.tracks, "title", path)
         assert cv2.imread(str(path)).shape[0] > 100
 
 
@@ -165,7 +166,7 @@ def test_team_with_an_unfinished_robot_has_no_time():
     team = team_summary(robots, None, None)
     assert team["finished"] is False and team["exploration_time"] is None
     options = parse_arguments(["--out", "/o"])
-    plan = Plan(options, "w", [RobotPlan("a", 0, 1, (0.0, 0.0, 0.0))], "/o", "hub")
+    plan = Plan(options, "w", [RobotPlan("a", 0, 1, Pose(0.0, 0.0, 0.0))], "/o", "hub")
     summary = mission_summary(plan, robots, team, "limit of 900 s of simulation time reached", [])
     assert summary["finished"] is False
     json.dumps(summary)

@@ -13,7 +13,7 @@ from explorer.edge import Edge
 from explorer.foreign import Element, ForeignFrontiers
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
-from explorer.messages import Auction, Effect, Note, Pose
+from explorer.messages import Auction, Effect, Note
 from explorer.missions import Missions, OnDecision
 from explorer.options import Options
 from explorer.orders import Answer
@@ -23,6 +23,7 @@ from explorer.report import Report, report_of
 from explorer.senses import Senses
 from explorer.statement import Statement
 from explorer.status import Counters, Picture, State, Status
+from mr_grid import Pose
 
 CLOCK_TOLERANCE = 1.0  # s by which the clock may be set back without consequences
 MAXIMUM_CHOSEN = 5000  # elements of one negotiation list that are read

@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 from typing import Callable, NamedTuple, Optional
 
 from explorer.geometry import Position, apart, distance
-from explorer.messages import FAILED, REACHED, CancelGoal, Emit, Note, Pose, SetGoal
+from explorer.messages import FAILED, REACHED, CancelGoal, Emit, Note, SetGoal
 from explorer.options import Options
+from mr_grid import Pose
 
 ARRIVED_DISTANCE = 0.45  # m, the goal is close enough to look
 PROGRESS_DISTANCE = 0.3  # m of motion that count as progress

@@ -7,11 +7,12 @@ from explorer.claim import OwnClaim
 from explorer.clusters import Cluster
 from explorer.driver import Driver
 from explorer.geometry import distance
-from explorer.messages import Emit, Note, Pose
+from explorer.messages import Emit, Note
 from explorer.perception import Perception
 from explorer.scene import Scene
 from explorer.statement import Decided, Kind
 from explorer.verdicts import Verdicts
+from mr_grid import Pose
 
 WORTH_A_LOOK = 4  # frontier points without a viewpoint that are worth a closer look before the end
 CLOSER_LOOKS = 20  # such looks in a mission

@@ -3,7 +3,7 @@
 import math
 from typing import Tuple
 
-from explorer.messages import Pose
+from mr_grid import Pose
 
 Position = Tuple[float, float]
 

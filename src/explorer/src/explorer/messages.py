@@ -5,16 +5,7 @@ from typing import Callable, Tuple, Union
 
 from explorer.foreign import Element, Key
 from explorer.statement import Statement
-
-
-@dataclass(frozen=True)
-class Pose:
-    """A pose in the map frame: m, m, rad."""
-
-    x: float
-    y: float
-    yaw: float
-
+from mr_grid import Pose
 
 PAPER_UNIT = 1
 """Bids are squared distances in m^2, as those of strategy 1 and of robots that tell no unit (contract 3.7)."""

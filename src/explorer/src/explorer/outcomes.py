@@ -3,10 +3,11 @@
 from explorer.claim import OwnClaim
 from explorer.driver import Goal, GoalEvent
 from explorer.geometry import distance
-from explorer.messages import REACHED, Emit, Note, Pose
+from explorer.messages import REACHED, Emit, Note
 from explorer.perception import Perception
 from explorer.team import Team
 from explorer.verdicts import Verdicts
+from mr_grid import Pose
 
 BLOCKING_DISTANCE = 1.5  # m, a robot this near to where the way ended may be what makes a goal fail
 

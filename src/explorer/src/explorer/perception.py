@@ -11,7 +11,6 @@ from explorer.frontiers import Frontier, FrontierStore
 from explorer.geometry import Position, distance
 from explorer.grid import OccupancyMap
 from explorer.leftovers import Left, leftovers
-from explorer.messages import Pose
 from explorer.options import Options
 from explorer.prospects import Prospect, prospects
 from explorer.senses import Senses
@@ -27,6 +26,7 @@ from explorer.worth import (
     without_detours,
     worth_of,
 )
+from mr_grid import Pose
 
 REPLAN_PERIOD = 1.0  # s between two looks at the costs while the robot moves
 REPLAN_DISTANCE = 0.3  # m of motion that makes them old

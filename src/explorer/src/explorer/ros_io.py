@@ -24,7 +24,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from explorer.errors import MapError
 from explorer.foreign import Element, Key, rigid_transform
 from explorer.grid import GridInfo, OccupancyMap
-from explorer.messages import PAPER_UNIT, Auction, Bid, Pose, SendAuction, SendFrontiers
+from explorer.messages import PAPER_UNIT, Auction, Bid, SendAuction, SendFrontiers
 from explorer.msg import (
     ExplorationBid,
     ExplorationLeftover,
@@ -36,6 +36,7 @@ from explorer.options import Options, number_of
 from explorer.report import Report
 from explorer.statement import Stage
 from explorer.status import Picture, Status
+from mr_grid import Pose
 
 COLOURS: Sequence[Tuple[float, float, float]] = ((0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1))
 CLUSTER_CELL = 0.5

@@ -7,9 +7,9 @@ from typing import Dict, FrozenSet, List, Mapping, Optional, Tuple
 from explorer.clusters import Cluster, View
 from explorer.frontiers import Frontier
 from explorer.geometry import Position
-from explorer.messages import Pose
 from explorer.recognition import Listed, match
 from explorer.ways import Ways
+from mr_grid import Pose
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,11 @@ from explorer.decision import Decision
 from explorer.errors import ExplorerError, SceneError
 from explorer.frontiers import Frontier
 from explorer.grid import GridInfo, OccupancyMap
-from explorer.messages import Pose
 from explorer.recognition import Listed
 from explorer.scene import Scene
 from explorer.traces import LARGEST_ROBOT_RADIUS
 from explorer.ways import Ways
+from mr_grid import Pose
 
 FORMAT = "explorer decision 1"
 MOST_CELLS = 100_000_000

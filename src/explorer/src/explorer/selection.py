@@ -7,9 +7,9 @@ from explorer.clusters import Cluster
 from explorer.driver import Driver, Goal
 from explorer.frontiers import Frontier
 from explorer.geometry import distance
-from explorer.messages import Pose
 from explorer.scene import Scene
 from explorer.strategies.strategy import Bids, FrontierStrategy
+from mr_grid import Pose
 
 
 class Selection:

@@ -5,7 +5,7 @@ from typing import Optional
 
 from explorer.geometry import apart, turn
 from explorer.grid import OccupancyMap
-from explorer.messages import Pose
+from mr_grid import Pose
 
 MAP_DELAY = 1.5  # s that a map is taken to be behind what is seen where the robot's SLAM does not tell of its maps
 NOTHING_TIME = 5.0  # s at rest after which a map that does not change counts as fresh

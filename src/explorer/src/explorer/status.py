@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Mapping, Optional, Tuple
 
-from explorer.messages import Pose
+from mr_grid import Pose
 
 Place = Tuple[float, float]
 

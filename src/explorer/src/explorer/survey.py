@@ -13,13 +13,13 @@ from explorer.frontier_map import frontier_cells
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
 from explorer.leftovers import reasons
-from explorer.messages import Pose
 from explorer.options import Options
 from explorer.perception import Perception
 from explorer.senses import Senses
 from explorer.travel import SNAP_DISTANCE
 from explorer.verdicts import Verdicts
 from explorer.ways import Ways
+from mr_grid import Pose
 
 
 @dataclass(frozen=True)

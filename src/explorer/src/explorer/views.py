@@ -13,8 +13,8 @@ from explorer.clusters import Cluster, View
 from explorer.frontiers import Frontier
 from explorer.geometry import turn
 from explorer.grid import GridInfo, OccupancyMap, line_is_clear
-from explorer.messages import Pose
 from explorer.travel import CostField
+from mr_grid import Pose
 
 # A viewpoint keeps this much farther from obstacles than the robot has to, where it can, in metres.
 PREFERRED_ROOM = 0.1

@@ -1,70 +1,44 @@
-"""Occupancy grids as values and as files in the format of map_server (.pgm with .yaml)."""
+"""Maps of a mission as files: exact ones for the runner, those of map_server and pictures for people."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-OCCUPIED_FROM = 65  # percent, as map_saver
-FREE_TO = 25
-PGM_OCCUPIED, PGM_FREE, PGM_UNKNOWN = 0, 254, 205
+from mr_grid import OccupancyGrid, Pose
+from mr_grid.map_files import image_of, write_map
+
+OCCUPIED_FROM, FREE_BELOW = 65, 26  # percent, as map_saver
 
 
-@dataclass(frozen=True)
-class Grid:
-    """A map. ``cells`` is int8 (rows, columns), row 0 at the lowest y: -1 unknown, 0 free to 100 occupied.
-
-    ``origin`` is the corner of cell (0, 0): x, y in m in the frame of the map; ``resolution`` in m per cell.
-    """
-
-    cells: np.ndarray
-    resolution: float
-    origin: tuple[float, float]
-
-    @property
-    def free(self) -> np.ndarray:
-        return (self.cells >= 0) & (self.cells <= FREE_TO)
-
-    @property
-    def occupied(self) -> np.ndarray:
-        return self.cells >= OCCUPIED_FROM
+def free_cells(grid: OccupancyGrid) -> np.ndarray:
+    """Bool (rows, columns)."""
+    return (grid.cells >= 0) & (grid.cells < FREE_BELOW)
 
 
-def save_raw(grid: Grid, path: Path) -> None:
+def occupied_cells(grid: OccupancyGrid) -> np.ndarray:
+    """Bool (rows, columns)."""
+    return grid.cells >= OCCUPIED_FROM
+
+
+def save_raw(grid: OccupancyGrid, path: Path) -> None:
     """Exact cells for the runner (numpy archive)."""
     temporary = path.with_suffix(".part.npz")
     np.savez(temporary, cells=grid.cells, resolution=grid.resolution, origin=np.array(grid.origin))
     temporary.rename(path)
 
 
-def load_raw(path: Path) -> Grid:
+def load_raw(path: Path) -> OccupancyGrid:
     with np.load(path) as archive:
-        x, y = (float(value) for value in archive["origin"])
-        return Grid(archive["cells"], float(archive["resolution"]), (x, y))
+        return OccupancyGrid.of(archive["cells"], float(archive["resolution"]), Pose(*archive["origin"].tolist()))
 
 
-def to_pixels(grid: Grid) -> np.ndarray:
-    """Grey picture (uint8, first row = highest y) with the three values of map_server."""
-    pixels = np.full(grid.cells.shape, PGM_UNKNOWN, np.uint8)
-    pixels[grid.free] = PGM_FREE
-    pixels[grid.occupied] = PGM_OCCUPIED
-    return np.flipud(pixels)
-
-
-def save_map(grid: Grid, stem: Path) -> list[Path]:
+def save_map(grid: OccupancyGrid, stem: Path) -> list[Path]:
     """Write ``<stem>.pgm``, ``<stem>.yaml`` and ``<stem>.png``; returns the files."""
-    pixels = np.ascontiguousarray(to_pixels(grid))
-    files = [stem.with_suffix(suffix) for suffix in (".pgm", ".yaml", ".png")]
-    for path in (files[0], files[2]):
-        if not cv2.imwrite(str(path), pixels):
-            raise OSError(f"cannot write {path}")
-    files[1].write_text(
-        f"image: {files[0].name}\n"
-        f"resolution: {grid.resolution:.6f}\n"
-        f"origin: [{grid.origin[0]:.6f}, {grid.origin[1]:.6f}, 0.000000]\n"
-        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
-    )
-    return files
+    files = [Path(path) for path in write_map(str(stem), grid, FREE_BELOW, OCCUPIED_FROM)]
+    picture = stem.with_suffix(".png")
+    if not cv2.imwrite(str(picture), image_of(grid, FREE_BELOW, OCCUPIED_FROM)[::-1]):
+        raise OSError(f"cannot write {picture}")
+    return [*files, picture]

@@ -13,9 +13,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.transforms import Affine2D
 
-from mr_launch.maps import Grid
+from mr_grid import OccupancyGrid, Pose
+from mr_launch.maps import free_cells, occupied_cells
 from mr_launch.truth import Track
-from mr_sim.pose import Pose, placed
 
 COLOURS = ("#d62728", "#1f77b4", "#2ca02c", "#ff9f1c", "#9467bd", "#17becf", "#8c564b", "#e377c2")
 ROBOT = np.array([(-0.5, -0.5), (0.27, -0.5), (0.5, 0.0), (0.27, 0.5), (-0.5, 0.5)])  # of length and width, nose ahead
@@ -23,16 +23,16 @@ SIZE = (0.44, 0.38)  # m, length and width of a robot of which nothing is known
 UNKNOWN, FREE, OCCUPIED = (0.90, 0.91, 0.93, 1.0), (1.0, 1.0, 1.0, 1.0), (0.13, 0.15, 0.19, 1.0)
 
 
-def map_colours(grid: Grid) -> np.ndarray:
+def map_colours(grid: OccupancyGrid) -> np.ndarray:
     """RGBA image (rows, columns, 4), row 0 at the lowest y."""
     image = np.empty((*grid.cells.shape, 4))
     image[...] = UNKNOWN
-    image[grid.free] = FREE
-    image[grid.occupied] = OCCUPIED
+    image[free_cells(grid)] = FREE
+    image[occupied_cells(grid)] = OCCUPIED
     return image
 
 
-def bounds(grid: Grid, pose: Pose) -> tuple[float, float, float, float]:
+def bounds(grid: OccupancyGrid, pose: Pose) -> tuple[float, float, float, float]:
     """Left, right, bottom, top (m, world frame) of the known part of a map whose frame lies at ``pose``."""
     rows, columns = np.nonzero(grid.cells >= 0)
     if rows.size == 0:
@@ -40,12 +40,12 @@ def bounds(grid: Grid, pose: Pose) -> tuple[float, float, float, float]:
     xs = grid.origin[0] + grid.resolution * np.array([columns.min(), columns.max() + 1])
     ys = grid.origin[1] + grid.resolution * np.array([rows.min(), rows.max() + 1])
     corners = np.array([(x, y) for x in xs for y in ys])
-    world = placed(corners, pose)
+    world = pose.apply(corners)
     return world[:, 0].min(), world[:, 0].max(), world[:, 1].min(), world[:, 1].max()
 
 
 def draw_mission(
-    grid: Grid,
+    grid: OccupancyGrid,
     pose: Pose,
     tracks: Mapping[str, Track],
     title: str,
@@ -68,7 +68,7 @@ def draw_mission(
     figure, axes = plt.subplots(figsize=(12, max(3.0, 12 * height / width) + 0.8), dpi=110)
     to_world = Affine2D().rotate(pose[2]).translate(pose[0], pose[1])
     rows, columns = grid.cells.shape
-    x, y = grid.origin
+    x, y, _ = grid.origin
     axes.imshow(
         map_colours(grid),
         origin="lower",
@@ -103,5 +103,5 @@ def draw_track(axes: plt.Axes, name: str, track: Track, start: float, colour: st
     axes.plot(
         x[0], y[0], "o", markersize=9, markerfacecolor="white", markeredgecolor=colour, markeredgewidth=2, zorder=5
     )
-    outline = placed(ROBOT * size, (x[-1], y[-1], yaw[-1]))
+    outline = Pose(x[-1], y[-1], yaw[-1]).apply(ROBOT * size)
     axes.fill(*outline.T, facecolor=colour, edgecolor="black", linewidth=0.8, zorder=6)

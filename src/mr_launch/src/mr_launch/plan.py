@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from mr_grid import Pose
 from mr_launch import isolation
 from mr_launch.arguments import Options
 
@@ -26,7 +27,7 @@ class RobotPlan:
     name: str
     index: int
     port: int
-    start: tuple[float, float, float]
+    start: Pose
     preset: str = "pioneer"  # what the robot is: its name in Plan.presets, or of one that comes with mr_sim
 
     @property
@@ -86,7 +87,7 @@ class Plan:
 
 
 def _robot_from(values: dict[str, Any]) -> RobotPlan:
-    return RobotPlan(**dict(values, start=tuple(values["start"])))
+    return RobotPlan(**dict(values, start=Pose(*values["start"])))
 
 
 def robot_environment(plan: Plan, robot: RobotPlan) -> dict[str, str]:

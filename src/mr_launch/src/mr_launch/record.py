@@ -8,7 +8,7 @@ from typing import Any, Mapping
 
 import numpy as np
 
-from mr_launch.maps import Grid
+from mr_grid import OccupancyGrid
 from mr_launch.mission import Outcome
 from mr_launch.plan import Plan, RobotPlan
 from mr_launch.truth import Track, Truth
@@ -19,17 +19,13 @@ SERIES_PERIOD = 1.0  # s
 
 
 def mission_record(
-    plan: Plan, summary: Mapping[str, Any], outcome: Outcome, truth: Truth, grids: Mapping[str, Grid]
+    plan: Plan, summary: Mapping[str, Any], outcome: Outcome, truth: Truth, grids: Mapping[str, OccupancyGrid]
 ) -> dict[str, Any]:
     """`summary`: as in summary.json. Times in s since the start of the mission."""
     from mr_sim.map_picture import picture_of
-    from mr_sim.measures import OccupancyMap
 
     team = summary["team"]
-    pictures = {
-        name: {"global": picture_of(OccupancyMap(grid.cells, grid.resolution, (*grid.origin, 0.0)))}
-        for name, grid in grids.items()
-    }
+    pictures = {name: {"global": picture_of(grid)} for name, grid in grids.items()}
     return {
         "format": FORMAT,
         "trial": _trial(plan),

@@ -11,7 +11,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from mr_launch.maps import Grid, load_raw, save_map
+from mr_grid import OccupancyGrid
+from mr_launch.maps import load_raw, save_map
 from mr_launch.mission import Outcome
 from mr_launch.plan import TRUTH_FILE, Plan, RobotPlan
 from mr_launch.record import mission_record
@@ -54,7 +55,7 @@ def exploration_end(report: RobotReport, outcome: Outcome) -> float:
     return report.start_time + report.exploration_time if report.exploration_finished else outcome.end
 
 
-def save_maps(plan: Plan, outcome: Outcome) -> dict[str, Grid]:
+def save_maps(plan: Plan, outcome: Outcome) -> dict[str, OccupancyGrid]:
     grids = {}
     for robot in plan.robots:
         raw = Path(plan.socket(f"{robot.name}.npz"))
@@ -76,7 +77,9 @@ def radio_statistics(plan: Plan) -> dict[str, Any] | None:
         return None
 
 
-def draw(plan: Plan, outcome: Outcome, grids: dict[str, Grid], robots: dict[str, dict[str, Any]], truth: Truth) -> None:
+def draw(
+    plan: Plan, outcome: Outcome, grids: dict[str, OccupancyGrid], robots: dict[str, dict[str, Any]], truth: Truth
+) -> None:
     """The most complete map with all paths."""
     if not os.access(Path.home(), os.W_OK):
         os.environ.setdefault("MPLCONFIGDIR", plan.socket("matplotlib"))  # it keeps a cache, and warns without a place

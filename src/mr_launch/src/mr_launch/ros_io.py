@@ -4,17 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from mr_launch.maps import Grid
-
-
-def grid_of(message: Any) -> Grid:
-    """nav_msgs/OccupancyGrid (also as numpy_msg) to a Grid."""
-    info = message.info
-    cells = np.array(message.data, np.int8).reshape(info.height, info.width)
-    return Grid(cells, float(info.resolution), (info.origin.position.x, info.origin.position.y))
-
 
 def state_values(message: Any) -> dict[str, Any]:
     """explorer/ExplorationState to fields of RobotReport."""

@@ -10,10 +10,9 @@ from typing import Any, Sequence
 
 import yaml  # type: ignore[import-untyped]
 
+from mr_grid import OccupancyGrid, Pose
 from mr_launch.errors import UserError
-from mr_launch.maps import Grid
 from mr_launch.plan import Walls
-from mr_sim.pose import Pose
 
 
 def find_world(name: str, starts: Sequence[float] = ()) -> str:
@@ -135,12 +134,6 @@ def load_truth(path: Path) -> Any | None:
         return None
 
 
-def occupancy_map(grid: Grid) -> Any:
-    from mr_sim.measures import OccupancyMap
-
-    return OccupancyMap(grid.cells, grid.resolution, (*grid.origin, 0.0))
-
-
 class CoverageMeter:
     """Explored share of one robot's map while the team runs."""
 
@@ -149,12 +142,12 @@ class CoverageMeter:
         self._start = start
         self._truth: Any | None = None
 
-    def coverage(self, grid: Grid) -> float | None:
+    def coverage(self, grid: OccupancyGrid) -> float | None:
         """Share of the reference cells that the map knows; None until the reference has been computed."""
         from mr_sim.measures import coverage
 
         self._truth = self._truth or load_truth(self._file)
-        return None if self._truth is None else coverage(self._truth, occupancy_map(grid), self._start)
+        return None if self._truth is None else coverage(self._truth, grid, self._start)
 
 
 class Measures:
@@ -165,18 +158,18 @@ class Measures:
         self._slam = slam
         self._truth = load_truth(truth_file)
 
-    def of(self, grid: Grid | None, start: Pose) -> dict[str, Any]:
+    def of(self, grid: OccupancyGrid | None, start: Pose) -> dict[str, Any]:
         """Coverage, wrong walls, free cells and map error of one robot's final map; None where there is none."""
         if grid is None:
             return {"coverage": None, "wrong_walls": None, "free_cells": None, **no_error("the robot gave no map")}
-        from mr_sim.measures import coverage, wrong_walls
+        from mr_sim.measures import coverage, explored_free_cells, wrong_walls
 
-        occupancy, truth = occupancy_map(grid), self._truth
+        truth = self._truth
         return {
-            "coverage": None if truth is None else round(coverage(truth, occupancy, start), 4),
-            "wrong_walls": None if truth is None else round(wrong_walls(truth, occupancy, start), 4),
-            "free_cells": occupancy.explored_free_cells,
-            **self._error(occupancy),
+            "coverage": None if truth is None else round(coverage(truth, grid, start), 4),
+            "wrong_walls": None if truth is None else round(wrong_walls(truth, grid, start), 4),
+            "free_cells": explored_free_cells(grid),
+            **self._error(grid),
         }
 
     def _error(self, occupancy: Any) -> dict[str, Any]:

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from mr_grid import Pose
 from mr_sim.bitmap import load_bitmap, rectangles
-from mr_sim.pose import Pose, compose
 from mr_sim.world_file import Block, WorldFileError, find_file
 from mr_sim.world_reader import Reader
 from mr_sim.world_words import BLOCK_WORDS, BODILESS, DEFAULT_SIZE, DEFAULT_SIZES
@@ -59,7 +59,7 @@ def part_polygons(reader: Reader, world: Path) -> tuple[Polygon, ...]:
 
 
 def moved(polygons: Sequence[Polygon], pose: Pose) -> tuple[Polygon, ...]:
-    return tuple(tuple(compose(pose, (x, y, 0.0))[:2] for x, y in polygon) for polygon in polygons)
+    return tuple(tuple(pose.apply_point(x, y) for x, y in polygon) for polygon in polygons)
 
 
 def _rectangle(left: float, low: float, right: float, high: float) -> Polygon:

@@ -7,9 +7,9 @@ from typing import Callable, Dict, List, Optional, Tuple, Union
 
 import numpy as np
 
+from mr_grid import OccupancyGrid, Pose, normalized
 from mr_sim.navigation.engine import Command, Navigator, Status
-from mr_sim.navigation.options import Grid, NavigationOptions, make_scan
-from mr_sim.pose import Pose, compose, inverse, normalized
+from mr_sim.navigation.options import NavigationOptions, make_scan
 from mr_sim.slam.engine import LaserScan, Slam
 from mr_sim.world import World
 from mr_sim.world_model import WorldDescription, load_world
@@ -33,11 +33,11 @@ class Robot:
     results: List[Tuple[float, str]] = field(default_factory=list)
     cpu: Dict[str, float] = field(default_factory=lambda: {"slam": 0.0, "navigation": 0.0})
     map_at: float = -math.inf
-    grid: Optional[Grid] = None
+    grid: Optional[OccupancyGrid] = None
 
     def local(self, pose: Pose) -> Pose:
         """A pose of the world in the robot's map frame."""
-        return compose(inverse(self.start), pose)
+        return self.start.between(pose)
 
 
 class ClosedLoop:
@@ -54,7 +54,8 @@ class ClosedLoop:
             for i, name in enumerate(self.world.names)
         ]
         self.on_scan: Optional[Callable[[Robot, Pose], None]] = None
-        self.merge: Callable[[Robot, Grid], Grid] = lambda robot, grid: grid  # the map to plan on, from the own one
+        # The map to plan on, from the own one.
+        self.merge: Callable[[Robot, OccupancyGrid], OccupancyGrid] = lambda robot, grid: grid
         self.share_positions = True
 
     def run(self, until: float, stop: Callable[[], bool] = lambda: False) -> None:
@@ -68,7 +69,7 @@ class ClosedLoop:
                     robot.touched.append(
                         (
                             self.world.time,
-                            robot.local((state["x"], state["y"], state["yaw"])),
+                            robot.local(Pose(state["x"], state["y"], state["yaw"])),
                             robot.navigator.mode.value,
                         )
                     )
@@ -80,16 +81,15 @@ class ClosedLoop:
         description = self.world.robots[robot.index]
         ranger = description.rangers[description.main_ranger]
         now = self.world.time
-        odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
+        odometry = Pose(float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
         begun = time.process_time()
         geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, ranger.mount)
         pose = robot.slam.process(LaserScan(ranges, *geometry), odometry, now).pose
         if now - robot.map_at >= MAP_PERIOD:
             robot.map_at = now
-            map_ = robot.slam.map()
-            robot.grid = Grid(map_.cells, map_.resolution, map_.origin)
+            robot.grid = robot.slam.map()
         robot.cpu["slam"] += time.process_time() - begun
-        truth = robot.local((float(state["x"]), float(state["y"]), float(state["yaw"])))
+        truth = robot.local(Pose(float(state["x"]), float(state["y"]), float(state["yaw"])))
         robot.drift.append(math.dist(pose[:2], truth[:2]))
         robot.turn_drift.append(abs(normalized(pose[2] - truth[2])))
         if self.on_scan is not None:

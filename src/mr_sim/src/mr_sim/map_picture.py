@@ -8,16 +8,17 @@ from typing import Any
 import cv2
 import numpy as np
 
-from mr_sim.measures import FREE_BELOW, OCCUPIED_FROM, OccupancyMap
+from mr_grid import OccupancyGrid
+from mr_sim.measures import FREE_BELOW, OCCUPIED_FROM
 
 OCCUPIED, UNKNOWN, FREE = 0, 205, 254  # gray values, as in the files of map_server
 
 
-def picture_of(occupancy: OccupancyMap) -> dict[str, Any]:
+def picture_of(occupancy: OccupancyGrid) -> dict[str, Any]:
     """PNG in base64, north up, with the resolution in m and the lower left corner in m."""
-    gray = np.full(occupancy.data.shape, UNKNOWN, dtype=np.uint8)
-    gray[(occupancy.data >= 0) & (occupancy.data < FREE_BELOW)] = FREE
-    gray[occupancy.data >= OCCUPIED_FROM] = OCCUPIED
+    gray = np.full(occupancy.cells.shape, UNKNOWN, dtype=np.uint8)
+    gray[(occupancy.cells >= 0) & (occupancy.cells < FREE_BELOW)] = FREE
+    gray[occupancy.cells >= OCCUPIED_FROM] = OCCUPIED
     done, octets = cv2.imencode(".png", gray[::-1])
     if not done:
         raise ValueError(f"a map of {gray.shape} cells makes no picture")

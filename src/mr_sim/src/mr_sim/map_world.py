@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 import yaml  # type: ignore[import-untyped]
 
+from mr_grid import Pose
 from mr_plans.world_files import WorldFiles
-from mr_sim.pose import Pose, compose
 
 SUFFIXES = (".yaml", ".yml")
 
@@ -66,8 +66,8 @@ def map_world_files(path: str | Path, starts: Sequence[Pose] = ()) -> WorldFiles
     robots = [_ROBOT.format(i, *pose[:2], math.degrees(pose[2])) for i, pose in enumerate(starts or [_roomiest(map_)])]
     rows, columns = map_.free.shape
     length, depth = columns * map_.resolution, rows * map_.resolution
-    x, y, yaw = compose(map_.origin, (length / 2.0, depth / 2.0, 0.0))
-    digest = hashlib.sha256(repr((picture, map_.resolution, map_.origin, robots)).encode()).hexdigest()[:8]
+    x, y, yaw = map_.origin.compose(Pose(length / 2.0, depth / 2.0, 0.0))
+    digest = hashlib.sha256(repr((picture, map_.resolution, tuple(map_.origin), robots)).encode()).hexdigest()[:8]
     stem = f"{Path(path).stem}-{digest}"
     text = _WORLD.format(
         source=Path(path).name, stem=stem, resolution=map_.resolution, length=length, depth=depth, x=x, y=y,
@@ -113,19 +113,19 @@ def _origin(path: Path, value: Any) -> Pose:
     if not isinstance(value, list) or len(value) != 3:
         raise MapError(f'{path}: "origin" must be [x, y, yaw], not {value!r}')
     x, y, yaw = (_number(path, {"origin": number}, "origin") for number in value)
-    return x, y, yaw
+    return Pose(x, y, yaw)
 
 
 def _cropped(map_: _Map) -> _Map:
     """To what is free, with a wall of one cell around it: nobody sees or gets farther."""
     rows, columns = np.flatnonzero(map_.free.any(axis=1)), np.flatnonzero(map_.free.any(axis=0))
     free = np.pad(map_.free[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1], 1)
-    corner = (float(columns[0] - 1) * map_.resolution, float(rows[0] - 1) * map_.resolution, 0.0)
-    return _Map(free, map_.resolution, compose(map_.origin, corner))
+    corner = Pose(float(columns[0] - 1) * map_.resolution, float(rows[0] - 1) * map_.resolution)
+    return _Map(free, map_.resolution, map_.origin.compose(corner))
 
 
 def _roomiest(map_: _Map) -> Pose:
     distance = cv2.distanceTransform(map_.free.astype(np.uint8), cv2.DIST_L2, 5)
     row, column = np.unravel_index(int(distance.argmax()), distance.shape)
-    x, y, _ = compose(map_.origin, (float(column + 0.5) * map_.resolution, float(row + 0.5) * map_.resolution, 0.0))
-    return x, y, 0.0
+    x, y = map_.origin.apply_point(float(column + 0.5) * map_.resolution, float(row + 0.5) * map_.resolution)
+    return Pose(x, y, 0.0)

@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from scipy import ndimage
 
+from mr_grid import OccupancyGrid, Pose
 from mr_sim import _world
-from mr_sim.pose import Pose, compose, placed, seen_from
 from mr_sim.raster import Grid
 from mr_sim.world import World
 from mr_sim.world_model import Polygon
@@ -30,36 +30,6 @@ _HEADINGS = 16  # headings in which the footprint is tried
 _VIEWPOINT_SPACING = 0.3  # m between the poses looked from
 _BEAMS = 720
 _SURROUND = 1.0  # m around the walls in which the distance to them is known
-
-
-@dataclass(frozen=True)
-class OccupancyMap:
-    """`data`: int8 (rows, columns), -1 unknown, 0 free to 100 occupied; `origin`: pose of the corner of cell (0, 0)."""
-
-    data: np.ndarray
-    resolution: float
-    origin: Pose = (0.0, 0.0, 0.0)
-
-    def cells_at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values (N,) at points (N, 2) of the map frame, and which points lie on the map; -1 where they do not."""
-        rows, columns = self.data.shape
-        if not self.data.size:
-            return np.full(len(points), -1, dtype=np.int8), np.zeros(len(points), dtype=bool)
-        # Column by column: many times faster than along rows of two.
-        x, y = (np.floor(axis / self.resolution).astype(np.int64) for axis in seen_from(points, self.origin).T)
-        inside = (x >= 0) & (x < columns) & (y >= 0) & (y < rows)
-        values = self.data.ravel().take(np.where(inside, y * columns + x, 0))
-        values[~inside] = -1
-        return values, inside
-
-    def centres(self, mask: np.ndarray) -> np.ndarray:
-        """Centres (N, 2) in the map frame of the cells where `mask` (rows, columns) is true."""
-        return placed((np.argwhere(mask)[:, ::-1] + 0.5) * self.resolution, self.origin)
-
-    @property
-    def explored_free_cells(self) -> int:
-        """P_n of the map error."""
-        return int(((self.data >= 0) & (self.data < FREE_BELOW)).sum())
 
 
 class KnowableArea(NamedTuple):
@@ -134,7 +104,7 @@ class Truth:
 
     def _fits(self, cells: np.ndarray, footprint: Sequence[Polygon], heading: float) -> np.ndarray:
         """Cells, bool (rows, columns), at whose centre the footprint touches no wall in this heading."""
-        turned = [np.array([compose((0.0, 0.0, heading), (*p, 0.0))[:2] for p in polygon]) for polygon in footprint]
+        turned = [np.array([Pose(0.0, 0.0, heading).apply_point(*p) for p in polygon]) for polygon in footprint]
         reach = math.ceil(max(np.abs(corners).max() for corners in turned) / self._resolution) + 1
         kernel = np.zeros((2 * reach + 1, 2 * reach + 1), dtype=np.uint8)
         for corners in turned:
@@ -173,20 +143,25 @@ def _centres_of(cells: np.ndarray, walls: Grid) -> np.ndarray:
     return centres
 
 
-def coverage(truth: Truth, occupancy: OccupancyMap, start: Pose) -> float:
+def coverage(truth: Truth, occupancy: OccupancyGrid, start: Pose) -> float:
     """Share of the reference free cells that the map knows; `start`: the robot's true start pose."""
     if len(truth.reference) == 0:
         raise ValueError("the world has no reference cells: no robot can move in it")
-    values, _ = occupancy.cells_at(seen_from(truth.reference, start))
+    values = occupancy.values_at(start.apply_inverse(truth.reference))
     return float((values >= 0).mean())
 
 
-def wrong_walls(truth: Truth, occupancy: OccupancyMap, start: Pose) -> float:
+def wrong_walls(truth: Truth, occupancy: OccupancyGrid, start: Pose) -> float:
     """Share of the map's occupied cells that are no true wall; 0 for a map without occupied cells."""
-    occupied = occupancy.centres(occupancy.data >= OCCUPIED_FROM)
+    occupied = occupancy.info.centres_of(np.argwhere(occupancy.cells >= OCCUPIED_FROM))
     if len(occupied) == 0:
         return 0.0
-    return float((truth.wall_distance(placed(occupied, start)) > WALL_TOLERANCE).mean())
+    return float((truth.wall_distance(start.apply(occupied)) > WALL_TOLERANCE).mean())
+
+
+def explored_free_cells(occupancy: OccupancyGrid) -> int:
+    """P_n of the map error."""
+    return int(((occupancy.cells >= 0) & (occupancy.cells < FREE_BELOW)).sum())
 
 
 def map_error(explored_free_cells: int, reference: float) -> float:

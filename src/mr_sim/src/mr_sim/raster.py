@@ -9,7 +9,6 @@ import numpy as np
 
 from mr_sim.bitmap import load_bitmap
 from mr_sim.bodies import Polygon
-from mr_sim.pose import compose
 from mr_sim.world_model import Obstacle
 
 MAX_CELLS = 100_000_000
@@ -29,8 +28,7 @@ def _bounds(obstacles: Sequence[Obstacle]) -> tuple[float, float, float, float]:
     for obstacle in obstacles:
         half_x, half_y = obstacle.size[0] / 2.0, obstacle.size[1] / 2.0
         for corner in ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)):
-            x, y, _ = compose(obstacle.pose, (*corner, 0.0))
-            points.append((x, y))
+            points.append(obstacle.pose.apply_point(*corner))
     xs, ys = [p[0] for p in points], [p[1] for p in points]
     return min(xs), min(ys), max(xs), max(ys)
 
@@ -106,7 +104,7 @@ def _is_thin(corners: np.ndarray, resolution: float) -> bool:
 
 
 def _place(polygon: Polygon, obstacle: Obstacle) -> np.ndarray:
-    return np.array([compose(obstacle.pose, (x, y, 0.0))[:2] for x, y in polygon])
+    return np.array([obstacle.pose.apply_point(x, y) for x, y in polygon])
 
 
 def write_image(grid: Grid, path: str | Path) -> None:

@@ -10,7 +10,8 @@ import statistics
 from dataclasses import dataclass
 from pathlib import Path
 
-from mr_sim.measures import OccupancyMap, map_error
+from mr_grid import OccupancyGrid
+from mr_sim.measures import explored_free_cells, map_error
 
 MINIMUM_MISSIONS = 10
 VIRTUAL_TIME = "mr_experiments"  # the host of the references in `worlds/`
@@ -85,7 +86,7 @@ def write_reference(world: str | Path, reference: Reference) -> Path:
     return path
 
 
-def error_of_map(world: str | Path, occupancy: OccupancyMap, slam: str, host: str) -> tuple[float | None, str]:
+def error_of_map(world: str | Path, occupancy: OccupancyGrid, slam: str, host: str) -> tuple[float | None, str]:
     """e of a robot's final map in percent against the missions of `host`, or None and the reason why there is none.
     Raises MapReferenceError for a broken file."""
     reference = load_reference(world)
@@ -97,4 +98,4 @@ def error_of_map(world: str | Path, occupancy: OccupancyMap, slam: str, host: st
         return None, f"the stored missions are of another host: {reference.host}, not {host}"
     if reference.slam != slam or reference.resolution != round(occupancy.resolution, 6):
         return None, f"the stored missions are with {reference.slam} at {reference.resolution:g} m per cell"
-    return map_error(occupancy.explored_free_cells, reference.median), ""
+    return map_error(explored_free_cells(occupancy), reference.median), ""

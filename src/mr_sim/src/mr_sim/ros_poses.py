@@ -1,9 +1,10 @@
 """Planar poses in ROS messages."""
 
 import math
-from typing import Tuple
 
 from geometry_msgs.msg import Quaternion, TransformStamped
+
+from mr_grid import Pose
 
 
 def yaw_of(q: Quaternion) -> float:
@@ -14,7 +15,6 @@ def quaternion(yaw: float) -> Quaternion:
     return Quaternion(0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
 
 
-def transform_pose(message: TransformStamped) -> Tuple[float, float, float]:
-    """(x, y, yaw)."""
+def transform_pose(message: TransformStamped) -> Pose:
     translation = message.transform.translation
-    return translation.x, translation.y, yaw_of(message.transform.rotation)
+    return Pose(translation.x, translation.y, yaw_of(message.transform.rotation))

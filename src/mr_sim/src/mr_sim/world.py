@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mr_grid import Pose
 from mr_sim import _world
-from mr_sim.pose import Pose
 from mr_sim.raster import Grid, rasterise
 from mr_sim.world_model import Obstacle, RobotDescription, WorldDescription
 
@@ -186,7 +186,7 @@ class World:
     def pose(self, robot: int) -> Pose:
         """True pose in the world frame."""
         state = self.core.states()[robot]
-        return float(state["x"]), float(state["y"]), float(state["yaw"])
+        return Pose(float(state["x"]), float(state["y"]), float(state["yaw"]))
 
 
 @functools.lru_cache(maxsize=4)

@@ -7,8 +7,8 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from mr_grid import IDENTITY, Pose
 from mr_sim.bodies import Polygon, bitmap_of, moved, part_polygons, polygons_of, size_of
-from mr_sim.pose import Pose, compose
 from mr_sim.world_file import Block, WorldFile, WorldFileError, parse_world_file
 from mr_sim.world_reader import Context, PassedOver, Reader, units_of
 from mr_sim.world_words import (
@@ -139,14 +139,14 @@ class _Builder:
         if block.kind in ("ranger", "laser"):
             self._context.passed_over.models.add(f"{block.kind} that no robot carries")
         reader = self._reader(block, MODEL_WORDS)
-        pose = compose(parent, reader.pose())
+        pose = parent.compose(reader.pose())
         bitmap = bitmap_of(reader, self._world)
         polygons = () if bitmap else polygons_of(reader)
         boundary = reader.flag("boundary", False)
         if bitmap or polygons or boundary:
             self.obstacles.append(
                 Obstacle(
-                    pose=compose(pose, reader.origin()),
+                    pose=pose.compose(reader.origin()),
                     size=size_of(reader),
                     polygons=polygons,
                     bitmap=bitmap,
@@ -166,7 +166,7 @@ class _Builder:
         name = reader.text("name", f"robot_{len(self.robots)}")
         if any(robot.name == name for robot in self.robots):
             raise reader.fail("name", f'"{name}" is used by two robots')
-        start = compose(parent, reader.pose())
+        start = parent.compose(reader.pose())
         quarter = math.pi / 2.0
         bounds = reader.numbers("velocity_bounds", (-1, 1, -1, 1, -1, 1, -quarter, quarter), "llllllaa")
         if any(low > high for low, high in zip(bounds[::2], bounds[1::2], strict=True)):
@@ -177,7 +177,7 @@ class _Builder:
             raise WorldFileError(
                 block.place, f'a camera is the only sensor of "{name}", and it is not simulated: add a ranger'
             )
-        footprint = (*moved(part_polygons(reader, self._world), reader.origin()), *self._parts(block, (0.0, 0.0, 0.0)))
+        footprint = (*moved(part_polygons(reader, self._world), reader.origin()), *self._parts(block, IDENTITY))
         self.robots.append(
             RobotDescription(
                 name=name,
@@ -206,9 +206,9 @@ class _Builder:
                 self._context.passed_over.models.add("window")
             elif child.kind not in ("block", "sensor"):
                 reader = self._reader(child, PART_WORDS)
-                here = compose(pose, reader.pose())
+                here = pose.compose(reader.pose())
                 if reader.flag("obstacle_return", True):
-                    polygons.extend(moved(part_polygons(reader, self._world), compose(here, reader.origin())))
+                    polygons.extend(moved(part_polygons(reader, self._world), here.compose(reader.origin())))
                 if any(inner.kind in ("ranger", "laser") for inner in child.children):
                     self._context.passed_over.models.add("ranger that is not mounted on the robot itself")
                 polygons.extend(self._parts(child, here))
@@ -239,7 +239,7 @@ def _sensors(block: Block, context: Context) -> list[RangerDescription]:
         for child in sensor.children:
             raise WorldFileError(child.place, f'"{child.word}" inside a sensor is not supported')
         inner = Reader(sensor, SENSOR_WORDS, context)
-        found.append(_sensor(inner, reader, compose(reader.pose(), inner.pose())))
+        found.append(_sensor(inner, reader, reader.pose().compose(inner.pose())))
     return found
 
 
@@ -250,7 +250,7 @@ def _ring(ranger: Reader) -> list[RangerDescription]:
         raise ranger.fail("scount", f"must be a whole number up to {MAX_RANGERS}, not {count:g}")
     nearest, farthest, view = ranger.numbers("sview", (*SONAR_RANGE, math.pi / count), "lla")
     poses = [ranger.numbers(f"spose[{index}]", (0.0, 0.0, 0.0), "lla") for index in range(int(count))]
-    return [_description(ranger, ranger, compose(ranger.pose(), (x, y, yaw)), "sview", (nearest, farthest), view, 1)
+    return [_description(ranger, ranger, ranger.pose().compose(Pose(x, y, yaw)), "sview", (nearest, farthest), view, 1)
             for x, y, yaw in poses]  # fmt: skip
 
 
@@ -302,7 +302,7 @@ def load_world(path: str | Path) -> WorldDescription:
     reader = Reader(file.root, WORLD_WORDS, context)
     builder = _Builder(file, context)
     for block in file.root.children:
-        builder.add(block, (0.0, 0.0, 0.0))
+        builder.add(block, IDENTITY)
     quit_time = reader.number("quit_time", 0.0, minimum=0.0)
     return WorldDescription(
         path=Path(path),

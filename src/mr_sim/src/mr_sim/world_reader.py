@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from mr_sim.pose import Pose
+from mr_grid import Pose
 from mr_sim.world_file import Block, Place, Property, WorldFileError
 from mr_sim.world_words import KNOWN_WORDS, nearest, stem_of, words_of
 
@@ -124,14 +124,14 @@ class Reader:
 
     def pose(self, word: str = "pose") -> Pose:
         x, y, _, yaw = self.numbers(word, (0.0, 0.0, 0.0, 0.0), "llla")
-        return x, y, yaw
+        return Pose(x, y, yaw)
 
     def origin(self) -> Pose:
         """Stage's own files have it with three numbers; the heading is 0 then."""
         entry = self._entry("origin")
         if entry is not None and isinstance(entry.value, tuple) and len(entry.value) == 3:
             x, y, _ = self.numbers("origin", (), "lll")
-            return x, y, 0.0
+            return Pose(x, y, 0.0)
         return self.pose("origin")
 
     def size(self, default: tuple[float, float]) -> tuple[float, float]:

@@ -9,10 +9,10 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+from mr_grid import Pose
 from mr_plans.names import FORM, is_generated, parse_name
 from mr_plans.world_files import WorldFiles, world_files
 from mr_sim.map_world import is_map, map_world_files
-from mr_sim.pose import Pose
 from mr_sim.reference import reference_path
 from mr_sim.world_model import WorldDescription
 
@@ -91,7 +91,7 @@ def starts_of(numbers: Sequence[float]) -> tuple[Pose, ...]:
     if len(numbers) % 3 or not all(map(math.isfinite, numbers)):
         raise StartsError(f"--starts takes X Y DEGREES for each robot, not {len(numbers)} numbers")
     triples = zip(numbers[::3], numbers[1::3], numbers[2::3], strict=True)
-    return tuple((x, y, math.radians(degrees)) for x, y, degrees in triples)
+    return tuple(Pose(x, y, math.radians(degrees)) for x, y, degrees in triples)
 
 
 def _from_map(name: str, folder: Path, starts: Sequence[Pose]) -> Path:

@@ -13,15 +13,14 @@ from typing import Dict, List, Optional, Tuple
 import cv2
 import numpy as np
 
+from mr_grid import OccupancyGrid, Pose
 from mr_sim.closed_loop import ClosedLoop, Robot
 from mr_sim.navigation.engine import Status
-from mr_sim.navigation.options import Grid
-from mr_sim.pose import Pose
 
 GOAL_PERIOD = 2.0  # s between choices of a goal
 
 
-def frontiers(grid: Grid) -> List[Tuple[float, float]]:
+def frontiers(grid: OccupancyGrid) -> List[Tuple[float, float]]:
     """Middles of the groups of free cells that border the unknown."""
     free, unknown = grid.cells == 0, (grid.cells < 0).astype(np.uint8)
     border = free & (cv2.dilate(unknown, np.ones((3, 3), np.uint8)) > 0)
@@ -32,7 +31,7 @@ def frontiers(grid: Grid) -> List[Tuple[float, float]]:
             continue
         rows, columns = np.nonzero(labels == label)
         best = int(np.argmin(np.hypot(columns - centers[label][0], rows - centers[label][1])))
-        points.append(grid.center(int(rows[best]), int(columns[best])))
+        points.append(grid.info.centre_of(int(rows[best]), int(columns[best])))
     return points
 
 
@@ -78,11 +77,11 @@ class NearestFrontier:
 
         assert robot.grid is not None
         slowness = CostMap(robot.grid, robot.navigator.options).slowness(np.empty((0, 2)), pose)
-        row, column = robot.grid.cell(pose[0], pose[1])
+        row, column = robot.grid.info.cell_of(pose[0], pose[1])
         cost = _navigation.march(slowness, [(row, column, 0.0)])
 
         def way(point: Tuple[float, float]) -> float:
-            r, c = robot.grid.cell(*point)
+            r, c = robot.grid.info.cell_of(*point)
             window = cost[max(0, r - 8) : r + 9, max(0, c - 8) : c + 9]
             return float(window.min())
 
@@ -108,7 +107,7 @@ def report(loop: ClosedLoop, explorer: NearestFrontier, wall: float) -> str:
     return f"{loop.world.time:.0f} s in {wall:.0f} s\n" + "\n".join(lines)
 
 
-def picture(grid: Grid, path: str) -> None:
+def picture(grid: OccupancyGrid, path: str) -> None:
     image = np.where(grid.cells < 0, 128, np.where(grid.cells > 50, 0, 255)).astype(np.uint8)
     cv2.imwrite(path, np.flipud(image))
 

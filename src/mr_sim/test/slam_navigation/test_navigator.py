@@ -8,26 +8,26 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from mr_grid import OccupancyGrid, Pose
 from mr_sim import _navigation
 from mr_sim.closed_loop import ClosedLoop, Robot
 from mr_sim.navigation.arrivals import Arrivals
 from mr_sim.navigation.clock import Clock
 from mr_sim.navigation.engine import Command, Navigator, Status
 from mr_sim.navigation.obstacles import ObstacleMemory
-from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, Scan, make_scan
+from mr_sim.navigation.options import NavigationError, NavigationOptions, Scan, make_scan
 from mr_sim.navigation.planner import CostMap, plan
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.navigation.yielding import HeldUp, find_retreat
-from mr_sim.pose import Pose, compose
 
-EMPTY = make_scan(np.full(541, np.inf), -2.356, 4.712 / 540, 0.0, 8.0, (0.1, 0.0, 0.0))
+EMPTY = make_scan(np.full(541, np.inf), -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.1, 0.0, 0.0))
 
 
-def room(walls: Tuple[slice, ...] = ()) -> Grid:
+def room(walls: Tuple[slice, ...] = ()) -> OccupancyGrid:
     cells = np.zeros((80, 80), np.int8)
     for rows, columns in zip(walls[::2], walls[1::2]):
         cells[rows, columns] = 100
-    return Grid(cells, 0.05, (0.0, 0.0))
+    return OccupancyGrid.of(cells, 0.05)
 
 
 def until_end(navigator: Navigator, pose: Pose, scan: Scan = EMPTY, limit: float = 60.0) -> Tuple[float, Command]:
@@ -44,24 +44,24 @@ def test_a_robot_whose_goal_ended_brakes_at_once_where_gently_it_would_touch(ahe
     """It reached its goal at full speed in a bend and touched the wall while it braked."""
     navigator = Navigator()
     navigator.set_map(room())
-    navigator.set_goal((3.5, 2.0, 0.0), 0.0)
-    pose = (1.0, 2.0, 0.0)
+    navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
+    pose = Pose(1.0, 2.0, 0.0)
     for step in range(10):
-        pose = (1.0 + 0.05 * step, 2.0, 0.0)
+        pose = Pose(1.0 + 0.05 * step, 2.0, 0.0)
         speed = navigator.step(0.1 * step, pose, EMPTY).linear
     assert speed > 0.4
     navigator.cancel()
     bearings = np.linspace(-2.356, 2.356, 541)
     ranges = np.where(np.abs(bearings) < 0.5, (ahead - 0.1) / np.cos(bearings), np.inf)
-    command = navigator.step(1.0, pose, make_scan(ranges, -2.356, 4.712 / 540, 0.0, 8.0, (0.1, 0.0, 0.0)))
+    command = navigator.step(1.0, pose, make_scan(ranges, -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.1, 0.0, 0.0)))
     assert command.status is Status.IDLE and (command.linear == 0.0) == stops
 
 
 def test_no_way_is_said_within_a_second() -> None:
     navigator = Navigator()
     navigator.set_map(room((slice(None), slice(40, 42))))
-    navigator.set_goal((3.0, 2.0, 0.0), 0.0)
-    ended, command = until_end(navigator, (1.0, 2.0, 0.0))
+    navigator.set_goal(Pose(3.0, 2.0, 0.0), 0.0)
+    ended, command = until_end(navigator, Pose(1.0, 2.0, 0.0))
     assert ended <= 1.0 and command.status is Status.ABORTED
     assert command.text == "no way to (3.00, 2.00): walls or unknown cells close it off"
 
@@ -71,25 +71,25 @@ def test_no_way_says_why(goal: Pose, text: str) -> None:
     navigator = Navigator(NavigationOptions(goal_search_radius=0.1))
     navigator.set_map(room((slice(None), slice(40, 42))))
     navigator.set_goal(goal, 0.0)
-    _, command = until_end(navigator, (1.0, 2.0, 0.0))
+    _, command = until_end(navigator, Pose(1.0, 2.0, 0.0))
     assert command.status is Status.ABORTED and text in command.text
 
 
 def test_missing_input_is_named() -> None:
     navigator = Navigator()
-    navigator.set_goal((1.0, 0.0, 0.0), 0.0)
-    ended, command = until_end(navigator, (0.0, 0.0, 0.0))
+    navigator.set_goal(Pose(1.0, 0.0, 0.0), 0.0)
+    ended, command = until_end(navigator, Pose(0.0, 0.0, 0.0))
     assert ended <= 6.0 and command.text == "no map for 5 s"
 
 
 @pytest.mark.parametrize(
     "call",
     [
-        lambda n: n.set_goal((math.nan, 0.0, 0.0), 0.0),
-        lambda n: n.set_goal((0.0, 1e308, 0.0), 0.0),
-        lambda n: n.set_map(Grid(np.zeros((4, 4), np.int8), 0.05, (1e308, 0))),
-        lambda n: n.set_map(Grid(np.zeros((4, 4), np.int8), 1e-300, (0, 0))),
-        lambda n: n.set_map(Grid(np.zeros((0, 4), np.int8), 0.05, (0, 0))),
+        lambda n: n.set_goal(Pose(math.nan, 0.0, 0.0), 0.0),
+        lambda n: n.set_goal(Pose(0.0, 1e308, 0.0), 0.0),
+        lambda n: n.set_map(OccupancyGrid.of(np.zeros((4, 4), np.int8), 0.05, Pose(1e308, 0))),
+        lambda n: n.set_map(OccupancyGrid.of(np.zeros((4, 4), np.int8), 0.05, Pose(yaw=0.1))),
+        lambda n: n.set_map(OccupancyGrid.of(np.zeros((0, 4), np.int8), 0.05, Pose(0, 0))),
     ],
 )
 def test_bad_input_is_refused(call: Callable[[Navigator], None]) -> None:
@@ -106,18 +106,18 @@ def test_positions_that_cannot_be_are_ignored(value: float) -> None:
     assert navigator.set_others({"robot_1": (value, 0.0), "robot_2": (1.0, 1.0)}, 0.0) == ["robot_1"]
     navigator.set_map(room())
     assert navigator.set_others({"robot_1": (0.0, value), "robot_0": (0.0, 0.0)}, 1.0) == ["robot_1"]
-    navigator.set_goal((3.0, 2.0, 0.0), 1.0)
-    assert navigator.step(1.1, (0.6, 2.0, 0.0), EMPTY).status is Status.ACTIVE
+    navigator.set_goal(Pose(3.0, 2.0, 0.0), 1.0)
+    assert navigator.step(1.1, Pose(0.6, 2.0, 0.0), EMPTY).status is Status.ACTIVE
 
 
 def test_gentle_start_and_cancel() -> None:
     navigator = Navigator()
     navigator.set_map(room())
-    navigator.set_goal((3.5, 2.0, 0.0), 0.0)
-    speeds, pose = [0.0], (0.6, 2.0, 0.0)
+    navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
+    speeds, pose = [0.0], Pose(0.6, 2.0, 0.0)
     for step in range(12):
         command = navigator.step(step * 0.1, pose, EMPTY)
-        pose = (pose[0] + 0.1 * command.linear, pose[1], 0.0)
+        pose = Pose(pose[0] + 0.1 * command.linear, pose[1], 0.0)
         speeds.append(command.linear)
     assert max(np.diff(speeds)) < 0.1 + 1e-9 and speeds[-1] == pytest.approx(0.5)
     navigator.cancel()
@@ -171,7 +171,7 @@ corners = st.tuples(st.floats(-0.6, 0.6), st.floats(-0.6, 0.6))
 
 def plan_out(obstacles: np.ndarray, goal: Tuple[float, float] = (3.0, 2.0)) -> np.ndarray:
     """Waypoints from (1, 2, 0) in a room of 4 m x 4 m, rows (x, y, yaw, direction, seconds)."""
-    way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), (1.0, 2.0, 0.0), goal, 0.5)
+    way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), goal, 0.5)
     assert way is not None
     return _navigation.manoeuvre(
         way.cost, 0.05, (0.0, 0.0), way.goal, (1.0, 2.0, 0.0), obstacles, _navigation.Footprint(), _navigation.Agility()
@@ -219,7 +219,7 @@ def test_a_robot_that_stands_along_a_wall_gets_away_from_it(
     loop = ClosedLoop(draw_world((14, 10), [], [(7.013, 0.1 + gap if side > 0 else 9.9 - gap, 0.0)]), 1, seed)
     loop.run(2.5)
     robot = loop.robots[0]
-    robot.navigator.set_goal((0.0, 4.0 * side, 0.0), loop.world.time)
+    robot.navigator.set_goal(Pose(0.0, 4.0 * side, 0.0), loop.world.time)
     start = loop.world.pose(0)
     loop.run(62.5, lambda: abs(loop.world.pose(0)[1] - start[1]) > 1.0)
     assert abs(loop.world.pose(0)[1] - start[1]) > 1.0
@@ -229,12 +229,12 @@ def test_a_robot_that_stands_along_a_wall_gets_away_from_it(
 def test_a_new_goal_does_not_hide_that_the_robot_is_stuck() -> None:
     """A robot that stood was given another goal every few seconds, and none was old enough for a recovery."""
     # The blind end of a corridor of half a metre, with the goals at its other end.
-    navigator, pose = Navigator(), (1.0, 2.0, 0.0)
+    navigator, pose = Navigator(), Pose(1.0, 2.0, 0.0)
     navigator.set_map(room((slice(44, 46), slice(0, 30), slice(34, 35), slice(0, 30), slice(34, 45), slice(26, 28))))
     commands = []
     for step in range(100):
         if step % 15 == 0:
-            navigator.set_goal((0.3, 1.95 + 0.001 * step, 0.0), 0.1 * step)
+            navigator.set_goal(Pose(0.3, 1.95 + 0.001 * step, 0.0), 0.1 * step)
         commands.append(navigator.step(0.1 * step, pose, EMPTY))
     assert min(command.linear for command in commands) < -0.05
 
@@ -243,11 +243,11 @@ def test_a_way_back_where_there_is_no_room_to_turn(draw_world: Callable[..., str
     """At the end of a corridor narrower than its diagonal a robot turned to and fro until its goal was given up."""
     walls = [(2.5, 0.0, 3.5, 1.2), (2.5, 1.86, 3.5, 1.14)]
     loop = ClosedLoop(draw_world((6, 3), walls, [(1.0, 1.5, 0.0)]), 1, 0)
-    drive(loop, [(5.3, 1.53, 0.0)], 30.0)
+    drive(loop, [Pose(5.3, 1.53, 0.0)], 30.0)
     assert_arrived(loop.robots[0])
     loop.robots[0].results.clear()
     since = loop.world.time
-    drive(loop, [(1.0, 1.5, 0.0)], since + 30.0, since)
+    drive(loop, [Pose(1.0, 1.5, 0.0)], since + 30.0, since)
     assert_arrived(loop.robots[0])
 
 
@@ -259,8 +259,8 @@ def test_backwards_not_into_a_robot_that_says_where_it_is() -> None:
             room((slice(44, 46), slice(0, 30), slice(34, 35), slice(0, 30), slice(34, 45), slice(26, 28)))
         )
         navigator.set_others(others, 0.0)
-        navigator.set_goal((0.3, 2.0, 0.0), 0.0)
-        least = min(navigator.step(0.1 * step, (1.0, 2.0, 0.0), EMPTY).linear for step in range(30))
+        navigator.set_goal(Pose(0.3, 2.0, 0.0), 0.0)
+        least = min(navigator.step(0.1 * step, Pose(1.0, 2.0, 0.0), EMPTY).linear for step in range(30))
         assert (least < -0.05) == backs
 
 
@@ -271,13 +271,13 @@ def test_not_into_a_robot_that_says_it_is_beside_a_narrow_view(degrees: float, t
     navigator, other = Navigator(name="robot_0"), (1.6, 2.36)
     navigator.set_map(room())
     navigator.set_others({"robot_1": other}, 0.0)
-    navigator.set_goal((3.2, 2.0, 0.0), 0.0)
+    navigator.set_goal(Pose(3.2, 2.0, 0.0), 0.0)
     view = math.radians(degrees)
-    scan = make_scan(np.full(541, np.inf), -0.5 * view, view / 540, 0.0, 8.0, (0.0, 0.0, 0.0))
-    pose, nearest = (1.0, 2.0, 0.0), math.inf
+    scan = make_scan(np.full(541, np.inf), -0.5 * view, view / 540, 0.0, 8.0, Pose())
+    pose, nearest = Pose(1.0, 2.0, 0.0), math.inf
     for step in range(50):
         command = navigator.step(0.1 * step, pose, scan)
-        pose = compose(pose, (0.1 * command.linear, 0.0, 0.1 * command.angular))
+        pose = pose.compose(Pose(0.1 * command.linear, 0.0, 0.1 * command.angular))
         nearest = min(nearest, math.dist(pose[:2], other))
     assert (nearest < 0.45) == touches
 
@@ -285,7 +285,7 @@ def test_not_into_a_robot_that_says_it_is_beside_a_narrow_view(degrees: float, t
 def test_thinning_keeps_the_nearest_point() -> None:
     """A corner was taken for 4 cm farther away than it was, and touched."""
     navigator = Navigator()
-    navigator.set_map(Grid(np.zeros((40, 40), np.int8), 0.05, (-1.0, -1.0)))
+    navigator.set_map(OccupancyGrid.of(np.zeros((40, 40), np.int8), 0.05, Pose(-1.0, -1.0)))
     points = np.array([[0.599, 0.0], [0.571, 0.0], [0.585, 0.0]])
     scan = Scan(points, np.full(3, 0.6), 0.0, 0.01, 8.0, (0.0, 0.0, 0.0))
     assert navigator._obstacles(CostMap(navigator._grid, navigator.options), (0.0, 0.0, 0.0), scan)[
@@ -296,14 +296,14 @@ def test_thinning_keeps_the_nearest_point() -> None:
 def test_a_new_goal_does_not_stop_the_robot() -> None:
     navigator = Navigator()
     navigator.set_map(room())
-    pose, speeds = (0.6, 2.0, 0.0), []
-    navigator.set_goal((3.4, 2.0, 0.0), 0.0)
+    pose, speeds = Pose(0.6, 2.0, 0.0), []
+    navigator.set_goal(Pose(3.4, 2.0, 0.0), 0.0)
     for step in range(25):
         if step == 10:
-            navigator.set_goal((3.4, 2.3, 0.0), 1.0)
+            navigator.set_goal(Pose(3.4, 2.3, 0.0), 1.0)
         command = navigator.step(step * 0.1, pose, EMPTY)
         yaw = pose[2] + 0.1 * command.angular
-        pose = (pose[0] + 0.1 * command.linear * math.cos(yaw), pose[1] + 0.1 * command.linear * math.sin(yaw), yaw)
+        pose = Pose(pose[0] + 0.1 * command.linear * math.cos(yaw), pose[1] + 0.1 * command.linear * math.sin(yaw), yaw)
         speeds.append(command.linear)
     assert min(speeds[8:]) > 0.3
 
@@ -312,7 +312,7 @@ def test_blocked_wheels_are_noticed_soon() -> None:
     watch = StallWatch()
     for step in range(20):
         now = step * 0.1
-        if watch.blocked(now, (0.0, 0.0, 0.0)):
+        if watch.blocked(now, Pose(0.0, 0.0, 0.0)):
             break
         watch.command(now, (0.5, 0.0))
     assert 0.2 < now <= 0.5
@@ -322,7 +322,7 @@ def test_a_robot_that_moves_is_not_called_blocked() -> None:
     watch = StallWatch()
     x = v = 0.0
     for step in range(50):
-        assert not watch.blocked(step * 0.1, (x, 0.0, 0.0))
+        assert not watch.blocked(step * 0.1, Pose(x, 0.0, 0.0))
         x, v = x + 0.1 * v, min(0.5, v + 0.1)
         watch.command(step * 0.1, (v, 0.0))
 
@@ -347,7 +347,7 @@ def test_nose_to_nose_in_a_doorway(draw_world: Callable[..., str], seed: int, hi
     world = draw_world((8, 4), [(3.95, 0, 0.1, 1.55), (3.95, 2.45, 0.1, 1.55)], [(1.5, 2.0, 0.0), (6.5, 2.0, 180.0)])
     loop = ClosedLoop(world, 2, seed)
     loop.share_positions = hints
-    drive(loop, [(6.5, 2.0, 0.0), (1.5, 2.0, 0.0)], 90.0)
+    drive(loop, [Pose(6.5, 2.0, 0.0), Pose(1.5, 2.0, 0.0)], 90.0)
     for robot in loop.robots:
         assert_arrived(robot)
 
@@ -363,7 +363,7 @@ def test_random_goals_in_the_office_without_touching_anything() -> None:
         assert robot.grid is not None
         rows, columns = np.nonzero(robot.grid.cells == 0)
         index = int(random.integers(rows.size))
-        goal = robot.grid.center(int(rows[index]), int(columns[index]))
+        goal = robot.grid.info.centre_of(int(rows[index]), int(columns[index]))
         pose = robot.local(loop.world.pose(0))
         costs = CostMap(robot.grid, robot.navigator.options)
         outcomes.append(
@@ -382,9 +382,9 @@ def test_random_goals_in_the_office_without_touching_anything() -> None:
 def test_a_clock_set_back_neither_ends_nor_holds_up_a_goal() -> None:
     navigator = Navigator()
     navigator.set_map(room((slice(None), slice(40, 42))))
-    navigator.set_goal((3.0, 2.0, 0.0), 1000.0)
-    navigator.step(1000.1, (1.0, 2.0, 0.0), EMPTY)
-    ended, command = until_end(navigator, (1.0, 2.0, 0.0), limit=3.0)
+    navigator.set_goal(Pose(3.0, 2.0, 0.0), 1000.0)
+    navigator.step(1000.1, Pose(1.0, 2.0, 0.0), EMPTY)
+    ended, command = until_end(navigator, Pose(1.0, 2.0, 0.0), limit=3.0)
     assert ended <= 1.0 and "no way" in command.text
 
 
@@ -408,10 +408,10 @@ def test_way_blocked_by_what_the_map_does_not_know(draw_world: Callable[..., str
     known = (np.abs(y) < 1.9) & (x > -1.3) & (x < 6.3)
     cells[known] = 0
     cells[known & (np.abs(x - 2.5) < 0.05) & (np.abs(y) > 0.3)] = 100
-    before = Grid(cells, 0.05, first.grid.origin)
+    before = OccupancyGrid.of(cells, 0.05, first.grid.origin)
     first.navigator.set_map = lambda grid, set_map=first.navigator.set_map: set_map(before)  # type: ignore[method-assign]
     first.navigator.set_map(before)
-    first.navigator.set_goal(first.local((6.5, 2.0, 0.0)), loop.world.time)
+    first.navigator.set_goal(first.local(Pose(6.5, 2.0, 0.0)), loop.world.time)
     loop.run(80.0, lambda: bool(first.results))
     assert first.results and "not in the map" in first.results[-1][1]
     assert first.contacts == 0
@@ -420,7 +420,7 @@ def test_way_blocked_by_what_the_map_does_not_know(draw_world: Callable[..., str
 def test_close_obstacles_are_not_thinned_out() -> None:
     """Standing robots that turned a little touched with a corner: the point it came to was left out for one nearer to
     the middle of the robot."""
-    costs = CostMap(Grid(np.zeros((80, 80), dtype=np.int8), 0.05, (-2.0, -2.0)), NavigationOptions())
+    costs = CostMap(OccupancyGrid.of(np.zeros((80, 80), dtype=np.int8), 0.05, Pose(-2.0, -2.0)), NavigationOptions())
     close, far = [[0.301, 0.001], [0.325, 0.025]], [[0.905, 0.001], [0.925, 0.025]]
     rows = _navigation.surroundings(
         np.array(close + far), (0.0, 0.0, 0.0), ObstacleMemory(1.0).rows, costs.walls,
@@ -435,10 +435,10 @@ def beside(wall: float) -> Scan:
     with np.errstate(divide="ignore"):
         ranges = np.where(angles < 0.0, -wall / np.sin(angles), 8.0)
     ranges = np.where((ranges > 0.0) & (ranges < 8.0), ranges + np.random.default_rng(1).normal(0.0, 0.01, 541), np.inf)
-    return make_scan(ranges, -2.356, 4.712 / 540, 0.0, 8.0, (0.0, 0.0, 0.0))
+    return make_scan(ranges, -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.0, 0.0, 0.0))
 
 
-def seen_around(scan: Scan, grid: Grid) -> np.ndarray:
+def seen_around(scan: Scan, grid: OccupancyGrid) -> np.ndarray:
     navigator = Navigator()
     navigator.set_map(grid)
     return navigator._obstacles(CostMap(grid, navigator.options), (2.0, 2.0, 0.0), scan)[:, :2] - (2.0, 2.0)
@@ -447,7 +447,7 @@ def seen_around(scan: Scan, grid: Grid) -> np.ndarray:
 def test_a_wall_beside_the_robot_is_where_most_hits_are() -> None:
     """The nearest of them seemed to touch a robot that stood 1.5 cm beside it; no motion led away."""
     cells = np.full((80, 80), -1, np.int8)
-    points = seen_around(beside(0.205), Grid(cells, 0.05, (0.0, 0.0)))
+    points = seen_around(beside(0.205), OccupancyGrid.of(cells, 0.05))
     close = points[(np.abs(points[:, 0]) < 0.1) & (points[:, 1] < 0.0)]
     assert len(close) > 10 and close[:, 1].max() < -0.2
 
@@ -456,7 +456,7 @@ def test_a_wall_goes_on_where_the_laser_is_blind() -> None:
     """Robots that turned touched it with a corner behind the last beam."""
     unknown, free = np.full((80, 80), -1, np.int8), np.zeros((80, 80), np.int8)
     for cells, known in ((unknown, False), (free, True)):
-        points = seen_around(beside(0.205), Grid(cells, 0.05, (0.0, 0.0)))
+        points = seen_around(beside(0.205), OccupancyGrid.of(cells, 0.05))
         behind = points[(points[:, 0] < -0.3) & (points[:, 0] > -0.5)]
         assert (len(behind) == 0) == known
         assert np.abs(behind[:, 1] + 0.205).max(initial=0.0) < 0.03
@@ -465,12 +465,12 @@ def test_a_wall_goes_on_where_the_laser_is_blind() -> None:
 def test_what_comes_into_the_own_map_is_no_wall_until_it_has_settled() -> None:
     """A robot that stood in a corridor was a wall across it: there was no way, and nothing to give way to."""
     arrivals, empty = Arrivals(), room((slice(0, 80), slice(0, 2)))
-    robot = Grid(empty.cells.copy(), 0.05, (0.0, 0.0))
+    robot = OccupancyGrid.of(empty.cells.copy(), 0.05)
     robot.cells[30:36, 40:46] = 100
     robot.cells[50:56, 2:3] = 100  # the wall, seen better
     arrivals.update(empty, 0.0)
     arrivals.update(robot, 2.0)
-    larger = Grid(np.pad(robot.cells, ((20, 0), (10, 0)), constant_values=-1), 0.05, (-0.5, -1.0))
+    larger = OccupancyGrid.of(np.pad(robot.cells, ((20, 0), (10, 0)), constant_values=-1), 0.05, (-0.5, -1.0))
     for now, present in ((3.0, False), (31.0, False), (33.0, True)):
         arrivals.update(larger, now)
         taken = arrivals.taken_from(larger, now)
@@ -496,10 +496,10 @@ def test_walls_of_the_map_count_where_the_laser_is_blind() -> None:
 
 def test_readings_become_ranges_and_hits() -> None:
     readings = np.array([np.nan, -1.0, 0.05, 2.0, 4.0, np.inf, -np.inf])
-    scan = make_scan(readings, 0.0, math.pi / 2, 0.1, 4.0, (0.5, 0.25, 0.0))
+    scan = make_scan(readings, 0.0, math.pi / 2, 0.1, 4.0, Pose(0.5, 0.25, 0.0))
     assert scan.ranges.tolist() == [0.0, 0.0, 0.0, 2.0, 4.0, 4.0, 0.0]
     assert scan.points == pytest.approx(np.array([[0.5, -1.75]]))
-    assert make_scan(readings, 0.0, math.pi / 2, 0.1, math.nan, (0.0, 0.0, 0.0)).points.size == 0
+    assert make_scan(readings, 0.0, math.pi / 2, 0.1, math.nan, Pose(0.0, 0.0, 0.0)).points.size == 0
 
 
 def test_giving_way_in_vain_widens_the_chance() -> None:
@@ -526,6 +526,6 @@ def test_a_retreat_leads_out_of_a_long_narrow_corridor() -> None:
     cells = np.full((60, 140), 100, np.int8)
     cells[2:58, 2:40] = 0
     cells[26:35, 40:138] = 0
-    costs = CostMap(Grid(cells, 0.05, (0.0, 0.0)), NavigationOptions())
-    retreat = find_retreat(costs, np.empty((0, 2)), (5.5, 1.52, math.pi), (6.4, 1.52))
+    costs = CostMap(OccupancyGrid.of(cells, 0.05), NavigationOptions())
+    retreat = find_retreat(costs, np.empty((0, 2)), Pose(5.5, 1.52, math.pi), (6.4, 1.52))
     assert retreat is not None and retreat.goal[0] < 1.9

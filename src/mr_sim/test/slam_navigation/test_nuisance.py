@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mr_grid import OccupancyGrid, Pose
 from mr_sim.bench_navigation import rows
-from mr_sim.navigation.options import Grid
 from mr_sim.nuisance.merged import MergedMap
 from mr_sim.nuisance.reach import Reach
 from mr_sim.nuisance.runs import MODEL_WORLD, GoalRun, SceneRun, run_seed
@@ -25,20 +25,20 @@ def world_of(*boxes: tuple) -> WorldDescription:
     for left, bottom, right, top in [(0, 0, 6, 0.1), (0, 3.9, 6, 4), (0, 0, 0.1, 4), (5.9, 0, 6, 4), *boxes]:
         a, b = (right - left) / 2, (top - bottom) / 2
         corners = ((-a, -b), (a, -b), (a, b), (-a, b))
-        middle = ((left + right) / 2, (bottom + top) / 2, 0.0)
+        middle = Pose((left + right) / 2, (bottom + top) / 2, 0.0)
         obstacles.append(Obstacle(middle, (2 * a, 2 * b), (corners,), None, False, True, True))
     return WorldDescription(Path("test"), 0.02, 0.05, 0.0, None, tuple(obstacles), (ROBOT,))
 
 
 def test_way_in_the_open_takes_as_long_as_driving_it() -> None:
-    assert Reach(world_of()).seconds((1.0, 2.0, 0.0), (5.0, 2.0)) == pytest.approx(8.0, abs=0.4)
-    assert Reach(world_of()).seconds((1.0, 2.0, math.pi), (5.0, 2.0)) == pytest.approx(8.0, abs=0.4), "backwards"
+    assert Reach(world_of()).seconds(Pose(1.0, 2.0, 0.0), (5.0, 2.0)) == pytest.approx(8.0, abs=0.4)
+    assert Reach(world_of()).seconds(Pose(1.0, 2.0, math.pi), (5.0, 2.0)) == pytest.approx(8.0, abs=0.4), "backwards"
 
 
 @pytest.mark.parametrize("width, open_", [(0.36, False), (0.5, True)])
 def test_a_gap_is_passed_by_what_fits_through(width: float, open_: bool) -> None:
     walls = ((3.0, 0.0, 3.1, 2.0 - width / 2), (3.0, 2.0 + width / 2, 3.1, 4.0))
-    assert math.isfinite(Reach(world_of(*walls)).seconds((1.0, 2.0, 0.0), (5.0, 2.0))) == open_
+    assert math.isfinite(Reach(world_of(*walls)).seconds(Pose(1.0, 2.0, 0.0), (5.0, 2.0))) == open_
 
 
 def test_a_bend_needs_room_to_turn() -> None:
@@ -49,7 +49,7 @@ def test_a_bend_needs_room_to_turn() -> None:
             (0.1, 2.0 + width, 3.0 + width, 3.9),
             (3.0 + width, 2.0 - width, 3.2 + width, 3.9),
         )
-        assert math.isfinite(Reach(world_of(*walls)).seconds((0.5, 2.0 + width / 2, 0.0), (5.0, 1.0))) == open_
+        assert math.isfinite(Reach(world_of(*walls)).seconds(Pose(0.5, 2.0 + width / 2, 0.0), (5.0, 1.0))) == open_
 
 
 @pytest.mark.parametrize("seed", range(len(KINDS)))
@@ -64,14 +64,14 @@ def test_scenes_come_from_their_seed(seed: int) -> None:
 
 
 def test_own_cells_win_over_those_of_a_map_drawn_beside() -> None:
-    merged = MergedMap(world_of(), (0.3, 0.0, 0.0))
-    own = Grid(np.full((40, 40), -1, np.int8), 0.05, (-1.0, -1.0))
+    merged = MergedMap(world_of(), Pose(0.3, 0.0, 0.0))
+    own = OccupancyGrid.of(np.full((40, 40), -1, np.int8), 0.05, Pose(-1.0, -1.0))
     own.cells[20, 20] = 100
-    grid = merged.of(own, (3.0, 2.0, 0.0))
-    assert grid.cells[grid.cell(0.025, 0.025)] == 100
-    assert grid.cells[grid.cell(1.0, 1.0)] == 0
-    assert grid.cells[grid.cell(-2.65, 0.0)] == 100, "the wall at x = 0 is drawn at 0.3"
-    assert grid.cells[grid.cell(-2.95, 0.0)] == -1
+    grid = merged.of(own, Pose(3.0, 2.0, 0.0))
+    assert grid.cells[grid.info.cell_of(0.025, 0.025)] == 100
+    assert grid.cells[grid.info.cell_of(1.0, 1.0)] == 0
+    assert grid.cells[grid.info.cell_of(-2.65, 0.0)] == 100, "the wall at x = 0 is drawn at 0.3"
+    assert grid.cells[grid.info.cell_of(-2.95, 0.0)] == -1
 
 
 def test_a_goal_that_is_not_reached_counts() -> None:

@@ -10,8 +10,9 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from mr_grid import OccupancyGrid, Pose
 from mr_sim import _navigation
-from mr_sim.navigation.options import Grid, NavigationOptions
+from mr_sim.navigation.options import NavigationOptions
 from mr_sim.navigation.planner import CostMap, path, plan, robot_extent, robot_reach, without_robots
 
 OPTIONS = NavigationOptions()
@@ -20,14 +21,14 @@ SIZE = 60  # cells
 
 
 @st.composite
-def grids(draw: st.DrawFn) -> Grid:
+def grids(draw: st.DrawFn) -> OccupancyGrid:
     cells = np.zeros((SIZE, SIZE), np.int8)
     cells[[0, -1], :] = cells[:, [0, -1]] = 100
     for _ in range(draw(st.integers(0, 6))):
         row, column = draw(st.integers(0, SIZE - 1)), draw(st.integers(0, SIZE - 1))
         height, width = draw(st.integers(1, 30)), draw(st.integers(1, 30))
         cells[row : row + height, column : column + width] = draw(st.sampled_from([100, 100, -1]))
-    return Grid(cells, 0.05, (-1.0, 2.0))
+    return OccupancyGrid.of(cells, 0.05, Pose(-1.0, 2.0))
 
 
 places = st.tuples(st.floats(-0.9, 1.9), st.floats(2.1, 4.9))
@@ -57,16 +58,18 @@ def shortest(slowness: np.ndarray, start: Tuple[int, int], goal: Tuple[int, int]
 
 @settings(suppress_health_check=[HealthCheck.filter_too_much])
 @given(grids(), places, places)
-def test_path_is_free_and_leads_to_the_goal(grid: Grid, start: Tuple[float, float], goal: Tuple[float, float]) -> None:
+def test_path_is_free_and_leads_to_the_goal(
+    grid: OccupancyGrid, start: Tuple[float, float], goal: Tuple[float, float]
+) -> None:
     costs = CostMap(grid, OPTIONS)
     slowness = costs.slowness(np.empty((0, 2)), None)
-    assume(np.isfinite(slowness[grid.cell(*start)]))
+    assume(np.isfinite(slowness[grid.info.cell_of(*start)]))
     way = plan(costs, np.empty((0, 2)), (*start, 0.0), goal, 0.5)
     if way is None:
         return
     points = path(way, (*start, 0.0))
     for x, y in points:
-        row, column = grid.cell(x, y)
+        row, column = grid.info.cell_of(x, y)
         assert grid.cells[row, column] == 0
         assert costs.wall_distance[row, column] >= OPTIONS.inscribed_radius
     assert math.dist(points[-1], way.goal) < 0.06
@@ -75,11 +78,11 @@ def test_path_is_free_and_leads_to_the_goal(grid: Grid, start: Tuple[float, floa
 
 @given(grids(), places, places)
 def test_cost_is_near_the_optimum_and_no_way_means_no_way(
-    grid: Grid, start: Tuple[float, float], goal: Tuple[float, float]
+    grid: OccupancyGrid, start: Tuple[float, float], goal: Tuple[float, float]
 ) -> None:
     costs = CostMap(grid, OPTIONS)
     slowness = costs.slowness(np.empty((0, 2)), None)
-    first, last = grid.cell(*start), grid.cell(*goal)
+    first, last = grid.info.cell_of(*start), grid.info.cell_of(*goal)
     slowness[first] = min(slowness[first], 25.0)
     slowness[last] = min(slowness[last], 25.0)
     reference = shortest(slowness, first, last)
@@ -92,13 +95,17 @@ def test_cost_is_near_the_optimum_and_no_way_means_no_way(
 
 @given(grids(), grids(), places, places, places)
 def test_a_march_beside_a_former_one_is_the_same_as_a_fresh_one(
-    before: Grid, after: Grid, start: Tuple[float, float], later: Tuple[float, float], goal: Tuple[float, float]
+    before: OccupancyGrid,
+    after: OccupancyGrid,
+    start: Tuple[float, float],
+    later: Tuple[float, float],
+    goal: Tuple[float, float],
 ) -> None:
     slow = [CostMap(grid, OPTIONS).slowness(np.empty((0, 2)), (*start, 0.0)) for grid in (before, after)]
-    seeds = [(*before.cell(*goal), 0.0)]
-    former = _navigation.march(slow[0], seeds, before.cell(*start), 3.0)
-    fresh = _navigation.march(slow[1], seeds, after.cell(*later), 3.0)
-    resumed = _navigation.march(slow[1], seeds, after.cell(*later), 3.0, former=(slow[0], former))
+    seeds = [(*before.info.cell_of(*goal), 0.0)]
+    former = _navigation.march(slow[0], seeds, before.info.cell_of(*start), 3.0)
+    fresh = _navigation.march(slow[1], seeds, after.info.cell_of(*later), 3.0)
+    resumed = _navigation.march(slow[1], seeds, after.info.cell_of(*later), 3.0, former=(slow[0], former))
     # Where the former march went farther the costs are kept.
     reached = np.isfinite(fresh)
     assert (resumed[reached] == fresh[reached]).all()
@@ -108,7 +115,7 @@ def test_a_march_beside_a_former_one_is_the_same_as_a_fresh_one(
 
 @given(grids(), st.lists(places, min_size=2, max_size=6), places)
 def test_a_plan_beside_a_former_one_is_the_same_as_a_fresh_one(
-    grid: Grid, robots: List[Tuple[float, float]], goal: Tuple[float, float]
+    grid: OccupancyGrid, robots: List[Tuple[float, float]], goal: Tuple[float, float]
 ) -> None:
     costs = CostMap(grid, OPTIONS)
     former = None
@@ -128,13 +135,13 @@ def test_a_plan_beside_a_former_one_is_the_same_as_a_fresh_one(
     st.sampled_from([0.03, 0.04, 0.05, 0.06]),
 )
 def test_costs_beside_former_ones_are_the_same_as_fresh_ones(
-    grid: Grid, changes: List[Tuple[Tuple, int]], resolution: float
+    grid: OccupancyGrid, changes: List[Tuple[Tuple, int]], resolution: float
 ) -> None:
-    grid = Grid(grid.cells, resolution, grid.origin)
+    grid = OccupancyGrid.of(grid.cells, resolution, grid.origin)
     cells = grid.cells.copy()
     for place, value in changes:
-        cells[tuple(np.clip(grid.cell(*place), 0, np.array(cells.shape) - 1))] = value
-    changed = Grid(cells, grid.resolution, grid.origin)
+        cells[tuple(np.clip(grid.info.cell_of(*place), 0, np.array(cells.shape) - 1))] = value
+    changed = OccupancyGrid(grid.info, cells)
     fresh, beside = CostMap(changed, OPTIONS), CostMap(changed, OPTIONS, CostMap(grid, OPTIONS))
     assert (beside.wall_distance == fresh.wall_distance).all()
     nothing = np.empty((0, 2))
@@ -142,12 +149,12 @@ def test_costs_beside_former_ones_are_the_same_as_fresh_ones(
 
 
 @given(grids(), st.lists(places, max_size=5))
-def test_slowness_beside_obstacles_is_that_beside_walls(grid: Grid, points: List[Tuple[float, float]]) -> None:
+def test_slowness_beside_obstacles_is_that_beside_walls(grid: OccupancyGrid, points: List[Tuple[float, float]]) -> None:
     costs = CostMap(grid, OPTIONS)
     cells = grid.cells.copy()
     for point in points:
-        cells[grid.cell(*point)] = 100
-    walls = CostMap(Grid(cells, grid.resolution, grid.origin), OPTIONS).slowness(np.empty((0, 2)), None)
+        cells[grid.info.cell_of(*point)] = 100
+    walls = CostMap(OccupancyGrid(grid.info, cells), OPTIONS).slowness(np.empty((0, 2)), None)
     beside = costs.slowness(np.array(points).reshape(-1, 2), None)
     seen = grid.cells >= 0
     assert (beside[seen] == walls[seen]).all()
@@ -166,18 +173,18 @@ def test_free_ground_costs_its_length() -> None:
 def test_closed_room_is_no_way_and_goal_in_a_wall_goes_beside_it() -> None:
     cells = np.zeros((SIZE, SIZE), np.int8)
     cells[:, 30] = 100
-    grid = Grid(cells, 0.05, (0.0, 0.0))
+    grid = OccupancyGrid.of(cells, 0.05)
     costs = CostMap(grid, OPTIONS)
-    assert plan(costs, np.empty((0, 2)), (0.7, 1.5, 0.0), (2.5, 1.5), 0.5) is None
-    beside = plan(costs, np.empty((0, 2)), (0.7, 1.5, 0.0), (1.5, 1.5), 0.5)
+    assert plan(costs, np.empty((0, 2)), Pose(0.7, 1.5, 0.0), (2.5, 1.5), 0.5) is None
+    beside = plan(costs, np.empty((0, 2)), Pose(0.7, 1.5, 0.0), (1.5, 1.5), 0.5)
     assert beside is not None and not beside.exact and 1.1 < beside.goal[0] < 1.3
 
 
 def test_unknown_is_no_ground_unless_allowed() -> None:
     cells = np.zeros((SIZE, SIZE), np.int8)
     cells[:, 25:35] = -1
-    grid = Grid(cells, 0.05, (0.0, 0.0))
-    start, goal = (0.5, 1.5, 0.0), (2.5, 1.5)
+    grid = OccupancyGrid.of(cells, 0.05)
+    start, goal = Pose(0.5, 1.5, 0.0), (2.5, 1.5)
     assert plan(CostMap(grid, OPTIONS), np.empty((0, 2)), start, goal, 0.3) is None
     assert plan(CostMap(grid, NavigationOptions(allow_unknown=True)), np.empty((0, 2)), start, goal, 0.3) is not None
 
@@ -192,11 +199,11 @@ def two_rooms() -> np.ndarray:
 
 def test_a_robot_beside_a_wall_makes_no_hole_in_it() -> None:
     """Robots 0.3 m from a wall opened a hole of half a metre: ways led through the wall."""
-    grid = Grid(two_rooms(), 0.05, (0.0, 0.0))
+    grid = OccupancyGrid.of(two_rooms(), 0.05)
     for x in (2.7, 2.95, 3.4):
         seen = without_robots(grid, [(x, 2.0)], RADIUS)
         assert (seen.cells == grid.cells).all()
-        assert plan(CostMap(seen, OPTIONS), np.empty((0, 2)), (1.5, 2.0, 0.0), (4.5, 2.0), 0.5) is None
+        assert plan(CostMap(seen, OPTIONS), np.empty((0, 2)), Pose(1.5, 2.0, 0.0), (4.5, 2.0), 0.5) is None
 
 
 def test_what_a_laser_saw_of_a_robot_is_forgotten() -> None:
@@ -204,8 +211,8 @@ def test_what_a_laser_saw_of_a_robot_is_forgotten() -> None:
     cells[30:50, 60:62] = 0
     door = cells.copy()
     cells[36:44, 57:66] = 100
-    grid = Grid(cells, 0.05, (0.0, 0.0))
-    assert plan(CostMap(grid, OPTIONS), np.empty((0, 2)), (1.5, 2.0, 0.0), (4.5, 2.0), 0.5) is None
+    grid = OccupancyGrid.of(cells, 0.05)
+    assert plan(CostMap(grid, OPTIONS), np.empty((0, 2)), Pose(1.5, 2.0, 0.0), (4.5, 2.0), 0.5) is None
     assert (without_robots(grid, [(3.2, 2.1)], RADIUS).cells == door).all()
     assert (without_robots(grid, [(4.0, 2.0)], RADIUS).cells == cells).all()
     assert (grid.cells == cells).all(), "the map itself stays as it is"
@@ -221,13 +228,15 @@ def test_the_rule_holds_wherever_a_robot_is(
     cells = np.zeros((SIZE, SIZE), np.int8)
     for row, column, height, width in boxes:
         cells[row : row + height, column : column + width] = 100
-    grid = Grid(cells, 0.05, (0.3, -0.2))
+    grid = OccupancyGrid.of(cells, 0.05, Pose(0.3, -0.2))
     count, labels = cv2.connectedComponents((cells > 50).astype(np.uint8), connectivity=8)
     expected = cells.copy()
     for label in range(1, count):
         found = np.argwhere(labels == label)
         small = (np.ptp(found, axis=0).max() + 1) * 0.05 <= robot_extent(RADIUS) + 1e-9
-        if small and any(math.dist(grid.center(*found.mean(axis=0)), p) <= robot_reach(RADIUS) for p in positions):
+        if small and any(
+            math.dist(grid.info.centre_of(*found.mean(axis=0)), p) <= robot_reach(RADIUS) for p in positions
+        ):
             expected[labels == label] = 0
     assert (without_robots(grid, positions, RADIUS).cells == expected).all()
 
@@ -235,7 +244,7 @@ def test_the_rule_holds_wherever_a_robot_is(
 def test_how_large_a_trace_may_be_follows_the_largest_robot_of_the_team() -> None:
     cells = np.zeros((80, 80), np.int8)
     cells[30:50, 30:50] = 100  # 1 m across
-    grid = Grid(cells, 0.05, (0.0, 0.0))
+    grid = OccupancyGrid.of(cells, 0.05)
     assert (without_robots(grid, [(2.0, 2.3)], RADIUS).cells == cells).all()
     assert not without_robots(grid, [(2.0, 2.3)], 0.4).cells.any()
 
@@ -246,7 +255,7 @@ def test_room_to_get_free_and_to_pass_follows_the_size_of_the_robots() -> None:
     assert large.passing_distance == 1.39 and large.reach_in(1.1) == 1.58
     cells = np.zeros((80, 80), np.int8)
     cells[:, 0] = 100
-    grid = Grid(cells, 0.05, (0.0, 0.0))
+    grid = OccupancyGrid.of(cells, 0.05)
     for options, reach in ((OPTIONS, 0.45), (large, 0.61)):
-        opened = CostMap(grid, options).slowness(np.empty((0, 2)), (0.1, 2.0, 0.0)) == 25.0
+        opened = CostMap(grid, options).slowness(np.empty((0, 2)), Pose(0.1, 2.0, 0.0)) == 25.0
         assert np.ptp(np.flatnonzero(opened.any(axis=1))) * 0.05 / 2 == pytest.approx(reach, abs=0.05)

@@ -6,8 +6,8 @@ from typing import Callable, List, Tuple
 import numpy as np
 import pytest
 
+from mr_grid import Pose
 from mr_sim.closed_loop import ClosedLoop, Robot
-from mr_sim.pose import Pose
 from mr_sim.slam.engine import LaserScan, OdometryHistory, Slam, SlamError, SlamOptions
 
 Drive = Callable[[float], Tuple[float, float]]
@@ -38,7 +38,7 @@ class Drives:
         geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, ranger.mount)
         odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
         pose = robot.slam.process(LaserScan(ranges, *geometry), odometry, self.world.time).pose
-        truth = robot.local((float(state["x"]), float(state["y"]), float(state["yaw"])))
+        truth = robot.local(Pose(float(state["x"]), float(state["y"]), float(state["yaw"])))
         robot.drift.append(math.dist(pose[:2], truth[:2]))
         robot.turn_drift.append(abs(math.remainder(pose[2] - truth[2], 2.0 * math.pi)))
 
@@ -78,7 +78,9 @@ def test_a_wall_that_is_only_seen_at_a_grazing_angle_stays_in_the_map() -> None:
             ahead = np.where(np.abs(angles) < 1.5, (11.0 - x) / np.cos(angles), np.inf)
         ranges = np.fmin(np.where(sideways > 0, sideways, np.inf), ahead) + random.normal(0.0, 0.01, angles.size)
         slam.process(
-            LaserScan(ranges, angles[0], math.radians(1.0), 0.0, 12.0, (0.0, 0.0, 0.0)), (x, 0.0, 0.0), 0.1 * step
+            LaserScan(ranges, angles[0], math.radians(1.0), 0.0, 12.0, Pose(0.0, 0.0, 0.0)),
+            Pose(x, 0.0, 0.0),
+            0.1 * step,
         )
     walls = [occupied(slam, at, 0.625, 0.1) for at in np.arange(5.0, 10.5, 0.1)]
     assert np.mean(np.array(walls) > 0) > 0.8
@@ -133,18 +135,18 @@ def narrow_view(yaw: float) -> LaserScan:
     """57 degrees from the middle of a room of 6 m x 4 m."""
     bearings = yaw + np.radians(np.linspace(-28.5, 28.5, 640))
     ranges = np.minimum(3.0 / np.abs(np.cos(bearings)), 2.0 / np.abs(np.sin(bearings))).astype(np.float32)
-    return LaserScan(ranges, math.radians(-28.5), math.radians(57.0 / 639.0), 0.3, 10.0, (0.0, 0.0, 0.0))
+    return LaserScan(ranges, math.radians(-28.5), math.radians(57.0 / 639.0), 0.3, 10.0, Pose(0.0, 0.0, 0.0))
 
 
 def test_wheels_that_turn_a_narrow_view_on_the_spot_turn_no_pose() -> None:
     """The view is that of one wall, and a little turn at a time was believed until the map had turned by a radian."""
     slam, step = Slam(), 0.05
-    slam.process(narrow_view(0.0), (0.0, 0.0, 0.0), 0.0)
+    slam.process(narrow_view(0.0), Pose(0.0, 0.0, 0.0), 0.0)
     for count in range(1, 21):
-        pose = slam.process(narrow_view(0.0), (0.0, 0.0, count * step), 0.1 * count).pose
+        pose = slam.process(narrow_view(0.0), Pose(0.0, 0.0, count * step), 0.1 * count).pose
         assert abs(pose[2]) <= step + 1e-6
     for count in range(1, 11):
-        pose = slam.process(narrow_view(0.1 * count), (0.0, 0.0, 20 * step + 0.1 * count), 3.0 + 0.1 * count).pose
+        pose = slam.process(narrow_view(0.1 * count), Pose(0.0, 0.0, 20 * step + 0.1 * count), 3.0 + 0.1 * count).pose
     assert pose == pytest.approx((0.0, 0.0, 1.0), abs=0.02)
 
 
@@ -261,7 +263,7 @@ def test_beams_without_echo_clear_and_make_no_walls() -> None:
     slam = Slam()
     nothing = np.full(541, np.inf, np.float32)
     geometry = (-2.356, 4.712 / 540, 0.0, 8.0, (0.0, 0.0, 0.0))
-    assert slam.process(LaserScan(nothing, *geometry), (0.0, 0.0, 0.0), 0.0).inserted
+    assert slam.process(LaserScan(nothing, *geometry), Pose(0.0, 0.0, 0.0), 0.0).inserted
     map_ = slam.map()
     assert not (map_.cells == 100).any()
     row, column = round(-map_.origin[1] / 0.05), round((7.8 - map_.origin[0]) / 0.05)
@@ -286,14 +288,14 @@ def test_same_input_same_bits() -> None:
 )
 def test_unusable_input_is_named(ranges: np.ndarray, odometry: Pose, message: str) -> None:
     with pytest.raises(SlamError, match=message):
-        Slam().process(LaserScan(ranges, -1.0, 0.1, 0.0, 8.0, (0.0, 0.0, 0.0)), odometry, 0.0)
+        Slam().process(LaserScan(ranges, -1.0, 0.1, 0.0, 8.0, Pose(0.0, 0.0, 0.0)), odometry, 0.0)
 
 
 def test_scan_of_nothing_valid_is_survived() -> None:
     slam = Slam()
-    scan = LaserScan(np.full(541, np.nan, np.float32), -2.356, 4.712 / 540, 0.0, 8.0, (0.0, 0.0, 0.0))
+    scan = LaserScan(np.full(541, np.nan, np.float32), -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.0, 0.0, 0.0))
     for step in range(5):
-        update = slam.process(scan, (0.2 * step, 0.0, 0.0), 0.1 * step)
+        update = slam.process(scan, Pose(0.2 * step, 0.0, 0.0), 0.1 * step)
     assert update.pose == pytest.approx((0.8, 0.0, 0.0))
 
 
@@ -304,19 +306,19 @@ def test_options_out_of_range_are_named() -> None:
 
 def test_odometry_between_two_readings() -> None:
     history = OdometryHistory()
-    history.add(1.0, (0.0, 0.0, 3.1))
-    history.add(2.0, (1.0, 2.0, -3.1))
+    history.add(1.0, Pose(0.0, 0.0, 3.1))
+    history.add(2.0, Pose(1.0, 2.0, -3.1))
     x, y, yaw = history.at(1.5) or (0.0, 0.0, 0.0)
     assert (x, y) == (0.5, 1.0) and abs(abs(yaw) - math.pi) < 1e-9
     assert history.at(2.1) is None and history.at(0.9) is None
-    history.add(0.5, (5.0, 5.0, 0.0))
+    history.add(0.5, Pose(5.0, 5.0, 0.0))
     assert history.at(1.5) is None, "the clock was set back"
 
 
 def test_a_laser_far_ahead_that_looks_back_is_on_the_map() -> None:
     slam = Slam()
-    scan = LaserScan(np.full(181, 100.0, np.float32), -0.5, 1.0 / 180, 0.0, 200.0, (0.0, 190.0, -math.pi / 2))
-    assert slam.process(scan, (0.0, 0.0, 0.0), 0.0).inserted
+    scan = LaserScan(np.full(181, 100.0, np.float32), -0.5, 1.0 / 180, 0.0, 200.0, Pose(0.0, 190.0, -math.pi / 2))
+    assert slam.process(scan, Pose(0.0, 0.0, 0.0), 0.0).inserted
 
 
 def boxed_room(box: float) -> LaserScan:
@@ -326,7 +328,7 @@ def boxed_room(box: float) -> LaserScan:
     ranges = 4.0 / np.maximum(across, along)
     hidden = np.abs(angles) < math.atan2(0.5, box)
     ranges[hidden] = box / np.cos(angles[hidden])
-    return LaserScan(ranges.astype(np.float32), -2.36, 4.72 / 540, 0.05, 8.0, (0.0, 0.0, 0.0))
+    return LaserScan(ranges.astype(np.float32), -2.36, 4.72 / 540, 0.05, 8.0, Pose(0.0, 0.0, 0.0))
 
 
 def test_the_size_of_things_that_may_be_robots_is_a_parameter() -> None:
@@ -335,16 +337,16 @@ def test_the_size_of_things_that_may_be_robots_is_a_parameter() -> None:
     for size in (0.7, 1.2):
         slam = Slam(SlamOptions(small_object_size=size))
         for step in range(8):
-            slam.process(boxed_room(1.5), (0.0, 0.0, 0.0), float(step))
-        error[size] = slam.process(boxed_room(1.4), (0.1, 0.0, 0.0), 9.0).pose[0]
+            slam.process(boxed_room(1.5), Pose(0.0, 0.0, 0.0), float(step))
+        error[size] = slam.process(boxed_room(1.4), Pose(0.1, 0.0, 0.0), 9.0).pose[0]
     assert error[1.2] < 0.5 * error[0.7]
 
 
 @pytest.mark.parametrize("radius", [0.17, 0.4])
 def test_the_ground_under_the_robot_is_free_as_far_as_it_reaches(radius: float) -> None:
     slam = Slam(SlamOptions(free_radius=radius))
-    blind = LaserScan(np.full(100, math.nan, np.float32), -1.0, 0.02, 0.05, 8.0, (0.0, 0.0, 0.0))
-    slam.process(blind, (0.0, 0.0, 0.0), 0.0)
+    blind = LaserScan(np.full(100, math.nan, np.float32), -1.0, 0.02, 0.05, 8.0, Pose(0.0, 0.0, 0.0))
+    slam.process(blind, Pose(0.0, 0.0, 0.0), 0.0)
     free = np.count_nonzero(slam.map().cells == 0) * slam.options.resolution**2
     assert free == pytest.approx(math.pi * radius**2, rel=0.15)
 
@@ -361,7 +363,9 @@ def test_a_sweep_of_a_robot_that_turns_gives_straight_walls(known: bool) -> None
     turn = 0.2
     geometry = (math.radians(-135.0), math.radians(0.5), 0.1, 30.0, (0.0, 0.0, 0.0))
     slam = Slam()
-    slam.process(LaserScan(sweep_while_turning(turn), *geometry, (0.0, 0.0, turn if known else 0.0)), (0, 0, 0), 0.0)
+    slam.process(
+        LaserScan(sweep_while_turning(turn), *geometry, (0.0, 0.0, turn if known else 0.0)), Pose(0, 0, 0), 0.0
+    )
     x, y = np.abs(slam._core.surfaces()[:, :2]).T
     off = np.minimum(np.abs(x - 3.0), np.abs(y - 2.0))
     assert (off.max() < 0.02) == known and (known or off.max() > 0.1)

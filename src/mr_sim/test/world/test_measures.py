@@ -5,11 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from mr_grid import IDENTITY, OccupancyGrid, Pose
 from mr_sim import measures as m
 from mr_sim.raster import Grid
 from mr_sim.trace import TraceError, TraceWriter, read_trace
 
 FOOTPRINT = [((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2))]
+STARTS = (Pose(1.0, 1.0, 0.0),)
 
 
 def room(width=4.0, height=3.0, resolution=0.05):
@@ -19,16 +21,16 @@ def room(width=4.0, height=3.0, resolution=0.05):
     return Grid(cells, resolution, (0.0, 0.0))
 
 
-def truth_of(grid, starts=((1.0, 1.0, 0.0),), range_max=8.0):
+def truth_of(grid, starts=STARTS, range_max=8.0):
     return m.Truth(grid, starts, FOOTPRINT, range_max)
 
 
-def map_of(grid, start=(0.0, 0.0, 0.0)):
+def map_of(grid, start=IDENTITY):
     """The complete and perfect map of a robot that began at `start`: its frame has the origin there."""
     data = np.where(grid.cells == 1, 100, 0).astype(np.int8)
     c, s = math.cos(-start[2]), math.sin(-start[2])
-    corner = (-c * start[0] + s * start[1], -s * start[0] - c * start[1], -start[2])
-    return m.OccupancyMap(data, grid.resolution, corner)
+    corner = Pose(-c * start[0] + s * start[1], -s * start[0] - c * start[1], -start[2])
+    return OccupancyGrid.of(data, grid.resolution, corner)
 
 
 def test_reference_of_an_empty_room_is_all_but_its_margin():
@@ -55,7 +57,7 @@ def test_laser_range_limits_the_reference():
     assert len(far.reference) == len(truth_of(room(30.0, 1.0), range_max=40.0).reference), "the robot drives on"
 
 
-@pytest.mark.parametrize("start", [(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (1.0, 1.0, 2.0), (2.0, 0.7, -0.5)])
+@pytest.mark.parametrize("start", [Pose(0.0, 0.0, 0.0), Pose(1.0, 1.0, 0.0), Pose(1.0, 1.0, 2.0), Pose(2.0, 0.7, -0.5)])
 def test_perfect_map_has_full_coverage_and_no_wrong_walls(start):
     truth, occupancy = truth_of(room()), map_of(room(), start)
     assert m.coverage(truth, occupancy, start) == 1.0
@@ -64,41 +66,40 @@ def test_perfect_map_has_full_coverage_and_no_wrong_walls(start):
 
 def test_coverage_is_the_known_share():
     truth, occupancy = truth_of(room()), map_of(room())
-    occupancy.data[:, :40] = -1
-    assert m.coverage(truth, occupancy, (0, 0, 0)) == pytest.approx(0.5)
-    empty = m.OccupancyMap(np.full((1, 1), -1, dtype=np.int8), 0.05)
-    assert m.coverage(truth, empty, (0, 0, 0)) == 0.0 and m.wrong_walls(truth, empty, (0, 0, 0)) == 0.0
+    occupancy.cells[:, :40] = -1
+    assert m.coverage(truth, occupancy, Pose(0, 0, 0)) == pytest.approx(0.5)
+    empty = OccupancyGrid.of(np.full((1, 1), -1, dtype=np.int8), 0.05)
+    assert m.coverage(truth, empty, Pose(0, 0, 0)) == 0.0 and m.wrong_walls(truth, empty, Pose(0, 0, 0)) == 0.0
 
 
 def test_larger_or_smaller_map_with_another_lattice():
     truth, data = truth_of(room()), np.zeros((40, 100), dtype=np.int8)
-    half = m.OccupancyMap(data, 0.1, (-3.0, -2.5, 0.0))  # x from -3 to 7, y from -2.5 to 1.5
-    assert m.coverage(truth, half, (0, 0, 0)) == pytest.approx(27 / 54)
+    half = OccupancyGrid.of(data, 0.1, Pose(-3.0, -2.5, 0.0))  # x from -3 to 7, y from -2.5 to 1.5
+    assert m.coverage(truth, half, Pose(0, 0, 0)) == pytest.approx(27 / 54)
 
 
 def test_misplaced_map_has_wrong_walls():
     truth, occupancy = truth_of(room()), map_of(room())
-    assert m.wrong_walls(truth, occupancy, (0.1, 0.0, 0.0)) == 0.0, "within the tolerance of 0.15 m"
-    share = m.wrong_walls(truth, occupancy, (0.3, 0.0, 0.0))
+    assert m.wrong_walls(truth, occupancy, Pose(0.1, 0.0, 0.0)) == 0.0, "within the tolerance of 0.15 m"
+    share = m.wrong_walls(truth, occupancy, Pose(0.3, 0.0, 0.0))
     assert share == pytest.approx((58 + 58) / 276, abs=0.02), "left and right wall are off, upper and lower slide along"
 
 
 def test_occupied_cells_far_outside_the_world_are_wrong():
-    occupancy = m.OccupancyMap(np.full((1, 1), 100, dtype=np.int8), 0.05, (50.0, 50.0, 0.0))
-    assert m.wrong_walls(truth_of(room()), occupancy, (0, 0, 0)) == 1.0
+    occupancy = OccupancyGrid.of(np.full((1, 1), 100, dtype=np.int8), 0.05, Pose(50.0, 50.0, 0.0))
+    assert m.wrong_walls(truth_of(room()), occupancy, Pose(0, 0, 0)) == 1.0
 
 
 def test_values_of_a_map():
-    occupancy = m.OccupancyMap(np.array([[-1, 0, 49, 50, 65, 100]], dtype=np.int8), 0.05)
-    assert occupancy.explored_free_cells == 2
-    assert len(occupancy.centres(occupancy.data >= m.OCCUPIED_FROM)) == 2
+    occupancy = OccupancyGrid.of(np.array([[-1, 0, 49, 50, 65, 100]], dtype=np.int8), 0.05)
+    assert m.explored_free_cells(occupancy) == 2
 
 
 def test_world_without_free_space_is_refused():
     grid = room()
     grid.cells[:] = 1
     with pytest.raises(ValueError, match="no reference cells"):
-        m.coverage(truth_of(grid), map_of(grid), (0, 0, 0))
+        m.coverage(truth_of(grid), map_of(grid), Pose(0, 0, 0))
 
 
 def test_footprint_too_wide_in_some_headings_still_passes_in_others():
@@ -106,7 +107,7 @@ def test_footprint_too_wide_in_some_headings_still_passes_in_others():
     grid.cells[:, 80:82] = 1
     grid.cells[20:29, 80:82] = 0  # 0.45 m
     long = [((-0.4, -0.15), (0.4, -0.15), (0.4, 0.15), (-0.4, 0.15))]
-    truth = m.Truth(grid, [(1.0, 1.5, math.pi / 2)], long, 8.0)
+    truth = m.Truth(grid, [Pose(1.0, 1.5, math.pi / 2)], long, 8.0)
     assert (truth.viewpoints[:, 0] > 5.0).any()
 
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from mr_sim.measures import OccupancyMap
+from mr_grid import OccupancyGrid
 from mr_sim.reference import MapReferenceError, Reference, error_of_map, load_reference, reference_path, write_reference
 
 CELLS = {seed: 1000 + seed for seed in range(11)}
@@ -17,7 +17,7 @@ def reference(**changes):
 
 
 def map_of(free_cells, resolution=0.05):
-    return OccupancyMap(np.zeros((1, free_cells), np.int8), resolution)
+    return OccupancyGrid.of(np.zeros((1, free_cells), np.int8), resolution)
 
 
 def test_what_is_written_is_read(tmp_path):

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from mr_sim.pose import placed
 from mr_sim.world import World
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world, warning_of
@@ -75,7 +74,7 @@ def test_no_robot_starts_in_a_wall_or_in_reach_of_another(world):
     outlines = []
     for index, robot in enumerate(world.robots):
         assert world.core.contact_at(index, robot.start) == 0
-        outlines.append(np.concatenate([placed(np.array(polygon), robot.start) for polygon in robot.footprint]))
+        outlines.append(np.concatenate([robot.start.apply(np.array(polygon)) for polygon in robot.footprint]))
     for index, outline in enumerate(outlines):
         for other in outlines[:index]:
             assert np.hypot(*(outline[:, None] - other[None]).T).min() > 0.25

@@ -15,6 +15,7 @@ from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError,
 from mr_experiments.host.mission import Mission
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial, TrialError
+from mr_grid import Pose
 from mr_sim.measures import Truth
 from mr_sim.slam.engine import SlamError
 from mr_sim.slam.evaluation import Evaluation, evaluate
@@ -71,7 +72,7 @@ def record(trial: Trial) -> ScanLog:
     robot, rows = mission.robots[0], []
     handle = robot.on_scan
 
-    def on_scan(ranges: np.ndarray, odometry: tuple[float, float, float]) -> tuple[float, float]:
+    def on_scan(ranges: np.ndarray, odometry: Pose) -> tuple[float, float]:
         rows.append((mission.world.time, ranges.copy(), odometry, mission.world.pose(0)))
         return handle(ranges, odometry)
 

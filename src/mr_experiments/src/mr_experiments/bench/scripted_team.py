@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 
 from explorer.grid import GridInfo, OccupancyMap
-from explorer.messages import Pose
 from explorer.travel import TravelGrid
+from mr_grid import Pose
 from mr_plans import anywhere, world_plan
 from mr_sim import _world
 

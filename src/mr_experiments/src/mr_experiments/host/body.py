@@ -8,10 +8,10 @@ from typing import Callable, Mapping
 import numpy as np
 
 from mr_experiments.common.stopwatch import Stopwatch
+from mr_grid import OccupancyGrid, Pose
 from mr_sim.navigation.engine import Navigator, Status
-from mr_sim.navigation.options import Grid, NavigationError, NavigationOptions, make_scan
-from mr_sim.pose import Pose
-from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, LaserScan, OccupancyMap, Slam, SlamOptions
+from mr_sim.navigation.options import NavigationError, NavigationOptions, make_scan
+from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, LaserScan, Slam, SlamOptions
 from mr_sim.world_model import RangerDescription
 
 GoalEnd = Callable[[int, bool, str], None]
@@ -45,10 +45,11 @@ class Body:
     def locate(self, scan: LaserScan, odometry: Pose, now: float) -> Pose:
         """The robot's pose in its map frame, from a scan."""
         with self._stopwatch.span("slam"):
-            self.pose = self.slam.process(scan, odometry, now).pose
-        return self.pose
+            pose = self.slam.process(scan, odometry, now).pose
+        self.pose = pose
+        return pose
 
-    def new_map(self, now: float) -> OccupancyMap | None:
+    def new_map(self, now: float) -> OccupancyGrid | None:
         """The local map if there is a new one to hand out."""
         if now - self._map_at < MAP_UPDATE_INTERVAL or self.slam.revision == self._revision:
             return None
@@ -56,7 +57,7 @@ class Body:
         with self._stopwatch.span("slam"):
             own = self.slam.map()
         with self._stopwatch.span("navigation"):
-            self.navigator.set_own_map(Grid(own.cells, own.resolution, own.origin), now)
+            self.navigator.set_own_map(own, now)
         return own
 
     def steer(self, scan: LaserScan, now: float) -> tuple[float, float]:
@@ -71,10 +72,10 @@ class Body:
             self.on_goal_end(goal, command.status is Status.SUCCEEDED, command.text or "goal reached")
         return command.linear, command.angular
 
-    def set_map(self, cells: np.ndarray, resolution: float, origin: tuple[float, float]) -> None:
+    def set_map(self, grid: OccupancyGrid) -> None:
         """The merged map, on which paths are planned."""
         with self._stopwatch.span("navigation"):
-            self.navigator.set_map(Grid(cells, resolution, origin))
+            self.navigator.set_map(grid)
 
     def set_others(self, positions: Mapping[str, tuple[float, float]], now: float) -> None:
         with self._stopwatch.span("navigation"):

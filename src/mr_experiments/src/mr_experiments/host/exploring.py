@@ -20,6 +20,7 @@ from map_merger.grid import Grid
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.robot_radio import RobotRadio
+from mr_grid import Pose
 
 TICK = 0.1  # s
 SERVICE_TIME = 0.01  # s that a call between two nodes of a robot takes
@@ -34,7 +35,7 @@ def _parsed(kind: type, octets: bytes) -> Any:
 class ExplorerListener(Protocol):
     """Who carries out what the explorer wants of its robot."""
 
-    def set_goal(self, goal_id: int, pose: messages.Pose, now: float) -> None: ...
+    def set_goal(self, goal_id: int, pose: Pose, now: float) -> None: ...
 
     def cancel_goal(self, now: float) -> None: ...
 
@@ -125,7 +126,7 @@ class Explorer:
         self.agent.on_own_map(self._clock())
 
     def on_pose(self, x: float, y: float, yaw: float) -> None:
-        self.agent.on_pose(messages.Pose(x, y, yaw), self._clock())
+        self.agent.on_pose(Pose(x, y, yaw), self._clock())
 
     def on_positions(self, positions: dict[str, tuple[float, float]]) -> None:
         self.agent.on_positions(positions, self._clock())

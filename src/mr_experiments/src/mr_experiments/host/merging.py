@@ -6,7 +6,6 @@ from collections import deque
 from io import BytesIO
 from typing import Callable, Protocol
 
-import numpy as np
 import rospy
 
 from map_merger import meetings, ros_io, ros_radio
@@ -22,7 +21,7 @@ from map_merger.view import NoTransform
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.robot_radio import RobotRadio
-from mr_sim.pose import Pose
+from mr_grid import OccupancyGrid, Pose
 from mr_sim.slam.engine import LaserScan
 
 TICK = 0.2  # s
@@ -102,10 +101,9 @@ class Merger:
         if self._running:
             self.do(self.agent.tick)
 
-    def on_local_map(self, cells: np.ndarray, resolution: float, origin: tuple[float, float]) -> None:
-        """`cells`: int8 (rows, columns); `origin`: lower left corner in m, map frame."""
-        info = GridInfo(cells.shape[1], cells.shape[0], resolution, Transform(*origin, 0.0))
-        self.do(lambda now: self.agent.on_local_map(Grid(info, cells), now))
+    def on_local_map(self, local: OccupancyGrid) -> None:
+        info = GridInfo(local.info.width, local.info.height, local.resolution, Transform(*local.origin))
+        self.do(lambda now: self.agent.on_local_map(Grid(info, local.cells), now))
         self._tick()
 
     def on_pose(self, x: float, y: float, yaw: float) -> None:

@@ -26,8 +26,8 @@ from mr_experiments.host.robot import Robot
 from mr_experiments.host.start_up import StartUp
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import platforms_of, world_of
+from mr_grid import Pose
 from mr_sim.platforms.parameters import kinds_of
-from mr_sim.pose import Pose
 from mr_sim.world import World
 
 READY_PATIENCE = 30.0  # s until every robot must have a map and a pose
@@ -156,7 +156,7 @@ class Mission:
             robot = self.robots[scan.robot]
             if scan.ranger == self.world.robots[scan.robot].main_ranger and robot.senses:
                 state = states[scan.robot]
-                odometry = (float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
+                odometry = Pose(float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
                 self.world.command(scan.robot, *robot.on_scan(scan.ranges, odometry))
                 self.recorder.on_pose(scan.robot, self.world.pose(scan.robot))
         with self.stopwatch.span("recording"):
@@ -264,4 +264,4 @@ def _start_poses(trial: Trial, world: World) -> list[Pose]:
         return poses
     generator = np.random.default_rng(trial.seed)
     shifts = generator.uniform(-1.0, 1.0, (trial.robots, 3)) * (START_SPREAD, START_SPREAD, START_TURN)
-    return [(x + dx, y + dy, yaw + turn) for (x, y, yaw), (dx, dy, turn) in zip(poses, shifts.tolist())]
+    return [Pose(x + dx, y + dy, yaw + turn) for (x, y, yaw), (dx, dy, turn) in zip(poses, shifts.tolist())]

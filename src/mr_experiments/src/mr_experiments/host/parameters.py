@@ -13,6 +13,7 @@ import map_merger.options
 from mr_experiments.common.ros_packages import folder_of
 from mr_experiments.host import base_station
 from mr_experiments.trial.trial import CENTRALIZED, Trial, TrialError
+from mr_grid import Pose
 from mr_sim.navigation.options import NavigationOptions
 from mr_sim.platforms.parameters import (
     explorer_parameters,
@@ -21,7 +22,6 @@ from mr_sim.platforms.parameters import (
     slam_parameters,
 )
 from mr_sim.platforms.platform import Platform
-from mr_sim.pose import Pose
 from mr_sim.slam.engine import SlamOptions
 
 # Frames, topics and periods, which the nodes have and their engines have not.

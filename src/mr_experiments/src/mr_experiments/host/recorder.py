@@ -17,10 +17,10 @@ from mr_experiments.host.transforms import MergeLog
 from mr_experiments.measures.occupancy import free_area, grid_as_map, occupancy_of
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
+from mr_grid import Pose
 from mr_plans import is_generated
 from mr_sim.map_picture import picture_of
 from mr_sim.measures import Truth
-from mr_sim.pose import Pose, seen_from
 from mr_sim.stored_truth import truth_of_generated
 from mr_sim.trace import RECORD
 from mr_sim.world import World
@@ -73,7 +73,7 @@ class Recorder:
         self.trial, self.world, self.starts = trial, world, starts
         self.truth = truth_for(trial, world)
         # The reference cells as the robots see them, by their true starts.
-        self._reference = [seen_from(self.truth.reference, start) for start in self.starts]
+        self._reference = [start.apply_inverse(self.truth.reference) for start in self.starts]
         self.logs = [RobotLog() for _ in range(trial.robots)]
         self.merges = MergeLog(self.starts, world.names)
         self.team: dict[str, list[float]] = {
@@ -165,8 +165,7 @@ class Recorder:
     def known_cells(self) -> list[np.ndarray]:
         """For each robot, which of the reference cells its own local map knows: bool (N,)."""
         return [
-            occupancy_of(robot.local_map).cells_at(places)[0] >= 0
-            for robot, places in zip(self._robots, self._reference)
+            occupancy_of(robot.local_map).values_at(places) >= 0 for robot, places in zip(self._robots, self._reference)
         ]
 
     def records(self, robot: int) -> np.ndarray:
@@ -183,7 +182,7 @@ class Recorder:
         """SLAM has a new pose; `true`: the robot's at that moment, world frame."""
         self.merges.follow(self._robots[robot], true)
 
-    def on_goal(self, robot: int, goal_id: int, pose: messages.Pose, now: float) -> None:
+    def on_goal(self, robot: int, goal_id: int, pose: Pose, now: float) -> None:
         self._end_goal(robot, "replaced", "", now)
         self.logs[robot].goals.append(
             {

@@ -20,8 +20,7 @@ from mr_experiments.host.fast.perfect_merging import PerfectMerger, TeamSight
 from mr_experiments.host.merging import Merger
 from mr_experiments.host.radio import TeamRadio
 from mr_experiments.host.robot_radio import RobotRadio
-from mr_sim.pose import Pose
-from mr_sim.slam.engine import OccupancyMap
+from mr_grid import OccupancyGrid, Pose
 
 STATUS_PERIOD = 1.0  # s between two messages of adhoc_communication/status
 
@@ -29,7 +28,7 @@ STATUS_PERIOD = 1.0  # s between two messages of adhoc_communication/status
 class Observer(Protocol):
     """Who records what happens on a robot. `robot`: its index."""
 
-    def on_goal(self, robot: int, goal_id: int, pose: messages.Pose, now: float) -> None: ...
+    def on_goal(self, robot: int, goal_id: int, pose: Pose, now: float) -> None: ...
 
     def on_goal_end(self, robot: int, goal_id: int | None, outcome: str, text: str, now: float) -> None: ...
 
@@ -65,7 +64,7 @@ class Robot:
         self.explorer = Explorer(explorer, agenda, self.own_radio, stopwatch, self, clock, tick)
         self.body = body
         self.body.on_goal_end = self._on_goal_end
-        self.local_map: OccupancyMap | None = None
+        self.local_map: OccupancyGrid | None = None
         self.own_radio.index = radio.add(self.name, self, start)
 
     def start_sensing(self) -> None:
@@ -116,9 +115,9 @@ class Robot:
             if self.running:
                 self._hand_out(local_map)
 
-    def _hand_out(self, local_map: OccupancyMap) -> None:
+    def _hand_out(self, local_map: OccupancyGrid) -> None:
         self.explorer.on_own_map()
-        self.merger.on_local_map(local_map.cells, local_map.resolution, local_map.origin)
+        self.merger.on_local_map(local_map)
 
     # What the radio brings.
 
@@ -147,7 +146,7 @@ class Robot:
 
     def on_global_map(self, grid: Grid, now: float) -> None:
         self.explorer.on_global_map(grid)
-        self.body.set_map(grid.cells, grid.info.resolution, (grid.info.origin.x, grid.info.origin.y))
+        self.body.set_map(OccupancyGrid.of(grid.cells, grid.info.resolution, Pose(*grid.info.origin.pose())))
         self._observer.on_global_map(self.index, grid, now)
 
     def on_positions(self, positions: dict[str, tuple[float, float]], now: float) -> None:
@@ -159,10 +158,10 @@ class Robot:
 
     # What the explorer wants.
 
-    def set_goal(self, goal_id: int, pose: messages.Pose, now: float) -> None:
+    def set_goal(self, goal_id: int, pose: Pose, now: float) -> None:
         self._observer.on_goal(self.index, goal_id, pose, now)
         self.explorer.on_goal_accepted(goal_id)
-        self.body.set_goal(goal_id, (pose.x, pose.y, pose.yaw), now)
+        self.body.set_goal(goal_id, pose, now)
 
     def cancel_goal(self, now: float) -> None:
         self._observer.on_goal_end(self.index, None, "cancelled", "", now)

@@ -12,7 +12,7 @@ from map_merger.transform import Transform, displacement, rotation_between
 from mr_experiments.host.robot import Robot
 from mr_experiments.measures.drift import FEWEST_POINTS, Track, best_rigid_fit, overlap
 from mr_experiments.measures.occupancy import occupancy_of
-from mr_sim.pose import Pose, compose, inverse
+from mr_grid import Pose
 
 
 class MergeLog:
@@ -27,7 +27,7 @@ class MergeLog:
     def follow(self, robot: Robot, true: Pose) -> None:
         """Notes where a robot is, world frame, and where it believes to be."""
         if robot.body.pose is not None:
-            self._tracks[robot.name].add(compose(inverse(self._starts[robot.name]), true), robot.body.pose)
+            self._tracks[robot.name].add(self._starts[robot.name].between(true), robot.body.pose)
 
     def look(self, robot: Robot, team: Sequence[Robot], now: float) -> None:
         """Notes what has changed in the transforms of a robot's merger; later refinements count only for the error."""
@@ -60,14 +60,14 @@ class MergeLog:
     def _truth(self, robot: Robot, other: Robot) -> tuple[Transform, np.ndarray]:
         """The best rigid fit over what both maps know, and those places (n, 2) in the other's map. Where they share too
         little, that of the starts and all of the other's map."""
-        start = Transform(*compose(inverse(self._starts[robot.name]), self._starts[other.name]))
+        start = Transform(*self._starts[robot.name].between(self._starts[other.name]))
         target, source = occupancy_of(robot.local_map), occupancy_of(other.local_map)
         target_points, source_points = overlap(
             target, self._tracks[robot.name], source, self._tracks[other.name], start
         )
         if len(source_points) >= FEWEST_POINTS:
             return best_rigid_fit(target_points, source_points), source_points
-        places = source.centres(source.data >= 0)
+        places = source.info.centres_of(np.argwhere(source.cells >= 0))
         return start, places if len(places) else np.zeros((1, 2))
 
 

@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from map_merger.transform import Transform
-from mr_sim.measures import OccupancyMap
-from mr_sim.pose import Pose
+from mr_grid import OccupancyGrid, Pose
 
 MOST_POINTS = 400  # of an overlap
 FEWEST_POINTS = 20  # for a fit
@@ -65,15 +64,15 @@ def best_rigid_fit(target: np.ndarray, source: np.ndarray) -> Transform:
 
 
 def overlap(
-    target: OccupancyMap, target_track: Track, source: OccupancyMap, source_track: Track, start: Transform
+    target: OccupancyGrid, target_track: Track, source: OccupancyGrid, source_track: Track, start: Transform
 ) -> tuple[np.ndarray, np.ndarray]:
     """Places that both maps know, (n, 2) in either map; n is bounded. `start`: start of the source's robot in the frame
     of the target's start."""
-    known = np.flatnonzero(target.data.ravel() >= 0)
+    known = np.flatnonzero(target.cells.ravel() >= 0)
     known = known[:: max(1, math.ceil(known.size / MOST_POINTS))]
-    mask = np.zeros(target.data.size, dtype=bool)
+    mask = np.zeros(target.cells.size, dtype=bool)
     mask[known] = True
-    in_target = target.centres(mask.reshape(target.data.shape))
+    in_target = target.info.centres_of(np.argwhere(mask.reshape(target.cells.shape)))
     in_source = source_track.drifted(start.inverse().apply(target_track.straightened(in_target)))
-    both = source.cells_at(in_source)[0] >= 0
+    both = source.values_at(in_source) >= 0
     return in_target[both], in_source[both]

@@ -27,9 +27,9 @@ from typing import Sequence
 import numpy as np
 
 from mr_experiments.measures.visibility import DrivingDistance, Views
+from mr_grid import Pose
 from mr_sim.measures import Truth
 from mr_sim.navigation.options import NavigationOptions
-from mr_sim.pose import Pose
 from mr_sim.world import World
 
 SAMPLES = 2000  # reference cells looked at

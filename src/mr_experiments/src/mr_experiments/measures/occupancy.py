@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from map_merger.grid import Grid
-from mr_sim.measures import OccupancyMap
-from mr_sim.slam.engine import OccupancyMap as LocalMap
+from mr_grid import GridInfo, OccupancyGrid, Pose, empty_grid
 
 
 def free_area(cells: np.ndarray, resolution: float) -> float:
@@ -14,13 +13,11 @@ def free_area(cells: np.ndarray, resolution: float) -> float:
     return float(np.count_nonzero((cells >= 0) & (cells < 50))) * resolution * resolution
 
 
-def grid_as_map(grid: Grid) -> OccupancyMap:
+def grid_as_map(grid: Grid) -> OccupancyGrid:
     origin = grid.info.origin
-    return OccupancyMap(grid.cells, grid.info.resolution, (origin.x, origin.y, origin.yaw))
+    return OccupancyGrid.of(grid.cells, grid.info.resolution, Pose(origin.x, origin.y, origin.yaw))
 
 
-def occupancy_of(local: LocalMap | None) -> OccupancyMap:
+def occupancy_of(local: OccupancyGrid | None) -> OccupancyGrid:
     """Without cells where there is no map yet."""
-    if local is None:
-        return OccupancyMap(np.zeros((0, 0), dtype=np.int8), 1.0)
-    return OccupancyMap(local.cells, local.resolution, (*local.origin, 0.0))
+    return empty_grid(GridInfo(0, 0, 1.0)) if local is None else local

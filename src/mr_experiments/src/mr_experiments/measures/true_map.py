@@ -5,9 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from mr_sim.pose import Pose, placed, seen_from
+from mr_grid import OccupancyGrid, Pose
 from mr_sim.raster import Grid as Raster
-from mr_sim.slam.engine import OccupancyMap
 
 RESOLUTION = 0.1  # m; twice that of SLAM, which the strategy does not notice and the time does
 
@@ -26,17 +25,16 @@ class TrueMap:
 
     def add(self, area: np.ndarray, seen: np.ndarray) -> None:
         """Adds a polygon (n, 2), world frame in m, to a mask."""
-        cells = (seen_from(area, self._start) - self._origin) / RESOLUTION
+        cells = (self._start.apply_inverse(area) - self._origin) / RESOLUTION
         cv2.fillPoly(seen, [np.floor(cells).astype(np.int32)], 1)
 
-    def known(self, seen: np.ndarray) -> OccupancyMap:
+    def known(self, seen: np.ndarray) -> OccupancyGrid:
         """The map of someone who has seen that much: its bounding box."""
         left, low, width, height = cv2.boundingRect(seen)
         window = np.s_[low : low + height, left : left + width]
         cells = np.where(seen[window] > 0, self._cells[window], np.int8(-1))
-        return OccupancyMap(
-            cells, RESOLUTION, (self._origin[0] + left * RESOLUTION, self._origin[1] + low * RESOLUTION)
-        )
+        corner = Pose(self._origin[0] + left * RESOLUTION, self._origin[1] + low * RESOLUTION)
+        return OccupancyGrid.of(cells, RESOLUTION, corner)
 
 
 def _in_map_frame(walls: Raster, start: Pose) -> tuple[np.ndarray, np.ndarray]:
@@ -44,13 +42,13 @@ def _in_map_frame(walls: Raster, start: Pose) -> tuple[np.ndarray, np.ndarray]:
     rows, columns = walls.cells.shape
     size = np.array([columns, rows]) * walls.resolution
     corners = np.array([[0.0, 0.0], [size[0], 0.0], [size[0], size[1]], [0.0, size[1]]]) + walls.origin
-    local = seen_from(corners, start)
+    local = start.apply_inverse(corners)
     low = np.floor(local.min(axis=0) / RESOLUTION) - 1
     high = np.ceil(local.max(axis=0) / RESOLUTION) + 1
     width, height = (high - low).astype(int)
     origin = low * RESOLUTION
     grid = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).reshape(-1, 2)
-    centres = placed((grid + 0.5) * RESOLUTION + origin, start)
+    centres = start.apply((grid + 0.5) * RESOLUTION + origin)
     index = np.floor((centres - walls.origin) / walls.resolution).astype(np.int64)
     inside = ((index >= 0) & (index < (columns, rows))).all(axis=1)
     cells = np.zeros(len(centres), dtype=np.int8)

@@ -11,8 +11,8 @@ import numpy as np
 from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
+from mr_grid import Pose
 from mr_sim import _world
-from mr_sim.pose import Pose
 from mr_sim.world import World
 from mr_sim.world_model import Polygon
 

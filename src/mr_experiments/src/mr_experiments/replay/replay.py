@@ -33,14 +33,14 @@ from mr_experiments.replay.replay_maps import (
     wall_picture,
     walls_of_maps,
 )
-from mr_sim.pose import Pose, placed
+from mr_grid import Pose
 from mr_sim.raster import Grid
 
 FORMAT = 1  # of the records that can be read
 MAX_SNAPSHOT_CHARACTERS = 16_000_000  # in one page; with more, snapshots are left out evenly
 REVEAL_STEP = 0.5  # s, least step in which a reconstructed map grows
 MARGIN = 0.5  # m around everything that is shown
-HERE = (0.0, 0.0, 0.0)  # pose of the world frame in itself
+HERE = Pose()  # pose of the world frame in itself
 
 SNAPSHOTS, RECONSTRUCTED, SEEN = "snapshots", "reconstructed", "seen"  # where the maps of a page come from
 
@@ -231,8 +231,7 @@ class _Maps:
         return result
 
     def _start(self, index: int) -> Pose:
-        x, y, yaw = self._robots[index]["start"]
-        return x, y, yaw
+        return Pose(*self._robots[index]["start"])
 
     def _drawn_walls(self) -> Grid | None:
         if not self._pictures:
@@ -327,4 +326,4 @@ def thinned(frames: Sequence[dict[str, Any]], every: int) -> list[dict[str, Any]
 
 def placed_centres(picture: Picture, pose: Pose) -> np.ndarray:
     """Centres (N, 2) of all cells of a map whose frame lies at `pose`, in the world frame, row by row."""
-    return placed(picture.centres(), pose)
+    return pose.apply(picture.centres())

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
-from mr_sim.pose import Pose, compose
+from mr_grid import Pose
 
 STATES = ("starting", "exploring", "waiting", "returning", "finished")  # of explorer/ExplorationState, by number
 
@@ -72,7 +72,7 @@ def pose_of(value: Any, where: str) -> Pose:
     numbers = value if isinstance(value, list) and len(value) == 3 else [None]
     if not all(isinstance(v, (int, float)) and math.isfinite(v) for v in numbers):
         raise ReplayError(f'"{where}" is not a pose [x, y, yaw]: the record is damaged, run the trial again')
-    return float(value[0]), float(value[1]), float(value[2])
+    return Pose(float(value[0]), float(value[1]), float(value[2]))
 
 
 def rounded(values: Iterable[Any], digits: int) -> list[float | int | None]:
@@ -125,7 +125,7 @@ def start_pose(robot: Record, where: str) -> Pose | None:
     if robot.get("start") is not None:
         return pose_of(robot["start"], f"{where}.start")
     poses = robot_series(robot, where)
-    return (poses["x"][0], poses["y"][0], poses["yaw"][0]) if "x" in poses else None
+    return Pose(poses["x"][0], poses["y"][0], poses["yaw"][0]) if "x" in poses else None
 
 
 def robot_series(robot: Record, where: str) -> dict[str, list]:
@@ -147,7 +147,7 @@ def goals(robot: Record, start: Pose | None, where: str) -> list[dict[str, Any]]
     result = []
     for index, goal in enumerate(entries(robot, "goals", where)):
         place = f"{where}.goals[{index}]"
-        x, y, _ = compose(start, (number(goal, "x", place), number(goal, "y", place), 0.0))
+        x, y, _ = start.compose(Pose(number(goal, "x", place), number(goal, "y", place), 0.0))
         result.append(
             {
                 "set": _round(number(goal, "set", place), TIME_DIGITS),

@@ -22,8 +22,8 @@ import numpy as np
 from scipy import ndimage
 
 from mr_experiments.replay.replay_data import Record, ReplayError, number
+from mr_grid import IDENTITY, Pose
 from mr_sim import _world
-from mr_sim.pose import Pose, placed
 from mr_sim.raster import Grid, rasterise
 from mr_sim.world_file import WorldFileError
 from mr_sim.world_model import Polygon, RobotDescription, load_world
@@ -45,7 +45,7 @@ PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 class Eye:
     """The laser of a robot: its place in the robot's frame, range (m) and field of view (rad)."""
 
-    mount: Pose = (0.0, 0.0, 0.0)
+    mount: Pose = IDENTITY
     range_max: float = DEFAULT_RANGE
     field_of_view: float = DEFAULT_VIEW
 
@@ -155,7 +155,7 @@ def picture_to_world(pose: Pose, resolution: float, origin: Sequence[float], row
     `pose`: of the map frame in the world frame; `origin`: lower left corner of the map in the map frame, m.
     """
     cosine, sine = math.cos(pose[2]) * resolution, math.sin(pose[2]) * resolution
-    x, y = placed(np.array([[origin[0], origin[1] + rows * resolution]]), pose)[0]
+    x, y = pose.apply(np.array([[origin[0], origin[1] + rows * resolution]]))[0]
     return [round(float(value), 6) for value in (cosine, sine, sine, -cosine, x, y)]
 
 
@@ -197,7 +197,7 @@ class Lookout:
 
     def _look(self, since: np.ndarray, pose: np.ndarray, eye: Eye, time: float) -> None:
         """Lower `since` to `time` in the area in view from a pose; times must come in rising order."""
-        place = placed(np.array([eye.mount[:2]]), (pose[0], pose[1], pose[2]))[0]
+        place = Pose(pose[0], pose[1], pose[2]).apply(np.array([eye.mount[:2]]))[0]
         half = eye.field_of_view / 2.0
         angles = pose[2] + eye.mount[2] + np.linspace(-half, half, BEAMS)
         ranges = self._raster.cast((place[0], place[1]), angles, eye.range_max)
@@ -259,8 +259,8 @@ def wall_picture(walls: Grid, resolution: float) -> Picture:
 
 def walls_of_maps(maps: Sequence[tuple[Picture, Pose]]) -> Grid:
     """Walls in the world frame from maps and the poses of their frames, for records whose world is not at hand."""
-    points = [placed(p.centres()[p.classes.reshape(-1) == OCCUPIED], pose) for p, pose in maps]
-    known = np.vstack([placed(p.centres()[p.classes.reshape(-1) != UNKNOWN], pose) for p, pose in maps])
+    points = [pose.apply(p.centres()[p.classes.reshape(-1) == OCCUPIED]) for p, pose in maps]
+    known = np.vstack([pose.apply(p.centres()[p.classes.reshape(-1) != UNKNOWN]) for p, pose in maps])
     low, high = known.min(axis=0) - LATTICE_RESOLUTION, known.max(axis=0) + LATTICE_RESOLUTION
     columns, rows = (int(n) for n in np.ceil((high - low) / LATTICE_RESOLUTION))
     cells = np.zeros((rows, columns), dtype=np.uint8)

@@ -16,7 +16,7 @@ from mr_experiments.report import figure_style as style
 from mr_experiments.report.figure_style import plt
 from mr_experiments.report.record_set import Record, RecordError, read_document
 from mr_experiments.report.scope import Scope
-from mr_sim.pose import Pose, placed, seen_from
+from mr_grid import Pose
 
 UNKNOWN, FREE, OCCUPIED = 205, 254, 0  # grey values of a stored map
 ROBOT_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#7F7F7F")
@@ -40,7 +40,7 @@ class StoredMap:
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """Grey values (N,) at points (N, 2) of the world; unknown beside the map."""
-        index = np.floor((seen_from(points, self.pose) - self.origin) / self.resolution).astype(np.int64)
+        index = np.floor((self.pose.apply_inverse(points) - self.origin) / self.resolution).astype(np.int64)
         inside = ((index >= 0) & (index < self.pixels.shape[::-1])).all(axis=1)
         values = np.full(len(points), UNKNOWN, np.uint8)
         values[inside] = self.pixels[index[inside, 1], index[inside, 0]]
@@ -53,7 +53,7 @@ class StoredMap:
             return np.empty((0, 2))
         xs = self.origin[0] + self.resolution * np.array([columns.min(), columns.max() + 1])
         ys = self.origin[1] + self.resolution * np.array([rows.min(), rows.max() + 1])
-        return placed(np.array([(x, y) for x in xs for y in ys]), self.pose)
+        return self.pose.apply(np.array([(x, y) for x in xs for y in ys]))
 
 
 @dataclass(frozen=True)

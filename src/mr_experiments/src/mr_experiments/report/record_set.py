@@ -11,7 +11,7 @@ from typing import Any, Callable, Iterable, Mapping, NoReturn, Sequence, TypeVar
 
 import numpy as np
 
-from mr_sim.pose import Pose
+from mr_grid import Pose
 from mr_sim.worlds import label_of
 
 FORMAT = 1
@@ -276,7 +276,7 @@ def _read_robot(reader: _Reader, name: str) -> RobotRecord:
         reader.fail(f"robots.{name}.start must be x, y, yaw")
     return RobotRecord(
         name=name,
-        start=(float(start[0]), float(start[1]), float(start[2])),
+        start=Pose(*start.tolist()),
         finished_at=reader.number_or_none("robots", name, "finished_at"),
         distance=reader.number("robots", name, "distance"),
         moving=reader.number("robots", name, "moving"),

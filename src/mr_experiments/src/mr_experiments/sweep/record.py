@@ -24,7 +24,7 @@ from mr_experiments.measures.allocation import keep_freed_memory
 from mr_experiments.measures.occupancy import grid_as_map, occupancy_of
 from mr_experiments.trial.trial import Trial, TrialError
 from mr_sim.map_picture import picture_of
-from mr_sim.measures import collisions, coverage, moving_share, overlap_between_robots, wrong_walls
+from mr_sim.measures import collisions, coverage, explored_free_cells, moving_share, overlap_between_robots, wrong_walls
 from mr_sim.reference import VIRTUAL_TIME, MapReferenceError, error_of_map
 from mr_sim.worlds import find_world
 
@@ -154,7 +154,7 @@ def _map_figures(mission: Mission, robot: Robot) -> dict[str, Any]:
     except MapReferenceError as fault:
         error, why = None, str(fault)
     return {
-        "free_cells": occupancy.explored_free_cells,
+        "free_cells": explored_free_cells(occupancy),
         "error": None if error is None else round(error, 4),
         "error_reason": why,
         "coverage": round(coverage(truth, occupancy, start), 5),

@@ -14,7 +14,7 @@ from explorer.options import STRATEGIES
 from mr_experiments.common.ros_packages import folder_of
 from mr_experiments.trial.radio_options import RadioOptions
 from mr_experiments.trial.trial import DISTRIBUTED, Trial, TrialError
-from mr_sim.pose import Pose
+from mr_grid import Pose
 from mr_sim.world import BIAS
 
 DEFAULT = "paper"
@@ -222,7 +222,7 @@ def _pose(value: Any) -> Pose:
     x, y, degrees = (_number(number) for number in value)
     if not all(map(math.isfinite, (x, y, degrees))):
         raise TrialError(f"expected finite numbers, not {value!r}")
-    return (x, y, math.radians(degrees))
+    return Pose(x, y, math.radians(degrees))
 
 
 def _place(value: Any) -> tuple[float, float]:

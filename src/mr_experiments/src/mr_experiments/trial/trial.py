@@ -8,7 +8,7 @@ from typing import Any, Mapping
 
 from explorer.options import STRATEGIES
 from mr_experiments.trial.radio_options import RadioOptions
-from mr_sim.pose import Pose
+from mr_grid import Pose
 from mr_sim.world import BIAS, ODOMETRY_MODELS
 from mr_sim.worlds import WorldNotFoundError, label_of
 

@@ -5,7 +5,7 @@ from typing import Dict, Optional, Tuple
 import cv2
 import numpy as np
 
-from mr_sim.navigation.options import Grid
+from mr_grid import OccupancyGrid
 
 NEW_WALL = 0.05  # m from a wall within which another is that wall, seen better
 LARGEST = 1.5  # m; what is larger came because SLAM draws its map elsewhere
@@ -19,10 +19,10 @@ class Arrivals:
     """Knows such cells and takes them out of maps. SLAM draws a robot that stands in a corridor as a wall across it."""
 
     def __init__(self) -> None:
-        self._before: Optional[Grid] = None
+        self._before: Optional[OccupancyGrid] = None
         self._since: Dict[Cell, float] = {}
 
-    def update(self, own: Grid, now: float) -> None:
+    def update(self, own: OccupancyGrid, now: float) -> None:
         """`own`: the robot's latest own map."""
         before, offset = self._before, _cells_of(own)
         if before is None or before.resolution != own.resolution or offset is None:
@@ -38,9 +38,9 @@ class Arrivals:
             if inside and cells[row, column] > 50 and now - since < SETTLED:
                 cells[row, column] = 0
                 kept[cell] = since
-        self._before, self._since = Grid(cells, own.resolution, own.origin), kept
+        self._before, self._since = OccupancyGrid(own.info, cells), kept
 
-    def taken_from(self, grid: Grid, now: float) -> Grid:
+    def taken_from(self, grid: OccupancyGrid, now: float) -> OccupancyGrid:
         """A map with free cells in place of what has come lately."""
         offset = _cells_of(grid)
         present = [cell for cell, since in self._since.items() if now - since < SETTLED]
@@ -50,10 +50,10 @@ class Arrivals:
         places = places[((places >= 0) & (places < grid.cells.shape)).all(axis=1)]
         cells = grid.cells.copy()
         cells[places[:, 0], places[:, 1]] = np.minimum(cells[places[:, 0], places[:, 1]], 0)
-        return Grid(cells, grid.resolution, grid.origin)
+        return OccupancyGrid(grid.info, cells)
 
     @staticmethod
-    def _new_cells(before: Grid, after: Grid) -> np.ndarray:
+    def _new_cells(before: OccupancyGrid, after: OccupancyGrid) -> np.ndarray:
         """Cells (n, 2) of `after` that are walls where there were none near."""
         first, second = _cells_of(before), _cells_of(after)
         assert first is not None and second is not None
@@ -79,7 +79,7 @@ def _small(cells: np.ndarray, most: int) -> np.ndarray:
     return cells & (extent <= most)[labels]
 
 
-def _cells_of(grid: Grid) -> Optional[Cell]:
+def _cells_of(grid: OccupancyGrid) -> Optional[Cell]:
     """Where the corner of the grid lies on the lattice; None if on no lattice with the zero of the frame."""
     row, column = grid.origin[1] / grid.resolution, grid.origin[0] / grid.resolution
     if abs(row - round(row)) > 1e-3 or abs(column - round(column)) > 1e-3:

@@ -13,26 +13,18 @@ from typing import List, Mapping, Optional, Tuple
 
 import numpy as np
 
+from mr_grid import FARTHEST, OccupancyGrid, Pose, is_place
 from mr_sim import _navigation
 from mr_sim.navigation.arrivals import Arrivals
 from mr_sim.navigation.clock import Clock
 from mr_sim.navigation.manoeuvre import Manoeuvre, plan_manoeuvre
 from mr_sim.navigation.obstacles import KNOWN_WITHIN, ObstacleMemory
-from mr_sim.navigation.options import (
-    COARSEST,
-    FARTHEST,
-    FINEST,
-    Grid,
-    NavigationError,
-    NavigationOptions,
-    Scan,
-    is_place,
-)
+from mr_sim.navigation.options import NavigationError, NavigationOptions, Scan
 from mr_sim.navigation.planner import CostMap, Plan, path, plan, without_robots
 from mr_sim.navigation.stall import StallWatch
 from mr_sim.navigation.yielding import HeldUp, find_retreat, nearest_blocker
-from mr_sim.pose import Pose, placed, seen_from
 
+MOST_ROTATION = 1e-3  # rad: kernels take cells to lie along the axes of the frame
 WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
 POINT_SPACING = 0.03  # m, finer detail of obstacles does not matter
 ROBOT_NEAR = 1.5  # m within which a robot that says where it is counts where the laser is blind
@@ -106,7 +98,7 @@ class Navigator:
         self.mode = Mode.DRIVE
         self.plan: Optional[Plan] = None
         self._random = np.random.Generator(np.random.PCG64([seed, zlib.crc32(name.encode())]))
-        self._grid: Optional[Grid] = None
+        self._grid: Optional[OccupancyGrid] = None
         self._arrivals = Arrivals()
         self._costs: Optional[CostMap] = None
         self._costs_hold = False  # whether they are those of the present map and positions
@@ -140,19 +132,19 @@ class Navigator:
 
     # --- inputs -------------------------------------------------------------------------------------------------------
 
-    def set_map(self, grid: Grid) -> None:
+    def set_map(self, grid: OccupancyGrid) -> None:
         """Raises NavigationError for a grid that is no map."""
-        if grid.cells.ndim != 2 or 0 in grid.cells.shape:
+        if 0 in grid.cells.shape:
             raise NavigationError(f"map has no cells: shape {grid.cells.shape}")
-        if not (FINEST <= grid.resolution <= COARSEST and is_place(*grid.origin)):
+        x, y, yaw = grid.origin
+        if not is_place(x, y) or abs(yaw) > MOST_ROTATION:
             raise NavigationError(
-                f"map needs a resolution from {FINEST:g} to {COARSEST:g} m, not {grid.resolution:g}, "
-                f"and an origin within {FARTHEST:g} m, not ({grid.origin[0]:g}, {grid.origin[1]:g})"
+                f"map needs an origin within {FARTHEST:g} m that is not rotated, not ({x:g}, {y:g}, {yaw:g})"
             )
         self._grid = grid
         self._costs_hold = False
 
-    def set_own_map(self, grid: Grid, now: float) -> None:
+    def set_own_map(self, grid: OccupancyGrid, now: float) -> None:
         """What this robot's own SLAM says, in the same frame: it tells what moves. What the others drew shifts with
         where their maps are believed to lie."""
         self._arrivals.update(grid, self._clock(now))
@@ -313,7 +305,7 @@ class Navigator:
             return False
         if _navigation.clearance(pose, tight, self._footprint) < TOUCHING:
             return True
-        off = _navigation.turn_wanted(way.cost, way.grid.resolution, way.grid.origin, way.goal, pose)
+        off = _navigation.turn_wanted(way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose)
         return abs(off) > AWAY
 
     def _bumped(self, pose: Pose) -> np.ndarray:
@@ -322,7 +314,7 @@ class Navigator:
             return np.empty((0, 2))
         x = math.copysign(self.options.footprint_length / 2.0 + BUMPED, self._velocity[0])
         half = self.options.footprint_width / 2.0
-        return placed(np.array([(x, y) for y in np.linspace(-half, half, 9)]), pose)
+        return pose.apply(np.array([(x, y) for y in np.linspace(-half, half, 9)]))
 
     def _give_way(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
         retreat = self._retreat
@@ -423,8 +415,8 @@ class Navigator:
     def _why_no_way(self, target: Tuple[float, float]) -> str:
         assert self._costs is not None
         grid = self._costs.grid
-        row, column = grid.cell(*target)
-        if not grid.contains(row, column):
+        row, column = grid.info.cell_of(*target)
+        if not grid.info.contains(row, column):
             return "the goal lies outside the map"
         value = int(grid.cells[row, column])
         if 0 <= value <= 50:
@@ -443,7 +435,7 @@ class Navigator:
         assert self._goal is not None
         closed = self._goal.blocked_since is not None and not self._memory.size
         points = self._memory.points
-        return nearest_blocker(np.concatenate([points, placed(self._hits, pose)]) if closed else points, pose)
+        return nearest_blocker(np.concatenate([points, pose.apply(self._hits)]) if closed else points, pose)
 
     def _begin_to_give_way(self, now: float, pose: Pose) -> Command:
         assert self._costs is not None
@@ -501,7 +493,7 @@ class Navigator:
         if now - self._others_at >= HINT_AGE:
             return obstacles
         near = np.array([place for place in self._others.values() if math.dist(place, pose[:2]) < ROBOT_NEAR])
-        unseen = near[_unseen(seen_from(near, pose), scan)] if len(near) else near
+        unseen = near[_unseen(pose.apply_inverse(near), scan)] if len(near) else near
         if not len(unseen):
             return obstacles
         rims = (unseen[:, None, :] + self._rim * CIRCLE[None, :, :]).reshape(-1, 2)
@@ -512,7 +504,7 @@ class Navigator:
         horizon = _navigation.Horizon()
         horizon.goal_radius = 0.7 * self.options.xy_goal_tolerance
         found, linear, angular, _, _ = _navigation.choose_velocity(
-            way.cost, way.grid.resolution, way.grid.origin, way.goal, pose, self._velocity, obstacles,
+            way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, self._velocity, obstacles,
             self._limits, self._footprint, horizon, self.options.controller_period,
         )  # fmt: skip
         return found, linear, angular
@@ -559,7 +551,7 @@ def _bare(obstacles: np.ndarray, margin: float) -> np.ndarray:
 def _unseen(points: np.ndarray, scan: Scan) -> np.ndarray:
     """bool (n,), of points (n, 2) in the robot's frame: behind the robot, or beside the field of view."""
     half_view = 0.5 * (len(scan.ranges) - 1) * scan.angle_increment
-    from_laser = seen_from(points, scan.mount)
+    from_laser = scan.mount.apply_inverse(points)
     bearing = np.arctan2(from_laser[:, 1], from_laser[:, 0]) - (scan.angle_min + half_view)
     beside = np.abs(np.remainder(bearing + math.pi, 2.0 * math.pi) - math.pi) > abs(half_view)
     unseen: np.ndarray = (points[:, 0] < 0.0) | beside

@@ -6,10 +6,10 @@ from typing import Optional, Tuple
 
 import numpy as np
 
+from mr_grid import Pose
 from mr_sim import _navigation
 from mr_sim.navigation.options import NavigationOptions
 from mr_sim.navigation.planner import Plan
-from mr_sim.pose import Pose, compose, inverse
 
 AHEAD, ASIDE, TURN = 1.0, 8.0, 2.5  # 1/s, 1/m^2 and 1/s by which errors are made good
 BEHIND = (0.06, 0.15)  # m and rad of error from which the robot catches up first
@@ -26,7 +26,7 @@ def plan_manoeuvre(
     agility.linear = min(agility.linear, options.max_linear_velocity)
     agility.angular = min(agility.angular, options.max_angular_velocity)
     rows = _navigation.manoeuvre(
-        way.cost, way.grid.resolution, way.grid.origin, way.goal, pose, obstacles, footprint, agility
+        way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, obstacles, footprint, agility
     )
     return Manoeuvre(rows) if len(rows) > 1 else None
 
@@ -46,7 +46,7 @@ class Manoeuvre:
         if self._time >= self._times[-1] + OVERTIME:
             return None
         reference, linear, angular = self._reference()
-        ahead, aside, turn = compose(inverse(pose), reference)
+        ahead, aside, turn = pose.between(reference)
         turn = math.remainder(turn, 2.0 * math.pi)
         behind = math.hypot(ahead, aside) > BEHIND[0] or abs(turn) > BEHIND[1]
         if not behind and self._time >= self._times[-1]:
@@ -63,10 +63,10 @@ class Manoeuvre:
         index = bisect_right(self._times, self._time)
         if index >= len(self._rows):
             x, y, yaw = self._rows[-1][:3]
-            return (x, y, yaw), 0.0, 0.0
+            return Pose(x, y, yaw), 0.0, 0.0
         before, after = self._rows[index - 1], self._rows[index]
         seconds = after[4] - before[4]
         share = (self._time - before[4]) / seconds
         x, y, yaw = (a + share * (b - a) for a, b in zip(before[:3], after[:3]))
         way = after[3] * math.dist(before[:2], after[:2])
-        return (x, y, yaw), way / seconds, (after[2] - before[2]) / seconds
+        return Pose(x, y, yaw), way / seconds, (after[2] - before[2]) / seconds

@@ -16,10 +16,10 @@ from nav_msgs.msg import OccupancyGrid, Path
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
+from mr_grid import Pose
 from mr_sim.navigation import ros_io
 from mr_sim.navigation.engine import Navigator, Status
 from mr_sim.navigation.options import NavigationError, NavigationOptions
-from mr_sim.pose import Pose, compose
 from mr_sim.ros_poses import transform_pose
 
 FRAMES = {"map_frame": "map", "base_frame": "base_footprint"}
@@ -143,7 +143,7 @@ class MoveBaseNode:
             raise NavigationError(
                 f"goal is given in frame {frame}, which has no transform to the map: {error}"
             ) from None
-        return compose(transform_pose(message), goal)
+        return transform_pose(message).compose(goal)
 
     # --- control ------------------------------------------------------------------------------------------------------
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from mr_grid import Pose
 from mr_sim import _navigation
 from mr_sim.navigation.options import Scan
-from mr_sim.pose import Pose
 
 CELL = 0.05  # m, one point is kept per cell of this size
 KNOWN_WITHIN = 0.15  # m, hits this near to a wall of the map are that wall

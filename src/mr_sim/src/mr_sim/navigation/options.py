@@ -2,20 +2,11 @@
 
 from dataclasses import dataclass, fields
 from functools import lru_cache
-from typing import Tuple
 
 import numpy as np
 
+from mr_grid import Pose
 from mr_sim import _navigation
-from mr_sim.pose import Pose
-
-FARTHEST = 1e5  # m from the origin of the frame; arithmetic on cells goes wrong with larger coordinates
-FINEST, COARSEST = 1e-3, 1e2  # m, cells of a map
-
-
-def is_place(*coordinates: float) -> bool:
-    """Whether these are numbers of a size that coordinates in metres can have."""
-    return all(abs(value) <= FARTHEST for value in coordinates)
 
 
 class NavigationError(ValueError):
@@ -80,37 +71,6 @@ class NavigationOptions:
         """Metres around the robot's centre in which obstacles bear on a motion of that duration."""
         way = self.max_linear_velocity * (seconds + self.moving_reaction_time)
         return round(way + self.circumscribed_radius + self.moving_margin + 0.23, 2)
-
-
-@dataclass(frozen=True)
-class Grid:
-    """`cells`: int8 (rows, columns), 100 occupied, 0 free, -1 unknown; `origin`: lower left corner."""
-
-    cells: np.ndarray
-    resolution: float
-    origin: Tuple[float, float]
-
-    def cell(self, x: float, y: float) -> Tuple[int, int]:
-        """(row, column), possibly outside."""
-        return (
-            int(np.floor((y - self.origin[1]) / self.resolution)),
-            int(np.floor((x - self.origin[0]) / self.resolution)),
-        )
-
-    def center(self, row: int, column: int) -> Tuple[float, float]:
-        return (
-            self.origin[0] + (column + 0.5) * self.resolution,
-            self.origin[1] + (row + 0.5) * self.resolution,
-        )
-
-    def equals(self, other: "Grid") -> bool:
-        """Whether both say the same of the same place."""
-        if self.resolution != other.resolution or self.origin != other.origin:
-            return False
-        return self.cells is other.cells or np.array_equal(self.cells, other.cells)
-
-    def contains(self, row: int, column: int) -> bool:
-        return 0 <= row < self.cells.shape[0] and 0 <= column < self.cells.shape[1]
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from typing import List, Optional, Tuple
 import cv2
 import numpy as np
 
+from mr_grid import OccupancyGrid, Pose
 from mr_sim import _navigation
-from mr_sim.navigation.options import Grid, NavigationOptions
-from mr_sim.pose import Pose
+from mr_sim.navigation.options import NavigationOptions
 
 NEAR_WALL_COST = 6.0  # a cell at the wall costs this much more than a free one
 ESCAPE_ROOM = 0.21  # m more than a robot has to keep from walls: around one that is nearer it may move out
@@ -27,7 +27,7 @@ Seeds = Tuple[Tuple[int, int, float], ...]
 class Plan:
     """`cost`: float32 (rows, columns), cells of way still to go, infinity = not computed or no way."""
 
-    grid: Grid
+    grid: OccupancyGrid
     cost: np.ndarray
     goal: Tuple[float, float]  # the point led to: the goal asked for, or one near it that can be reached
     exact: bool  # whether it is the goal asked for
@@ -37,8 +37,8 @@ class Plan:
 
     def cost_at(self, x: float, y: float) -> float:
         """Metres of free way from (x, y), infinity where there is none."""
-        row, column = self.grid.cell(x, y)
-        if not self.grid.contains(row, column):
+        row, column = self.grid.info.cell_of(x, y)
+        if not self.grid.info.contains(row, column):
             return math.inf
         return float(self.cost[row, column]) * self.grid.resolution
 
@@ -46,7 +46,7 @@ class Plan:
 class CostMap:
     """Distances to walls of one map, m, 1000 where walls do not slow down, and slowness for planning over it."""
 
-    def __init__(self, grid: Grid, options: NavigationOptions, former: Optional["CostMap"] = None) -> None:
+    def __init__(self, grid: OccupancyGrid, options: NavigationOptions, former: Optional["CostMap"] = None) -> None:
         """`former`: any earlier one with the same options; only what has changed since is computed again."""
         self.grid, self.options = grid, options
         self._narrow: Optional[np.ndarray] = None
@@ -61,7 +61,7 @@ class CostMap:
             distance, slowness = self._inflated(grid.cells[seen], options)
             self.wall_distance, self._of_walls = former.wall_distance.copy(), former._of_walls.copy()
             self.wall_distance[changed], self._of_walls[changed] = distance[inner], slowness[inner]
-        self.walls = _navigation.Walls(grid.cells, self.wall_distance, grid.resolution, grid.origin)
+        self.walls = _navigation.Walls(grid.cells, self.wall_distance, grid.resolution, grid.origin[:2])
 
     def _inflated(self, cells: np.ndarray, options: NavigationOptions) -> Tuple[np.ndarray, np.ndarray]:
         return _navigation.inflate(
@@ -86,14 +86,14 @@ class CostMap:
 
     def _cells_of(self, points: np.ndarray) -> np.ndarray:
         """Cells of the map (row, column), int64 (k, 2), of points (n, 2)."""
-        cells = np.floor((points - self.grid.origin) / self.grid.resolution).astype(np.int64)[:, ::-1]
-        return cells[((cells >= 0) & (cells < self.grid.cells.shape)).all(axis=1)]
+        cells = self.grid.info.cells_of(points)
+        return cells[self.grid.info.inside(cells)]
 
     def _open_around(self, robot: Pose, slowness: np.ndarray, obstacles: np.ndarray) -> np.ndarray:
         """Where the robot stands it can stand: lets a way begin too near to a wall or in cells not seen.
         `obstacles`: cells (n, 2)."""
-        row, column = self.grid.cell(robot[0], robot[1])
-        if not self.grid.contains(row, column) or np.isfinite(slowness[row, column]):
+        row, column = self.grid.info.cell_of(robot[0], robot[1])
+        if not self.grid.info.contains(row, column) or np.isfinite(slowness[row, column]):
             return slowness
         reach = math.ceil(round(self.options.inscribed_radius + ESCAPE_ROOM, 3) / self.grid.resolution)
         top, left = max(0, row - reach), max(0, column - reach)
@@ -111,10 +111,10 @@ Window = Tuple[slice, slice]
 """Of rows and columns."""
 
 
-def _changed(before: Grid, after: Grid, reach: int) -> Optional[Window]:
+def _changed(before: OccupancyGrid, after: OccupancyGrid, reach: int) -> Optional[Window]:
     """The cells within `reach` of those that differ; None if that is most of the grid or the grids are of different
     places."""
-    if (before.resolution, before.origin, before.cells.shape) != (after.resolution, after.origin, after.cells.shape):
+    if before.info != after.info:
         return None
     differs = before.cells != after.cells
     rows = differs.any(axis=1).nonzero()[0]
@@ -142,7 +142,7 @@ def robot_extent(radius: float) -> float:
     return round(2.0 * radius + 0.22, 3)
 
 
-def without_robots(grid: Grid, positions: List[Tuple[float, float]], radius: float) -> Grid:
+def without_robots(grid: OccupancyGrid, positions: List[Tuple[float, float]], radius: float) -> OccupancyGrid:
     """The grid without the small isolated obstacles where robots stand. `radius`: of the largest, m. `explorer` has the
     same rule."""
     if not positions:
@@ -152,7 +152,7 @@ def without_robots(grid: Grid, positions: List[Tuple[float, float]], radius: flo
     most_apart, largest = robot_reach(radius), robot_extent(radius)
     reach = int((most_apart + largest) / grid.resolution) + 2
     for x, y in positions:
-        row, column = grid.cell(x, y)
+        row, column = grid.info.cell_of(x, y)
         top, left = max(0, row - reach), max(0, column - reach)
         window = cells[top : max(0, row + reach + 1), left : max(0, column + reach + 1)]
         if not (window > 50).any():
@@ -167,7 +167,7 @@ def without_robots(grid: Grid, positions: List[Tuple[float, float]], radius: flo
         robots = near & (extent <= largest + 1e-9)
         robots[0] = False  # the ground between the obstacles
         window[robots[labels]] = 0
-    return Grid(cells, grid.resolution, grid.origin)
+    return OccupancyGrid(grid.info, cells)
 
 
 def plan(
@@ -183,12 +183,12 @@ def plan(
     `former`: any earlier plan; what still holds of it is not computed again, the result is the same. `narrow`: also
     through places where only the body fits."""
     grid = costs.grid
-    start = grid.cell(robot[0], robot[1])
-    if not grid.contains(*start):
+    start = grid.info.cell_of(robot[0], robot[1])
+    if not grid.info.contains(*start):
         return None
     slowness = costs.slowness(obstacles, robot, narrow)
-    row, column = grid.cell(*goal)
-    if grid.contains(row, column) and np.isfinite(slowness[row, column]):
+    row, column = grid.info.cell_of(*goal)
+    if grid.info.contains(row, column) and np.isfinite(slowness[row, column]):
         seeds: Seeds = ((row, column, 0.0),)
         cost = _march(slowness, seeds, start, grid, former)
         if np.isfinite(cost[start]):
@@ -204,7 +204,7 @@ def plan(
 
 
 def _march(
-    slowness: np.ndarray, seeds: Seeds, start: Tuple[int, int], grid: Grid, former: Optional[Plan]
+    slowness: np.ndarray, seeds: Seeds, start: Tuple[int, int], grid: OccupancyGrid, former: Optional[Plan]
 ) -> np.ndarray:
     beside = None
     if former is not None and former.seeds == seeds and former.cost.shape == slowness.shape:
@@ -228,5 +228,5 @@ def _seeds_near(slowness: np.ndarray, row: int, column: int, radius: float) -> S
 
 def path(way: Plan, robot: Pose) -> List[Tuple[float, float]]:
     """Cell centres down the cost to go, from the robot to the point led to."""
-    cells = _navigation.descend(way.cost, way.grid.cell(robot[0], robot[1]), PATH_STEPS)
-    return [way.grid.center(row, column) for row, column in cells]
+    cells = _navigation.descend(way.cost, way.grid.info.cell_of(robot[0], robot[1]), PATH_STEPS)
+    return [way.grid.info.centre_of(row, column) for row, column in cells]

@@ -3,14 +3,13 @@
 import math
 from typing import Any, List, Sequence, Tuple
 
-import numpy as np
 import rospy
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseFeedback
 from nav_msgs.msg import Path
 
-from mr_sim.navigation.options import Grid, NavigationError, Scan, make_scan
-from mr_sim.pose import Pose
+from mr_grid import GridError, OccupancyGrid, Pose, ros
+from mr_sim.navigation.options import NavigationError, Scan, make_scan
 from mr_sim.ros_poses import quaternion, yaw_of
 
 
@@ -20,20 +19,18 @@ def goal_value(message: PoseStamped) -> Pose:
     norm = math.sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w)
     if not abs(norm - 1.0) < 0.1:
         raise NavigationError(f"orientation of the goal is no rotation (norm {norm:.3f}): set orientation.w to 1")
-    goal = (position.x, position.y, yaw_of(q))
+    goal = Pose(position.x, position.y, yaw_of(q))
     if not all(math.isfinite(value) for value in goal):
         raise NavigationError("goal has coordinates that are not finite")
     return goal
 
 
-def grid_value(message: Any) -> Grid:
-    """`message`: OccupancyGrid whose data may be an array. Raises NavigationError for a wrong size."""
-    info = message.info
-    cells = np.asarray(message.data, dtype=np.int8)
-    if cells.size != info.width * info.height:
-        raise NavigationError(f"map has {cells.size} cells, its info says {info.width} x {info.height}")
-    origin = info.origin.position
-    return Grid(cells.reshape(info.height, info.width), info.resolution, (origin.x, origin.y))
+def grid_value(message: Any) -> OccupancyGrid:
+    """`message`: OccupancyGrid whose data may be an array. Raises NavigationError for one that cannot be used."""
+    try:
+        return ros.grid_value(message)
+    except GridError as error:
+        raise NavigationError(f"map cannot be used: {error}") from error
 
 
 def scan_value(message: Any, mount: Pose) -> Scan:

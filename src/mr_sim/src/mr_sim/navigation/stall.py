@@ -4,7 +4,7 @@ import math
 from bisect import bisect_left, bisect_right
 from typing import List, Tuple
 
-from mr_sim.pose import Pose
+from mr_grid import Pose
 
 # (s looked back, m and rad commanded in that time from which a standing robot is blocked)
 WINDOWS = ((0.4, 0.1, 0.35), (1.2, 0.08, 0.3))

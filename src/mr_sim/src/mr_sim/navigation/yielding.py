@@ -10,9 +10,9 @@ from typing import Mapping, Optional, Tuple
 
 import numpy as np
 
+from mr_grid import Pose
 from mr_sim import _navigation
 from mr_sim.navigation.planner import CostMap, Plan, plan
-from mr_sim.pose import Pose
 
 Point = Tuple[float, float]
 
@@ -87,8 +87,8 @@ def nearest_blocker(points: np.ndarray, pose: Pose) -> Optional[Point]:
 def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Point) -> Optional[Plan]:
     """A way to the nearest place beside the way of what comes from `blocker`, or else far back along it."""
     grid = costs.grid
-    start = grid.cell(pose[0], pose[1])
-    if not grid.contains(*start):
+    start = grid.info.cell_of(pose[0], pose[1])
+    if not grid.info.contains(*start):
         return None
     slowness = costs.slowness(obstacles, pose, narrow=True)
     slowness = np.where(np.isfinite(slowness), np.minimum(slowness, SLOWEST), slowness)
@@ -111,5 +111,5 @@ def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Poi
     price = way + 20.0 * np.maximum(0.0, passing - aside) + 4.0 * np.maximum(0.0, 1.2 - away)
     price += np.where(aside < passing, 3.0 * np.maximum(0.0, SEARCHED - along), 0.0)
     best = int(np.argmin(price))
-    target = grid.center(int(rows[best]), int(columns[best]))
+    target = grid.info.centre_of(int(rows[best]), int(columns[best]))
     return plan(costs, obstacles, pose, target, 0.3, narrow=True)

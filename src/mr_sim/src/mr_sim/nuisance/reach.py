@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from mr_sim.pose import Pose
+from mr_grid import Pose
 from mr_sim.raster import Grid, rasterise
 from mr_sim.world_model import Polygon, WorldDescription
 

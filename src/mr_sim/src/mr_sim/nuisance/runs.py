@@ -3,12 +3,12 @@
 import math
 from dataclasses import dataclass
 
+from mr_grid import Pose
 from mr_sim.closed_loop import ClosedLoop, Robot
 from mr_sim.navigation.options import NavigationOptions
 from mr_sim.nuisance.merged import MergedMap
 from mr_sim.nuisance.reach import SPEED
 from mr_sim.nuisance.scenes import Scene, draw
-from mr_sim.pose import Pose
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
 
@@ -86,7 +86,7 @@ class _Errands:
             # The goal before was reached in a pose between those of the lattice.
             self._ideal = math.dist(self._loop.world.pose(self._robot.index)[:2], goal) / SPEED
         self._robot.results.clear()
-        self._robot.navigator.set_goal(self._robot.local((*goal, 0.0)), self._loop.world.time)
+        self._robot.navigator.set_goal(self._robot.local(Pose(*goal)), self._loop.world.time)
 
 
 def run_seed(seed: int) -> SceneRun:

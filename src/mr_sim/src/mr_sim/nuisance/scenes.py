@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from mr_grid import Pose
 from mr_sim.nuisance.reach import Reach
-from mr_sim.pose import Pose, compose
 from mr_sim.world_model import Obstacle, RobotDescription, WorldDescription
 
 Box = tuple[float, float, float, float, float]  # m and rad: middle x, y; length, width; yaw
@@ -74,7 +74,7 @@ def _checked(kind: str, seed: int, draft: _Draft, robot: RobotDescription, rando
         for goal in goals:
             if reach.room(goal) < GOAL_ROOM or not math.isfinite(reach.seconds(start, goal)):
                 return None
-    error = draft.map_error or (*random.normal(0.0, MAP_ERROR, 2).tolist(), float(random.normal(0.0, 0.1 * MAP_ERROR)))
+    error = draft.map_error or Pose(*random.normal(0.0, (MAP_ERROR, MAP_ERROR, 0.1 * MAP_ERROR)).tolist())
     return Scene(kind, seed, world, tuple(tuple(goals) for goals in draft.goals), error, draft.hints, reach)
 
 
@@ -91,7 +91,7 @@ def _obstacle(box: Box) -> Obstacle:
     x, y, length, width, yaw = box
     a, b = length / 2.0, width / 2.0
     return Obstacle(
-        (x, y, yaw), (length, width), (((-a, -b), (a, -b), (a, b), (-a, b)),), None, False, True, True
+        Pose(x, y, yaw), (length, width), (((-a, -b), (a, -b), (a, b), (-a, b)),), None, False, True, True
     )  # fmt: skip
 
 
@@ -110,7 +110,7 @@ def _pierced(middle: Pose, gap: float, thickness: float = WALL, length: float = 
     offset = (gap + length) / 2.0
     boxes = []
     for side in (-offset, offset):
-        x, y, yaw = compose(middle, (side, 0.0, 0.0))
+        x, y, yaw = middle.compose(Pose(side, 0.0, 0.0))
         boxes.append((x, y, length, thickness, yaw))
     return boxes
 
@@ -133,19 +133,19 @@ def _there_and_back(random: np.random.Generator) -> list[Point]:
 
 
 def _narrow_door(random: np.random.Generator) -> _Draft:
-    middle = (3.5, _uniform(random, 0.8, 4.2), math.pi / 2.0)
+    middle = Pose(3.5, _uniform(random, 0.8, 4.2), math.pi / 2.0)
     boxes = _pierced(middle, _uniform(random, 0.6, 0.9), _uniform(random, 0.1, 0.4))
-    start = (*_within(random, 0.5, 0.5, 2.5, 4.5), _heading(random))
+    start = Pose(*_within(random, 0.5, 0.5, 2.5, 4.5), _heading(random))
     return _Draft((7.0, 5.0), boxes, [start], [_there_and_back(random)])
 
 
 def _jamb(random: np.random.Generator) -> _Draft:
     """A robot stands close to the jamb of the door that it has to pass."""
-    middle, gap = (3.5, _uniform(random, 1.2, 3.8), math.pi / 2.0), _uniform(random, 0.65, 0.9)
+    middle, gap = Pose(3.5, _uniform(random, 1.2, 3.8), math.pi / 2.0), _uniform(random, 0.65, 0.9)
     side = float(random.choice([-1.0, 1.0]))
-    start = (
+    start = Pose(
         3.5 - _uniform(random, 0.24, 0.36),
-        middle[1] + side * (gap / 2.0 + _uniform(random, -0.1, 0.4)),
+        middle.y + side * (gap / 2.0 + _uniform(random, -0.1, 0.4)),
         _heading(random),
     )
     return _Draft((7.0, 5.0), _pierced(middle, gap), [start], [_there_and_back(random)])
@@ -156,7 +156,7 @@ def _desks(random: np.random.Generator) -> _Draft:
     for _ in range(int(random.integers(6, 10))):
         length, width = ((1.4, 0.7), (1.0, 0.6), (0.5, 0.5))[int(random.integers(3))]
         boxes.append((*_within(random, 0.5, 0.3, 5.5, 4.7), length, width, _heading(random)))
-    start = (*_within(random, 0.3, 0.3, 5.7, 4.7), _heading(random))
+    start = Pose(*_within(random, 0.3, 0.3, 5.7, 4.7), _heading(random))
     goals = [_within(random, 0.3, 0.3, 5.7, 4.7) for _ in range(3)]
     return _Draft((6.0, 5.0), boxes, [start], [goals])
 
@@ -165,8 +165,8 @@ def _slanted(random: np.random.Generator) -> _Draft:
     """A passage between two slanted walls."""
     angle = math.pi / 2.0 + float(random.choice([-1.0, 1.0])) * _uniform(random, 0.15, 0.6)
     gap, depth = _uniform(random, 0.65, 0.9), _uniform(random, 0.1, 1.2)
-    boxes = _pierced((3.5, _uniform(random, 1.5, 3.5), angle), gap, depth)
-    start = (*_within(random, 0.3, 0.3, 2.5, 4.7), _heading(random))
+    boxes = _pierced(Pose(3.5, _uniform(random, 1.5, 3.5), angle), gap, depth)
+    start = Pose(*_within(random, 0.3, 0.3, 2.5, 4.7), _heading(random))
     return _Draft((7.0, 5.0), boxes, [start], [_there_and_back(random)])
 
 
@@ -178,7 +178,7 @@ def _dead_end(random: np.random.Generator) -> _Draft:
         ((3.0 + end) / 2.0, (y - width / 2.0) / 2.0, end - 3.0, y - width / 2.0, 0.0),
         (end + 0.05, 2.5, 0.1, 5.0, 0.0),
     ]
-    start = (*_within(random, 0.5, 0.5, 2.5, 4.5), _heading(random))
+    start = Pose(*_within(random, 0.5, 0.5, 2.5, 4.5), _heading(random))
     goals = [(end - 0.3, y), _within(random, 0.5, 0.5, 2.5, 4.5)]
     return _Draft((7.0, 5.0), boxes, [start], [goals])
 
@@ -186,9 +186,9 @@ def _dead_end(random: np.random.Generator) -> _Draft:
 def _head_on(random: np.random.Generator) -> _Draft:
     """Two robots change places through a corridor in which most of them cannot pass each other, some not even turn."""
     width, y, length = _uniform(random, 0.6, 1.4), _uniform(random, 1.0, 4.0), _uniform(random, 0.2, 3.5)
-    boxes = _pierced((4.0, y, math.pi / 2.0), width, length)
-    left = (*_within(random, 0.5, 0.6, 1.7, 4.4), _heading(random))
-    right = (*_within(random, 6.3, 0.6, 7.5, 4.4), _heading(random))
+    boxes = _pierced(Pose(4.0, y, math.pi / 2.0), width, length)
+    left = Pose(*_within(random, 0.5, 0.6, 1.7, 4.4), _heading(random))
+    right = Pose(*_within(random, 6.3, 0.6, 7.5, 4.4), _heading(random))
     goals = [[_within(random, 6.3, 0.6, 7.5, 4.4)], [_within(random, 0.5, 0.6, 1.7, 4.4)]]
     return _Draft((8.0, 5.0), boxes, [left, right], goals, hints=bool(random.random() < HINTED))
 
@@ -196,19 +196,19 @@ def _head_on(random: np.random.Generator) -> _Draft:
 def _along_wall(random: np.random.Generator) -> _Draft:
     """A robot stands along a wall, too near to turn."""
     heading = float(random.choice([0.0, math.pi])) + _uniform(random, -0.02, 0.02)
-    start = (_uniform(random, 1.0, 6.0), WALL + _uniform(random, 0.205, 0.26), heading)
+    start = Pose(_uniform(random, 1.0, 6.0), WALL + _uniform(random, 0.205, 0.26), heading)
     goals = [_within(random, 0.5, 2.0, 6.5, 4.5), _within(random, 0.5, 0.5, 6.5, 4.5)]
     return _Draft((7.0, 5.0), [], [start], [goals])
 
 
 def _drift(random: np.random.Generator) -> _Draft:
     """The map of another robot shows the walls beside where they are."""
-    middle = (3.5, _uniform(random, 1.0, 4.0), math.pi / 2.0)
+    middle = Pose(3.5, _uniform(random, 1.0, 4.0), math.pi / 2.0)
     boxes = _pierced(middle, _uniform(random, 0.8, 1.0))
     boxes.append((*_within(random, 1.0, 1.0, 2.5, 4.0), 1.2, 0.6, _heading(random)))
-    start = (*_within(random, 0.5, 0.5, 2.5, 4.5), _heading(random))
+    start = Pose(*_within(random, 0.5, 0.5, 2.5, 4.5), _heading(random))
     off, bearing = _uniform(random, *DRIFT), _heading(random)
-    error = (off * math.cos(bearing), off * math.sin(bearing), _uniform(random, -0.02, 0.02))
+    error = Pose(off * math.cos(bearing), off * math.sin(bearing), _uniform(random, -0.02, 0.02))
     return _Draft((7.0, 5.0), boxes, [start], [_there_and_back(random)], error)
 
 

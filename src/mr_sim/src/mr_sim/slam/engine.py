@@ -12,8 +12,8 @@ from typing import Deque, Optional, Tuple
 
 import numpy as np
 
+from mr_grid import IDENTITY, OccupancyGrid, Pose
 from mr_sim import _slam
-from mr_sim.pose import Pose, interpolate
 
 ODOMETRY_KEPT = 100
 MAP_UPDATE_INTERVAL = 2.0  # s between maps that are handed out
@@ -56,7 +56,7 @@ class LaserScan:
     range_min: float
     range_max: float
     mount: Pose  # laser in the robot's frame
-    swept: Pose = (0.0, 0.0, 0.0)  # robot at the last beam, by odometry, seen from where it was at the first
+    swept: Pose = IDENTITY  # robot at the last beam, by odometry, seen from where it was at the first
 
 
 @dataclass(frozen=True)
@@ -65,18 +65,6 @@ class SlamUpdate:
     matched: bool  # whether the scan confirmed it; otherwise odometry alone
     inserted: bool  # whether the map that is handed out changed
     share: float  # of the scan that lies on known surfaces
-
-
-@dataclass(frozen=True)
-class OccupancyMap:
-    """`cells`: int8 (rows, columns), 100 occupied, 0 free, -1 never seen; `origin`: lower left corner, metres.
-
-    The origin is a multiple of the resolution and the pose at the start is (0, 0, 0): a growing map keeps its lattice.
-    """
-
-    cells: np.ndarray
-    resolution: float
-    origin: Tuple[float, float]
 
 
 class OdometryHistory:
@@ -109,7 +97,7 @@ class OdometryHistory:
         if index == 0:
             return None
         before, after = self._times[index - 1], self._times[index]
-        return interpolate(self._poses[index - 1], self._poses[index], (time - before) / (after - before))
+        return self._poses[index - 1].interpolate(self._poses[index], (time - before) / (after - before))
 
 
 class Slam:
@@ -137,17 +125,19 @@ class Slam:
             scan.swept,
         )  # fmt: skip
         self.revision += inserted
-        return SlamUpdate(pose, matched, inserted, share)
+        return SlamUpdate(Pose(*pose), matched, inserted, share)
 
     def pose_at(self, odometry: Pose) -> Pose:
         """Robot in the map frame when its odometry says `odometry`."""
-        return self._core.pose_at(odometry)
+        return Pose(*self._core.pose_at(odometry))
 
     def map_to_odometry(self) -> Pose:
         """Odometry frame in the map frame."""
-        return self._core.map_to_odometry()
+        return Pose(*self._core.map_to_odometry())
 
-    def map(self) -> OccupancyMap:
+    def map(self) -> OccupancyGrid:
+        """The pose at the start is (0, 0, 0), and the origin a multiple of the resolution away from it, not turned: a
+        growing map keeps its lattice."""
         cells, column, row = self._core.occupancy()
         resolution = self.options.resolution
-        return OccupancyMap(cells, resolution, (column * resolution, row * resolution))
+        return OccupancyGrid.of(cells, resolution, Pose(column * resolution, row * resolution))

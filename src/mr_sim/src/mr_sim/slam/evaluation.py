@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mr_sim.measures import OccupancyMap, Truth, coverage, wrong_walls
-from mr_sim.pose import seen_from
+from mr_grid import Pose
+from mr_sim.measures import Truth, coverage, wrong_walls
 from mr_sim.slam.engine import LaserScan, Slam
 from mr_sim.slam.scan_log import ScanLog
 
@@ -31,20 +31,19 @@ class Evaluation:
 def evaluate(log: ScanLog, truth: Truth, slam: Slam | None = None) -> Evaluation:
     """Runs SLAM over the whole log. Its first pose is where the log begins."""
     slam = slam or Slam()
-    start = (float(log.truth[0, 0]), float(log.truth[0, 1]), float(log.truth[0, 2]))
+    start = Pose(*log.truth[0].tolist())
     poses, matched, spent = [], [], []
     for index, (moment, odometry) in enumerate(zip(log.times.tolist(), log.odometry.tolist())):
         scan: LaserScan = log.scan(index)
         began = time.perf_counter()
-        update = slam.process(scan, (odometry[0], odometry[1], odometry[2]), moment)
+        update = slam.process(scan, Pose(*odometry), moment)
         spent.append(1e3 * (time.perf_counter() - began))
         poses.append(update.pose)
         matched.append(update.matched)
     found = np.array(poses)
-    errors = np.hypot(*(found[:, :2] - seen_from(log.truth[:, :2], start)).T)
-    headings = np.abs([math.remainder(yaw, 2.0 * math.pi) for yaw in found[:, 2] - (log.truth[:, 2] - start[2])])
-    handed_out = slam.map()
-    occupancy = OccupancyMap(handed_out.cells, handed_out.resolution, (*handed_out.origin, 0.0))
+    errors = np.hypot(*(found[:, :2] - start.apply_inverse(log.truth[:, :2])).T)
+    headings = np.abs([math.remainder(yaw, 2.0 * math.pi) for yaw in found[:, 2] - (log.truth[:, 2] - start.yaw)])
+    occupancy = slam.map()
     return Evaluation(
         float(errors.mean()), float(np.quantile(errors, 0.95)), float(errors[-1]), float(np.quantile(headings, 0.95)),
         wrong_walls(truth, occupancy, start), coverage(truth, occupancy, start),

@@ -7,11 +7,12 @@ from typing import Any, Callable, Dict, Optional, TypeVar
 
 import rospy
 import tf2_ros
-from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
+from nav_msgs.msg import MapMetaData, Odometry
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
-from mr_sim.pose import Pose, compose, inverse
+from mr_grid import Pose
+from mr_grid.ros import NumpyOccupancyGrid, grid_message
 from mr_sim.ros_poses import transform_pose, yaw_of
 from mr_sim.slam import ros_io
 from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
@@ -55,7 +56,7 @@ class SlamNode:
         self._buffer = tf2_ros.Buffer()
         self._listener: Optional[tf2_ros.TransformListener] = None
         self._broadcaster = tf2_ros.TransformBroadcaster()
-        self._map = rospy.Publisher(TOPICS["map"], OccupancyGrid, queue_size=1, latch=True)
+        self._map = rospy.Publisher(TOPICS["map"], NumpyOccupancyGrid, queue_size=1, latch=True)
         self._metadata = rospy.Publisher(TOPICS["metadata"], MapMetaData, queue_size=1, latch=True)
         rospy.Subscriber(inputs["odometry_topic"], Odometry, self._guard(self._on_odometry), queue_size=20)
         rospy.Subscriber(inputs["scan_topic"], numpy_msg(LaserScan), self._guard(self._on_scan), queue_size=2)
@@ -75,7 +76,7 @@ class SlamNode:
     def _on_odometry(self, message: Odometry) -> None:
         pose = message.pose.pose
         stamp = message.header.stamp
-        self._odometry.add(stamp.to_sec(), (pose.position.x, pose.position.y, yaw_of(pose.orientation)))
+        self._odometry.add(stamp.to_sec(), Pose(pose.position.x, pose.position.y, yaw_of(pose.orientation)))
         if self._pending is not None:
             scan, self._pending = self._pending, None
             self._on_scan(scan)
@@ -94,7 +95,7 @@ class SlamNode:
             # Too new: wait for the odometry of its time. Too old: of no use any more.
             self._pending = message if newest is not None and last > newest[0] else None
             return
-        scan = ros_io.scan_value(message, mount, compose(inverse(odometry), odometry_after))
+        scan = ros_io.scan_value(message, mount, odometry.between(odometry_after))
         update = self._slam.process(scan, odometry, time)
         if not update.matched:
             rospy.logwarn_throttle(10.0, f"scan does not match the map ({update.share:.0%} of it does)")
@@ -139,7 +140,7 @@ class SlamNode:
             return
         self._published_revision = self._slam.revision
         self._published_at = stamp.to_sec()
-        message = ros_io.map_message(self._slam.map(), self._frames["map_frame"], stamp)
+        message = grid_message(self._slam.map(), self._frames["map_frame"], stamp)
         self._map.publish(message)
         self._metadata.publish(message.info)
 

@@ -3,16 +3,11 @@
 import numpy as np
 import rospy
 from geometry_msgs.msg import TransformStamped
-from nav_msgs.msg import MapMetaData, OccupancyGrid
-from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan as LaserScanMessage
 
-from mr_sim.pose import Pose
+from mr_grid import IDENTITY, Pose
 from mr_sim.ros_poses import quaternion
-from mr_sim.slam.engine import LaserScan, OccupancyMap, SlamError
-
-ArrayOccupancyGrid = numpy_msg(OccupancyGrid)
-
+from mr_sim.slam.engine import LaserScan, SlamError
 
 LONGEST_SWEEP = 0.5  # s from the first beam to the last one
 
@@ -28,7 +23,7 @@ def sweep_time(message: LaserScanMessage) -> float:
     return seconds
 
 
-def scan_value(message: LaserScanMessage, mount: Pose, swept: Pose = (0.0, 0.0, 0.0)) -> LaserScan:
+def scan_value(message: LaserScanMessage, mount: Pose, swept: Pose = IDENTITY) -> LaserScan:
     """`swept`: robot at the last beam seen from where it was at the first."""
     return LaserScan(
         np.asarray(message.ranges, dtype=np.float32),
@@ -39,20 +34,6 @@ def scan_value(message: LaserScanMessage, mount: Pose, swept: Pose = (0.0, 0.0, 
         mount,
         swept,
     )
-
-
-def map_message(map_: OccupancyMap, frame: str, stamp: rospy.Time) -> OccupancyGrid:
-    message = ArrayOccupancyGrid()
-    message.header.frame_id = frame
-    message.header.stamp = stamp
-    message.info = MapMetaData()
-    message.info.map_load_time = stamp
-    message.info.resolution = map_.resolution
-    message.info.height, message.info.width = map_.cells.shape
-    message.info.origin.position.x, message.info.origin.position.y = map_.origin
-    message.info.origin.orientation.w = 1.0
-    message.data = map_.cells.ravel()
-    return message
 
 
 def transform_message(pose: Pose, frame: str, child: str, stamp: rospy.Time) -> TransformStamped:

@@ -7,7 +7,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from mr_sim.pose import Pose
+from mr_grid import Pose
 from mr_sim.slam.engine import LaserScan, SlamError
 
 CORRELATION = 5.0  # m or rad after which a random walk has forgotten how odometry erred
@@ -29,7 +29,7 @@ class ScanLog:
 
     def scan(self, index: int) -> LaserScan:
         angle_min, increment, low, high, *mount = self.geometry.tolist()
-        return LaserScan(self.ranges[index], angle_min, increment, low, high, (mount[0], mount[1], mount[2]))
+        return LaserScan(self.ranges[index], angle_min, increment, low, high, Pose(*mount))
 
     def save(self, path: Path) -> None:
         np.savez_compressed(path, **{name: np.asarray(getattr(self, name)) for name in _FIELDS})
@@ -75,4 +75,4 @@ def _between(before: np.ndarray, after: np.ndarray) -> Pose:
     x, y = after[0] - before[0], after[1] - before[1]
     cosine, sine = math.cos(before[2]), math.sin(before[2])
     turn = math.remainder(after[2] - before[2], 2.0 * math.pi)
-    return (float(cosine * x + sine * y), float(-sine * x + cosine * y), turn)
+    return Pose(float(cosine * x + sine * y), float(-sine * x + cosine * y), turn)

@@ -11,12 +11,12 @@ from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.body import GoalEnd
 from mr_experiments.host.fast.perfect_merging import TeamSight
 from mr_experiments.measures.true_map import TrueMap
+from mr_grid import OccupancyGrid, Pose
 from mr_sim import _world
-from mr_sim.navigation.options import Grid, NavigationOptions
+from mr_sim.navigation.options import NavigationOptions
 from mr_sim.navigation.planner import CostMap, Plan, path, plan
-from mr_sim.pose import Pose, compose
 from mr_sim.raster import Grid as Raster
-from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, OccupancyMap
+from mr_sim.slam.engine import MAP_UPDATE_INTERVAL
 from mr_sim.world_model import RangerDescription
 
 BEAMS = 181  # that bound the visible area
@@ -36,7 +36,7 @@ class FastBody:
     ) -> None:  # fmt: skip
         """`start`: world frame; `walls`: the true ones."""
         self.options = navigation
-        self.pose: Pose = (0.0, 0.0, 0.0)  # map frame
+        self.pose = Pose()  # map frame
         self.velocity = (0.0, 0.0)  # m/s, rad/s
         self.on_goal_end: GoalEnd = lambda *_: None
         self._name, self._start, self._ranger, self._sight, self._stopwatch = name, start, ranger, sight, stopwatch
@@ -53,7 +53,7 @@ class FastBody:
     @property
     def true_pose(self) -> Pose:
         """World frame."""
-        return compose(self._start, self.pose)
+        return self._start.compose(self.pose)
 
     def look(self) -> None:
         """Adds the area visible from here to the map."""
@@ -62,7 +62,7 @@ class FastBody:
         self._looked_from = self.pose
         with self._stopwatch.span("visibility"):
             ranger = self._ranger
-            eye = compose(self.true_pose, ranger.mount)
+            eye = self.true_pose.compose(ranger.mount)
             angles = eye[2] + np.linspace(-0.5, 0.5, BEAMS) * ranger.field_of_view
             ranges = self._raster.cast(eye[:2], angles, ranger.range_max)
             reach = np.where(ranges < ranger.range_max - 1e-3, ranges + BEHIND, ranges)[:, None]
@@ -71,7 +71,7 @@ class FastBody:
             self.true_map.add(area, self._seen)
             self._sight.add(self._name, area, self.true_pose)
 
-    def new_map(self, now: float) -> OccupancyMap | None:
+    def new_map(self, now: float) -> OccupancyGrid | None:
         """The local map if it is time to hand one out."""
         if now - self._map_at < MAP_UPDATE_INTERVAL - 1e-6:
             return None
@@ -99,12 +99,12 @@ class FastBody:
             left = math.dist(self._path[0], (x, y)) if len(self._path) == 1 else math.inf
             speed = min(self.options.max_linear_velocity, left / seconds)
         yaw += turn * seconds
-        self.pose = (x + speed * seconds * math.cos(yaw), y + speed * seconds * math.sin(yaw), yaw)
+        self.pose = Pose(x + speed * seconds * math.cos(yaw), y + speed * seconds * math.sin(yaw), yaw)
         self.velocity = (speed, turn)
 
-    def set_map(self, cells: np.ndarray, resolution: float, origin: tuple[float, float]) -> None:
+    def set_map(self, grid: OccupancyGrid) -> None:
         with self._stopwatch.span("navigation"):
-            self._costs = CostMap(Grid(cells, resolution, origin), self.options, self._costs)
+            self._costs = CostMap(grid, self.options, self._costs)
             self._plan()
 
     def set_others(self, positions: Mapping[str, tuple[float, float]], now: float) -> None:

@@ -13,7 +13,7 @@ from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.merging import MergerListener
 from mr_experiments.measures.true_map import TrueMap
-from mr_sim.pose import Pose, compose, inverse
+from mr_grid import OccupancyGrid, Pose
 
 POSITION_PERIOD = 1.0  # s between positions, as map_merger's seconds_send_position in mr_launch
 
@@ -56,7 +56,7 @@ class PerfectMerger:
         """The robot is no more."""
         self._running = False
 
-    def on_local_map(self, cells: np.ndarray, resolution: float, origin: tuple[float, float]) -> None:
+    def on_local_map(self, local: OccupancyGrid) -> None:
         """The robot's own map is part of what the team has seen; it only tells that it is time for a new one."""
         with self._stopwatch.span("merging"):
             for robot, taken in self._taken.items():
@@ -66,7 +66,7 @@ class PerfectMerger:
                 self._taken[robot] = len(areas)
             known = self._map.known(self._seen)
             rows, columns = known.cells.shape
-            grid = Grid(GridInfo(columns, rows, known.resolution, Transform(*known.origin, 0.0)), known.cells)
+            grid = Grid(GridInfo(columns, rows, known.resolution, Transform(*known.origin)), known.cells)
         self._listener.on_global_map(grid, self._clock())
 
     def on_pose(self, x: float, y: float, yaw: float) -> None:
@@ -95,11 +95,11 @@ class PerfectMerger:
 
     def _transform(self, robot: str) -> Transform:
         starts = self._sight.starts
-        return Transform(*compose(inverse(starts[self._name]), starts[robot]))
+        return Transform(*starts[self._name].between(starts[robot]))
 
     def _tell_positions(self, now: float) -> None:
         if not self._running:
             return
-        start = inverse(self._sight.starts[self._name])
+        start = self._sight.starts[self._name].inverse()
         poses = {robot: self._sight.poses[robot] for robot in sorted(self._present) if robot in self._sight.poses}
-        self._listener.on_positions({robot: compose(start, pose)[:2] for robot, pose in poses.items()}, now)
+        self._listener.on_positions({robot: start.compose(pose)[:2] for robot, pose in poses.items()}, now)

@@ -1,0 +1,32 @@
+"""Values know no ROS: only shells import the module that does."""
+
+import re
+from pathlib import Path
+
+SOURCES = Path(__file__).resolve().parents[2]
+SHELLS = re.compile(r"(ros_\w+|node|\w+_node)\.py|stageros\.py")
+ROS = re.compile(
+    r"^\s*(?:from|import) (?:rospy|nav_msgs|geometry_msgs|mr_grid\.ros)\b|from mr_grid import .*\bros\b", re.M
+)
+
+
+def test_only_one_module_here_knows_ros():
+    modules = (SOURCES / "mr_grid" / "src" / "mr_grid").glob("*.py")
+    assert {path.name for path in modules if ROS.search(path.read_text(encoding="utf-8"))} == {"ros.py"}
+
+
+def test_only_shells_import_it():
+    users = [
+        path
+        for path in SOURCES.glob("*/src/*/**/*.py")
+        if re.search(r"mr_grid\.ros\b|from mr_grid import .*\bros\b", path.read_text(encoding="utf-8"))
+        and path.parts[-2:] != ("mr_grid", "__init__.py")
+    ]
+    assert [str(path) for path in users if not SHELLS.fullmatch(path.name)] == []
+
+
+def test_this_package_stands_below_all_others():
+    names = {path.parent.name for path in SOURCES.glob("*/package.xml")} - {"mr_grid"}
+    for path in (SOURCES / "mr_grid" / "src").rglob("*.py"):
+        imported = set(re.findall(r"^\s*(?:from|import) (\w+)", path.read_text(encoding="utf-8"), re.M))
+        assert not imported & names, f"{path} imports {imported & names}"

@@ -1,0 +1,64 @@
+"""Maps and poses through ROS messages."""
+
+import math
+
+import numpy as np
+import pytest
+import rospy
+from geometry_msgs.msg import Quaternion
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mr_grid import FARTHEST, GridError, OccupancyGrid, Pose
+from mr_grid.ros import grid_message, grid_value, pose_message, pose_value, quaternion, yaw_of
+
+METRES = st.floats(-FARTHEST, FARTHEST)
+CELLS = np.array([[0, 100, -1], [50, 7, 0]], np.int8)
+
+
+@given(METRES, METRES, st.floats(-math.pi, math.pi, exclude_min=True))
+def test_a_pose_comes_back(x, y, yaw):
+    value = pose_value(pose_message(Pose(x, y, yaw)))
+    assert value[:2] == (x, y) and yaw_of(quaternion(yaw)) == value.yaw
+    assert abs(math.remainder(value.yaw - yaw, 2.0 * math.pi)) < 1e-9
+
+
+def test_a_map_comes_back():
+    grid = OccupancyGrid.of(CELLS, 0.05, Pose(-1.0, 2.0, 0.0))
+    message = grid_message(grid, "map", rospy.Time(3))
+    assert (message.header.frame_id, message.header.stamp) == ("map", rospy.Time(3))
+    assert (message.info.height, message.info.width) == (2, 3)
+    assert grid_value(message).equals(grid)
+    message.data = message.data.tolist()
+    assert grid_value(message).equals(grid)
+
+
+def test_an_origin_without_orientation_is_not_turned():
+    message = grid_message(OccupancyGrid.of(CELLS, 0.05), "map", rospy.Time())
+    message.info.origin.orientation = Quaternion()
+    assert grid_value(message).origin == Pose()
+
+
+def changed(path, value):
+    message = grid_message(OccupancyGrid.of(CELLS, 0.05), "map", rospy.Time())
+    owner, name = message, path.split(".")
+    for part in name[:-1]:
+        owner = getattr(owner, part)
+    setattr(owner, name[-1], value)
+    return message
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    [
+        ("info.width", 4, "holds 6 cells, its description says 4 x 2"),
+        ("info.resolution", 0.0, "resolution"),
+        ("info.origin.position.x", math.nan, "not finite"),
+        ("info.origin.position.y", 1e300, "above 100000"),
+        ("info.origin.orientation", Quaternion(0.0, 0.0, 0.0, 1e-9), "quaternion of length 0"),
+        ("data", np.zeros(0, np.int8), "holds 0 cells"),
+    ],
+)
+def test_bad_messages_are_refused_with_the_culprit(path, value, words):
+    with pytest.raises(GridError, match=words):
+        grid_value(changed(path, value))
