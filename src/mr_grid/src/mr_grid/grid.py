@@ -51,8 +51,12 @@ class GridInfo:
 
     def cell_of(self, x: float, y: float) -> Tuple[int, int]:
         """(row, column) of the cell that contains the point; it may lie outside the grid."""
-        row, column = self._place_of(x, y)
-        return math.floor(row), math.floor(column)
+        origin, resolution = self.origin, self.resolution
+        x, y = x - origin.x, y - origin.y
+        if origin.yaw:
+            cosine, sine = math.cos(origin.yaw), math.sin(origin.yaw)
+            x, y = cosine * x + sine * y, cosine * y - sine * x
+        return math.floor(y / resolution), math.floor(x / resolution)
 
     def cells_of(self, points: np.ndarray) -> np.ndarray:
         """(row, column), int (n, 2), of the cells that contain points (n, 2) in metres; they may lie outside."""
@@ -89,14 +93,6 @@ class GridInfo:
         """The four corners of the grid, (4, 2) in metres."""
         x, y = self.width * self.resolution, self.height * self.resolution
         return self.origin.apply(np.array([[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]]))
-
-    def _place_of(self, x: float, y: float) -> Tuple[float, float]:
-        """(row, column) with fraction of a point."""
-        dx, dy, yaw = x - self.origin.x, y - self.origin.y, self.origin.yaw
-        if yaw:
-            cosine, sine = math.cos(yaw), math.sin(yaw)
-            dx, dy = cosine * dx + sine * dy, cosine * dy - sine * dx
-        return dy / self.resolution, dx / self.resolution
 
     def _local(self, points: np.ndarray) -> np.ndarray:
         """Points (n, 2) as seen from the origin, m."""
