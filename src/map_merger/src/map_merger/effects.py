@@ -6,11 +6,12 @@ from typing import NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
+from mr_grid import Pose
+
 from .grid import Box, Grid
 from .job import Job
 from .messages import Tile
 from .payload import Payload
-from .transform import Transform
 from .whereabouts import Place
 
 GROUP_PREFIX = "mc_"
@@ -92,7 +93,7 @@ class PublishTrack:
 class BroadcastTransforms(NamedTuple):
     """The transforms of the others' map frames to the own one."""
 
-    transforms: Tuple[Tuple[str, Transform], ...]
+    transforms: Tuple[Tuple[str, Pose], ...]
 
 
 class AskNeighbors(NamedTuple):

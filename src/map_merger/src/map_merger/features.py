@@ -11,11 +11,12 @@ from typing import List, NamedTuple, Optional, Tuple
 import cv2
 import numpy as np
 
+from mr_grid import Pose
+
 from .grid import Grid, cell_centres
 from .registration import DEFAULT_CRITERIA, UNLIMITED, Criteria, Limits, Registration, choose
 from .search import Prior
 from .surface import Landmarks
-from .transform import Transform
 
 _SCALE_TOLERANCE = 0.05
 _ROUNDS = 4
@@ -57,11 +58,11 @@ def akaze() -> Detector:
     return Detector(cv2.AKAZE_create(threshold=0.0005), 120.0)
 
 
-def estimates(target: Grid, source: Grid, detector: Detector, most: int) -> List[Transform]:
+def estimates(target: Grid, source: Grid, detector: Detector, most: int) -> List[Pose]:
     """At most `most` transforms source -> target, each from the matches that the earlier ones left over; those with a
     scale near 1."""
     here, there = _matches(target, source, detector)
-    found: List[Transform] = []
+    found: List[Pose] = []
     for _ in range(most):
         if len(here) < 4:
             break
@@ -69,7 +70,7 @@ def estimates(target: Grid, source: Grid, detector: Detector, most: int) -> List
         if matrix is None:
             break
         if abs(math.hypot(matrix[0, 0], matrix[1, 0]) - 1.0) <= _SCALE_TOLERANCE:
-            found.append(Transform(float(matrix[0, 2]), float(matrix[1, 2]), math.atan2(matrix[1, 0], matrix[0, 0])))
+            found.append(Pose(float(matrix[0, 2]), float(matrix[1, 2]), math.atan2(matrix[1, 0], matrix[0, 0])))
         outside = inliers.ravel() == 0
         here, there = here[outside], there[outside]
     return found

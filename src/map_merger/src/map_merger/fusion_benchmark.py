@@ -12,10 +12,11 @@ from typing import Any, Dict, List, NamedTuple
 import cv2
 import numpy as np
 
+from mr_grid import Pose
+
 from .global_map import GlobalMap, Policy
 from .grid import FREE, OCCUPIED, UNKNOWN, Box, Grid, GridInfo, cell_centres, values_at
 from .synthetic import FloorPlan, RobotMap, Survey, Surveyor, office_plan
-from .transform import Transform
 
 Row = Dict[str, Any]
 TEAM = 4
@@ -47,7 +48,7 @@ def timing_rows(robots: int, edge: int, updates: int, seed: int, command: str) -
     plan = large_map(random, edge)
     merged = GlobalMap("robot_0")
     merged.set_local(plan)
-    transforms = [Transform(*(random.normal(0.0, (0.5, 0.5, 0.05)).tolist())) for _ in range(robots - 1)]
+    transforms = [Pose(*(random.normal(0.0, (0.5, 0.5, 0.05)).tolist())) for _ in range(robots - 1)]
     maps = [Grid(plan.info, plan.cells.copy()) for _ in transforms]
     for number, transform in enumerate(transforms):
         merged.set_layer(f"robot_{number + 1}", maps[number], 0, transform)
@@ -82,7 +83,7 @@ def large_map(random: np.random.Generator, edge: int) -> Grid:
 
 
 def _timed_update(
-    merged: GlobalMap, random: np.random.Generator, maps: List[Grid], transforms: List[Transform], version: int
+    merged: GlobalMap, random: np.random.Generator, maps: List[Grid], transforms: List[Pose], version: int
 ) -> float:
     """CPU seconds from a new tile to the message."""
     number = version % len(maps)
@@ -111,7 +112,7 @@ class Team(NamedTuple):
 
     plan: FloorPlan
     robots: List[RobotMap]
-    transforms: List[Transform]
+    transforms: List[Pose]
 
 
 def quality_rows(teams: int, seed: int, command: str) -> List[Row]:
@@ -141,13 +142,13 @@ def synthetic_team(random: np.random.Generator) -> Team:
     surveyor = Surveyor(plan)
     survey = Survey(path_length=30.0, drift=0.03)
     first = surveyor.explore(random, survey)
-    robots, transforms = [first], [Transform()]
+    robots, transforms = [first], [Pose()]
     for _ in range(TEAM - 1):
         x, y = first.path[0, :2] + random.uniform(-1.5, 1.5, 2)
         robots.append(surveyor.explore(random, survey, start=(float(x), float(y))))
         error = random.normal(0.0, (_POSE_ERROR_M, _POSE_ERROR_M, _POSE_ERROR_RAD))
         truth = first.start.inverse().compose(robots[-1].start)
-        transforms.append(truth.compose(Transform(*error.tolist())))
+        transforms.append(truth.compose(Pose(*error.tolist())))
     return Team(plan, robots, transforms)
 
 
@@ -182,7 +183,7 @@ def _distance_to_walls(plan: FloorPlan, points: np.ndarray) -> np.ndarray:
     """Metres from points of the world to the middle of the next wall cell, 0 in walls, infinite far outside, (n,)."""
     walls = np.pad(plan.walls, _MARGIN)
     corner = -_MARGIN * plan.resolution
-    info = GridInfo(walls.shape[1], walls.shape[0], plan.resolution, Transform(corner, corner))
+    info = GridInfo(walls.shape[1], walls.shape[0], plan.resolution, Pose(corner, corner))
     cells = cv2.distanceTransform((~walls).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     return values_at(cells * plan.resolution, info, points, math.inf)
 

@@ -10,6 +10,8 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from mr_grid import Pose
+
 from . import ghosts, weighing
 from .board import Board, DirtyTiles
 from .drawing import whole_shift
@@ -17,7 +19,6 @@ from .grid import EMPTY_BOX, UNKNOWN, Box, Grid, GridInfo, full_box, union_of, w
 from .layers import Layer, difference
 from .places import Places, blocks
 from .robot_size import USUAL_SIZE, RobotSize
-from .transform import Transform
 
 GROWTH_BLOCK = 20
 """The global map grows beyond the local one by whole blocks of cells, so that its size does not change with every
@@ -74,7 +75,7 @@ class GlobalMap:
         self._mark(difference(before, grid, relative).shifted(*shift))
 
     def set_layer(
-        self, name: str, source: Grid, version: object, transform: Transform, changed: Optional[Box] = None
+        self, name: str, source: Grid, version: object, transform: Pose, changed: Optional[Box] = None
     ) -> None:
         """The map of another robot; `transform`: its frame -> own frame. Nothing happens while `version` is the one
         that was drawn and the transform hardly moved (drawing.STILL_M, STILL_RAD).
@@ -196,7 +197,7 @@ class GlobalMap:
         return maps
 
 
-def merged(local: Grid, others: Sequence[Tuple[Grid, Transform]]) -> Grid:
+def merged(local: Grid, others: Sequence[Tuple[Grid, Pose]]) -> Grid:
     """All maps as one in the frame and on the lattice of the local one, by evidence; `others` with their transforms to
     the local frame."""
     together = GlobalMap("", Policy.EVIDENCE)

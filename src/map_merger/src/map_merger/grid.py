@@ -10,8 +10,9 @@ from typing import Iterable, Iterator, NamedTuple, Tuple
 
 import numpy as np
 
+from mr_grid import Pose
+
 from . import _surfaces
-from .transform import Transform
 
 UNKNOWN = -1
 FREE = 0
@@ -36,7 +37,7 @@ class GridInfo:
     width: int
     height: int
     resolution: float
-    origin: Transform = field(default_factory=Transform)
+    origin: Pose = field(default_factory=Pose)
 
     def __post_init__(self) -> None:
         values = (self.resolution, self.origin.x, self.origin.y, self.origin.yaw)
@@ -209,7 +210,7 @@ def window(info: GridInfo, box: Box) -> GridInfo:
     """Geometry of the cells in `box` (offsets may be negative or beyond the grid) on the same lattice."""
     rows, columns = box.shape
     x, y = info.origin.apply_point(box.left * info.resolution, box.top * info.resolution)
-    return GridInfo(columns, rows, info.resolution, Transform(x, y, info.origin.yaw))
+    return GridInfo(columns, rows, info.resolution, Pose(x, y, info.origin.yaw))
 
 
 def full_box(info: GridInfo) -> Box:

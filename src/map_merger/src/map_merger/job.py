@@ -6,6 +6,8 @@ from typing import Callable, Hashable, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from mr_grid import Pose
+
 from . import features, registration
 from .covariance import covariance_at_origin, covariance_of
 from .evidence import compare
@@ -31,7 +33,6 @@ from .robot_size import USUAL_SIZE, RobotSize
 from .search import same_place
 from .sighting import SIGHTINGS_NEEDED, Sighting, moved, nowhere, places_seen
 from .surface import Landmarks, landmarks_of, without_places
-from .transform import Transform
 
 LONGEST_STEP_M = 0.5
 """What moves the walls further is no refinement but a jump, as after a loop closure, and is searched for."""
@@ -54,7 +55,7 @@ class Member(NamedTuple):
     """Another robot of the team whose transform to the own frame is believed."""
 
     map: Versioned
-    transform: Transform
+    transform: Pose
 
 
 class LandmarkCache:
@@ -89,7 +90,7 @@ class Job:
     target: Versioned
     source: Versioned
     team: Tuple[Member, ...]
-    current: Optional[Transform]
+    current: Optional[Pose]
     prior: Optional[Prior]
     limits: Limits
     method: str
@@ -108,7 +109,7 @@ class Job:
     """What the robots' lasers show of one another. It is looked at first."""
     search: bool = True
     """False: nothing but the meeting is looked at."""
-    suggested: Optional[Transform] = None
+    suggested: Optional[Pose] = None
     """What the last search found, if the walls have nothing against it."""
     size: RobotSize = USUAL_SIZE
     """Of the robots of the team."""
@@ -155,7 +156,7 @@ class Job:
         )
 
     def _sighted(
-        self, target: Landmarks, source: Landmarks, meeting: Sightings, transforms: Sequence[Optional[Transform]]
+        self, target: Landmarks, source: Landmarks, meeting: Sightings, transforms: Sequence[Optional[Pose]]
     ) -> Optional[Registration]:
         """The first of the transforms by which the other robot was seen to drive, if the walls give that one and no
         other."""
@@ -212,7 +213,7 @@ class Job:
             verdict = Verdict.BEYOND_LIMITS
         return result._replace(verdict=verdict, transform=transform, evidence=evidence, rivals=())
 
-    def _met(self, target: Landmarks, transform: Transform) -> bool:
+    def _met(self, target: Landmarks, transform: Pose) -> bool:
         """True if the robots saw one another where the transform says. Scans tell that better than what maps keep of
         robots: in a building of copies some of it lies where another transform says, too."""
         if self.meeting is not None and len(self.meeting.sweeps.times):
@@ -224,7 +225,7 @@ class Job:
         )
         return seen + saw >= (1 if self.others_placed else SIGHTINGS_NEEDED)
 
-    def _follow(self, target: Landmarks, source: Landmarks, current: Transform) -> Registration:
+    def _follow(self, target: Landmarks, source: Landmarks, current: Pose) -> Registration:
         better, evidence = follow(target, source, current)
         if evidence.matched < KEEP_CRITERIA.matched and self.team:
             target = self._merged()
@@ -239,7 +240,7 @@ class Job:
                 return _with_covariance(target, source, found)
         return _with_covariance(target, source, Registration(verdict, better, evidence))
 
-    def _searched_nearby(self, target: Landmarks, source: Landmarks, current: Transform) -> Registration:
+    def _searched_nearby(self, target: Landmarks, source: Landmarks, current: Pose) -> Registration:
         """Either robot's SLAM may have closed a loop, which moves its map by little: not a matter of any transform."""
         return registration.register(target, source, PRIOR_CRITERIA, self.limits, Prior(current))
 
@@ -252,7 +253,7 @@ class Job:
         return without_places(self.cache.of(key, merge), self.target_track[:, :2], self.size.touching)
 
 
-def _are_same(first: Transform, second: Transform, source: Landmarks) -> bool:
+def _are_same(first: Pose, second: Pose, source: Landmarks) -> bool:
     return same_place(first, second, source.surface.points, SAME_M)
 
 

@@ -13,9 +13,10 @@ import cv2
 import numpy as np
 import yaml  # type: ignore[import-untyped]
 
+from mr_grid import FARTHEST, Pose
+
 from .features import image_of
 from .grid import MAX_CELLS, OCCUPIED, UNKNOWN, Grid, GridError, GridInfo
-from .transform import FARTHEST_M, Transform
 
 MOST_YAML_BYTES = 100_000
 MOST_PICTURE_BYTES = 5 * MAX_CELLS
@@ -35,7 +36,7 @@ class Description(NamedTuple):
 
     image: str
     resolution: float
-    origin: Transform
+    origin: Pose
     negate: bool
     occupied_thresh: float
     free_thresh: float
@@ -151,7 +152,7 @@ def _checked(given: Mapping[Any, Any]) -> Description:
         raise ValueError(f"image must be the name of a file, not {image!r:.60}")
     if not isinstance(origin, list) or len(origin) != 3:
         raise ValueError(f"origin must be [x, y, yaw], not {origin!r:.60}")
-    pose = [_number(value, "origin", -FARTHEST_M, FARTHEST_M) for value in origin]
+    pose = [_number(value, "origin", -FARTHEST, FARTHEST) for value in origin]
     if given["negate"] not in (0, 1):
         raise ValueError(f"negate must be 0 or 1, not {given['negate']!r:.60}")
     if mode not in MODES:
@@ -160,7 +161,7 @@ def _checked(given: Mapping[Any, Any]) -> Description:
     if low >= high:
         raise ValueError(f"free_thresh must be less than occupied_thresh, not {low:g} and {high:g}")
     resolution = _number(given["resolution"], "resolution", 0.0, math.inf)
-    return Description(image, resolution, Transform(*pose), bool(given["negate"]), high, low, mode)
+    return Description(image, resolution, Pose(*pose), bool(given["negate"]), high, low, mode)
 
 
 def _number(value: Any, key: str, least: float, most: float) -> float:

@@ -4,9 +4,10 @@ import math
 from dataclasses import dataclass, field
 from typing import Dict, Optional, Sequence, Tuple
 
+from mr_grid import Pose
+
 from .grid import Grid
 from .sighting import LONGEST_LAG_S, Sighting, View, Views, view_of
-from .transform import Transform
 from .whereabouts import HeardPose
 
 SHORTEST_VIEW_S = 1.0
@@ -39,7 +40,7 @@ class MapSightings:
         """The own map changed."""
         self._map, self._map_time, self._view = grid, now, None
 
-    def look_for(self, robot: str, position: Optional[HeardPose], viewer: Optional[Transform], now: float) -> None:
+    def look_for(self, robot: str, position: Optional[HeardPose], viewer: Optional[Pose], now: float) -> None:
         """Keeps what the own map, whose robot is at `viewer`, shows while it is known where the other robot is."""
         if position is None or self._map is None:
             return
@@ -53,7 +54,7 @@ class MapSightings:
         grid: Grid,
         version: int,
         position: Optional[HeardPose],
-        own_poses: Sequence[Transform],
+        own_poses: Sequence[Pose],
         now: float,
     ) -> None:
         """Keeps what the other robot's map shows together with the places where the own robot was just before."""

@@ -8,8 +8,9 @@ from typing import Optional, Tuple
 import cv2
 import numpy as np
 
+from mr_grid import Pose
+
 from .grid import UNKNOWN, Grid, cell_centres, cropped, known_box
-from .transform import Transform
 
 MOST_OUTLINE_CELLS = 400
 """Larger maps are looked at on a coarser lattice of at most so many cells a side."""
@@ -22,11 +23,11 @@ class RobotMarker:
     """A robot in the own map frame: its pose if known, and the closed outline (n, 2; m) of its map, maybe empty."""
 
     robot: str
-    pose: Optional[Transform]
+    pose: Optional[Pose]
     outline: np.ndarray
 
 
-def marker_of(robot: str, pose: Optional[Transform], outline: np.ndarray, frame: Transform) -> RobotMarker:
+def marker_of(robot: str, pose: Optional[Pose], outline: np.ndarray, frame: Pose) -> RobotMarker:
     """A robot whose pose and outline are given in its own map frame; `frame`: that frame -> the own one."""
     placed = None if pose is None else frame.compose(pose)
     return RobotMarker(robot, placed, frame.apply(outline) if len(outline) else outline)

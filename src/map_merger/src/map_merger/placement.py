@@ -2,6 +2,8 @@
 
 from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
+from mr_grid import Pose
+
 from .evidence import compare
 from .global_map import GlobalMap
 from .grid import Grid
@@ -9,7 +11,6 @@ from .one_shot import confidence_in, criteria_for, decide
 from .reasons import reason_of
 from .registration import DEFAULT_CRITERIA, Registration
 from .surface import Landmarks, landmarks_of
-from .transform import Transform
 
 CONTRADICTING_TEAM = 1.5 * DEFAULT_CRITERIA.conflict
 """Largest accepted share of a map's walls in free space of all maps placed so far."""
@@ -18,7 +19,7 @@ CONTRADICTING_TEAM = 1.5 * DEFAULT_CRITERIA.conflict
 class Placed(NamedTuple):
     """A map's transform to the first one's frame, through which map it was found, and the evidence of that pair."""
 
-    transform: Transform
+    transform: Pose
     via: int
     confidence: float
     shared_wall: float
@@ -91,7 +92,7 @@ class _Search:
         ]
         return max(scores)[1] if scores else None
 
-    def _transform(self, pair: Tuple[int, int]) -> Transform:
+    def _transform(self, pair: Tuple[int, int]) -> Pose:
         found = self._pairs[pair].transform
         assert found is not None
         return self.placed[pair[0]].transform.compose(found) if pair[0] else found

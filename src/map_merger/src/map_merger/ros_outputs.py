@@ -12,13 +12,13 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from map_merger.msg import MergerStatus, RobotPlacement
 from map_merger.srv import ForgetRobot, ForgetRobotResponse, SaveMap, SaveMapResponse
+from mr_grid import Pose
+from mr_grid.ros import pose_message
 
 from . import status
 from .grid import Box, Grid, full_box
 from .map_files import MapFileError, save_map
 from .markers import RobotMarker, colour_of
-from .ros_io import pose_of
-from .transform import Transform
 
 NumpyGridUpdate = numpy_msg(OccupancyGridUpdate)
 
@@ -101,7 +101,7 @@ def status_message(state: status.MergerStatus, frame: str, stamp: rospy.Time) ->
 
 def placement_message(placement: status.RobotPlacement) -> RobotPlacement:
     """One robot of the status."""
-    x, y, yaw = (placement.transform or Transform()).pose()
+    x, y, yaw = placement.transform or Pose()
     return RobotPlacement(
         robot=placement.robot,
         placed=placement.placed,
@@ -131,33 +131,33 @@ def team_markers(robots: Iterable[RobotMarker], frame: str, stamp: rospy.Time) -
     return MarkerArray(markers)
 
 
-def _marker(robot: RobotMarker, identifier: int, kind: int, at: Transform) -> Marker:
+def _marker(robot: RobotMarker, identifier: int, kind: int, at: Pose) -> Marker:
     red, green, blue = colour_of(robot.robot)
     return Marker(
         ns=robot.robot,
         id=identifier,
         type=kind,
         action=Marker.ADD,
-        pose=pose_of(at),
+        pose=pose_message(at),
         color=ColorRGBA(red, green, blue, 1.0),
         lifetime=rospy.Duration(MARKER_LIFETIME_S),
     )
 
 
-def _arrow(robot: RobotMarker, pose: Transform) -> Marker:
+def _arrow(robot: RobotMarker, pose: Pose) -> Marker:
     marker = _marker(robot, POSITION, Marker.ARROW, pose)
     marker.scale.x, marker.scale.y, marker.scale.z = 0.6, 0.15, 0.15
     return marker
 
 
-def _name(robot: RobotMarker, pose: Transform) -> Marker:
-    marker = _marker(robot, NAME, Marker.TEXT_VIEW_FACING, Transform(pose.x, pose.y))
+def _name(robot: RobotMarker, pose: Pose) -> Marker:
+    marker = _marker(robot, NAME, Marker.TEXT_VIEW_FACING, Pose(pose.x, pose.y))
     marker.pose.position.z, marker.scale.z, marker.text = 0.5, 0.4, robot.robot
     return marker
 
 
 def _outline(robot: RobotMarker) -> Marker:
-    marker = _marker(robot, OUTLINE, Marker.LINE_STRIP, Transform())
+    marker = _marker(robot, OUTLINE, Marker.LINE_STRIP, Pose())
     marker.scale.x = 0.05
     marker.points = [Point(x, y, 0.0) for x, y in [*robot.outline.tolist(), robot.outline[0].tolist()]]
     return marker

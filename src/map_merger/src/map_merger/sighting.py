@@ -11,9 +11,10 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from mr_grid import Pose
+
 from .grid import OCCUPIED_FROM, UNKNOWN, Grid, cell_centres, values_at
 from .robot_size import USUAL_SIZE, RobotSize
-from .transform import Transform
 
 LONGEST_LAG_S = 2.0
 """A place and an own map belong together if they are at most so many seconds apart."""
@@ -49,7 +50,7 @@ class Sighting(NamedTuple):
     time: float
 
 
-def view_of(grid: Grid, viewer: Optional[Transform]) -> View:
+def view_of(grid: Grid, viewer: Optional[Pose]) -> View:
     """What the map shows within SIGHT_M of the viewer, or everywhere if its pose is not known."""
     centres = cell_centres(grid.info, *np.nonzero(grid.occupied))
     if viewer is not None:
@@ -88,7 +89,7 @@ def nowhere() -> np.ndarray:
     return np.empty((0, 3))
 
 
-def moved(track: np.ndarray, transform: Transform) -> np.ndarray:
+def moved(track: np.ndarray, transform: Pose) -> np.ndarray:
     """The places (n, 3: x, y, time) of a track in another frame."""
     return np.column_stack([transform.apply(track[:, :2]), track[:, 2]])
 
@@ -97,7 +98,7 @@ def places_seen(
     present: Grid,
     sightings: Sequence[Sighting],
     track: np.ndarray,
-    transform: Transform,
+    transform: Pose,
     others: np.ndarray,
     size: RobotSize = USUAL_SIZE,
 ) -> int:

@@ -101,7 +101,7 @@ def _surface(info: GridInfo, walls: np.ndarray, large: np.ndarray, free: np.ndar
 
     walls: cells (n, 2; row, column). large: bool (n,), what they belong to. free: bool (rows, columns).
     """
-    points, normals, numbers = border(walls, free, info.resolution, info.origin.pose())
+    points, normals, numbers = border(walls, free, info.resolution, info.origin)
     return Surface(points, normals, info.resolution, large[numbers])
 
 

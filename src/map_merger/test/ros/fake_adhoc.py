@@ -29,7 +29,7 @@ from std_msgs.msg import String
 from map_merger import ros_io
 from map_merger.grid import Grid, GridInfo
 from map_merger.synthetic import Survey, Surveyor, office_plan
-from map_merger.transform import Transform
+from mr_grid import Pose
 
 WAIT_S = 30.0
 TOPICS = ("map_other", "map_meta_other", "control", "position_other_robots")
@@ -50,7 +50,7 @@ def small_map(rows=20, columns=30, x=-0.5, y=-0.5):
     cells = np.zeros((rows, columns), np.int8)
     cells[[0, -1]] = 100
     cells[:, [0, -1]] = 100
-    return Grid(GridInfo(columns, rows, 0.05, Transform(x, y, 0.0)), cells)
+    return Grid(GridInfo(columns, rows, 0.05, Pose(x, y, 0.0)), cells)
 
 
 def typed(request):

@@ -14,7 +14,7 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from map_merger import ros_io
 from map_merger.grid import Grid
 from map_merger.messages import Anchor, Position, Tile
-from map_merger.transform import Transform
+from mr_grid import Pose
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import fake_adhoc as fake
@@ -58,7 +58,7 @@ class ParametersTest(unittest.TestCase):
         fake.connected(self.adhoc.map_other).publish(fake.plain_tile(tile))
         alone = np.count_nonzero(self.target.cells != -1)
         self.merged.wait_for(lambda message: self.known(message) > alone)
-        position = Position("robot_1", Transform(1.0, 2.0, 0.0))
+        position = Position("robot_1", Pose(1.0, 2.0, 0.0))
         fake.connected(self.adhoc.positions).publish(ros_io.position_message(position, "map", rospy.Time(1)))
         self.listed.wait_for(lambda message: [place.src_robot for place in message.positions] == ["robot_1"])
 

@@ -16,7 +16,7 @@ from map_merger.benchmark.outcome import thinned
 from map_merger.grid import Grid, GridInfo, known_box
 from map_merger.surface import landmarks_of
 from map_merger.synthetic import KINDS, Survey, Surveyor, cast, generated, office_plan, pair_of, rearranged
-from map_merger.transform import Transform
+from mr_grid import Pose
 
 
 def test_classes_of_outcomes():
@@ -45,9 +45,9 @@ def test_shared_wall_counts_a_wall_once_however_thick():
     cells = np.zeros((40, 240), np.int8)
     cells[20:23, 20:220] = 100
     grid = Grid(GridInfo(240, 40, 0.05), cells)
-    assert benchmark.shared_wall(grid, grid, Transform()) == pytest.approx(10.0, abs=0.2)
-    assert benchmark.shared_wall(grid, grid, Transform(5.0, 0.0, 0.0)) == pytest.approx(5.0, abs=0.2)
-    assert benchmark.shared_wall(grid, grid, Transform(0.0, 0.5, 0.0)) == 0.0
+    assert benchmark.shared_wall(grid, grid, Pose()) == pytest.approx(10.0, abs=0.2)
+    assert benchmark.shared_wall(grid, grid, Pose(5.0, 0.0, 0.0)) == pytest.approx(5.0, abs=0.2)
+    assert benchmark.shared_wall(grid, grid, Pose(0.0, 0.5, 0.0)) == 0.0
 
 
 def test_a_copy_of_the_room_makes_a_self_alias():

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from map_merger.exchange import MapSender, PeerMap, bounds
 from map_merger.grid import UNKNOWN, Box, Grid, GridError, GridInfo, known_box, offset_between, window
 from map_merger.messages import NO_BOOT, Anchor, Tile
-from map_merger.transform import Transform
+from mr_grid import Pose
 
 BOOT = (1, 0)
-FIRST = GridInfo(12, 10, 0.05, Transform(-1.0, 2.0, 0.4))
+FIRST = GridInfo(12, 10, 0.05, Pose(-1.0, 2.0, 0.4))
 
 
 def grid_at(top, left, cells):
@@ -482,7 +482,7 @@ def test_a_sender_without_anchor_is_drawn_at_the_corner_after_a_while_and_a_real
     assert peer.expire(15.0) and not peer.expire(99.0)
     assert corner(peer.grid()) == pytest.approx((0.2, 0.15)) and peer.wanted() is None
     run = peer.run
-    assert peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05, Transform(1.0, 2.0, 0.0)), (7, 7), 1), 20.0)
+    assert peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05, Pose(1.0, 2.0, 0.0)), (7, 7), 1), 20.0)
     assert peer.run != run and peer.wanted() == (0,)
     peer.add(tile, 21.0)
     assert corner(peer.grid()) == pytest.approx((1.2, 2.15))

@@ -24,11 +24,12 @@ from map_merger.grid import (
     offset_between,
     window,
 )
-from map_merger.transform import Transform, displacement, rotation_between, transform_of, wrap_angle
+from map_merger.transform import displacement, rotation_between
+from mr_grid import Pose, normalized, pose_of
 
 angles = st.floats(-10.0, 10.0)
 metres = st.floats(-100.0, 100.0)
-transforms = st.builds(Transform, metres, metres, angles)
+transforms = st.builds(Pose, metres, metres, angles)
 infos = st.builds(GridInfo, st.integers(1, 60), st.integers(1, 60), st.floats(0.01, 1.0), transforms)
 offsets = st.integers(-80, 80)
 boxes = st.builds(
@@ -53,14 +54,14 @@ def test_inverse_undoes(transform):
     assert abs(undone.yaw) < 1e-9
 
 
-def test_wrap_angle_at_the_border():
-    assert wrap_angle(-math.pi) == math.pi
-    assert wrap_angle(3.0 * math.pi) == pytest.approx(math.pi)
-    assert rotation_between(Transform(yaw=3.1), Transform(yaw=-3.1)) == pytest.approx(2 * math.pi - 6.2)
+def test_half_a_turn_is_normalized():
+    assert normalized(-math.pi) == math.pi
+    assert normalized(3.0 * math.pi) == pytest.approx(math.pi)
+    assert rotation_between(Pose(yaw=3.1), Pose(yaw=-3.1)) == pytest.approx(2 * math.pi - 6.2)
 
 
 def test_displacement_of_a_pure_turn_grows_with_the_distance():
-    assert displacement(Transform(), Transform(yaw=0.1), np.array([[0.0, 0.0], [10.0, 0.0]])) == pytest.approx(
+    assert displacement(Pose(), Pose(yaw=0.1), np.array([[0.0, 0.0], [10.0, 0.0]])) == pytest.approx(
         [0.0, 20.0 * math.sin(0.05)]
     )
 
@@ -68,7 +69,7 @@ def test_displacement_of_a_pure_turn_grows_with_the_distance():
 @pytest.mark.parametrize("bad", [[1, 2], [1, 2, 3, 4], [1, 2, math.nan], ["a", 1, 2]])
 def test_a_pose_needs_three_finite_numbers(bad):
     with pytest.raises(ValueError):
-        transform_of(bad)
+        pose_of(bad)
 
 
 @given(infos, st.data())
@@ -90,7 +91,7 @@ def test_other_resolution_or_heading_is_refused():
     with pytest.raises(GridError, match="resolution"):
         offset_between(GridInfo(4, 4, 0.1), info)
     with pytest.raises(GridError, match="heading"):
-        offset_between(GridInfo(4, 4, 0.05, Transform(0, 0, 0.1)), info)
+        offset_between(GridInfo(4, 4, 0.05, Pose(0, 0, 0.1)), info)
 
 
 @pytest.mark.parametrize(
@@ -146,7 +147,7 @@ def test_bounding_box_of_nothing_is_empty():
 @given(boxes)
 def test_cropping_keeps_the_cells_in_place(box):
     cells = np.arange(100, dtype=np.int8).reshape(10, 10)
-    grid = Grid(GridInfo(10, 10, 0.1, Transform(1.0, 2.0, 0.3)), cells)
+    grid = Grid(GridInfo(10, 10, 0.1, Pose(1.0, 2.0, 0.3)), cells)
     part = cropped(grid, box)
     assert offset_between(part.info, grid.info) == (box.top, box.left)
     for row, column in ((0, 0), (3, 7), (9, 9)):

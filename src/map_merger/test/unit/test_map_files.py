@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from map_merger.grid import Grid, GridInfo
 from map_merger.map_files import MapFileError, read_map, write_map
-from map_merger.transform import Transform
+from mr_grid import Pose
 
 GOOD = {
     "image": "map.pgm",
@@ -40,7 +40,7 @@ def files(folder, picture=GOOD_PICTURE, name="map.pgm", **changes):
 
 def test_the_first_row_of_the_picture_is_the_highest_and_the_thresholds_are_those_of_the_file(tmp_path):
     grid = read_map(files(tmp_path))
-    assert grid.info == GridInfo(3, 2, 0.05, Transform(-1.0, 2.5, 0.3))
+    assert grid.info == GridInfo(3, 2, 0.05, Pose(-1.0, 2.5, 0.3))
     # occupancy: 1 - pixel / 255. Lower row: 0.61, 0.80, 0.10; upper row: 1.0, 0.004, 0.196.
     assert grid.cells.tolist() == [[-1, 100, 0], [100, 0, -1]]
 
@@ -76,13 +76,13 @@ def test_transparent_pixels_are_unknown(tmp_path):
 )
 def test_what_is_written_is_read_again(tmp_path_factory, rows, columns, resolution, pose, seed):
     cells = np.random.default_rng(seed).choice(np.array([-1, 0, 100], np.int8), (rows, columns))
-    grid = Grid(GridInfo(columns, rows, resolution, Transform(*pose)), cells)
+    grid = Grid(GridInfo(columns, rows, resolution, Pose(*pose)), cells)
     stem = str(tmp_path_factory.mktemp("map") / "yes: a map")
     picture, text = write_map(stem, grid)
     again = read_map(text)
     assert np.array_equal(again.cells, grid.cells)
     assert again.info.resolution == pytest.approx(resolution, abs=1e-9)
-    assert again.info.origin.pose() == pytest.approx(pose, abs=1e-8)
+    assert again.info.origin == pytest.approx(pose, abs=1e-8)
     assert sorted(os.listdir(os.path.dirname(stem))) == sorted(map(os.path.basename, (picture, text)))
 
 

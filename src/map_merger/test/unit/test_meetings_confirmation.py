@@ -11,7 +11,8 @@ from map_merger.meetings.confirmation import confirmed
 from map_merger.meetings.values import Hypothesis
 from map_merger.registration import Limits, Verdict
 from map_merger.surface import landmarks_of
-from map_merger.transform import Transform, displacement, rotation_between
+from map_merger.transform import displacement, rotation_between
+from mr_grid import Pose
 
 RESOLUTION = 0.05
 
@@ -29,7 +30,7 @@ def plan(width_m=8.0, depth_m=6.0, notch=True):
 def seen_from(cells, pose):
     """The plan (its centre at the origin) as a map whose frame is `pose` in the plan's frame."""
     rows, columns = cells.shape
-    corner = Transform(-0.5 * columns * RESOLUTION, -0.5 * rows * RESOLUTION)
+    corner = Pose(-0.5 * columns * RESOLUTION, -0.5 * rows * RESOLUTION)
     return landmarks_of(Grid(GridInfo(columns, rows, RESOLUTION, pose.inverse().compose(corner)), cells))
 
 
@@ -49,7 +50,7 @@ def hypothesis(transform, shift=0.05, turn=0.026, **fields):
     return Hypothesis(**{**known, **fields})
 
 
-OWN, OTHER = Transform(-1.0, 0.5, 0.2), Transform(0.8, -0.7, -0.5)
+OWN, OTHER = Pose(-1.0, 0.5, 0.2), Pose(0.8, -0.7, -0.5)
 TRUTH = OWN.inverse().compose(OTHER)
 TARGET, SOURCE = seen_from(plan(), OWN), seen_from(plan(), OTHER)
 NO_WALLS = landmarks_of(Grid(GridInfo(100, 100, RESOLUTION), np.zeros((100, 100), np.int8)))
@@ -61,7 +62,7 @@ def error_of(transform):
 
 
 def off(x=0.0, y=0.0, yaw=0.0):
-    return Transform(TRUTH.x + x, TRUTH.y + y, TRUTH.yaw + yaw)
+    return Pose(TRUTH.x + x, TRUTH.y + y, TRUTH.yaw + yaw)
 
 
 def test_walls_make_a_sighting_exact():

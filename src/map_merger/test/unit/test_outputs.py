@@ -12,9 +12,9 @@ from map_merger.grid import Grid, GridInfo, cells_of, empty_grid
 from map_merger.map_files import MapFileError, read_map, save_map
 from map_merger.markers import MOST_OUTLINE_POINTS, colour_of, marker_of, outline_of
 from map_merger.status import MergerStatus, RobotPlacement, summary_of
-from map_merger.transform import Transform
+from mr_grid import Pose
 
-INFO = GridInfo(60, 40, 0.1, Transform(-2.0, 1.0, 0.5))
+INFO = GridInfo(60, 40, 0.1, Pose(-2.0, 1.0, 0.5))
 
 
 def grid(rows, columns, info=INFO):
@@ -58,9 +58,9 @@ def test_the_outline_of_a_large_map_is_quick():
 
 
 def test_a_marker_is_in_the_own_frame():
-    frame = Transform(1.0, 2.0, np.pi / 2.0)
-    marker = marker_of("robot_1", Transform(1.0, 0.0, 0.0), np.array([[2.0, 0.0]]), frame)
-    assert marker.pose.pose() == pytest.approx((1.0, 3.0, np.pi / 2.0))
+    frame = Pose(1.0, 2.0, np.pi / 2.0)
+    marker = marker_of("robot_1", Pose(1.0, 0.0, 0.0), np.array([[2.0, 0.0]]), frame)
+    assert marker.pose == pytest.approx((1.0, 3.0, np.pi / 2.0))
     assert marker.outline[0] == pytest.approx((1.0, 4.0))
     assert marker_of("robot_1", None, np.empty((0, 2)), frame).pose is None
 
@@ -72,7 +72,7 @@ def test_a_name_always_has_the_same_colour_and_others_another():
 
 def test_a_placement_is_checked():
     assert not RobotPlacement("robot_1", "not heard").placed
-    assert RobotPlacement("robot_1", "", Transform()).placed
+    assert RobotPlacement("robot_1", "", Pose()).placed
     for wrong in (-0.1, 1.5, float("nan")):
         with pytest.raises(ValueError):
             RobotPlacement("robot_1", "", confidence=wrong)
@@ -81,7 +81,7 @@ def test_a_placement_is_checked():
 
 
 def test_the_summary_names_who_is_missing_and_why():
-    robots = (RobotPlacement("a", "shared wall 41.0 m", Transform()), RobotPlacement("b", "shared wall 7.0 m of 14 m"))
+    robots = (RobotPlacement("a", "shared wall 41.0 m", Pose()), RobotPlacement("b", "shared wall 7.0 m of 14 m"))
     assert summary_of(MergerStatus("r", "distributed", "", robots)) == (
         "1 of 2 robots placed; b: shared wall 7.0 m of 14 m"
     )

@@ -7,7 +7,7 @@ import numpy as np
 from map_merger.evidence import compare
 from map_merger.grid import Grid, GridInfo
 from map_merger.surface import landmarks_of, without_places
-from map_merger.transform import Transform
+from mr_grid import Pose
 
 RESOLUTION = 0.05
 
@@ -26,15 +26,15 @@ def room(robot=None):
 
 def test_seen_robot_is_no_contradiction_where_it_has_been():
     here, seen_from_there = room(), room(robot=(2.0, 1.5))
-    assert compare(here, seen_from_there, Transform()).conflict > 0.05
+    assert compare(here, seen_from_there, Pose()).conflict > 0.05
     track = np.array([[0.5, 1.5], [1.5, 1.5], [2.0, 1.5], [2.5, 1.5]])
-    assert compare(without_places(here, track, 0.35), seen_from_there, Transform()).conflict == 0.0
+    assert compare(without_places(here, track, 0.35), seen_from_there, Pose()).conflict == 0.0
 
 
 def test_a_wall_elsewhere_still_contradicts():
     here, other = room(), room(robot=(2.0, 1.5))
     track = np.array([[0.5, 1.5], [100.0, -100.0]])
-    assert compare(without_places(here, track, 0.35), other, Transform()).conflict > 0.05
+    assert compare(without_places(here, track, 0.35), other, Pose()).conflict > 0.05
 
 
 def test_no_places_change_nothing():

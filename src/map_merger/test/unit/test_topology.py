@@ -13,7 +13,8 @@ from map_merger.grid import UNKNOWN, Grid, GridInfo
 from map_merger.messages import Anchor, Request, Tile, run_after
 from map_merger.synthetic import pair_of
 from map_merger.topology import topology_of
-from map_merger.transform import Transform, displacement
+from map_merger.transform import displacement
+from mr_grid import Pose
 
 ROBOTS = ("robot_0", "robot_1", "robot_2")
 BASE = "base"
@@ -217,7 +218,7 @@ def test_when_the_reference_robot_restarts_the_base_begins_a_new_run(maps):
 def test_a_robot_that_restarts_is_placed_anew_and_its_former_way_forgotten(maps):
     team = team_with_base(maps)
     for name in ROBOTS:
-        team.agents[name].on_local_pose(Transform(3.0, 1.0, 0.0), team.now)
+        team.agents[name].on_local_pose(Pose(3.0, 1.0, 0.0), team.now)
     team.run(30.0)
     moved = next(name for name in ROBOTS if name != team.agents[BASE]._reference.robot)
     witness = next(name for name in ROBOTS if name not in (moved, team.agents[BASE]._reference.robot))

@@ -7,11 +7,12 @@ from typing import List, NamedTuple
 import cv2
 import numpy as np
 
+from mr_grid import Pose
+
 from ..grid import FREE, OCCUPIED, UNKNOWN, Grid, GridInfo
 from ..registration import register
 from ..surface import landmarks_of
 from ..synthetic import KINDS, Survey, Surveyor
-from ..transform import Transform
 
 
 class Times(NamedTuple):
@@ -49,7 +50,7 @@ def large_pair(seed: int) -> List[Grid]:
     random = np.random.default_rng(seed)
     halves = [KINDS["offices"](random, 100.0).walls for _ in range(2)]
     cells = np.where(np.vstack(halves), OCCUPIED, FREE).astype(np.int8)[:2000, :2000]
-    info = GridInfo(cells.shape[1], cells.shape[0], 0.05, Transform())
+    info = GridInfo(cells.shape[1], cells.shape[0], 0.05, Pose())
     turn = cv2.getRotationMatrix2D((1000.0, 1000.0), math.degrees(0.6), 1.0)
     turned = cv2.warpAffine(
         cells.view(np.uint8), turn, cells.shape[::-1], flags=cv2.INTER_NEAREST, borderValue=UNKNOWN % 256

@@ -3,10 +3,11 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from mr_grid import Pose
+
 from ..grid import GridInfo, cell_centres
 from ..registration import Registration
 from ..surface import Landmarks
-from ..transform import Transform
 
 FIRST, SECOND = "#0072b2", "#d55e00"
 """Blue and vermilion: told apart with any colour vision."""
@@ -15,12 +16,12 @@ FIRST, SECOND = "#0072b2", "#d55e00"
 def draw(path: str, target: Landmarks, source: Landmarks, result: Registration, reason: str) -> None:
     """Writes the picture: A in blue, B in orange at its transform, even if that was not accepted (then the title says
     so). OSError if the file cannot be written."""
-    transform = result.transform if result.transform is not None else Transform()
+    transform = result.transform if result.transform is not None else Pose()
     figure = Figure(figsize=(10.0, 8.0))
     axes = figure.subplots()
     # Smaller dots for B, so that walls in both maps show both colours.
     for name, landmarks, motion, colour, size in (
-        ("A", target, Transform(), FIRST, 6.0),
+        ("A", target, Pose(), FIRST, 6.0),
         ("B", source, transform, SECOND, 1.5),
     ):
         free = motion.apply(_cells(landmarks.info, landmarks.grid.free))

@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from mr_grid import Pose
+
 from ..grid import Grid, cell_centres
 from ..obstacles import obstacles_of
-from ..transform import Transform
 from .detection import NARROWEST_M
 
 
-def objects_in_map(grid: Grid, viewer: Transform, reach: float, widest: float) -> np.ndarray:
+def objects_in_map(grid: Grid, viewer: Pose, reach: float, widest: float) -> np.ndarray:
     """Centres (n, 2), m, in the map's frame, of small isolated obstacles, at most `widest` m across, within `reach` m
     of the viewer."""
     obstacles = obstacles_of(grid.occupied)

@@ -6,10 +6,10 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
+from mr_grid import Pose
 from mr_plans import FloorPlan
 
 from ..grid import Grid
-from ..transform import Transform
 from .paths import Wanderer
 from .scanning import GridDrawer, Survey, cast, info_around
 
@@ -18,7 +18,7 @@ class RobotMap(NamedTuple):
     """Local map in the frame of its start pose as it grew, the true start pose and the path (n, 3) in the world."""
 
     stages: Tuple[Grid, ...]
-    start: Transform
+    start: Pose
     path: np.ndarray
 
     @property
@@ -32,7 +32,7 @@ class Pair(NamedTuple):
 
     target: RobotMap
     source: RobotMap
-    truth: Transform
+    truth: Pose
 
 
 def pair_of(target: RobotMap, source: RobotMap) -> Pair:
@@ -64,7 +64,7 @@ class Surveyor:
 
     def drawn(self, random: np.random.Generator, survey: Survey, poses: np.ndarray) -> RobotMap:
         """Map of a robot that takes a scan at each of `poses` (n, 3; x, y, yaw in the world)."""
-        begin = Transform(*(float(value) for value in poses[0]))
+        begin = Pose(*(float(value) for value in poses[0]))
         error = _wandering_error(random, survey, len(poses))
         smudged = set(random.choice(len(poses), min(survey.smudges, len(poses)), replace=False).tolist())
         to_map = begin.inverse()
@@ -77,7 +77,7 @@ class Surveyor:
             ranges = cast(walls, self.plan.resolution, pose, survey)
             noise = random.normal(0.0, survey.range_noise, ranges.size)
             ranges = np.where(ranges < survey.reach, ranges + noise, ranges)
-            seen = to_map.compose(Transform(*(float(value) for value in pose))).compose(error[index])
+            seen = to_map.compose(Pose(*(float(value) for value in pose))).compose(error[index])
             drawer.add(seen, survey.angles(), ranges, survey.reach)
             if index in ends:
                 stages.extend([drawer.grid()] * ends.count(index))
@@ -92,9 +92,9 @@ class Surveyor:
         return walls.astype(bool)
 
 
-def _wandering_error(random: np.random.Generator, survey: Survey, count: int) -> List[Transform]:
+def _wandering_error(random: np.random.Generator, survey: Survey, count: int) -> List[Pose]:
     if survey.drift == 0.0 or count < 2:
-        return [Transform()] * count
+        return [Pose()] * count
     steps = random.normal(0.0, 1.0, (count, 3)) / math.sqrt(count) * (survey.drift, survey.drift, 0.2 * survey.drift)
     steps[0] = 0.0
-    return [Transform(*(float(value) for value in row)) for row in steps.cumsum(axis=0)]
+    return [Pose(*(float(value) for value in row)) for row in steps.cumsum(axis=0)]

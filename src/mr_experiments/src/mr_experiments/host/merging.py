@@ -16,7 +16,6 @@ from map_merger.grid import Grid, GridInfo
 from map_merger.job import outcome_of
 from map_merger.messages import Boot, Tile
 from map_merger.options import Options
-from map_merger.transform import Transform
 from map_merger.view import NoTransform
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
@@ -102,7 +101,7 @@ class Merger:
             self.do(self.agent.tick)
 
     def on_local_map(self, local: OccupancyGrid) -> None:
-        info = GridInfo(local.info.width, local.info.height, local.resolution, Transform(*local.origin))
+        info = GridInfo(local.info.width, local.info.height, local.resolution, Pose(*local.origin))
         self.do(lambda now: self.agent.on_local_map(Grid(info, local.cells), now))
         self._tick()
 
@@ -110,7 +109,7 @@ class Merger:
         now = self._clock()
         if now - self._pose_at >= POSE_PERIOD - 1e-6:
             self._pose_at = now
-            self.do(lambda now: self.agent.on_local_pose(Transform(x, y, yaw), now))
+            self.do(lambda now: self.agent.on_local_pose(Pose(x, y, yaw), now))
 
     def on_scan(self, scan: LaserScan, pose: Pose) -> None:
         """A scan and the robot's pose in its map frame at that time."""
@@ -123,9 +122,9 @@ class Merger:
                 scan.angle_increment,
                 scan.range_min,
                 scan.range_max,
-                Transform(*scan.mount),
+                Pose(*scan.mount),
             )
-            self.do(lambda now: self.agent.on_scan(seen, Transform(*pose), now))
+            self.do(lambda now: self.agent.on_scan(seen, Pose(*pose), now))
 
     def on_robot(self, name: str, returned: bool = False) -> None:
         self.do(lambda now: self.agent.on_robot(name, now, returned=returned))
@@ -143,7 +142,7 @@ class Merger:
         self.do(lambda now: take(self.agent, kind.value_of(message), now))
         return True
 
-    def transforms(self) -> dict[str, Transform]:
+    def transforms(self) -> dict[str, Pose]:
         """From the frame of each other robot to the own one, where they are known."""
         return self.agent.view.transforms()
 

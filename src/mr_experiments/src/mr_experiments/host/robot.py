@@ -146,7 +146,7 @@ class Robot:
 
     def on_global_map(self, grid: Grid, now: float) -> None:
         self.explorer.on_global_map(grid)
-        self.body.set_map(OccupancyGrid.of(grid.cells, grid.info.resolution, Pose(*grid.info.origin.pose())))
+        self.body.set_map(OccupancyGrid.of(grid.cells, grid.info.resolution, grid.info.origin))
         self._observer.on_global_map(self.index, grid, now)
 
     def on_positions(self, positions: dict[str, tuple[float, float]], now: float) -> None:
