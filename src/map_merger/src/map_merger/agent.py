@@ -6,7 +6,7 @@ registrations, the team's graph, and the global map.
 
 from typing import List, Optional
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 
 from .announcer import Announcer
 from .base_frame import BaseFrame
@@ -17,7 +17,6 @@ from .frames import Frames
 from .global_map import MOST_GLOBAL_CELLS
 from .graph.edges import EdgeReport
 from .graph.team import TeamGraph
-from .grid import Grid
 from .hearing import Hearing
 from .meetings import LaserScan, TrackReport
 from .merged_map import MergedMap
@@ -63,7 +62,7 @@ class Agent:
 
     # What comes in
 
-    def on_local_map(self, grid: Grid, now: float) -> None:
+    def on_local_map(self, grid: OccupancyGrid, now: float) -> None:
         """The local SLAM map changed. Ignored on a base station."""
         if self._options.has_local_map and self.exchange.on_local_map(grid):
             self._reference.set(grid)

@@ -6,9 +6,9 @@ from typing import NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 
-from .grid import Box, Grid
+from .grid import Box
 from .job import Job
 from .messages import Tile
 from .payload import Payload
@@ -72,7 +72,7 @@ class Register:
 class PublishMap:
     """The global map, and the box of its cells that differ from the one before."""
 
-    grid: Grid
+    grid: OccupancyGrid
     changed: Box
 
 
@@ -104,8 +104,8 @@ class AskNeighbors(NamedTuple):
 class SaveDebugImages:
     """Write the map just sent and the one sent before."""
 
-    present: Grid
-    before: Grid
+    present: OccupancyGrid
+    before: OccupancyGrid
 
 
 class Note(NamedTuple):

@@ -11,9 +11,9 @@ from typing import List, NamedTuple, Optional, Tuple
 import cv2
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
+from mr_grid.map_files import image_of
 
-from .grid import Grid, cell_centres
 from .registration import DEFAULT_CRITERIA, UNLIMITED, Criteria, Limits, Registration, choose
 from .search import Prior
 from .surface import Landmarks
@@ -33,14 +33,6 @@ def register(
     return choose(target, source, estimates(target.grid, source.grid, orb(), _ROUNDS), (criteria,), limits, prior)
 
 
-def image_of(grid: Grid) -> np.ndarray:
-    """Grey image, uint8: free 254, obstacle 0, unknown 205; row r of the image is row r of the grid."""
-    image = np.full(grid.info.shape, 205, np.uint8)
-    image[grid.free] = 254
-    image[grid.occupied] = 0
-    return image
-
-
 class Detector(NamedTuple):
     """An OpenCV feature detector, and the largest Hamming distance of descriptors that may be the same."""
 
@@ -58,7 +50,7 @@ def akaze() -> Detector:
     return Detector(cv2.AKAZE_create(threshold=0.0005), 120.0)
 
 
-def estimates(target: Grid, source: Grid, detector: Detector, most: int) -> List[Pose]:
+def estimates(target: OccupancyGrid, source: OccupancyGrid, detector: Detector, most: int) -> List[Pose]:
     """At most `most` transforms source -> target, each from the matches that the earlier ones left over; those with a
     scale near 1."""
     here, there = _matches(target, source, detector)
@@ -76,7 +68,7 @@ def estimates(target: Grid, source: Grid, detector: Detector, most: int) -> List
     return found
 
 
-def _matches(target: Grid, source: Grid, detector: Detector) -> Tuple[np.ndarray, np.ndarray]:
+def _matches(target: OccupancyGrid, source: OccupancyGrid, detector: Detector) -> Tuple[np.ndarray, np.ndarray]:
     """Places (n, 2; m) in the source and in the target of key points that are each other's best match."""
     target_keys, target_descriptors = detector.features.detectAndCompute(image_of(target), None)
     source_keys, source_descriptors = detector.features.detectAndCompute(image_of(source), None)
@@ -88,6 +80,6 @@ def _matches(target: Grid, source: Grid, detector: Detector) -> Tuple[np.ndarray
     return here, _points(target, [target_keys[match.trainIdx].pt for match in matches])
 
 
-def _points(grid: Grid, pixels: list) -> np.ndarray:
+def _points(grid: OccupancyGrid, pixels: list) -> np.ndarray:
     positions = np.array(pixels, dtype=float).reshape(-1, 2)
-    return cell_centres(grid.info, positions[:, 1], positions[:, 0])
+    return grid.info.centres(positions[:, 1], positions[:, 0])

@@ -6,13 +6,12 @@ from typing import Callable, Hashable, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 
 from . import features, registration
 from .covariance import covariance_at_origin, covariance_of
 from .evidence import compare
 from .global_map import merged
-from .grid import Grid
 from .meetings import Sightings, confirmed, hypotheses_of
 from .presence import is_refuted, presence_of
 from .registration import (
@@ -48,7 +47,7 @@ class Versioned(NamedTuple):
     """A map and a key that changes whenever the map does."""
 
     key: Hashable
-    grid: Grid
+    grid: OccupancyGrid
 
 
 class Member(NamedTuple):
@@ -66,7 +65,7 @@ class LandmarkCache:
         self._mover = size.mover
         self._known: OrderedDict[Hashable, Landmarks] = OrderedDict()
 
-    def of(self, key: Hashable, grid: Callable[[], Grid]) -> Landmarks:
+    def of(self, key: Hashable, grid: Callable[[], OccupancyGrid]) -> Landmarks:
         """Landmarks of the map with this key, computed when needed."""
         if key not in self._known:
             self._known[key] = landmarks_of(grid(), self._mover)
@@ -247,7 +246,7 @@ class Job:
     def _merged(self) -> Landmarks:
         key = (self.target.key, tuple((member.map.key, member.transform) for member in self.team))
 
-        def merge() -> Grid:
+        def merge() -> OccupancyGrid:
             return merged(self.target.grid, [(member.map.grid, member.transform) for member in self.team])
 
         return without_places(self.cache.of(key, merge), self.target_track[:, :2], self.size.touching)

@@ -4,9 +4,8 @@ import math
 from dataclasses import dataclass, field
 from typing import Dict, Optional, Sequence, Tuple
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 
-from .grid import Grid
 from .sighting import LONGEST_LAG_S, Sighting, View, Views, view_of
 from .whereabouts import HeardPose
 
@@ -32,11 +31,11 @@ class MapSightings:
 
     def __init__(self) -> None:
         self._kept: Dict[str, _Kept] = {}
-        self._map: Optional[Grid] = None
+        self._map: Optional[OccupancyGrid] = None
         self._map_time = -math.inf
         self._view: Optional[View] = None
 
-    def on_map(self, grid: Grid, now: float) -> None:
+    def on_map(self, grid: OccupancyGrid, now: float) -> None:
         """The own map changed."""
         self._map, self._map_time, self._view = grid, now, None
 
@@ -51,7 +50,7 @@ class MapSightings:
     def look_through(
         self,
         robot: str,
-        grid: Grid,
+        grid: OccupancyGrid,
         version: int,
         position: Optional[HeardPose],
         own_poses: Sequence[Pose],

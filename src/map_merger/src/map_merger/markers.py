@@ -8,9 +8,9 @@ from typing import Optional, Tuple
 import cv2
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import UNKNOWN, OccupancyGrid, Pose
 
-from .grid import UNKNOWN, Grid, cell_centres, cropped, known_box
+from .grid import cropped, known_box
 
 MOST_OUTLINE_CELLS = 400
 """Larger maps are looked at on a coarser lattice of at most so many cells a side."""
@@ -33,7 +33,7 @@ def marker_of(robot: str, pose: Optional[Pose], outline: np.ndarray, frame: Pose
     return RobotMarker(robot, placed, frame.apply(outline) if len(outline) else outline)
 
 
-def outline_of(grid: Grid) -> np.ndarray:
+def outline_of(grid: OccupancyGrid) -> np.ndarray:
     """Outline of the largest connected known part, (n, 2) in m in the map's frame, at most MOST_OUTLINE_POINTS;
     empty if nothing is known. Not closed: the first point is not repeated."""
     box = known_box(grid)
@@ -50,7 +50,7 @@ def outline_of(grid: Grid) -> np.ndarray:
         tolerance *= 1.5
         outline = cv2.approxPolyDP(contour, tolerance, True)
     columns, rows = step * outline.reshape(-1, 2).T + 0.5 * (step - 1)
-    return cell_centres(part.info, rows, columns)
+    return part.info.centres(rows, columns)
 
 
 def colour_of(robot: str) -> Tuple[float, float, float]:

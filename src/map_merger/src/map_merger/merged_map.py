@@ -4,11 +4,10 @@ from typing import Mapping, Optional, Set, Tuple
 
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 
 from .exchange import Exchange
 from .global_map import GlobalMap, Policy, Update
-from .grid import Grid
 from .options import Options
 from .reference import Reference
 from .timer import Timer
@@ -32,7 +31,7 @@ class MergedMap:
         self._drawn: Set[str] = set()
         self._version = -1
         self._left_out: Set[str] = set()
-        self.grid: Optional[Grid] = None
+        self.grid: Optional[OccupancyGrid] = None
         """The global map as it was drawn last."""
 
     def forget(self) -> None:

@@ -5,9 +5,9 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import GridInfo, Pose
 
-from .grid import Box, GridInfo
+from .grid import Box
 
 Boot = Tuple[int, int]
 """Names one run of a robot (its start time as seconds and nanoseconds). Only ever compared for equality."""

@@ -1,10 +1,9 @@
 """What was observed of the robots, each in its own frame: poses and tracks, and who was seen where."""
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 
 from .exchange import Exchange
 from .graph.team import TeamGraph
-from .grid import Grid
 from .map_sightings import MapSightings
 from .meetings import Meetings
 from .messages import Boot
@@ -47,7 +46,7 @@ class Observations:
         for robot in self._exchange.robots():
             self._look_for(robot, now)
 
-    def look_through(self, robot: str, grid: Grid, version: int, now: float) -> None:
+    def look_through(self, robot: str, grid: OccupancyGrid, version: int, now: float) -> None:
         """Looks for the own robot in another one's map."""
         if robot not in self._graph.placed():
             own_poses = self.whereabouts.own_poses(now, LONGEST_MAP_LAG_S)

@@ -2,11 +2,10 @@
 
 from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 
 from .evidence import compare
 from .global_map import GlobalMap
-from .grid import Grid
 from .one_shot import confidence_in, criteria_for, decide
 from .reasons import reason_of
 from .registration import DEFAULT_CRITERIA, Registration
@@ -32,7 +31,7 @@ class Placement(NamedTuple):
     declined: Dict[int, str]
 
 
-def place(maps: Sequence[Grid]) -> Placement:
+def place(maps: Sequence[OccupancyGrid]) -> Placement:
     """Places the maps, those with the most shared wall first. Every pair is registered at most once."""
     search = _Search(maps)
     while search.advance():
@@ -40,7 +39,7 @@ def place(maps: Sequence[Grid]) -> Placement:
     return Placement(search.placed, {each: search.reason_for(each) for each in search.open})
 
 
-def merged(maps: Sequence[Grid], placed: Dict[int, Placed]) -> Grid:
+def merged(maps: Sequence[OccupancyGrid], placed: Dict[int, Placed]) -> OccupancyGrid:
     """The placed maps on the lattice of the first one."""
     whole = GlobalMap("0")
     whole.set_local(maps[0])
@@ -53,7 +52,7 @@ def merged(maps: Sequence[Grid], placed: Dict[int, Placed]) -> Grid:
 class _Search:
     """Placed and open maps, and the pairs that were registered: (placed, open) -> result."""
 
-    def __init__(self, maps: Sequence[Grid]) -> None:
+    def __init__(self, maps: Sequence[OccupancyGrid]) -> None:
         self._maps = maps
         self._landmarks: List[Landmarks] = [landmarks_of(each) for each in maps]
         self._pairs: Dict[Tuple[int, int], Registration] = {}

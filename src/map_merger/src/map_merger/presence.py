@@ -10,9 +10,8 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import Pose, values_at
 
-from .grid import values_at
 from .meetings import Sightings
 from .meetings.identity import is_empty, who_moves_alike, who_was_there
 from .meetings.tracking import at_times

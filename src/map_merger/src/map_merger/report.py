@@ -3,13 +3,13 @@
 import math
 from typing import List, Mapping, NamedTuple, Optional
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 
 from .alignment import Alignment
 from .confidence import confidence_of
 from .effects import Effect, Note, PublishPositions, PublishTrack
 from .graph.team import Placement
-from .grid import Grid
+from .grid import free_cells
 from .options import Options
 from .registration import Registration, Verdict
 from .status import RobotPlacement
@@ -31,11 +31,11 @@ class LogFigures(NamedTuple):
 
 
 def figures_of(
-    merged: Optional[Grid], local: Optional[Grid], pose: Optional[Pose], updates: int, transforms: int
+    merged: Optional[OccupancyGrid], local: Optional[OccupancyGrid], pose: Optional[Pose], updates: int, transforms: int
 ) -> LogFigures:
     """Figures for the log."""
     pose = pose or Pose()
-    free = [0 if grid is None else int(grid.free.sum()) for grid in (merged, local)]
+    free = [0 if grid is None else int(free_cells(grid).sum()) for grid in (merged, local)]
     return LogFigures(free[0], free[1], pose.x, pose.y, updates, transforms)
 
 

@@ -1,5 +1,6 @@
 """Conversion between ROS messages and the values of this package. Nothing else here touches ROS types."""
 
+from dataclasses import replace
 from typing import Iterable, Tuple
 
 import numpy as np
@@ -7,20 +8,19 @@ import rospy
 from adhoc_communication.msg import MmControl, MmListOfPoints, MmMapUpdate, MmPoint, MmRobotPosition
 from geometry_msgs.msg import Point, PoseStamped, Quaternion, TransformStamped
 from geometry_msgs.msg import Pose as PoseMessage
-from nav_msgs.msg import MapMetaData, OccupancyGrid
+from nav_msgs.msg import MapMetaData
+from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan as LaserScanMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from mr_grid import Pose
-from mr_grid.ros import pose_message, pose_value
+from mr_grid import GridError, GridInfo, OccupancyGrid, Pose, grid_of
+from mr_grid.ros import NumpyOccupancyGrid, grid_value, info_message, info_value, pose_message, pose_value
 
-from .grid import Grid, GridError, GridInfo, grid_of
 from .meetings.values import LaserScan
 from .messages import Anchor, Boot, Position, Request, Tile
 from .whereabouts import Place
 
-NumpyOccupancyGrid = numpy_msg(OccupancyGrid)
 NumpyMapUpdate = numpy_msg(MmMapUpdate)
 
 
@@ -41,42 +41,31 @@ def transform_of_pose(pose: PoseMessage) -> Pose:
 
 
 def info_of(message: MapMetaData) -> GridInfo:
-    """Geometry. MessageError if it cannot be used."""
+    """Placement. MessageError if it cannot be used."""
     try:
-        return GridInfo(message.width, message.height, message.resolution, transform_of_pose(message.origin))
+        return info_value(message)
     except GridError as error:
         raise MessageError(str(error)) from error
 
 
-def grid_of_message(message: OccupancyGrid) -> Grid:
-    """A map. MessageError if geometry and data do not fit."""
+def grid_of_message(message: OccupancyGridMessage) -> OccupancyGrid:
+    """A map. MessageError if placement and data do not fit."""
     try:
-        return grid_of(info_of(message.info), np.asarray(message.data, dtype=np.int8))
+        return grid_value(message)
     except GridError as error:
         raise MessageError(str(error)) from error
 
 
-def message_of_grid(grid: Grid, frame: str, stamp: rospy.Time) -> OccupancyGrid:
-    """A map as message for a numpy publisher."""
-    message = NumpyOccupancyGrid()
-    message.header.frame_id, message.header.stamp = frame, stamp
-    message.info = MapMetaData(
-        stamp, grid.info.resolution, grid.info.width, grid.info.height, pose_message(grid.info.origin)
-    )
-    message.data = np.ascontiguousarray(grid.cells, dtype=np.int8).ravel()
-    return message
-
-
-def anchor_message(anchor: Anchor) -> OccupancyGrid:
+def anchor_message(anchor: Anchor) -> OccupancyGridMessage:
     """An anchor: geometry without cells; map_load_time names the run, header.seq counts the updates."""
     message = NumpyOccupancyGrid()
     message.header.frame_id, message.header.seq = anchor.robot, anchor.updates
-    message.info = MapMetaData(rospy.Time(*anchor.boot), anchor.info.resolution, 0, 0, pose_message(anchor.info.origin))
+    message.info = info_message(replace(anchor.info, width=0, height=0), rospy.Time(*anchor.boot))
     message.data = np.empty(0, np.int8)
     return message
 
 
-def anchor_of(message: OccupancyGrid) -> Anchor:
+def anchor_of(message: OccupancyGridMessage) -> Anchor:
     """Anchor from its announcement. MessageError if it cannot be used."""
     if message.info.width or message.info.height or len(message.data):
         raise MessageError(f"an anchor of {message.header.frame_id!r} with cells")

@@ -12,12 +12,12 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from map_merger.msg import MergerStatus, RobotPlacement
 from map_merger.srv import ForgetRobot, ForgetRobotResponse, SaveMap, SaveMapResponse
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
+from mr_grid.map_files import MapFileError, save_map
 from mr_grid.ros import pose_message
 
 from . import status
-from .grid import Box, Grid, full_box
-from .map_files import MapFileError, save_map
+from .grid import Box, full_box
 from .markers import RobotMarker, colour_of
 
 NumpyGridUpdate = numpy_msg(OccupancyGridUpdate)
@@ -49,13 +49,15 @@ class Outputs:
         if self._markers.get_num_connections():
             self._markers.publish(team_markers(robots(), self._frame, stamp))
 
-    def show_update(self, grid: Grid, box: Box, stamp: rospy.Time) -> None:
+    def show_update(self, grid: OccupancyGrid, box: Box, stamp: rospy.Time) -> None:
         """The part of the global map that changed; its size is that of the last whole one."""
         if self._updates.get_num_connections() and not box.empty:
             self._updates.publish(update_message(grid, box, self._frame, stamp))
 
 
-def serve(global_map: Callable[[], Optional[Grid]], forget: Callable[[str], None]) -> Tuple[rospy.Service, ...]:
+def serve(
+    global_map: Callable[[], Optional[OccupancyGrid]], forget: Callable[[str], None]
+) -> Tuple[rospy.Service, ...]:
     """The services beside those of the contract. forget: raises KeyError for a robot that is not known."""
 
     def on_save(request: SaveMap) -> SaveMapResponse:
@@ -79,7 +81,7 @@ def dated_ahead(stamp: rospy.Time) -> rospy.Time:
     return stamp + rospy.Duration(TRANSFORM_AHEAD_S)
 
 
-def update_message(grid: Grid, box: Box, frame: str, stamp: rospy.Time) -> OccupancyGridUpdate:
+def update_message(grid: OccupancyGrid, box: Box, frame: str, stamp: rospy.Time) -> OccupancyGridUpdate:
     """The cells of `box`, which must be inside the grid, for a numpy publisher."""
     if box.empty or not full_box(grid.info).contains(box):
         raise ValueError(f"{box} is not a part of a map of {grid.info.shape} cells")

@@ -15,7 +15,6 @@ from scipy import fft
 from mr_grid import Pose, normalized
 
 from ._surfaces import raster
-from .grid import cell_centres
 from .surface import Landmarks
 from .transform import rotation_between
 
@@ -171,7 +170,7 @@ def _thinned_points(part: Landmarks, cell: float) -> np.ndarray:
     """Centres of well observed free cells, about four per coarse cell."""
     stride = _stride(part, cell)
     rows, columns = np.nonzero(part.clear[::stride, ::stride])
-    return cell_centres(part.info, rows * stride, columns * stride)
+    return part.info.centres(rows * stride, columns * stride)
 
 
 def _extent(part: Landmarks) -> float:

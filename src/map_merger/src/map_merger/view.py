@@ -2,13 +2,12 @@
 
 from typing import Dict, Optional, Tuple
 
-from mr_grid import FARTHEST, Pose
+from mr_grid import FARTHEST, OccupancyGrid, Pose
 
 from .believed import BelievedTransforms
 from .driving import driving
 from .exchange import Exchange
 from .graph.team import Placement
-from .grid import Grid
 from .hearing import Hearing
 from .markers import RobotMarker, marker_of, outline_of
 from .merged_map import MergedMap
@@ -49,12 +48,12 @@ class TeamView:
         self._merged, self._hearing = merged, hearing
 
     @property
-    def local_map(self) -> Optional[Grid]:
+    def local_map(self) -> Optional[OccupancyGrid]:
         """The local map, on a base station that of the adopted robot."""
         return self._reference.grid
 
     @property
-    def global_map(self) -> Optional[Grid]:
+    def global_map(self) -> Optional[OccupancyGrid]:
         """The global map as published last."""
         return self._merged.grid
 

@@ -16,10 +16,10 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from sensor_msgs.msg import LaserScan
 
 from map_merger import ros_io
-from map_merger.map_files import read_map
 from map_merger.messages import Anchor, Tile
 from map_merger.ros_team import track_report_of
 from mr_grid import Pose
+from mr_grid.map_files import read_map
 from mr_grid.ros import pose_message
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))

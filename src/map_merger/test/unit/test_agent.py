@@ -10,18 +10,17 @@ from map_merger.agent import Agent
 from map_merger.alignment import Alignment
 from map_merger.effects import Note, Outcome, PublishMap, Send
 from map_merger.evidence import Evidence
-from map_merger.grid import UNKNOWN, Grid, GridInfo
 from map_merger.job import Versioned
 from map_merger.messages import Anchor, Position, Request, Tile
 from map_merger.registration import Registration, Verdict
 from map_merger.synthetic import pair_of
 from map_merger.transform import displacement
 from map_merger.view import NoTransform
-from mr_grid import Pose
+from mr_grid import UNKNOWN, GridInfo, OccupancyGrid, Pose
 
 
 def square(size=20, value=0, x=0.0):
-    return Grid(GridInfo(size, size, 0.05, Pose(x, 0.0, 0.0)), np.full((size, size), value, np.int8))
+    return OccupancyGrid(GridInfo(size, size, 0.05, Pose(x, 0.0, 0.0)), np.full((size, size), value, np.int8))
 
 
 @pytest.fixture(autouse=True)
@@ -130,7 +129,7 @@ def cells_of(team, robot):
 @pytest.mark.parametrize(("splitted", "shapes"), [(True, {(20, 20), (20, 10)}), (False, {(20, 50)})])
 def test_maps_are_sent_in_tiles_of_the_given_size_or_each_change_in_one_piece(splitted, shapes):
     team = team_of("robot_0", "robot_1", splitted=splitted, split_size=20)
-    grid = Grid(GridInfo(50, 20, 0.05, Pose()), np.zeros((20, 50), np.int8))
+    grid = OccupancyGrid(GridInfo(50, 20, 0.05, Pose()), np.zeros((20, 50), np.int8))
     team.agents["robot_0"].on_local_map(grid, team.now)
     team.run(1.0)
     assert cells_of(team, "robot_0") == shapes
@@ -487,7 +486,7 @@ def test_known_transforms_are_refined_unless_the_period_is_minus_one(maps, perio
     before = team.jobs
     cells = maps[0].grid.cells.copy()
     cells[0, 0] = 0
-    team.agents["robot_0"].on_local_map(Grid(maps[0].grid.info, cells), team.now)
+    team.agents["robot_0"].on_local_map(OccupancyGrid(maps[0].grid.info, cells), team.now)
     team.run(10.0)
     assert (team.jobs > before) == refined
 
@@ -530,7 +529,7 @@ def test_debug_images_show_the_map_and_the_one_before():
 def test_a_local_map_with_another_resolution_is_reported_and_ignored():
     agent = Agent(options("robot_0"), (1, 0))
     agent.on_local_map(square(), 0.0)
-    agent.on_local_map(Grid(GridInfo(2, 2, 0.1), np.zeros((2, 2), np.int8)), 1.0)
+    agent.on_local_map(OccupancyGrid(GridInfo(2, 2, 0.1), np.zeros((2, 2), np.int8)), 1.0)
     agent.tick(2.0)
     effects = agent.effects()
     assert any(isinstance(effect, Note) and "resolution" in effect.text for effect in effects)

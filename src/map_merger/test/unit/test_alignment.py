@@ -10,10 +10,9 @@ from hypothesis import strategies as st
 from map_merger.alignment import Alignment
 from map_merger.attempts import LONGEST_PAUSE_S
 from map_merger.evidence import Evidence
-from map_merger.grid import Grid, GridInfo, empty_grid
 from map_merger.job import Versioned
 from map_merger.registration import STRONG_CRITERIA, Registration, Verdict
-from mr_grid import Pose
+from mr_grid import GridInfo, OccupancyGrid, Pose, empty_grid
 
 HERE = Pose(1.0, 2.0, 0.5)
 COVARIANCE = ((0.01, 0.0, 0.0), (0.0, 0.01, 0.0), (0.0, 0.0, 0.001))
@@ -196,7 +195,7 @@ def test_a_robot_with_a_new_frame_starts_with_nothing():
 
 
 def square(size):
-    return Grid(GridInfo(size, size, 0.05), np.zeros((size, size), np.int8))
+    return OccupancyGrid(GridInfo(size, size, 0.05), np.zeros((size, size), np.int8))
 
 
 def tries(alignment, seconds, maps_at, news_at, period=3.0):

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from map_merger import fusion_benchmark, global_map, weighing
 from map_merger.global_map import GlobalMap, Policy
-from map_merger.grid import FREE, OCCUPIED, UNKNOWN, Box, Grid, GridInfo, cropped, full_box, offset_between, window
-from mr_grid import Pose
+from map_merger.grid import Box, cropped, free_cells, full_box, occupied_cells, offset_between, window
+from mr_grid import FREE, OCCUPIED, UNKNOWN, GridInfo, OccupancyGrid, Pose
 
 RESOLUTION = 0.05
 POLICIES = [Policy.STRICT, Policy.EVIDENCE]
@@ -22,16 +22,16 @@ def room(rows=40, columns=60, x=0.0, y=0.0, yaw=0.0):
     cells = np.zeros((rows, columns), np.int8)
     cells[[0, -1]] = OCCUPIED
     cells[:, [0, -1]] = OCCUPIED
-    return Grid(GridInfo(columns, rows, RESOLUTION, Pose(x, y, yaw)), cells)
+    return OccupancyGrid(GridInfo(columns, rows, RESOLUTION, Pose(x, y, yaw)), cells)
 
 
 def unknown(rows=80, columns=100, x=-1.0, y=-1.0):
-    return Grid(GridInfo(columns, rows, RESOLUTION, Pose(x, y)), np.full((rows, columns), UNKNOWN, np.int8))
+    return OccupancyGrid(GridInfo(columns, rows, RESOLUTION, Pose(x, y)), np.full((rows, columns), UNKNOWN, np.int8))
 
 
 def grid_like(cells, x=0.0, y=0.0):
     cells = np.asarray(cells, np.int8)
-    return Grid(GridInfo(cells.shape[1], cells.shape[0], RESOLUTION, Pose(x, y)), cells)
+    return OccupancyGrid(GridInfo(cells.shape[1], cells.shape[0], RESOLUTION, Pose(x, y)), cells)
 
 
 def merged(local, *others, policy=Policy.STRICT, places=()):
@@ -66,8 +66,8 @@ def pseudo_frontier(grid):
     """Free cells beside unknown ones and not beside obstacles: where an explorer would go."""
     kernel = np.ones((3, 3), np.uint8)
     beside_unknown = cv2.dilate((grid.cells == UNKNOWN).astype(np.uint8), kernel) > 0
-    beside_wall = cv2.dilate(grid.occupied.astype(np.uint8), kernel) > 0
-    return int((grid.free & beside_unknown & ~beside_wall).sum())
+    beside_wall = cv2.dilate(occupied_cells(grid).astype(np.uint8), kernel) > 0
+    return int((free_cells(grid) & beside_unknown & ~beside_wall).sum())
 
 
 # Alone, and what comes back
@@ -189,7 +189,7 @@ def test_foreign_walls_stay_closed_and_thin_at_any_angle(x, y, yaw):
     transform = Pose(x, y, yaw)
     result = merged(unknown(200, 200, -5.0, -5.0), (room(), transform))
     assert not passable(result, transform.apply_point(1.5, 1.0), (-4.9, -4.9)), "the wall has a gap"
-    assert result.occupied.sum() <= 1.25 * room().occupied.sum(), "the wall became thicker"
+    assert occupied_cells(result).sum() <= 1.25 * occupied_cells(room()).sum(), "the wall became thicker"
 
 
 @given(st.floats(0.0, math.pi / 2))
@@ -208,7 +208,7 @@ def test_thin_walls_of_a_finer_map_stay_closed():
     cells = np.zeros((160, 200), np.int8)
     cells[[0, -1]] = OCCUPIED
     cells[:, [0, -1]] = OCCUPIED
-    fine = Grid(GridInfo(200, 160, 0.0125, Pose()), cells)
+    fine = OccupancyGrid(GridInfo(200, 160, 0.0125, Pose()), cells)
     result = merged(unknown(200, 200, -5.0, -5.0), (fine, Pose(0.3, 0.2, 0.4)))
     assert not passable(result, Pose(0.3, 0.2, 0.4).apply_point(1.2, 1.0), (-4.9, -4.9))
 
@@ -223,10 +223,10 @@ def test_a_wall_seen_by_several_is_closed_and_not_doubled(policy, poses):
     result = merged(unknown(100, 120, -1.5, -1.5), *[(room(), Pose(*pose)) for pose in poses], policy=policy)
     assert not passable(result, (1.5, 1.0), (-1.4, -1.4)), "the wall has a gap"
     assert pseudo_frontier(result) == 0
-    inner = result.free.astype(np.uint8)
+    inner = free_cells(result).astype(np.uint8)
     count, _ = cv2.connectedComponents(inner, connectivity=8)
     assert count == 2, "there is space inside the wall"
-    assert result.occupied.sum() <= 1.6 * room().occupied.sum(), "the wall is doubled"
+    assert occupied_cells(result).sum() <= 1.6 * occupied_cells(room()).sum(), "the wall is doubled"
 
 
 @pytest.mark.parametrize("offset", [0.025, -0.025, 0.05, -0.05])
@@ -256,7 +256,7 @@ def test_the_floor_of_one_map_does_not_remove_the_wall_of_another_one_cell_off(o
 def test_a_door_that_the_robot_saw_is_not_closed_by_a_wall_one_cell_off(shift, policy):
     local = room(40, 60)
     local.cells[0, 25:45] = FREE
-    foreign = Grid(GridInfo(60, 35, 0.05, Pose(0.0, -1.45, 0.0)), np.zeros((35, 60), np.int8))
+    foreign = OccupancyGrid(GridInfo(60, 35, 0.05, Pose(0.0, -1.45, 0.0)), np.zeros((35, 60), np.int8))
     foreign.cells[29] = OCCUPIED
     foreign.cells[29, 25:45] = FREE
     result = merged(local, (foreign, Pose(shift, shift, 0.0)), policy=policy)
@@ -280,7 +280,7 @@ def test_a_wall_that_falls_on_local_floor_leaves_neither_opening_nor_frontier(sh
     """The local map saw the floor up to the wall but not the wall; the foreign wall is one cell off."""
     local = room(40, 60)
     local.cells[-1] = UNKNOWN
-    foreign = Grid(GridInfo(60, 30, 0.05, Pose(0.0, 1.95, 0.0)), np.zeros((30, 60), np.int8))
+    foreign = OccupancyGrid(GridInfo(60, 30, 0.05, Pose(0.0, 1.95, 0.0)), np.zeros((30, 60), np.int8))
     foreign.cells[0] = OCCUPIED
     result = merged(local, (foreign, Pose(0.0, shift, 0.0)))
     assert not passable(result, (1.5, 1.0), (1.5, 2.5))
@@ -311,7 +311,7 @@ def test_without_shift_the_copy_is_exact_at_another_origin():
 
 
 def test_other_resolutions_are_resampled():
-    coarse = Grid(GridInfo(10, 10, 0.1), np.full((10, 10), FREE, np.int8))
+    coarse = OccupancyGrid(GridInfo(10, 10, 0.1), np.full((10, 10), FREE, np.int8))
     coarse.cells[:, 0] = OCCUPIED
     result = merged(unknown(), (coarse, Pose()))
     assert (result.cells == OCCUPIED).sum() == 2 * 20
@@ -358,7 +358,10 @@ def test_robots_are_no_obstacles_in_the_maps_of_others():
     places = [("b", [HERE, THERE])]
     result = merged(unknown(), (smudged(), Pose()), places=places)
     assert value_at(result, *HERE) == FREE
-    assert (result.occupied.sum(), result.free.sum()) == (room().occupied.sum(), room().free.sum())
+    assert (occupied_cells(result).sum(), free_cells(result).sum()) == (
+        occupied_cells(room()).sum(),
+        free_cells(room()).sum(),
+    )
 
 
 def test_mates_are_removed_from_the_local_map():
@@ -437,7 +440,7 @@ def operations(random, count):
             changed = Box(int(top), int(left), int(top) + 8, int(left) + 8)
             cells = grid.cells.copy()
             cells[changed.slices()] = random.choice([UNKNOWN] if kind == "back" else [UNKNOWN, FREE, OCCUPIED], (8, 8))
-            maps[name] = Grid(grid.info, cells)
+            maps[name] = OccupancyGrid(grid.info, cells)
         elif kind == "grow":
             top, left = (-int(value) for value in random.integers(0, 9, 2))
             maps[name] = cropped(grid, Box(top, left, grid.info.height + 3, 95))
@@ -552,9 +555,9 @@ def test_the_benchmark_counts_wrong_walls_and_seams():
     team = fusion_benchmark.synthetic_team(np.random.default_rng(1))
     good = fusion_benchmark.merged_map(team, Policy.STRICT)
     cells = good.cells.copy()
-    row, column = (int(value) for value in np.argwhere(good.free)[good.free.sum() // 2])
+    row, column = (int(value) for value in np.argwhere(free_cells(good))[free_cells(good).sum() // 2])
     cells[row - 3 : row + 4, column - 3 : column + 4] = UNKNOWN
-    seams = fusion_benchmark.quality_of(team, Grid(good.info, cells)).seams
+    seams = fusion_benchmark.quality_of(team, OccupancyGrid(good.info, cells)).seams
     assert seams >= fusion_benchmark.quality_of(team, good).seams + 20
-    moved = Grid(window(good.info, Box(20, 20, *(size + 20 for size in good.info.shape))), good.cells)
+    moved = OccupancyGrid(window(good.info, Box(20, 20, *(size + 20 for size in good.info.shape))), good.cells)
     assert fusion_benchmark.quality_of(team, moved).wrong_walls > 20.0

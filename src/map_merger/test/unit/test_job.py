@@ -9,7 +9,6 @@ from map_merger.alignment import Alignment
 from map_merger.benchmark import FAMILIES, draw_case, overlap
 from map_merger.covariance import covariance_of, prior_from
 from map_merger.evidence import compare
-from map_merger.grid import FREE, OCCUPIED, Grid, GridInfo
 from map_merger.job import Job, LandmarkCache, Versioned
 from map_merger.reasons import reason_of
 from map_merger.registration import DEFAULT_CRITERIA, STRONG_CRITERIA, Limits, Registration, Verdict, register
@@ -17,7 +16,7 @@ from map_merger.sighting import Sighting, view_of
 from map_merger.surface import landmarks_of
 from map_merger.synthetic import Survey, Surveyor, office_plan, pair_of
 from map_merger.transform import displacement
-from mr_grid import Pose, normalized
+from mr_grid import FREE, OCCUPIED, GridInfo, OccupancyGrid, Pose, normalized
 
 
 def job(target, source, current=None, **more):
@@ -47,7 +46,7 @@ def square_room(robot=None):
         for angle in np.linspace(0.0, 2.0 * math.pi, 40):
             x, y = robot[0] + 0.2 * math.cos(angle), robot[1] + 0.2 * math.sin(angle)
             cells[int((y + 5.0) / 0.05), int((x + 5.0) / 0.05)] = OCCUPIED
-    return Grid(GridInfo(200, 200, 0.05, Pose(-5.0, -5.0, 0.0)), cells)
+    return OccupancyGrid(GridInfo(200, 200, 0.05, Pose(-5.0, -5.0, 0.0)), cells)
 
 
 def meeting(*places):
@@ -63,7 +62,7 @@ def test_maps_with_too_little_wall_are_not_searched(monkeypatch):
     cells = square_room().cells.copy()
     cells[50:] = -1
     cells[:, 0] = -1
-    short = Grid(square_room().info, cells)
+    short = OccupancyGrid(square_room().info, cells)
     long = landmarks_of(square_room()).surface.length
     assert landmarks_of(short).surface.length < DEFAULT_CRITERIA.matched < long
     with monkeypatch.context() as patch:
@@ -155,7 +154,7 @@ def test_the_covariance_covers_the_errors():
 def test_the_shift_along_a_corridor_is_left_open():
     cells = np.zeros((40, 400), np.int8)
     cells[[0, -1]] = OCCUPIED
-    corridor = landmarks_of(Grid(GridInfo(400, 40, 0.05), cells))
+    corridor = landmarks_of(OccupancyGrid(GridInfo(400, 40, 0.05), cells))
     along, across, turn = np.sqrt(np.diag(covariance_of(corridor, corridor, Pose())))
     assert along > 1.5 and across < 0.2 and turn < math.radians(1.0)
 
@@ -165,7 +164,7 @@ def test_far_from_the_walls_a_turn_counts_more(overlapping):
     near = covariance_of(target, source, overlapping.truth)
     shifted = Pose(100.0, 0.0, 0.0)
     far_source = landmarks_of(
-        Grid(
+        OccupancyGrid(
             GridInfo(
                 overlapping.source.grid.info.width,
                 overlapping.source.grid.info.height,

@@ -7,11 +7,10 @@ from team import options
 from map_merger.agent import Agent
 from map_merger.covariance import as_covariance
 from map_merger.graph.edges import Edge, EdgeReport
-from map_merger.grid import GridInfo
 from map_merger.meetings import TrackReport
 from map_merger.messages import LONGEST_DELAY_S, Anchor, Position
 from map_merger.told_runs import ToldRuns
-from mr_grid import Pose
+from mr_grid import GridInfo, Pose
 
 FORMER, PRESENT = (1_700_000_000, 5), (1_700_000_100, 500_000_000)
 

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 from meeting_scene import NARROW, Actor, Scene, driving, room, standing
 
-from map_merger.grid import Grid, GridInfo
 from map_merger.meetings.doubts import rival_of
 from map_merger.meetings.meetings import Meetings
 from map_merger.meetings.values import MOST_OBJECTS, MOST_POSES, MOST_SAMPLES, ToldObject, TrackReport
 from map_merger.transform import displacement, rotation_between
-from mr_grid import Pose
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 WALLS = room(14.0, 11.0)
 
@@ -360,7 +359,7 @@ def test_without_a_laser_a_robot_is_found_in_the_maps():
         if step % 10 == 0:
             centres = (columns + 0.5) * 0.05 - 4.0, (rows + 0.5) * 0.05 - 4.0
             body = np.hypot(centres[0] - place.x, centres[1] - place.y) < 0.2
-            watcher.on_map(Grid(info, np.where(body, 100, 0).astype(np.int8)), time)
+            watcher.on_map(OccupancyGrid(info, np.where(body, 100, 0).astype(np.int8)), time)
         driver.on_own_pose(way(0.0).inverse().compose(place), time)
         report = driver.report(time)
         if report is not None:

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from meeting_scene import WIDE, Actor, Scene, room, standing
 
-from map_merger.grid import Grid, GridInfo
 from map_merger.meetings.detection import objects_in_scan
 from map_merger.meetings.fitting import fitted, transform_from
 from map_merger.meetings.heard import Heard
@@ -17,7 +16,7 @@ from map_merger.meetings.sweeps import SweepHistory
 from map_merger.meetings.tracking import ObjectTracks, Trail, at_times
 from map_merger.meetings.values import LaserScan, TrackReport
 from map_merger.robot_size import RobotSize
-from mr_grid import Pose
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 
 def scan_of(others, walls=(), view=WIDE):
@@ -60,7 +59,7 @@ def test_small_isolated_obstacles_of_a_map_are_objects():
     cells = np.zeros((100, 100), np.int8)
     cells[:, 0] = 100
     cells[50:56, 60:66] = 100
-    centres = objects_in_map(Grid(GridInfo(100, 100, 0.05), cells), Pose(2.0, 2.0), 6.0, RobotSize().widest)
+    centres = objects_in_map(OccupancyGrid(GridInfo(100, 100, 0.05), cells), Pose(2.0, 2.0), 6.0, RobotSize().widest)
     assert centres == pytest.approx(np.array([[3.15, 2.65]]), abs=0.03)
 
 

@@ -8,7 +8,6 @@ import pytest
 
 from map_merger.confidence import place_of_two_maps
 from map_merger.evidence import Evidence
-from map_merger.grid import Grid, GridInfo
 from map_merger.one_shot import (
     ONCE_PRIOR_RULE,
     ONCE_RULE,
@@ -22,7 +21,7 @@ from map_merger.registration import Prior, Registration, Verdict, verdict_of
 from map_merger.surface import landmarks_of
 from map_merger.synthetic import Survey, Surveyor, generated, office_plan, pair_of
 from map_merger.transform import displacement
-from mr_grid import Pose
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +68,7 @@ def test_the_rival_of_a_square_room_is_as_good():
     cells = np.zeros((200, 200), np.int8)
     cells[[0, -1]] = 100
     cells[:, [0, -1]] = 100
-    square = landmarks_of(Grid(GridInfo(200, 200, 0.05), cells))
+    square = landmarks_of(OccupancyGrid(GridInfo(200, 200, 0.05), cells))
     once = decide(square, square)
     assert once.verdict is Verdict.AMBIGUOUS
     assert once.rival.evidence.score > 0.95 * once.evidence.score

@@ -8,11 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from map_merger.grid import Grid, GridInfo, cells_of, empty_grid
-from map_merger.map_files import MapFileError, read_map, save_map
 from map_merger.markers import MOST_OUTLINE_POINTS, colour_of, marker_of, outline_of
 from map_merger.status import MergerStatus, RobotPlacement, summary_of
-from mr_grid import Pose
+from mr_grid import GridInfo, OccupancyGrid, Pose, empty_grid
+from mr_grid.map_files import MapFileError, read_map, save_map
 
 INFO = GridInfo(60, 40, 0.1, Pose(-2.0, 1.0, 0.5))
 
@@ -21,14 +20,14 @@ def grid(rows, columns, info=INFO):
     """A map in which a rectangle is known."""
     cells = np.full(info.shape, -1, np.int8)
     cells[rows, columns] = 0
-    return Grid(info, cells)
+    return OccupancyGrid(info, cells)
 
 
 def test_the_outline_of_a_rectangle_is_its_corner_cells():
     outline = outline_of(grid(slice(5, 30), slice(10, 50)))
-    rows, columns, inside = cells_of(INFO, outline)
-    assert inside.all()
-    assert set(zip(rows.tolist(), columns.tolist())) == {(5, 10), (5, 49), (29, 10), (29, 49)}
+    cells = INFO.cells_of(outline)
+    assert INFO.inside(cells).all()
+    assert set(map(tuple, cells.tolist())) == {(5, 10), (5, 49), (29, 10), (29, 49)}
 
 
 def test_only_the_largest_part_is_outlined_and_nothing_where_nothing_is_known():
@@ -43,7 +42,7 @@ def test_only_the_largest_part_is_outlined_and_nothing_where_nothing_is_known():
 def test_any_outline_is_bounded_and_around_known_cells(seed, width, height):
     info = GridInfo(width, height, 0.05)
     cells = np.random.default_rng(seed).choice(np.array([-1, 0, 100], np.int8), info.shape)
-    outline = outline_of(Grid(info, cells))
+    outline = outline_of(OccupancyGrid(info, cells))
     assert len(outline) <= MOST_OUTLINE_POINTS
     assert (outline >= 0.0).all() and (outline <= (width * 0.05 + 0.1, height * 0.05 + 0.1)).all()
 

@@ -11,14 +11,13 @@ from meeting_scene import NARROW, WIDE, Actor, Scene, Wall, driving, room, stand
 from map_merger import job as job_module
 from map_merger.alignment import Alignment
 from map_merger.evidence import Evidence
-from map_merger.grid import FREE, OCCUPIED, Grid, GridInfo
 from map_merger.job import Job, LandmarkCache, Versioned
 from map_merger.meetings.sweeps import NO_SWEEPS
 from map_merger.presence import FEWEST_SWEEPS, is_refuted, presence_of
 from map_merger.registration import Limits, Registration, Verdict
 from map_merger.surface import landmarks_of
 from map_merger.transform import displacement, rotation_between
-from mr_grid import Pose
+from mr_grid import FREE, OCCUPIED, GridInfo, OccupancyGrid, Pose
 
 RESOLUTION, HALF = 0.05, 7.0
 CORNERED = room(9.0, 7.0)
@@ -41,7 +40,7 @@ def map_of(walls, frame):
     cv2.fillPoly(cells, [np.array([ends[0] for ends in corners], np.int32)], FREE)
     for ends in corners:
         cv2.line(cells, *(tuple(map(int, end)) for end in ends), OCCUPIED)
-    return Grid(GridInfo(size, size, RESOLUTION, Pose(-HALF, -HALF, 0.0)), cells)
+    return OccupancyGrid(GridInfo(size, size, RESOLUTION, Pose(-HALF, -HALF, 0.0)), cells)
 
 
 def scene_of(way, walls=CORNERED, view=NARROW, **more):

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from map_merger import benchmark, features, registration
 from map_merger.alignment import Alignment
 from map_merger.evidence import Evidence, compare, compare_samples
-from map_merger.grid import Grid, GridInfo, cells_of, empty_grid
 from map_merger.job import Job, LandmarkCache, Member, Versioned
 from map_merger.refine import FINE_REACH, refined
 from map_merger.registration import (
@@ -29,7 +28,7 @@ from map_merger.registration import (
 from map_merger.surface import landmarks_of, subsample
 from map_merger.synthetic import Survey, Surveyor, generated, office_plan, pair_of
 from map_merger.transform import displacement, rotation_between
-from mr_grid import Pose
+from mr_grid import GridInfo, OccupancyGrid, Pose, empty_grid
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +48,7 @@ def error(pair, transform):
 
 def moved(grid, transform):
     """The same map in a frame that is displaced: a point p becomes transform(p)."""
-    return Grid(replace(grid.info, origin=transform.compose(grid.info.origin)), grid.cells)
+    return OccupancyGrid(replace(grid.info, origin=transform.compose(grid.info.origin)), grid.cells)
 
 
 @settings(max_examples=12)
@@ -118,9 +117,9 @@ def test_other_rooms_of_the_same_building_are_declined():
     [
         empty_grid(GridInfo(0, 0, 0.05)),
         empty_grid(GridInfo(30, 30, 0.05)),
-        Grid(GridInfo(30, 30, 0.05), np.zeros((30, 30), np.int8)),
-        Grid(GridInfo(30, 30, 0.05), np.full((30, 30), 100, np.int8)),
-        Grid(GridInfo(1, 1, 0.05), np.zeros((1, 1), np.int8)),
+        OccupancyGrid(GridInfo(30, 30, 0.05), np.zeros((30, 30), np.int8)),
+        OccupancyGrid(GridInfo(30, 30, 0.05), np.full((30, 30), 100, np.int8)),
+        OccupancyGrid(GridInfo(1, 1, 0.05), np.zeros((1, 1), np.int8)),
     ],
 )
 @pytest.mark.parametrize("method", [registration.register, features.register])
@@ -134,7 +133,7 @@ def test_maps_without_walls_are_declined(overlapping, grid, method):
 def test_a_lone_corridor_is_declined():
     cells = np.zeros((40, 400), np.int8)
     cells[[0, -1]] = 100
-    corridor = landmarks_of(Grid(GridInfo(400, 40, 0.05), cells))
+    corridor = landmarks_of(OccupancyGrid(GridInfo(400, 40, 0.05), cells))
     assert not register(corridor, corridor).accepted
 
 
@@ -142,7 +141,7 @@ def test_a_square_room_is_ambiguous():
     cells = np.zeros((200, 200), np.int8)
     cells[[0, -1]] = 100
     cells[:, [0, -1]] = 100
-    square = landmarks_of(Grid(GridInfo(200, 200, 0.05), cells))
+    square = landmarks_of(OccupancyGrid(GridInfo(200, 200, 0.05), cells))
     assert register(square, square).verdict is Verdict.AMBIGUOUS
 
 
@@ -313,7 +312,9 @@ def test_the_cache_of_landmarks_is_bounded_in_cells(monkeypatch):
     monkeypatch.setattr("map_merger.job._CACHED_CELLS", 2 * 32 * 32)
     cache, drawn = LandmarkCache(), []
     for key in (1, 2, 2, 1, 3, 1, 2):
-        cache.of(key, lambda key=key: drawn.append(key) or Grid(GridInfo(30, 30, 0.05), np.zeros((30, 30), np.int8)))
+        cache.of(
+            key, lambda key=key: drawn.append(key) or OccupancyGrid(GridInfo(30, 30, 0.05), np.zeros((30, 30), np.int8))
+        )
     assert drawn == [1, 2, 3, 2]
 
 
@@ -368,12 +369,12 @@ def test_what_may_be_a_robot_does_not_contradict_free_space(overlapping, size, c
     target, source = overlapping.target.grid, overlapping.source.grid
     clear = landmarks_of(source).clear
     cells, info = source.cells.copy(), landmarks_of(source).info
-    corner = cells_of(source.info, info.origin.apply(np.zeros((1, 2)) + 0.5 * info.resolution))
+    corner = source.info.cells_of(info.origin.apply(np.zeros((1, 2)) + 0.5 * info.resolution))[0]
     rows, columns = np.nonzero(clear)
     middle = np.argmin(abs(rows - rows.mean()) + abs(columns - columns.mean()))
-    row, column = int(corner[0][0]) + rows[middle], int(corner[1][0]) + columns[middle]
+    row, column = int(corner[0]) + rows[middle], int(corner[1]) + columns[middle]
     cells[row : row + size, column : column + size] = 100
     cells[row + 1 : row + size - 1, column + 1 : column + size - 1] = -1
     before = compare(landmarks_of(target), landmarks_of(source), overlapping.truth)
-    after = compare(landmarks_of(target), landmarks_of(Grid(source.info, cells)), overlapping.truth)
+    after = compare(landmarks_of(target), landmarks_of(OccupancyGrid(source.info, cells)), overlapping.truth)
     assert (after.conflict > before.conflict + 0.01) == contradicts

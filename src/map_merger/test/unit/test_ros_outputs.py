@@ -15,10 +15,10 @@ from map_msgs.msg import OccupancyGridUpdate
 from visualization_msgs.msg import Marker
 
 from map_merger import ros_io, ros_outputs
-from map_merger.grid import Box, Grid, GridInfo
+from map_merger.grid import Box
 from map_merger.markers import RobotMarker
 from map_merger.status import MergerStatus, RobotPlacement
-from mr_grid import Pose
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 STAMP = rospy.Time(7, 5)
 NOWHERE = np.empty((0, 2))
@@ -33,7 +33,7 @@ def over_the_wire(message, kind):
 
 def test_an_update_holds_the_cells_of_its_box():
     cells = np.arange(48, dtype=np.int8).reshape(6, 8)
-    message = ros_outputs.update_message(Grid(GridInfo(8, 6, 0.05), cells), Box(1, 2, 4, 7), "map", STAMP)
+    message = ros_outputs.update_message(OccupancyGrid(GridInfo(8, 6, 0.05), cells), Box(1, 2, 4, 7), "map", STAMP)
     received = over_the_wire(message, OccupancyGridUpdate)
     assert (received.x, received.y, received.width, received.height) == (2, 1, 5, 3)
     assert received.header.frame_id == "map" and received.header.stamp == STAMP
@@ -42,7 +42,7 @@ def test_an_update_holds_the_cells_of_its_box():
 
 @pytest.mark.parametrize("box", [Box(0, 0, 7, 8), Box(-1, 0, 2, 2), Box(2, 2, 2, 4)])
 def test_an_update_outside_the_map_is_refused(box):
-    grid = Grid(GridInfo(8, 6, 0.05), np.zeros((6, 8), np.int8))
+    grid = OccupancyGrid(GridInfo(8, 6, 0.05), np.zeros((6, 8), np.int8))
     with pytest.raises(ValueError, match="not a part"):
         ros_outputs.update_message(grid, box, "map", STAMP)
 

@@ -10,12 +10,11 @@ from map_merger.agent import Agent
 from map_merger.alignment import Alignment
 from map_merger.effects import Register
 from map_merger.evidence import Evidence
-from map_merger.grid import FREE, OCCUPIED, UNKNOWN, Grid, GridInfo
 from map_merger.job import outcome_of
 from map_merger.messages import Anchor, Position, Tile
 from map_merger.registration import Registration, Verdict
 from map_merger.sighting import Sighting, Views, nowhere, places_seen, view_of
-from mr_grid import Pose
+from mr_grid import FREE, OCCUPIED, UNKNOWN, GridInfo, OccupancyGrid, Pose
 
 PLACE = (2.0, 3.0)
 GONE = np.array([[2.0, 3.0, 5.0], [5.0, 3.0, 9.0]])
@@ -32,7 +31,7 @@ def floor(robot=None, fill=FREE):
     cells = np.full((200, 200), fill, np.int8)
     if robot is not None:
         draw_robot(cells, robot)
-    return Grid(GridInfo(200, 200, 0.05, Pose(-5.0, -5.0, 0.0)), cells)
+    return OccupancyGrid(GridInfo(200, 200, 0.05, Pose(-5.0, -5.0, 0.0)), cells)
 
 
 def sighting(place=PLACE, time=5.0):
@@ -130,7 +129,7 @@ def room(robot=None):
     cells[130:144, 90:112] = OCCUPIED
     if robot is not None:
         draw_robot(cells, robot)
-    return Grid(GridInfo(200, 200, 0.05, Pose(-5.0, -5.0, 0.0)), cells)
+    return OccupancyGrid(GridInfo(200, 200, 0.05, Pose(-5.0, -5.0, 0.0)), cells)
 
 
 START, SECOND, AWAY = (0.0, -1.0), (0.0, 0.5), (-2.5, -1.5)

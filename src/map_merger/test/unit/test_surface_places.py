@@ -5,9 +5,8 @@ import math
 import numpy as np
 
 from map_merger.evidence import compare
-from map_merger.grid import Grid, GridInfo
 from map_merger.surface import landmarks_of, without_places
-from mr_grid import Pose
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 RESOLUTION = 0.05
 
@@ -21,7 +20,7 @@ def room(robot=None):
         column, row = (int(value / RESOLUTION) for value in robot)
         cells[row - 5 : row + 5, column - 12 : column + 12] = 100
         cells[row - 4 : row + 4, column - 11 : column + 11] = -1
-    return landmarks_of(Grid(GridInfo(80, 60, RESOLUTION), cells))
+    return landmarks_of(OccupancyGrid(GridInfo(80, 60, RESOLUTION), cells))
 
 
 def test_seen_robot_is_no_contradiction_where_it_has_been():

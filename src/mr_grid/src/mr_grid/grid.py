@@ -68,9 +68,10 @@ class GridInfo:
         x, y = (np.floor(axis / self.resolution).astype(np.int64) for axis in self._local(points).T)
         return y, x
 
-    def continuous_cells(self, points: np.ndarray) -> np.ndarray:
-        """(row, column) with fraction, float (n, 2), of points (n, 2) in metres; cell r covers [r, r + 1)."""
-        return (self._local(points) / self.resolution)[:, ::-1]
+    def continuous_cells(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """Rows and columns with fraction, float (n,) each, of points (n, 2) in metres; row r covers [r, r + 1)."""
+        local = self._local(points) / self.resolution
+        return local[:, 1], local[:, 0]
 
     def centre_of(self, row: float, column: float) -> Tuple[float, float]:
         """(x, y) in metres of the centre of a cell."""
@@ -79,8 +80,13 @@ class GridInfo:
 
     def centres_of(self, cells: np.ndarray) -> np.ndarray:
         """Centres (n, 2) in metres of cells (n, 2), which may have fractions."""
-        cells = np.asarray(cells, dtype=float).reshape(-1, 2)
-        return self.origin.apply((cells[:, ::-1] + 0.5) * self.resolution)
+        cells = np.asarray(cells).reshape(-1, 2)
+        return self.centres(cells[:, 0], cells[:, 1])
+
+    def centres(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """`centres_of` for rows and columns (n,) each."""
+        local = np.stack([np.asarray(columns) + 0.5, np.asarray(rows) + 0.5], axis=-1) * self.resolution
+        return self.origin.apply(local)
 
     def contains(self, row: int, column: int) -> bool:
         return 0 <= row < self.height and 0 <= column < self.width

@@ -6,9 +6,8 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 
-from ..grid import Grid
 from ..registration import ranked_by_evidence
 from ..search import candidates
 from ..surface import Landmarks, landmarks_of
@@ -64,8 +63,8 @@ class Case(NamedTuple):
 
     seed: int
     family: str
-    target: Tuple[Grid, ...]
-    source: Tuple[Grid, ...]
+    target: Tuple[OccupancyGrid, ...]
+    source: Tuple[OccupancyGrid, ...]
     truth: Pose
     shared: float
     alias: bool

@@ -12,10 +12,10 @@ from typing import Dict, Iterable, NamedTuple, Optional
 import cv2
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose, values_at
 
 from ..evidence import compare
-from ..grid import Grid, cell_centres, cropped, known_box, values_at
+from ..grid import cropped, known_box, occupied_cells
 from ..refine import FINE_REACH, refined
 from ..surface import Landmarks
 from ..transform import displacement, rotation_between
@@ -59,19 +59,19 @@ def best_rigid_fit(target: Landmarks, source: Landmarks, truth: Pose) -> Pose:
     return fitted if moved < 0.3 and compare(target, source, truth).matched > 3.0 else truth
 
 
-def overlap(target: Grid, source: Grid, truth: Pose) -> np.ndarray:
+def overlap(target: OccupancyGrid, source: OccupancyGrid, truth: Pose) -> np.ndarray:
     """Points (n, 2) of the source that both maps know; all known ones if there are none."""
     rows, columns = np.nonzero(source.cells[::3, ::3] >= 0)
-    points = cell_centres(source.info, 3 * rows, 3 * columns)
+    points = source.info.centres(3 * rows, 3 * columns)
     shared = values_at(target.cells, target.info, truth.apply(points), -1) >= 0
     return points[shared] if shared.any() else points
 
 
-def shared_wall(target: Grid, source: Grid, truth: Pose) -> float:
+def shared_wall(target: OccupancyGrid, source: OccupancyGrid, truth: Pose) -> float:
     """Length in metres of the source's thinned obstacles that lie within one cell of the target's."""
     part = cropped(source, known_box(source).grown(1))
-    points = cell_centres(part.info, *np.nonzero(thinned(part.occupied)))
-    near = cv2.dilate(target.occupied.view(np.uint8), np.ones((3, 3), np.uint8))
+    points = part.info.centres(*np.nonzero(thinned(occupied_cells(part))))
+    near = cv2.dilate(occupied_cells(target).view(np.uint8), np.ones((3, 3), np.uint8))
     return float(values_at(near, target.info, truth.apply(points), 0).sum()) * source.info.resolution
 
 

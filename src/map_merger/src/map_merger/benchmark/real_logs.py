@@ -11,9 +11,8 @@ from typing import Iterator, List, NamedTuple, Optional, TextIO, Tuple
 
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 
-from ..grid import Grid
 from ..surface import landmarks_of
 from ..synthetic import GridDrawer, info_around
 from .families import STAGES, Case, self_alias
@@ -107,7 +106,7 @@ def _case(log: Log, first: np.ndarray, second: np.ndarray, random: np.random.Gen
     return Case(seed, log.name, maps[0], maps[1], truth, shared, self_alias(target, source, truth), math.nan)
 
 
-def _maps(log: Log, piece: np.ndarray, start: Pose, random: np.random.Generator) -> Tuple[Grid, ...]:
+def _maps(log: Log, piece: np.ndarray, start: Pose, random: np.random.Generator) -> Tuple[OccupancyGrid, ...]:
     """The growing map of a piece in the frame of its start."""
     to_map = start.inverse()
     path = to_map.apply(log.poses[piece, :2])
@@ -117,7 +116,7 @@ def _maps(log: Log, piece: np.ndarray, start: Pose, random: np.random.Generator)
     angles = -0.5 * math.pi + step * np.arange(count)
     no_return = _FULL_SCALE * log.ranges.max()
     ends = [max(1, round(share * len(piece))) - 1 for share in STAGES]
-    stages: List[Grid] = []
+    stages: List[OccupancyGrid] = []
     for index, scan in enumerate(piece):
         pose = to_map.compose(Pose(*log.poses[scan].tolist()))
         returned = log.ranges[scan] < no_return

@@ -6,11 +6,10 @@ from typing import Callable, Dict, Optional, Tuple
 
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import UNKNOWN, OccupancyGrid, Pose
 
 from .. import features, registration
 from ..alignment import Alignment
-from ..grid import UNKNOWN, Grid, cell_centres
 from ..one_shot import decide, sure
 from ..registration import Prior, Registration, Verdict, follow, judge_kept
 from ..surface import landmarks_of
@@ -110,9 +109,9 @@ def rough_prior(case: Case) -> Prior:
     return Prior(Pose(float(shift[0]), float(shift[1]), turned.yaw), math.hypot(PRIOR_M, PRIOR_M), PRIOR_RAD)
 
 
-def known_centre(grid: Grid) -> np.ndarray:
+def known_centre(grid: OccupancyGrid) -> np.ndarray:
     """Middle of the known cells, (2,), m."""
-    return cell_centres(grid.info, *np.nonzero(grid.cells != UNKNOWN)).mean(axis=0)
+    return grid.info.centres(*np.nonzero(grid.cells != UNKNOWN)).mean(axis=0)
 
 
 def _answer(result: Registration) -> Answer:

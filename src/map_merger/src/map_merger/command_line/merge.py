@@ -4,7 +4,8 @@ import argparse
 import math
 import sys
 
-from ..map_files import MapFileError, read_map, write_map
+from mr_grid.map_files import MapFileError, read_map, write_map
+
 from ..placement import Placed, merged, place
 from .register import NOT_PLACED
 

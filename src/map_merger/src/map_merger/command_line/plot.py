@@ -3,9 +3,9 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from mr_grid import Pose
+from mr_grid import GridInfo, Pose
 
-from ..grid import GridInfo, cell_centres
+from ..grid import free_cells, occupied_cells
 from ..registration import Registration
 from ..surface import Landmarks
 
@@ -24,8 +24,8 @@ def draw(path: str, target: Landmarks, source: Landmarks, result: Registration, 
         ("A", target, Pose(), FIRST, 6.0),
         ("B", source, transform, SECOND, 1.5),
     ):
-        free = motion.apply(_cells(landmarks.info, landmarks.grid.free))
-        walls = motion.apply(_cells(landmarks.info, landmarks.grid.occupied))
+        free = motion.apply(_cells(landmarks.info, free_cells(landmarks.grid)))
+        walls = motion.apply(_cells(landmarks.info, occupied_cells(landmarks.grid)))
         axes.scatter(*free.T, s=1.0, color=colour, alpha=0.1, linewidths=0.0, rasterized=True)
         axes.scatter(*walls.T, s=size, color=colour, linewidths=0.0, label=f"walls of {name}")
     axes.set_aspect("equal")
@@ -37,4 +37,4 @@ def draw(path: str, target: Landmarks, source: Landmarks, result: Registration, 
 
 def _cells(info: GridInfo, mask: np.ndarray) -> np.ndarray:
     rows, columns = np.nonzero(mask)
-    return cell_centres(info, rows, columns)
+    return info.centres(rows, columns)

@@ -6,8 +6,8 @@ import math
 from typing import Any, Dict, Optional
 
 from mr_grid import Pose
+from mr_grid.map_files import read_map
 
-from ..map_files import read_map
 from ..one_shot import confidence_in, criteria_for, decide, doubt_of, sure
 from ..reasons import reason_of
 from ..registration import Registration, Verdict

@@ -6,9 +6,8 @@ from typing import Collection, Dict, FrozenSet, Mapping, NamedTuple, Optional, T
 
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 
-from ..grid import Grid
 from ..messages import NO_BOOT, Boot
 from ..robot_size import USUAL_SIZE, RobotSize
 from ..timer import LONGEST_AGE_S
@@ -98,7 +97,7 @@ class Meetings:
         self._sweeps.add(now, scan, pose)
         self._follow(centres, pose, now)
 
-    def on_map(self, grid: Grid, now: float) -> None:
+    def on_map(self, grid: OccupancyGrid, now: float) -> None:
         """In place of scans: the own map, whenever there is a new one; not looked at while nobody watches."""
         if not self.watching or not len(self._own.rows) or not self._due_to_look(now, MAP_PERIOD_S):
             return

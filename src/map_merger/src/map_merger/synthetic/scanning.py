@@ -6,9 +6,7 @@ from typing import Sequence, Tuple
 
 import numpy as np
 
-from mr_grid import Pose
-
-from ..grid import FREE, OCCUPIED, UNKNOWN, Grid, GridInfo
+from mr_grid import FREE, OCCUPIED, UNKNOWN, GridInfo, OccupancyGrid, Pose
 
 _CAST_AT_ONCE = 64
 """Steps along all beams at once; most beams end long before their reach."""
@@ -96,12 +94,12 @@ class GridDrawer:
         rows = np.floor((y + distances * np.sin(angles)) / self._info.resolution)
         return (rows * self._info.width + columns).astype(np.int64)
 
-    def grid(self) -> Grid:
+    def grid(self) -> OccupancyGrid:
         """The grid so far."""
         cells = np.full(self._info.shape, UNKNOWN, np.int8)
         cells[self._passes > 0] = FREE
         cells[(self._hits > 0) & (3 * self._hits >= self._passes)] = OCCUPIED
-        return Grid(self._info, cells)
+        return OccupancyGrid(self._info, cells)
 
 
 def info_around(path: np.ndarray, reach: float, resolution: float, shift: Sequence[float] = (0.0, 0.0)) -> GridInfo:

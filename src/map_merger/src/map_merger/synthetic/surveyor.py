@@ -6,10 +6,9 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 from mr_plans import FloorPlan
 
-from ..grid import Grid
 from .paths import Wanderer
 from .scanning import GridDrawer, Survey, cast, info_around
 
@@ -17,12 +16,12 @@ from .scanning import GridDrawer, Survey, cast, info_around
 class RobotMap(NamedTuple):
     """Local map in the frame of its start pose as it grew, the true start pose and the path (n, 3) in the world."""
 
-    stages: Tuple[Grid, ...]
+    stages: Tuple[OccupancyGrid, ...]
     start: Pose
     path: np.ndarray
 
     @property
-    def grid(self) -> Grid:
+    def grid(self) -> OccupancyGrid:
         """The map at the end."""
         return self.stages[-1]
 
@@ -71,7 +70,7 @@ class Surveyor:
         lattice = random.uniform(-0.5, 0.5, 2).tolist()
         drawer = GridDrawer(info_around(to_map.apply(poses[:, :2]), survey.reach, survey.resolution, lattice))
         ends = [max(1, round(share * len(poses))) - 1 for share in survey.stages]
-        stages: List[Grid] = []
+        stages: List[OccupancyGrid] = []
         for index, pose in enumerate(poses):
             walls = self._with_smudge(random, pose) if index in smudged else self.plan.walls
             ranges = cast(walls, self.plan.resolution, pose, survey)

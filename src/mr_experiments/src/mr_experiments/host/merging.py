@@ -12,7 +12,6 @@ from map_merger import meetings, ros_io, ros_radio
 from map_merger.agent import Agent
 from map_merger.delivery import Delivery, take
 from map_merger.effects import AskNeighbors, Effect, Note, PublishMap, PublishPositions, Purpose, Register, Send
-from map_merger.grid import Grid, GridInfo
 from map_merger.job import outcome_of
 from map_merger.messages import Boot, Tile
 from map_merger.options import Options
@@ -32,7 +31,7 @@ REGISTRATION_TIME = 0.3  # s that a registration takes on a robot
 class MergerListener(Protocol):
     """Who wants what the merger publishes."""
 
-    def on_global_map(self, grid: Grid, now: float) -> None: ...
+    def on_global_map(self, grid: OccupancyGrid, now: float) -> None: ...
 
     def on_positions(self, positions: dict[str, tuple[float, float]], now: float) -> None: ...
 
@@ -101,8 +100,7 @@ class Merger:
             self.do(self.agent.tick)
 
     def on_local_map(self, local: OccupancyGrid) -> None:
-        info = GridInfo(local.info.width, local.info.height, local.resolution, Pose(*local.origin))
-        self.do(lambda now: self.agent.on_local_map(Grid(info, local.cells), now))
+        self.do(lambda now: self.agent.on_local_map(local, now))
         self._tick()
 
     def on_pose(self, x: float, y: float, yaw: float) -> None:

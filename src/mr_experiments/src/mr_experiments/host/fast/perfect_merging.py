@@ -7,7 +7,6 @@ from typing import Callable, Mapping
 
 import numpy as np
 
-from map_merger.grid import Grid, GridInfo
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.merging import MergerListener
@@ -63,9 +62,7 @@ class PerfectMerger:
                 for area in areas[taken:]:
                     self._map.add(area, self._seen)
                 self._taken[robot] = len(areas)
-            known = self._map.known(self._seen)
-            rows, columns = known.cells.shape
-            grid = Grid(GridInfo(columns, rows, known.resolution, Pose(*known.origin)), known.cells)
+            grid = self._map.known(self._seen)
         self._listener.on_global_map(grid, self._clock())
 
     def on_pose(self, x: float, y: float, yaw: float) -> None:
