@@ -11,7 +11,8 @@ sys.path.insert(0, HERE)
 
 from hypothesis import settings  # noqa: E402
 
-from explorer.grid import GridInfo, OccupancyMap  # noqa: E402
+from explorer.grid import OccupancyMap  # noqa: E402
+from mr_grid import GridInfo, Pose  # noqa: E402
 
 # The same examples in every run, and no verdict on time from a busy machine.
 settings.register_profile("repeatable", derandomize=True, deadline=None, database=None)
@@ -20,7 +21,7 @@ settings.load_profile("repeatable")
 
 def map_of(cells: np.ndarray, resolution: float = 0.1, x: float = 0.0, y: float = 0.0) -> OccupancyMap:
     cells = np.asarray(cells, dtype=np.int8)
-    return OccupancyMap(GridInfo(resolution, cells.shape[1], cells.shape[0], x, y), cells)
+    return OccupancyMap(GridInfo(cells.shape[1], cells.shape[0], resolution, Pose(x, y)), cells)
 
 
 def drawn(rows: Sequence[str], scale: int = 1, resolution: float = 0.1) -> OccupancyMap:

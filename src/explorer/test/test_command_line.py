@@ -15,8 +15,6 @@ from explorer.command_line.arguments import main
 from explorer.options import Options
 from explorer.survey import survey
 
-pytest.importorskip("map_merger.map_files", reason="the reader of map files is not here")
-
 HALL = [
     "                           ",
     "     .....      #########  ",

@@ -114,7 +114,7 @@ def test_everything_that_a_decision_depends_on_is_in_the_file(recorded: Decision
         (["scene", "pose"], [0.0, 1.0], "3 finite numbers"),
         (["scene", "ways", "cells"], "eJw=", "damaged|not of"),
         (["scene", "ways", "width"], 10**9, "not accepted"),
-        (["scene", "ways", "resolution"], -1.0, "map resolution"),
+        (["scene", "ways", "resolution"], -1.0, "resolution of a grid"),
         (["scene", "ready"], [123456], "frontier point 123456 is in no cluster"),
         (["scene", "clusters", 0, "members"], [], "no members"),
         (["bids"], {"robot_1": {"one": 1.0}}, "damaged"),

@@ -6,12 +6,12 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from map_merger.transform import Transform, displacement, rotation_between
+from map_merger.transform import displacement, rotation_between
 from mr_experiments.measures.drift import Track, best_rigid_fit, overlap
 from mr_grid import OccupancyGrid, Pose
 
 coordinates = st.floats(-20.0, 20.0)
-transforms = st.builds(Transform, coordinates, coordinates, st.floats(-3.1, 3.1))
+transforms = st.builds(Pose, coordinates, coordinates, st.floats(-3.1, 3.1))
 
 
 def straight_track(slip_from: float, slip: float) -> Track:
@@ -30,7 +30,7 @@ def corridor(left: float, right: float) -> OccupancyGrid:
 
 @given(transforms, st.integers(0, 2**32 - 1))
 @settings(max_examples=50, deadline=None)
-def test_the_best_fit_is_the_transform_that_moved_the_points(transform: Transform, seed: int) -> None:
+def test_the_best_fit_is_the_transform_that_moved_the_points(transform: Pose, seed: int) -> None:
     points = np.random.default_rng(seed).uniform(-5.0, 5.0, (30, 2))
     fit = best_rigid_fit(transform.apply(points), points)
     assert displacement(fit, transform, points).max() < 1e-6
@@ -61,15 +61,15 @@ def test_a_robot_that_stands_adds_one_pose_to_its_track() -> None:
 
 def test_where_one_map_has_slipped_the_truth_has_moved() -> None:
     """Maps that share only what one of them has 0.4 m too far back fit best 0.4 m beside their starts."""
-    start = Transform(1.0, 0.0, 0.0)
+    start = Pose(1.0, 0.0, 0.0)
     slipped, straight = straight_track(5.0, 0.4), straight_track(99.0, 0.0)
     in_target, in_source = overlap(corridor(0.0, 9.6), slipped, corridor(5.0, 9.0), straight, start)
     assert 20 < len(in_target) <= 400
     fit = best_rigid_fit(in_target, in_source)
-    assert displacement(fit, Transform(0.6, 0.0, 0.0), in_source).max() < 0.05
+    assert displacement(fit, Pose(0.6, 0.0, 0.0), in_source).max() < 0.05
 
 
 def test_maps_that_share_nothing_have_no_overlap() -> None:
     tracks = straight_track(99.0, 0.0), straight_track(99.0, 0.0)
-    in_target, in_source = overlap(corridor(0.0, 4.0), tracks[0], corridor(6.0, 9.0), tracks[1], Transform())
+    in_target, in_source = overlap(corridor(0.0, 4.0), tracks[0], corridor(6.0, 9.0), tracks[1], Pose())
     assert len(in_target) == len(in_source) == 0

@@ -6,11 +6,10 @@ import numpy as np
 
 from explorer.foreign import Element
 from explorer.geometry import Position
-from explorer.grid import FARTHEST, is_place
 from explorer.messages import Emit, Note
 from explorer.statement import Statement
 from explorer.team import Team
-from mr_grid import Pose
+from mr_grid import FARTHEST, Pose, is_place
 
 
 class Edge:

@@ -6,7 +6,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from explorer.grid import is_place
+from mr_grid import is_place
 
 # Points of one robot that are kept.
 MAXIMUM_POINTS = 4000

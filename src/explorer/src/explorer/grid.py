@@ -1,6 +1,5 @@
-"""Geometry of occupancy grids. Cells are (row, col); points are (x, y) in metres in the map frame (REP-103)."""
+"""Occupancy grids as exploration reads them: what counts as free, and what is in view."""
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Tuple
@@ -9,87 +8,26 @@ import numpy as np
 
 from explorer._kernels import lines_are_clear
 from explorer.errors import MapError
-
-FREE = 0
-OCCUPIED = 100
-UNKNOWN = -1
-
-# Farther than this from the origin of its frame, in metres, nothing is: larger coordinates are mistakes or forged, and
-# arithmetic on cells and places goes wrong with them.
-FARTHEST = 1e5
-
-FINEST, COARSEST = 1e-3, 1e2  # edge lengths in metres of the cells of a map
+from mr_grid import FARTHEST, FREE, OccupancyGrid, is_place
 
 
-def is_place(*coordinates: float) -> bool:
-    """True if coordinates in metres are numbers of a usable size."""
-    return all(abs(value) <= FARTHEST for value in coordinates)
-
-
-@dataclass(frozen=True)
-class GridInfo:
-    """Placement of a grid: edge length of a cell in metres, size in cells, and the map coordinates of the outer
-    corner of cell (0, 0)."""
-
-    resolution: float
-    width: int
-    height: int
-    origin_x: float
-    origin_y: float
-
-    def cell_of(self, x: float, y: float) -> Tuple[int, int]:
-        """(row, col) of the cell that contains the point; it may lie outside the grid."""
-        return (
-            math.floor((y - self.origin_y) / self.resolution),
-            math.floor((x - self.origin_x) / self.resolution),
-        )
-
-    def cells_of(self, points: np.ndarray) -> np.ndarray:
-        """(n, 2) int array of (row, col) for an (n, 2) float array of (x, y) in metres."""
-        offset = (np.asarray(points, dtype=float).reshape(-1, 2) - (self.origin_x, self.origin_y)) / self.resolution
-        return np.floor(offset).astype(np.int64)[:, ::-1]
-
-    def centre_of(self, row: float, col: float) -> Tuple[float, float]:
-        """(x, y) in metres of the centre of a cell."""
-        return (
-            self.origin_x + (col + 0.5) * self.resolution,
-            self.origin_y + (row + 0.5) * self.resolution,
-        )
-
-    def centres_of(self, cells: np.ndarray) -> np.ndarray:
-        """(n, 2) float array of (x, y) in metres for an (n, 2) array of (row, col)."""
-        cells = np.asarray(cells, dtype=float).reshape(-1, 2)
-        return (cells[:, ::-1] + 0.5) * self.resolution + (self.origin_x, self.origin_y)
-
-    def contains(self, row: int, col: int) -> bool:
-        return 0 <= row < self.height and 0 <= col < self.width
-
-    def inside(self, cells: np.ndarray) -> np.ndarray:
-        """(n,) bool array: which of the (n, 2) cells lie in the grid."""
-        return (cells[:, 0] >= 0) & (cells[:, 0] < self.height) & (cells[:, 1] >= 0) & (cells[:, 1] < self.width)
-
-
-@dataclass(frozen=True)
-class OccupancyMap:
-    """An occupancy grid: `cells` is int8 (height, width); free below `FREE_BELOW`, -1 unknown, occupied from
-    `OCCUPIED_FROM` on. They must not change any more."""
-
-    info: GridInfo
-    cells: np.ndarray
+@dataclass(frozen=True, eq=False)
+class OccupancyMap(OccupancyGrid):
+    """An occupancy grid: free below `FREE_BELOW`, -1 unknown, occupied from `OCCUPIED_FROM` on. Its cells lie along the
+    axes of the map frame."""
 
     FREE_BELOW = 25
     OCCUPIED_FROM = 50
 
     def __post_init__(self) -> None:
-        info = self.info
-        if not FINEST <= info.resolution <= COARSEST:
-            raise MapError(f"map resolution is {info.resolution} m; it must be from {FINEST:g} to {COARSEST:g}")
-        if not is_place(info.origin_x, info.origin_y):
-            raise MapError(f"map origin is ({info.origin_x}, {info.origin_y}); it must be within {FARTHEST:g} m")
+        super().__post_init__()
+        info, (x, y, yaw) = self.info, self.info.origin
+        if not is_place(x, y):
+            raise MapError(f"map origin is ({x}, {y}); it must be within {FARTHEST:g} m")
+        if yaw:
+            raise MapError("map origin is rotated; publish the map with an unrotated origin")
         if info.width < 1 or info.height < 1:
             raise MapError(f"map has {info.width} x {info.height} cells; it needs at least one")
-        if self.cells.shape != (info.height, info.width):
-            raise MapError(f"map data holds {self.cells.size} cells, its description says {info.width} x {info.height}")
 
     @cached_property
     def free(self) -> np.ndarray:
@@ -99,10 +37,6 @@ class OccupancyMap:
     @cached_property
     def occupied(self) -> np.ndarray:
         return self.cells >= self.OCCUPIED_FROM
-
-    @cached_property
-    def unknown(self) -> np.ndarray:
-        return self.cells < 0
 
     @cached_property
     def known_area(self) -> float:

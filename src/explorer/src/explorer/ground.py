@@ -8,8 +8,9 @@ import numpy as np
 from explorer._kernels import cells_near, distances_to, pooled_maximum
 from explorer.changes import Window, aligned, blocks, changed_windows, grown, within
 from explorer.geometry import Position
-from explorer.grid import FREE, OccupancyMap
+from explorer.grid import OccupancyMap
 from explorer.traces import LARGEST_ROBOT_RADIUS, robot_traces
+from mr_grid import FREE
 
 # A comfortable place is this much farther from unknown cells than a robot has to be from obstacles, in metres.
 UNKNOWN_ROOM = 0.05

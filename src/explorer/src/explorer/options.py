@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from explorer import strategies
 from explorer.errors import ParameterError
-from explorer.grid import FARTHEST, is_place
+from mr_grid import FARTHEST, is_place
 
 STRATEGIES = strategies.TITLES
 

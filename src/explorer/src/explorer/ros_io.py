@@ -1,6 +1,7 @@
 """Conversions between ROS messages and the plain values of the agent. The only module here that knows ROS types."""
 
 import math
+from dataclasses import replace
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -23,7 +24,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from explorer.errors import MapError
 from explorer.foreign import Element, Key, rigid_transform
-from explorer.grid import GridInfo, OccupancyMap
+from explorer.grid import OccupancyMap
 from explorer.messages import PAPER_UNIT, Auction, Bid, SendAuction, SendFrontiers
 from explorer.msg import (
     ExplorationBid,
@@ -36,7 +37,8 @@ from explorer.options import Options, number_of
 from explorer.report import Report
 from explorer.statement import Stage
 from explorer.status import Picture, Status
-from mr_grid import Pose
+from mr_grid import GridError, Pose
+from mr_grid.ros import grid_value
 
 COLOURS: Sequence[Tuple[float, float, float]] = ((0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1))
 CLUSTER_CELL = 0.5
@@ -48,16 +50,15 @@ PROBES = ((0.0, 0.0), (10.0, 0.0), (0.0, 10.0))
 
 def map_from(message: OccupancyGrid) -> OccupancyMap:
     """Raises `MapError` for a grid that cannot be used. With `numpy_msg` the data are not copied."""
-    info, rotation = message.info, message.info.origin.orientation
+    rotation = message.info.origin.orientation
     if abs(rotation.x) > 1e-3 or abs(rotation.y) > 1e-3 or abs(rotation.z) > 1e-3:
         raise MapError("map origin is rotated; publish the map with an unrotated origin")
-    data = np.asarray(message.data, dtype=np.int8)
-    if data.size != info.width * info.height:
-        raise MapError(f"map data holds {data.size} cells, its description says {info.width} x {info.height}")
-    grid = GridInfo(
-        float(info.resolution), int(info.width), int(info.height), info.origin.position.x, info.origin.position.y
-    )
-    return OccupancyMap(grid, data.reshape(info.height, info.width) if data.size else np.zeros((0, 0), np.int8))
+    try:
+        grid = grid_value(message)
+        place = Pose(grid.origin.x, grid.origin.y)
+        return OccupancyMap(replace(grid.info, origin=place), grid.cells)
+    except GridError as error:
+        raise MapError(str(error)) from error
 
 
 def pose_from(transform: Any) -> Pose:

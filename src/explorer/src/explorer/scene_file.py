@@ -12,12 +12,12 @@ from explorer.clusters import Cluster
 from explorer.decision import Decision
 from explorer.errors import ExplorerError, SceneError
 from explorer.frontiers import Frontier
-from explorer.grid import GridInfo, OccupancyMap
+from explorer.grid import OccupancyMap
 from explorer.recognition import Listed
 from explorer.scene import Scene
 from explorer.traces import LARGEST_ROBOT_RADIUS
 from explorer.ways import Ways
-from mr_grid import Pose
+from mr_grid import GridInfo, Pose
 
 FORMAT = "explorer decision 1"
 MOST_CELLS = 100_000_000
@@ -124,7 +124,7 @@ def _from_ways(ways: Ways) -> Json:
         "resolution": info.resolution,
         "width": info.width,
         "height": info.height,
-        "origin": [info.origin_x, info.origin_y],
+        "origin": [info.origin.x, info.origin.y],
         "cells": base64.b64encode(cells).decode("ascii"),
         "radius": ways.radius,
         "largest": ways.largest,
@@ -136,7 +136,7 @@ def _to_ways(given: Json) -> Ways:
     width, height = int(given["width"]), int(given["height"])
     if not 0 < width * height <= MOST_CELLS:
         raise SceneError(f"a map of {width} x {height} cells is not accepted")
-    info = GridInfo(float(given["resolution"]), width, height, *_place(given["origin"]))
+    info = GridInfo(width, height, float(given["resolution"]), Pose(*_place(given["origin"])))
     packed = base64.b64decode(given["cells"], validate=True)
     octets = zlib.decompressobj().decompress(packed, width * height + 1)
     if len(octets) != width * height:

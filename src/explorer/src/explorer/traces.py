@@ -5,7 +5,7 @@ from typing import Sequence, Tuple
 import cv2
 import numpy as np
 
-from explorer.grid import GridInfo
+from mr_grid import GridInfo
 
 # From the centre of the largest robot of the team to its farthest corner, in metres, unless a parameter says otherwise.
 LARGEST_ROBOT_RADIUS = 0.29

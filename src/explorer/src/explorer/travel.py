@@ -11,8 +11,9 @@ from typing import List, Optional, Sequence, Tuple
 import numpy as np
 
 from explorer._kernels import WeightedGrid
-from explorer.grid import GridInfo, OccupancyMap
+from explorer.grid import OccupancyMap
 from explorer.ground import MOST_ROOM, Ground
+from mr_grid import GridInfo
 
 # Traversable cells beyond which the next coarser grid is taken: bounds the time of one field to about 10 ms.
 MAXIMUM_CELLS = 80_000
@@ -109,11 +110,7 @@ class TravelGrid:
 
     def _coarse_info(self, fine: GridInfo) -> GridInfo:
         return GridInfo(
-            fine.resolution * self.factor,
-            -(-fine.width // self.factor),
-            -(-fine.height // self.factor),
-            fine.origin_x,
-            fine.origin_y,
+            -(-fine.width // self.factor), -(-fine.height // self.factor), fine.resolution * self.factor, fine.origin
         )
 
 

@@ -12,9 +12,9 @@ from explorer._kernels import nearest_views, search_views
 from explorer.clusters import Cluster, View
 from explorer.frontiers import Frontier
 from explorer.geometry import turn
-from explorer.grid import GridInfo, OccupancyMap, line_is_clear
+from explorer.grid import OccupancyMap, line_is_clear
 from explorer.travel import CostField
-from mr_grid import Pose
+from mr_grid import GridInfo, Pose
 
 # A viewpoint keeps this much farther from obstacles than the robot has to, where it can, in metres.
 PREFERRED_ROOM = 0.1
@@ -66,10 +66,10 @@ class Views:
         not in view from there."""
         coarse, fine = self._field.grid.info, self._occupancy.info
         return nearest_views(
-            (coarse.resolution, coarse.origin_x, coarse.origin_y),
+            (coarse.resolution, *coarse.origin[:2]),
             lookup.labels,
             lookup.cells,
-            (fine.resolution, fine.origin_x, fine.origin_y),
+            (fine.resolution, *fine.origin[:2]),
             self._field.grid.occupied,
             points,
             groups,
@@ -129,9 +129,9 @@ class Views:
         """As `_seen_from_nearest`, by trying the reachable cells around each point from near to far."""
         coarse, fine = self._field.grid.info, self._occupancy.info
         return search_views(
-            (coarse.resolution, coarse.origin_x, coarse.origin_y),
+            (coarse.resolution, *coarse.origin[:2]),
             self._reachable,
-            (fine.resolution, fine.origin_x, fine.origin_y),
+            (fine.resolution, *fine.origin[:2]),
             self._field.grid.occupied,
             points,
             self._view_distance,

@@ -6,6 +6,8 @@ registrations, the team's graph, and the global map.
 
 from typing import List, Optional
 
+from mr_grid import OccupancyGrid, Pose
+
 from .announcer import Announcer
 from .base_frame import BaseFrame
 from .believed import BelievedTransforms
@@ -15,7 +17,6 @@ from .frames import Frames
 from .global_map import MOST_GLOBAL_CELLS
 from .graph.edges import EdgeReport
 from .graph.team import TeamGraph
-from .grid import Grid
 from .hearing import Hearing
 from .meetings import LaserScan, TrackReport
 from .merged_map import MergedMap
@@ -27,7 +28,6 @@ from .reference import Reference
 from .registration import Registration
 from .timer import Timer
 from .topology import topology_of
-from .transform import Transform
 from .view import TeamView
 
 NEIGHBOR_QUESTION_S = 5.0
@@ -62,13 +62,13 @@ class Agent:
 
     # What comes in
 
-    def on_local_map(self, grid: Grid, now: float) -> None:
+    def on_local_map(self, grid: OccupancyGrid, now: float) -> None:
         """The local SLAM map changed. Ignored on a base station."""
         if self._options.has_local_map and self.exchange.on_local_map(grid):
             self._reference.set(grid)
             self._observations.look(now)
 
-    def on_local_pose(self, pose: Transform, now: float) -> None:
+    def on_local_pose(self, pose: Pose, now: float) -> None:
         """The robot's pose in its map frame."""
         self._observations.on_own_pose(pose, now)
 
@@ -77,7 +77,7 @@ class Agent:
         """True while a robot in hearing is not placed, so that scans are worth their time."""
         return self._observations.meetings.watching
 
-    def on_scan(self, scan: LaserScan, pose: Transform, now: float) -> None:
+    def on_scan(self, scan: LaserScan, pose: Pose, now: float) -> None:
         """A scan of the own laser and the robot's pose in its map frame at that time, `now`, which may lie up to
         timer.LONGEST_AGE_S behind that of other calls."""
         self._observations.meetings.on_scan(scan, pose, now)

@@ -9,6 +9,8 @@ from collections import deque
 from dataclasses import dataclass, replace
 from typing import Deque, Optional
 
+from mr_grid import Pose
+
 from .attempts import Attempts
 from .covariance import Covariance
 from .evidence import Evidence
@@ -24,7 +26,7 @@ from .registration import (
     Verdict,
     believed_alone,
 )
-from .transform import Transform, rotation_between
+from .transform import rotation_between
 
 SHORTEST_GROWTH_M = 3.0
 SHORTEST_GROWTH = 1.15
@@ -53,7 +55,7 @@ class Belief:
     """A transform in force. met: the robots saw one another when it was found. most: m of shared wall, the most that
     there ever was."""
 
-    transform: Transform
+    transform: Pose
     evidence: Evidence
     covariance: Optional[Covariance]
     met: bool
@@ -75,13 +77,13 @@ class Alignment:
         self._belief: Optional[Belief] = None
         self._candidate: Optional[Registration] = None
         self._refuted: Optional[Belief] = None
-        self.suggested: Optional[Transform] = None
+        self.suggested: Optional[Pose] = None
         """What the last search found without contradictions, be there ever so little shared wall."""
-        self._not_there: Deque[Transform] = deque(maxlen=_MOST_NOT_THERE)
+        self._not_there: Deque[Pose] = deque(maxlen=_MOST_NOT_THERE)
         self._attempts = Attempts()
 
     @property
-    def transform(self) -> Optional[Transform]:
+    def transform(self) -> Optional[Pose]:
         """The transform that is believed."""
         return None if self._belief is None else self._belief.transform
 
@@ -96,7 +98,7 @@ class Alignment:
         return Evidence() if self._belief is None else self._belief.evidence
 
     @property
-    def proposed(self) -> Optional[Transform]:
+    def proposed(self) -> Optional[Pose]:
         """The transform that is believed or, until one is, the one that waits for confirmation."""
         if self._belief is not None:
             return self._belief.transform
@@ -231,7 +233,7 @@ def _criteria_of(belief: Optional[Belief], result: Registration) -> Criteria:
     return PRIOR_CRITERIA if result.prior else DEFAULT_CRITERIA
 
 
-def _agree(first: Optional[Transform], second: Optional[Transform]) -> bool:
+def _agree(first: Optional[Pose], second: Optional[Pose]) -> bool:
     if first is None or second is None:
         return False
     between = first.inverse().compose(second)

@@ -5,7 +5,8 @@ from typing import Hashable, Optional, Tuple
 
 import numpy as np
 
-from .grid import UNKNOWN
+from mr_grid import UNKNOWN
+
 from .job import Versioned
 
 LONGEST_PAUSE_S = 10.0

@@ -2,9 +2,10 @@
 
 from typing import Dict
 
+from mr_grid import Pose
+
 from .graph.team import Placement, TeamGraph
 from .reference import Reference
-from .transform import Transform
 
 
 class BelievedTransforms:
@@ -19,8 +20,8 @@ class BelievedTransforms:
         if base not in placed:
             return placed
         # The graph lets every robot give way a little; a base station's frame is that of the robot by definition.
-        return {**placed, base: placed[base]._replace(transform=Transform())}
+        return {**placed, base: placed[base]._replace(transform=Pose())}
 
-    def transforms(self) -> Dict[str, Transform]:
+    def transforms(self) -> Dict[str, Pose]:
         """Of each placed robot's map frame to the own one."""
         return {name: placement.transform for name, placement in self.placements().items()}

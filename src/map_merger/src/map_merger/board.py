@@ -4,7 +4,9 @@ from typing import Iterator, Set, Tuple
 
 import numpy as np
 
-from .grid import EMPTY_BOX, UNKNOWN, Box, changed_box, known_cells_box
+from mr_grid import UNKNOWN
+
+from .grid import EMPTY_BOX, Box, changed_box, known_cells_box
 
 TILE = 16
 """Edge in cells of a tile."""

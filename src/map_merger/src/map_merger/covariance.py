@@ -5,10 +5,11 @@ from typing import Optional, Tuple
 
 import numpy as np
 
+from mr_grid import Pose
+
 from .evidence import comparison_of, match_tolerance
 from .search import Prior
 from .surface import Landmarks
-from .transform import Transform
 
 Covariance = Tuple[Tuple[float, float, float], Tuple[float, float, float], Tuple[float, float, float]]
 """Of the x, y (m) and yaw (rad) of a transform."""
@@ -24,7 +25,7 @@ _LOOSE_RAD = math.radians(20.0)
 """Standard deviation of what the shared walls leave open, as the shift along a corridor."""
 
 
-def covariance_of(target: Landmarks, source: Landmarks, transform: Transform) -> Covariance:
+def covariance_of(target: Landmarks, source: Landmarks, transform: Pose) -> Covariance:
     """Covariance of the `transform` source -> target that refinement has found.
 
     The information of the distances from point to line (Censi, "An accurate closed-form estimate of ICP's covariance",
@@ -45,7 +46,7 @@ def covariance_of(target: Landmarks, source: Landmarks, transform: Transform) ->
     return as_covariance(arm @ at_walls @ arm.T)
 
 
-def covariance_at_origin(transform: Transform, covariance: np.ndarray, centre: Tuple[float, float]) -> Covariance:
+def covariance_at_origin(transform: Pose, covariance: np.ndarray, centre: Tuple[float, float]) -> Covariance:
     """The covariance (3, 3) of x, y (m) and yaw (rad) of the transform, given with the rotation about `centre`, a point
     of the source's frame (m)."""
     x, y = transform.apply_point(*centre)
@@ -60,7 +61,7 @@ def as_covariance(matrix: np.ndarray) -> Covariance:
     return (a, b, c), (b, d, e), (c, e, f)
 
 
-def prior_from(transform: Transform, covariance: Covariance, place: Optional[Tuple[float, float]] = None) -> Prior:
+def prior_from(transform: Pose, covariance: Covariance, place: Optional[Tuple[float, float]] = None) -> Prior:
     """Where to search for a transform that is known roughly: within three standard deviations, at least 1 m and 8 deg.
 
     place: of the source's map (m, in its frame), where the distance counts; its origin if not given.

@@ -4,9 +4,11 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from mr_grid import GridInfo, OccupancyGrid, Pose
+
 from . import _surfaces
-from .grid import Box, Grid, GridInfo, box_around, cell_centres, continuous_cells, corners, window
-from .transform import Transform, rotation_between
+from .grid import Box, box_around, window
+from .transform import rotation_between
 
 STILL_M, STILL_RAD = 0.005, 0.03 * np.pi / 180.0
 """A transform that changes by less moves hardly a cell, and nothing is drawn anew."""
@@ -14,7 +16,7 @@ _ROUNDING = 1e-3
 """Shift of a lattice in cells, or share of a resolution, that is only rounding."""
 
 
-def nearly(first: Transform, second: Transform) -> bool:
+def nearly(first: Pose, second: Pose) -> bool:
     """True if redrawing with the other transform would hardly move a cell."""
     apart = np.hypot(first.x - second.x, first.y - second.y)
     return bool(apart < STILL_M and rotation_between(first, second) < STILL_RAD)
@@ -38,24 +40,24 @@ class Mapping(NamedTuple):
     to_target: Tuple[float, ...]
 
 
-def _affine(begin: GridInfo, end: GridInfo, transform: Transform) -> Tuple[float, ...]:
+def _affine(begin: GridInfo, end: GridInfo, transform: Pose) -> Tuple[float, ...]:
     """Cells of `begin` -> position in `end`, with `transform` from the frame of `begin` to that of `end`."""
-    middles = cell_centres(begin, np.array([0, 0, 1]), np.array([0, 1, 0]))
-    rows, columns = continuous_cells(end, transform.apply(middles))
+    middles = begin.centres(np.array([0, 0, 1]), np.array([0, 1, 0]))
+    rows, columns = end.continuous_cells(transform.apply(middles))
     return tuple(float(value) for at in (columns, rows) for value in (at[0], at[1] - at[0], at[2] - at[0]))
 
 
-def mapping_of(source: GridInfo, transform: Transform, lattice: GridInfo) -> Mapping:
+def mapping_of(source: GridInfo, transform: Pose, lattice: GridInfo) -> Mapping:
     """Of a map whose frame `transform` brings to that of the lattice."""
     return Mapping(_affine(lattice, source, transform.inverse()), _affine(source, lattice, transform))
 
 
-def box_of(source: GridInfo, part: Box, transform: Transform, lattice: GridInfo) -> Box:
+def box_of(source: GridInfo, part: Box, transform: Pose, lattice: GridInfo) -> Box:
     """The cells of the lattice that cells of `part` of the source can be drawn in."""
-    return box_around(lattice, transform.apply(corners(window(source, part)))).grown(1)
+    return box_around(lattice, transform.apply(window(source, part).corners())).grown(1)
 
 
-def drawn(source: Grid, part: Box, transform: Transform, lattice: GridInfo, box: Box) -> np.ndarray:
+def drawn(source: OccupancyGrid, part: Box, transform: Pose, lattice: GridInfo, box: Box) -> np.ndarray:
     """The source on the cells `box` of the lattice, int8; `part`: the source's cells that can fall into it.
 
     Each cell takes the value of the foreign cell under its middle, which keeps walls as thick as they are. Walls that

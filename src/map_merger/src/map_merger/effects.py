@@ -6,11 +6,12 @@ from typing import NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
-from .grid import Box, Grid
+from mr_grid import OccupancyGrid, Pose
+
+from .grid import Box
 from .job import Job
 from .messages import Tile
 from .payload import Payload
-from .transform import Transform
 from .whereabouts import Place
 
 GROUP_PREFIX = "mc_"
@@ -71,7 +72,7 @@ class Register:
 class PublishMap:
     """The global map, and the box of its cells that differ from the one before."""
 
-    grid: Grid
+    grid: OccupancyGrid
     changed: Box
 
 
@@ -92,7 +93,7 @@ class PublishTrack:
 class BroadcastTransforms(NamedTuple):
     """The transforms of the others' map frames to the own one."""
 
-    transforms: Tuple[Tuple[str, Transform], ...]
+    transforms: Tuple[Tuple[str, Pose], ...]
 
 
 class AskNeighbors(NamedTuple):
@@ -103,8 +104,8 @@ class AskNeighbors(NamedTuple):
 class SaveDebugImages:
     """Write the map just sent and the one sent before."""
 
-    present: Grid
-    before: Grid
+    present: OccupancyGrid
+    before: OccupancyGrid
 
 
 class Note(NamedTuple):

@@ -3,9 +3,10 @@
 import math
 from dataclasses import dataclass
 
+from mr_grid import Pose
+
 from ._surfaces import Comparison
 from .surface import Landmarks, Surface
-from .transform import Transform
 
 
 @dataclass(frozen=True)
@@ -36,13 +37,13 @@ class Evidence:
         return self.matched * max(0.0, 1.0 - 6.0 * self.conflict) * self.explained
 
 
-def compare(target: Landmarks, source: Landmarks, transform: Transform) -> Evidence:
+def compare(target: Landmarks, source: Landmarks, transform: Pose) -> Evidence:
     """Evidence for `transform` (source -> target)."""
     return compare_samples(target, source, target.surface, source.surface, transform)
 
 
 def compare_samples(
-    target: Landmarks, source: Landmarks, target_sample: Surface, source_sample: Surface, transform: Transform
+    target: Landmarks, source: Landmarks, target_sample: Surface, source_sample: Surface, transform: Pose
 ) -> Evidence:
     """Evidence for `transform` (source -> target) from samples of both surfaces: each is sought in the whole of the
     other."""
@@ -66,22 +67,22 @@ def match_tolerance(target: Landmarks, source: Landmarks) -> float:
     return max(0.1, 2.0 * max(target.info.resolution, source.info.resolution))
 
 
-def comparison_of(target: Landmarks, source: Surface, transform: Transform, tolerance: float) -> Comparison:
+def comparison_of(target: Landmarks, source: Surface, transform: Pose, tolerance: float) -> Comparison:
     """How the walls of the source, moved by `transform`, agree with the target up to `tolerance` (m)."""
     return target.surface.index().compare(
         target.known,
         target.clear,
         target.info.resolution,
-        target.info.origin.pose(),
+        target.info.origin,
         source.points,
         source.normals,
         source.solid,
-        transform.pose(),
+        transform,
         tolerance,
     )
 
 
-def _one_way(target: Landmarks, source: Surface, transform: Transform, tolerance: float) -> Evidence:
+def _one_way(target: Landmarks, source: Surface, transform: Pose, tolerance: float) -> Evidence:
     spacing = source.spacing
     found = comparison_of(target, source, transform, tolerance)
     if found.matched == 0:

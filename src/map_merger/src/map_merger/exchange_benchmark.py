@@ -11,10 +11,12 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from mr_grid import UNKNOWN, GridInfo, OccupancyGrid
+
 from .delivery import Delivery, take
 from .effects import Send
 from .exchange import Exchange, bounds
-from .grid import UNKNOWN, Grid, GridInfo, known_box, offset_between
+from .grid import known_box, offset_between
 from .messages import Anchor, Request, Tile
 from .options import Options
 from .payload import Payload
@@ -101,7 +103,7 @@ class GrowingMap:
         self._cells = np.full((size, size), UNKNOWN, np.int8)
         self._place = np.array([size / 2, size / 2])
 
-    def grow(self) -> Grid:
+    def grow(self) -> OccupancyGrid:
         """The next map: a disc around the next place becomes known, a piece unknown."""
         size, random = len(self._cells), self._random
         self._place = np.clip(self._place + random.normal(0.0, 8.0, 2), 20, size - 20)
@@ -110,7 +112,7 @@ class GrowingMap:
         self._cells[seen] = np.where(random.random(int(seen.sum())) < 0.05, 100, 0)
         top, left = random.integers(0, size - 6, 2)
         self._cells[top : top + 6, left : left + 6] = UNKNOWN
-        return Grid(GridInfo(size, size, 0.05), self._cells.copy())
+        return OccupancyGrid(GridInfo(size, size, 0.05), self._cells.copy())
 
 
 class Outcome(NamedTuple):
@@ -132,7 +134,7 @@ def reconnect(seed: int, robots: int = 4, loss: float = 0.3, patience: float = 6
         for other in names:
             exchange.on_robot(other, team.now)
     maps = {name: GrowingMap(random) for name in names}
-    last: Dict[str, Grid] = {}
+    last: Dict[str, OccupancyGrid] = {}
 
     def drive(seconds: float) -> None:
         for _ in range(round(seconds / PERIOD_S)):
@@ -164,7 +166,7 @@ def _exchange(name: str, boot: Tuple[int, int]) -> Exchange:
     return Exchange(Options(name, debug=False, seconds_send_timer=int(PERIOD_S)), boot)
 
 
-def all_equal(team: LossyTeam, maps: Dict[str, Grid]) -> bool:
+def all_equal(team: LossyTeam, maps: Dict[str, OccupancyGrid]) -> bool:
     """True if each robot has the map of each other one, cell by cell."""
     return all(
         same(exchange.map_of(other), maps[other])
@@ -174,7 +176,7 @@ def all_equal(team: LossyTeam, maps: Dict[str, Grid]) -> bool:
     )
 
 
-def same(copy: Optional[Grid], original: Grid) -> bool:
+def same(copy: Optional[OccupancyGrid], original: OccupancyGrid) -> bool:
     """True if the copy has all known cells of the original and no others."""
     box = known_box(original)
     if copy is None:
@@ -196,7 +198,7 @@ class Traffic(NamedTuple):
     """The changes by kind of message."""
 
 
-def traffic(stages: Sequence[Grid], split_size: int) -> Traffic:
+def traffic(stages: Sequence[OccupancyGrid], split_size: int) -> Traffic:
     """One robot tells another the stages of its map, one each PERIOD_S, without losses. Anchors, requests and answers
     count; `whole` is the known box of each stage as one message."""
     names = ("robot_0", "robot_1")

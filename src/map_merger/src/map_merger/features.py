@@ -11,11 +11,12 @@ from typing import List, NamedTuple, Optional, Tuple
 import cv2
 import numpy as np
 
-from .grid import Grid, cell_centres
+from mr_grid import OccupancyGrid, Pose
+from mr_grid.map_files import image_of
+
 from .registration import DEFAULT_CRITERIA, UNLIMITED, Criteria, Limits, Registration, choose
 from .search import Prior
 from .surface import Landmarks
-from .transform import Transform
 
 _SCALE_TOLERANCE = 0.05
 _ROUNDS = 4
@@ -30,14 +31,6 @@ def register(
 ) -> Registration:
     """Finds the transform source -> target from ORB features, or declines."""
     return choose(target, source, estimates(target.grid, source.grid, orb(), _ROUNDS), (criteria,), limits, prior)
-
-
-def image_of(grid: Grid) -> np.ndarray:
-    """Grey image, uint8: free 254, obstacle 0, unknown 205; row r of the image is row r of the grid."""
-    image = np.full(grid.info.shape, 205, np.uint8)
-    image[grid.free] = 254
-    image[grid.occupied] = 0
-    return image
 
 
 class Detector(NamedTuple):
@@ -57,11 +50,11 @@ def akaze() -> Detector:
     return Detector(cv2.AKAZE_create(threshold=0.0005), 120.0)
 
 
-def estimates(target: Grid, source: Grid, detector: Detector, most: int) -> List[Transform]:
+def estimates(target: OccupancyGrid, source: OccupancyGrid, detector: Detector, most: int) -> List[Pose]:
     """At most `most` transforms source -> target, each from the matches that the earlier ones left over; those with a
     scale near 1."""
     here, there = _matches(target, source, detector)
-    found: List[Transform] = []
+    found: List[Pose] = []
     for _ in range(most):
         if len(here) < 4:
             break
@@ -69,13 +62,13 @@ def estimates(target: Grid, source: Grid, detector: Detector, most: int) -> List
         if matrix is None:
             break
         if abs(math.hypot(matrix[0, 0], matrix[1, 0]) - 1.0) <= _SCALE_TOLERANCE:
-            found.append(Transform(float(matrix[0, 2]), float(matrix[1, 2]), math.atan2(matrix[1, 0], matrix[0, 0])))
+            found.append(Pose(float(matrix[0, 2]), float(matrix[1, 2]), math.atan2(matrix[1, 0], matrix[0, 0])))
         outside = inliers.ravel() == 0
         here, there = here[outside], there[outside]
     return found
 
 
-def _matches(target: Grid, source: Grid, detector: Detector) -> Tuple[np.ndarray, np.ndarray]:
+def _matches(target: OccupancyGrid, source: OccupancyGrid, detector: Detector) -> Tuple[np.ndarray, np.ndarray]:
     """Places (n, 2; m) in the source and in the target of key points that are each other's best match."""
     target_keys, target_descriptors = detector.features.detectAndCompute(image_of(target), None)
     source_keys, source_descriptors = detector.features.detectAndCompute(image_of(source), None)
@@ -87,6 +80,6 @@ def _matches(target: Grid, source: Grid, detector: Detector) -> Tuple[np.ndarray
     return here, _points(target, [target_keys[match.trainIdx].pt for match in matches])
 
 
-def _points(grid: Grid, pixels: list) -> np.ndarray:
+def _points(grid: OccupancyGrid, pixels: list) -> np.ndarray:
     positions = np.array(pixels, dtype=float).reshape(-1, 2)
-    return cell_centres(grid.info, positions[:, 1], positions[:, 0])
+    return grid.info.centres(positions[:, 1], positions[:, 0])

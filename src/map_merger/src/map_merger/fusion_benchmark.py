@@ -12,10 +12,11 @@ from typing import Any, Dict, List, NamedTuple
 import cv2
 import numpy as np
 
+from mr_grid import FREE, OCCUPIED, UNKNOWN, GridInfo, OccupancyGrid, Pose, values_at
+
 from .global_map import GlobalMap, Policy
-from .grid import FREE, OCCUPIED, UNKNOWN, Box, Grid, GridInfo, cell_centres, values_at
+from .grid import Box, free_cells, occupied_cells
 from .synthetic import FloorPlan, RobotMap, Survey, Surveyor, office_plan
-from .transform import Transform
 
 Row = Dict[str, Any]
 TEAM = 4
@@ -47,8 +48,8 @@ def timing_rows(robots: int, edge: int, updates: int, seed: int, command: str) -
     plan = large_map(random, edge)
     merged = GlobalMap("robot_0")
     merged.set_local(plan)
-    transforms = [Transform(*(random.normal(0.0, (0.5, 0.5, 0.05)).tolist())) for _ in range(robots - 1)]
-    maps = [Grid(plan.info, plan.cells.copy()) for _ in transforms]
+    transforms = [Pose(*(random.normal(0.0, (0.5, 0.5, 0.05)).tolist())) for _ in range(robots - 1)]
+    maps = [OccupancyGrid(plan.info, plan.cells.copy()) for _ in transforms]
     for number, transform in enumerate(transforms):
         merged.set_layer(f"robot_{number + 1}", maps[number], 0, transform)
         merged.set_places(f"robot_{number + 1}", random.uniform(0.0, edge * 0.05, (1000, 2)))
@@ -68,7 +69,7 @@ def timing_rows(robots: int, edge: int, updates: int, seed: int, command: str) -
     ]
 
 
-def large_map(random: np.random.Generator, edge: int) -> Grid:
+def large_map(random: np.random.Generator, edge: int) -> OccupancyGrid:
     """Rooms of 5 m over the whole of `edge` x `edge` cells, with furniture."""
     cells = np.zeros((edge, edge), np.int8)
     cells[::100], cells[:, ::100] = OCCUPIED, OCCUPIED
@@ -78,11 +79,11 @@ def large_map(random: np.random.Generator, edge: int) -> Grid:
             row_, column = random.integers(10, 80, 2)
             cells[top + row_ : top + row_ + 12, left + column : left + column + 12] = OCCUPIED
     cells[random.random(cells.shape) < 0.1] = UNKNOWN
-    return Grid(GridInfo(edge, edge, 0.05), cells)
+    return OccupancyGrid(GridInfo(edge, edge, 0.05), cells)
 
 
 def _timed_update(
-    merged: GlobalMap, random: np.random.Generator, maps: List[Grid], transforms: List[Transform], version: int
+    merged: GlobalMap, random: np.random.Generator, maps: List[OccupancyGrid], transforms: List[Pose], version: int
 ) -> float:
     """CPU seconds from a new tile to the message."""
     number = version % len(maps)
@@ -90,7 +91,7 @@ def _timed_update(
     tile = Box(top, left, top + 32, left + 32)
     cells = maps[number].cells.copy()
     cells[tile.slices()] = random.choice([UNKNOWN, FREE, OCCUPIED], (32, 32))
-    maps[number] = Grid(maps[number].info, cells)
+    maps[number] = OccupancyGrid(maps[number].info, cells)
     began = time.process_time()
     merged.set_layer(f"robot_{number + 1}", maps[number], version, transforms[number], tile)
     _published(merged)
@@ -111,7 +112,7 @@ class Team(NamedTuple):
 
     plan: FloorPlan
     robots: List[RobotMap]
-    transforms: List[Transform]
+    transforms: List[Pose]
 
 
 def quality_rows(teams: int, seed: int, command: str) -> List[Row]:
@@ -141,17 +142,17 @@ def synthetic_team(random: np.random.Generator) -> Team:
     surveyor = Surveyor(plan)
     survey = Survey(path_length=30.0, drift=0.03)
     first = surveyor.explore(random, survey)
-    robots, transforms = [first], [Transform()]
+    robots, transforms = [first], [Pose()]
     for _ in range(TEAM - 1):
         x, y = first.path[0, :2] + random.uniform(-1.5, 1.5, 2)
         robots.append(surveyor.explore(random, survey, start=(float(x), float(y))))
         error = random.normal(0.0, (_POSE_ERROR_M, _POSE_ERROR_M, _POSE_ERROR_RAD))
         truth = first.start.inverse().compose(robots[-1].start)
-        transforms.append(truth.compose(Transform(*error.tolist())))
+        transforms.append(truth.compose(Pose(*error.tolist())))
     return Team(plan, robots, transforms)
 
 
-def merged_map(team: Team, policy: Policy) -> Grid:
+def merged_map(team: Team, policy: Policy) -> OccupancyGrid:
     """The global map of the first robot."""
     merged = GlobalMap("0", policy)
     merged.set_local(team.robots[0].grid)
@@ -165,16 +166,16 @@ def merged_map(team: Team, policy: Policy) -> Grid:
     return update.grid
 
 
-def quality_of(team: Team, merged: Grid) -> Quality:
+def quality_of(team: Team, merged: OccupancyGrid) -> Quality:
     """Of a map merged in the frame of the first robot."""
     rows, columns = np.indices(merged.cells.shape)
-    points = cell_centres(merged.info, rows.ravel(), columns.ravel())
+    points = merged.info.centres(rows.ravel(), columns.ravel())
     known = np.zeros(len(points), bool)
     to_wall = _distance_to_walls(team.plan, team.robots[0].start.apply(points))
     for robot, transform in zip(team.robots, team.transforms):
         seen = values_at(robot.grid.cells, robot.grid.info, transform.inverse().apply(points), UNKNOWN)
         known |= seen != UNKNOWN
-    wrong = to_wall[merged.occupied.ravel()] > WALL_TOLERANCE_M + team.plan.resolution / 2.0
+    wrong = to_wall[occupied_cells(merged).ravel()] > WALL_TOLERANCE_M + team.plan.resolution / 2.0
     return Quality(100.0 * float(wrong.mean()), _seams(merged, known.reshape(merged.cells.shape)))
 
 
@@ -182,13 +183,13 @@ def _distance_to_walls(plan: FloorPlan, points: np.ndarray) -> np.ndarray:
     """Metres from points of the world to the middle of the next wall cell, 0 in walls, infinite far outside, (n,)."""
     walls = np.pad(plan.walls, _MARGIN)
     corner = -_MARGIN * plan.resolution
-    info = GridInfo(walls.shape[1], walls.shape[0], plan.resolution, Transform(corner, corner))
+    info = GridInfo(walls.shape[1], walls.shape[0], plan.resolution, Pose(corner, corner))
     cells = cv2.distanceTransform((~walls).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     return values_at(cells * plan.resolution, info, points, math.inf)
 
 
-def _seams(merged: Grid, known: np.ndarray) -> int:
+def _seams(merged: OccupancyGrid, known: np.ndarray) -> int:
     kernel = np.ones((3, 3), np.uint8)
     lost = cv2.dilate(((merged.cells == UNKNOWN) & known).astype(np.uint8), kernel).astype(bool)
-    beside_wall = cv2.dilate(merged.occupied.astype(np.uint8), kernel).astype(bool)
-    return int((merged.free & lost & ~beside_wall).sum())
+    beside_wall = cv2.dilate(occupied_cells(merged).astype(np.uint8), kernel).astype(bool)
+    return int((free_cells(merged) & lost & ~beside_wall).sum())

@@ -10,14 +10,15 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from mr_grid import UNKNOWN, GridInfo, OccupancyGrid, Pose
+
 from . import ghosts, weighing
 from .board import Board, DirtyTiles
 from .drawing import whole_shift
-from .grid import EMPTY_BOX, UNKNOWN, Box, Grid, GridInfo, full_box, union_of, window
+from .grid import EMPTY_BOX, Box, full_box, union_of, window
 from .layers import Layer, difference
 from .places import Places, blocks
 from .robot_size import USUAL_SIZE, RobotSize
-from .transform import Transform
 
 GROWTH_BLOCK = 20
 """The global map grows beyond the local one by whole blocks of cells, so that its size does not change with every
@@ -37,7 +38,7 @@ class Policy(Enum):
 class Update(NamedTuple):
     """A new global map, and the box of its cells that may differ from the one before."""
 
-    grid: Grid
+    grid: OccupancyGrid
     changed: Box
 
 
@@ -47,21 +48,21 @@ class GlobalMap:
     def __init__(self, name: str, policy: Policy = Policy.STRICT, size: RobotSize = USUAL_SIZE) -> None:
         """`name`: the robot whose map the local one is. `size`: of the robots of the team."""
         self._name, self._policy, self._size = name, policy, size
-        self._local: Optional[Grid] = None
+        self._local: Optional[OccupancyGrid] = None
         self._at = EMPTY_BOX  # of the local map on the lattice, which counts from the corner of the first local map
         self._lattice = GridInfo(0, 0, 1.0)
         self._layers: Dict[str, Layer] = {}
         self._places: Dict[str, Places] = {}
         self._drawn: Tuple[str, ...] = ()
         self._board, self._dirty = Board(), DirtyTiles()
-        self._published: Optional[Grid] = None
+        self._published: Optional[OccupancyGrid] = None
 
     @property
     def left_out(self) -> Tuple[str, ...]:
         """Robots whose maps would have made the last rendered map larger than MOST_GLOBAL_CELLS, and are not in it."""
         return tuple(name for name in sorted(self._layers) if name not in self._drawn)
 
-    def set_local(self, grid: Grid) -> None:
+    def set_local(self, grid: OccupancyGrid) -> None:
         """The local map; it may grow to all sides. Another resolution, heading or a shift by a part of a cell draws
         everything anew."""
         before, shift = self._local, whole_shift(grid.info, self._lattice)
@@ -74,7 +75,7 @@ class GlobalMap:
         self._mark(difference(before, grid, relative).shifted(*shift))
 
     def set_layer(
-        self, name: str, source: Grid, version: object, transform: Transform, changed: Optional[Box] = None
+        self, name: str, source: OccupancyGrid, version: object, transform: Pose, changed: Optional[Box] = None
     ) -> None:
         """The map of another robot; `transform`: its frame -> own frame. Nothing happens while `version` is the one
         that was drawn and the transform hardly moved (drawing.STILL_M, STILL_RAD).
@@ -125,10 +126,10 @@ class GlobalMap:
                 return None
         else:
             changed = outer
-        self._published = Grid(info, self._board.read(outer).copy())
+        self._published = OccupancyGrid(info, self._board.read(outer).copy())
         return Update(self._published, changed.shifted(-outer.top, -outer.left))
 
-    def _start_anew(self, local: Grid) -> None:
+    def _start_anew(self, local: OccupancyGrid) -> None:
         self._lattice = replace(local.info, width=0, height=0)
         self._at = full_box(local.info)
         self._board, self._published = Board(), None
@@ -196,7 +197,7 @@ class GlobalMap:
         return maps
 
 
-def merged(local: Grid, others: Sequence[Tuple[Grid, Transform]]) -> Grid:
+def merged(local: OccupancyGrid, others: Sequence[Tuple[OccupancyGrid, Pose]]) -> OccupancyGrid:
     """All maps as one in the frame and on the lattice of the local one, by evidence; `others` with their transforms to
     the local frame."""
     together = GlobalMap("", Policy.EVIDENCE)

@@ -1,58 +1,19 @@
-"""Occupancy grids as values, and all index arithmetic of the package.
+"""Rectangles of cells, what fills them, and what fusion and registration take for an obstacle.
 
-Cells are addressed as (row, column). Row r, column c covers the square from r, c to r + 1, c + 1 (times the
-resolution) in the frame of the grid's corner, x along the columns and y along the rows, as in nav_msgs/OccupancyGrid.
+Cells are addressed as (row, column), as in `mr_grid.grid`.
 """
 
 import math
-from dataclasses import dataclass, field
 from typing import Iterable, Iterator, NamedTuple, Tuple
 
 import numpy as np
 
-from . import _surfaces
-from .transform import Transform
+from mr_grid import UNKNOWN, GridError, GridInfo, OccupancyGrid, Pose, empty_grid
 
-UNKNOWN = -1
-FREE = 0
-OCCUPIED = 100
+from . import _surfaces
+
 OCCUPIED_FROM = 50
 """Cells of at least this value count as obstacles; the others that are not negative as free."""
-
-MAX_CELLS = 64_000_000
-"""Larger grids are refused: a forged size must not take the memory of the robot."""
-FINEST_M, COARSEST_M = 0.001, 10.0
-"""Cells of other sizes are refused."""
-
-
-class GridError(ValueError):
-    """A grid that cannot be used, with the reason."""
-
-
-@dataclass(frozen=True)
-class GridInfo:
-    """Geometry of a grid: size in cells, resolution in m per cell, pose of its corner (m, rad) in the map frame."""
-
-    width: int
-    height: int
-    resolution: float
-    origin: Transform = field(default_factory=Transform)
-
-    def __post_init__(self) -> None:
-        values = (self.resolution, self.origin.x, self.origin.y, self.origin.yaw)
-        if not all(math.isfinite(value) for value in values):
-            raise GridError("resolution and origin of a grid must be finite numbers")
-        if not FINEST_M <= self.resolution <= COARSEST_M:
-            raise GridError(
-                f"resolution of a grid must be {FINEST_M:g} m to {COARSEST_M:g} m, not {self.resolution:g} m"
-            )
-        if self.width < 0 or self.height < 0 or self.width * self.height > MAX_CELLS:
-            raise GridError(f"a grid of {self.width} x {self.height} cells is not accepted (at most {MAX_CELLS} cells)")
-
-    @property
-    def shape(self) -> Tuple[int, int]:
-        """(rows, columns)."""
-        return self.height, self.width
 
 
 class Box(NamedTuple):
@@ -136,80 +97,21 @@ class Box(NamedTuple):
 EMPTY_BOX = Box(0, 0, 0, 0)
 
 
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """A map: geometry and cells (int8, shape (rows, columns), -1 unknown, 0 free .. 100 occupied). Treated as
-    immutable."""
-
-    info: GridInfo
-    cells: np.ndarray
-
-    def __post_init__(self) -> None:
-        if self.cells.shape != self.info.shape:
-            raise GridError(f"a grid of {self.info.shape} cells cannot hold {self.cells.shape}")
-
-    @property
-    def occupied(self) -> np.ndarray:
-        """Boolean array of the obstacles."""
-        return self.cells >= OCCUPIED_FROM
-
-    @property
-    def free(self) -> np.ndarray:
-        """Boolean array of the free cells."""
-        return (self.cells >= 0) & (self.cells < OCCUPIED_FROM)
+def occupied_cells(grid: OccupancyGrid) -> np.ndarray:
+    """The obstacles, bool (rows, columns)."""
+    return grid.cells >= OCCUPIED_FROM
 
 
-def empty_grid(info: GridInfo) -> Grid:
-    """Grid of unknown cells."""
-    return Grid(info, np.full(info.shape, UNKNOWN, np.int8))
-
-
-def grid_of(info: GridInfo, data: np.ndarray) -> Grid:
-    """Grid from row-major values of any integer type; GridError if their number does not fit the geometry."""
-    values = np.asarray(data)
-    if values.size != info.width * info.height:
-        raise GridError(f"a map of {info.width} x {info.height} cells came with {values.size} values")
-    return Grid(info, values.astype(np.int8, copy=False).reshape(info.shape))
-
-
-def cell_centres(info: GridInfo, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """Centres of the cells in the map frame, shape (n, 2), metres. Fractions of cells are allowed."""
-    local = np.stack([np.asarray(columns) + 0.5, np.asarray(rows) + 0.5], axis=-1) * info.resolution
-    return info.origin.apply(local)
-
-
-def continuous_cells(info: GridInfo, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Row and column, with fraction, of points (n, 2) in metres; cell r covers [r, r + 1)."""
-    local = info.origin.inverse().apply(points) / info.resolution
-    return local[:, 1], local[:, 0]
-
-
-def cells_of(info: GridInfo, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Row and column (int64) of the cells that hold points (n, 2) in metres, and whether they are inside the grid."""
-    rows, columns = (np.floor(values).astype(np.int64) for values in continuous_cells(info, points))
-    inside = (rows >= 0) & (rows < info.height) & (columns >= 0) & (columns < info.width)
-    return rows, columns, inside
-
-
-def values_at(cells: np.ndarray, info: GridInfo, points: np.ndarray, outside: float) -> np.ndarray:
-    """Value of `cells` under each of the points (n, 2) in metres, `outside` for points beyond the grid."""
-    rows, columns, inside = cells_of(info, points)
-    result = np.full(len(points), outside, dtype=cells.dtype)
-    result[inside] = cells[rows[inside], columns[inside]]
-    return result
-
-
-def corners(info: GridInfo) -> np.ndarray:
-    """The four corners of the grid in the map frame, shape (4, 2), metres."""
-    x, y = info.width * info.resolution, info.height * info.resolution
-    return info.origin.apply(np.array([[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]]))
+def free_cells(grid: OccupancyGrid) -> np.ndarray:
+    """Bool (rows, columns)."""
+    return (grid.cells >= 0) & (grid.cells < OCCUPIED_FROM)
 
 
 def window(info: GridInfo, box: Box) -> GridInfo:
     """Geometry of the cells in `box` (offsets may be negative or beyond the grid) on the same lattice."""
     rows, columns = box.shape
     x, y = info.origin.apply_point(box.left * info.resolution, box.top * info.resolution)
-    return GridInfo(columns, rows, info.resolution, Transform(x, y, info.origin.yaw))
+    return GridInfo(columns, rows, info.resolution, Pose(x, y, info.origin.yaw))
 
 
 def full_box(info: GridInfo) -> Box:
@@ -245,16 +147,16 @@ def changed_box(before: np.ndarray, after: np.ndarray) -> Box:
     return Box(*_surfaces.box_of_changes(before, after))
 
 
-def known_box(grid: Grid) -> Box:
+def known_box(grid: OccupancyGrid) -> Box:
     """Smallest box around the known cells."""
     return known_cells_box(grid.cells)
 
 
-def cropped(grid: Grid, box: Box) -> Grid:
+def cropped(grid: OccupancyGrid, box: Box) -> OccupancyGrid:
     """The cells of `box`; those beyond the grid are unknown."""
     inside = box.intersection(full_box(grid.info))
     if inside == box:
-        return Grid(window(grid.info, box), grid.cells[box.slices()])
+        return OccupancyGrid(window(grid.info, box), grid.cells[box.slices()])
     result = empty_grid(window(grid.info, box))
     if not inside.empty:
         result.cells[inside.shifted(-box.top, -box.left).slices()] = grid.cells[inside.slices()]
@@ -263,7 +165,7 @@ def cropped(grid: Grid, box: Box) -> Grid:
 
 def box_around(info: GridInfo, points: np.ndarray) -> Box:
     """Smallest box of cells on the lattice of `info` around points (n, 2) in metres; may leave the grid."""
-    rows, columns = continuous_cells(info, points)
+    rows, columns = info.continuous_cells(points)
     return Box(math.floor(rows.min()), math.floor(columns.min()), math.ceil(rows.max()), math.ceil(columns.max()))
 
 

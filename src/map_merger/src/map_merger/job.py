@@ -6,11 +6,12 @@ from typing import Callable, Hashable, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from mr_grid import OccupancyGrid, Pose
+
 from . import features, registration
 from .covariance import covariance_at_origin, covariance_of
 from .evidence import compare
 from .global_map import merged
-from .grid import Grid
 from .meetings import Sightings, confirmed, hypotheses_of
 from .presence import is_refuted, presence_of
 from .registration import (
@@ -31,7 +32,6 @@ from .robot_size import USUAL_SIZE, RobotSize
 from .search import same_place
 from .sighting import SIGHTINGS_NEEDED, Sighting, moved, nowhere, places_seen
 from .surface import Landmarks, landmarks_of, without_places
-from .transform import Transform
 
 LONGEST_STEP_M = 0.5
 """What moves the walls further is no refinement but a jump, as after a loop closure, and is searched for."""
@@ -47,14 +47,14 @@ class Versioned(NamedTuple):
     """A map and a key that changes whenever the map does."""
 
     key: Hashable
-    grid: Grid
+    grid: OccupancyGrid
 
 
 class Member(NamedTuple):
     """Another robot of the team whose transform to the own frame is believed."""
 
     map: Versioned
-    transform: Transform
+    transform: Pose
 
 
 class LandmarkCache:
@@ -65,7 +65,7 @@ class LandmarkCache:
         self._mover = size.mover
         self._known: OrderedDict[Hashable, Landmarks] = OrderedDict()
 
-    def of(self, key: Hashable, grid: Callable[[], Grid]) -> Landmarks:
+    def of(self, key: Hashable, grid: Callable[[], OccupancyGrid]) -> Landmarks:
         """Landmarks of the map with this key, computed when needed."""
         if key not in self._known:
             self._known[key] = landmarks_of(grid(), self._mover)
@@ -89,7 +89,7 @@ class Job:
     target: Versioned
     source: Versioned
     team: Tuple[Member, ...]
-    current: Optional[Transform]
+    current: Optional[Pose]
     prior: Optional[Prior]
     limits: Limits
     method: str
@@ -108,7 +108,7 @@ class Job:
     """What the robots' lasers show of one another. It is looked at first."""
     search: bool = True
     """False: nothing but the meeting is looked at."""
-    suggested: Optional[Transform] = None
+    suggested: Optional[Pose] = None
     """What the last search found, if the walls have nothing against it."""
     size: RobotSize = USUAL_SIZE
     """Of the robots of the team."""
@@ -155,7 +155,7 @@ class Job:
         )
 
     def _sighted(
-        self, target: Landmarks, source: Landmarks, meeting: Sightings, transforms: Sequence[Optional[Transform]]
+        self, target: Landmarks, source: Landmarks, meeting: Sightings, transforms: Sequence[Optional[Pose]]
     ) -> Optional[Registration]:
         """The first of the transforms by which the other robot was seen to drive, if the walls give that one and no
         other."""
@@ -212,7 +212,7 @@ class Job:
             verdict = Verdict.BEYOND_LIMITS
         return result._replace(verdict=verdict, transform=transform, evidence=evidence, rivals=())
 
-    def _met(self, target: Landmarks, transform: Transform) -> bool:
+    def _met(self, target: Landmarks, transform: Pose) -> bool:
         """True if the robots saw one another where the transform says. Scans tell that better than what maps keep of
         robots: in a building of copies some of it lies where another transform says, too."""
         if self.meeting is not None and len(self.meeting.sweeps.times):
@@ -224,7 +224,7 @@ class Job:
         )
         return seen + saw >= (1 if self.others_placed else SIGHTINGS_NEEDED)
 
-    def _follow(self, target: Landmarks, source: Landmarks, current: Transform) -> Registration:
+    def _follow(self, target: Landmarks, source: Landmarks, current: Pose) -> Registration:
         better, evidence = follow(target, source, current)
         if evidence.matched < KEEP_CRITERIA.matched and self.team:
             target = self._merged()
@@ -239,20 +239,20 @@ class Job:
                 return _with_covariance(target, source, found)
         return _with_covariance(target, source, Registration(verdict, better, evidence))
 
-    def _searched_nearby(self, target: Landmarks, source: Landmarks, current: Transform) -> Registration:
+    def _searched_nearby(self, target: Landmarks, source: Landmarks, current: Pose) -> Registration:
         """Either robot's SLAM may have closed a loop, which moves its map by little: not a matter of any transform."""
         return registration.register(target, source, PRIOR_CRITERIA, self.limits, Prior(current))
 
     def _merged(self) -> Landmarks:
         key = (self.target.key, tuple((member.map.key, member.transform) for member in self.team))
 
-        def merge() -> Grid:
+        def merge() -> OccupancyGrid:
             return merged(self.target.grid, [(member.map.grid, member.transform) for member in self.team])
 
         return without_places(self.cache.of(key, merge), self.target_track[:, :2], self.size.touching)
 
 
-def _are_same(first: Transform, second: Transform, source: Landmarks) -> bool:
+def _are_same(first: Pose, second: Pose, source: Landmarks) -> bool:
     return same_place(first, second, source.surface.points, SAME_M)
 
 

@@ -4,10 +4,11 @@ from typing import Optional, Tuple
 
 import numpy as np
 
+from mr_grid import UNKNOWN, GridInfo, OccupancyGrid, Pose
+
 from .board import Board
 from .drawing import box_of, drawn, nearly, whole_shift
-from .grid import EMPTY_BOX, UNKNOWN, Box, Grid, GridInfo, changed_box, full_box, known_box
-from .transform import Transform
+from .grid import EMPTY_BOX, Box, changed_box, full_box, known_box
 
 
 class Layer:
@@ -17,16 +18,16 @@ class Layer:
         self.board = Board()
         self.box = EMPTY_BOX
         """Around the known cells."""
-        self._source: Optional[Grid] = None
-        self._transform = Transform()
+        self._source: Optional[OccupancyGrid] = None
+        self._transform = Pose()
         self._version: object = None
 
-    def follows(self, version: object, transform: Transform) -> bool:
+    def follows(self, version: object, transform: Pose) -> bool:
         """True if the map of this version is drawn already, nearly where the transform lays it."""
         return self._source is not None and version == self._version and nearly(transform, self._transform)
 
     def set(
-        self, source: Grid, version: object, transform: Transform, changed: Optional[Box], lattice: GridInfo
+        self, source: OccupancyGrid, version: object, transform: Pose, changed: Optional[Box], lattice: GridInfo
     ) -> Box:
         """Draws what changed; returns the box of the cells that became others. `changed` counts from the source's
         corner; None: any cell may have changed."""
@@ -45,7 +46,7 @@ class Layer:
         box = before.box.union(self.board.box)
         return changed_box(before.read(box), self.board.read(box)).shifted(box.top, box.left)
 
-    def _changed_part(self, source: Grid, transform: Transform, changed: Optional[Box]) -> Optional[Box]:
+    def _changed_part(self, source: OccupancyGrid, transform: Pose, changed: Optional[Box]) -> Optional[Box]:
         """Cells of the new source that may differ from the former one; None if it is another lattice or transform."""
         if self._source is None or not nearly(transform, self._transform):
             return None
@@ -68,7 +69,7 @@ class Layer:
         return changed
 
 
-def difference(before: Grid, after: Grid, shift: Tuple[int, int]) -> Box:
+def difference(before: OccupancyGrid, after: OccupancyGrid, shift: Tuple[int, int]) -> Box:
     """Box around the cells of `after` that differ from `before`, whose first cell lies at `shift` of it."""
     if before is after:
         return EMPTY_BOX

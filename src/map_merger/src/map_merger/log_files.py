@@ -5,8 +5,9 @@ from enum import IntFlag
 import cv2
 import numpy as np
 
-from .features import image_of
-from .grid import Grid, continuous_cells
+from mr_grid import OccupancyGrid
+from mr_grid.map_files import image_of
+
 from .report import LogFigures
 
 
@@ -24,12 +25,12 @@ PERIODICAL_HEADER = "# time_s global_free_cells local_free_cells x_m y_m updates
 UPDATES_HEADER = "# time_s updates_sent\n"
 
 
-def picture_of(grid: Grid, mark_start: bool = True) -> bytes:
+def picture_of(grid: OccupancyGrid, mark_start: bool = True) -> bytes:
     """The map as binary PGM, row r of the picture being row r of the grid; a circle marks the origin of the map
     frame."""
     image = image_of(grid)
     if mark_start and image.size:
-        rows, columns = continuous_cells(grid.info, np.zeros((1, 2)))
+        rows, columns = grid.info.continuous_cells(np.zeros((1, 2)))
         cv2.circle(image, (int(columns[0]), int(rows[0])), 5, 128, 1)
     return b"P5\n%d %d\n255\n" % (grid.info.width, grid.info.height) + image.tobytes()
 

@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass, field
 from typing import Dict, Optional, Sequence, Tuple
 
-from .grid import Grid
+from mr_grid import OccupancyGrid, Pose
+
 from .sighting import LONGEST_LAG_S, Sighting, View, Views, view_of
-from .transform import Transform
 from .whereabouts import HeardPose
 
 SHORTEST_VIEW_S = 1.0
@@ -31,15 +31,15 @@ class MapSightings:
 
     def __init__(self) -> None:
         self._kept: Dict[str, _Kept] = {}
-        self._map: Optional[Grid] = None
+        self._map: Optional[OccupancyGrid] = None
         self._map_time = -math.inf
         self._view: Optional[View] = None
 
-    def on_map(self, grid: Grid, now: float) -> None:
+    def on_map(self, grid: OccupancyGrid, now: float) -> None:
         """The own map changed."""
         self._map, self._map_time, self._view = grid, now, None
 
-    def look_for(self, robot: str, position: Optional[HeardPose], viewer: Optional[Transform], now: float) -> None:
+    def look_for(self, robot: str, position: Optional[HeardPose], viewer: Optional[Pose], now: float) -> None:
         """Keeps what the own map, whose robot is at `viewer`, shows while it is known where the other robot is."""
         if position is None or self._map is None:
             return
@@ -50,10 +50,10 @@ class MapSightings:
     def look_through(
         self,
         robot: str,
-        grid: Grid,
+        grid: OccupancyGrid,
         version: int,
         position: Optional[HeardPose],
-        own_poses: Sequence[Transform],
+        own_poses: Sequence[Pose],
         now: float,
     ) -> None:
         """Keeps what the other robot's map shows together with the places where the own robot was just before."""

@@ -8,8 +8,9 @@ from typing import Optional, Tuple
 import cv2
 import numpy as np
 
-from .grid import UNKNOWN, Grid, cell_centres, cropped, known_box
-from .transform import Transform
+from mr_grid import UNKNOWN, OccupancyGrid, Pose
+
+from .grid import cropped, known_box
 
 MOST_OUTLINE_CELLS = 400
 """Larger maps are looked at on a coarser lattice of at most so many cells a side."""
@@ -22,17 +23,17 @@ class RobotMarker:
     """A robot in the own map frame: its pose if known, and the closed outline (n, 2; m) of its map, maybe empty."""
 
     robot: str
-    pose: Optional[Transform]
+    pose: Optional[Pose]
     outline: np.ndarray
 
 
-def marker_of(robot: str, pose: Optional[Transform], outline: np.ndarray, frame: Transform) -> RobotMarker:
+def marker_of(robot: str, pose: Optional[Pose], outline: np.ndarray, frame: Pose) -> RobotMarker:
     """A robot whose pose and outline are given in its own map frame; `frame`: that frame -> the own one."""
     placed = None if pose is None else frame.compose(pose)
     return RobotMarker(robot, placed, frame.apply(outline) if len(outline) else outline)
 
 
-def outline_of(grid: Grid) -> np.ndarray:
+def outline_of(grid: OccupancyGrid) -> np.ndarray:
     """Outline of the largest connected known part, (n, 2) in m in the map's frame, at most MOST_OUTLINE_POINTS;
     empty if nothing is known. Not closed: the first point is not repeated."""
     box = known_box(grid)
@@ -49,7 +50,7 @@ def outline_of(grid: Grid) -> np.ndarray:
         tolerance *= 1.5
         outline = cv2.approxPolyDP(contour, tolerance, True)
     columns, rows = step * outline.reshape(-1, 2).T + 0.5 * (step - 1)
-    return cell_centres(part.info, rows, columns)
+    return part.info.centres(rows, columns)
 
 
 def colour_of(robot: str) -> Tuple[float, float, float]:

@@ -4,14 +4,14 @@ from typing import Mapping, Optional, Set, Tuple
 
 import numpy as np
 
+from mr_grid import OccupancyGrid, Pose
+
 from .exchange import Exchange
 from .global_map import GlobalMap, Policy, Update
-from .grid import Grid
 from .options import Options
 from .reference import Reference
 from .timer import Timer
 from .topology import topology_of
-from .transform import Transform
 from .whereabouts import Whereabouts
 
 SHORTEST_PUBLISH_S = 1.0
@@ -31,7 +31,7 @@ class MergedMap:
         self._drawn: Set[str] = set()
         self._version = -1
         self._left_out: Set[str] = set()
-        self.grid: Optional[Grid] = None
+        self.grid: Optional[OccupancyGrid] = None
         """The global map as it was drawn last."""
 
     def forget(self) -> None:
@@ -43,7 +43,7 @@ class MergedMap:
         self,
         reference: Reference,
         exchange: Exchange,
-        transforms: Mapping[str, Transform],
+        transforms: Mapping[str, Pose],
         whereabouts: Whereabouts,
         now: float,
     ) -> Optional[Update]:
@@ -75,7 +75,7 @@ class MergedMap:
         news, self._left_out = left_out - self._left_out, left_out
         return tuple(sorted(news))
 
-    def _draw(self, transforms: Mapping[str, Transform], exchange: Exchange) -> None:
+    def _draw(self, transforms: Mapping[str, Pose], exchange: Exchange) -> None:
         for name in sorted(self._drawn - transforms.keys()):
             self._map.remove_layer(name)
             self._map.set_places(name, np.empty((0, 2)))
@@ -87,7 +87,7 @@ class MergedMap:
                 self._map.set_layer(name, grid, version, transform)
                 self._drawn.add(name)
 
-    def _place(self, transforms: Mapping[str, Transform], whereabouts: Whereabouts) -> None:
+    def _place(self, transforms: Mapping[str, Pose], whereabouts: Whereabouts) -> None:
         own = whereabouts.own_track.points()
         if len(own):
             self._map.set_places(self._name, own)

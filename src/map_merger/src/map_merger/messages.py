@@ -5,8 +5,9 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from .grid import Box, GridInfo
-from .transform import Transform
+from mr_grid import GridInfo, Pose
+
+from .grid import Box
 
 Boot = Tuple[int, int]
 """Names one run of a robot (its start time as seconds and nanoseconds). Only ever compared for equality."""
@@ -65,7 +66,7 @@ class Position(NamedTuple):
     """Pose of a robot in its own map frame. sent: when, s, by the clock of the robot; 0 if it does not tell."""
 
     robot: str
-    pose: Transform
+    pose: Pose
     sent: float = 0.0
 
 

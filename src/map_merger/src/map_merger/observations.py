@@ -1,15 +1,15 @@
 """What was observed of the robots, each in its own frame: poses and tracks, and who was seen where."""
 
+from mr_grid import OccupancyGrid, Pose
+
 from .exchange import Exchange
 from .graph.team import TeamGraph
-from .grid import Grid
 from .map_sightings import MapSightings
 from .meetings import Meetings
 from .messages import Boot
 from .options import Options
 from .reference import Reference
 from .sighting import LONGEST_MAP_LAG_S
-from .transform import Transform
 from .whereabouts import Whereabouts
 
 
@@ -26,12 +26,12 @@ class Observations:
         self.sightings = MapSightings()
         self.meetings = Meetings(options.robot_name, boot, options.robot_size)
 
-    def on_own_pose(self, pose: Transform, now: float) -> None:
+    def on_own_pose(self, pose: Pose, now: float) -> None:
         """The own robot's pose in the own map frame."""
         self.whereabouts.on_own_pose(pose, now)
         self.meetings.on_own_pose(pose, now)
 
-    def on_position(self, robot: str, pose: Transform, now: float) -> None:
+    def on_position(self, robot: str, pose: Pose, now: float) -> None:
         """A robot told its pose in its map frame."""
         self.whereabouts.on_position(robot, pose, now)
         self._look_for(robot, now)
@@ -46,7 +46,7 @@ class Observations:
         for robot in self._exchange.robots():
             self._look_for(robot, now)
 
-    def look_through(self, robot: str, grid: Grid, version: int, now: float) -> None:
+    def look_through(self, robot: str, grid: OccupancyGrid, version: int, now: float) -> None:
         """Looks for the own robot in another one's map."""
         if robot not in self._graph.placed():
             own_poses = self.whereabouts.own_poses(now, LONGEST_MAP_LAG_S)

@@ -4,8 +4,9 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
+from mr_grid import Pose, pose_of
+
 from .robot_size import RobotSize
-from .transform import Transform, transform_of
 
 
 class OptionError(ValueError):
@@ -103,7 +104,7 @@ class Options:
     debug: bool = True
     log_path: str = ""
     registration: str = "correlation"
-    initial_poses: Mapping[str, Transform] = field(default_factory=dict)
+    initial_poses: Mapping[str, Pose] = field(default_factory=dict)
     scan_topic: str = ""
     body_radius: float = 0.2
     largest_robot_radius: float = 0.29
@@ -190,11 +191,11 @@ def _checked(name: str, value: Any) -> Any:
     return value
 
 
-def _poses(given: Mapping[str, Any]) -> Dict[str, Transform]:
+def _poses(given: Mapping[str, Any]) -> Dict[str, Pose]:
     poses = {}
     for robot, pose in given.items():
         try:
-            poses[str(robot)] = transform_of(pose)
+            poses[str(robot)] = pose_of(pose)
         except (TypeError, ValueError) as error:
             raise OptionError(
                 f"parameter initial_poses/{robot}: expected [x, y, yaw] in metres and radians, not {pose!r}"

@@ -2,11 +2,12 @@
 
 from typing import List, Optional
 
+from mr_grid import Pose
+
 from .exchange import Exchange
 from .graph.edges import Edge
 from .messages import Boot
 from .registrar import Registrar
-from .transform import Transform
 
 _SAME_FRAME = ((1e-8, 0.0, 0.0), (0.0, 1e-8, 0.0), (0.0, 0.0, 1e-8))
 """A base station's frame is that of the robot whose map it has adopted."""
@@ -22,5 +23,5 @@ def own_edges(name: str, boot: Boot, registrar: Registrar, exchange: Exchange, b
             wall = belief.evidence.matched
             edges.append(Edge(name, robot, boot, run, belief.transform, belief.covariance, wall, belief.met))
     if base is not None:
-        edges.append(Edge(name, base, boot, exchange.boot_of(base), Transform(), _SAME_FRAME))
+        edges.append(Edge(name, base, boot, exchange.boot_of(base), Pose(), _SAME_FRAME))
     return edges

@@ -2,14 +2,14 @@
 
 from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
+from mr_grid import OccupancyGrid, Pose
+
 from .evidence import compare
 from .global_map import GlobalMap
-from .grid import Grid
 from .one_shot import confidence_in, criteria_for, decide
 from .reasons import reason_of
 from .registration import DEFAULT_CRITERIA, Registration
 from .surface import Landmarks, landmarks_of
-from .transform import Transform
 
 CONTRADICTING_TEAM = 1.5 * DEFAULT_CRITERIA.conflict
 """Largest accepted share of a map's walls in free space of all maps placed so far."""
@@ -18,7 +18,7 @@ CONTRADICTING_TEAM = 1.5 * DEFAULT_CRITERIA.conflict
 class Placed(NamedTuple):
     """A map's transform to the first one's frame, through which map it was found, and the evidence of that pair."""
 
-    transform: Transform
+    transform: Pose
     via: int
     confidence: float
     shared_wall: float
@@ -31,7 +31,7 @@ class Placement(NamedTuple):
     declined: Dict[int, str]
 
 
-def place(maps: Sequence[Grid]) -> Placement:
+def place(maps: Sequence[OccupancyGrid]) -> Placement:
     """Places the maps, those with the most shared wall first. Every pair is registered at most once."""
     search = _Search(maps)
     while search.advance():
@@ -39,7 +39,7 @@ def place(maps: Sequence[Grid]) -> Placement:
     return Placement(search.placed, {each: search.reason_for(each) for each in search.open})
 
 
-def merged(maps: Sequence[Grid], placed: Dict[int, Placed]) -> Grid:
+def merged(maps: Sequence[OccupancyGrid], placed: Dict[int, Placed]) -> OccupancyGrid:
     """The placed maps on the lattice of the first one."""
     whole = GlobalMap("0")
     whole.set_local(maps[0])
@@ -52,7 +52,7 @@ def merged(maps: Sequence[Grid], placed: Dict[int, Placed]) -> Grid:
 class _Search:
     """Placed and open maps, and the pairs that were registered: (placed, open) -> result."""
 
-    def __init__(self, maps: Sequence[Grid]) -> None:
+    def __init__(self, maps: Sequence[OccupancyGrid]) -> None:
         self._maps = maps
         self._landmarks: List[Landmarks] = [landmarks_of(each) for each in maps]
         self._pairs: Dict[Tuple[int, int], Registration] = {}
@@ -91,7 +91,7 @@ class _Search:
         ]
         return max(scores)[1] if scores else None
 
-    def _transform(self, pair: Tuple[int, int]) -> Transform:
+    def _transform(self, pair: Tuple[int, int]) -> Pose:
         found = self._pairs[pair].transform
         assert found is not None
         return self.placed[pair[0]].transform.compose(found) if pair[0] else found

@@ -4,7 +4,9 @@ from typing import List
 
 import numpy as np
 
-from .grid import Box, GridInfo, continuous_cells
+from mr_grid import GridInfo
+
+from .grid import Box
 
 MOST_PLACES = 4000
 """Places of one robot that count; of more, every second one."""
@@ -38,7 +40,7 @@ class Places:
 
     def draw(self, lattice: GridInfo) -> None:
         """The lattice is another one."""
-        self.cells = np.floor(np.stack(continuous_cells(lattice, self.points), axis=1)).astype(np.int64)
+        self.cells = np.floor(np.stack(lattice.continuous_cells(self.points), axis=1)).astype(np.int64)
 
     def _same(self, points: np.ndarray) -> int:
         """How many of the first points are those of before."""

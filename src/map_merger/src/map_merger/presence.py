@@ -10,13 +10,13 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from .grid import values_at
+from mr_grid import Pose, values_at
+
 from .meetings import Sightings
 from .meetings.identity import is_empty, who_moves_alike, who_was_there
 from .meetings.tracking import at_times
 from .robot_size import USUAL_SIZE, RobotSize
 from .surface import Landmarks
-from .transform import Transform
 
 _ALIKE_M = 0.1
 """A laser sees surfaces, so the ways of robots that differ by less may be taken for one another."""
@@ -50,7 +50,7 @@ class Presence(NamedTuple):
         )
 
 
-def is_refuted(sightings: Sightings, transform: Transform) -> bool:
+def is_refuted(sightings: Sightings, transform: Pose) -> bool:
     """True if by the transform (of the other robot's frame to the own one) both robots stood in the same place, or the
     own laser saw nothing where the other one was."""
     turn, shift = _between_tracks(sightings, transform)
@@ -62,9 +62,7 @@ def is_refuted(sightings: Sightings, transform: Transform) -> bool:
     return is_empty(sightings.sweeps, turn * told + shift, known)
 
 
-def presence_of(
-    sightings: Sightings, viewer: Landmarks, transform: Transform, size: RobotSize = USUAL_SIZE
-) -> Presence:
+def presence_of(sightings: Sightings, viewer: Landmarks, transform: Pose, size: RobotSize = USUAL_SIZE) -> Presence:
     """What the own sweeps, in the map frame of `viewer`, show where the other robot was by `transform` (its frame to
     the own one). Where a further robot was that is placed says nothing."""
     sweeps = sightings.sweeps
@@ -79,14 +77,14 @@ def presence_of(
     return Presence(int(there.sum()), int(seen.empty.sum()), _extent(places[there]))
 
 
-def _between_tracks(sightings: Sightings, transform: Transform) -> Tuple[complex, complex]:
+def _between_tracks(sightings: Sightings, transform: Pose) -> Tuple[complex, complex]:
     """Turn and shift from the frame of the other's track to that of the own one; where SLAM has jumped these are not
     the frames of the maps."""
     tracks = sightings.own_map.inverse().compose(transform).compose(sightings.told_map)
     return complex(np.exp(1j * tracks.yaw)), complex(tracks.x, tracks.y)
 
 
-def _may_be_another(sightings: Sightings, transform: Transform, times: np.ndarray, places: np.ndarray) -> bool:
+def _may_be_another(sightings: Sightings, transform: Pose, times: np.ndarray, places: np.ndarray) -> bool:
     placed = {
         name: (sightings.others[name], each) for name, each in sightings.placed.items() if name in sightings.others
     }
@@ -97,7 +95,7 @@ def _may_be_another(sightings: Sightings, transform: Transform, times: np.ndarra
     return bool(alike) and not _is_seen_back(sightings, transform)
 
 
-def _is_seen_back(sightings: Sightings, transform: Transform) -> bool:
+def _is_seen_back(sightings: Sightings, transform: Pose) -> bool:
     """The other robot told of something again and again where, by the transform, the own one was."""
     turn, shift = _between_tracks(sightings, transform)
     count = 0

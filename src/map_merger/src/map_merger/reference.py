@@ -2,8 +2,9 @@
 
 from typing import List, Optional
 
+from mr_grid import OccupancyGrid
+
 from .exchange import Exchange
-from .grid import Grid
 
 BASE_LOST_S = 60.0
 """A base station that could not merge anything gives up an adopted robot that is gone for so long, in s."""
@@ -13,7 +14,7 @@ class Reference:
     """Owns that map."""
 
     def __init__(self) -> None:
-        self.grid: Optional[Grid] = None
+        self.grid: Optional[OccupancyGrid] = None
         self.version = 0
         """Counts the maps."""
         self.robot: Optional[str] = None
@@ -24,7 +25,7 @@ class Reference:
         self._seen = -1
         self._lost_at: Optional[float] = None
 
-    def set(self, grid: Grid) -> None:
+    def set(self, grid: OccupancyGrid) -> None:
         """The map changed."""
         self.grid = grid
         self.version += 1

@@ -10,12 +10,14 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from mr_grid import Pose
+
 from .covariance import Covariance
 from .evidence import Evidence, compare, compare_samples
 from .refine import COARSE_REACH, FINE_REACH, refined
 from .search import Prior, candidates
 from .surface import Landmarks, subsample
-from .transform import Transform, displacement, rotation_between
+from .transform import displacement, rotation_between
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ class Limits(NamedTuple):
     translation: float = math.inf
     rotation: float = math.inf
 
-    def allow(self, transform: Transform) -> bool:
+    def allow(self, transform: Pose) -> bool:
         """True if the transform is inside the limits."""
         return max(abs(transform.x), abs(transform.y)) <= self.translation and abs(transform.yaw) <= self.rotation
 
@@ -93,7 +95,7 @@ class Verdict(Enum):
 class Rival(NamedTuple):
     """A different transform, what speaks for it, and how far (m, median) it lays the source's walls from the best."""
 
-    transform: Transform
+    transform: Pose
     evidence: Evidence
     apart: float
 
@@ -103,7 +105,7 @@ class Registration(NamedTuple):
     ACCEPTED."""
 
     verdict: Verdict
-    transform: Optional[Transform] = None
+    transform: Optional[Pose] = None
     evidence: Evidence = Evidence()
     surveyed: float = 0.0
     """Metres of wall in both maps together, shared or not."""
@@ -113,7 +115,7 @@ class Registration(NamedTuple):
     """True if one of the robots was seen by the other where the transform says it was (sighting)."""
     rival: Optional[Rival] = None
     """The different transform that makes this one ambiguous, or else the best different one."""
-    rivals: Tuple[Transform, ...] = ()
+    rivals: Tuple[Pose, ...] = ()
     """With AMBIGUOUS: the different transforms, best first, that could as well be the true one."""
     words: str = ""
     """Why a meeting was not believed."""
@@ -171,7 +173,7 @@ def register(
 def choose(
     target: Landmarks,
     source: Landmarks,
-    starts: List[Transform],
+    starts: List[Pose],
     rule: Rule,
     limits: Limits,
     prior: Optional[Prior],
@@ -210,7 +212,7 @@ def choose(
     )
 
 
-def searched(target: Landmarks, source: Landmarks, prior: Optional[Prior]) -> List[Transform]:
+def searched(target: Landmarks, source: Landmarks, prior: Optional[Prior]) -> List[Pose]:
     """Coarse transforms, one of which should be near the true one: what the search finds."""
     return [candidate.transform for candidate in candidates(target, source, 16 if prior is None else 8, prior)]
 
@@ -229,15 +231,13 @@ def verdict_of(evidence: Evidence, rivals: Sequence[Evidence], rule: Rule) -> Ve
     return Verdict.AMBIGUOUS if Verdict.AMBIGUOUS in verdicts else verdicts[0]
 
 
-def follow(target: Landmarks, source: Landmarks, transform: Transform) -> Tuple[Transform, Evidence]:
+def follow(target: Landmarks, source: Landmarks, transform: Pose) -> Tuple[Pose, Evidence]:
     """An accepted transform refined on the present maps, and what speaks for it now."""
     better = refined(target.surface, subsample(source.surface, 2500), transform, FINE_REACH)
     return better, compare(target, source, better)
 
 
-def ranked_by_evidence(
-    target: Landmarks, source: Landmarks, starts: List[Transform]
-) -> List[Tuple[Evidence, Transform]]:
+def ranked_by_evidence(target: Landmarks, source: Landmarks, starts: List[Pose]) -> List[Tuple[Evidence, Pose]]:
     """Every start refined, and what speaks for it, the best first."""
     sample = subsample(source.surface, 500)
     target_sample, source_sample = (subsample(part.surface, _RANKED_POINTS) for part in (target, source))
@@ -258,14 +258,14 @@ def _rivals(best: Evidence, other: Evidence, criteria: Criteria) -> bool:
     return plausible or doubtful or other.score > criteria.rival * best.score
 
 
-def _different(first: Transform, second: Transform, points: np.ndarray) -> bool:
+def _different(first: Pose, second: Pose, points: np.ndarray) -> bool:
     return (
         rotation_between(first, second) > math.radians(4.0)
         or float(np.median(displacement(first, second, points))) > 0.4
     )
 
 
-def _near_prior(transform: Transform, prior: Prior, points: np.ndarray) -> bool:
+def _near_prior(transform: Pose, prior: Prior, points: np.ndarray) -> bool:
     centre = points.mean(axis=0, keepdims=True)
     return (
         rotation_between(transform, prior.transform) <= prior.rotation + math.radians(3.0)

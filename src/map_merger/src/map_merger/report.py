@@ -3,15 +3,16 @@
 import math
 from typing import List, Mapping, NamedTuple, Optional
 
+from mr_grid import OccupancyGrid, Pose
+
 from .alignment import Alignment
 from .confidence import confidence_of
 from .effects import Effect, Note, PublishPositions, PublishTrack
 from .graph.team import Placement
-from .grid import Grid
+from .grid import free_cells
 from .options import Options
 from .registration import Registration, Verdict
 from .status import RobotPlacement
-from .transform import Transform
 from .whereabouts import Whereabouts
 
 POSITION_AGE_S = 30.0
@@ -30,16 +31,16 @@ class LogFigures(NamedTuple):
 
 
 def figures_of(
-    merged: Optional[Grid], local: Optional[Grid], pose: Optional[Transform], updates: int, transforms: int
+    merged: Optional[OccupancyGrid], local: Optional[OccupancyGrid], pose: Optional[Pose], updates: int, transforms: int
 ) -> LogFigures:
     """Figures for the log."""
-    pose = pose or Transform()
-    free = [0 if grid is None else int(grid.free.sum()) for grid in (merged, local)]
+    pose = pose or Pose()
+    free = [0 if grid is None else int(free_cells(grid).sum()) for grid in (merged, local)]
     return LogFigures(free[0], free[1], pose.x, pose.y, updates, transforms)
 
 
 def positions_of(
-    options: Options, whereabouts: Whereabouts, transforms: Mapping[str, Transform], now: float
+    options: Options, whereabouts: Whereabouts, transforms: Mapping[str, Pose], now: float
 ) -> List[Effect]:
     """Where everybody is and has been, own frame."""
     longest = max(POSITION_AGE_S, 10.0 * options.seconds_send_position)
@@ -89,7 +90,7 @@ def placement_of(
     return RobotPlacement(robot, why, placement.transform, via, placement.covariance, confidence, wall, age, octets)
 
 
-def described(transform: Optional[Transform]) -> str:
+def described(transform: Optional[Pose]) -> str:
     """A transform for people."""
     if transform is None:
         return "none"

@@ -8,10 +8,11 @@ from nav_msgs.msg import Odometry
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan as LaserScanMessage
 
+from mr_grid import Pose
+
 from . import ros_io
 from .meetings.detection import LaserScan
 from .timer import Timer
-from .transform import Transform
 
 POSE_PERIOD_S = 0.5
 SCAN_PERIOD_S = 0.2
@@ -34,7 +35,7 @@ class PoseInput:
     def _keep(self, message: Any) -> None:
         self._latest = message
 
-    def take(self) -> Optional[Transform]:
+    def take(self) -> Optional[Pose]:
         """The newest pose; None if there is no new one or it cannot be used, which is reported once in a while."""
         if self._latest is None or not self._timer.fires(rospy.get_time()):
             return None
@@ -51,7 +52,7 @@ class PoseInput:
             rospy.logwarn_throttle(30.0, f"map_merger ignored odometry: {error}")
         return None
 
-    def _to_map(self, frame: str) -> Transform:
+    def _to_map(self, frame: str) -> Pose:
         return ros_io.transform_of_message(self._buffer.lookup_transform(self._map_frame, frame, rospy.Time(0)))
 
 
@@ -65,7 +66,7 @@ class ScanInput:
         buffer: tf2_ros.Buffer,
         base_frame: Callable[[], str],
         wanted: Callable[[], bool],
-        take: Callable[[LaserScan, Transform, float], None],
+        take: Callable[[LaserScan, Pose, float], None],
     ) -> None:
         """`take` is called in the subscriber's thread with a scan, the robot's pose in its map frame at its
         time, and its stamp in s."""

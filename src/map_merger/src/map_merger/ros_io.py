@@ -1,24 +1,26 @@
 """Conversion between ROS messages and the values of this package. Nothing else here touches ROS types."""
 
-import math
+from dataclasses import replace
 from typing import Iterable, Tuple
 
 import numpy as np
 import rospy
 from adhoc_communication.msg import MmControl, MmListOfPoints, MmMapUpdate, MmPoint, MmRobotPosition
-from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, TransformStamped
-from nav_msgs.msg import MapMetaData, OccupancyGrid
+from geometry_msgs.msg import Point, PoseStamped, Quaternion, TransformStamped
+from geometry_msgs.msg import Pose as PoseMessage
+from nav_msgs.msg import MapMetaData
+from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan as LaserScanMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from .grid import Grid, GridError, GridInfo, grid_of
+from mr_grid import GridError, GridInfo, OccupancyGrid, Pose, grid_of
+from mr_grid.ros import NumpyOccupancyGrid, grid_value, info_message, info_value, pose_message, pose_value
+
 from .meetings.values import LaserScan
 from .messages import Anchor, Boot, Position, Request, Tile
-from .transform import FARTHEST_M, Transform
 from .whereabouts import Place
 
-NumpyOccupancyGrid = numpy_msg(OccupancyGrid)
 NumpyMapUpdate = numpy_msg(MmMapUpdate)
 
 
@@ -30,63 +32,40 @@ class MessageError(ValueError):
     """A message that cannot be used, with the reason."""
 
 
-def transform_of_pose(pose: Pose) -> Transform:
+def transform_of_pose(pose: PoseMessage) -> Pose:
     """Planar part of a pose. MessageError if it is not finite, absurdly far away, or has next to no quaternion."""
-    q = pose.orientation
-    values = (pose.position.x, pose.position.y, q.x, q.y, q.z, q.w)
-    if not all(abs(value) <= FARTHEST_M for value in values):
-        raise MessageError(f"a pose with values that are not finite or above {FARTHEST_M:g}")
-    norm = math.sqrt(q.x**2 + q.y**2 + q.z**2 + q.w**2)
-    if 0.0 < norm < 1e-6:
-        raise MessageError("a pose with a quaternion of length 0")
-    # Maps often leave the orientation of their origin at all zeros, meaning no rotation.
-    yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y**2 + q.z**2)) if norm else 0.0
-    return Transform(pose.position.x, pose.position.y, yaw)
-
-
-def pose_of(transform: Transform) -> Pose:
-    """Pose in the plane."""
-    orientation = Quaternion(0.0, 0.0, math.sin(transform.yaw / 2.0), math.cos(transform.yaw / 2.0))
-    return Pose(Point(transform.x, transform.y, 0.0), orientation)
+    try:
+        return pose_value(pose)
+    except GridError as error:
+        raise MessageError(str(error)) from error
 
 
 def info_of(message: MapMetaData) -> GridInfo:
-    """Geometry. MessageError if it cannot be used."""
+    """Placement. MessageError if it cannot be used."""
     try:
-        return GridInfo(message.width, message.height, message.resolution, transform_of_pose(message.origin))
+        return info_value(message)
     except GridError as error:
         raise MessageError(str(error)) from error
 
 
-def grid_of_message(message: OccupancyGrid) -> Grid:
-    """A map. MessageError if geometry and data do not fit."""
+def grid_of_message(message: OccupancyGridMessage) -> OccupancyGrid:
+    """A map. MessageError if placement and data do not fit."""
     try:
-        return grid_of(info_of(message.info), np.asarray(message.data, dtype=np.int8))
+        return grid_value(message)
     except GridError as error:
         raise MessageError(str(error)) from error
 
 
-def message_of_grid(grid: Grid, frame: str, stamp: rospy.Time) -> OccupancyGrid:
-    """A map as message for a numpy publisher."""
-    message = NumpyOccupancyGrid()
-    message.header.frame_id, message.header.stamp = frame, stamp
-    message.info = MapMetaData(
-        stamp, grid.info.resolution, grid.info.width, grid.info.height, pose_of(grid.info.origin)
-    )
-    message.data = np.ascontiguousarray(grid.cells, dtype=np.int8).ravel()
-    return message
-
-
-def anchor_message(anchor: Anchor) -> OccupancyGrid:
+def anchor_message(anchor: Anchor) -> OccupancyGridMessage:
     """An anchor: geometry without cells; map_load_time names the run, header.seq counts the updates."""
     message = NumpyOccupancyGrid()
     message.header.frame_id, message.header.seq = anchor.robot, anchor.updates
-    message.info = MapMetaData(rospy.Time(*anchor.boot), anchor.info.resolution, 0, 0, pose_of(anchor.info.origin))
+    message.info = info_message(replace(anchor.info, width=0, height=0), rospy.Time(*anchor.boot))
     message.data = np.empty(0, np.int8)
     return message
 
 
-def anchor_of(message: OccupancyGrid) -> Anchor:
+def anchor_of(message: OccupancyGridMessage) -> Anchor:
     """Anchor from its announcement. MessageError if it cannot be used."""
     if message.info.width or message.info.height or len(message.data):
         raise MessageError(f"an anchor of {message.header.frame_id!r} with cells")
@@ -106,7 +85,7 @@ def tile_message(tile: Tile) -> MmMapUpdate:
         tile.resolution,
         columns,
         rows,
-        Pose(Point(float(tile.row), float(tile.column), float(tile.whole)), Quaternion(0.0, 0.0, 0.0, 1.0)),
+        PoseMessage(Point(float(tile.row), float(tile.column), float(tile.whole)), Quaternion(0.0, 0.0, 0.0, 1.0)),
     )
     message.map.data = np.ascontiguousarray(tile.cells, dtype=np.int8).ravel()
     return message
@@ -153,7 +132,7 @@ def position_message(position: Position, frame: str, stamp: rospy.Time) -> MmRob
     """A pose in the sender's map frame."""
     message = MmRobotPosition(position.robot, PoseStamped())
     message.position.header.frame_id, message.position.header.stamp = frame, stamp
-    message.position.pose = pose_of(position.pose)
+    message.position.pose = pose_message(position.pose)
     return message
 
 
@@ -168,21 +147,21 @@ def points_message(places: Iterable[Place]) -> MmListOfPoints:
     return MmListOfPoints([MmPoint(place.robot, place.x, place.y) for place in places])
 
 
-def transform_messages(transforms: Iterable[Tuple[str, Transform]], frame: str, stamp: rospy.Time) -> list:
+def transform_messages(transforms: Iterable[Tuple[str, Pose]], frame: str, stamp: rospy.Time) -> list:
     """tf2 messages `frame` -> given child frames."""
     messages = []
     for child, transform in transforms:
         message = TransformStamped()
         message.header.frame_id, message.header.stamp, message.child_frame_id = frame, stamp, child
         message.transform.translation.x, message.transform.translation.y = transform.x, transform.y
-        message.transform.rotation = pose_of(transform).orientation
+        message.transform.rotation = pose_message(transform).orientation
         messages.append(message)
     return messages
 
 
-def transform_of_message(message: TransformStamped) -> Transform:
+def transform_of_message(message: TransformStamped) -> Pose:
     """Planar part of a tf2 transform."""
-    return transform_of_pose(Pose(message.transform.translation, message.transform.rotation))
+    return transform_of_pose(PoseMessage(message.transform.translation, message.transform.rotation))
 
 
 def track_message(points: np.ndarray, frame: str, stamp: rospy.Time) -> MarkerArray:
@@ -200,7 +179,7 @@ def _boot_of(info: MapMetaData) -> Boot:
     return info.map_load_time.secs, info.map_load_time.nsecs
 
 
-def scan_of(message: LaserScanMessage, mount: Transform) -> LaserScan:
+def scan_of(message: LaserScanMessage, mount: Pose) -> LaserScan:
     """A scan; `mount`: the sensor in the robot's frame. MessageError if its geometry cannot be used."""
     ranges = np.array(message.ranges, np.float32)
     geometry = (message.angle_min, message.angle_increment, message.range_min, message.range_max)

@@ -12,13 +12,13 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from map_merger.msg import MergerStatus, RobotPlacement
 from map_merger.srv import ForgetRobot, ForgetRobotResponse, SaveMap, SaveMapResponse
+from mr_grid import OccupancyGrid, Pose
+from mr_grid.map_files import MapFileError, save_map
+from mr_grid.ros import pose_message
 
 from . import status
-from .grid import Box, Grid, full_box
-from .map_files import MapFileError, save_map
+from .grid import Box, full_box
 from .markers import RobotMarker, colour_of
-from .ros_io import pose_of
-from .transform import Transform
 
 NumpyGridUpdate = numpy_msg(OccupancyGridUpdate)
 
@@ -49,13 +49,15 @@ class Outputs:
         if self._markers.get_num_connections():
             self._markers.publish(team_markers(robots(), self._frame, stamp))
 
-    def show_update(self, grid: Grid, box: Box, stamp: rospy.Time) -> None:
+    def show_update(self, grid: OccupancyGrid, box: Box, stamp: rospy.Time) -> None:
         """The part of the global map that changed; its size is that of the last whole one."""
         if self._updates.get_num_connections() and not box.empty:
             self._updates.publish(update_message(grid, box, self._frame, stamp))
 
 
-def serve(global_map: Callable[[], Optional[Grid]], forget: Callable[[str], None]) -> Tuple[rospy.Service, ...]:
+def serve(
+    global_map: Callable[[], Optional[OccupancyGrid]], forget: Callable[[str], None]
+) -> Tuple[rospy.Service, ...]:
     """The services beside those of the contract. forget: raises KeyError for a robot that is not known."""
 
     def on_save(request: SaveMap) -> SaveMapResponse:
@@ -79,7 +81,7 @@ def dated_ahead(stamp: rospy.Time) -> rospy.Time:
     return stamp + rospy.Duration(TRANSFORM_AHEAD_S)
 
 
-def update_message(grid: Grid, box: Box, frame: str, stamp: rospy.Time) -> OccupancyGridUpdate:
+def update_message(grid: OccupancyGrid, box: Box, frame: str, stamp: rospy.Time) -> OccupancyGridUpdate:
     """The cells of `box`, which must be inside the grid, for a numpy publisher."""
     if box.empty or not full_box(grid.info).contains(box):
         raise ValueError(f"{box} is not a part of a map of {grid.info.shape} cells")
@@ -101,7 +103,7 @@ def status_message(state: status.MergerStatus, frame: str, stamp: rospy.Time) ->
 
 def placement_message(placement: status.RobotPlacement) -> RobotPlacement:
     """One robot of the status."""
-    x, y, yaw = (placement.transform or Transform()).pose()
+    x, y, yaw = placement.transform or Pose()
     return RobotPlacement(
         robot=placement.robot,
         placed=placement.placed,
@@ -131,33 +133,33 @@ def team_markers(robots: Iterable[RobotMarker], frame: str, stamp: rospy.Time) -
     return MarkerArray(markers)
 
 
-def _marker(robot: RobotMarker, identifier: int, kind: int, at: Transform) -> Marker:
+def _marker(robot: RobotMarker, identifier: int, kind: int, at: Pose) -> Marker:
     red, green, blue = colour_of(robot.robot)
     return Marker(
         ns=robot.robot,
         id=identifier,
         type=kind,
         action=Marker.ADD,
-        pose=pose_of(at),
+        pose=pose_message(at),
         color=ColorRGBA(red, green, blue, 1.0),
         lifetime=rospy.Duration(MARKER_LIFETIME_S),
     )
 
 
-def _arrow(robot: RobotMarker, pose: Transform) -> Marker:
+def _arrow(robot: RobotMarker, pose: Pose) -> Marker:
     marker = _marker(robot, POSITION, Marker.ARROW, pose)
     marker.scale.x, marker.scale.y, marker.scale.z = 0.6, 0.15, 0.15
     return marker
 
 
-def _name(robot: RobotMarker, pose: Transform) -> Marker:
-    marker = _marker(robot, NAME, Marker.TEXT_VIEW_FACING, Transform(pose.x, pose.y))
+def _name(robot: RobotMarker, pose: Pose) -> Marker:
+    marker = _marker(robot, NAME, Marker.TEXT_VIEW_FACING, Pose(pose.x, pose.y))
     marker.pose.position.z, marker.scale.z, marker.text = 0.5, 0.4, robot.robot
     return marker
 
 
 def _outline(robot: RobotMarker) -> Marker:
-    marker = _marker(robot, OUTLINE, Marker.LINE_STRIP, Transform())
+    marker = _marker(robot, OUTLINE, Marker.LINE_STRIP, Pose())
     marker.scale.x = 0.05
     marker.points = [Point(x, y, 0.0) for x, y in [*robot.outline.tolist(), robot.outline[0].tolist()]]
     return marker

@@ -6,6 +6,7 @@ import rospy
 from adhoc_communication.msg import MmControl, MmRobotPosition
 
 from map_merger.msg import RobotTrack, TransformEdges
+from mr_grid.ros import NumpyOccupancyGrid
 
 from .graph.edges import EdgeReport
 from .meetings.values import TrackReport
@@ -14,7 +15,6 @@ from .options import Options
 from .payload import Payload
 from .ros_io import (
     NumpyMapUpdate,
-    NumpyOccupancyGrid,
     anchor_message,
     anchor_of,
     position_message,

@@ -6,13 +6,13 @@ import numpy as np
 import rospy
 
 from map_merger.msg import RobotTrack, TransformEdge, TransformEdges
+from mr_grid import Pose, normalized
 
 from .covariance import as_covariance
 from .graph.edges import MOST_EDGES, Edge, EdgeReport
 from .meetings.values import Sensor, ToldObject, TrackReport
 from .messages import Boot
 from .ros_io import MessageError
-from .transform import Transform, wrap_angle
 
 _MM = 1000.0
 _YAW_STEPS = 32768.0 / math.pi
@@ -86,7 +86,7 @@ def edges_of(message: TransformEdges) -> EdgeReport:
 def _edge_message(edge: Edge) -> TransformEdge:
     covariance = [value for row in edge.covariance for value in row]
     boot = rospy.Time(*edge.target_run)
-    return TransformEdge(edge.target, boot, *edge.transform.pose(), covariance, edge.shared_wall, edge.met, edge.age)
+    return TransformEdge(edge.target, boot, *edge.transform, covariance, edge.shared_wall, edge.met, edge.age)
 
 
 def _edge_of(robot: str, boot: Boot, message: TransformEdge) -> Edge:
@@ -97,7 +97,7 @@ def _edge_of(robot: str, boot: Boot, message: TransformEdge) -> Edge:
         message.target,
         boot,
         (message.target_boot.secs, message.target_boot.nsecs),
-        Transform(message.x, message.y, wrap_angle(message.yaw)),
+        Pose(message.x, message.y, normalized(message.yaw)),
         as_covariance(np.array(message.covariance).reshape(3, 3)),
         message.shared_wall,
         message.met,

@@ -12,10 +12,11 @@ import cv2
 import numpy as np
 from scipy import fft
 
+from mr_grid import Pose, normalized
+
 from ._surfaces import raster
-from .grid import cell_centres
 from .surface import Landmarks
-from .transform import Transform, rotation_between, wrap_angle
+from .transform import rotation_between
 
 ROTATION_STEP = math.radians(2.0)
 COARSE_CELL = 0.2
@@ -29,14 +30,14 @@ _PEAKS_PER_ROTATION = 6
 class Candidate(NamedTuple):
     """A coarse transform source -> target and its score (coarse cells of agreeing wall minus penalties)."""
 
-    transform: Transform
+    transform: Pose
     score: float
 
 
 class Prior(NamedTuple):
     """A rough transform source -> target that somebody gave, and how far (m, rad) the truth may be from it."""
 
-    transform: Transform
+    transform: Pose
     distance: float = 3.0
     rotation: float = math.radians(30.0)
 
@@ -67,11 +68,11 @@ def _rotations(target: Landmarks, source: Landmarks, prior: Optional[Prior]) -> 
     first, second = (_direction_histogram(part.surface.normals, bins) for part in (target, source))
     spectrum = np.fft.irfft(np.fft.rfft(first) * np.conj(np.fft.rfft(second)), bins)
     peak = spectrum.max()
-    chosen = [wrap_angle(index * ROTATION_STEP) for index in range(bins) if spectrum[index] >= 0.4 * peak]
+    chosen = [normalized(index * ROTATION_STEP) for index in range(bins) if spectrum[index] >= 0.4 * peak]
     if prior is None:
         return chosen
-    everywhere = [wrap_angle(index * ROTATION_STEP) for index in range(bins)]
-    return [angle for angle in everywhere if abs(wrap_angle(angle - prior.transform.yaw)) <= prior.rotation]
+    everywhere = [normalized(index * ROTATION_STEP) for index in range(bins)]
+    return [angle for angle in everywhere if abs(normalized(angle - prior.transform.yaw)) <= prior.rotation]
 
 
 def _direction_histogram(normals: np.ndarray, bins: int) -> np.ndarray:
@@ -106,9 +107,9 @@ class _ShiftScorer:
             fft.next_fast_len(int(rows) + side, real=True),
             fft.next_fast_len(int(columns) + side, real=True),
         )
-        walls = self._raster(target.surface.points, Transform(), self._low, target.surface.spacing / self._cell)
+        walls = self._raster(target.surface.points, Pose(), self._low, target.surface.spacing / self._cell)
         clear_weight = (target.info.resolution / self._cell) ** 2 * _stride(target, self._cell) ** 2
-        clear = self._raster(clear_points, Transform(), self._low, clear_weight)
+        clear = self._raster(clear_points, Pose(), self._low, clear_weight)
         field = np.minimum(cv2.GaussianBlur(np.minimum(walls, 2.0), (0, 0), 1.0) * 2.0, 1.0)
         field -= _PENALTY * np.minimum(clear, 1.0) * (field < 0.1)
         self._field = fft.rfft2(field)
@@ -118,7 +119,7 @@ class _ShiftScorer:
 
     def peaks(self, rotation: float) -> List[Candidate]:
         """The best shifts for the rotation."""
-        turn = Transform(0.0, 0.0, rotation)
+        turn = Pose(0.0, 0.0, rotation)
         corner = np.full(2, -(self._half + 0.5) * self._cell)
         walls = self._raster(self._walls, turn, corner, self._wall_weight)
         clear = self._raster(self._clear, turn, corner, self._clear_weight)
@@ -138,9 +139,9 @@ class _ShiftScorer:
         rows, columns = np.nonzero((score == top) & (score >= threshold))
         order = np.argsort(-score[rows, columns], kind="stable")[:_PEAKS_PER_ROTATION]
         rows, columns = rows[order], columns[order]
-        shifts = self._place(rows, columns) - Transform(0.0, 0.0, rotation).apply(self._centre[None])
+        shifts = self._place(rows, columns) - Pose(0.0, 0.0, rotation).apply(self._centre[None])
         return [
-            Candidate(Transform(x, y, rotation), value)
+            Candidate(Pose(x, y, rotation), value)
             for (x, y), value in zip(shifts.tolist(), score[rows, columns].tolist())
         ]
 
@@ -156,9 +157,9 @@ class _ShiftScorer:
         wanted = prior.transform.apply(self._centre[None])[0]
         return np.hypot(*np.moveaxis(self._place(rows, columns) - wanted, -1, 0)) <= prior.distance
 
-    def _raster(self, points: np.ndarray, transform: Transform, corner: np.ndarray, weight: float) -> np.ndarray:
+    def _raster(self, points: np.ndarray, transform: Pose, corner: np.ndarray, weight: float) -> np.ndarray:
         """`weight` for each transformed point in its cell; cell (0, 0) has its corner at `corner`."""
-        return raster(points, transform.pose(), tuple(corner), self._cell, self._shape, weight)
+        return raster(points, transform, tuple(corner), self._cell, self._shape, weight)
 
 
 def _stride(part: Landmarks, cell: float) -> int:
@@ -169,7 +170,7 @@ def _thinned_points(part: Landmarks, cell: float) -> np.ndarray:
     """Centres of well observed free cells, about four per coarse cell."""
     stride = _stride(part, cell)
     rows, columns = np.nonzero(part.clear[::stride, ::stride])
-    return cell_centres(part.info, rows * stride, columns * stride)
+    return part.info.centres(rows * stride, columns * stride)
 
 
 def _extent(part: Landmarks) -> float:
@@ -191,7 +192,7 @@ def _distinct(found: List[Candidate], centre: np.ndarray, most: int) -> List[Can
     return result
 
 
-def same_place(first: Transform, second: Transform, points: np.ndarray, distance: float = 0.5) -> bool:
+def same_place(first: Pose, second: Pose, points: np.ndarray, distance: float = 0.5) -> bool:
     """True if both transforms put the points (n, 2) within `distance` metres of each other on average."""
     moved = first.apply(points) - second.apply(points)
     return bool(np.hypot(moved[:, 0], moved[:, 1]).mean() <= distance)

@@ -11,9 +11,10 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from .grid import OCCUPIED_FROM, UNKNOWN, Grid, cell_centres, values_at
+from mr_grid import UNKNOWN, OccupancyGrid, Pose, values_at
+
+from .grid import OCCUPIED_FROM, occupied_cells
 from .robot_size import USUAL_SIZE, RobotSize
-from .transform import Transform
 
 LONGEST_LAG_S = 2.0
 """A place and an own map belong together if they are at most so many seconds apart."""
@@ -49,9 +50,9 @@ class Sighting(NamedTuple):
     time: float
 
 
-def view_of(grid: Grid, viewer: Optional[Transform]) -> View:
+def view_of(grid: OccupancyGrid, viewer: Optional[Pose]) -> View:
     """What the map shows within SIGHT_M of the viewer, or everywhere if its pose is not known."""
-    centres = cell_centres(grid.info, *np.nonzero(grid.occupied))
+    centres = grid.info.centres(*np.nonzero(occupied_cells(grid)))
     if viewer is not None:
         centres = centres[np.hypot(centres[:, 0] - viewer.x, centres[:, 1] - viewer.y) <= SIGHT_M]
     return View(centres.astype(np.float32), grid.info.resolution)
@@ -88,16 +89,16 @@ def nowhere() -> np.ndarray:
     return np.empty((0, 3))
 
 
-def moved(track: np.ndarray, transform: Transform) -> np.ndarray:
+def moved(track: np.ndarray, transform: Pose) -> np.ndarray:
     """The places (n, 3: x, y, time) of a track in another frame."""
     return np.column_stack([transform.apply(track[:, :2]), track[:, 2]])
 
 
 def places_seen(
-    present: Grid,
+    present: OccupancyGrid,
     sightings: Sequence[Sighting],
     track: np.ndarray,
-    transform: Transform,
+    transform: Pose,
     others: np.ndarray,
     size: RobotSize = USUAL_SIZE,
 ) -> int:
@@ -127,7 +128,7 @@ def _may_be_another(sighting: Sighting, place: Tuple[float, float], others: np.n
     return bool((others[near, 2] <= sighting.time + LONGEST_LAG_S).any())
 
 
-def _came_and_went(view: View, present: Grid, place: Tuple[float, float], body: float) -> bool:
+def _came_and_went(view: View, present: OccupancyGrid, place: Tuple[float, float], body: float) -> bool:
     shown = np.hypot(view.obstacles[:, 0] - place[0], view.obstacles[:, 1] - place[1]) <= body
     cells = _cells_around(present, place, body)
     remains = int((cells >= OCCUPIED_FROM).sum())
@@ -138,7 +139,7 @@ def _came_and_went(view: View, present: Grid, place: Tuple[float, float], body: 
     )
 
 
-def _cells_around(grid: Grid, place: Tuple[float, float], body: float) -> np.ndarray:
+def _cells_around(grid: OccupancyGrid, place: Tuple[float, float], body: float) -> np.ndarray:
     count = math.ceil(body / grid.info.resolution)
     steps = np.arange(-count, count + 1) * grid.info.resolution
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-from .transform import Transform
+from mr_grid import Pose
 
 NEVER = -1.0
 """Age of a robot of which nothing was heard yet."""
@@ -18,7 +18,7 @@ class RobotPlacement:
 
     robot: str
     why: str
-    transform: Optional[Transform] = None
+    transform: Optional[Pose] = None
     via: str = ""
     covariance: Rows = NO_COVARIANCE
     confidence: float = 0.0

@@ -10,8 +10,10 @@ from typing import List, Tuple
 import cv2
 import numpy as np
 
+from mr_grid import UNKNOWN, GridInfo, OccupancyGrid
+
 from ._surfaces import SurfaceIndex, border, walls, without_discs
-from .grid import UNKNOWN, Grid, GridInfo, cells_of, cropped, known_box
+from .grid import cropped, free_cells, known_box
 from .robot_size import USUAL_SIZE
 
 NORMAL_WEIGHT = 0.3
@@ -57,7 +59,7 @@ class Landmarks:
     grid: the known part. surface: its walls. clear: bool per cell, well observed free space. known: bool per cell.
     """
 
-    grid: Grid
+    grid: OccupancyGrid
     surface: Surface
     clear: np.ndarray
     known: np.ndarray
@@ -75,23 +77,23 @@ def without_places(landmarks: Landmarks, places: np.ndarray, reach: float) -> La
     """
     if not len(places) or not landmarks.clear.size:
         return landmarks
-    rows, columns, inside = cells_of(landmarks.info, places)
-    rows, columns = rows[inside], columns[inside]
-    if not rows.size:
+    cells = landmarks.info.cells_of(places)
+    cells = cells[landmarks.info.inside(cells)]
+    if not len(cells):
         return landmarks
     # Half a cell more, because a place may be anywhere in its cell.
     radius = reach / landmarks.info.resolution + 0.5
-    return replace(landmarks, clear=without_discs(landmarks.clear, np.column_stack([rows, columns]), radius))
+    return replace(landmarks, clear=without_discs(landmarks.clear, cells, radius))
 
 
-def landmarks_of(grid: Grid, mover: float = USUAL_SIZE.mover) -> Landmarks:
+def landmarks_of(grid: OccupancyGrid, mover: float = USUAL_SIZE.mover) -> Landmarks:
     """Landmarks of a map; a map without obstacles has an empty surface. Obstacles of up to `mover` m are no walls."""
     around = known_box(grid)
     if around.empty:
         nothing = np.zeros(grid.cells.shape, bool)
         return Landmarks(grid, _surface(grid.info, np.empty((0, 2), int), np.empty(0, bool), nothing), nothing, nothing)
     part = cropped(grid, around.grown(1))
-    free = part.free
+    free = free_cells(part)
     clear = cv2.erode(free.view(np.uint8), _disc(CLEAR_CELLS)).view(bool)
     return Landmarks(part, _surface(part.info, *_walls(part, mover), free), clear, part.cells != UNKNOWN)
 
@@ -101,11 +103,11 @@ def _surface(info: GridInfo, walls: np.ndarray, large: np.ndarray, free: np.ndar
 
     walls: cells (n, 2; row, column). large: bool (n,), what they belong to. free: bool (rows, columns).
     """
-    points, normals, numbers = border(walls, free, info.resolution, info.origin.pose())
+    points, normals, numbers = border(walls, free, info.resolution, info.origin)
     return Surface(points, normals, info.resolution, large[numbers])
 
 
-def _walls(grid: Grid, mover: float) -> Tuple[np.ndarray, np.ndarray]:
+def _walls(grid: OccupancyGrid, mover: float) -> Tuple[np.ndarray, np.ndarray]:
     """Cells (n, 2; row, column) of the obstacles without specks, and whether what they belong to is larger than
     `mover` m, bool (n,)."""
     return walls(grid.cells, _SMALLEST_WALL, mover / grid.info.resolution)

@@ -2,11 +2,12 @@
 
 from typing import Dict, Optional, Tuple
 
+from mr_grid import FARTHEST, OccupancyGrid, Pose
+
 from .believed import BelievedTransforms
 from .driving import driving
 from .exchange import Exchange
 from .graph.team import Placement
-from .grid import Grid
 from .hearing import Hearing
 from .markers import RobotMarker, marker_of, outline_of
 from .merged_map import MergedMap
@@ -17,7 +18,6 @@ from .report import LogFigures, figures_of, placement_of
 from .sighting import nowhere
 from .status import MergerStatus, RobotPlacement
 from .topology import topology_of
-from .transform import FARTHEST_M, Transform
 from .whereabouts import Whereabouts
 
 MEETING_WANTED_S = 60.0
@@ -48,12 +48,12 @@ class TeamView:
         self._merged, self._hearing = merged, hearing
 
     @property
-    def local_map(self) -> Optional[Grid]:
+    def local_map(self) -> Optional[OccupancyGrid]:
         """The local map, on a base station that of the adopted robot."""
         return self._reference.grid
 
     @property
-    def global_map(self) -> Optional[Grid]:
+    def global_map(self) -> Optional[OccupancyGrid]:
         """The global map as published last."""
         return self._merged.grid
 
@@ -61,7 +61,7 @@ class TeamView:
         """Where the frames of the other robots lie in the own one, as far as that is believed."""
         return self._believed.placements()
 
-    def transforms(self) -> Dict[str, Transform]:
+    def transforms(self) -> Dict[str, Pose]:
         """Believed transforms of the others' map frames to the own one."""
         return self._believed.transforms()
 
@@ -73,8 +73,8 @@ class TeamView:
 
     def transform_point(self, robot: str, x: float, y: float) -> Tuple[float, float]:
         """A point of the robot's map frame in the own one, metres. NoTransform while the transform is not known."""
-        if not (abs(x) <= FARTHEST_M and abs(y) <= FARTHEST_M):
-            raise NoTransform(f"point ({x:g}, {y:g}) is not finite or farther than {FARTHEST_M:g} m away")
+        if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST):
+            raise NoTransform(f"point ({x:g}, {y:g}) is not finite or farther than {FARTHEST:g} m away")
         if robot == self._options.robot_name:
             return x, y
         if robot not in self._exchange.robots():
@@ -105,7 +105,7 @@ class TeamView:
 
     def markers(self) -> Tuple[RobotMarker, ...]:
         """The placed robots and the outlines of their maps, for people; takes some milliseconds."""
-        places = [(self._options.robot_name, Transform(), self._whereabouts.own_pose, self._reference.grid)]
+        places = [(self._options.robot_name, Pose(), self._whereabouts.own_pose, self._reference.grid)]
         for robot, transform in self.transforms().items():
             heard = self._whereabouts.position(robot)
             pose = None if heard is None else heard.pose

@@ -6,7 +6,7 @@ from typing import Deque, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from .transform import Transform
+from mr_grid import Pose
 
 TRACK_SPACING_M = 0.1
 LONGEST_TRACK = 4000
@@ -44,7 +44,7 @@ class Track:
 class HeardPose(NamedTuple):
     """A pose in the robot's frame and when it was heard (own clock, s)."""
 
-    pose: Transform
+    pose: Pose
     heard: float
 
 
@@ -60,19 +60,19 @@ class Whereabouts:
     """Owns the poses and tracks of the own robot and of all others."""
 
     def __init__(self) -> None:
-        self.own_pose: Optional[Transform] = None
+        self.own_pose: Optional[Pose] = None
         self.own_track = Track()
-        self._own_poses: Deque[Tuple[float, Transform]] = deque(maxlen=MOST_POSES)
+        self._own_poses: Deque[Tuple[float, Pose]] = deque(maxlen=MOST_POSES)
         self._positions: Dict[str, HeardPose] = {}
         self._tracks: Dict[str, Track] = {}
 
-    def on_own_pose(self, pose: Transform, now: float) -> None:
+    def on_own_pose(self, pose: Pose, now: float) -> None:
         """The own robot's pose in the own map frame."""
         self.own_pose = pose
         self.own_track.add(pose.x, pose.y, now)
         self._own_poses.append((now, pose))
 
-    def on_position(self, robot: str, pose: Transform, now: float) -> None:
+    def on_position(self, robot: str, pose: Pose, now: float) -> None:
         """A robot told its pose in its own map frame."""
         self._positions[robot] = HeardPose(pose, now)
         self._tracks.setdefault(robot, Track()).add(pose.x, pose.y, now)
@@ -94,11 +94,11 @@ class Whereabouts:
         """The robots whose pose was heard."""
         return tuple(sorted(self._positions))
 
-    def own_poses(self, now: float, longest: float) -> List[Transform]:
+    def own_poses(self, now: float, longest: float) -> List[Pose]:
         """Own poses of the last `longest` seconds, oldest first."""
         return [pose for time, pose in self._own_poses if 0.0 <= now - time <= longest]
 
-    def places(self, transforms: Mapping[str, Transform], now: float, longest: float) -> Tuple[Place, ...]:
+    def places(self, transforms: Mapping[str, Pose], now: float, longest: float) -> Tuple[Place, ...]:
         """In the own frame, those of `transforms` (to the own frame) that were heard in the last `longest` seconds."""
         return tuple(
             Place(name, *transform.apply_point(heard.pose.x, heard.pose.y))

@@ -22,14 +22,14 @@ from adhoc_communication.srv import (
     SendOccupancyGrid,
     SendOccupancyGridResponse,
 )
-from nav_msgs.msg import OccupancyGrid
+from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from roslib.message import get_message_class
 from std_msgs.msg import String
 
 from map_merger import ros_io
-from map_merger.grid import Grid, GridInfo
 from map_merger.synthetic import Survey, Surveyor, office_plan
-from map_merger.transform import Transform
+from mr_grid import GridInfo, OccupancyGrid, Pose
+from mr_grid.ros import grid_message
 
 WAIT_S = 30.0
 TOPICS = ("map_other", "map_meta_other", "control", "position_other_robots")
@@ -50,7 +50,7 @@ def small_map(rows=20, columns=30, x=-0.5, y=-0.5):
     cells = np.zeros((rows, columns), np.int8)
     cells[[0, -1]] = 100
     cells[:, [0, -1]] = 100
-    return Grid(GridInfo(columns, rows, 0.05, Transform(x, y, 0.0)), cells)
+    return OccupancyGrid(GridInfo(columns, rows, 0.05, Pose(x, y, 0.0)), cells)
 
 
 def typed(request):
@@ -95,7 +95,7 @@ class FakeAdhoc:
         ]
         self.map_other, self.meta_other, self.control, self.positions = (
             rospy.Publisher(prefix + topic, kind, queue_size=100)
-            for topic, kind in zip(topics, (MmMapUpdate, OccupancyGrid, MmControl, MmRobotPosition))
+            for topic, kind in zip(topics, (MmMapUpdate, OccupancyGridMessage, MmControl, MmRobotPosition))
         )
         self.new_robot = rospy.Publisher(base + "new_robot", String, queue_size=10, latch=True)
         self.status = rospy.Publisher(base + "status", Status, queue_size=10, latch=True)
@@ -170,15 +170,15 @@ def connected(publisher):
 
 def map_message(grid, frame="map"):
     """A map as SLAM publishes it."""
-    message = ros_io.message_of_grid(grid, frame, rospy.Time.now())
-    plain = OccupancyGrid(message.header, message.info, message.data.tolist())
+    message = grid_message(grid, frame, rospy.Time.now())
+    plain = OccupancyGridMessage(message.header, message.info, message.data.tolist())
     return plain
 
 
 def plain_anchor(anchor):
     """An anchor as an ordinary message."""
     message = ros_io.anchor_message(anchor)
-    return OccupancyGrid(message.header, message.info, [])
+    return OccupancyGridMessage(message.header, message.info, [])
 
 
 def plain_tile(tile):
@@ -187,5 +187,5 @@ def plain_tile(tile):
     return MmMapUpdate(
         message.src_robot,
         message.update_numbers.tolist(),
-        OccupancyGrid(message.map.header, message.map.info, message.map.data.tolist()),
+        OccupancyGridMessage(message.map.header, message.map.info, message.map.data.tolist()),
     )

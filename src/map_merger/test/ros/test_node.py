@@ -17,7 +17,7 @@ from visualization_msgs.msg import MarkerArray
 
 from map_merger import ros_io
 from map_merger.messages import Anchor, Position, Tile
-from map_merger.transform import Transform
+from mr_grid import Pose
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import fake_adhoc as fake
@@ -112,7 +112,7 @@ class NodeTest(unittest.TestCase):
         positions = fake.Latest("all_positions", MmListOfPoints)
         tracks = fake.Latest("map_merger/position_robot_1", MarkerArray)
         fake.connected(self.adhoc.positions).publish(
-            ros_io.position_message(Position("robot_1", Transform(1.0, 2.0, 0.0)), "map", rospy.Time(1))
+            ros_io.position_message(Position("robot_1", Pose(1.0, 2.0, 0.0)), "map", rospy.Time(1))
         )
         point = positions.wait_for(lambda m: m.positions).positions[0]
         expected = self.truth.apply_point(1.0, 2.0)

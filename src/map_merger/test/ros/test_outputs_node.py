@@ -15,16 +15,16 @@ from map_msgs.msg import OccupancyGridUpdate
 from visualization_msgs.msg import MarkerArray
 
 from map_merger import ros_outputs, status
-from map_merger.grid import EMPTY_BOX, Box, Grid, GridInfo
-from map_merger.map_files import read_map
+from map_merger.grid import EMPTY_BOX, Box
 from map_merger.markers import RobotMarker
-from map_merger.transform import Transform
+from mr_grid import GridInfo, OccupancyGrid, Pose
+from mr_grid.map_files import read_map
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import fake_adhoc as fake
 
 CELLS = np.repeat(np.array([[-1], [0], [100]], np.int8), 40, axis=1)
-MAP = Grid(GridInfo(40, 3, 0.05), CELLS)
+MAP = OccupancyGrid(GridInfo(40, 3, 0.05), CELLS)
 STAMP = rospy.Time(5)
 
 
@@ -53,7 +53,7 @@ class OutputsTest(unittest.TestCase):
         self.outputs.show_team(lambda: self.fail("nobody looks"), STAMP)
         markers = fake.Latest("outputs/markers", MarkerArray)
         fake.connected(self.outputs._markers)
-        robot = RobotMarker("robot_1", Transform(), np.zeros((0, 2)))
+        robot = RobotMarker("robot_1", Pose(), np.zeros((0, 2)))
         self.outputs.show_team(lambda: [robot], STAMP)
         received = markers.wait_for(lambda message: True)
         self.assertEqual([marker.ns for marker in received.markers], ["robot_1", "robot_1"])

@@ -9,12 +9,12 @@ import numpy as np
 import rospy
 import rostest
 from adhoc_communication.msg import MmControl, MmListOfPoints
-from nav_msgs.msg import OccupancyGrid, Odometry
+from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
+from nav_msgs.msg import Odometry
 
 from map_merger import ros_io
-from map_merger.grid import Grid
 from map_merger.messages import Anchor, Position, Tile
-from map_merger.transform import Transform
+from mr_grid import OccupancyGrid, Pose
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import fake_adhoc as fake
@@ -30,9 +30,9 @@ class ParametersTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node("test_parameters")
         cls.adhoc = fake.FakeAdhoc(topics=TOPICS)
-        cls.local = rospy.Publisher("map", OccupancyGrid, queue_size=2, latch=True)
+        cls.local = rospy.Publisher("map", OccupancyGridMessage, queue_size=2, latch=True)
         cls.odometry = rospy.Publisher("odom", Odometry, queue_size=2, latch=True)
-        cls.merged = fake.Latest("map_merger/global_map", OccupancyGrid)
+        cls.merged = fake.Latest("map_merger/global_map", OccupancyGridMessage)
         cls.listed = fake.Latest("all_positions", MmListOfPoints)
         cls.target, cls.source, cls.truth = fake.building()
 
@@ -58,7 +58,7 @@ class ParametersTest(unittest.TestCase):
         fake.connected(self.adhoc.map_other).publish(fake.plain_tile(tile))
         alone = np.count_nonzero(self.target.cells != -1)
         self.merged.wait_for(lambda message: self.known(message) > alone)
-        position = Position("robot_1", Transform(1.0, 2.0, 0.0))
+        position = Position("robot_1", Pose(1.0, 2.0, 0.0))
         fake.connected(self.adhoc.positions).publish(ros_io.position_message(position, "map", rospy.Time(1)))
         self.listed.wait_for(lambda message: [place.src_robot for place in message.positions] == ["robot_1"])
 
@@ -75,7 +75,7 @@ class ParametersTest(unittest.TestCase):
         self.adhoc.largest_map = 10_000
         self.adhoc.forget()
         cells = np.where(self.target.cells == -1, np.int8(-1), np.int8(100) - self.target.cells).astype(np.int8)
-        self.local.publish(fake.map_message(Grid(self.target.info, cells)))
+        self.local.publish(fake.map_message(OccupancyGrid(self.target.info, cells)))
         update = self.adhoc.wait_for(lambda service, to, topic, _: (service, to) == ("map_update", "mc_robot_0"))[3]
         self.assertGreater(len(update.map.data), 1_000)
 

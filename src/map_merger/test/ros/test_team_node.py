@@ -16,17 +16,18 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from sensor_msgs.msg import LaserScan
 
 from map_merger import ros_io
-from map_merger.map_files import read_map
 from map_merger.messages import Anchor, Tile
 from map_merger.ros_team import track_report_of
-from map_merger.transform import Transform
+from mr_grid import Pose
+from mr_grid.map_files import read_map
+from mr_grid.ros import pose_message
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import fake_adhoc as fake
 
-MAP_TO_ODOM = Transform(1.0, 0.5, 0.5 * np.pi)
-ODOM_TO_BASE = Transform(0.5, 0.0, 0.0)
-BASE_TO_LASER = Transform(0.1, 0.0, 0.0)
+MAP_TO_ODOM = Pose(1.0, 0.5, 0.5 * np.pi)
+ODOM_TO_BASE = Pose(0.5, 0.0, 0.0)
+BASE_TO_LASER = Pose(0.1, 0.0, 0.0)
 BODY_M, AHEAD_M, FARTHEST_M = 0.2, 2.0, 6.0
 BEAMS, STEP = 361, np.pi / 360.0
 BOOT = (7, 0)
@@ -69,7 +70,7 @@ class TeamTest(unittest.TestCase):
             cls.tree.sendTransform(ros_io.transform_messages([(child, transform)], parent, stamp))
         odometry = Odometry(child_frame_id="base")
         odometry.header.frame_id, odometry.header.stamp = "odom", stamp
-        odometry.pose.pose = ros_io.pose_of(ODOM_TO_BASE)
+        odometry.pose.pose = pose_message(ODOM_TO_BASE)
         cls.odometry.publish(odometry)
         scan = LaserScan(angle_min=-0.5 * np.pi, angle_max=0.5 * np.pi, angle_increment=STEP, range_max=FARTHEST_M)
         scan.header.frame_id, scan.header.stamp = "laser", stamp
@@ -86,7 +87,7 @@ class TeamTest(unittest.TestCase):
         self.assertEqual((report.robot, report.unplaced), ("robot_0", ("robot_1",)))
         self.assertAlmostEqual(report.sensor.view, np.pi, places=2)
         base = MAP_TO_ODOM.compose(ODOM_TO_BASE)
-        np.testing.assert_allclose(report.poses[-1, 1:], base.pose(), atol=0.01)
+        np.testing.assert_allclose(report.poses[-1, 1:], base, atol=0.01)
         place = base.compose(BASE_TO_LASER).apply_point(AHEAD_M, 0.0)
         np.testing.assert_allclose(report.objects[0].samples[-1, 1:], place, atol=0.1)
 

@@ -8,9 +8,9 @@ import numpy as np
 from map_merger.meetings.meetings import Meetings
 from map_merger.meetings.values import Hypothesis, LaserScan, TrackReport
 from map_merger.robot_size import RobotSize
-from map_merger.transform import Transform
+from mr_grid import Pose
 
-Way = Callable[[float], Transform]
+Way = Callable[[float], Pose]
 """Where something is at a time (s), in the world."""
 
 BODY_M = 0.2
@@ -35,7 +35,7 @@ def room(width: float, depth: float) -> List[Wall]:
 
 
 def standing(x: float, y: float, yaw: float = 0.0) -> Way:
-    return lambda time: Transform(x, y, yaw)
+    return lambda time: Pose(x, y, yaw)
 
 
 def driving(
@@ -43,12 +43,12 @@ def driving(
 ) -> Way:
     """Stands for 2 s, then drives with the turn rate (rad/s) that `turn` gives for a time since then (s)."""
     step = 0.05
-    poses = [Transform(x, y, yaw)]
+    poses = [Pose(x, y, yaw)]
     for index in range(1200):
         last = poses[-1]
         heading = last.yaw + turn(index * step) * step
         poses.append(
-            Transform(last.x + speed * step * math.cos(heading), last.y + speed * step * math.sin(heading), heading)
+            Pose(last.x + speed * step * math.cos(heading), last.y + speed * step * math.sin(heading), heading)
         )
     return lambda time: poses[min(max(0, round((time - 2.0) / step)), len(poses) - 1)]
 
@@ -77,7 +77,7 @@ class Scene:
         loss: float = 0.1,
         late: float = 0.3,
         worlds: Optional[Dict[str, int]] = None,
-        jumps: Optional[Dict[str, Tuple[float, Transform]]] = None,
+        jumps: Optional[Dict[str, Tuple[float, Pose]]] = None,
     ) -> None:
         """late: s, the longest delay of a report. worlds: robots in different ones do not see one another. jumps: when
         the SLAM of a robot moves it, and by what in its map frame."""
@@ -90,18 +90,18 @@ class Scene:
         self.reports: List[Tuple[float, TrackReport]] = []
         self.time = 0.0
 
-    def frame(self, robot: Actor) -> Transform:
+    def frame(self, robot: Actor) -> Pose:
         return robot.way(0.0)
 
-    def truth(self, source: str, target: str) -> Transform:
+    def truth(self, source: str, target: str) -> Pose:
         """Transform of the source's frame to the target's."""
         by_name = {robot.name: robot for robot in self.robots}
         return self.frame(by_name[target]).inverse().compose(self.frame(by_name[source]))
 
-    def believed(self, robot: Actor) -> Transform:
+    def believed(self, robot: Actor) -> Pose:
         """Where its SLAM says that it is, in its map frame."""
         pose = self.frame(robot).inverse().compose(robot.way(self.time))
-        since, jump = self.jumps.get(robot.name, (math.inf, Transform()))
+        since, jump = self.jumps.get(robot.name, (math.inf, Pose()))
         return jump.compose(pose) if self.time >= since else pose
 
     def run(self, until: float) -> "Scene":
@@ -160,7 +160,7 @@ class Scene:
     def hypotheses(self, own: str, robot: str) -> Tuple[Hypothesis, ...]:
         return self.meetings[own].hypotheses(robot, self.time)
 
-    def settled(self, own: str, robot: str) -> Optional[Transform]:
+    def settled(self, own: str, robot: str) -> Optional[Pose]:
         """The best transform if the sightings leave no doubt."""
         found = self.hypotheses(own, robot)
         return found[0].transform if found and found[0].settled else None

@@ -10,17 +10,17 @@ from map_merger.agent import Agent
 from map_merger.alignment import Alignment
 from map_merger.effects import Note, Outcome, PublishMap, Send
 from map_merger.evidence import Evidence
-from map_merger.grid import UNKNOWN, Grid, GridInfo
 from map_merger.job import Versioned
 from map_merger.messages import Anchor, Position, Request, Tile
 from map_merger.registration import Registration, Verdict
 from map_merger.synthetic import pair_of
-from map_merger.transform import Transform, displacement
+from map_merger.transform import displacement
 from map_merger.view import NoTransform
+from mr_grid import UNKNOWN, GridInfo, OccupancyGrid, Pose
 
 
 def square(size=20, value=0, x=0.0):
-    return Grid(GridInfo(size, size, 0.05, Transform(x, 0.0, 0.0)), np.full((size, size), value, np.int8))
+    return OccupancyGrid(GridInfo(size, size, 0.05, Pose(x, 0.0, 0.0)), np.full((size, size), value, np.int8))
 
 
 @pytest.fixture(autouse=True)
@@ -111,7 +111,7 @@ def test_a_group_send_that_failed_is_repeated_with_growing_pauses():
 
 def test_a_send_that_is_not_finished_holds_back_the_next():
     agent = Agent(options("robot_0"), (1, 0))
-    agent.on_local_pose(Transform(), 0.0)
+    agent.on_local_pose(Pose(), 0.0)
     agent.on_robot("robot_1", 0.0)
     sends = []
     for step in range(400):
@@ -129,7 +129,7 @@ def cells_of(team, robot):
 @pytest.mark.parametrize(("splitted", "shapes"), [(True, {(20, 20), (20, 10)}), (False, {(20, 50)})])
 def test_maps_are_sent_in_tiles_of_the_given_size_or_each_change_in_one_piece(splitted, shapes):
     team = team_of("robot_0", "robot_1", splitted=splitted, split_size=20)
-    grid = Grid(GridInfo(50, 20, 0.05, Transform()), np.zeros((20, 50), np.int8))
+    grid = OccupancyGrid(GridInfo(50, 20, 0.05, Pose()), np.zeros((20, 50), np.int8))
     team.agents["robot_0"].on_local_map(grid, team.now)
     team.run(1.0)
     assert cells_of(team, "robot_0") == shapes
@@ -253,7 +253,7 @@ def test_positions_and_points_in_the_own_frame(maps):
         team.agents["robot_0"].view.transform_point("robot_1", 0.0, 0.0)
     for index in range(2):
         team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
-        team.agents[f"robot_{index}"].on_local_pose(Transform(1.0, 0.5, 0.2), team.now)
+        team.agents[f"robot_{index}"].on_local_pose(Pose(1.0, 0.5, 0.2), team.now)
     team.run(30.0)
     truth = pair_of(maps[0], maps[1]).truth
     (place,) = team.places["robot_0"]
@@ -268,7 +268,7 @@ def test_without_transform_no_position_is_listed_and_points_fail_with_the_reason
     team = team_of("robot_0", "robot_1")
     for name in ("robot_0", "robot_1"):
         team.agents[name].on_local_map(square(), team.now)
-        team.agents[name].on_local_pose(Transform(), team.now)
+        team.agents[name].on_local_pose(Pose(), team.now)
     team.run(20.0)
     assert team.places["robot_0"] == ()
     with pytest.raises(NoTransform, match="no transform to robot_1 yet"):
@@ -282,7 +282,7 @@ def test_old_positions_are_not_listed(maps):
     team = team_of("robot_0", "robot_1")
     for index in range(2):
         team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
-    team.agents["robot_1"].on_local_pose(Transform(), team.now)
+    team.agents["robot_1"].on_local_pose(Pose(), team.now)
     team.run(30.0)
     assert team.places["robot_0"]
     del team.agents["robot_1"]
@@ -292,7 +292,7 @@ def test_old_positions_are_not_listed(maps):
 
 def test_positions_are_not_exchanged_unless_wanted():
     team = team_of("robot_0", exchange_position=False)
-    team.agents["robot_0"].on_local_pose(Transform(), team.now)
+    team.agents["robot_0"].on_local_pose(Pose(), team.now)
     team.run(10.0)
     assert not team.sent(Position) and "robot_0" not in team.places
 
@@ -303,14 +303,14 @@ def test_base_station_takes_the_first_map_as_reference_and_merges_the_others(map
     team.agents["robot_1"].on_local_map(maps[0].grid, team.now)
     team.run(10.0)
     team.agents["robot_2"].on_local_map(maps[1].grid, team.now)
-    team.agents["robot_1"].on_local_pose(Transform(1.0, 2.0, 0.0), team.now)
+    team.agents["robot_1"].on_local_pose(Pose(1.0, 2.0, 0.0), team.now)
     team.run(40.0)
     base = team.agents["base"]
     assert error_of(team, "base", "robot_2", maps) < 0.2
     assert base.view.transform_point("robot_1", 1.0, 2.0) == (1.0, 2.0)
     assert known(team.maps["base"][-1]) > known(maps[0].grid)
     assert ("robot_1", 1.0, 2.0) in team.places["base"]
-    assert dict(team.transforms["base"])["robot_1"] == Transform()
+    assert dict(team.transforms["base"])["robot_1"] == Pose()
     assert not team.sent(Tile, "base") and not team.sent(Position, "base")
 
 
@@ -411,10 +411,10 @@ def test_the_base_station_keeps_a_reference_into_which_it_has_merged(maps):
 
 def test_initial_poses_are_a_prior_and_not_a_fact(maps):
     truth = pair_of(maps[0], maps[1]).truth
-    for offset, found in ((Transform(1.0, -1.0, 0.2), True), (Transform(9.0, 9.0, 2.0), False)):
+    for offset, found in ((Pose(1.0, -1.0, 0.2), True), (Pose(9.0, 9.0, 2.0), False)):
         poses = {
-            "robot_0": Transform(5.0, 5.0, 1.0),
-            "robot_1": Transform(5.0, 5.0, 1.0).compose(truth).compose(offset),
+            "robot_0": Pose(5.0, 5.0, 1.0),
+            "robot_1": Pose(5.0, 5.0, 1.0).compose(truth).compose(offset),
         }
         team = team_of("robot_0", "robot_1", initial_poses=poses)
         for index in range(2):
@@ -449,7 +449,7 @@ def test_timers_have_their_periods():
     team = team_of("robot_0", "robot_1", seconds_send_timer=7, seconds_send_position=3, seconds_meta_timer=11)
     agent = team.agents["robot_0"]
     agent.on_robot("robot_1", team.now)
-    agent.on_local_pose(Transform(), team.now)
+    agent.on_local_pose(Pose(), team.now)
     for step in range(60):
         agent.on_local_map(square(value=step), team.now)
         team.run(1.0)
@@ -486,7 +486,7 @@ def test_known_transforms_are_refined_unless_the_period_is_minus_one(maps, perio
     before = team.jobs
     cells = maps[0].grid.cells.copy()
     cells[0, 0] = 0
-    team.agents["robot_0"].on_local_map(Grid(maps[0].grid.info, cells), team.now)
+    team.agents["robot_0"].on_local_map(OccupancyGrid(maps[0].grid.info, cells), team.now)
     team.run(10.0)
     assert (team.jobs > before) == refined
 
@@ -507,7 +507,7 @@ def test_a_contradicted_transform_is_revoked(maps):
         team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
     team.run(30.0)
     assert team.agents["robot_0"].view.transforms()
-    wrong = Registration(Verdict.CONTRADICTED, Transform(), Evidence(20.0, 5.0, 0.4, 0.5, 0.1))
+    wrong = Registration(Verdict.CONTRADICTED, Pose(), Evidence(20.0, 5.0, 0.4, 0.5, 0.1))
     alignment = team.agents["robot_0"]._own_transforms.registrar.alignment("robot_1")
     assert alignment.finished(wrong) == ""
     assert alignment.transform is not None
@@ -529,7 +529,7 @@ def test_debug_images_show_the_map_and_the_one_before():
 def test_a_local_map_with_another_resolution_is_reported_and_ignored():
     agent = Agent(options("robot_0"), (1, 0))
     agent.on_local_map(square(), 0.0)
-    agent.on_local_map(Grid(GridInfo(2, 2, 0.1), np.zeros((2, 2), np.int8)), 1.0)
+    agent.on_local_map(OccupancyGrid(GridInfo(2, 2, 0.1), np.zeros((2, 2), np.int8)), 1.0)
     agent.tick(2.0)
     effects = agent.effects()
     assert any(isinstance(effect, Note) and "resolution" in effect.text for effect in effects)
@@ -596,7 +596,7 @@ def test_the_number_of_robots_is_bounded():
 def test_own_messages_are_ignored():
     agent = Agent(options("robot_0"), (1, 0))
     agent.on_robot("robot_0", 0.0)
-    agent.on_position(Position("robot_0", Transform()), 0.0)
+    agent.on_position(Position("robot_0", Pose()), 0.0)
     agent.on_robot("", 0.0)
     assert not agent.exchange.robots()
 
@@ -646,8 +646,8 @@ def test_after_the_clock_jumped_back_positions_from_before_are_neither_listed_no
         team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
     team.run(30.0)
     agent = team.agents["robot_0"]
-    agent.on_position(Position("robot_1", Transform()), team.now)
-    agent.on_position(Position("robot_2", Transform()), team.now)
+    agent.on_position(Position("robot_1", Pose()), team.now)
+    agent.on_position(Position("robot_2", Pose()), team.now)
     before = agent._observations.sightings.of("robot_2")[0]
     team.run(2.0)
     assert [place.robot for place in team.places["robot_0"]] == ["robot_1"]
@@ -680,7 +680,7 @@ def test_a_robot_that_is_in_hearing_for_a_minute_without_being_placed_is_to_be_m
     team = team_of("robot_0", "robot_1")
     for name in team.agents:
         team.agents[name].on_local_map(square(), team.now)
-        team.agents[name].on_local_pose(Transform(), team.now)
+        team.agents[name].on_local_pose(Pose(), team.now)
     team.run(50.0)
     assert team.agents["robot_0"].view.status(team.now).wants_to_meet == ()
     team.run(20.0)

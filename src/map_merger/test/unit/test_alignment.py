@@ -10,12 +10,11 @@ from hypothesis import strategies as st
 from map_merger.alignment import Alignment
 from map_merger.attempts import LONGEST_PAUSE_S
 from map_merger.evidence import Evidence
-from map_merger.grid import Grid, GridInfo, empty_grid
 from map_merger.job import Versioned
 from map_merger.registration import STRONG_CRITERIA, Registration, Verdict
-from map_merger.transform import Transform
+from mr_grid import GridInfo, OccupancyGrid, Pose, empty_grid
 
-HERE = Transform(1.0, 2.0, 0.5)
+HERE = Pose(1.0, 2.0, 0.5)
 COVARIANCE = ((0.01, 0.0, 0.0), (0.0, 0.01, 0.0), (0.0, 0.0, 0.001))
 
 
@@ -81,7 +80,7 @@ def test_a_candidate_that_meets_doubt_starts_anew(between):
 def test_another_transform_does_not_confirm():
     alignment = Alignment()
     alignment.finished(with_prior(15.0))
-    elsewhere = with_prior(20.0)._replace(transform=Transform(5.0, 2.0, 0.5))
+    elsewhere = with_prior(20.0)._replace(transform=Pose(5.0, 2.0, 0.5))
     assert alignment.finished(elsewhere) == "" and alignment.transform is None
     assert alignment.finished(elsewhere._replace(evidence=Evidence(25.0, 8.0, 0.0, 0.8, 0.02))) == "accepted"
 
@@ -145,7 +144,7 @@ def test_more_contradictions_never_help(verdicts):
 def test_a_jump_is_followed_and_starts_with_fresh_credit():
     alignment = believed()
     alignment.finished(look(20.0, verdict=Verdict.CONTRADICTED))
-    there = Transform(3.0, 2.0, 0.6)
+    there = Pose(3.0, 2.0, 0.6)
     assert alignment.finished(look(20.0, there, prior=True)) == "moved"
     assert alignment.transform == there
     assert looks_until_revoked(alignment, [Verdict.CONTRADICTED]) == 2
@@ -153,7 +152,7 @@ def test_a_jump_is_followed_and_starts_with_fresh_credit():
 
 def test_a_refinement_is_no_news():
     alignment = believed()
-    near = Transform(1.05, 2.0, 0.5)
+    near = Pose(1.05, 2.0, 0.5)
     assert alignment.finished(look(20.0, near)) == "" and alignment.transform == near
 
 
@@ -177,7 +176,7 @@ def test_the_refuted_transform_is_not_believed_again_without_more_evidence_but_a
     for _ in range(3):
         assert found.finished(look(1.4 * wall, met=True)) == "" and found.transform is None
     assert found.finished(look(1.6 * wall)) == "accepted"
-    assert elsewhere.finished(look(wall, Transform(4.0, 2.0, 0.5))) == "accepted"
+    assert elsewhere.finished(look(wall, Pose(4.0, 2.0, 0.5))) == "accepted"
 
 
 def test_a_refuted_meeting_without_walls_is_not_believed_again_at_once():
@@ -196,7 +195,7 @@ def test_a_robot_with_a_new_frame_starts_with_nothing():
 
 
 def square(size):
-    return Grid(GridInfo(size, size, 0.05), np.zeros((size, size), np.int8))
+    return OccupancyGrid(GridInfo(size, size, 0.05), np.zeros((size, size), np.int8))
 
 
 def tries(alignment, seconds, maps_at, news_at, period=3.0):

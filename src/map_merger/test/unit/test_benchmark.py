@@ -13,10 +13,10 @@ from map_merger import benchmark
 from map_merger.benchmark import figures, real_logs, records, report, sweep
 from map_merger.benchmark.families import self_alias
 from map_merger.benchmark.outcome import thinned
-from map_merger.grid import Grid, GridInfo, known_box
+from map_merger.grid import free_cells, known_box
 from map_merger.surface import landmarks_of
 from map_merger.synthetic import KINDS, Survey, Surveyor, cast, generated, office_plan, pair_of, rearranged
-from map_merger.transform import Transform
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 
 def test_classes_of_outcomes():
@@ -44,10 +44,10 @@ def test_thinned_lines_are_as_long_as_the_wall():
 def test_shared_wall_counts_a_wall_once_however_thick():
     cells = np.zeros((40, 240), np.int8)
     cells[20:23, 20:220] = 100
-    grid = Grid(GridInfo(240, 40, 0.05), cells)
-    assert benchmark.shared_wall(grid, grid, Transform()) == pytest.approx(10.0, abs=0.2)
-    assert benchmark.shared_wall(grid, grid, Transform(5.0, 0.0, 0.0)) == pytest.approx(5.0, abs=0.2)
-    assert benchmark.shared_wall(grid, grid, Transform(0.0, 0.5, 0.0)) == 0.0
+    grid = OccupancyGrid(GridInfo(240, 40, 0.05), cells)
+    assert benchmark.shared_wall(grid, grid, Pose()) == pytest.approx(10.0, abs=0.2)
+    assert benchmark.shared_wall(grid, grid, Pose(5.0, 0.0, 0.0)) == pytest.approx(5.0, abs=0.2)
+    assert benchmark.shared_wall(grid, grid, Pose(0.0, 0.5, 0.0)) == 0.0
 
 
 def test_a_copy_of_the_room_makes_a_self_alias():
@@ -202,7 +202,7 @@ def test_failed_readings_are_not_free_space():
     poses = np.column_stack([np.linspace(0.0, 20.0, 40), np.zeros(40), np.zeros(40)])
     log = real_logs.Log("log", poses, ranges)
     case = next(real_logs.cases_of(log, 1, 1))
-    free = case.target[-1].free
+    free = free_cells(case.target[-1])
     assert free.any() and known_box(case.target[-1]).shape[0] * 0.05 < 8.0
 
 

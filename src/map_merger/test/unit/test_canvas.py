@@ -6,7 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from map_merger.exchange.canvas import Canvas
-from map_merger.grid import MAX_CELLS, UNKNOWN, Box, GridError, GridInfo, bounding_box
+from map_merger.grid import Box, bounding_box
+from mr_grid import UNKNOWN, GridError, GridInfo
+from mr_grid.grid import MAX_CELLS
 
 boxes = st.builds(
     lambda top, left, rows, columns: Box(top, left, top + rows, left + columns),

@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from map_merger import _surfaces
-from map_merger.grid import EMPTY_BOX, UNKNOWN, Box, bounding_box, changed_box, known_cells_box
+from map_merger.grid import EMPTY_BOX, Box, bounding_box, changed_box, known_cells_box
 from map_merger.places import blocks
+from mr_grid import UNKNOWN
 
 SHAPES = st.tuples(st.integers(0, 5), st.integers(0, 20))
 CELLS = st.sampled_from([-1, 0, 100])

@@ -12,14 +12,14 @@ import pytest
 
 from map_merger import placement
 from map_merger.command_line.arguments import main
-from map_merger.grid import Grid, GridInfo, empty_grid
-from map_merger.map_files import read_map, write_map
 from map_merger.one_shot import confidence_in, criteria_for, decide
 from map_merger.reasons import reason_of
 from map_merger.registration import Verdict
 from map_merger.surface import landmarks_of
 from map_merger.synthetic import Survey, Surveyor, office_plan, pair_of
-from map_merger.transform import Transform, rotation_between
+from map_merger.transform import rotation_between
+from mr_grid import GridInfo, OccupancyGrid, Pose, empty_grid
+from mr_grid.map_files import read_map, write_map
 
 WITHOUT_ROS = """
 import sys
@@ -53,7 +53,7 @@ def folder(three, tmp_path_factory):
 def test_two_maps_give_a_transform_as_json(three, folder, capsys):
     assert main(["register", str(folder / "a.yaml"), str(folder / "b.yaml"), "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
-    found, truth = Transform(answer["x"], answer["y"], answer["yaw"]), three[1][0]
+    found, truth = Pose(answer["x"], answer["y"], answer["yaw"]), three[1][0]
     assert math.hypot(found.x - truth.x, found.y - truth.y) < 0.1 and rotation_between(found, truth) < 0.01
     assert answer["accepted"] and 0.85 < answer["confidence"] <= 0.93 and answer["shared_wall_m"] >= 25.0
 
@@ -120,7 +120,7 @@ def test_a_map_is_placed_through_another_one(tmp_path, capsys):
     for name, (left, right) in cuts.items():
         part = whole.cells[:, int(left * width) : int(right * width)]
         # Every map has a frame of its own: its corner.
-        write_map(str(tmp_path / name), Grid(GridInfo(part.shape[1], part.shape[0], resolution), part))
+        write_map(str(tmp_path / name), OccupancyGrid(GridInfo(part.shape[1], part.shape[0], resolution), part))
     paths = [str(tmp_path / f"{name}.yaml") for name in cuts]
     assert main(["register", *paths[:2]]) == 3
     assert main(["merge", *paths, "-o", str(tmp_path / "all")]) == 0
@@ -137,7 +137,7 @@ def test_a_map_whose_walls_stand_in_the_free_space_of_the_others_is_not_placed(t
         result = decide(target, source)
         if source.info.origin != landmarks_of(maps[2]).info.origin:
             return result
-        return result._replace(transform=Transform(1.5, 1.0, 0.0).compose(result.transform))
+        return result._replace(transform=Pose(1.5, 1.0, 0.0).compose(result.transform))
 
     monkeypatch.setattr(placement, "decide", misled)
     found = placement.place(maps)
@@ -151,10 +151,10 @@ def test_a_room_of_several_equal_ones_is_declined_with_both_solutions():
     room[:, 0] = 100
     room[20:35, 30:60] = room[50:90, 60:70] = 100
     target = np.concatenate([room, room, room[:, :1]], axis=1)
-    maps = [Grid(GridInfo(cells.shape[1], 98, 0.05), cells) for cells in (target, target[:, :83])]
+    maps = [OccupancyGrid(GridInfo(cells.shape[1], 98, 0.05), cells) for cells in (target, target[:, :83])]
     result = decide(*(landmarks_of(grid) for grid in maps))
     assert result.verdict is Verdict.AMBIGUOUS and result.rival.apart > 2.0
-    solutions = [each.pose() for each in (result.transform, *result.rivals)]
+    solutions = [each for each in (result.transform, *result.rivals)]
     for x in (0.0, 4.1):
         assert any(pose == pytest.approx((x, 0.0, 0.0), abs=0.06) for pose in solutions)
     assert re.match(r"two solutions \S+ m.* apart, with", reason_of(result, criteria_for(None)))

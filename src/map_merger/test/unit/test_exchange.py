@@ -6,18 +6,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from map_merger.exchange import MapSender, PeerMap, bounds
-from map_merger.grid import UNKNOWN, Box, Grid, GridError, GridInfo, known_box, offset_between, window
+from map_merger.grid import Box, known_box, offset_between, window
 from map_merger.messages import NO_BOOT, Anchor, Tile
-from map_merger.transform import Transform
+from mr_grid import UNKNOWN, GridError, GridInfo, OccupancyGrid, Pose
 
 BOOT = (1, 0)
-FIRST = GridInfo(12, 10, 0.05, Transform(-1.0, 2.0, 0.4))
+FIRST = GridInfo(12, 10, 0.05, Pose(-1.0, 2.0, 0.4))
 
 
 def grid_at(top, left, cells):
     """A map on the lattice of FIRST with its corner at the offset."""
     cells = np.array(cells, np.int8)
-    return Grid(window(FIRST, Box(top, left, top + cells.shape[0], left + cells.shape[1])), cells)
+    return OccupancyGrid(window(FIRST, Box(top, left, top + cells.shape[0], left + cells.shape[1])), cells)
 
 
 def sender_with(grid, tile_size=32):
@@ -96,7 +96,7 @@ def test_growth_to_the_south_west_gives_negative_offsets_and_keeps_the_anchor():
 def test_another_resolution_is_refused():
     sender = sender_with(grid_at(0, 0, np.zeros((3, 3))))
     with pytest.raises(GridError, match="resolution"):
-        sender.set_map(Grid(GridInfo(3, 3, 0.1), np.zeros((3, 3), np.int8)))
+        sender.set_map(OccupancyGrid(GridInfo(3, 3, 0.1), np.zeros((3, 3), np.int8)))
 
 
 def test_a_full_answer_has_the_margin_and_each_number_comes_when_its_region_is_complete():
@@ -482,7 +482,7 @@ def test_a_sender_without_anchor_is_drawn_at_the_corner_after_a_while_and_a_real
     assert peer.expire(15.0) and not peer.expire(99.0)
     assert corner(peer.grid()) == pytest.approx((0.2, 0.15)) and peer.wanted() is None
     run = peer.run
-    assert peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05, Transform(1.0, 2.0, 0.0)), (7, 7), 1), 20.0)
+    assert peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05, Pose(1.0, 2.0, 0.0)), (7, 7), 1), 20.0)
     assert peer.run != run and peer.wanted() == (0,)
     peer.add(tile, 21.0)
     assert corner(peer.grid()) == pytest.approx((1.2, 2.15))

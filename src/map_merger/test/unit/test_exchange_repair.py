@@ -9,9 +9,9 @@ from map_merger.delivery import Delivery
 from map_merger.effects import DELIVERED, Note, Outcome, Purpose, Send
 from map_merger.exchange import Exchange, bounds
 from map_merger.exchange_benchmark import reconnect
-from map_merger.grid import UNKNOWN, Grid, GridInfo
 from map_merger.messages import NO_BOOT, Anchor, Request, Tile
 from map_merger.options import Options
+from mr_grid import UNKNOWN, GridInfo, OccupancyGrid
 
 INFO = GridInfo(0, 0, 0.05)
 
@@ -21,7 +21,7 @@ def exchange_of(name="robot_0", boot=(1, 0), **changes):
 
 
 def square(size=20, value=0):
-    return Grid(GridInfo(size, size, 0.05), np.full((size, size), value, np.int8))
+    return OccupancyGrid(GridInfo(size, size, 0.05), np.full((size, size), value, np.int8))
 
 
 def tile(number, boot=(1, 1), robot="robot_1", size=4):
@@ -167,7 +167,7 @@ def test_a_clock_that_jumps_back_wedges_nothing():
 
 def strip(size=80):
     """Sent in four tiles of 20 cells."""
-    return Grid(GridInfo(size, 20, 0.05), np.zeros((20, size), np.int8))
+    return OccupancyGrid(GridInfo(size, 20, 0.05), np.zeros((20, size), np.int8))
 
 
 def group_send(exchange, now=0.0):
@@ -304,7 +304,7 @@ def test_nothing_is_known_of_strangers():
 def test_unknown_cells_reach_the_other_side():
     sender, receiver = exchange_of(), exchange_of("robot_1", (1, 1))
     for cells in (np.zeros((8, 8)), np.pad(np.zeros((8, 4)), ((0, 0), (0, 4)), constant_values=UNKNOWN)):
-        sender.on_local_map(Grid(GridInfo(8, 8, 0.05), cells.astype(np.int8)))
+        sender.on_local_map(OccupancyGrid(GridInfo(8, 8, 0.05), cells.astype(np.int8)))
         now = 10.0 * sender.updates
         sender.tick(now)
         for send in sends(sender, Purpose.CHANGES):

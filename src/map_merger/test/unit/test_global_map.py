@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from map_merger import fusion_benchmark, global_map, weighing
 from map_merger.global_map import GlobalMap, Policy
-from map_merger.grid import FREE, OCCUPIED, UNKNOWN, Box, Grid, GridInfo, cropped, full_box, offset_between, window
-from map_merger.transform import Transform
+from map_merger.grid import Box, cropped, free_cells, full_box, occupied_cells, offset_between, window
+from mr_grid import FREE, OCCUPIED, UNKNOWN, GridInfo, OccupancyGrid, Pose
 
 RESOLUTION = 0.05
 POLICIES = [Policy.STRICT, Policy.EVIDENCE]
@@ -22,16 +22,16 @@ def room(rows=40, columns=60, x=0.0, y=0.0, yaw=0.0):
     cells = np.zeros((rows, columns), np.int8)
     cells[[0, -1]] = OCCUPIED
     cells[:, [0, -1]] = OCCUPIED
-    return Grid(GridInfo(columns, rows, RESOLUTION, Transform(x, y, yaw)), cells)
+    return OccupancyGrid(GridInfo(columns, rows, RESOLUTION, Pose(x, y, yaw)), cells)
 
 
 def unknown(rows=80, columns=100, x=-1.0, y=-1.0):
-    return Grid(GridInfo(columns, rows, RESOLUTION, Transform(x, y)), np.full((rows, columns), UNKNOWN, np.int8))
+    return OccupancyGrid(GridInfo(columns, rows, RESOLUTION, Pose(x, y)), np.full((rows, columns), UNKNOWN, np.int8))
 
 
 def grid_like(cells, x=0.0, y=0.0):
     cells = np.asarray(cells, np.int8)
-    return Grid(GridInfo(cells.shape[1], cells.shape[0], RESOLUTION, Transform(x, y)), cells)
+    return OccupancyGrid(GridInfo(cells.shape[1], cells.shape[0], RESOLUTION, Pose(x, y)), cells)
 
 
 def merged(local, *others, policy=Policy.STRICT, places=()):
@@ -66,8 +66,8 @@ def pseudo_frontier(grid):
     """Free cells beside unknown ones and not beside obstacles: where an explorer would go."""
     kernel = np.ones((3, 3), np.uint8)
     beside_unknown = cv2.dilate((grid.cells == UNKNOWN).astype(np.uint8), kernel) > 0
-    beside_wall = cv2.dilate(grid.occupied.astype(np.uint8), kernel) > 0
-    return int((grid.free & beside_unknown & ~beside_wall).sum())
+    beside_wall = cv2.dilate(occupied_cells(grid).astype(np.uint8), kernel) > 0
+    return int((free_cells(grid) & beside_unknown & ~beside_wall).sum())
 
 
 # Alone, and what comes back
@@ -83,19 +83,19 @@ def test_alone_it_is_the_local_map(policy):
     assert update.grid.info == local.info
     assert np.array_equal(update.grid.cells, local.cells)
     assert update.changed == full_box(local.info)
-    fusion.set_layer("a", unknown(), 0, Transform())
+    fusion.set_layer("a", unknown(), 0, Pose())
     assert fusion.render() is None, "a map that knows nothing changes nothing"
 
 
 def test_nothing_is_returned_where_nothing_changed():
     fusion = GlobalMap("own")
     fusion.set_local(room())
-    fusion.set_layer("a", room(x=1.0), 1, Transform(0.4, 0.3, 0.2))
+    fusion.set_layer("a", room(x=1.0), 1, Pose(0.4, 0.3, 0.2))
     fusion.set_places("a", np.array([[1.0, 1.0], [1.5, 1.0]]))
     assert fusion.render() is not None
     assert fusion.render() is None
     fusion.set_local(room())
-    fusion.set_layer("a", room(x=1.0), 1, Transform(0.4, 0.3, 0.2))
+    fusion.set_layer("a", room(x=1.0), 1, Pose(0.4, 0.3, 0.2))
     fusion.set_places("a", np.array([[1.0, 1.0], [1.5, 1.01]]))
     assert fusion.render() is None
 
@@ -103,11 +103,11 @@ def test_nothing_is_returned_where_nothing_changed():
 def test_a_small_refinement_redraws_nothing_and_a_larger_one_does():
     fusion = GlobalMap("own")
     fusion.set_local(unknown())
-    fusion.set_layer("a", room(), 1, Transform(0.024, 0.0, 0.0))
+    fusion.set_layer("a", room(), 1, Pose(0.024, 0.0, 0.0))
     before = fusion.render().grid
-    fusion.set_layer("a", room(), 2, Transform(0.0275, 0.0, math.radians(0.02)))
+    fusion.set_layer("a", room(), 2, Pose(0.0275, 0.0, math.radians(0.02)))
     assert fusion.render() is None
-    fusion.set_layer("a", room(), 3, Transform(0.08, 0.0, 0.0))
+    fusion.set_layer("a", room(), 3, Pose(0.08, 0.0, 0.0))
     assert not np.array_equal(fusion.render().grid.cells, before.cells)
 
 
@@ -127,7 +127,7 @@ def test_a_removed_layer_leaves_nothing():
     fusion = GlobalMap("own")
     fusion.set_local(room())
     before = fusion.render().grid
-    fusion.set_layer("a", room(), 0, Transform(1.0, 1.0, 0.5))
+    fusion.set_layer("a", room(), 0, Pose(1.0, 1.0, 0.5))
     assert fusion.render().grid.info != before.info
     fusion.remove_layer("a")
     fusion.remove_layer("never there")
@@ -140,11 +140,11 @@ def test_layers_with_which_the_map_would_be_too_large_are_left_out(monkeypatch):
     monkeypatch.setattr(global_map, "MOST_GLOBAL_CELLS", 100 * 100)
     fusion = GlobalMap("own")
     fusion.set_local(room())
-    fusion.set_layer("far", room(), 0, Transform(90.0, 0.0, 0.0))
-    fusion.set_layer("near", room(), 0, Transform(1.0, 0.0, 0.0))
+    fusion.set_layer("far", room(), 0, Pose(90.0, 0.0, 0.0))
+    fusion.set_layer("near", room(), 0, Pose(1.0, 0.0, 0.0))
     assert fusion.render().grid.info.width == 80
     assert fusion.left_out == ("far",)
-    fusion.set_layer("far", room(), 1, Transform(0.0, 1.0, 0.0))
+    fusion.set_layer("far", room(), 1, Pose(0.0, 1.0, 0.0))
     assert fusion.render().grid.info.shape == (60, 80)
     assert fusion.left_out == ()
 
@@ -152,7 +152,7 @@ def test_layers_with_which_the_map_would_be_too_large_are_left_out(monkeypatch):
 def test_bad_calls_are_refused():
     fusion = GlobalMap("own")
     with pytest.raises(ValueError, match="own is the local one"):
-        fusion.set_layer("own", room(), 0, Transform())
+        fusion.set_layer("own", room(), 0, Pose())
     for places in (np.zeros((2, 3)), np.array([[0.0, math.nan]])):
         with pytest.raises(ValueError, match="places are finite numbers"):
             fusion.set_places("a", places)
@@ -164,7 +164,7 @@ def test_bad_calls_are_refused():
 @given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-math.pi, math.pi))
 def test_strict_keeps_known_local_cells_and_the_lattice_of_the_local_map(x, y, yaw):
     local = room(x=-0.3, y=0.7)
-    result = merged(local, (room(), Transform(x, y, yaw)), (room(), Transform(y, x, -yaw)))
+    result = merged(local, (room(), Pose(x, y, yaw)), (room(), Pose(y, x, -yaw)))
     row, column = offset_between(local.info, result.info)
     part = result.cells[row : row + local.info.height, column : column + local.info.width]
     assert np.array_equal(part, local.cells)
@@ -176,7 +176,7 @@ def test_strict_keeps_known_local_cells_and_the_lattice_of_the_local_map(x, y, y
 @given(st.integers(0, 2**32 - 1))
 def test_strict_keeps_any_known_local_cell(seed):
     local, *others = noisy_maps(np.random.default_rng(seed), 3)
-    result = cropped(merged(local, *[(grid, Transform()) for grid in others]), full_box(local.info))
+    result = cropped(merged(local, *[(grid, Pose()) for grid in others]), full_box(local.info))
     known = local.cells != UNKNOWN
     assert np.array_equal(result.cells[known], local.cells[known])
 
@@ -186,10 +186,10 @@ def test_strict_keeps_any_known_local_cell(seed):
 
 @given(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.floats(-math.pi, math.pi))
 def test_foreign_walls_stay_closed_and_thin_at_any_angle(x, y, yaw):
-    transform = Transform(x, y, yaw)
+    transform = Pose(x, y, yaw)
     result = merged(unknown(200, 200, -5.0, -5.0), (room(), transform))
     assert not passable(result, transform.apply_point(1.5, 1.0), (-4.9, -4.9)), "the wall has a gap"
-    assert result.occupied.sum() <= 1.25 * room().occupied.sum(), "the wall became thicker"
+    assert occupied_cells(result).sum() <= 1.25 * occupied_cells(room()).sum(), "the wall became thicker"
 
 
 @given(st.floats(0.0, math.pi / 2))
@@ -199,7 +199,7 @@ def test_walls_that_hang_together_at_corners_only_stay_closed(yaw):
     distance = abs(rows - 20) + abs(columns - 20)
     cells[distance < 15] = FREE
     cells[distance == 15] = OCCUPIED
-    transform = Transform(0.013, -0.007, yaw)
+    transform = Pose(0.013, -0.007, yaw)
     result = merged(unknown(200, 200, -5.0, -5.0), (grid_like(cells), transform))
     assert not passable(result, transform.apply_point(1.0, 1.0), (-4.9, -4.9))
 
@@ -208,9 +208,9 @@ def test_thin_walls_of_a_finer_map_stay_closed():
     cells = np.zeros((160, 200), np.int8)
     cells[[0, -1]] = OCCUPIED
     cells[:, [0, -1]] = OCCUPIED
-    fine = Grid(GridInfo(200, 160, 0.0125, Transform()), cells)
-    result = merged(unknown(200, 200, -5.0, -5.0), (fine, Transform(0.3, 0.2, 0.4)))
-    assert not passable(result, Transform(0.3, 0.2, 0.4).apply_point(1.2, 1.0), (-4.9, -4.9))
+    fine = OccupancyGrid(GridInfo(200, 160, 0.0125, Pose()), cells)
+    result = merged(unknown(200, 200, -5.0, -5.0), (fine, Pose(0.3, 0.2, 0.4)))
+    assert not passable(result, Pose(0.3, 0.2, 0.4).apply_point(1.2, 1.0), (-4.9, -4.9))
 
 
 @pytest.mark.parametrize("policy", POLICIES)
@@ -220,13 +220,13 @@ def test_thin_walls_of_a_finer_map_stay_closed():
 @settings(max_examples=40)
 def test_a_wall_seen_by_several_is_closed_and_not_doubled(policy, poses):
     """Maps of one room, up to a cell off: one wall, without space inside it, without frontiers, and no gap."""
-    result = merged(unknown(100, 120, -1.5, -1.5), *[(room(), Transform(*pose)) for pose in poses], policy=policy)
+    result = merged(unknown(100, 120, -1.5, -1.5), *[(room(), Pose(*pose)) for pose in poses], policy=policy)
     assert not passable(result, (1.5, 1.0), (-1.4, -1.4)), "the wall has a gap"
     assert pseudo_frontier(result) == 0
-    inner = result.free.astype(np.uint8)
+    inner = free_cells(result).astype(np.uint8)
     count, _ = cv2.connectedComponents(inner, connectivity=8)
     assert count == 2, "there is space inside the wall"
-    assert result.occupied.sum() <= 1.6 * room().occupied.sum(), "the wall is doubled"
+    assert occupied_cells(result).sum() <= 1.6 * occupied_cells(room()).sum(), "the wall is doubled"
 
 
 @pytest.mark.parametrize("offset", [0.025, -0.025, 0.05, -0.05])
@@ -239,7 +239,7 @@ def test_the_floor_of_one_map_does_not_remove_the_wall_of_another_one_cell_off(o
     east = np.full((40, 40), UNKNOWN)
     east[:, 21:] = FREE
     east[:, 20] = OCCUPIED
-    maps = [(grid_like(west), Transform()), (grid_like(east), Transform(offset, 0.0, 0.0))]
+    maps = [(grid_like(west), Pose()), (grid_like(east), Pose(offset, 0.0, 0.0))]
     result = merged(unknown(40, 40, 0.0, 0.0), *(maps if first == "a" else maps[::-1]))
     for y in np.arange(0.1, 1.9, 0.05):
         row, _ = cell_of(result, 0.0, y)
@@ -256,10 +256,10 @@ def test_the_floor_of_one_map_does_not_remove_the_wall_of_another_one_cell_off(o
 def test_a_door_that_the_robot_saw_is_not_closed_by_a_wall_one_cell_off(shift, policy):
     local = room(40, 60)
     local.cells[0, 25:45] = FREE
-    foreign = Grid(GridInfo(60, 35, 0.05, Transform(0.0, -1.45, 0.0)), np.zeros((35, 60), np.int8))
+    foreign = OccupancyGrid(GridInfo(60, 35, 0.05, Pose(0.0, -1.45, 0.0)), np.zeros((35, 60), np.int8))
     foreign.cells[29] = OCCUPIED
     foreign.cells[29, 25:45] = FREE
-    result = merged(local, (foreign, Transform(shift, shift, 0.0)), policy=policy)
+    result = merged(local, (foreign, Pose(shift, shift, 0.0)), policy=policy)
     assert passable(result, (1.5, 1.0), (1.5, -0.5))
 
 
@@ -270,7 +270,7 @@ def test_a_door_that_anybody_saw_open_is_open(opened_by):
         grid.cells[20] = OCCUPIED
         if number == opened_by:
             grid.cells[20, 20:40] = FREE
-    result = merged(unknown(), *[(grid, Transform()) for grid in maps])
+    result = merged(unknown(), *[(grid, Pose()) for grid in maps])
     assert passable(result, (1.5, 0.5), (1.5, 1.5))
     assert not passable(result, (1.5, 0.5), (-0.5, -0.5))
 
@@ -280,12 +280,12 @@ def test_a_wall_that_falls_on_local_floor_leaves_neither_opening_nor_frontier(sh
     """The local map saw the floor up to the wall but not the wall; the foreign wall is one cell off."""
     local = room(40, 60)
     local.cells[-1] = UNKNOWN
-    foreign = Grid(GridInfo(60, 30, 0.05, Transform(0.0, 1.95, 0.0)), np.zeros((30, 60), np.int8))
+    foreign = OccupancyGrid(GridInfo(60, 30, 0.05, Pose(0.0, 1.95, 0.0)), np.zeros((30, 60), np.int8))
     foreign.cells[0] = OCCUPIED
-    result = merged(local, (foreign, Transform(0.0, shift, 0.0)))
+    result = merged(local, (foreign, Pose(0.0, shift, 0.0)))
     assert not passable(result, (1.5, 1.0), (1.5, 2.5))
     foreign.cells[1:] = UNKNOWN
-    assert pseudo_frontier(merged(local, (foreign, Transform(0.0, shift, 0.0)))) == 0
+    assert pseudo_frontier(merged(local, (foreign, Pose(0.0, shift, 0.0)))) == 0
 
 
 @pytest.mark.parametrize("gap", [1, 2])
@@ -294,26 +294,26 @@ def test_narrow_gaps_between_maps_are_no_frontier(gap, policy):
     """Two robots saw the floor up to a line from both sides."""
     local = grid_like(np.where(np.arange(60) < 30, FREE, UNKNOWN) * np.ones((40, 1)))
     other = grid_like(np.where(np.arange(60) >= 30 + gap, FREE, UNKNOWN) * np.ones((40, 1)))
-    result = merged(local, (other, Transform()), policy=policy)
+    result = merged(local, (other, Pose()), policy=policy)
     assert (result.cells[1:-1] == FREE).all()
     wide = grid_like(np.where(np.arange(60) >= 36, FREE, UNKNOWN) * np.ones((40, 1)))
-    assert pseudo_frontier(merged(local, (wide, Transform()), policy=policy)) > 0, "unexplored space stays a frontier"
+    assert pseudo_frontier(merged(local, (wide, Pose()), policy=policy)) > 0, "unexplored space stays a frontier"
 
 
 def test_a_gap_of_one_map_by_itself_stays():
     local = grid_like(np.where(np.arange(60) != 30, FREE, UNKNOWN) * np.ones((40, 1)))
-    assert (merged(local, (unknown(), Transform())).cells[:, 30] == UNKNOWN).all()
+    assert (merged(local, (unknown(), Pose())).cells[:, 30] == UNKNOWN).all()
 
 
 def test_without_shift_the_copy_is_exact_at_another_origin():
-    result = merged(unknown(100, 100, -1.0, -1.0), (room(), Transform()))
+    result = merged(unknown(100, 100, -1.0, -1.0), (room(), Pose()))
     assert np.array_equal(result.cells[20:60, 20:80], room().cells)
 
 
 def test_other_resolutions_are_resampled():
-    coarse = Grid(GridInfo(10, 10, 0.1), np.full((10, 10), FREE, np.int8))
+    coarse = OccupancyGrid(GridInfo(10, 10, 0.1), np.full((10, 10), FREE, np.int8))
     coarse.cells[:, 0] = OCCUPIED
-    result = merged(unknown(), (coarse, Transform()))
+    result = merged(unknown(), (coarse, Pose()))
     assert (result.cells == OCCUPIED).sum() == 2 * 20
     assert (result.cells == FREE).sum() == 18 * 20
 
@@ -321,7 +321,7 @@ def test_other_resolutions_are_resampled():
 def test_the_majority_corrects_the_local_map_by_evidence_only():
     local, other = room(), room()
     local.cells[15:22, 30:37] = OCCUPIED
-    others = [(other, Transform()), (other, Transform())]
+    others = [(other, Pose()), (other, Pose())]
     assert value_at(merged(local, *others, policy=Policy.STRICT), 1.675, 0.925) == OCCUPIED
     assert value_at(merged(local, *others, policy=Policy.EVIDENCE), 1.675, 0.925) == FREE
 
@@ -356,14 +356,17 @@ HERE, THERE = (1.575, 1.1), (2.6, 1.6)
 
 def test_robots_are_no_obstacles_in_the_maps_of_others():
     places = [("b", [HERE, THERE])]
-    result = merged(unknown(), (smudged(), Transform()), places=places)
+    result = merged(unknown(), (smudged(), Pose()), places=places)
     assert value_at(result, *HERE) == FREE
-    assert (result.occupied.sum(), result.free.sum()) == (room().occupied.sum(), room().free.sum())
+    assert (occupied_cells(result).sum(), free_cells(result).sum()) == (
+        occupied_cells(room()).sum(),
+        free_cells(room()).sum(),
+    )
 
 
 def test_mates_are_removed_from_the_local_map():
     """Robots that started side by side closed each other's way home for ever."""
-    local, elsewhere = smudged(), (unknown(), Transform())
+    local, elsewhere = smudged(), (unknown(), Pose())
     assert value_at(merged(local, elsewhere, places=[("a", [THERE, HERE])]), *HERE) == FREE
     assert value_at(merged(local, elsewhere, places=[("a", [HERE, THERE])]), *HERE) == FREE
     assert value_at(merged(local, elsewhere, places=[("a", [THERE])]), *HERE) == OCCUPIED
@@ -374,8 +377,8 @@ def test_a_pillar_that_the_robot_itself_saw_is_none():
     """The robot drove by closely; it knows that a pillar stands there."""
     beside = (HERE[0] + 0.4, HERE[1])
     places = [("a", [beside, THERE])]
-    assert value_at(merged(smudged(), (smudged(), Transform()), places=places), *HERE) == OCCUPIED
-    assert value_at(merged(smudged(), (room(), Transform()), places=places), *HERE) == FREE
+    assert value_at(merged(smudged(), (smudged(), Pose()), places=places), *HERE) == OCCUPIED
+    assert value_at(merged(smudged(), (room(), Pose()), places=places), *HERE) == FREE
 
 
 @pytest.mark.parametrize("policy", POLICIES)
@@ -384,7 +387,7 @@ def test_a_robot_beside_a_wall_is_removed_and_the_wall_is_not(policy):
     local = smudged(top=1)
     other = room()
     places = [("a", [(1.575, 0.25), THERE])]
-    result = merged(local, (other, Transform()), places=places, policy=policy)
+    result = merged(local, (other, Pose()), places=places, policy=policy)
     assert value_at(result, 1.575, 0.3) == FREE
     assert (cropped(result, full_box(local.info)).cells[0] == OCCUPIED).all()
     assert not passable(result, (1.5, 1.0), (1.5, -0.5)) or result.info.height == 40
@@ -393,7 +396,7 @@ def test_a_robot_beside_a_wall_is_removed_and_the_wall_is_not(policy):
 def test_where_the_own_robot_drove_there_is_no_wall():
     local = room()
     local.cells[18:21, 10:50] = OCCUPIED
-    result = merged(local, (unknown(), Transform()), places=[("own", [(1.525, 0.6), (1.525, 0.975), (1.525, 1.4)])])
+    result = merged(local, (unknown(), Pose()), places=[("own", [(1.525, 0.6), (1.525, 0.975), (1.525, 1.4)])])
     assert value_at(result, 1.525, 0.975) == FREE
     assert value_at(result, 1.0, 0.975) == OCCUPIED
 
@@ -426,7 +429,7 @@ def operations(random, count):
     maps = dict(zip(["own", "a", "b", "c"], noisy_maps(random, 4)))
     versions, calls = dict.fromkeys(maps, 0), []
     places = {name: np.empty((0, 2)) for name in maps}
-    transforms = {name: Transform(*random.uniform(-1.0, 1.0, 3)) for name in maps}
+    transforms = {name: Pose(*random.uniform(-1.0, 1.0, 3)) for name in maps}
     calls.append(("set_local", (maps["own"],)))
     for _ in range(count):
         name = str(random.choice(list(maps)))
@@ -437,7 +440,7 @@ def operations(random, count):
             changed = Box(int(top), int(left), int(top) + 8, int(left) + 8)
             cells = grid.cells.copy()
             cells[changed.slices()] = random.choice([UNKNOWN] if kind == "back" else [UNKNOWN, FREE, OCCUPIED], (8, 8))
-            maps[name] = Grid(grid.info, cells)
+            maps[name] = OccupancyGrid(grid.info, cells)
         elif kind == "grow":
             top, left = (-int(value) for value in random.integers(0, 9, 2))
             maps[name] = cropped(grid, Box(top, left, grid.info.height + 3, 95))
@@ -451,7 +454,7 @@ def operations(random, count):
             calls.append(("remove_layer", (name,)))
             continue
         else:
-            transforms[name] = Transform(*random.uniform(-1.0, 1.0, 3))
+            transforms[name] = Pose(*random.uniform(-1.0, 1.0, 3))
         versions[name] += 1
         if name == "own":
             calls.append(("set_local", (maps[name],)))
@@ -508,13 +511,13 @@ def test_one_changed_tile_computes_the_tiles_around_it_only(monkeypatch):
     )
     fusion = GlobalMap("own")
     fusion.set_local(unknown(1200, 1200))
-    fusion.set_layer("a", room(1200, 1200), 0, Transform(0.1, 0.1, 0.1))
+    fusion.set_layer("a", room(1200, 1200), 0, Pose(0.1, 0.1, 0.1))
     fusion.render()
     assert sum(computed) > 1200 * 1200
     computed.clear()
     changed = room(1200, 1200)
     changed.cells[600:632, 600:632] = OCCUPIED
-    fusion.set_layer("a", changed, 1, Transform(0.1, 0.1, 0.1), Box(600, 600, 632, 632))
+    fusion.set_layer("a", changed, 1, Pose(0.1, 0.1, 0.1), Box(600, 600, 632, 632))
     assert fusion.render().changed.area < 64 * 64
     assert sum(computed) < 320 * 320
 
@@ -523,7 +526,7 @@ def test_a_map_that_never_saw_its_robot_costs_nothing(monkeypatch):
     """Places come several times a second; where nothing stands they change nothing, and nothing is computed."""
     fusion = GlobalMap("own")
     fusion.set_local(room())
-    fusion.set_layer("a", room(), 0, Transform())
+    fusion.set_layer("a", room(), 0, Pose())
     fusion.render()
     monkeypatch.setattr(weighing, "weighed", lambda *_: pytest.fail("computed"))
     fusion.set_places("a", np.array([[1.5, 1.0], [1.6, 1.0]]))
@@ -531,7 +534,7 @@ def test_a_map_that_never_saw_its_robot_costs_nothing(monkeypatch):
 
 
 def test_all_maps_as_one():
-    result = global_map.merged(unknown(), [(room(), Transform()), (room(), Transform(0.5, 0.0, 0.0))])
+    result = global_map.merged(unknown(), [(room(), Pose()), (room(), Pose(0.5, 0.0, 0.0))])
     assert value_at(result, 0.025, 1.0) == OCCUPIED
     assert value_at(result, 1.5, 1.0) == FREE
     local = room()
@@ -552,9 +555,9 @@ def test_the_benchmark_counts_wrong_walls_and_seams():
     team = fusion_benchmark.synthetic_team(np.random.default_rng(1))
     good = fusion_benchmark.merged_map(team, Policy.STRICT)
     cells = good.cells.copy()
-    row, column = (int(value) for value in np.argwhere(good.free)[good.free.sum() // 2])
+    row, column = (int(value) for value in np.argwhere(free_cells(good))[free_cells(good).sum() // 2])
     cells[row - 3 : row + 4, column - 3 : column + 4] = UNKNOWN
-    seams = fusion_benchmark.quality_of(team, Grid(good.info, cells)).seams
+    seams = fusion_benchmark.quality_of(team, OccupancyGrid(good.info, cells)).seams
     assert seams >= fusion_benchmark.quality_of(team, good).seams + 20
-    moved = Grid(window(good.info, Box(20, 20, *(size + 20 for size in good.info.shape))), good.cells)
+    moved = OccupancyGrid(window(good.info, Box(20, 20, *(size + 20 for size in good.info.shape))), good.cells)
     assert fusion_benchmark.quality_of(team, moved).wrong_walls > 20.0

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from map_merger.effects import DELIVERED, Purpose, Send
 from map_merger.exchange import Exchange, bounds
 from map_merger.exchange.holding import Holding
-from map_merger.grid import Grid, GridInfo
 from map_merger.messages import Tile
 from map_merger.options import Options
+from mr_grid import GridInfo, OccupancyGrid
 
 KNOWN = 10_000
 SIZE = 200
@@ -67,7 +67,7 @@ def test_a_clock_that_jumps_back_holds_nothing_back(back):
 def grid(marks=0):
     cells = np.zeros((SIZE, SIZE), np.int8)
     cells.flat[:marks] = 100
-    return Grid(GridInfo(SIZE, SIZE, 0.05), cells)
+    return OccupancyGrid(GridInfo(SIZE, SIZE, 0.05), cells)
 
 
 def told_tiles(exchange, begin, end):

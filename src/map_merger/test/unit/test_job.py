@@ -9,14 +9,14 @@ from map_merger.alignment import Alignment
 from map_merger.benchmark import FAMILIES, draw_case, overlap
 from map_merger.covariance import covariance_of, prior_from
 from map_merger.evidence import compare
-from map_merger.grid import FREE, OCCUPIED, Grid, GridInfo
 from map_merger.job import Job, LandmarkCache, Versioned
 from map_merger.reasons import reason_of
 from map_merger.registration import DEFAULT_CRITERIA, STRONG_CRITERIA, Limits, Registration, Verdict, register
 from map_merger.sighting import Sighting, view_of
 from map_merger.surface import landmarks_of
 from map_merger.synthetic import Survey, Surveyor, office_plan, pair_of
-from map_merger.transform import Transform, displacement, wrap_angle
+from map_merger.transform import displacement
+from mr_grid import FREE, OCCUPIED, GridInfo, OccupancyGrid, Pose, normalized
 
 
 def job(target, source, current=None, **more):
@@ -46,7 +46,7 @@ def square_room(robot=None):
         for angle in np.linspace(0.0, 2.0 * math.pi, 40):
             x, y = robot[0] + 0.2 * math.cos(angle), robot[1] + 0.2 * math.sin(angle)
             cells[int((y + 5.0) / 0.05), int((x + 5.0) / 0.05)] = OCCUPIED
-    return Grid(GridInfo(200, 200, 0.05, Transform(-5.0, -5.0, 0.0)), cells)
+    return OccupancyGrid(GridInfo(200, 200, 0.05, Pose(-5.0, -5.0, 0.0)), cells)
 
 
 def meeting(*places):
@@ -62,7 +62,7 @@ def test_maps_with_too_little_wall_are_not_searched(monkeypatch):
     cells = square_room().cells.copy()
     cells[50:] = -1
     cells[:, 0] = -1
-    short = Grid(square_room().info, cells)
+    short = OccupancyGrid(square_room().info, cells)
     long = landmarks_of(square_room()).surface.length
     assert landmarks_of(short).surface.length < DEFAULT_CRITERIA.matched < long
     with monkeypatch.context() as patch:
@@ -77,7 +77,7 @@ def test_rivals_are_told():
     square = landmarks_of(square_room())
     result = register(square, square)
     assert result.verdict is Verdict.AMBIGUOUS
-    found = sorted(round(wrap_angle(each.yaw) / (math.pi / 2)) % 4 for each in (result.transform, *result.rivals))
+    found = sorted(round(normalized(each.yaw) / (math.pi / 2)) % 4 for each in (result.transform, *result.rivals))
     assert found == [0, 1, 2, 3]
 
 
@@ -87,7 +87,7 @@ def test_a_meeting_chooses_between_rivals():
     assert alone.verdict is Verdict.AMBIGUOUS
     result = job(square_room(), square_room(), **meeting(PLACE)).run()
     assert result.accepted and result.met
-    assert displacement(result.transform, Transform(), np.array([[5.0, 5.0]]))[0] < 0.05
+    assert displacement(result.transform, Pose(), np.array([[5.0, 5.0]]))[0] < 0.05
     assert Alignment().finished(result) == "accepted"
 
 
@@ -107,7 +107,7 @@ def overlapping():
     return pair_of(target, source)
 
 
-@pytest.mark.parametrize("jump", [Transform(1.5, 1.0, 0.1), Transform(-0.4, 1.8, -0.2), Transform(0.7, 0.0, 0.0)])
+@pytest.mark.parametrize("jump", [Pose(1.5, 1.0, 0.1), Pose(-0.4, 1.8, -0.2), Pose(0.7, 0.0, 0.0)])
 def test_a_loop_closure_is_followed(overlapping, jump):
     """The transform used to stay where it was until it was revoked, and was then searched from nothing."""
     target, source = overlapping.target.grid, overlapping.source.grid
@@ -123,7 +123,7 @@ def test_a_loop_closure_is_followed(overlapping, jump):
 
 
 def test_what_is_farther_than_a_loop_closure_moves_a_map_is_contradicted(overlapping):
-    far = Transform(7.0, 3.0, 0.0).compose(overlapping.truth)
+    far = Pose(7.0, 3.0, 0.0).compose(overlapping.truth)
     result = job(overlapping.target.grid, overlapping.source.grid, current=far).run()
     assert result.verdict is Verdict.CONTRADICTED
 
@@ -143,8 +143,8 @@ def test_the_covariance_covers_the_errors():
             target, source = landmarks_of(case.target[-1]), landmarks_of(case.source[-1])
             result = register(target, source)
             if result.accepted:
-                error = np.array(result.transform.pose()) - np.array(case.truth.pose())
-                error[2] = wrap_angle(error[2])
+                error = np.array(result.transform) - np.array(case.truth)
+                error[2] = normalized(error[2])
                 covariance = np.array(covariance_of(target, source, result.transform))
                 squares.append(error @ np.linalg.solve(covariance, error))
     assert len(squares) >= 4
@@ -154,17 +154,17 @@ def test_the_covariance_covers_the_errors():
 def test_the_shift_along_a_corridor_is_left_open():
     cells = np.zeros((40, 400), np.int8)
     cells[[0, -1]] = OCCUPIED
-    corridor = landmarks_of(Grid(GridInfo(400, 40, 0.05), cells))
-    along, across, turn = np.sqrt(np.diag(covariance_of(corridor, corridor, Transform())))
+    corridor = landmarks_of(OccupancyGrid(GridInfo(400, 40, 0.05), cells))
+    along, across, turn = np.sqrt(np.diag(covariance_of(corridor, corridor, Pose())))
     assert along > 1.5 and across < 0.2 and turn < math.radians(1.0)
 
 
 def test_far_from_the_walls_a_turn_counts_more(overlapping):
     target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
     near = covariance_of(target, source, overlapping.truth)
-    shifted = Transform(100.0, 0.0, 0.0)
+    shifted = Pose(100.0, 0.0, 0.0)
     far_source = landmarks_of(
-        Grid(
+        OccupancyGrid(
             GridInfo(
                 overlapping.source.grid.info.width,
                 overlapping.source.grid.info.height,
@@ -182,7 +182,7 @@ def test_far_from_the_walls_a_turn_counts_more(overlapping):
 def test_a_prior_is_as_wide_as_the_covariance_where_it_counts():
     sharp = ((1e-4, 0.0, 0.0), (0.0, 1e-4, 0.0), (0.0, 0.0, 1e-6))
     vague = ((0.25, 0.0, 0.0), (0.0, 0.04, 0.0), (0.0, 0.0, 0.04**2))
-    transform = Transform(3.0, 1.0, 0.4)
+    transform = Pose(3.0, 1.0, 0.4)
     assert prior_from(transform, sharp) == (transform, 1.0, math.radians(8.0))
     assert prior_from(transform, vague).distance == pytest.approx(1.5)
     assert prior_from(transform, vague, (20.0, 0.0)).distance == pytest.approx(math.sqrt(9 * (0.04 + 0.64)), rel=0.1)

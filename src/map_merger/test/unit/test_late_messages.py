@@ -7,11 +7,10 @@ from team import options
 from map_merger.agent import Agent
 from map_merger.covariance import as_covariance
 from map_merger.graph.edges import Edge, EdgeReport
-from map_merger.grid import GridInfo
 from map_merger.meetings import TrackReport
 from map_merger.messages import LONGEST_DELAY_S, Anchor, Position
 from map_merger.told_runs import ToldRuns
-from map_merger.transform import Transform
+from mr_grid import GridInfo, Pose
 
 FORMER, PRESENT = (1_700_000_000, 5), (1_700_000_100, 500_000_000)
 
@@ -25,7 +24,7 @@ def restarted(name="robot_1"):
 
 
 def sent_at(stamp):
-    return Position("robot_1", Transform(3.0, 4.0, 0.0), stamp)
+    return Position("robot_1", Pose(3.0, 4.0, 0.0), stamp)
 
 
 def test_a_late_position_of_a_former_run_is_ignored():
@@ -57,7 +56,7 @@ def test_a_late_track_of_a_former_run_is_ignored():
 
 def edges_to(run):
     covariance = as_covariance(np.diag([0.01, 0.01, 0.001]))
-    return EdgeReport("base", (7, 0), (Edge("base", "robot_1", (7, 0), run, Transform(), covariance),))
+    return EdgeReport("base", (7, 0), (Edge("base", "robot_1", (7, 0), run, Pose(), covariance),))
 
 
 def test_late_edges_of_a_base_do_not_make_a_robot_restart_again():
@@ -73,6 +72,6 @@ def test_late_edges_of_a_former_run_place_nobody():
     agent = restarted()
     covariance = as_covariance(np.diag([0.01, 0.01, 0.001]))
     for run, placed in ((FORMER, False), (PRESENT, True)):
-        edge = Edge("robot_1", "robot_0", run, (1, 0), Transform(1.0, 0.0, 0.0), covariance)
+        edge = Edge("robot_1", "robot_0", run, (1, 0), Pose(1.0, 0.0, 0.0), covariance)
         agent.on_edges(EdgeReport("robot_1", run, (edge,)), 111.0)
         assert ("robot_1" in agent.view.transforms()) == placed

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from meeting_scene import NARROW, Actor, Scene, driving, room, standing
 
-from map_merger.grid import Grid, GridInfo
 from map_merger.meetings.doubts import rival_of
 from map_merger.meetings.meetings import Meetings
 from map_merger.meetings.values import MOST_OBJECTS, MOST_POSES, MOST_SAMPLES, ToldObject, TrackReport
-from map_merger.transform import Transform, displacement, rotation_between
+from map_merger.transform import displacement, rotation_between
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 WALLS = room(14.0, 11.0)
 
@@ -251,7 +251,7 @@ def test_a_late_report_of_a_former_run_changes_nothing():
         return TrackReport("b", boot, uptime, poses=np.array([[0.0, x, 0.0, 0.0]]))
 
     meetings = Meetings("a", (1, 0))
-    meetings.on_own_pose(Transform(), 99.0)
+    meetings.on_own_pose(Pose(), 99.0)
     late = report((1, 1), 50.0, 3.0)
     for told, now in ((late, 100.0), (report((2, 1), 1.0, 5.0), 101.0), (late, 101.5)):
         meetings.on_report(told, now)
@@ -262,7 +262,7 @@ def test_a_clock_that_jumps_back_begins_anew_and_meets_again():
     scene = Scene([Actor("a", standing(-3.0, 0.0)), Actor("b", driving(-1.0, -1.0, 0.3, turn=weave()))], WALLS)
     scene.run(10.0)
     meetings = scene.meetings["a"]
-    meetings.on_own_pose(Transform(), -500.0)
+    meetings.on_own_pose(Pose(), -500.0)
     assert meetings.hypotheses("b", -500.0) == ()
     again = Scene(scene.robots, WALLS)
     again.meetings["a"] = meetings
@@ -272,10 +272,10 @@ def test_a_clock_that_jumps_back_begins_anew_and_meets_again():
 
 def test_who_is_placed_everywhere_neither_tells_nor_watches():
     meetings = Meetings("a")
-    meetings.on_own_pose(Transform(), 0.0)
+    meetings.on_own_pose(Pose(), 0.0)
     meetings.on_team({"b"}, {})
     assert meetings.watching and meetings.report(0.0).unplaced == ("b",)
-    meetings.on_team({"b"}, {"b": Transform()})
+    meetings.on_team({"b"}, {"b": Pose()})
     assert not meetings.watching and meetings.report(10.0) is None
     meetings.on_report(TrackReport("b", unplaced=("a",)), 10.0)
     assert meetings.watching and meetings.report(10.0).unplaced == ()
@@ -286,7 +286,7 @@ def test_who_is_placed_everywhere_neither_tells_nor_watches():
 def test_the_last_word_of_a_robot_that_fell_silent_does_not_keep_the_others_watching():
     """Who has placed everybody tells nothing any more, and what it told last was that it had not."""
     meetings = Meetings("a")
-    meetings.on_own_pose(Transform(), 0.0)
+    meetings.on_own_pose(Pose(), 0.0)
     meetings.on_report(TrackReport("b", uptime=1.0, unplaced=("c",)), 1.0)
     assert meetings.report(5.0) is not None
     assert meetings.report(10.0) is None
@@ -349,17 +349,17 @@ def test_without_a_laser_a_robot_is_found_in_the_maps():
     """Drawn as a map shows it: where the robot is now."""
     way = driving(1.0, -1.0, 0.5, 0.3, turn=weave())
     watcher, driver = Meetings("a", (1, 0)), Meetings("b", (1, 1))
-    info = GridInfo(160, 160, 0.05, Transform(-4.0, -4.0))
+    info = GridInfo(160, 160, 0.05, Pose(-4.0, -4.0))
     rows, columns = np.mgrid[:160, :160]
     for step in range(1, 150):
         time, place = 0.1 * step, way(0.1 * step)
         for meetings, other in ((watcher, "b"), (driver, "a")):
             meetings.on_team({other}, {})
-        watcher.on_own_pose(Transform(), time)
+        watcher.on_own_pose(Pose(), time)
         if step % 10 == 0:
             centres = (columns + 0.5) * 0.05 - 4.0, (rows + 0.5) * 0.05 - 4.0
             body = np.hypot(centres[0] - place.x, centres[1] - place.y) < 0.2
-            watcher.on_map(Grid(info, np.where(body, 100, 0).astype(np.int8)), time)
+            watcher.on_map(OccupancyGrid(info, np.where(body, 100, 0).astype(np.int8)), time)
         driver.on_own_pose(way(0.0).inverse().compose(place), time)
         report = driver.report(time)
         if report is not None:
@@ -378,11 +378,11 @@ def test_for_a_base_station_its_reference_robot_sees():
         base.on_report(report, time + 100.0)
     base.on_team({"a", "b", "c"}, {})
     assert base.hypotheses("b", 110.0) == ()
-    base.on_team({"a", "b", "c"}, {"a": Transform()}, "a")
+    base.on_team({"a", "b", "c"}, {"a": Pose()}, "a")
     best = base.hypotheses("b", 110.0)[0]
     assert best.settled
     assert_right(best.transform, scene.truth("b", "a"))
-    base.on_team({"a", "b", "c"}, {"b": Transform()}, "b")
+    base.on_team({"a", "b", "c"}, {"b": Pose()}, "b")
     assert_right(base.hypotheses("a", 110.0)[0].transform, scene.truth("a", "b"))
     assert base.hypotheses("a", 150.0) == (), "nothing is told any more"
 

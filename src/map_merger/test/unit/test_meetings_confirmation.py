@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from map_merger.grid import Grid, GridInfo
 from map_merger.meetings.confirmation import confirmed
 from map_merger.meetings.values import Hypothesis
 from map_merger.registration import Limits, Verdict
 from map_merger.surface import landmarks_of
-from map_merger.transform import Transform, displacement, rotation_between
+from map_merger.transform import displacement, rotation_between
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 RESOLUTION = 0.05
 
@@ -29,8 +29,8 @@ def plan(width_m=8.0, depth_m=6.0, notch=True):
 def seen_from(cells, pose):
     """The plan (its centre at the origin) as a map whose frame is `pose` in the plan's frame."""
     rows, columns = cells.shape
-    corner = Transform(-0.5 * columns * RESOLUTION, -0.5 * rows * RESOLUTION)
-    return landmarks_of(Grid(GridInfo(columns, rows, RESOLUTION, pose.inverse().compose(corner)), cells))
+    corner = Pose(-0.5 * columns * RESOLUTION, -0.5 * rows * RESOLUTION)
+    return landmarks_of(OccupancyGrid(GridInfo(columns, rows, RESOLUTION, pose.inverse().compose(corner)), cells))
 
 
 def hypothesis(transform, shift=0.05, turn=0.026, **fields):
@@ -49,10 +49,10 @@ def hypothesis(transform, shift=0.05, turn=0.026, **fields):
     return Hypothesis(**{**known, **fields})
 
 
-OWN, OTHER = Transform(-1.0, 0.5, 0.2), Transform(0.8, -0.7, -0.5)
+OWN, OTHER = Pose(-1.0, 0.5, 0.2), Pose(0.8, -0.7, -0.5)
 TRUTH = OWN.inverse().compose(OTHER)
 TARGET, SOURCE = seen_from(plan(), OWN), seen_from(plan(), OTHER)
-NO_WALLS = landmarks_of(Grid(GridInfo(100, 100, RESOLUTION), np.zeros((100, 100), np.int8)))
+NO_WALLS = landmarks_of(OccupancyGrid(GridInfo(100, 100, RESOLUTION), np.zeros((100, 100), np.int8)))
 
 
 def error_of(transform):
@@ -61,7 +61,7 @@ def error_of(transform):
 
 
 def off(x=0.0, y=0.0, yaw=0.0):
-    return Transform(TRUTH.x + x, TRUTH.y + y, TRUTH.yaw + yaw)
+    return Pose(TRUTH.x + x, TRUTH.y + y, TRUTH.yaw + yaw)
 
 
 def test_walls_make_a_sighting_exact():

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from meeting_scene import NARROW, Actor, Scene, driving, room, standing
 
 from map_merger.meetings.jumps import jumps_of
-from map_merger.transform import Transform, displacement, rotation_between
+from map_merger.transform import displacement, rotation_between
+from mr_grid import Pose
 
 WALLS = room(14.0, 11.0)
 CENTRE = np.zeros((1, 2))
@@ -28,7 +29,7 @@ def drive(seconds=12.0, period=0.2):
 def jumped(track, index, jump):
     later = track.copy()
     for row in later[index:]:
-        row[1:] = jump.compose(Transform(*row[1:])).pose()
+        row[1:] = jump.compose(Pose(*row[1:]))
     return later
 
 
@@ -36,7 +37,7 @@ def jumped(track, index, jump):
 def test_starts_stops_and_turns_are_no_jumps(period):
     found = jumps_of(drive(period=period))
     assert not len(found.times) and found.size == 0.0
-    assert found.mean_frame(drive()) == Transform()
+    assert found.mean_frame(drive()) == Pose()
 
 
 @given(
@@ -44,8 +45,8 @@ def test_starts_stops_and_turns_are_no_jumps(period):
 )
 def test_what_was_before_a_jump_is_carried_along(index, distance, direction, turn):
     smooth = drive()
-    here = Transform(*smooth[index - 1, 1:])
-    jump = here.compose(Transform(distance * math.cos(direction), distance * math.sin(direction), turn)).compose(
+    here = Pose(*smooth[index - 1, 1:])
+    jump = here.compose(Pose(distance * math.cos(direction), distance * math.sin(direction), turn)).compose(
         here.inverse()
     )
     found = jumps_of(jumped(smooth, index, jump))
@@ -61,10 +62,10 @@ def test_what_was_before_a_jump_is_carried_along(index, distance, direction, tur
 
 def test_the_frame_of_the_map_is_that_of_most_of_the_time():
     track = np.column_stack([np.arange(0.0, 20.0, 0.2), np.zeros((100, 3))])
-    late = jumps_of(jumped(track, 95, Transform(0.4, 0.0, 0.0)))
-    early = jumps_of(jumped(track, 5, Transform(0.4, 0.0, 0.0)))
-    assert late.mean_frame(jumped(track, 95, Transform(0.4, 0.0, 0.0))).x == pytest.approx(-0.38, abs=0.01)
-    assert early.mean_frame(jumped(track, 5, Transform(0.4, 0.0, 0.0))).x == pytest.approx(-0.02, abs=0.01)
+    late = jumps_of(jumped(track, 95, Pose(0.4, 0.0, 0.0)))
+    early = jumps_of(jumped(track, 5, Pose(0.4, 0.0, 0.0)))
+    assert late.mean_frame(jumped(track, 95, Pose(0.4, 0.0, 0.0))).x == pytest.approx(-0.38, abs=0.01)
+    assert early.mean_frame(jumped(track, 5, Pose(0.4, 0.0, 0.0))).x == pytest.approx(-0.02, abs=0.01)
 
 
 @pytest.mark.parametrize("who", ["a", "b"])
@@ -72,7 +73,7 @@ def test_a_jump_of_either_slam_in_the_middle_of_a_meeting_does_not_spoil_it(who)
     def weave(time):
         return 0.5 * math.sin(0.9 * time)
 
-    jump = Transform(0.3, -0.25, math.radians(3.0))
+    jump = Pose(0.3, -0.25, math.radians(3.0))
     scene = Scene(
         [Actor("a", standing(-3.0, 0.0), view=NARROW), Actor("b", driving(-1.0, -0.4, 1.2, 0.2, weave), view=NARROW)],
         WALLS,

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from meeting_scene import WIDE, Actor, Scene, room, standing
 
-from map_merger.grid import Grid, GridInfo
 from map_merger.meetings.detection import objects_in_scan
 from map_merger.meetings.fitting import fitted, transform_from
 from map_merger.meetings.heard import Heard
@@ -17,7 +16,7 @@ from map_merger.meetings.sweeps import SweepHistory
 from map_merger.meetings.tracking import ObjectTracks, Trail, at_times
 from map_merger.meetings.values import LaserScan, TrackReport
 from map_merger.robot_size import RobotSize
-from map_merger.transform import Transform
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 
 def scan_of(others, walls=(), view=WIDE):
@@ -60,7 +59,7 @@ def test_small_isolated_obstacles_of_a_map_are_objects():
     cells = np.zeros((100, 100), np.int8)
     cells[:, 0] = 100
     cells[50:56, 60:66] = 100
-    centres = objects_in_map(Grid(GridInfo(100, 100, 0.05), cells), Transform(2.0, 2.0), 6.0, RobotSize().widest)
+    centres = objects_in_map(OccupancyGrid(GridInfo(100, 100, 0.05), cells), Pose(2.0, 2.0), 6.0, RobotSize().widest)
     assert centres == pytest.approx(np.array([[3.15, 2.65]]), abs=0.03)
 
 
@@ -154,7 +153,7 @@ def test_a_place_in_sight_is_empty_or_not_and_a_hidden_one_neither():
     sweeps = SweepHistory()
     scan = scan_of([standing(2.0, 0.0)], room(14.0, 11.0))
     for time in (1.0, 2.0, 3.0, 4.0):
-        sweeps.add(time, scan, Transform())
+        sweeps.add(time, scan, Pose())
     places = np.array([2.0 + 0j, 1.0 + 1j, 4.0 + 0j, -2.0 + 0j])
     seen = sweeps.all().look(places, np.ones(4, bool))
     assert seen.there.tolist() == [True, False, False, False]

@@ -8,7 +8,6 @@ import pytest
 
 from map_merger.confidence import place_of_two_maps
 from map_merger.evidence import Evidence
-from map_merger.grid import Grid, GridInfo
 from map_merger.one_shot import (
     ONCE_PRIOR_RULE,
     ONCE_RULE,
@@ -21,7 +20,8 @@ from map_merger.one_shot import (
 from map_merger.registration import Prior, Registration, Verdict, verdict_of
 from map_merger.surface import landmarks_of
 from map_merger.synthetic import Survey, Surveyor, generated, office_plan, pair_of
-from map_merger.transform import Transform, displacement
+from map_merger.transform import displacement
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def test_the_rival_of_a_square_room_is_as_good():
     cells = np.zeros((200, 200), np.int8)
     cells[[0, -1]] = 100
     cells[:, [0, -1]] = 100
-    square = landmarks_of(Grid(GridInfo(200, 200, 0.05), cells))
+    square = landmarks_of(OccupancyGrid(GridInfo(200, 200, 0.05), cells))
     once = decide(square, square)
     assert once.verdict is Verdict.AMBIGUOUS
     assert once.rival.evidence.score > 0.95 * once.evidence.score
@@ -78,7 +78,7 @@ def test_a_copy_beyond_the_bounds_of_the_prior_is_declined(overlapping):
     """It was accepted up to 4.1 m from a prior of 3 m: in the next room of a row of equal ones."""
     target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
     for distance, accepted in ((2.5, True), (3.8, False)):
-        prior = Prior(Transform(distance, 0.0, 0.0).compose(overlapping.truth), 3.0)
+        prior = Prior(Pose(distance, 0.0, 0.0).compose(overlapping.truth), 3.0)
         assert decide(target, source, prior).accepted == accepted
 
 
@@ -87,11 +87,11 @@ def test_furniture_that_was_moved_does_not_hide_where_a_prior_leads():
     moved = Evidence(5.2, 0.38, 0.132, 0.48, 0.02, 0.8)
     assert verdict_of(moved, [], ONCE_PRIOR_RULE) is Verdict.ACCEPTED
     assert verdict_of(moved, [replace(moved, conflict=0.0)], ONCE_PRIOR_RULE) is not Verdict.ACCEPTED
-    assert place_of_two_maps(Registration(Verdict.ACCEPTED, Transform(), moved, prior=True)) > 0.0
+    assert place_of_two_maps(Registration(Verdict.ACCEPTED, Pose(), moved, prior=True)) > 0.0
     assert verdict_of(moved, [], ONCE_RULE) is not Verdict.ACCEPTED
 
 
-STRONG = Registration(Verdict.ACCEPTED, Transform(), Evidence(SURE_CRITERIA.matched + 1.0, 9.0, 0.0, 0.8, 0.02))
+STRONG = Registration(Verdict.ACCEPTED, Pose(), Evidence(SURE_CRITERIA.matched + 1.0, 9.0, 0.0, 0.8, 0.02))
 
 
 @pytest.mark.parametrize(
@@ -115,9 +115,7 @@ def test_the_halves_of_a_symmetric_building_are_never_sure():
     surveyor = Surveyor(generated("symmetric", 5, 26.0))
     (image,) = surveyor.plan.aliases
     first = surveyor.explore(random, Survey(path_length=20.0), start=(3.0, 2.0))
-    second = surveyor.explore(
-        random, Survey(path_length=20.0), start=tuple(Transform(*image).apply(first.path[:1, :2])[0])
-    )
+    second = surveyor.explore(random, Survey(path_length=20.0), start=tuple(Pose(*image).apply(first.path[:1, :2])[0]))
     result = decide(landmarks_of(first.grid), landmarks_of(second.grid))
     error = displacement(pair_of(first, second).truth, result.transform, landmarks_of(second.grid).surface.points)
     assert error.max() > 5.0 and result.evidence.matched > 20.0, "walls cannot tell the halves"

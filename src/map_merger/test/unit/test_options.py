@@ -5,7 +5,7 @@ import math
 import pytest
 
 from map_merger.options import PARAMETERS, WITHOUT_EFFECT, OptionError, Options, options_of, warnings_of
-from map_merger.transform import Transform
+from mr_grid import Pose
 
 CONTRACT = {
     "robot_prefix": "",
@@ -115,7 +115,7 @@ def test_special_values_are_accepted(name, value):
 
 def test_initial_poses_are_metres_and_radians():
     options = options_of({"initial_poses": {"robot_0": [1, 2, 0.5]}}, "host")
-    assert options.initial_poses == {"robot_0": Transform(1.0, 2.0, 0.5)}
+    assert options.initial_poses == {"robot_0": Pose(1.0, 2.0, 0.5)}
 
 
 def test_a_parameter_without_effect_gives_one_warning_with_the_reason():

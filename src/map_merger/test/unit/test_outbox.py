@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from map_merger.effects import Note, PublishMap, Purpose, Register, Send
-from map_merger.grid import Box, Grid, GridInfo
+from map_merger.grid import Box
 from map_merger.outbox import Outbox
+from mr_grid import GridInfo, OccupancyGrid
 
 
 def test_an_older_map_is_never_published_last():
@@ -69,7 +70,7 @@ def send(number):
 
 
 def published(size, *edges):
-    return PublishMap(Grid(GridInfo(size, size, 0.05), np.zeros((size, size), np.int8)), Box(*edges))
+    return PublishMap(OccupancyGrid(GridInfo(size, size, 0.05), np.zeros((size, size), np.int8)), Box(*edges))
 
 
 def test_a_full_outbox_drops_old_notes_and_hands_back_sends():

@@ -8,27 +8,26 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from map_merger.grid import Grid, GridInfo, cells_of, empty_grid
-from map_merger.map_files import MapFileError, read_map, save_map
 from map_merger.markers import MOST_OUTLINE_POINTS, colour_of, marker_of, outline_of
 from map_merger.status import MergerStatus, RobotPlacement, summary_of
-from map_merger.transform import Transform
+from mr_grid import GridInfo, OccupancyGrid, Pose, empty_grid
+from mr_grid.map_files import MapFileError, read_map, save_map
 
-INFO = GridInfo(60, 40, 0.1, Transform(-2.0, 1.0, 0.5))
+INFO = GridInfo(60, 40, 0.1, Pose(-2.0, 1.0, 0.5))
 
 
 def grid(rows, columns, info=INFO):
     """A map in which a rectangle is known."""
     cells = np.full(info.shape, -1, np.int8)
     cells[rows, columns] = 0
-    return Grid(info, cells)
+    return OccupancyGrid(info, cells)
 
 
 def test_the_outline_of_a_rectangle_is_its_corner_cells():
     outline = outline_of(grid(slice(5, 30), slice(10, 50)))
-    rows, columns, inside = cells_of(INFO, outline)
-    assert inside.all()
-    assert set(zip(rows.tolist(), columns.tolist())) == {(5, 10), (5, 49), (29, 10), (29, 49)}
+    cells = INFO.cells_of(outline)
+    assert INFO.inside(cells).all()
+    assert set(map(tuple, cells.tolist())) == {(5, 10), (5, 49), (29, 10), (29, 49)}
 
 
 def test_only_the_largest_part_is_outlined_and_nothing_where_nothing_is_known():
@@ -43,7 +42,7 @@ def test_only_the_largest_part_is_outlined_and_nothing_where_nothing_is_known():
 def test_any_outline_is_bounded_and_around_known_cells(seed, width, height):
     info = GridInfo(width, height, 0.05)
     cells = np.random.default_rng(seed).choice(np.array([-1, 0, 100], np.int8), info.shape)
-    outline = outline_of(Grid(info, cells))
+    outline = outline_of(OccupancyGrid(info, cells))
     assert len(outline) <= MOST_OUTLINE_POINTS
     assert (outline >= 0.0).all() and (outline <= (width * 0.05 + 0.1, height * 0.05 + 0.1)).all()
 
@@ -58,9 +57,9 @@ def test_the_outline_of_a_large_map_is_quick():
 
 
 def test_a_marker_is_in_the_own_frame():
-    frame = Transform(1.0, 2.0, np.pi / 2.0)
-    marker = marker_of("robot_1", Transform(1.0, 0.0, 0.0), np.array([[2.0, 0.0]]), frame)
-    assert marker.pose.pose() == pytest.approx((1.0, 3.0, np.pi / 2.0))
+    frame = Pose(1.0, 2.0, np.pi / 2.0)
+    marker = marker_of("robot_1", Pose(1.0, 0.0, 0.0), np.array([[2.0, 0.0]]), frame)
+    assert marker.pose == pytest.approx((1.0, 3.0, np.pi / 2.0))
     assert marker.outline[0] == pytest.approx((1.0, 4.0))
     assert marker_of("robot_1", None, np.empty((0, 2)), frame).pose is None
 
@@ -72,7 +71,7 @@ def test_a_name_always_has_the_same_colour_and_others_another():
 
 def test_a_placement_is_checked():
     assert not RobotPlacement("robot_1", "not heard").placed
-    assert RobotPlacement("robot_1", "", Transform()).placed
+    assert RobotPlacement("robot_1", "", Pose()).placed
     for wrong in (-0.1, 1.5, float("nan")):
         with pytest.raises(ValueError):
             RobotPlacement("robot_1", "", confidence=wrong)
@@ -81,7 +80,7 @@ def test_a_placement_is_checked():
 
 
 def test_the_summary_names_who_is_missing_and_why():
-    robots = (RobotPlacement("a", "shared wall 41.0 m", Transform()), RobotPlacement("b", "shared wall 7.0 m of 14 m"))
+    robots = (RobotPlacement("a", "shared wall 41.0 m", Pose()), RobotPlacement("b", "shared wall 7.0 m of 14 m"))
     assert summary_of(MergerStatus("r", "distributed", "", robots)) == (
         "1 of 2 robots placed; b: shared wall 7.0 m of 14 m"
     )

@@ -11,13 +11,13 @@ from meeting_scene import NARROW, WIDE, Actor, Scene, Wall, driving, room, stand
 from map_merger import job as job_module
 from map_merger.alignment import Alignment
 from map_merger.evidence import Evidence
-from map_merger.grid import FREE, OCCUPIED, Grid, GridInfo
 from map_merger.job import Job, LandmarkCache, Versioned
 from map_merger.meetings.sweeps import NO_SWEEPS
 from map_merger.presence import FEWEST_SWEEPS, is_refuted, presence_of
 from map_merger.registration import Limits, Registration, Verdict
 from map_merger.surface import landmarks_of
-from map_merger.transform import Transform, displacement, rotation_between
+from map_merger.transform import displacement, rotation_between
+from mr_grid import FREE, OCCUPIED, GridInfo, OccupancyGrid, Pose
 
 RESOLUTION, HALF = 0.05, 7.0
 CORNERED = room(9.0, 7.0)
@@ -40,7 +40,7 @@ def map_of(walls, frame):
     cv2.fillPoly(cells, [np.array([ends[0] for ends in corners], np.int32)], FREE)
     for ends in corners:
         cv2.line(cells, *(tuple(map(int, end)) for end in ends), OCCUPIED)
-    return Grid(GridInfo(size, size, RESOLUTION, Transform(-HALF, -HALF, 0.0)), cells)
+    return OccupancyGrid(GridInfo(size, size, RESOLUTION, Pose(-HALF, -HALF, 0.0)), cells)
 
 
 def scene_of(way, walls=CORNERED, view=NARROW, **more):
@@ -107,7 +107,7 @@ def test_walls_that_leave_several_places_are_decided_by_what_drives_in_one_of_th
 
 
 def test_what_stands_is_not_seen_to_drive():
-    presence = seen_by(scene_of(standing(0.5, -1.0)).run(6.5), Transform(3.0, -1.5, -0.3))
+    presence = seen_by(scene_of(standing(0.5, -1.0)).run(6.5), Pose(3.0, -1.5, -0.3))
     assert not presence.confirms
     standing_still = scene_of(standing(0.5, -1.0)).run(6.5)
     presence = seen_by(standing_still, standing_still.truth("b", "a"))
@@ -119,7 +119,7 @@ def test_another_transform_puts_the_robot_where_nothing_is_seen(shift):
     scene = scene_of(straight()).run(6.5)
     truth = scene.truth("b", "a")
     assert seen_by(scene, truth).confirms
-    assert not seen_by(scene, Transform(truth.x + shift[0], truth.y + shift[1], truth.yaw)).confirms
+    assert not seen_by(scene, Pose(truth.x + shift[0], truth.y + shift[1], truth.yaw)).confirms
 
 
 def test_a_robot_that_is_placed_there_is_not_taken_for_another():
@@ -149,8 +149,8 @@ def test_two_robots_in_one_place_are_refuted_and_what_is_right_is_not():
     sightings, truth = scene.meetings["a"].sightings("b", scene.time), scene.truth("b", "a")
     assert not is_refuted(sightings, truth)
     unseen = replace(sightings, sweeps=NO_SWEEPS)
-    assert is_refuted(unseen, Transform()), "both start at the origin of their frames"
-    assert not is_refuted(unseen, Transform(1.0, 0.0, 0.0))
+    assert is_refuted(unseen, Pose()), "both start at the origin of their frames"
+    assert not is_refuted(unseen, Pose(1.0, 0.0, 0.0))
 
 
 @pytest.mark.parametrize("sees_back", [True, False])

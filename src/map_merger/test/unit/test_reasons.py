@@ -9,7 +9,7 @@ from map_merger.evidence import Evidence
 from map_merger.one_shot import confidence_in
 from map_merger.reasons import reason_of, waiting_reason
 from map_merger.registration import DEFAULT_CRITERIA, Registration, Rival, Verdict, judge
-from map_merger.transform import Transform
+from mr_grid import Pose
 
 GOOD = {"matched": 30.0, "minor": 9.0, "conflict": 0.01, "explained": 0.9, "error": 0.02, "against": 0.3}
 
@@ -29,13 +29,13 @@ GOOD = {"matched": 30.0, "minor": 9.0, "conflict": 0.01, "explained": 0.9, "erro
 )
 def test_what_decided_is_told_with_its_bound(changes, text):
     evidence = Evidence(**{**GOOD, **changes})
-    result = Registration(judge(evidence, DEFAULT_CRITERIA), Transform(), evidence)
+    result = Registration(judge(evidence, DEFAULT_CRITERIA), Pose(), evidence)
     assert reason_of(result, DEFAULT_CRITERIA) == text
 
 
 def test_two_solutions_are_told_with_their_distance():
-    rival = Rival(Transform(2.1, 0.0, 3.0), Evidence(**{**GOOD, "matched": 27.0}), 2.1)
-    result = Registration(Verdict.AMBIGUOUS, Transform(), Evidence(**GOOD), rival=rival)
+    rival = Rival(Pose(2.1, 0.0, 3.0), Evidence(**{**GOOD, "matched": 27.0}), 2.1)
+    result = Registration(Verdict.AMBIGUOUS, Pose(), Evidence(**GOOD), rival=rival)
     text = "two solutions 2.1 m and 172 deg apart, with 30.0 m and 27.0 m of shared wall"
     assert reason_of(result, DEFAULT_CRITERIA) == text
 
@@ -43,11 +43,11 @@ def test_two_solutions_are_told_with_their_distance():
 @pytest.mark.parametrize("verdict", list(Verdict))
 def test_every_verdict_has_words(verdict):
     assert reason_of(Registration(verdict), DEFAULT_CRITERIA)
-    assert reason_of(Registration(verdict, Transform(), Evidence(**GOOD)), DEFAULT_CRITERIA)
+    assert reason_of(Registration(verdict, Pose(), Evidence(**GOOD)), DEFAULT_CRITERIA)
 
 
 def test_a_robot_that_waits_says_for_what():
-    found = Registration(Verdict.ACCEPTED, Transform(), Evidence(**GOOD))
+    found = Registration(Verdict.ACCEPTED, Pose(), Evidence(**GOOD))
     thin = found._replace(evidence=Evidence(**{**GOOD, "matched": 50.0}))
     told = {
         "shared wall in the weaker direction 9.0 m of 10 m; waits to see robot_2 move": (thin, ""),
@@ -64,13 +64,13 @@ def test_a_robot_that_waits_says_for_what():
 def test_confidence_falls_with_less_wall_more_contradiction_and_a_closer_rival():
     def confidence(rival=0.0, **changes):
         evidence = Evidence(**{**GOOD, **changes})
-        other = Rival(Transform(2.0, 0.0, 0.0), Evidence(**{**GOOD, "matched": rival * GOOD["matched"]}), 2.0)
-        return place_of_two_maps(Registration(Verdict.ACCEPTED, Transform(), evidence, rival=other))
+        other = Rival(Pose(2.0, 0.0, 0.0), Evidence(**{**GOOD, "matched": rival * GOOD["matched"]}), 2.0)
+        return place_of_two_maps(Registration(Verdict.ACCEPTED, Pose(), evidence, rival=other))
 
     assert 0.0 < confidence(matched=14.0) < confidence() < confidence(matched=60.0) < 1.0
     assert confidence(conflict=0.05) < confidence(conflict=0.01)
     assert confidence(rival=0.7) < confidence(rival=0.5) < confidence(rival=0.2) == confidence()
-    assert confidence_in(Registration(Verdict.AMBIGUOUS, Transform(), Evidence(**GOOD))) == 0.0
+    assert confidence_in(Registration(Verdict.AMBIGUOUS, Pose(), Evidence(**GOOD))) == 0.0
 
 
 def test_confidence_is_one_thing_for_robots_and_for_two_maps():
@@ -79,7 +79,7 @@ def test_confidence_is_one_thing_for_robots_and_for_two_maps():
     def along(deviation):
         return ((deviation**2, 0.0, 0.0), (0.0, 0.04**2, 0.0), (0.0, 0.0, 1e-4))
 
-    found = Registration(Verdict.ACCEPTED, Transform(), Evidence(**GOOD))
+    found = Registration(Verdict.ACCEPTED, Pose(), Evidence(**GOOD))
     for deviation in (0.04, 0.2, 2.0):
         believed = confidence_of(along(deviation))
         assert confidence_in(found._replace(covariance=along(deviation))) == place_of_two_maps(found) * believed

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from map_merger import benchmark, features, registration
 from map_merger.alignment import Alignment
 from map_merger.evidence import Evidence, compare, compare_samples
-from map_merger.grid import Grid, GridInfo, cells_of, empty_grid
 from map_merger.job import Job, LandmarkCache, Member, Versioned
 from map_merger.refine import FINE_REACH, refined
 from map_merger.registration import (
@@ -28,7 +27,8 @@ from map_merger.registration import (
 )
 from map_merger.surface import landmarks_of, subsample
 from map_merger.synthetic import Survey, Surveyor, generated, office_plan, pair_of
-from map_merger.transform import Transform, displacement, rotation_between
+from map_merger.transform import displacement, rotation_between
+from mr_grid import GridInfo, OccupancyGrid, Pose, empty_grid
 
 
 @pytest.fixture(scope="module")
@@ -48,13 +48,13 @@ def error(pair, transform):
 
 def moved(grid, transform):
     """The same map in a frame that is displaced: a point p becomes transform(p)."""
-    return Grid(replace(grid.info, origin=transform.compose(grid.info.origin)), grid.cells)
+    return OccupancyGrid(replace(grid.info, origin=transform.compose(grid.info.origin)), grid.cells)
 
 
 @settings(max_examples=12)
 @given(st.floats(-30, 30), st.floats(-30, 30), st.floats(-math.pi, math.pi))
 def test_any_displacement_of_the_frames_is_found(overlapping, x, y, yaw):
-    frame = Transform(x, y, yaw)
+    frame = Pose(x, y, yaw)
     source = landmarks_of(moved(overlapping.source.grid, frame))
     result = register(landmarks_of(overlapping.target.grid), source)
     assert result.accepted, result.verdict
@@ -117,9 +117,9 @@ def test_other_rooms_of_the_same_building_are_declined():
     [
         empty_grid(GridInfo(0, 0, 0.05)),
         empty_grid(GridInfo(30, 30, 0.05)),
-        Grid(GridInfo(30, 30, 0.05), np.zeros((30, 30), np.int8)),
-        Grid(GridInfo(30, 30, 0.05), np.full((30, 30), 100, np.int8)),
-        Grid(GridInfo(1, 1, 0.05), np.zeros((1, 1), np.int8)),
+        OccupancyGrid(GridInfo(30, 30, 0.05), np.zeros((30, 30), np.int8)),
+        OccupancyGrid(GridInfo(30, 30, 0.05), np.full((30, 30), 100, np.int8)),
+        OccupancyGrid(GridInfo(1, 1, 0.05), np.zeros((1, 1), np.int8)),
     ],
 )
 @pytest.mark.parametrize("method", [registration.register, features.register])
@@ -133,7 +133,7 @@ def test_maps_without_walls_are_declined(overlapping, grid, method):
 def test_a_lone_corridor_is_declined():
     cells = np.zeros((40, 400), np.int8)
     cells[[0, -1]] = 100
-    corridor = landmarks_of(Grid(GridInfo(400, 40, 0.05), cells))
+    corridor = landmarks_of(OccupancyGrid(GridInfo(400, 40, 0.05), cells))
     assert not register(corridor, corridor).accepted
 
 
@@ -141,7 +141,7 @@ def test_a_square_room_is_ambiguous():
     cells = np.zeros((200, 200), np.int8)
     cells[[0, -1]] = 100
     cells[:, [0, -1]] = 100
-    square = landmarks_of(Grid(GridInfo(200, 200, 0.05), cells))
+    square = landmarks_of(OccupancyGrid(GridInfo(200, 200, 0.05), cells))
     assert register(square, square).verdict is Verdict.AMBIGUOUS
 
 
@@ -153,11 +153,11 @@ def test_a_prior_helps_where_little_is_shared_and_a_false_one_does_not_mislead()
         first = surveyor.explore(random, Survey(path_length=4.0))
         pair = pair_of(first, surveyor.explore(random, Survey(path_length=4.0), start=tuple(first.path[0, :2] + 1.0)))
         target, source = landmarks_of(pair.target.grid), landmarks_of(pair.source.grid)
-        rough = pair.truth.compose(Transform(*random.uniform(-1.4, 1.4, 2), random.uniform(-0.35, 0.35)))
+        rough = pair.truth.compose(Pose(*random.uniform(-1.4, 1.4, 2), random.uniform(-0.35, 0.35)))
         result = register(target, source, registration.PRIOR_CRITERIA, prior=Prior(rough))
         assert not result.accepted or error(pair, result.transform) < 0.25
         helped += result.accepted and not register(target, source).accepted
-        false = rough.compose(Transform(12.0, 5.0, 1.5))
+        false = rough.compose(Pose(12.0, 5.0, 1.5))
         misled = register(target, source, registration.PRIOR_CRITERIA, prior=Prior(false))
         assert not misled.accepted
     assert helped >= 1
@@ -180,7 +180,7 @@ def test_features_are_verified_too(overlapping):
 @given(st.floats(-0.15, 0.15), st.floats(-0.15, 0.15), st.floats(-0.02, 0.02))
 def test_refinement_draws_in_small_errors(overlapping, x, y, yaw):
     target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
-    start = Transform(x, y, yaw).compose(overlapping.truth)
+    start = Pose(x, y, yaw).compose(overlapping.truth)
     better, evidence = follow(target, source, start)
     assert error(overlapping, better) < 0.06
     assert evidence.conflict < 0.02
@@ -188,7 +188,7 @@ def test_refinement_draws_in_small_errors(overlapping, x, y, yaw):
 
 def test_refinement_without_partners_changes_nothing(overlapping):
     target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
-    far = Transform(500.0, 0.0, 0.0)
+    far = Pose(500.0, 0.0, 0.0)
     assert refined(target.surface, source.surface, far, FINE_REACH) == far
     assert compare(target, source, far) == Evidence()
 
@@ -196,12 +196,12 @@ def test_refinement_without_partners_changes_nothing(overlapping):
 def test_walls_in_free_space_are_conflicts(overlapping):
     target, source = landmarks_of(overlapping.target.grid), landmarks_of(overlapping.source.grid)
     assert compare(target, source, overlapping.truth).conflict < 0.02
-    assert compare(target, source, Transform(1.0, 1.0, 0.0).compose(overlapping.truth)).conflict > 0.3
+    assert compare(target, source, Pose(1.0, 1.0, 0.0).compose(overlapping.truth)).conflict > 0.3
 
 
 def look(matched, transform=None, conflict=0.0, surveyed=100.0, verdict=Verdict.ACCEPTED):
     return Registration(
-        verdict, transform or Transform(1.0, 2.0, 0.5), Evidence(matched, matched / 3, conflict, 0.8, 0.02), surveyed
+        verdict, transform or Pose(1.0, 2.0, 0.5), Evidence(matched, matched / 3, conflict, 0.8, 0.02), surveyed
     )
 
 
@@ -243,9 +243,9 @@ def test_a_candidate_that_meets_doubt_starts_anew(between):
 def test_another_transform_does_not_confirm():
     alignment = Alignment()
     alignment.finished(with_prior(15.0))
-    assert alignment.finished(with_prior(20.0, Transform(5.0, 2.0, 0.5))) == ""
+    assert alignment.finished(with_prior(20.0, Pose(5.0, 2.0, 0.5))) == ""
     assert alignment.transform is None
-    assert alignment.finished(with_prior(25.0, Transform(5.0, 2.0, 0.5))) == "accepted"
+    assert alignment.finished(with_prior(25.0, Pose(5.0, 2.0, 0.5))) == "accepted"
 
 
 def test_strong_evidence_is_believed_at_once():
@@ -312,7 +312,9 @@ def test_the_cache_of_landmarks_is_bounded_in_cells(monkeypatch):
     monkeypatch.setattr("map_merger.job._CACHED_CELLS", 2 * 32 * 32)
     cache, drawn = LandmarkCache(), []
     for key in (1, 2, 2, 1, 3, 1, 2):
-        cache.of(key, lambda key=key: drawn.append(key) or Grid(GridInfo(30, 30, 0.05), np.zeros((30, 30), np.int8)))
+        cache.of(
+            key, lambda key=key: drawn.append(key) or OccupancyGrid(GridInfo(30, 30, 0.05), np.zeros((30, 30), np.int8))
+        )
     assert drawn == [1, 2, 3, 2]
 
 
@@ -329,7 +331,7 @@ def test_a_transform_that_contradicts_the_team_is_refused(chain):
     first, middle, _ = chain
     alone = job(first.grid, middle.grid).run()
     assert alone.accepted
-    displaced = Member(Versioned("other", middle.grid), Transform(0.0, 1.2, 0.0).compose(alone.transform))
+    displaced = Member(Versioned("other", middle.grid), Pose(0.0, 1.2, 0.0).compose(alone.transform))
     assert job(first.grid, middle.grid, [displaced]).run().verdict is Verdict.CONTRADICTS_TEAM
     agreeing = Member(Versioned("other", middle.grid), alone.transform)
     assert job(first.grid, middle.grid, [agreeing]).run().accepted
@@ -337,7 +339,7 @@ def test_a_transform_that_contradicts_the_team_is_refused(chain):
 
 def test_a_followed_transform_is_corrected_a_little(overlapping):
     target, source = overlapping.target.grid, overlapping.source.grid
-    near = Transform(0.05, -0.05, 0.003).compose(overlapping.truth)
+    near = Pose(0.05, -0.05, 0.003).compose(overlapping.truth)
     result = job(target, source, current=near).run()
     assert result.accepted and not result.prior and error(overlapping, result.transform) < 0.06
 
@@ -346,8 +348,8 @@ def test_a_followed_transform_is_corrected_a_little(overlapping):
 def test_a_followed_transform_is_revoked_when_walls_contradict_it_though_none_are_shared(overlapping, team):
     """With less than 4 m of shared wall it stayed in force for good, whatever stood in free space."""
     target, source = overlapping.target.grid, overlapping.source.grid
-    wrong = overlapping.truth.compose(Transform(0.0, 0.0, 0.8))
-    members = [Member(Versioned("other", target), Transform(0.02, 0.0, 0.0))] if team else []
+    wrong = overlapping.truth.compose(Pose(0.0, 0.0, 0.8))
+    members = [Member(Versioned("other", target), Pose(0.02, 0.0, 0.0))] if team else []
     alignment = Alignment()
     assert alignment.finished(look(STRONG_CRITERIA.matched + 1.0, wrong)) == "accepted"
     result = job(target, source, members, current=wrong).run()
@@ -358,7 +360,7 @@ def test_a_followed_transform_is_revoked_when_walls_contradict_it_though_none_ar
 
 def test_maps_that_do_not_overlap_any_more_say_nothing_about_a_followed_transform(overlapping):
     target, source = overlapping.target.grid, overlapping.source.grid
-    far = Transform(500.0, 0.0, 0.0)
+    far = Pose(500.0, 0.0, 0.0)
     assert job(target, source, current=far).run().verdict is Verdict.TOO_LITTLE_SHARED_WALL
 
 
@@ -367,12 +369,12 @@ def test_what_may_be_a_robot_does_not_contradict_free_space(overlapping, size, c
     target, source = overlapping.target.grid, overlapping.source.grid
     clear = landmarks_of(source).clear
     cells, info = source.cells.copy(), landmarks_of(source).info
-    corner = cells_of(source.info, info.origin.apply(np.zeros((1, 2)) + 0.5 * info.resolution))
+    corner = source.info.cells_of(info.origin.apply(np.zeros((1, 2)) + 0.5 * info.resolution))[0]
     rows, columns = np.nonzero(clear)
     middle = np.argmin(abs(rows - rows.mean()) + abs(columns - columns.mean()))
-    row, column = int(corner[0][0]) + rows[middle], int(corner[1][0]) + columns[middle]
+    row, column = int(corner[0]) + rows[middle], int(corner[1]) + columns[middle]
     cells[row : row + size, column : column + size] = 100
     cells[row + 1 : row + size - 1, column + 1 : column + size - 1] = -1
     before = compare(landmarks_of(target), landmarks_of(source), overlapping.truth)
-    after = compare(landmarks_of(target), landmarks_of(Grid(source.info, cells)), overlapping.truth)
+    after = compare(landmarks_of(target), landmarks_of(OccupancyGrid(source.info, cells)), overlapping.truth)
     assert (after.conflict > before.conflict + 0.01) == contradicts

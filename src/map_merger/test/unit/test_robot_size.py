@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 from map_merger.global_map import GlobalMap, Policy
-from map_merger.grid import Grid, GridInfo
 from map_merger.meetings.map_objects import objects_in_map
 from map_merger.options import options_of
 from map_merger.robot_size import RobotSize
 from map_merger.surface import landmarks_of
-from map_merger.transform import Transform
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 LARGE = options_of({"body_radius": 0.5, "largest_robot_radius": 0.6}, "host").robot_size
 HALL = GridInfo(200, 200, 0.05)
@@ -20,7 +19,7 @@ def hall(block=0):
     cells = np.zeros((200, 200), np.int8)
     low = 100 - block // 2
     cells[low : low + block, low : low + block] = 100
-    return Grid(HALL, cells)
+    return OccupancyGrid(HALL, cells)
 
 
 def test_lengths_for_robots_like_a_pioneer():
@@ -31,7 +30,7 @@ def test_lengths_for_robots_like_a_pioneer():
 
 
 def test_objects_that_may_be_robots():
-    found = [objects_in_map(hall(18), Transform(2.0, 2.0), 6.0, size.widest) for size in (RobotSize(), LARGE)]
+    found = [objects_in_map(hall(18), Pose(2.0, 2.0), 6.0, size.widest) for size in (RobotSize(), LARGE)]
     assert [len(centres) for centres in found] == [0, 1]
 
 
@@ -40,7 +39,7 @@ def test_a_robot_that_was_there_is_no_wall(size, left):
     """It drove by where its own map shows floor."""
     fusion = GlobalMap("own", Policy.STRICT, size)
     fusion.set_local(hall(22))
-    fusion.set_layer("other", hall(), 1, Transform())
+    fusion.set_layer("other", hall(), 1, Pose())
     fusion.set_places("other", np.array([(5.0, 5.0)]))
     update = fusion.render()
     assert update is not None
@@ -51,5 +50,5 @@ def test_a_robot_that_was_there_is_no_wall(size, left):
 def test_landmarks_are_larger_than_robots():
     cells = np.zeros((200, 200), np.int8)
     cells[100:102, 89:111] = 100
-    solid = [landmarks_of(Grid(HALL, cells), size.mover).surface.solid.any() for size in (RobotSize(), LARGE)]
+    solid = [landmarks_of(OccupancyGrid(HALL, cells), size.mover).surface.solid.any() for size in (RobotSize(), LARGE)]
     assert solid == [True, False]

@@ -15,10 +15,10 @@ from map_msgs.msg import OccupancyGridUpdate
 from visualization_msgs.msg import Marker
 
 from map_merger import ros_io, ros_outputs
-from map_merger.grid import Box, Grid, GridInfo
+from map_merger.grid import Box
 from map_merger.markers import RobotMarker
 from map_merger.status import MergerStatus, RobotPlacement
-from map_merger.transform import Transform
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 STAMP = rospy.Time(7, 5)
 NOWHERE = np.empty((0, 2))
@@ -33,7 +33,7 @@ def over_the_wire(message, kind):
 
 def test_an_update_holds_the_cells_of_its_box():
     cells = np.arange(48, dtype=np.int8).reshape(6, 8)
-    message = ros_outputs.update_message(Grid(GridInfo(8, 6, 0.05), cells), Box(1, 2, 4, 7), "map", STAMP)
+    message = ros_outputs.update_message(OccupancyGrid(GridInfo(8, 6, 0.05), cells), Box(1, 2, 4, 7), "map", STAMP)
     received = over_the_wire(message, OccupancyGridUpdate)
     assert (received.x, received.y, received.width, received.height) == (2, 1, 5, 3)
     assert received.header.frame_id == "map" and received.header.stamp == STAMP
@@ -42,14 +42,14 @@ def test_an_update_holds_the_cells_of_its_box():
 
 @pytest.mark.parametrize("box", [Box(0, 0, 7, 8), Box(-1, 0, 2, 2), Box(2, 2, 2, 4)])
 def test_an_update_outside_the_map_is_refused(box):
-    grid = Grid(GridInfo(8, 6, 0.05), np.zeros((6, 8), np.int8))
+    grid = OccupancyGrid(GridInfo(8, 6, 0.05), np.zeros((6, 8), np.int8))
     with pytest.raises(ValueError, match="not a part"):
         ros_outputs.update_message(grid, box, "map", STAMP)
 
 
 def test_the_status_carries_every_figure_and_robots_by_name():
     rows = ((0.0, 1.0, 2.0), (3.0, 4.0, 5.0), (6.0, 7.0, 8.0))
-    placed = RobotPlacement("b", "shared wall 41.0 m", Transform(1.0, 2.0, 0.5), "c", rows, 0.9, 41.0, 3.5, 2**40)
+    placed = RobotPlacement("b", "shared wall 41.0 m", Pose(1.0, 2.0, 0.5), "c", rows, 0.9, 41.0, 3.5, 2**40)
     waiting = RobotPlacement("a", "shared wall 7.0 m of 14 m", shared_wall=7.0)
     message = ros_outputs.status_message(MergerStatus("r", "centralized", "base", (placed, waiting)), "map", STAMP)
     received = over_the_wire(message, MergerStatusMessage)
@@ -66,9 +66,9 @@ def test_the_status_carries_every_figure_and_robots_by_name():
 def test_markers_have_stable_identifiers_and_end_by_themselves():
     outline = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
     robots = [
-        RobotMarker("robot_1", Transform(1.0, 2.0, 0.5), outline),
+        RobotMarker("robot_1", Pose(1.0, 2.0, 0.5), outline),
         RobotMarker("robot_2", None, outline),
-        RobotMarker("robot_3", Transform(), NOWHERE),
+        RobotMarker("robot_3", Pose(), NOWHERE),
     ]
     markers = ros_outputs.team_markers(robots, "map", STAMP).markers
     kinds = {(marker.ns, marker.id): marker.type for marker in markers}
@@ -102,7 +102,7 @@ class Listener:
         self._buffer.clear()
         for sent in np.arange(start, min(now - 0.1, last) + 1e-6, self._period):
             stamp = self._stamp_of(rospy.Time.from_sec(sent))
-            (message,) = ros_io.transform_messages([("robot_1/map", Transform(1.0, 0.0, 0.0))], "map", stamp)
+            (message,) = ros_io.transform_messages([("robot_1/map", Pose(1.0, 0.0, 0.0))], "map", stamp)
             self._buffer.set_transform(message, "test")
         try:
             self._buffer.lookup_transform_core("map", "robot_1/map", rospy.Time.from_sec(now))

@@ -10,12 +10,11 @@ from map_merger.agent import Agent
 from map_merger.alignment import Alignment
 from map_merger.effects import Register
 from map_merger.evidence import Evidence
-from map_merger.grid import FREE, OCCUPIED, UNKNOWN, Grid, GridInfo
 from map_merger.job import outcome_of
 from map_merger.messages import Anchor, Position, Tile
 from map_merger.registration import Registration, Verdict
 from map_merger.sighting import Sighting, Views, nowhere, places_seen, view_of
-from map_merger.transform import Transform
+from mr_grid import FREE, OCCUPIED, UNKNOWN, GridInfo, OccupancyGrid, Pose
 
 PLACE = (2.0, 3.0)
 GONE = np.array([[2.0, 3.0, 5.0], [5.0, 3.0, 9.0]])
@@ -32,7 +31,7 @@ def floor(robot=None, fill=FREE):
     cells = np.full((200, 200), fill, np.int8)
     if robot is not None:
         draw_robot(cells, robot)
-    return Grid(GridInfo(200, 200, 0.05, Transform(-5.0, -5.0, 0.0)), cells)
+    return OccupancyGrid(GridInfo(200, 200, 0.05, Pose(-5.0, -5.0, 0.0)), cells)
 
 
 def sighting(place=PLACE, time=5.0):
@@ -40,7 +39,7 @@ def sighting(place=PLACE, time=5.0):
 
 
 def seen(present, sightings, track=GONE, transform=None, others=None):
-    return places_seen(present, sightings, track, transform or Transform(), nowhere() if others is None else others)
+    return places_seen(present, sightings, track, transform or Pose(), nowhere() if others is None else others)
 
 
 def test_a_robot_seen_where_it_said_it_was():
@@ -48,22 +47,22 @@ def test_a_robot_seen_where_it_said_it_was():
 
 
 def test_the_same_in_frames_that_differ():
-    transform = Transform(1.0, -2.0, 0.7)
+    transform = Pose(1.0, -2.0, 0.7)
     told = transform.inverse().apply(np.array([PLACE, (5.0, 3.0)]))
     track = np.column_stack([told, [5.0, 9.0]])
     view = Sighting(view_of(floor(PLACE), None), *told[0], 5.0)
     assert seen(floor(), [view], track, transform) == 1
-    assert seen(floor(), [view], track, Transform(1.0, -2.5, 0.7)) == 0
+    assert seen(floor(), [view], track, Pose(1.0, -2.5, 0.7)) == 0
 
 
 @pytest.mark.parametrize(
     ("present", "track", "transform"),
     [
-        (floor(), GONE[:1], Transform()),
-        (floor(), nowhere(), Transform()),
-        (floor(PLACE), GONE, Transform()),
-        (floor(fill=UNKNOWN), GONE, Transform()),
-        (floor(), GONE, Transform(0.8, 0.0, 0.0)),
+        (floor(), GONE[:1], Pose()),
+        (floor(), nowhere(), Pose()),
+        (floor(PLACE), GONE, Pose()),
+        (floor(fill=UNKNOWN), GONE, Pose()),
+        (floor(), GONE, Pose(0.8, 0.0, 0.0)),
     ],
     ids=["still there", "never heard of", "something stands there still", "place not seen since", "elsewhere"],
 )
@@ -82,7 +81,7 @@ def test_where_another_robot_was_until_then_nothing_counts(other, places):
 
 
 def test_a_view_ends_where_the_laser_does():
-    near, far = view_of(floor(PLACE), Transform(0.0, 0.0, 0.0)), view_of(floor(PLACE), Transform(-12.0, 0.0, 0.0))
+    near, far = view_of(floor(PLACE), Pose(0.0, 0.0, 0.0)), view_of(floor(PLACE), Pose(-12.0, 0.0, 0.0))
     assert len(near.obstacles) > 0 and len(far.obstacles) == 0
 
 
@@ -114,7 +113,7 @@ def test_a_repeated_view_is_kept_once():
 
 
 def test_a_meeting_is_believed_at_once():
-    result = Registration(Verdict.ACCEPTED, Transform(1.0, 2.0, 0.5), Evidence(15.0, 5.0, 0.0, 0.8, 0.02), 60.0)
+    result = Registration(Verdict.ACCEPTED, Pose(1.0, 2.0, 0.5), Evidence(15.0, 5.0, 0.0, 0.8, 0.02), 60.0)
     assert Alignment().finished(result) == ""
     assert Alignment().finished(result._replace(met=True)) == "accepted"
 
@@ -130,7 +129,7 @@ def room(robot=None):
     cells[130:144, 90:112] = OCCUPIED
     if robot is not None:
         draw_robot(cells, robot)
-    return Grid(GridInfo(200, 200, 0.05, Transform(-5.0, -5.0, 0.0)), cells)
+    return OccupancyGrid(GridInfo(200, 200, 0.05, Pose(-5.0, -5.0, 0.0)), cells)
 
 
 START, SECOND, AWAY = (0.0, -1.0), (0.0, 0.5), (-2.5, -1.5)
@@ -141,7 +140,7 @@ class Watcher:
 
     def __init__(self):
         self.agent = Agent(options("robot_0"), (1, 0))
-        self.agent.on_local_pose(Transform(2.0, -1.0, 0.0), 0.0)
+        self.agent.on_local_pose(Pose(2.0, -1.0, 0.0), 0.0)
         self.now = 0.0
         info = room().info
         self.agent.on_anchor(Anchor("robot_1", info, (1, 1), 1), 0.0)
@@ -150,7 +149,7 @@ class Watcher:
     def sees(self, shown, told, seconds=4.0):
         """For some seconds the own map shows a robot at one place (or none) while robot_1 tells where it is."""
         self.agent.on_local_map(room(shown), self.now)
-        self.agent.on_position(Position("robot_1", Transform(*told, 0.0)), self.now)
+        self.agent.on_position(Position("robot_1", Pose(*told, 0.0)), self.now)
         until = self.now + seconds
         while self.now < until:
             self.now += 0.25
@@ -161,12 +160,12 @@ class Watcher:
 
     def third_robot_is_heard(self):
         """Where in the own frame it is nobody knows: it has no map that could be registered."""
-        self.agent.on_position(Position("robot_2", Transform(0.0, 0.0, 0.0)), self.now)
+        self.agent.on_position(Position("robot_2", Pose(0.0, 0.0, 0.0)), self.now)
 
     def third_robot_is_placed(self, place):
         """The same map again and a position: its frame is proposed."""
         self.third_robot_has_a_map()
-        self.agent.on_position(Position("robot_2", Transform(*place, 0.0)), self.now)
+        self.agent.on_position(Position("robot_2", Pose(*place, 0.0)), self.now)
 
     def third_robot_has_a_map(self):
         info = room().info

@@ -5,9 +5,8 @@ import math
 import numpy as np
 
 from map_merger.evidence import compare
-from map_merger.grid import Grid, GridInfo
 from map_merger.surface import landmarks_of, without_places
-from map_merger.transform import Transform
+from mr_grid import GridInfo, OccupancyGrid, Pose
 
 RESOLUTION = 0.05
 
@@ -21,20 +20,20 @@ def room(robot=None):
         column, row = (int(value / RESOLUTION) for value in robot)
         cells[row - 5 : row + 5, column - 12 : column + 12] = 100
         cells[row - 4 : row + 4, column - 11 : column + 11] = -1
-    return landmarks_of(Grid(GridInfo(80, 60, RESOLUTION), cells))
+    return landmarks_of(OccupancyGrid(GridInfo(80, 60, RESOLUTION), cells))
 
 
 def test_seen_robot_is_no_contradiction_where_it_has_been():
     here, seen_from_there = room(), room(robot=(2.0, 1.5))
-    assert compare(here, seen_from_there, Transform()).conflict > 0.05
+    assert compare(here, seen_from_there, Pose()).conflict > 0.05
     track = np.array([[0.5, 1.5], [1.5, 1.5], [2.0, 1.5], [2.5, 1.5]])
-    assert compare(without_places(here, track, 0.35), seen_from_there, Transform()).conflict == 0.0
+    assert compare(without_places(here, track, 0.35), seen_from_there, Pose()).conflict == 0.0
 
 
 def test_a_wall_elsewhere_still_contradicts():
     here, other = room(), room(robot=(2.0, 1.5))
     track = np.array([[0.5, 1.5], [100.0, -100.0]])
-    assert compare(without_places(here, track, 0.35), other, Transform()).conflict > 0.05
+    assert compare(without_places(here, track, 0.35), other, Pose()).conflict > 0.05
 
 
 def test_no_places_change_nothing():

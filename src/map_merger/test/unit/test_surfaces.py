@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from map_merger._surfaces import SurfaceIndex, border, raster
 from map_merger.obstacles import obstacles_of
-from map_merger.transform import Transform
+from mr_grid import Pose
 
 WEIGHT = 0.3
 
@@ -82,10 +82,10 @@ def room(width=6.0, height=4.0, step=0.05):
 @given(st.floats(-0.15, 0.15), st.floats(-0.15, 0.15), st.floats(-0.03, 0.03), st.floats(-3.0, 3.0))
 def test_refinement_finds_the_way_back(x, y, turn, heading):
     points, normals = room()
-    truth, error = Transform(2.0, -1.0, heading), Transform(x, y, turn)
-    target = SurfaceIndex(truth.apply(points), Transform(0.0, 0.0, heading).apply(normals), WEIGHT)
-    found = target.refined(points, normals, truth.compose(error).pose(), [0.6, 0.45, 0.3, 0.3, 0.2, 0.2, 0.2])
-    assert np.abs(Transform(*found).apply(points) - truth.apply(points)).max() < 0.02
+    truth, error = Pose(2.0, -1.0, heading), Pose(x, y, turn)
+    target = SurfaceIndex(truth.apply(points), Pose(0.0, 0.0, heading).apply(normals), WEIGHT)
+    found = target.refined(points, normals, truth.compose(error), [0.6, 0.45, 0.3, 0.3, 0.2, 0.2, 0.2])
+    assert np.abs(Pose(*found).apply(points) - truth.apply(points)).max() < 0.02
 
 
 def test_walls_that_face_the_other_way_are_no_partners():

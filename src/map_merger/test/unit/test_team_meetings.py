@@ -8,7 +8,7 @@ import pytest
 from agent_scene import AgentScene
 from meeting_scene import NARROW, Actor, Scene, Wall, driving, room
 
-from map_merger.transform import Transform
+from mr_grid import Pose
 
 SMALL = room(7.0, 6.0)
 """Of less wall than what convinces alone."""
@@ -24,7 +24,7 @@ def circling(x, y, radius=0.8, speed=0.25, begin=0.0):
     def way(time):
         angle = begin + speed / radius * max(0.0, time - 2.0)
         ahead = angle + math.copysign(0.5 * math.pi, speed)
-        return Transform(x + radius * math.cos(angle), y + radius * math.sin(angle), ahead)
+        return Pose(x + radius * math.cos(angle), y + radius * math.sin(angle), ahead)
 
     return way
 
@@ -122,7 +122,7 @@ def test_robots_in_copies_of_a_room_are_never_placed_and_the_status_says_why(oth
 def test_turtlebots_are_placed_after_they_have_faced_one_another_and_not_before():
     def looker(time):
         yaw = math.pi * (1.0 - min(1.0, max(0.0, (time - 12.0) / 3.0)))
-        return Transform(-2.2, 0.0, yaw)
+        return Pose(-2.2, 0.0, yaw)
 
     view = dict(view=NARROW, farthest=4.0, nearest=0.45)
     scene = AgentScene(Scene([Actor("robot_0", looker, **view), Actor("robot_1", circling(0.6, 0.0), **view)], SMALL))

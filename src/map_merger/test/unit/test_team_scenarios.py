@@ -14,7 +14,8 @@ from map_merger.graph.edges import EdgeReport
 from map_merger.meetings import TrackReport
 from map_merger.messages import Anchor, Request, Tile
 from map_merger.synthetic import pair_of
-from map_merger.transform import Transform, displacement, rotation_between
+from map_merger.transform import displacement, rotation_between
+from mr_grid import Pose
 
 CORNERS = np.array([[0.0, 0.0], [8.0, 0.0], [0.0, 8.0], [-8.0, -8.0]])
 
@@ -55,7 +56,7 @@ def assert_right(team, maps, shift=0.2):
 def assert_agree(team, shift=0.05, turn=0.5):
     """Whichever robot is asked, the frames of any two lie alike."""
     for own, agent in team.agents.items():
-        there = {own: Transform(), **agent.view.transforms()}
+        there = {own: Pose(), **agent.view.transforms()}
         for first in team.agents:
             for second, transform in team.agents[first].view.transforms().items():
                 seen = there[first].inverse().compose(there[second])
@@ -147,7 +148,7 @@ def test_a_wrong_transform_that_is_told_misleads_nobody():
     team.run(15.0)
     report = team.edges["robot_1"]
     wrong = tuple(
-        replace(edge, transform=edge.transform.compose(Transform(4.0, -3.0, 1.0)), shared_wall=60.0, met=True)
+        replace(edge, transform=edge.transform.compose(Pose(4.0, -3.0, 1.0)), shared_wall=60.0, met=True)
         if edge.target == "robot_2"
         else edge
         for edge in report.edges

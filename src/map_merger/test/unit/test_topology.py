@@ -9,11 +9,11 @@ from team import Agent, Team, options, survey
 from map_merger.delivery import Delivery
 from map_merger.effects import PublishMap, Purpose, Send
 from map_merger.exchange import Exchange
-from map_merger.grid import UNKNOWN, Grid, GridInfo
 from map_merger.messages import Anchor, Request, Tile, run_after
 from map_merger.synthetic import pair_of
 from map_merger.topology import topology_of
-from map_merger.transform import Transform, displacement
+from map_merger.transform import displacement
+from mr_grid import UNKNOWN, GridInfo, OccupancyGrid, Pose
 
 ROBOTS = ("robot_0", "robot_1", "robot_2")
 BASE = "base"
@@ -122,7 +122,7 @@ def test_the_base_tells_changes_only(maps):
     cells = local.cells.copy()
     row, column = np.argwhere(cells == 0)[0]
     cells[row : row + 3, column : column + 3] = 100
-    team.agents["robot_0"].on_local_map(Grid(local.info, cells), team.now)
+    team.agents["robot_0"].on_local_map(OccupancyGrid(local.info, cells), team.now)
     team.run(20.0)
     told = [payload for _, who, _, payload in team.sends[before:] if who == BASE and isinstance(payload, Tile)]
     assert 0 < sum(tile.cells.size for tile in told) < 400
@@ -217,7 +217,7 @@ def test_when_the_reference_robot_restarts_the_base_begins_a_new_run(maps):
 def test_a_robot_that_restarts_is_placed_anew_and_its_former_way_forgotten(maps):
     team = team_with_base(maps)
     for name in ROBOTS:
-        team.agents[name].on_local_pose(Transform(3.0, 1.0, 0.0), team.now)
+        team.agents[name].on_local_pose(Pose(3.0, 1.0, 0.0), team.now)
     team.run(30.0)
     moved = next(name for name in ROBOTS if name != team.agents[BASE]._reference.robot)
     witness = next(name for name in ROBOTS if name not in (moved, team.agents[BASE]._reference.robot))
@@ -261,7 +261,7 @@ def test_a_send_that_ends_after_the_run_did_counts_for_nothing():
     """The numbers of the former run would be repeated, or the anchor of the new one never announced with its tiles."""
     exchange = Exchange(options(BASE, topology="centralized", base_station=BASE, has_local_map=False), (1, 0))
     info = GridInfo(4, 4, 0.05)
-    exchange.on_merged_map(Grid(info, np.zeros((4, 4), np.int8)))
+    exchange.on_merged_map(OccupancyGrid(info, np.zeros((4, 4), np.int8)))
     exchange.on_robot("robot_0", 0.0)
     exchange.tick(0.0)
     sends = [each for each in exchange.effects() if isinstance(each, Send) and each.purpose is Purpose.CHANGES]
@@ -271,7 +271,7 @@ def test_a_send_that_ends_after_the_run_did_counts_for_nothing():
     while delivery.next is not None:
         delivery.ended(isinstance(delivery.next, Anchor))
     delivery.report(exchange, 1.0)
-    exchange.on_merged_map(Grid(info, np.full((4, 4), 100, np.int8)))
+    exchange.on_merged_map(OccupancyGrid(info, np.full((4, 4), 100, np.int8)))
     exchange.tick(10.0)
     sends = [each for each in exchange.effects() if isinstance(each, Send) and each.purpose is Purpose.CHANGES]
     payloads = [payload for send in sends for payload in send.payloads]
@@ -281,7 +281,7 @@ def test_a_send_that_ends_after_the_run_did_counts_for_nothing():
 
 def test_the_distributed_topology_is_the_default():
     agent = Agent(options("robot_0"), (1, 0))
-    agent.on_local_map(Grid(GridInfo(4, 4, 0.05), np.zeros((4, 4), np.int8)), 0.0)
+    agent.on_local_map(OccupancyGrid(GridInfo(4, 4, 0.05), np.zeros((4, 4), np.int8)), 0.0)
     agent.tick(0.0)
     effects = agent.effects()
     assert [each.destination for each in effects if isinstance(each, Send)] == ["mc_robot_0"]

@@ -51,8 +51,12 @@ class GridInfo:
 
     def cell_of(self, x: float, y: float) -> Tuple[int, int]:
         """(row, column) of the cell that contains the point; it may lie outside the grid."""
-        row, column = self._place_of(x, y)
-        return math.floor(row), math.floor(column)
+        origin, resolution = self.origin, self.resolution
+        x, y = x - origin.x, y - origin.y
+        if origin.yaw:
+            cosine, sine = math.cos(origin.yaw), math.sin(origin.yaw)
+            x, y = cosine * x + sine * y, cosine * y - sine * x
+        return math.floor(y / resolution), math.floor(x / resolution)
 
     def cells_of(self, points: np.ndarray) -> np.ndarray:
         """(row, column), int (n, 2), of the cells that contain points (n, 2) in metres; they may lie outside."""
@@ -64,9 +68,10 @@ class GridInfo:
         x, y = (np.floor(axis / self.resolution).astype(np.int64) for axis in self._local(points).T)
         return y, x
 
-    def continuous_cells(self, points: np.ndarray) -> np.ndarray:
-        """(row, column) with fraction, float (n, 2), of points (n, 2) in metres; cell r covers [r, r + 1)."""
-        return (self._local(points) / self.resolution)[:, ::-1]
+    def continuous_cells(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """Rows and columns with fraction, float (n,) each, of points (n, 2) in metres; row r covers [r, r + 1)."""
+        local = self._local(points) / self.resolution
+        return local[:, 1], local[:, 0]
 
     def centre_of(self, row: float, column: float) -> Tuple[float, float]:
         """(x, y) in metres of the centre of a cell."""
@@ -75,8 +80,13 @@ class GridInfo:
 
     def centres_of(self, cells: np.ndarray) -> np.ndarray:
         """Centres (n, 2) in metres of cells (n, 2), which may have fractions."""
-        cells = np.asarray(cells, dtype=float).reshape(-1, 2)
-        return self.origin.apply((cells[:, ::-1] + 0.5) * self.resolution)
+        cells = np.asarray(cells).reshape(-1, 2)
+        return self.centres(cells[:, 0], cells[:, 1])
+
+    def centres(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """`centres_of` for rows and columns (n,) each."""
+        local = np.stack([np.asarray(columns) + 0.5, np.asarray(rows) + 0.5], axis=-1) * self.resolution
+        return self.origin.apply(local)
 
     def contains(self, row: int, column: int) -> bool:
         return 0 <= row < self.height and 0 <= column < self.width
@@ -89,14 +99,6 @@ class GridInfo:
         """The four corners of the grid, (4, 2) in metres."""
         x, y = self.width * self.resolution, self.height * self.resolution
         return self.origin.apply(np.array([[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]]))
-
-    def _place_of(self, x: float, y: float) -> Tuple[float, float]:
-        """(row, column) with fraction of a point."""
-        dx, dy, yaw = x - self.origin.x, y - self.origin.y, self.origin.yaw
-        if yaw:
-            cosine, sine = math.cos(yaw), math.sin(yaw)
-            dx, dy = cosine * dx + sine * dy, cosine * dy - sine * dx
-        return dy / self.resolution, dx / self.resolution
 
     def _local(self, points: np.ndarray) -> np.ndarray:
         """Points (n, 2) as seen from the origin, m."""

@@ -172,12 +172,12 @@ class Measures:
             **self._error(grid),
         }
 
-    def _error(self, occupancy: Any) -> dict[str, Any]:
+    def _error(self, grid: OccupancyGrid) -> dict[str, Any]:
         """Against the missions in virtual time: those of a host in real time would take an hour for each world."""
         from mr_sim.reference import VIRTUAL_TIME, MapReferenceError, error_of_map
 
         try:
-            error, reason = error_of_map(self._world, occupancy, self._slam, VIRTUAL_TIME)
+            error, reason = error_of_map(self._world, grid, self._slam, VIRTUAL_TIME)
         except MapReferenceError as fault:
             return no_error(str(fault))
         return no_error(reason) if error is None else {"map_error": round(error, 3), "map_error_reason": ""}

@@ -9,8 +9,8 @@ from nav_msgs.msg import Odometry
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
+from mr_grid.ros import quaternion
 from mr_sim import protocol
-from mr_sim.ros_poses import quaternion
 
 # Serialised from the array's memory instead of a list of 541 Python floats.
 ArrayLaserScan = numpy_msg(LaserScan)

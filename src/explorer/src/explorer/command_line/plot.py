@@ -79,8 +79,8 @@ def _on_map(occupancy: OccupancyMap) -> Any:
     (left, bottom), (right, top) = info.centres_of(np.array([low, high]))
     size = np.array([right - left + 2 * MARGIN, top - bottom + 2 * MARGIN])
     figure, axes = pyplot.subplots(figsize=tuple(size * LONGEST_EDGE / size.max() + (1.0, 1.0)))
-    right_edge, top_edge = info.origin_x + info.width * info.resolution, info.origin_y + info.height * info.resolution
-    extent = (info.origin_x, right_edge, info.origin_y, top_edge)
+    right_edge, top_edge = info.origin.x + info.width * info.resolution, info.origin.y + info.height * info.resolution
+    extent = (info.origin.x, right_edge, info.origin.y, top_edge)
     axes.imshow(shades, cmap="gray", vmin=0.0, vmax=1.0, origin="lower", extent=extent, interpolation="nearest")
     axes.set_xlim(left - MARGIN, right + MARGIN)
     axes.set_ylim(bottom - MARGIN, top + MARGIN)

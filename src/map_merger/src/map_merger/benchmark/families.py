@@ -6,12 +6,13 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from ..grid import Grid
+from mr_grid import OccupancyGrid, Pose
+
 from ..registration import ranked_by_evidence
 from ..search import candidates
 from ..surface import Landmarks, landmarks_of
 from ..synthetic import KINDS, FloorPlan, Pair, RobotMap, Survey, Surveyor, pair_of, rearranged
-from ..transform import Transform, displacement, rotation_between
+from ..transform import displacement, rotation_between
 from .outcome import best_rigid_fit, overlap, shared_wall
 
 STAGES = (0.4, 0.6, 0.8, 1.0)
@@ -62,9 +63,9 @@ class Case(NamedTuple):
 
     seed: int
     family: str
-    target: Tuple[Grid, ...]
-    source: Tuple[Grid, ...]
-    truth: Transform
+    target: Tuple[OccupancyGrid, ...]
+    source: Tuple[OccupancyGrid, ...]
+    truth: Pose
     shared: float
     alias: bool
     drift: float
@@ -123,7 +124,7 @@ def _start(
 
 def _copy_of(random: np.random.Generator, plan: FloorPlan, place: np.ndarray) -> Tuple[float, float]:
     """Another place of the building that looks the same; the place itself if there is none."""
-    aliases = [Transform(*alias) for alias in plan.aliases]
+    aliases = [Pose(*alias) for alias in plan.aliases]
     motions = [motion for alias in aliases for motion in (alias, alias.inverse())]
     places = [motion.apply(place[None])[0] for motion in motions]
     copies = [each for each in places if plan.holds(each)] or [place]
@@ -144,7 +145,7 @@ def _case(seed: int, family: Family, pair: Pair, drift: float, ideal: Pair) -> C
     return Case(seed, family.name, pair.target.stages, pair.source.stages, truth, shared, alias, drift)
 
 
-def self_alias(target: Landmarks, source: Landmarks, truth: Transform) -> bool:
+def self_alias(target: Landmarks, source: Landmarks, truth: Pose) -> bool:
     """True if a transform that differs from the truth by more than 0.5 m or 4 deg scores within a tenth of it."""
     starts = [truth] + [candidate.transform for candidate in candidates(target, source, 16)]
     ranked = ranked_by_evidence(target, source, starts)
@@ -154,7 +155,7 @@ def self_alias(target: Landmarks, source: Landmarks, truth: Transform) -> bool:
     return max(others, default=0.0) >= max(ALIAS_LEAST_M, ALIAS_SHARE * true_score)
 
 
-def _same(first: Transform, second: Transform, points: np.ndarray) -> bool:
+def _same(first: Pose, second: Pose, points: np.ndarray) -> bool:
     return (
         rotation_between(first, second) <= math.radians(4.0)
         and float(np.median(displacement(first, second, points))) <= 0.5

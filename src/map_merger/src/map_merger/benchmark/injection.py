@@ -11,6 +11,8 @@ from typing import Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from mr_grid import Pose
+
 from ..agent import Agent
 from ..evidence import Evidence, compare
 from ..graph.edges import Edge
@@ -19,7 +21,7 @@ from ..options import Options
 from ..registration import Registration, Verdict
 from ..surface import landmarks_of
 from ..synthetic import RobotMap, Survey, Surveyor, office_plan, pair_of
-from ..transform import Transform, rotation_between
+from ..transform import rotation_between
 from .figures import Row, row
 from .virtual_team import VirtualTeam
 
@@ -57,7 +59,7 @@ class Injection(NamedTuple):
 class MetTeam(VirtualTeam):
     """Given pairs have met: their first registrations give the truth. truth: of the second's frame to the first's."""
 
-    truth: Dict[Pair, Transform] = field(default_factory=dict)
+    truth: Dict[Pair, Pose] = field(default_factory=dict)
     met: FrozenSet[Pair] = frozenset()
     meeting: bool = True
     """Only at the start."""
@@ -83,7 +85,7 @@ def inject(seed: int, watched: float = WATCHED_S, robots: int = ROBOTS) -> Injec
     both = bool(random.random() < 0.5)
     cycle = _in_cycle(told(team), (first, second), both)
     x, y = (random.uniform(3.0, 9.0, 2) * random.choice([-1.0, 1.0], 2)).tolist()
-    shift = Transform(float(x), float(y), random.uniform(-3.0, 3.0))
+    shift = Pose(float(x), float(y), random.uniform(-3.0, 3.0))
     wrong = team.truth[first, second].compose(shift)
     mislead(team, first, second, wrong)
     if both:
@@ -98,7 +100,7 @@ def inject(seed: int, watched: float = WATCHED_S, robots: int = ROBOTS) -> Injec
     return Injection(seed, (first, second), both, cycle, gone, sum(_placements(team)))
 
 
-def mislead(team: VirtualTeam, name: str, robot: str, wrong: Transform) -> None:
+def mislead(team: VirtualTeam, name: str, robot: str, wrong: Pose) -> None:
     """Robot `name` believes from now on that this transform lays the frame of `robot` in its own."""
     outcome = Registration(Verdict.ACCEPTED, wrong, _STRONG, prior=True, met=True, covariance=_COVARIANCE)
     team.mislead(name, robot, outcome)
@@ -154,7 +156,7 @@ def _in_cycle(edges: Sequence[Edge], pair: Pair, both: bool) -> bool:
     return second in reached
 
 
-def _believed(team: VirtualTeam, pair: Pair, wrong: Transform) -> bool:
+def _believed(team: VirtualTeam, pair: Pair, wrong: Pose) -> bool:
     """True while one of the pair tells the wrong transform."""
     own = {(edge.reporter, edge.target): edge.transform for edge in told(team)}
     back = own.get((pair[1], pair[0]))
@@ -162,7 +164,7 @@ def _believed(team: VirtualTeam, pair: Pair, wrong: Transform) -> bool:
     return any(each is not None and not _differ(each, wrong) for each in candidates)
 
 
-def _differ(first: Transform, second: Transform) -> bool:
+def _differ(first: Pose, second: Pose) -> bool:
     return math.hypot(first.x - second.x, first.y - second.y) > WRONG_M or rotation_between(first, second) > WRONG_RAD
 
 

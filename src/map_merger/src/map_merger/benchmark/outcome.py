@@ -12,11 +12,13 @@ from typing import Dict, Iterable, NamedTuple, Optional
 import cv2
 import numpy as np
 
+from mr_grid import OccupancyGrid, Pose, values_at
+
 from ..evidence import compare
-from ..grid import Grid, cell_centres, cropped, known_box, values_at
+from ..grid import cropped, known_box, occupied_cells
 from ..refine import FINE_REACH, refined
 from ..surface import Landmarks
-from ..transform import Transform, displacement, rotation_between
+from ..transform import displacement, rotation_between
 
 RIGHT_M = 0.1
 WRONG_M = 0.25
@@ -35,9 +37,7 @@ class Outcome(NamedTuple):
     seconds: float = 0.0
 
 
-def outcome_of(
-    transform: Optional[Transform], truth: Transform, points: np.ndarray, reason: str, seconds: float
-) -> Outcome:
+def outcome_of(transform: Optional[Pose], truth: Pose, points: np.ndarray, reason: str, seconds: float) -> Outcome:
     """The outcome of an answer (None = declined) against the truth, over the overlap `points` (n, 2; m)."""
     if transform is None:
         return Outcome("declined", reason, seconds=seconds)
@@ -52,26 +52,26 @@ def classify(error: np.ndarray, rotation: float) -> str:
     return "right" if error.mean() <= RIGHT_M else "imprecise"
 
 
-def best_rigid_fit(target: Landmarks, source: Landmarks, truth: Transform) -> Transform:
+def best_rigid_fit(target: Landmarks, source: Landmarks, truth: Pose) -> Pose:
     """The truth for distorted maps: refined on the shared walls, but never led away by more than a little."""
     fitted = refined(target.surface, source.surface, truth, FINE_REACH)
     moved = displacement(truth, fitted, source.surface.points).max() if len(source.surface.points) else 0.0
     return fitted if moved < 0.3 and compare(target, source, truth).matched > 3.0 else truth
 
 
-def overlap(target: Grid, source: Grid, truth: Transform) -> np.ndarray:
+def overlap(target: OccupancyGrid, source: OccupancyGrid, truth: Pose) -> np.ndarray:
     """Points (n, 2) of the source that both maps know; all known ones if there are none."""
     rows, columns = np.nonzero(source.cells[::3, ::3] >= 0)
-    points = cell_centres(source.info, 3 * rows, 3 * columns)
+    points = source.info.centres(3 * rows, 3 * columns)
     shared = values_at(target.cells, target.info, truth.apply(points), -1) >= 0
     return points[shared] if shared.any() else points
 
 
-def shared_wall(target: Grid, source: Grid, truth: Transform) -> float:
+def shared_wall(target: OccupancyGrid, source: OccupancyGrid, truth: Pose) -> float:
     """Length in metres of the source's thinned obstacles that lie within one cell of the target's."""
     part = cropped(source, known_box(source).grown(1))
-    points = cell_centres(part.info, *np.nonzero(thinned(part.occupied)))
-    near = cv2.dilate(target.occupied.view(np.uint8), np.ones((3, 3), np.uint8))
+    points = part.info.centres(*np.nonzero(thinned(occupied_cells(part))))
+    near = cv2.dilate(occupied_cells(target).view(np.uint8), np.ones((3, 3), np.uint8))
     return float(values_at(near, target.info, truth.apply(points), 0).sum()) * source.info.resolution
 
 

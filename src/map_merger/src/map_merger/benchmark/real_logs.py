@@ -11,10 +11,10 @@ from typing import Iterator, List, NamedTuple, Optional, TextIO, Tuple
 
 import numpy as np
 
-from ..grid import Grid
+from mr_grid import OccupancyGrid, Pose
+
 from ..surface import landmarks_of
 from ..synthetic import GridDrawer, info_around
-from ..transform import Transform
 from .families import STAGES, Case, self_alias
 from .outcome import best_rigid_fit, shared_wall
 
@@ -98,7 +98,7 @@ def _drawn(log: Log, random: np.random.Generator, seed: int) -> Optional[Case]:
 
 
 def _case(log: Log, first: np.ndarray, second: np.ndarray, random: np.random.Generator, seed: int) -> Case:
-    starts = [Transform(*log.poses[piece[0]].tolist()) for piece in (first, second)]
+    starts = [Pose(*log.poses[piece[0]].tolist()) for piece in (first, second)]
     maps = [_maps(log, piece, start, random) for piece, start in zip((first, second), starts)]
     target, source = (landmarks_of(stages[-1]) for stages in maps)
     truth = best_rigid_fit(target, source, starts[0].inverse().compose(starts[1]))
@@ -106,7 +106,7 @@ def _case(log: Log, first: np.ndarray, second: np.ndarray, random: np.random.Gen
     return Case(seed, log.name, maps[0], maps[1], truth, shared, self_alias(target, source, truth), math.nan)
 
 
-def _maps(log: Log, piece: np.ndarray, start: Transform, random: np.random.Generator) -> Tuple[Grid, ...]:
+def _maps(log: Log, piece: np.ndarray, start: Pose, random: np.random.Generator) -> Tuple[OccupancyGrid, ...]:
     """The growing map of a piece in the frame of its start."""
     to_map = start.inverse()
     path = to_map.apply(log.poses[piece, :2])
@@ -116,9 +116,9 @@ def _maps(log: Log, piece: np.ndarray, start: Transform, random: np.random.Gener
     angles = -0.5 * math.pi + step * np.arange(count)
     no_return = _FULL_SCALE * log.ranges.max()
     ends = [max(1, round(share * len(piece))) - 1 for share in STAGES]
-    stages: List[Grid] = []
+    stages: List[OccupancyGrid] = []
     for index, scan in enumerate(piece):
-        pose = to_map.compose(Transform(*log.poses[scan].tolist()))
+        pose = to_map.compose(Pose(*log.poses[scan].tolist()))
         returned = log.ranges[scan] < no_return
         drawer.add(pose, angles[returned], np.minimum(log.ranges[scan][returned], REACH_M), REACH_M)
         stages.extend([drawer.grid()] * ends.count(index))

@@ -6,20 +6,20 @@ from typing import Callable, Dict, Optional, Tuple
 
 import numpy as np
 
+from mr_grid import UNKNOWN, OccupancyGrid, Pose
+
 from .. import features, registration
 from ..alignment import Alignment
-from ..grid import UNKNOWN, Grid, cell_centres
 from ..one_shot import decide, sure
 from ..registration import Prior, Registration, Verdict, follow, judge_kept
 from ..surface import landmarks_of
-from ..transform import Transform
 from .families import Case
 from .outcome import Outcome, outcome_of
 
 PRIOR_M, PRIOR_RAD = 2.0, math.radians(20.0)
 """A rough prior is uniformly within this of the truth, per axis, taken at the middle of the known area."""
 
-Answer = Tuple[Optional[Transform], str]
+Answer = Tuple[Optional[Pose], str]
 Rule = Callable[[Case], Answer]
 
 
@@ -104,14 +104,14 @@ def rough_prior(case: Case) -> Prior:
     x, y, yaw = random.uniform(-1.0, 1.0, 3) * (PRIOR_M, PRIOR_M, PRIOR_RAD)
     centre = known_centre(case.source[-1])
     there = case.truth.apply(centre[None])[0]
-    turned = Transform(0.0, 0.0, case.truth.yaw + yaw)
+    turned = Pose(0.0, 0.0, case.truth.yaw + yaw)
     shift = there + np.array([x, y]) - turned.apply(centre[None])[0]
-    return Prior(Transform(float(shift[0]), float(shift[1]), turned.yaw), math.hypot(PRIOR_M, PRIOR_M), PRIOR_RAD)
+    return Prior(Pose(float(shift[0]), float(shift[1]), turned.yaw), math.hypot(PRIOR_M, PRIOR_M), PRIOR_RAD)
 
 
-def known_centre(grid: Grid) -> np.ndarray:
+def known_centre(grid: OccupancyGrid) -> np.ndarray:
     """Middle of the known cells, (2,), m."""
-    return cell_centres(grid.info, *np.nonzero(grid.cells != UNKNOWN)).mean(axis=0)
+    return grid.info.centres(*np.nonzero(grid.cells != UNKNOWN)).mean(axis=0)
 
 
 def _answer(result: Registration) -> Answer:

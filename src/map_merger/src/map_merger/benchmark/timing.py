@@ -7,11 +7,11 @@ from typing import List, NamedTuple
 import cv2
 import numpy as np
 
-from ..grid import FREE, OCCUPIED, UNKNOWN, Grid, GridInfo
+from mr_grid import FREE, OCCUPIED, UNKNOWN, GridInfo, OccupancyGrid, Pose
+
 from ..registration import register
 from ..surface import landmarks_of
 from ..synthetic import KINDS, Survey, Surveyor
-from ..transform import Transform
 
 
 class Times(NamedTuple):
@@ -21,7 +21,7 @@ class Times(NamedTuple):
     registration: List[float]
 
 
-def times_of(pairs: List[List[Grid]]) -> Times:
+def times_of(pairs: List[List[OccupancyGrid]]) -> Times:
     """CPU times on one core; the first pair is measured twice, so that nothing is loaded for the first time."""
     landmarks, registration = [], []
     for target, source in [pairs[0], *pairs]:
@@ -34,7 +34,7 @@ def times_of(pairs: List[List[Grid]]) -> Times:
     return Times(landmarks[1:], registration[1:])
 
 
-def floor_pairs(seed: int, count: int) -> List[List[Grid]]:
+def floor_pairs(seed: int, count: int) -> List[List[OccupancyGrid]]:
     """Pairs of maps of floors of 26 m x 15 m, of robots that have driven 40 m each."""
     pairs = []
     for number in range(seed, seed + count):
@@ -44,14 +44,14 @@ def floor_pairs(seed: int, count: int) -> List[List[Grid]]:
     return pairs
 
 
-def large_pair(seed: int) -> List[Grid]:
+def large_pair(seed: int) -> List[OccupancyGrid]:
     """Two maps of 2000 x 2000 cells of one building, all of it known, the second one turned by 0.6 rad."""
     random = np.random.default_rng(seed)
     halves = [KINDS["offices"](random, 100.0).walls for _ in range(2)]
     cells = np.where(np.vstack(halves), OCCUPIED, FREE).astype(np.int8)[:2000, :2000]
-    info = GridInfo(cells.shape[1], cells.shape[0], 0.05, Transform())
+    info = GridInfo(cells.shape[1], cells.shape[0], 0.05, Pose())
     turn = cv2.getRotationMatrix2D((1000.0, 1000.0), math.degrees(0.6), 1.0)
     turned = cv2.warpAffine(
         cells.view(np.uint8), turn, cells.shape[::-1], flags=cv2.INTER_NEAREST, borderValue=UNKNOWN % 256
     )
-    return [Grid(info, cells), Grid(info, turned.view(np.int8))]
+    return [OccupancyGrid(info, cells), OccupancyGrid(info, turned.view(np.int8))]

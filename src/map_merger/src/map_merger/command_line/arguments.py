@@ -7,7 +7,8 @@ from typing import List, Optional
 
 import cv2
 
-from ..map_files import MapFileError
+from mr_grid.map_files import MapFileError
+
 from . import bench, merge, register
 
 USAGE = 2

@@ -4,7 +4,8 @@ import argparse
 import math
 import sys
 
-from ..map_files import MapFileError, read_map, write_map
+from mr_grid.map_files import MapFileError, read_map, write_map
+
 from ..placement import Placed, merged, place
 from .register import NOT_PLACED
 
@@ -29,7 +30,7 @@ def run(options: argparse.Namespace) -> int:
 
 def line(names: list, number: int, placed: Placed) -> str:
     """Where a map was placed."""
-    x, y, yaw = placed.transform.pose()
+    x, y, yaw = placed.transform
     through = f" through {names[placed.via]}" if placed.via else ""
     return (
         f"{names[number]}: x {x:.3f} m, y {y:.3f} m, yaw {yaw:.4f} rad ({math.degrees(yaw):.1f} deg){through}, "

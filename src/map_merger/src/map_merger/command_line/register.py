@@ -5,13 +5,14 @@ import json
 import math
 from typing import Any, Dict, Optional
 
-from ..map_files import read_map
+from mr_grid import Pose
+from mr_grid.map_files import read_map
+
 from ..one_shot import confidence_in, criteria_for, decide, doubt_of, sure
 from ..reasons import reason_of
 from ..registration import Registration, Verdict
 from ..search import Prior
 from ..surface import landmarks_of
-from ..transform import Transform
 
 NOT_PLACED = 3
 
@@ -19,7 +20,7 @@ NOT_PLACED = 3
 def run(options: argparse.Namespace) -> int:
     """Registers the two maps and prints the answer."""
     target, source = landmarks_of(read_map(options.target)), landmarks_of(read_map(options.source))
-    prior: Optional[Prior] = None if options.prior is None else Prior(Transform(*options.prior))
+    prior: Optional[Prior] = None if options.prior is None else Prior(Pose(*options.prior))
     result = decide(target, source, prior)
     reason = reason_of(result, criteria_for(prior))
     if options.sure and result.accepted and not sure(result):
@@ -36,7 +37,7 @@ def answer(result: Registration, reason: str) -> Dict[str, Any]:
     """The answer as JSON object; x, y (m) and yaw (rad) only for a transform that was accepted."""
     found: Dict[str, Any] = {"accepted": result.accepted}
     if result.accepted and result.transform is not None:
-        found.update(zip(("x", "y", "yaw"), result.transform.pose()))
+        found.update(zip(("x", "y", "yaw"), result.transform))
     return {
         **found,
         "confidence": confidence_in(result),
@@ -50,7 +51,7 @@ def text(options: argparse.Namespace, result: Registration, reason: str) -> str:
     """The answer as one line for people."""
     if not result.accepted or result.transform is None:
         return f"{options.source} is not placed in the frame of {options.target}: {reason}"
-    x, y, yaw = result.transform.pose()
+    x, y, yaw = result.transform
     return (
         f"{options.source} in the frame of {options.target}: x {x:.3f} m, y {y:.3f} m, yaw {yaw:.4f} rad "
         f"({math.degrees(yaw):.1f} deg), confidence {confidence_in(result):.2f}, shared wall "

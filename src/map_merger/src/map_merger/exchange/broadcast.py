@@ -3,8 +3,9 @@
 import math
 from typing import List, Optional, Sequence, Set
 
+from mr_grid import GridError, OccupancyGrid, empty_grid
+
 from ..effects import Effect, Note, Outcome, Purpose, SaveDebugImages, Send
-from ..grid import Grid, GridError, empty_grid
 from ..messages import Anchor, Boot, Tile
 from ..options import Options
 from ..payload import Payload
@@ -40,8 +41,8 @@ class Broadcast:
     def begin_run(self, boot: Boot) -> None:
         """The map to tell begins anew, in another frame."""
         self.sender = MapSender(self._name, self._tile_size, boot)
-        self._local: Optional[Grid] = None
-        self._sent_before: Optional[Grid] = None
+        self._local: Optional[OccupancyGrid] = None
+        self._sent_before: Optional[OccupancyGrid] = None
         self._undelivered: Set[int] = set()
         self._holding = Holding()
         self._announced = False
@@ -54,7 +55,7 @@ class Broadcast:
         """What changed does not wait for the timer."""
         self._at_once = True
 
-    def on_map(self, grid: Grid, told: bool = True) -> bool:
+    def on_map(self, grid: OccupancyGrid, told: bool = True) -> bool:
         """The own map changed. False, and a warning, if it cannot be that of this run. told: False if the others are
         told another one on the same lattice."""
         try:

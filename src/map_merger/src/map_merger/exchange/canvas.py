@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from mr_grid import UNKNOWN, GridError, GridInfo, OccupancyGrid
+
 from .._surfaces import write_cells
-from ..grid import EMPTY_BOX, UNKNOWN, Box, Grid, GridError, GridInfo, known_cells_box, window
+from ..grid import EMPTY_BOX, Box, known_cells_box, window
 
 BLOCK = 64
 """The store grows by whole blocks of this edge, so that a growing map is not copied for every new row."""
@@ -53,10 +55,10 @@ class Canvas:
         box = known_cells_box(self._cells)
         return box if box.empty else box.shifted(self._box.top, self._box.left)
 
-    def grid(self) -> Grid:
+    def grid(self) -> OccupancyGrid:
         """Snapshot of the known part."""
         box = self.known_box()
-        return Grid(window(self.anchor, box), self.read(box))
+        return OccupancyGrid(window(self.anchor, box), self.read(box))
 
     def _write(self, target: Box, cells: np.ndarray, known_only: bool, most: int, stamp: int) -> Box:
         if target.empty:

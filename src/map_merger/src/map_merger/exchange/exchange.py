@@ -4,8 +4,10 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
+from mr_grid import GridError, GridInfo, OccupancyGrid
+
 from ..effects import Effect, Note, Outcome, Purpose, Send
-from ..grid import Box, Grid, GridError, GridInfo
+from ..grid import Box
 from ..messages import NO_BOOT, Anchor, Boot, Request, Tile
 from ..options import Options
 from ..payload import Payload
@@ -60,11 +62,11 @@ class Exchange:
 
     # What comes in
 
-    def on_local_map(self, grid: Grid) -> bool:
+    def on_local_map(self, grid: OccupancyGrid) -> bool:
         """The local map changed. False, and a warning, if it has another resolution or heading than the first one."""
         return self._broadcast.on_map(grid, told=not self._topology.is_base)
 
-    def on_merged_map(self, grid: Grid) -> None:
+    def on_merged_map(self, grid: OccupancyGrid) -> None:
         """On a base: the global map changed, which is the map that it tells. It is not drawn anew so often that this
         would have to wait; the robots' maps have waited before."""
         if self._broadcast.on_map(grid):
@@ -181,7 +183,7 @@ class Exchange:
         """True if the radio has the robot, or it was heard since it lost it."""
         return robot in self._peers and self._peers[robot].present
 
-    def map_of(self, robot: str) -> Optional[Grid]:
+    def map_of(self, robot: str) -> Optional[OccupancyGrid]:
         """The known part of the robot's map; None while nothing is known. The same object while it does not change."""
         return self._peers[robot].map.grid() if robot in self._peers else None
 

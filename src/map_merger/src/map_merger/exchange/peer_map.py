@@ -7,7 +7,9 @@ from typing import Deque, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
-from ..grid import EMPTY_BOX, Box, Grid, GridError, GridInfo
+from mr_grid import GridError, GridInfo, OccupancyGrid
+
+from ..grid import EMPTY_BOX, Box
 from ..messages import NO_BOOT, Anchor, Boot, Tile
 from . import bounds
 from .canvas import Canvas
@@ -47,7 +49,7 @@ class PeerMap:
         self._complete = 0
         self._later: Set[int] = set()
         self._expected = 0
-        self._snapshot: Optional[Grid] = None
+        self._snapshot: Optional[OccupancyGrid] = None
         self._changed_box = EMPTY_BOX
         self.version = 0
         """Counts the changes of the map."""
@@ -138,7 +140,7 @@ class PeerMap:
                     return ()
         return tuple(missing) if missing else None
 
-    def grid(self) -> Optional[Grid]:
+    def grid(self) -> Optional[OccupancyGrid]:
         """The known part of the map; None while nothing is known."""
         if self._snapshot is None and self._canvas is not None:
             self._snapshot = self._canvas.grid()

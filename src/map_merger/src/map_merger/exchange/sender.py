@@ -7,18 +7,9 @@ from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequenc
 
 import numpy as np
 
-from ..grid import (
-    EMPTY_BOX,
-    UNKNOWN,
-    Box,
-    Grid,
-    bounding_box,
-    changed_box,
-    cropped,
-    known_box,
-    offset_between,
-    union_of,
-)
+from mr_grid import UNKNOWN, OccupancyGrid
+
+from ..grid import EMPTY_BOX, Box, bounding_box, changed_box, cropped, known_box, offset_between, union_of
 from ..messages import Anchor, Boot, Tile
 from . import bounds
 from .canvas import Canvas
@@ -53,7 +44,7 @@ class MapSender:
         self._boot = boot
         self._told: Optional[Canvas] = None
         self._reached = EMPTY_BOX
-        self._local: Optional[Grid] = None
+        self._local: Optional[OccupancyGrid] = None
         self._dirty = False
         self._untold: Optional[_Untold] = None
         self._known = 0
@@ -74,13 +65,13 @@ class MapSender:
         """Names this run."""
         return self._boot
 
-    def check(self, grid: Grid) -> None:
+    def check(self, grid: OccupancyGrid) -> None:
         """GridError if the map's resolution or heading differs from the first one's."""
         if self._told is None:
             self._told = Canvas(grid.info)
         offset_between(grid.info, self._told.anchor)
 
-    def set_map(self, grid: Grid) -> None:
+    def set_map(self, grid: OccupancyGrid) -> None:
         """Takes the present map. GridError as by `check`."""
         self.check(grid)
         self._local = grid

@@ -6,9 +6,10 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
+from mr_grid import Pose
+
 from ..covariance import Covariance
 from ..messages import Boot
-from ..transform import Transform
 
 MOST_ROBOTS = 64
 MOST_EDGES = MOST_ROBOTS - 1
@@ -39,7 +40,7 @@ class Edge:
     target: str
     reporter_run: Boot
     target_run: Boot
-    transform: Transform
+    transform: Pose
     covariance: Covariance
     shared_wall: float = 0.0
     met: bool = False
@@ -77,7 +78,7 @@ def check(edge: Edge) -> None:
 def _fault(edge: Edge) -> str:
     if not edge.reporter or not edge.target or edge.reporter == edge.target:
         return "not between two robots"
-    numbers = (*edge.transform.pose(), edge.shared_wall, edge.age, *(value for row in edge.covariance for value in row))
+    numbers = (*edge.transform, edge.shared_wall, edge.age, *(value for row in edge.covariance for value in row))
     if len(numbers) != 14 or not all(math.isfinite(value) for value in numbers):
         return "values that are missing or not finite"
     if math.hypot(edge.transform.x, edge.transform.y) > FARTHEST_EDGE_M:

@@ -21,7 +21,7 @@ def links_of(edges: List[Edge], nodes: List[str]) -> Links:
     return Links(
         np.array([number[edge.reporter] for edge in edges], int),
         np.array([number[edge.target] for edge in edges], int),
-        np.array([edge.transform.pose() for edge in edges], float).reshape(-1, 3),
+        np.array([edge.transform for edge in edges], float).reshape(-1, 3),
         _widened(np.array([edge.covariance for edge in edges], float).reshape(-1, 3, 3)),
         np.array([edge.weight for edge in edges], float),
         np.array([pairs[edge.pair] for edge in edges], int),

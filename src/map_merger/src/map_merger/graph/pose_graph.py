@@ -8,8 +8,9 @@ from typing import List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
+from mr_grid import Pose, normalized
+
 from .._surfaces import pose_gaps, solve_poses
-from ..transform import Transform, wrap_angle
 
 _MOST_STEPS = 8
 _SMALL_STEP = 1e-7
@@ -65,13 +66,13 @@ def spanning_tree(links: Links, order: Sequence[int], count: int) -> List[int]:
 def placed_along(links: Links, tree: Sequence[int], count: int) -> Tuple[np.ndarray, np.ndarray]:
     """Poses (count, 3) along the links of a tree, the lowest node of each component at the origin; and which those are,
     bool (count,)."""
-    neighbours: List[List[Tuple[int, Transform]]] = [[] for _ in range(count)]
+    neighbours: List[List[Tuple[int, Pose]]] = [[] for _ in range(count)]
     for number in tree:
         first, second = int(links.first[number]), int(links.second[number])
-        transform = Transform(*links.mean[number].tolist())
+        transform = Pose(*links.mean[number].tolist())
         neighbours[first].append((second, transform))
         neighbours[second].append((first, transform.inverse()))
-    poses: List[Transform] = [Transform()] * count
+    poses: List[Pose] = [Pose()] * count
     held, seen = np.zeros(count, bool), [False] * count
     for root in range(count):
         if seen[root]:
@@ -85,7 +86,7 @@ def placed_along(links: Links, tree: Sequence[int], count: int) -> Tuple[np.ndar
                     seen[neighbour] = True
                     poses[neighbour] = poses[node].compose(transform)
                     waiting.append(neighbour)
-    return np.array([pose.pose() for pose in poses]), held
+    return np.array([pose for pose in poses]), held
 
 
 def relative(poses: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -134,7 +135,7 @@ def relative_covariance(poses: Poses, first: np.ndarray, second: np.ndarray) -> 
     return both @ covariance @ np.swapaxes(both, 1, 2)
 
 
-def transform_between(poses: Poses, first: int, second: int) -> Transform:
+def transform_between(poses: Poses, first: int, second: int) -> Pose:
     """The transform from the second node's frame to the first one's."""
     x, y, yaw = relative(poses.mean, np.array([first]), np.array([second]))[0].tolist()
-    return Transform(x, y, wrap_angle(yaw))
+    return Pose(x, y, normalized(yaw))

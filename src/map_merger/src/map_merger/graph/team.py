@@ -5,9 +5,10 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
+from mr_grid import Pose, normalized
+
 from ..covariance import Covariance, as_covariance
 from ..messages import NO_BOOT, Boot
-from ..transform import Transform, wrap_angle
 from .change import Change, differ
 from .consistency import largest_consistent
 from .edges import MOST_EDGES, MOST_ROBOTS, Edge, EdgeError, EdgeReport, check
@@ -25,7 +26,7 @@ class Placement(NamedTuple):
     """Where a robot's frame lies in the own one: transform and covariance. via: the robots in between, nearest to the
     own one first; empty if an edge joins both."""
 
-    transform: Transform
+    transform: Pose
     covariance: Covariance
     via: Tuple[str, ...]
 
@@ -228,7 +229,7 @@ def _placements(poses: Poses, nodes: List[str], own: str, routes: Dict[str, Tupl
     there = np.array([nodes.index(robot) for robot in robots], int)
     here = np.full(len(there), nodes.index(own))
     return {
-        robot: Placement(Transform(x, y, wrap_angle(yaw)), as_covariance(covariance), routes[robot])
+        robot: Placement(Pose(x, y, normalized(yaw)), as_covariance(covariance), routes[robot])
         for robot, (x, y, yaw), covariance in zip(
             robots, relative(poses.mean, here, there).tolist(), relative_covariance(poses, here, there)
         )

@@ -9,10 +9,11 @@ from typing import NamedTuple, Sequence, Tuple
 
 import numpy as np
 
+from mr_grid import Pose, normalized
+
 from ..evidence import Evidence, compare
 from ..registration import UNLIMITED, Limits, Registration, Verdict
 from ..surface import Landmarks, Surface, subsample
-from ..transform import Transform, wrap_angle
 from .doubts import doubts_of
 from .values import Hypothesis
 
@@ -48,14 +49,14 @@ class Confirmation(NamedTuple):
         """Covariance (3, 3) of the transform's own x, y (m) and yaw (rad)."""
         if self.registration.transform is None:
             return self.covariance
-        arm_x, arm_y = Transform(yaw=self.registration.transform.yaw).apply_point(-self.centre[0], -self.centre[1])
+        arm_x, arm_y = Pose(yaw=self.registration.transform.yaw).apply_point(-self.centre[0], -self.centre[1])
         carried = np.array([[1.0, 0.0, -arm_y], [0.0, 1.0, arm_x], [0.0, 0.0, 1.0]])
         return carried @ self.covariance @ carried.T
 
 
 class _Judged(NamedTuple):
     hypothesis: Hypothesis
-    transform: Transform
+    transform: Pose
     covariance: np.ndarray
     evidence: Evidence
     reach: float
@@ -114,7 +115,7 @@ def _result(judged: _Judged, verdict: Verdict, words: str) -> Confirmation:
     return Confirmation(registration, judged.covariance, judged.hypothesis.centre, words)
 
 
-def _with_walls(target: Surface, source: Surface, hypothesis: Hypothesis) -> Tuple[Transform, np.ndarray, float]:
+def _with_walls(target: Surface, source: Surface, hypothesis: Hypothesis) -> Tuple[Pose, np.ndarray, float]:
     """The most likely transform given the sightings (a normal distribution) and the walls (point to line), its
     covariance, and the distance in m from the centre of the hypothesis to the farthest shared wall."""
     sample = subsample(source, _MOST_POINTS)
@@ -136,13 +137,13 @@ def _with_walls(target: Surface, source: Surface, hypothesis: Hypothesis) -> Tup
 
 
 def _wall_equations(
-    target: Surface, source: Surface, transform: Transform, centre: np.ndarray, distance: float
+    target: Surface, source: Surface, transform: Pose, centre: np.ndarray, distance: float
 ) -> Tuple[np.ndarray, np.ndarray, float]:
     """Rows (n, 3) and right sides (n,) of the linear equations for the change of x, y at the centre and yaw that lays
     the source's walls on the target's; and how far from the centre they reach, m."""
     if not len(target.points) or not len(source.points):
         return np.zeros((0, 3)), np.zeros(0), 0.0
-    points, normals = transform.apply(source.points), Transform(yaw=transform.yaw).apply(source.normals)
+    points, normals = transform.apply(source.points), Pose(yaw=transform.yaw).apply(source.normals)
     nearest = target.index().nearest(points, normals, distance)
     paired = nearest >= 0
     points, nearest = points[paired], nearest[paired]
@@ -155,15 +156,15 @@ def _wall_equations(
     return np.column_stack([normals, turning]), offsets, float(np.quantile(np.hypot(*arms.T), 0.98))
 
 
-def _difference(wanted: Transform, transform: Transform, centre: np.ndarray) -> np.ndarray:
+def _difference(wanted: Pose, transform: Pose, centre: np.ndarray) -> np.ndarray:
     """Change of (x, y, yaw), about the centre, from `transform` to `wanted`."""
     shift = wanted.apply(centre[None])[0] - transform.apply(centre[None])[0]
-    return np.append(shift, wrap_angle(wanted.yaw - transform.yaw))
+    return np.append(shift, normalized(wanted.yaw - transform.yaw))
 
 
-def _moved(transform: Transform, change: np.ndarray, centre: np.ndarray) -> Transform:
+def _moved(transform: Pose, change: np.ndarray, centre: np.ndarray) -> Pose:
     """The transform turned about the image of the centre, and shifted."""
     x, y = (transform.apply(centre[None])[0] + change[:2]).tolist()
-    turned = Transform(yaw=wrap_angle(transform.yaw + float(change[2])))
+    turned = Pose(yaw=normalized(transform.yaw + float(change[2])))
     back_x, back_y = turned.apply_point(*centre.tolist())
-    return Transform(x - back_x, y - back_y, turned.yaw)
+    return Pose(x - back_x, y - back_y, turned.yaw)

@@ -7,7 +7,7 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from ..transform import Transform
+from mr_grid import Pose
 
 
 class Moments(NamedTuple):
@@ -74,9 +74,9 @@ def fitted(source: np.ndarray, target: np.ndarray) -> Tuple[complex, complex]:
     return turn, complex(mean_target - turn * mean_source)
 
 
-def transform_from(turn: complex, shift: complex) -> Transform:
+def transform_from(turn: complex, shift: complex) -> Pose:
     """As a value."""
-    return Transform(shift.real, shift.imag, float(np.angle(turn)))
+    return Pose(shift.real, shift.imag, float(np.angle(turn)))
 
 
 def covariance_of(source: np.ndarray, deviation: float) -> np.ndarray:

@@ -4,7 +4,8 @@ from typing import Mapping, Tuple
 
 import numpy as np
 
-from ..transform import Transform
+from mr_grid import Pose
+
 from .fitting import fits_of, moments_of
 from .sweeps import Sweeps
 from .tracking import at_times
@@ -47,7 +48,7 @@ def who_moves_alike(
     return ""
 
 
-def who_was_there(placed: Mapping[str, Tuple[np.ndarray, Transform]], times: np.ndarray, seen: np.ndarray) -> str:
+def who_was_there(placed: Mapping[str, Tuple[np.ndarray, Pose]], times: np.ndarray, seen: np.ndarray) -> str:
     """A robot whose transform is known (its track, and that to the frame of `seen`) that was where something was seen,
     or ''."""
     for name, (track, transform) in placed.items():

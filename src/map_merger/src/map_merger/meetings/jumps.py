@@ -10,7 +10,8 @@ from typing import List, NamedTuple, Tuple
 
 import numpy as np
 
-from ..transform import Transform
+from mr_grid import Pose
+
 from .fitting import transform_from
 from .sweeps import Sweeps
 from .tracking import Fragment
@@ -60,11 +61,11 @@ class Jumps(NamedTuple):
         turn, shift = self._at(sweeps.times)
         return sweeps._replace(eyes=turn * sweeps.eyes + shift, headings=turn * sweeps.headings)
 
-    def mean_frame(self, track: np.ndarray) -> Transform:
+    def mean_frame(self, track: np.ndarray) -> Pose:
         """From the present frame to that in which the robot was on the mean of the time of its track (n, 4), as it is
         without this correction: what was mapped meanwhile lies about there."""
         if not len(self.times):
-            return Transform()
+            return Pose()
         turn, shift = self._at(track[:, 0])
         weight = np.gradient(track[:, 0])
         mapped = track[:, 1] + 1j * track[:, 2]

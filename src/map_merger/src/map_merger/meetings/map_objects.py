@@ -2,18 +2,19 @@
 
 import numpy as np
 
-from ..grid import Grid, cell_centres
+from mr_grid import OccupancyGrid, Pose
+
+from ..grid import occupied_cells
 from ..obstacles import obstacles_of
-from ..transform import Transform
 from .detection import NARROWEST_M
 
 
-def objects_in_map(grid: Grid, viewer: Transform, reach: float, widest: float) -> np.ndarray:
+def objects_in_map(grid: OccupancyGrid, viewer: Pose, reach: float, widest: float) -> np.ndarray:
     """Centres (n, 2), m, in the map's frame, of small isolated obstacles, at most `widest` m across, within `reach` m
     of the viewer."""
-    obstacles = obstacles_of(grid.occupied)
+    obstacles = obstacles_of(occupied_cells(grid))
     extents = obstacles.extents() * grid.info.resolution
     fits = (obstacles.areas >= 2) & (extents >= NARROWEST_M) & (extents <= widest)
     # A centre is that of cells, which `cell_centres` counts from their middle.
-    centres = cell_centres(grid.info, obstacles.centres[fits, 0], obstacles.centres[fits, 1])
+    centres = grid.info.centres(obstacles.centres[fits, 0], obstacles.centres[fits, 1])
     return centres[np.hypot(centres[:, 0] - viewer.x, centres[:, 1] - viewer.y) <= reach]

@@ -6,11 +6,11 @@ from typing import Collection, Dict, FrozenSet, Mapping, NamedTuple, Optional, T
 
 import numpy as np
 
-from ..grid import Grid
+from mr_grid import OccupancyGrid, Pose
+
 from ..messages import NO_BOOT, Boot
 from ..robot_size import USUAL_SIZE, RobotSize
 from ..timer import LONGEST_AGE_S
-from ..transform import Transform
 from .detection import FARTHEST_M, objects_in_scan
 from .doubts import doubts_of
 from .heard import Heard
@@ -56,15 +56,13 @@ class Meetings:
         self._heard: OrderedDict[str, Heard] = OrderedDict()
         self._unplaced: FrozenSet[str] = frozenset()
         self._stand_in: Optional[str] = None
-        self._placed: Mapping[str, Transform] = {}
+        self._placed: Mapping[str, Pose] = {}
         self._telling = Telling()
         self._looked_at = -math.inf
         self._now = -math.inf
         self._latest: Dict[str, Tuple[Hypothesis, ...]] = {}
 
-    def on_team(
-        self, hearing: Collection[str], placed: Mapping[str, Transform], stand_in: Optional[str] = None
-    ) -> None:
+    def on_team(self, hearing: Collection[str], placed: Mapping[str, Pose], stand_in: Optional[str] = None) -> None:
         """Who is heard on the radio, and the transforms to the own frame that are believed. stand_in: the robot whose
         frame is the own one, on a base station; what that one tells stands for what the own robot sees."""
         self._placed, self._stand_in = dict(placed), stand_in
@@ -78,18 +76,18 @@ class Meetings:
             each.unplaced and self._now - each.heard_at <= _CURRENT_S for each in self._heard.values()
         )
 
-    def on_own_pose(self, pose: Transform, now: float) -> None:
+    def on_own_pose(self, pose: Pose, now: float) -> None:
         """The own robot in its map frame."""
         self._now = now
         behind = self._own.rows[-1, 0] - now if len(self._own.rows) else 0.0
         if behind > LONGEST_AGE_S + _POSE_PERIOD_S:
             self._restart_clock()
         if 0.0 < behind <= LONGEST_AGE_S + _POSE_PERIOD_S:
-            self._own.merge(np.array([(now, *pose.pose())]))
+            self._own.merge(np.array([(now, *pose)]))
         else:
-            self._own.add((now, *pose.pose()))
+            self._own.add((now, *pose))
 
-    def on_scan(self, scan: LaserScan, pose: Transform, now: float) -> None:
+    def on_scan(self, scan: LaserScan, pose: Pose, now: float) -> None:
         """A sweep and the own pose in the map frame at its time, which may lie behind that of other calls."""
         self.on_own_pose(pose, now)
         self._sensor = scan.sensor
@@ -99,11 +97,11 @@ class Meetings:
         self._sweeps.add(now, scan, pose)
         self._follow(centres, pose, now)
 
-    def on_map(self, grid: Grid, now: float) -> None:
+    def on_map(self, grid: OccupancyGrid, now: float) -> None:
         """In place of scans: the own map, whenever there is a new one; not looked at while nobody watches."""
         if not self.watching or not len(self._own.rows) or not self._due_to_look(now, MAP_PERIOD_S):
             return
-        pose = Transform(*self._own.rows[-1, 1:4].tolist())
+        pose = Pose(*self._own.rows[-1, 1:4].tolist())
         self._follow(pose.inverse().apply(objects_in_map(grid, pose, FARTHEST_M, self._size.widest)), pose, now)
 
     def on_report(self, report: TrackReport, now: float) -> None:
@@ -202,7 +200,7 @@ class Meetings:
         self._looked_at = now
         return True
 
-    def _follow(self, centres: np.ndarray, pose: Transform, now: float) -> None:
+    def _follow(self, centres: np.ndarray, pose: Pose, now: float) -> None:
         order = np.argsort(np.hypot(centres[:, 0], centres[:, 1]), kind="stable")
         self._objects.take(now, pose.apply(centres[order]))
 

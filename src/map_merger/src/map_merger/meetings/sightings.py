@@ -5,7 +5,8 @@ from typing import Mapping, Tuple
 
 import numpy as np
 
-from ..transform import Transform
+from mr_grid import Pose
+
 from .sweeps import Sweeps
 from .tracking import Fragment
 from .values import NO_SENSOR, UNMOVED, Sensor
@@ -30,7 +31,7 @@ class Sightings:
     sweeps: Sweeps
     sensor: Sensor = NO_SENSOR
     others: Mapping[str, np.ndarray] = field(default_factory=dict)
-    placed: Mapping[str, Transform] = field(default_factory=dict)
+    placed: Mapping[str, Pose] = field(default_factory=dict)
     jump: float = 0.0
-    own_map: Transform = UNMOVED
-    told_map: Transform = UNMOVED
+    own_map: Pose = UNMOVED
+    told_map: Pose = UNMOVED

@@ -6,7 +6,8 @@ from typing import Deque, NamedTuple, Tuple
 
 import numpy as np
 
-from ..transform import Transform
+from mr_grid import Pose
+
 from .values import LaserScan
 
 _MOST = 120
@@ -66,10 +67,10 @@ class SweepHistory:
     """The latest scans of one sensor, bounded."""
 
     def __init__(self) -> None:
-        self._kept: Deque[Tuple[float, Transform, np.ndarray]] = deque(maxlen=_MOST)
+        self._kept: Deque[Tuple[float, Pose, np.ndarray]] = deque(maxlen=_MOST)
         self._geometry: Tuple[float, float, float, int] = (0.0, 1.0, 0.0, 0)
 
-    def add(self, now: float, scan: LaserScan, pose: Transform) -> None:
+    def add(self, now: float, scan: LaserScan, pose: Pose) -> None:
         """Scans of another sensor, or a clock that jumped back, begin the history anew."""
         geometry = (scan.angle_min, scan.angle_increment, scan.range_max, scan.ranges.size)
         if geometry != self._geometry or (self._kept and now < self._kept[-1][0]):

@@ -6,8 +6,9 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
+from mr_grid import FARTHEST, Pose
+
 from ..messages import NO_BOOT, Boot
-from ..transform import FARTHEST_M, Transform
 
 MOST_POSES = 64
 MOST_OBJECTS = 8
@@ -29,7 +30,7 @@ NO_SENSOR = Sensor()
 """Of a robot that does not look for others in scans: not seeing somebody proves nothing."""
 
 
-UNMOVED = Transform()
+UNMOVED = Pose()
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +43,10 @@ class LaserScan:
     angle_increment: float
     range_min: float
     range_max: float
-    mount: Transform = UNMOVED
+    mount: Pose = UNMOVED
 
     def __post_init__(self) -> None:
-        numbers = (self.angle_min, self.angle_increment, self.range_min, self.range_max, *self.mount.pose())
+        numbers = (self.angle_min, self.angle_increment, self.range_min, self.range_max, *self.mount)
         if self.ranges.ndim != 1 or self.ranges.size < 3 or not all(math.isfinite(number) for number in numbers):
             raise ValueError("a scan needs at least 3 ranges and a finite geometry")
         if self.angle_increment == 0.0 or not self.range_max > 0.0:
@@ -104,8 +105,8 @@ class TrackReport:
 
 
 def _check(robot: str, rows: np.ndarray) -> None:
-    if not np.isfinite(rows).all() or (np.abs(rows[:, 1:3]) > FARTHEST_M).any():
-        raise ValueError(f"a track of {robot!r} with places that are not finite or above {FARTHEST_M:g} m")
+    if not np.isfinite(rows).all() or (np.abs(rows[:, 1:3]) > FARTHEST).any():
+        raise ValueError(f"a track of {robot!r} with places that are not finite or above {FARTHEST:g} m")
     if ((rows[:, 0] < 0.0) | (rows[:, 0] > OLDEST_S)).any():
         raise ValueError(f"a track of {robot!r} with ages outside 0 to {OLDEST_S:g} s")
 
@@ -121,7 +122,7 @@ class Hypothesis:
     for the other robot, the part that agrees. doubts: why it is not to be believed yet, '' if it is.
     """
 
-    transform: Transform
+    transform: Pose
     covariance: np.ndarray
     centre: Tuple[float, float]
     samples: int

@@ -5,7 +5,8 @@ from typing import List, NamedTuple, Tuple
 
 import numpy as np
 
-from ..transform import Transform
+from mr_grid import Pose
+
 from .candidates import Candidate
 from .fitting import transform_from
 from .identity import who_moves_alike, who_was_there
@@ -73,7 +74,7 @@ def bend_of(ways: List[Way]) -> float:
 def _alike(sightings: Sightings, candidate: Candidate, mine: bool, times: np.ndarray, seen: np.ndarray) -> str:
     """A further robot that may have been seen as what was seen, or ''. mine: it was the own robot that saw."""
     to_own = transform_from(candidate.turn, candidate.shift)
-    to_viewer = Transform() if mine else to_own.inverse()
+    to_viewer = Pose() if mine else to_own.inverse()
     placed = {
         name: (sightings.others[name], to_viewer.compose(transform))
         for name, transform in sightings.placed.items()

@@ -6,8 +6,7 @@ from typing import Sequence, Tuple
 
 import numpy as np
 
-from ..grid import FREE, OCCUPIED, UNKNOWN, Grid, GridInfo
-from ..transform import Transform
+from mr_grid import FREE, OCCUPIED, UNKNOWN, GridInfo, OccupancyGrid, Pose
 
 _CAST_AT_ONCE = 64
 """Steps along all beams at once; most beams end long before their reach."""
@@ -74,7 +73,7 @@ class GridDrawer:
         self._hits = np.zeros(info.shape, np.int32)
         self._passes = np.zeros(info.shape, np.int32)
 
-    def add(self, pose: Transform, angles: np.ndarray, ranges: np.ndarray, reach: float) -> None:
+    def add(self, pose: Pose, angles: np.ndarray, ranges: np.ndarray, reach: float) -> None:
         """One scan from `pose` (the laser in the grid's frame); a range (m) of at least `reach` hit nothing. All must
         lie inside the grid."""
         info = self._info
@@ -95,12 +94,12 @@ class GridDrawer:
         rows = np.floor((y + distances * np.sin(angles)) / self._info.resolution)
         return (rows * self._info.width + columns).astype(np.int64)
 
-    def grid(self) -> Grid:
+    def grid(self) -> OccupancyGrid:
         """The grid so far."""
         cells = np.full(self._info.shape, UNKNOWN, np.int8)
         cells[self._passes > 0] = FREE
         cells[(self._hits > 0) & (3 * self._hits >= self._passes)] = OCCUPIED
-        return Grid(self._info, cells)
+        return OccupancyGrid(self._info, cells)
 
 
 def info_around(path: np.ndarray, reach: float, resolution: float, shift: Sequence[float] = (0.0, 0.0)) -> GridInfo:
@@ -108,4 +107,4 @@ def info_around(path: np.ndarray, reach: float, resolution: float, shift: Sequen
     margin = reach + 1.0
     low = np.floor((path.min(axis=0) - margin) / resolution) * resolution + np.asarray(shift)
     columns, rows = np.ceil((path.max(axis=0) + margin - low) / resolution).astype(int)
-    return GridInfo(int(columns), int(rows), resolution, Transform(float(low[0]), float(low[1]), 0.0))
+    return GridInfo(int(columns), int(rows), resolution, Pose(float(low[0]), float(low[1]), 0.0))

@@ -6,10 +6,9 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
+from mr_grid import OccupancyGrid, Pose
 from mr_plans import FloorPlan
 
-from ..grid import Grid
-from ..transform import Transform
 from .paths import Wanderer
 from .scanning import GridDrawer, Survey, cast, info_around
 
@@ -17,12 +16,12 @@ from .scanning import GridDrawer, Survey, cast, info_around
 class RobotMap(NamedTuple):
     """Local map in the frame of its start pose as it grew, the true start pose and the path (n, 3) in the world."""
 
-    stages: Tuple[Grid, ...]
-    start: Transform
+    stages: Tuple[OccupancyGrid, ...]
+    start: Pose
     path: np.ndarray
 
     @property
-    def grid(self) -> Grid:
+    def grid(self) -> OccupancyGrid:
         """The map at the end."""
         return self.stages[-1]
 
@@ -32,7 +31,7 @@ class Pair(NamedTuple):
 
     target: RobotMap
     source: RobotMap
-    truth: Transform
+    truth: Pose
 
 
 def pair_of(target: RobotMap, source: RobotMap) -> Pair:
@@ -64,20 +63,20 @@ class Surveyor:
 
     def drawn(self, random: np.random.Generator, survey: Survey, poses: np.ndarray) -> RobotMap:
         """Map of a robot that takes a scan at each of `poses` (n, 3; x, y, yaw in the world)."""
-        begin = Transform(*(float(value) for value in poses[0]))
+        begin = Pose(*(float(value) for value in poses[0]))
         error = _wandering_error(random, survey, len(poses))
         smudged = set(random.choice(len(poses), min(survey.smudges, len(poses)), replace=False).tolist())
         to_map = begin.inverse()
         lattice = random.uniform(-0.5, 0.5, 2).tolist()
         drawer = GridDrawer(info_around(to_map.apply(poses[:, :2]), survey.reach, survey.resolution, lattice))
         ends = [max(1, round(share * len(poses))) - 1 for share in survey.stages]
-        stages: List[Grid] = []
+        stages: List[OccupancyGrid] = []
         for index, pose in enumerate(poses):
             walls = self._with_smudge(random, pose) if index in smudged else self.plan.walls
             ranges = cast(walls, self.plan.resolution, pose, survey)
             noise = random.normal(0.0, survey.range_noise, ranges.size)
             ranges = np.where(ranges < survey.reach, ranges + noise, ranges)
-            seen = to_map.compose(Transform(*(float(value) for value in pose))).compose(error[index])
+            seen = to_map.compose(Pose(*(float(value) for value in pose))).compose(error[index])
             drawer.add(seen, survey.angles(), ranges, survey.reach)
             if index in ends:
                 stages.extend([drawer.grid()] * ends.count(index))
@@ -92,9 +91,9 @@ class Surveyor:
         return walls.astype(bool)
 
 
-def _wandering_error(random: np.random.Generator, survey: Survey, count: int) -> List[Transform]:
+def _wandering_error(random: np.random.Generator, survey: Survey, count: int) -> List[Pose]:
     if survey.drift == 0.0 or count < 2:
-        return [Transform()] * count
+        return [Pose()] * count
     steps = random.normal(0.0, 1.0, (count, 3)) / math.sqrt(count) * (survey.drift, survey.drift, 0.2 * survey.drift)
     steps[0] = 0.0
-    return [Transform(*(float(value) for value in row)) for row in steps.cumsum(axis=0)]
+    return [Pose(*(float(value) for value in row)) for row in steps.cumsum(axis=0)]

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
-from explorer.grid import GridInfo, OccupancyMap
+from explorer.grid import OccupancyMap
 from explorer.travel import TravelGrid
-from mr_grid import Pose
+from mr_grid import GridInfo, Pose
 from mr_plans import anywhere, world_plan
 from mr_sim import _world
 
@@ -34,7 +34,7 @@ class ScriptedTeam:
     def __init__(self, kind: str, seed: int, size: tuple[float, float], robots: int) -> None:
         plan = world_plan(kind, seed, size)
         rows, columns = plan.walls.shape
-        self.info = GridInfo(plan.resolution, columns, rows, 0.0, 0.0)
+        self.info = GridInfo(columns, rows, plan.resolution)
         self._truth = np.where(plan.walls, np.int8(100), np.int8(0))
         self._seen = np.zeros(plan.walls.shape, dtype=np.uint8)
         self._raster = _world.Raster(plan.walls.astype(np.uint8), plan.resolution, (0.0, 0.0))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Callable, Protocol
 
-from map_merger.grid import Grid
 from map_merger.messages import Boot
 from map_merger.options import Options
 from mr_experiments.common.stopwatch import Stopwatch
@@ -12,6 +11,7 @@ from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.merging import Merger
 from mr_experiments.host.radio import TeamRadio
 from mr_experiments.host.robot_radio import RobotRadio
+from mr_grid import OccupancyGrid
 
 NAME = "base"
 STATUS_PERIOD = 1.0  # s between two messages of adhoc_communication/status
@@ -62,7 +62,7 @@ class BaseStation:
 
     # What the merger publishes.
 
-    def on_global_map(self, grid: Grid, now: float) -> None:
+    def on_global_map(self, grid: OccupancyGrid, now: float) -> None:
         """Nobody here reads it."""
 
     def on_positions(self, positions: dict[str, tuple[float, float]], now: float) -> None:

@@ -13,14 +13,13 @@ from explorer.msg import TeamVerdicts
 from explorer import messages, ros_io, ros_verdicts
 from explorer.agent import ExplorerAgent
 from explorer.call_queue import CALLS, HANDOVER, CallQueue
-from explorer.grid import GridInfo, OccupancyMap
+from explorer.grid import OccupancyMap
 from explorer.options import Options
 from explorer.scene_folder import recorder
-from map_merger.grid import Grid
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.robot_radio import RobotRadio
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 
 TICK = 0.1  # s
 SERVICE_TIME = 0.01  # s that a call between two nodes of a robot takes
@@ -117,10 +116,8 @@ class Explorer:
         self.agent.start(self._clock())
         self.tick()
 
-    def on_global_map(self, grid: Grid) -> None:
-        info, (rows, columns) = grid.info, grid.cells.shape
-        geometry = GridInfo(info.resolution, columns, rows, info.origin.x, info.origin.y)
-        self.agent.on_global_map(OccupancyMap(geometry, grid.cells), self._clock())
+    def on_global_map(self, grid: OccupancyGrid) -> None:
+        self.agent.on_global_map(OccupancyMap(grid.info, grid.cells), self._clock())
 
     def on_own_map(self) -> None:
         self.agent.on_own_map(self._clock())

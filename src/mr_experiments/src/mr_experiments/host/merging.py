@@ -12,11 +12,9 @@ from map_merger import meetings, ros_io, ros_radio
 from map_merger.agent import Agent
 from map_merger.delivery import Delivery, take
 from map_merger.effects import AskNeighbors, Effect, Note, PublishMap, PublishPositions, Purpose, Register, Send
-from map_merger.grid import Grid, GridInfo
 from map_merger.job import outcome_of
 from map_merger.messages import Boot, Tile
 from map_merger.options import Options
-from map_merger.transform import Transform
 from map_merger.view import NoTransform
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
@@ -33,7 +31,7 @@ REGISTRATION_TIME = 0.3  # s that a registration takes on a robot
 class MergerListener(Protocol):
     """Who wants what the merger publishes."""
 
-    def on_global_map(self, grid: Grid, now: float) -> None: ...
+    def on_global_map(self, grid: OccupancyGrid, now: float) -> None: ...
 
     def on_positions(self, positions: dict[str, tuple[float, float]], now: float) -> None: ...
 
@@ -102,15 +100,14 @@ class Merger:
             self.do(self.agent.tick)
 
     def on_local_map(self, local: OccupancyGrid) -> None:
-        info = GridInfo(local.info.width, local.info.height, local.resolution, Transform(*local.origin))
-        self.do(lambda now: self.agent.on_local_map(Grid(info, local.cells), now))
+        self.do(lambda now: self.agent.on_local_map(local, now))
         self._tick()
 
     def on_pose(self, x: float, y: float, yaw: float) -> None:
         now = self._clock()
         if now - self._pose_at >= POSE_PERIOD - 1e-6:
             self._pose_at = now
-            self.do(lambda now: self.agent.on_local_pose(Transform(x, y, yaw), now))
+            self.do(lambda now: self.agent.on_local_pose(Pose(x, y, yaw), now))
 
     def on_scan(self, scan: LaserScan, pose: Pose) -> None:
         """A scan and the robot's pose in its map frame at that time."""
@@ -123,9 +120,9 @@ class Merger:
                 scan.angle_increment,
                 scan.range_min,
                 scan.range_max,
-                Transform(*scan.mount),
+                Pose(*scan.mount),
             )
-            self.do(lambda now: self.agent.on_scan(seen, Transform(*pose), now))
+            self.do(lambda now: self.agent.on_scan(seen, Pose(*pose), now))
 
     def on_robot(self, name: str, returned: bool = False) -> None:
         self.do(lambda now: self.agent.on_robot(name, now, returned=returned))
@@ -143,7 +140,7 @@ class Merger:
         self.do(lambda now: take(self.agent, kind.value_of(message), now))
         return True
 
-    def transforms(self) -> dict[str, Transform]:
+    def transforms(self) -> dict[str, Pose]:
         """From the frame of each other robot to the own one, where they are known."""
         return self.agent.view.transforms()
 

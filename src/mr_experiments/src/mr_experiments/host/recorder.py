@@ -10,14 +10,13 @@ from typing import Any, Sequence
 import numpy as np
 
 from explorer import messages
-from map_merger.grid import Grid
 from mr_experiments.host.radio import TeamRadio
 from mr_experiments.host.robot import Robot
 from mr_experiments.host.transforms import MergeLog
-from mr_experiments.measures.occupancy import free_area, grid_as_map, occupancy_of
+from mr_experiments.measures.occupancy import free_area, occupancy_of
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 from mr_plans import is_generated
 from mr_sim.map_picture import picture_of
 from mr_sim.measures import Truth
@@ -60,7 +59,7 @@ class RobotLog:
         self.goals: list[dict[str, Any]] = []
         self.auctions: list[dict[str, Any]] = []
         self.distance = 0.0
-        self.global_map: Grid | None = None
+        self.global_map: OccupancyGrid | None = None
         self.explored = 0.0
         self.died_at: float | None = None
 
@@ -204,7 +203,7 @@ class Recorder:
             entry = {"at": self._since(now), "id": auction.auction_id, "clusters": len(auction.requested)}
             self.logs[robot].auctions.append(entry)
 
-    def on_global_map(self, robot: int, grid: Grid, now: float) -> None:
+    def on_global_map(self, robot: int, grid: OccupancyGrid, now: float) -> None:
         log = self.logs[robot]
         log.global_map = grid
         log.explored = free_area(grid.cells, grid.info.resolution)
@@ -212,9 +211,7 @@ class Recorder:
             if math.isinf(self._snapshot_period):
                 return
             self._snapshot_due[robot] = self._since(now) + self._snapshot_period
-            self.snapshots.append(
-                {"time": self._since(now), "robot": self.world.names[robot], **picture_of(grid_as_map(grid))}
-            )
+            self.snapshots.append({"time": self._since(now), "robot": self.world.names[robot], **picture_of(grid)})
 
     def on_note(self, robot: int, text: str, warning: bool, now: float) -> None:
         self.note(self.world.names[robot], text, warning, now)

@@ -8,7 +8,6 @@ import numpy as np
 
 from explorer import messages
 from explorer.options import Options as ExplorerOptions
-from map_merger.grid import Grid
 from map_merger.messages import Boot
 from map_merger.options import Options as MergerOptions
 from mr_experiments.common.stopwatch import Stopwatch
@@ -34,7 +33,7 @@ class Observer(Protocol):
 
     def on_auction(self, robot: int, auction: messages.Auction, now: float) -> None: ...
 
-    def on_global_map(self, robot: int, grid: Grid, now: float) -> None: ...
+    def on_global_map(self, robot: int, grid: OccupancyGrid, now: float) -> None: ...
 
     def on_note(self, robot: int, text: str, warning: bool, now: float) -> None: ...
 
@@ -144,9 +143,9 @@ class Robot:
 
     # What the merger publishes.
 
-    def on_global_map(self, grid: Grid, now: float) -> None:
+    def on_global_map(self, grid: OccupancyGrid, now: float) -> None:
         self.explorer.on_global_map(grid)
-        self.body.set_map(OccupancyGrid.of(grid.cells, grid.info.resolution, Pose(*grid.info.origin.pose())))
+        self.body.set_map(grid)
         self._observer.on_global_map(self.index, grid, now)
 
     def on_positions(self, positions: dict[str, tuple[float, float]], now: float) -> None:

@@ -8,7 +8,7 @@ from typing import Any, Sequence
 import numpy as np
 
 from map_merger.benchmark import classify
-from map_merger.transform import Transform, displacement, rotation_between
+from map_merger.transform import displacement, rotation_between
 from mr_experiments.host.robot import Robot
 from mr_experiments.measures.drift import FEWEST_POINTS, Track, best_rigid_fit, overlap
 from mr_experiments.measures.occupancy import occupancy_of
@@ -21,7 +21,7 @@ class MergeLog:
     def __init__(self, starts: Sequence[Pose], names: Sequence[str]) -> None:
         self._starts = dict(zip(names, starts))
         self._tracks = {name: Track() for name in names}
-        self._believed: dict[str, dict[str, Transform]] = {name: {} for name in names}
+        self._believed: dict[str, dict[str, Pose]] = {name: {} for name in names}
         self.entries: dict[str, list[dict[str, Any]]] = {name: [] for name in names}
 
     def follow(self, robot: Robot, true: Pose) -> None:
@@ -42,7 +42,7 @@ class MergeLog:
                 before = {**before, other: transform}
         self._believed[robot.name] = {name: before[name] for name in present}
 
-    def _entry(self, robot: Robot, other: Robot, transform: Transform, now: float) -> dict[str, Any]:
+    def _entry(self, robot: Robot, other: Robot, transform: Pose, now: float) -> dict[str, Any]:
         true, points = self._truth(robot, other)
         offsets = displacement(transform, true, points)
         turn = rotation_between(transform, true)
@@ -57,10 +57,10 @@ class MergeLog:
             "right": kind != "wrong",
         }
 
-    def _truth(self, robot: Robot, other: Robot) -> tuple[Transform, np.ndarray]:
+    def _truth(self, robot: Robot, other: Robot) -> tuple[Pose, np.ndarray]:
         """The best rigid fit over what both maps know, and those places (n, 2) in the other's map. Where they share too
         little, that of the starts and all of the other's map."""
-        start = Transform(*self._starts[robot.name].between(self._starts[other.name]))
+        start = Pose(*self._starts[robot.name].between(self._starts[other.name]))
         target, source = occupancy_of(robot.local_map), occupancy_of(other.local_map)
         target_points, source_points = overlap(
             target, self._tracks[robot.name], source, self._tracks[other.name], start
@@ -71,6 +71,6 @@ class MergeLog:
         return start, places if len(places) else np.zeros((1, 2))
 
 
-def _apart(first: Transform, second: Transform) -> bool:
+def _apart(first: Pose, second: Pose) -> bool:
     moved = math.hypot(first.x - second.x, first.y - second.y)
     return moved > 0.05 or rotation_between(first, second) > 0.01

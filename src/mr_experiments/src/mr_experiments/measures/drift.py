@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from map_merger.transform import Transform
 from mr_grid import OccupancyGrid, Pose
 
 MOST_POINTS = 400  # of an overlap
@@ -53,18 +52,18 @@ class Track:
         return moved[:, None].view(float)
 
 
-def best_rigid_fit(target: np.ndarray, source: np.ndarray) -> Transform:
+def best_rigid_fit(target: np.ndarray, source: np.ndarray) -> Pose:
     """The transform that brings the points `source` (n, 2) nearest to `target` (n, 2): least squares."""
     target_middle, source_middle = target.mean(axis=0), source.mean(axis=0)
     to = np.ascontiguousarray(target - target_middle).view(complex)
     start = np.ascontiguousarray(source - source_middle).view(complex)
     yaw = float(np.angle(np.vdot(start, to)))
-    x, y = target_middle - Transform(0.0, 0.0, yaw).apply(source_middle[None, :])[0]
-    return Transform(float(x), float(y), yaw)
+    x, y = target_middle - Pose(0.0, 0.0, yaw).apply(source_middle[None, :])[0]
+    return Pose(float(x), float(y), yaw)
 
 
 def overlap(
-    target: OccupancyGrid, target_track: Track, source: OccupancyGrid, source_track: Track, start: Transform
+    target: OccupancyGrid, target_track: Track, source: OccupancyGrid, source_track: Track, start: Pose
 ) -> tuple[np.ndarray, np.ndarray]:
     """Places that both maps know, (n, 2) in either map; n is bounded. `start`: start of the source's robot in the frame
     of the target's start."""

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from map_merger.grid import Grid
-from mr_grid import GridInfo, OccupancyGrid, Pose, empty_grid
+from mr_grid import GridInfo, OccupancyGrid, empty_grid
 
 
 def free_area(cells: np.ndarray, resolution: float) -> float:
     """m^2 of explored free space."""
     return float(np.count_nonzero((cells >= 0) & (cells < 50))) * resolution * resolution
-
-
-def grid_as_map(grid: Grid) -> OccupancyGrid:
-    origin = grid.info.origin
-    return OccupancyGrid.of(grid.cells, grid.info.resolution, Pose(origin.x, origin.y, origin.yaw))
 
 
 def occupancy_of(local: OccupancyGrid | None) -> OccupancyGrid:

@@ -16,7 +16,7 @@ from mr_experiments.report import figure_style as style
 from mr_experiments.report.figure_style import plt
 from mr_experiments.report.record_set import Record, RecordError, read_document
 from mr_experiments.report.scope import Scope
-from mr_grid import Pose
+from mr_grid import GridInfo, Pose, values_at
 
 UNKNOWN, FREE, OCCUPIED = 205, 254, 0  # grey values of a stored map
 ROBOT_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#7F7F7F")
@@ -30,29 +30,24 @@ LARGEST = 900  # cells along a side of a picture
 
 @dataclass(frozen=True)
 class StoredMap:
-    """`pixels`: uint8 (rows, columns), row 0 at the lowest y; `origin`: lower left corner in the robot's map frame;
-    `pose`: of that frame in the world."""
+    """`pixels`: uint8 (rows, columns), row 0 at the lowest y; `info`: where they lie in the robot's map frame; `pose`:
+    of that frame in the world."""
 
     pixels: np.ndarray
-    resolution: float
-    origin: tuple[float, float]
+    info: GridInfo
     pose: Pose
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """Grey values (N,) at points (N, 2) of the world; unknown beside the map."""
-        index = np.floor((self.pose.apply_inverse(points) - self.origin) / self.resolution).astype(np.int64)
-        inside = ((index >= 0) & (index < self.pixels.shape[::-1])).all(axis=1)
-        values = np.full(len(points), UNKNOWN, np.uint8)
-        values[inside] = self.pixels[index[inside, 1], index[inside, 0]]
-        return values
+        return values_at(self.pixels, self.info, self.pose.apply_inverse(points), UNKNOWN)
 
     def corners(self) -> np.ndarray:
         """Corners (4, 2) in the world of what the map knows; (0, 2) if it knows nothing."""
         rows, columns = np.nonzero(self.pixels != UNKNOWN)
         if not rows.size:
             return np.empty((0, 2))
-        xs = self.origin[0] + self.resolution * np.array([columns.min(), columns.max() + 1])
-        ys = self.origin[1] + self.resolution * np.array([rows.min(), rows.max() + 1])
+        xs = self.info.origin.x + self.info.resolution * np.array([columns.min(), columns.max() + 1])
+        ys = self.info.origin.y + self.info.resolution * np.array([rows.min(), rows.max() + 1])
         return self.pose.apply(np.array([(x, y) for x in xs for y in ys]))
 
 
@@ -91,14 +86,17 @@ def decode_map(entry: Mapping[str, Any], pose: Pose) -> StoredMap:
     if pixels is None:
         raise ValueError("the PNG of a map cannot be read")
     x, y = entry["origin"]
-    return StoredMap(np.flipud(pixels), float(entry["resolution"]), (float(x), float(y)), pose)
+    rows, columns = pixels.shape
+    return StoredMap(
+        np.flipud(pixels), GridInfo(columns, rows, float(entry["resolution"]), Pose(float(x), float(y))), pose
+    )
 
 
 def overlay(maps: Maps) -> tuple[np.ndarray, tuple[float, float, float, float]]:
     """RGB picture (rows, columns, 3) in [0, 1], row 0 at the lowest y, and its extent left, right, bottom, top in m."""
     corners = np.concatenate([stored.corners() for stored in (maps.merged, *maps.local.values())])
     low, high = corners.min(axis=0) - MARGIN, corners.max(axis=0) + MARGIN
-    step = maps.merged.resolution
+    step = maps.merged.info.resolution
     xs, ys = (np.arange(low[axis] + step / 2.0, high[axis], step) for axis in (0, 1))
     points = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
     merged = maps.merged.at(points)

@@ -21,7 +21,7 @@ from mr_experiments.common.ros_packages import version_of
 from mr_experiments.host.mission import Mission
 from mr_experiments.host.robot import Robot
 from mr_experiments.measures.allocation import keep_freed_memory
-from mr_experiments.measures.occupancy import grid_as_map, occupancy_of
+from mr_experiments.measures.occupancy import occupancy_of
 from mr_experiments.trial.trial import Trial, TrialError
 from mr_sim.map_picture import picture_of
 from mr_sim.measures import collisions, coverage, explored_free_cells, moving_share, overlap_between_robots, wrong_walls
@@ -146,7 +146,7 @@ def _map_figures(mission: Mission, robot: Robot) -> dict[str, Any]:
     grid, start = mission.recorder.logs[robot.index].global_map, mission.recorder.starts[robot.index]
     if grid is None:
         return {}
-    occupancy, truth = grid_as_map(grid), mission.recorder.truth
+    occupancy, truth = grid, mission.recorder.truth
     try:
         if mission.trial.fast:
             raise MapReferenceError("the reference is of maps that SLAM made")
@@ -164,7 +164,7 @@ def _map_figures(mission: Mission, robot: Robot) -> dict[str, Any]:
 
 def _maps(mission: Mission, robot: Robot) -> dict[str, Any]:
     grid = mission.recorder.logs[robot.index].global_map
-    maps = {} if grid is None else {"global": picture_of(grid_as_map(grid))}
+    maps = {} if grid is None else {"global": picture_of(grid)}
     if robot.local_map is not None:
         maps["local"] = picture_of(occupancy_of(robot.local_map))
     return maps

@@ -9,8 +9,8 @@ from move_base_msgs.msg import MoveBaseFeedback
 from nav_msgs.msg import Path
 
 from mr_grid import GridError, OccupancyGrid, Pose, ros
+from mr_grid.ros import quaternion, yaw_of
 from mr_sim.navigation.options import NavigationError, Scan, make_scan
-from mr_sim.ros_poses import quaternion, yaw_of
 
 
 def goal_value(message: PoseStamped) -> Pose:

@@ -12,8 +12,8 @@ from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
 from mr_grid import Pose
-from mr_grid.ros import NumpyOccupancyGrid, grid_message
-from mr_sim.ros_poses import transform_pose, yaw_of
+from mr_grid.ros import NumpyOccupancyGrid, grid_message, yaw_of
+from mr_sim.ros_poses import transform_pose
 from mr_sim.slam import ros_io
 from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
 

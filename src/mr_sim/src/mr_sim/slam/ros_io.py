@@ -6,7 +6,7 @@ from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import LaserScan as LaserScanMessage
 
 from mr_grid import IDENTITY, Pose
-from mr_sim.ros_poses import quaternion
+from mr_grid.ros import quaternion
 from mr_sim.slam.engine import LaserScan, SlamError
 
 LONGEST_SWEEP = 0.5  # s from the first beam to the last one

@@ -7,8 +7,6 @@ from typing import Callable, Mapping
 
 import numpy as np
 
-from map_merger.grid import Grid, GridInfo
-from map_merger.transform import Transform
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.merging import MergerListener
@@ -64,9 +62,7 @@ class PerfectMerger:
                 for area in areas[taken:]:
                     self._map.add(area, self._seen)
                 self._taken[robot] = len(areas)
-            known = self._map.known(self._seen)
-            rows, columns = known.cells.shape
-            grid = Grid(GridInfo(columns, rows, known.resolution, Transform(*known.origin)), known.cells)
+            grid = self._map.known(self._seen)
         self._listener.on_global_map(grid, self._clock())
 
     def on_pose(self, x: float, y: float, yaw: float) -> None:
@@ -83,7 +79,7 @@ class PerfectMerger:
     def on_packet(self, topic: str, octets: bytes) -> bool:
         return False
 
-    def transforms(self) -> dict[str, Transform]:
+    def transforms(self) -> dict[str, Pose]:
         """From the frame of each other robot to the own one."""
         return {robot: self._transform(robot) for robot in sorted(self._taken) if robot != self._name}
 
@@ -93,9 +89,9 @@ class PerfectMerger:
         x, y = self._transform(robot).apply(np.array([point]))[0].tolist()
         return x, y
 
-    def _transform(self, robot: str) -> Transform:
+    def _transform(self, robot: str) -> Pose:
         starts = self._sight.starts
-        return Transform(*starts[self._name].between(starts[robot]))
+        return Pose(*starts[self._name].between(starts[robot]))
 
     def _tell_positions(self, now: float) -> None:
         if not self._running:
