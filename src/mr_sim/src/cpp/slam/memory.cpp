@@ -1,6 +1,7 @@
 #include "memory.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 namespace mr_sim::slam {
 namespace {
@@ -8,7 +9,7 @@ namespace {
 constexpr double kKeyframeDistance = 0.75;  // m between keyframes
 constexpr double kKeyframeAngle = 0.8;      // rad
 constexpr int kSolveEvery = 6;              // keyframes
-constexpr double kLeastShare = 0.1;         // of the hits that must lie on the surfaces of a keyframe
+constexpr std::size_t kMostLinks = 2;       // of a keyframe to others, by scans
 constexpr double kMoved = 0.03;             // m that a keyframe has moved before the map is drawn anew
 constexpr double kTurned = 0.005;           // rad
 constexpr std::size_t kMostScans = 20'000;  // beyond, the map stays as it is
@@ -49,31 +50,45 @@ Scan Memory::scan_of(const Kept& kept) const {
 }
 
 void Memory::add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose,
-                 const Pose& odometry, const OdometryModel& model, const Match& match) {
+                 const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match) {
   if (scans_ == kMostScans) return;
   ++scans_;
   geometry_ = geometry;
-  if (due(pose)) open(pose, odometry, model, match);
+  if (due(pose)) open(pose, odometry, way, model, match);
   keyframes_.back().scans.push_back({ranges, geometry.swept, between(keyframes_.back().drawn, pose)});
 }
 
-void Memory::open(const Pose& pose, const Pose& odometry, const OdometryModel& model, const Match& match) {
+void Memory::open(const Pose& pose, const Pose& odometry, const Way& way, const OdometryModel& model,
+                  const Match& match) {
   const std::size_t next = keyframes_.size();
   if (next == 0) {
     graph_.add(pose);
-    keyframes_.push_back({pose, odometry, {}});
+    keyframes_.push_back({pose, odometry, way, {}});
     return;
   }
   const Keyframe& last = keyframes_.back();
   const Pose motion = between(last.odometry, odometry);
   graph_.add(graph_.pose(next - 1) * between(last.drawn, pose));
-  graph_.link_odometry(next, motion, model.deviation_of_way(motion));
-  for (const auto& [origin, share] : match.origins) {
-    if (share < kLeastShare) continue;
+  graph_.link_odometry(next, motion,
+                       model.deviation_of_way({way.distance - last.way.distance, way.turn - last.way.turn}));
+  link_by_scan(next, pose, match);
+  keyframes_.push_back({pose, odometry, way, {}});
+}
+
+// Where many keyframes share the surfaces, few of them speak for all.
+void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match) {
+  std::vector<std::pair<double, int>> shares;
+  for (const auto& [origin, share] : match.origins) shares.emplace_back(share, origin);
+  std::sort(shares.rbegin(), shares.rend());
+  double all = 0.0, said = 0.0;
+  for (const auto& [share, origin] : shares) all += share;
+  shares.resize(std::min(shares.size(), kMostLinks));
+  for (const auto& [share, origin] : shares) said += share;
+  for (const auto& [share, origin] : shares) {
     const Pose& from = keyframes_[origin].drawn;
-    graph_.link(origin, next, between(from, pose), with_floor(share * seen_from(from, match.information)));
+    const Eigen::Matrix3d information = share * all / said * seen_from(from, match.information);
+    graph_.link(origin, next, between(from, pose), with_floor(information));
   }
-  keyframes_.push_back({pose, odometry, {}});
 }
 
 void Memory::solve() {

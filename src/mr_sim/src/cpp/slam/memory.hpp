@@ -19,9 +19,9 @@ class Memory {
 
   // By what the surfaces of the scan that is added next are to be known.
   int origin(const Pose& pose) const;
-  // A scan has entered the map at `pose`, where `match` has put it.
+  // A scan has entered the map at `pose`, where `match` has put it. `way`: of the robot since its start.
   void add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose, const Pose& odometry,
-           const OdometryModel& model, const Match& match);
+           const Way& way, const OdometryModel& model, const Match& match);
   // A part of the work that is left. When the map has been drawn anew it is moved to `map`; how the robot's pose on the
   // former map is to be taken to it.
   std::optional<std::pair<Pose, Pose>> work(GridMap* map);
@@ -35,6 +35,7 @@ class Memory {
   struct Keyframe {
     Pose drawn;  // where it is on the map
     Pose odometry;
+    Way way;
     std::vector<Kept> scans;
   };
   struct Redrawing {
@@ -43,7 +44,8 @@ class Memory {
     std::size_t keyframe = 0, scan = 0;
   };
 
-  void open(const Pose& pose, const Pose& odometry, const OdometryModel& model, const Match& match);
+  void open(const Pose& pose, const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match);
+  void link_by_scan(std::size_t next, const Pose& pose, const Match& match);
   bool due(const Pose& pose) const;
   Scan scan_of(const Kept& kept) const;
   void solve();

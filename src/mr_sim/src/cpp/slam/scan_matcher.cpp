@@ -8,8 +8,6 @@ namespace {
 
 constexpr int kIterations = 12;
 constexpr double kSpacing = 0.04;     // m between the hits used, so that near walls do not outweigh far ones
-constexpr double kEnough = 0.7;       // share of the hits that must be left when small objects are not used,
-constexpr double kAcross = 0.08;      // or of their weight in the direction that they say least of
 constexpr double kOnSurface = 0.05;   // m
 constexpr double kSure = 0.8;         // share on surfaces from which wheels are said to slip
 constexpr double kMostKnown = 0.5;    // of the hits that must be known for that
@@ -22,31 +20,14 @@ constexpr double kSameSide = 0.7;     // cosine
 constexpr double kTrust = 0.5;        // of odometry's deviation where scan and odometry agree
 constexpr double kSamePlace = 0.005;  // m, a hit that moves less between two iterations keeps its line
 
-// Small objects that drive along carry the pose with them. A narrow sensor may see little else.
-bool without_small_objects(const Scan& scan) {
-  int hits = 0, left = 0;
-  Eigen::Matrix2d directions = Eigen::Matrix2d::Zero();
-  for (const Beam& beam : scan.beams) {
-    hits += beam.has_normal;
-    if (!beam.has_normal || beam.on_small_object) continue;
-    ++left;
-    const Eigen::Vector2d normal(beam.normal.x, beam.normal.y);
-    directions += normal * normal.transpose();
-  }
-  if (left >= kEnough * hits) return true;
-  const double across =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(directions, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  return across >= kAcross * hits;
-}
-
+// Small objects may be robots that drive along and carry the pose with them.
 // Whether a hit is used must not depend on its own noise: asking how far it lies from the last one would prefer, on
 // each wall, hits that err in the direction of the sweep, and turn the robot a little with every match.
 std::vector<const Beam*> choose_beams(const Scan& scan) {
-  const bool walls_only = without_small_objects(scan);
   std::vector<const Beam*> chosen;
   double passed = kSpacing;
   for (const Beam& beam : scan.beams) {
-    if (!beam.has_normal || (walls_only && beam.on_small_object)) continue;
+    if (!beam.has_normal || beam.on_small_object) continue;
     if (passed >= kSpacing) {
       chosen.push_back(&beam);
       passed = 0.0;

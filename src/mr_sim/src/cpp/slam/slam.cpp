@@ -108,13 +108,15 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   }
   if (!started_) {
     start(scan, odometry, time, &update);
-    memory_.add({ranges, ranges + size}, geometry, pose_, odometry, model_, Match{});
+    memory_.add({ranges, ranges + size}, geometry, pose_, odometry, way_, model_, Match{});
     standing_.judge(ranges, size, geometry, scan, odometry);
     return update;
   }
   const Standing::Verdict verdict = standing_.judge(ranges, size, geometry, scan, odometry);
   if (verdict == Standing::Verdict::kStands) return slip(scan, odometry);
   const Pose motion = between(odometry_, odometry);
+  way_.distance += std::hypot(motion.x, motion.y);
+  way_.turn += std::abs(motion.yaw);
   Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), confirmed_, options_.match);
   left_confirmed_ |= verdict == Standing::Verdict::kMoved;
   if (match.stays && left_confirmed_) match.elsewhere.reset();
@@ -139,7 +141,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   if (!contradicted_ && !doubtful && !match.elsewhere &&
       (stands || moved(inserted_, pose_, options_.insert_distance, options_.insert_angle))) {
     update.inserted = insert(scan, stands, time);
-    memory_.add({ranges, ranges + size}, geometry, pose_, odometry, model_, match);
+    memory_.add({ranges, ranges + size}, geometry, pose_, odometry, way_, model_, match);
   }
   if (verdict == Standing::Verdict::kMoved || verdict == Standing::Verdict::kUnknown) stood_ = pose_;
   update.inserted |= follow(memory_.work(&map_));

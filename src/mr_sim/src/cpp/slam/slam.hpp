@@ -77,6 +77,7 @@ class Slam {
   double updated_at_ = 0.0;  // s, of the last scan in the map
   int rested_ = 0;           // scans in the map since it moved
   double share_ = 1.0;       // of the last match
+  Way way_;                  // by odometry, without what the wheels turned while it stood
   OdometryModel model_;
   Memory memory_;
   bool contradicted_ = false;    // by the last match

@@ -6,7 +6,8 @@
 namespace mr_sim::slam {
 namespace {
 
-constexpr double kStep = 0.25;  // m in range from one beam to the next, at which a surface ends
+constexpr double kStep = 0.25;      // m in range from one beam to the next, at which a surface ends
+constexpr double kTouching = 0.36;  // of the size of a small object, from the robot's centre: what is nearer touches it
 
 // Beams in a row without a step in range between them.
 struct Segment {
@@ -36,6 +37,14 @@ bool is_small(const Scan& scan, const Segment& segment, double size) {
   return scan.beams[segment.first].hit && std::hypot(first.x - last.x, first.y - last.y) < size;
 }
 
+// A robot that drives ahead keeps off. What touches holds this one, so it may as well be a wall.
+bool touches(const Scan& scan, const Segment& segment, double size) {
+  for (std::size_t i = segment.first; i <= segment.last; ++i) {
+    if (std::hypot(scan.beams[i].end.x, scan.beams[i].end.y) < kTouching * size) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 void mark_small_objects(Scan& scan, double size) {
@@ -48,7 +57,7 @@ void mark_small_objects(Scan& scan, double size) {
     const Segment& segment = segments[i];
     // One object may hide a part of another.
     const bool left = segment.before_left || stands_free(i - 1), right = segment.before_right || stands_free(i + 1);
-    if (!left || !right || !is_small(scan, segment, size)) continue;
+    if (!left || !right || !is_small(scan, segment, size) || touches(scan, segment, size)) continue;
     for (std::size_t j = segment.first; j <= segment.last; ++j) scan.beams[j].on_small_object = true;
   }
 }

@@ -10,7 +10,6 @@ import numpy as np
 from mr_grid import Pose
 from mr_sim.slam.engine import LaserScan, SlamError
 
-CORRELATION = 5.0  # m or rad after which a random walk has forgotten how odometry erred
 _FIELDS = ("world", "geometry", "times", "ranges", "odometry", "truth")
 
 
@@ -49,30 +48,16 @@ class ScanLog:
 
 
 def with_random_walk(log: ScanLog, distance_error: float, turn_error: float, seed: int) -> ScanLog:
-    """The same drive with wheels whose errors wander: shares of distance and turn (standard deviations) by which they
-    count wrong, forgotten over `CORRELATION` m or rad."""
+    """The same drive with wheels that err anew at each step, as under the simulator's `random_walk`: standard deviations
+    of the sum after 1 m, in m, and after 1 rad, in rad."""
     random = np.random.default_rng(seed)
-    by_distance, by_turn = random.normal(0.0, distance_error), random.normal(0.0, turn_error)
-    poses = [(0.0, 0.0, 0.0)]
-    for before, after in zip(log.truth, log.truth[1:]):
-        dx, dy, turn = _between(before, after)
-        by_distance = _wander(by_distance, distance_error, abs(dx) / CORRELATION, random)
-        by_turn = _wander(by_turn, turn_error, abs(turn) / CORRELATION, random)
-        x, y, yaw = poses[-1]
-        forward = dx * (1.0 + by_distance)
-        x, y = x + forward * math.cos(yaw) - dy * math.sin(yaw), y + forward * math.sin(yaw) + dy * math.cos(yaw)
-        poses.append((x, y, math.remainder(yaw + turn * (1.0 + by_turn), 2.0 * math.pi)))
+    odometry = Pose(0.0, 0.0, 0.0)
+    poses = [odometry]
+    truth = [Pose(*each) for each in log.truth.tolist()]
+    for before, after in zip(truth, truth[1:]):
+        step = before.between(after)
+        along, around = random.normal(size=2).tolist()
+        ahead = step.x + along * distance_error * math.sqrt(abs(step.x))
+        odometry = odometry.compose(Pose(ahead, step.y, step.yaw + around * turn_error * math.sqrt(abs(step.yaw))))
+        poses.append(odometry)
     return replace(log, odometry=np.array(poses))
-
-
-def _wander(value: float, deviation: float, share: float, random: np.random.Generator) -> float:
-    """A step of an Ornstein-Uhlenbeck process."""
-    return value - value * share + deviation * math.sqrt(2.0 * share) * float(random.normal())
-
-
-def _between(before: np.ndarray, after: np.ndarray) -> Pose:
-    """The second pose seen from the first."""
-    x, y = after[0] - before[0], after[1] - before[1]
-    cosine, sine = math.cos(before[2]), math.sin(before[2])
-    turn = math.remainder(after[2] - before[2], 2.0 * math.pi)
-    return Pose(float(cosine * x + sine * y), float(-sine * x + cosine * y), turn)
