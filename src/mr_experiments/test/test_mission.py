@@ -24,7 +24,7 @@ def finished():
 
 def test_two_robots_explore_and_merge(finished):
     assert finished["outcome"] == {"status": "finished", "reason": "", "time": finished["outcome"]["time"]}
-    assert 20.0 < finished["team"]["exploration_time"] < 60.0
+    assert 15.0 < finished["team"]["exploration_time"] < 60.0
     assert finished["team"]["series"]["coverage"][-1] > 0.995
     for robot in finished["robots"].values():
         assert robot["map"]["coverage"] > 0.995

@@ -111,6 +111,7 @@ class Agent:
         heard = self._options.exchange_position and self._hear(position.robot, now)
         if heard and not sent_before(position, self.exchange.boot_of(position.robot)):
             self._observations.on_position(position.robot, position.pose, now)
+            self._effects += self._announcer.positions(now)
 
     def on_track(self, report: TrackReport, now: float) -> None:
         """A robot told where it has been in the last seconds, and what it saw."""

@@ -41,11 +41,15 @@ def figures_of(
 
 def positions_of(
     options: Options, whereabouts: Whereabouts, transforms: Mapping[str, Pose], now: float
-) -> List[Effect]:
-    """Where everybody is and has been, own frame."""
+) -> PublishPositions:
+    """Where everybody is, own frame."""
     longest = max(POSITION_AGE_S, 10.0 * options.seconds_send_position)
-    effects: List[Effect] = [PublishPositions(whereabouts.places(transforms, now, longest))]
-    effects.append(PublishTrack(options.robot_name, whereabouts.own_track.points()[-MOST_MARKERS:]))
+    return PublishPositions(whereabouts.places(transforms, now, longest))
+
+
+def tracks_of(options: Options, whereabouts: Whereabouts, transforms: Mapping[str, Pose]) -> List[Effect]:
+    """Where everybody has been, own frame."""
+    effects: List[Effect] = [PublishTrack(options.robot_name, whereabouts.own_track.points()[-MOST_MARKERS:])]
     for name, transform in transforms.items():
         effects.append(PublishTrack(name, transform.apply(whereabouts.track(name).points()[-MOST_MARKERS:])))
     return effects

@@ -13,8 +13,8 @@ from mr_grid import Pose
 from . import ros_io
 from .meetings.detection import LaserScan
 from .timer import Timer
+from .whereabouts import POSE_PERIOD_S
 
-POSE_PERIOD_S = 0.5
 SCAN_PERIOD_S = 0.2
 SCAN_PATIENCE_S = 0.3
 """A scan waits this long for the transforms of its time."""

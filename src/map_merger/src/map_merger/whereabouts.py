@@ -10,7 +10,9 @@ from mr_grid import Pose
 
 TRACK_SPACING_M = 0.1
 LONGEST_TRACK = 4000
-MOST_POSES = 32
+POSE_PERIOD_S = 0.2
+"""The own pose is taken at most as often."""
+MOST_POSES = 80
 """Own poses of the last seconds that are kept."""
 
 

@@ -264,6 +264,32 @@ def test_positions_and_points_in_the_own_frame(maps):
     assert team.agents["robot_0"].view.transform_point("robot_0", 3.0, 1.0) == (3.0, 1.0)
 
 
+@pytest.mark.parametrize("away, period", [(2.0, 0.5), (4.0, 2.0)])
+def test_robots_near_one_another_tell_often_where_they_are(maps, away, period):
+    """A Turtlebot turned into one beside it, beyond its field of view, whose last word was 2.6 s old."""
+    team = team_of("robot_0", "robot_1")
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    own = Pose(1.0, 0.5, 0.2)
+    there = pair_of(maps[0], maps[1]).truth.inverse().compose(own.compose(Pose(away, 0.0, 0.0)))
+    team.agents["robot_0"].on_local_pose(own, team.now)
+    team.agents["robot_1"].on_local_pose(there, team.now)
+    team.run(60.0)
+    for name in ("robot_0", "robot_1"):
+        told = [now for now, who, _, sent in team.sends if who == name and isinstance(sent, Position)][-8:]
+        assert np.allclose(np.diff(told), period)
+
+
+def test_a_position_is_listed_when_it_comes(maps):
+    team = team_of("robot_0", "robot_1", seconds_send_position=100)
+    for index in range(2):
+        team.agents[f"robot_{index}"].on_local_map(maps[index].grid, team.now)
+    team.run(30.0)
+    team.agents["robot_0"].on_position(Position("robot_1", Pose(1.0, 0.5, 0.2)), team.now)
+    team.settle("robot_0")
+    assert [place.robot for place in team.places["robot_0"]] == ["robot_1"]
+
+
 def test_without_transform_no_position_is_listed_and_points_fail_with_the_reason():
     team = team_of("robot_0", "robot_1")
     for name in ("robot_0", "robot_1"):

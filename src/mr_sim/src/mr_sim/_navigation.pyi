@@ -12,6 +12,7 @@ class Limits:
     angular: float
     linear_acceleration: float
     angular_acceleration: float
+    curvature: float
     def __init__(self) -> None: ...
 
 class Footprint:

@@ -57,6 +57,25 @@ def test_a_robot_whose_goal_ended_brakes_at_once_where_gently_it_would_touch(ahe
     assert command.status is Status.IDLE and (command.linear == 0.0) == stops
 
 
+@pytest.mark.parametrize("view, radius", [(1.0, 0.5), (4.7, 0.0)])
+def test_a_robot_turns_no_sharper_than_it_sees(view: float, radius: float) -> None:
+    """Turtlebots drove round bends of 0.3 m into one another: each stood beside what the other saw. `radius`: m, of the
+    sharpest bend."""
+    navigator, pose, bends = Navigator(), Pose(1.0, 2.0, 0.0), []
+    navigator.set_map(room())
+    navigator.set_goal(Pose(1.2, 3.4, 0.0), 0.0)
+    scan = make_scan(np.full(101, np.inf), -0.5 * view, view / 100, 0.0, 8.0, Pose(0.1, 0.0, 0.0))
+    for step in range(200):
+        command = navigator.step(0.1 * step, pose, scan)
+        if command.status is not Status.ACTIVE:
+            break
+        if command.linear > 0.45 and command.angular != 0.0:
+            bends.append(command.linear / abs(command.angular))
+        pose = pose.compose(Pose(0.1 * command.linear, 0.0, 0.1 * command.angular))
+    assert command.status is Status.SUCCEEDED and bends
+    assert min(bends) > 0.9 * radius and (radius > 0.0 or min(bends) < 0.4)
+
+
 def test_no_way_is_said_within_a_second() -> None:
     navigator = Navigator()
     navigator.set_map(room((slice(None), slice(40, 42))))

@@ -16,6 +16,7 @@ from map_merger.job import outcome_of
 from map_merger.messages import Boot, Tile
 from map_merger.options import Options
 from map_merger.view import NoTransform
+from map_merger.whereabouts import POSE_PERIOD_S
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.robot_radio import RobotRadio
@@ -23,7 +24,6 @@ from mr_grid import OccupancyGrid, Pose
 from mr_sim.slam.engine import LaserScan
 
 TICK = 0.2  # s
-POSE_PERIOD = 0.5  # s
 SCAN_PERIOD = 0.2  # s
 REGISTRATION_TIME = 0.3  # s that a registration takes on a robot
 
@@ -84,7 +84,7 @@ class Merger:
         self._listener, self._clock = listener, clock
         self._sends = {purpose: _Sends(self) for purpose in Purpose}
         self._incoming = ros_radio.incoming(options)
-        self._pose_at = -POSE_PERIOD
+        self._pose_at = -POSE_PERIOD_S
         self._scan_at = -SCAN_PERIOD
         self._running = True
 
@@ -105,7 +105,7 @@ class Merger:
 
     def on_pose(self, x: float, y: float, yaw: float) -> None:
         now = self._clock()
-        if now - self._pose_at >= POSE_PERIOD - 1e-6:
+        if now - self._pose_at >= POSE_PERIOD_S - 1e-6:
             self._pose_at = now
             self.do(lambda now: self.agent.on_local_pose(Pose(x, y, yaw), now))
 

@@ -162,7 +162,8 @@ PYBIND11_MODULE(_navigation, module) {
       .def_readwrite("linear", &Limits::linear)
       .def_readwrite("angular", &Limits::angular)
       .def_readwrite("linear_acceleration", &Limits::linear_acceleration)
-      .def_readwrite("angular_acceleration", &Limits::angular_acceleration);
+      .def_readwrite("angular_acceleration", &Limits::angular_acceleration)
+      .def_readwrite("curvature", &Limits::curvature);
   py::class_<Footprint>(module, "Footprint")
       .def(py::init<>())
       .def_readwrite("half_length", &Footprint::half_length)

@@ -186,6 +186,7 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
   for (const double linear : speeds(limits)) {
     for (std::size_t i = 0; i < rates.size(); ++i) {
       const Velocity target{linear, rates[i]};
+      if (linear > 0.0 && std::abs(rates[i]) > limits.curvature * linear) continue;
       Motion motion = drive(&field, pose, velocity.linear, linear, headings[i], limits, horizon);
       double time = time_left(field, motion, limits, horizon);
       time += 0.02 * std::abs(target.angular - velocity.angular);

@@ -27,6 +27,7 @@ struct Limits {
   double angular = 1.57;               // rad/s
   double linear_acceleration = 1.0;    // m/s^2
   double angular_acceleration = 3.14;  // rad/s^2
+  double curvature = 1e9;              // 1/m of a way ahead; a robot that stands may turn
 };
 
 struct Footprint {

@@ -27,6 +27,7 @@ from mr_sim.navigation.yielding import HeldUp, find_retreat, nearest_blocker
 MOST_ROTATION = 1e-3  # rad: kernels take cells to lie along the axes of the frame
 WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
 POINT_SPACING = 0.03  # m, finer detail of obstacles does not matter
+LOOK_AHEAD = 0.5  # m that a robot drives before it is where it has looked: it turns no sharper than it sees
 ROBOT_NEAR = 1.5  # m within which a robot that says where it is counts where the laser is blind
 ROBOT_RIM = 0.04  # m by which the rim that its footprint takes up lies within the radius of the largest robot
 HINT_AGE = 6.0  # s for which reported positions of other robots count
@@ -214,6 +215,7 @@ class Navigator:
             self._stall.clear()
             self._memory.add(self._bumped(pose), now)
             self._velocity, self._manoeuvre, self._manoeuvre_at = (0.0, 0.0), None, -math.inf
+        self._limits.curvature = 2.0 * _half_view(scan) / LOOK_AHEAD
         obstacles = self._with_unseen_robots(now, pose, scan, self._obstacles(costs, pose, scan))
         command = self._act(now, pose, obstacles)
         if self._goal is None:
@@ -550,12 +552,17 @@ def _bare(obstacles: np.ndarray, margin: float) -> np.ndarray:
 
 def _unseen(points: np.ndarray, scan: Scan) -> np.ndarray:
     """bool (n,), of points (n, 2) in the robot's frame: behind the robot, or beside the field of view."""
-    half_view = 0.5 * (len(scan.ranges) - 1) * scan.angle_increment
+    middle = scan.angle_min + 0.5 * (len(scan.ranges) - 1) * scan.angle_increment
     from_laser = scan.mount.apply_inverse(points)
-    bearing = np.arctan2(from_laser[:, 1], from_laser[:, 0]) - (scan.angle_min + half_view)
-    beside = np.abs(np.remainder(bearing + math.pi, 2.0 * math.pi) - math.pi) > abs(half_view)
+    bearing = np.arctan2(from_laser[:, 1], from_laser[:, 0]) - middle
+    beside = np.abs(np.remainder(bearing + math.pi, 2.0 * math.pi) - math.pi) > _half_view(scan)
     unseen: np.ndarray = (points[:, 0] < 0.0) | beside
     return unseen
+
+
+def _half_view(scan: Scan) -> float:
+    """rad to each side of where the laser looks."""
+    return abs(0.5 * (len(scan.ranges) - 1) * scan.angle_increment)
 
 
 def _limits(options: NavigationOptions) -> _navigation.Limits:

@@ -48,8 +48,8 @@ class ScanLog:
 
 
 def with_random_walk(log: ScanLog, distance_error: float, turn_error: float, seed: int) -> ScanLog:
-    """The same drive with wheels that err anew at each step, as under the simulator's `random_walk`: standard deviations
-    of the sum after 1 m, in m, and after 1 rad, in rad."""
+    """The same drive with wheels that err anew at each step, as under the simulator's `random_walk`: standard
+    deviations of the sum after 1 m, in m, and after 1 rad, in rad."""
     random = np.random.default_rng(seed)
     odometry = Pose(0.0, 0.0, 0.0)
     poses = [odometry]
