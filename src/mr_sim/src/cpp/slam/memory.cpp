@@ -9,17 +9,22 @@ namespace {
 constexpr double kKeyframeDistance = 0.75;  // m between keyframes
 constexpr double kKeyframeAngle = 0.8;      // rad
 constexpr int kSolveEvery = 6;              // keyframes
-constexpr std::size_t kMostLinks = 2;       // of a keyframe to others, by scans
+constexpr std::size_t kMostLinks = 8;       // of a keyframe to others, by scans
+constexpr double kLoopWay = 15.0;           // m since what was drawn long ago
+constexpr Pose kLoopWindow{1.0, 1.0, 0.1};  // m and rad at most, within which a loop is closed
+constexpr double kLeastWindow = 0.3;        // m
+constexpr double kSameLoop = 0.15;          // m within which two keyframes say the same
 constexpr double kMoved = 0.03;             // m that a keyframe has moved before the map is drawn anew
 constexpr double kTurned = 0.005;           // rad
 constexpr std::size_t kMostScans = 20'000;  // beyond, the map stays as it is
-constexpr int kScansAtOnce = 12;            // that are drawn anew with each scan that comes
+constexpr int kScansAtOnce = 30;            // that are drawn anew with each scan that comes
 
-const Eigen::Matrix3d kFloor = Eigen::Vector3d(1e-4, 1e-4, 4e-6).asDiagonal();  // covariance of the best match
+const Eigen::Matrix3d kFloor = Eigen::Vector3d(1e-4, 1e-4, 4e-6).asDiagonal();          // covariance of the best match
+const Eigen::Matrix3d kLoopFloor = Eigen::Vector3d(2.5e-3, 2.5e-3, 4e-5).asDiagonal();  // of one that closes a loop
 
-Eigen::Matrix3d with_floor(const Eigen::Matrix3d& information) {
+Eigen::Matrix3d with_floor(const Eigen::Matrix3d& information, const Eigen::Matrix3d& floor) {
   // Inverse of (information^-1 + floor), also where the information is singular.
-  const Eigen::Matrix3d sum = Eigen::Matrix3d::Identity() + information * kFloor;
+  const Eigen::Matrix3d sum = Eigen::Matrix3d::Identity() + information * floor;
   const Eigen::Matrix3d result = sum.inverse() * information;
   return 0.5 * (result + result.transpose()) + 1e-3 * Eigen::Matrix3d::Identity();
 }
@@ -49,13 +54,15 @@ Scan Memory::scan_of(const Kept& kept) const {
   return make_scan(kept.ranges.data(), kept.ranges.size(), geometry, surface_window_, small_object_size_);
 }
 
-void Memory::add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose,
+bool Memory::add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose,
                  const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match) {
-  if (scans_ == kMostScans) return;
+  if (scans_ == kMostScans) return false;
   ++scans_;
   geometry_ = geometry;
-  if (due(pose)) open(pose, odometry, way, model, match);
+  const bool opens = due(pose);
+  if (opens) open(pose, odometry, way, model, match);
   keyframes_.back().scans.push_back({ranges, geometry.swept, between(keyframes_.back().drawn, pose)});
+  return opens;
 }
 
 void Memory::open(const Pose& pose, const Pose& odometry, const Way& way, const OdometryModel& model,
@@ -71,24 +78,36 @@ void Memory::open(const Pose& pose, const Pose& odometry, const Way& way, const 
   graph_.add(graph_.pose(next - 1) * between(last.drawn, pose));
   graph_.link_odometry(next, motion,
                        model.deviation_of_way({way.distance - last.way.distance, way.turn - last.way.turn}));
-  link_by_scan(next, pose, match);
+  link_by_scan(next, pose, match, kFloor);
   keyframes_.push_back({pose, odometry, way, {}});
 }
 
-// Where many keyframes share the surfaces, few of them speak for all.
-void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match) {
+void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor) {
   std::vector<std::pair<double, int>> shares;
-  for (const auto& [origin, share] : match.origins) shares.emplace_back(share, origin);
+  for (const auto& [origin, support] : match.origins) shares.emplace_back(support.share, origin);
   std::sort(shares.rbegin(), shares.rend());
-  double all = 0.0, said = 0.0;
-  for (const auto& [share, origin] : shares) all += share;
   shares.resize(std::min(shares.size(), kMostLinks));
-  for (const auto& [share, origin] : shares) said += share;
   for (const auto& [share, origin] : shares) {
     const Pose& from = keyframes_[origin].drawn;
-    const Eigen::Matrix3d information = share * all / said * seen_from(from, match.information);
-    graph_.link(origin, next, between(from, pose), with_floor(information));
+    const Eigen::Matrix3d information = seen_from(from, match.origins.at(origin).information);
+    graph_.link(origin, next, between(from, pose), with_floor(information, floor));
   }
+}
+
+void Memory::close_loop(const GridMap& map, const Scan& scan, const OdometryModel& model, const MatchOptions& options) {
+  const Keyframe& last = keyframes_.back();
+  while (last.way.distance - keyframes_[long_ago_ + 1].way.distance > kLoopWay) ++long_ago_;
+  if (long_ago_ < 0) return;
+  const double drift = 3.0 * model.deviation_of_way({last.way.distance, 0.0}).x;
+  const double window = std::clamp(drift, kLeastWindow, kLoopWindow.x);
+  const auto match = match_old(map, long_ago_, scan, last.drawn, {window, window, kLoopWindow.yaw}, options);
+  const bool same = match && loop_ && distance(*loop_ * last.drawn, match->pose) < kSameLoop;
+  loop_.reset();
+  if (!match) return;
+  loop_ = match->pose * between(last.drawn, Pose{});
+  if (!same) return;
+  link_by_scan(keyframes_.size() - 1, match->pose, *match, kLoopFloor);
+  solved_ = 0;
 }
 
 void Memory::solve() {
@@ -133,6 +152,7 @@ std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map) {
   for (std::size_t i = 0; i < keyframes_.size(); ++i) keyframes_[i].drawn = targets[i];
   *map = std::move(redrawing.map);
   redrawing_.reset();
+  loop_.reset();
   return change;
 }
 

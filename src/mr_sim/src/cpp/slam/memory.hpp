@@ -20,8 +20,12 @@ class Memory {
   // By what the surfaces of the scan that is added next are to be known.
   int origin(const Pose& pose) const;
   // A scan has entered the map at `pose`, where `match` has put it. `way`: of the robot since its start.
-  void add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose, const Pose& odometry,
+  // Returns whether that is a new keyframe.
+  bool add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose, const Pose& odometry,
            const Way& way, const OdometryModel& model, const Match& match);
+  // Whether the new keyframe, whose first scan this is, lies elsewhere on what was drawn long ago: links it there when
+  // the one before has said the same.
+  void close_loop(const GridMap& map, const Scan& scan, const OdometryModel& model, const MatchOptions& options);
   // A part of the work that is left. When the map has been drawn anew it is moved to `map`; how the robot's pose on the
   // former map is to be taken to it.
   std::optional<std::pair<Pose, Pose>> work(GridMap* map);
@@ -45,7 +49,7 @@ class Memory {
   };
 
   void open(const Pose& pose, const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match);
-  void link_by_scan(std::size_t next, const Pose& pose, const Match& match);
+  void link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor);
   bool due(const Pose& pose) const;
   Scan scan_of(const Kept& kept) const;
   void solve();
@@ -57,7 +61,9 @@ class Memory {
   PoseGraph graph_;
   std::vector<Keyframe> keyframes_;
   std::optional<Redrawing> redrawing_;
-  std::size_t solved_ = 0;  // keyframes at the last solution
+  int long_ago_ = -1;         // last keyframe that the way since then has led far from
+  std::optional<Pose> loop_;  // what the last keyframe says: the frame of its drawn pose in that of the old surfaces
+  std::size_t solved_ = 0;    // keyframes at the last solution
   std::size_t scans_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <limits>
 
 namespace mr_sim::slam {
 namespace {
@@ -16,6 +17,11 @@ constexpr int kNeighbours = 2;        // cells around a surface that make up its
 constexpr double kMatureHits = 20.0;  // of a line, for its full weight
 constexpr double kMatureScans = 5.0;  // same; what was hit in one scan only, such as a robot that drives, has no weight
 constexpr double kAgreement = 16.0;   // squared deviations within which scan and odometry agree
+constexpr std::size_t kLeastBeams = 30;  // to look for old surfaces with
+constexpr double kClosed = 0.7;          // of the hits lie on old surfaces: no loop is to be closed
+constexpr double kLeastOnOld = 0.5;      // that must do so elsewhere, and
+constexpr double kMoreOnOld = 0.2;       // so many more than where the robot seems to be
+constexpr Pose kTight{0.05, 0.05, 0.01};
 constexpr double kSameSide = 0.7;     // cosine
 constexpr double kTrust = 0.5;        // of odometry's deviation where scan and odometry agree
 constexpr double kSamePlace = 0.005;  // m, a hit that moves less between two iterations keeps its line
@@ -58,12 +64,29 @@ bool same_side(const Surface& surface, const Point& normal) {
 
 Cell around(const Cell& cell, int offset) { return {cell.x + offset, cell.y + offset}; }
 
-const Surface* nearest(const GridMap& map, const Point& point, const Point& normal, double reach) {
-  const int radius = static_cast<int>(std::ceil(reach / map.resolution()));
-  const Cell center = map.cell_of(point);
+// The surfaces of a map up to an origin.
+struct Surfaces {
+  const GridMap& map;
+  int newest = std::numeric_limits<int>::max();
+
+  template <class Visit>
+  void visit(const Cell& low, const Cell& high, Visit visit) const {
+    map.visit_surfaces(low, high, [&](const Surface& surface) {
+      if (surface.origin <= newest) visit(surface);
+    });
+  }
+  bool at(const Cell& cell) const {
+    const Surface* surface = map.surface(cell);
+    return surface != nullptr && surface->origin <= newest;
+  }
+};
+
+const Surface* nearest(const Surfaces& surfaces, const Point& point, const Point& normal, double reach) {
+  const int radius = static_cast<int>(std::ceil(reach / surfaces.map.resolution()));
+  const Cell center = surfaces.map.cell_of(point);
   const Surface* best = nullptr;
   double best_distance = reach * reach;
-  map.visit_surfaces(around(center, -radius), around(center, radius), [&](const Surface& surface) {
+  surfaces.visit(around(center, -radius), around(center, radius), [&](const Surface& surface) {
     const double dx = point.x - surface.x, dy = point.y - surface.y;
     const double distance = dx * dx + dy * dy;
     if (distance >= best_distance || !same_side(surface, normal)) return;
@@ -75,14 +98,14 @@ const Surface* nearest(const GridMap& map, const Point& point, const Point& norm
 
 // The line through the nearest surface and its neighbours. A single cell would not do: a wall on the border of two
 // cells leaves half its hits in each, and hits would be drawn to the nearer half wherever they lie.
-Line line_near(const GridMap& map, const Point& point, const Point& normal, double reach) {
-  const Surface* center = nearest(map, point, normal, reach);
+Line line_near(const Surfaces& surfaces, const Point& point, const Point& normal, double reach) {
+  const Surface* center = nearest(surfaces, point, normal, reach);
   if (center == nullptr) return {};
-  const Cell cell = map.cell_of({center->x, center->y});
+  const Cell cell = surfaces.map.cell_of({center->x, center->y});
   Line line;
   line.distance = std::hypot(point.x - center->x, point.y - center->y);
   double hits = 0.0, scans = 0.0;
-  map.visit_surfaces(around(cell, -kNeighbours), around(cell, kNeighbours), [&](const Surface& surface) {
+  surfaces.visit(around(cell, -kNeighbours), around(cell, kNeighbours), [&](const Surface& surface) {
     if (!same_side(surface, normal)) return;
     hits += surface.hits;
     scans += surface.hits * surface.scans;
@@ -102,19 +125,19 @@ Line line_near(const GridMap& map, const Point& point, const Point& normal, doub
 }
 
 // The line within `reach` of a hit. Most of the time of matching went into finding the same lines again.
-const Line* line_of(const GridMap& map, const Point& point, const Point& normal, double reach, Association& known) {
+const Line* line_of(const Surfaces& surfaces, const Point& point, const Point& normal, double reach,
+                    Association& known) {
   const double dx = point.x - known.place.x, dy = point.y - known.place.y;
   const bool holds = dx * dx + dy * dy < kSamePlace * kSamePlace && (known.line.found || reach <= known.reach);
-  if (known.reach == 0.0 || !holds) known = {point, reach, line_near(map, point, normal, reach)};
+  if (known.reach == 0.0 || !holds) known = {point, reach, line_near(surfaces, point, normal, reach)};
   return known.line.found && known.line.distance < reach ? &known.line : nullptr;
 }
 
 struct Fit {
   Pose pose;
-  double share = 0.0;                                     // of the hits in known parts, those on a surface
-  double known = 0.0;                                     // share of the hits that lie in known parts
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // of what the scan alone says of the pose
-  std::map<int, double> origins{};                        // of the surfaces that it lies on: shares of the hits
+  double share = 0.0;  // of the hits in known parts, those on a surface
+  double known = 0.0;  // share of the hits that lie in known parts
+  std::map<int, Support> origins{};
 };
 
 // A hit that lies on no surface: whether the map knows better.
@@ -123,14 +146,14 @@ bool contradicts(const GridMap& map, const Point& eye, const Point& point) {
 }
 
 // What the map says to the hits at the pose of the fit.
-void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Point& eye, double reach,
-           std::vector<Association>& associations, Fit* fit) {
+void judge(const Surfaces& surfaces, const std::vector<const Beam*>& beams, const Point& eye, double reach,
+           double precision, std::vector<Association>& associations, Fit* fit) {
   const Frame frame(fit->pose);
   const Point from = frame * eye;
   int on_surface = 0, against = 0;
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Point point = frame * beams[i]->end;
-    const Line* line = line_of(map, point, frame.turned(beams[i]->normal), reach, associations[i]);
+    const Line* line = line_of(surfaces, point, frame.turned(beams[i]->normal), reach, associations[i]);
     bool on = false;
     if (line != nullptr) {
       const double dx = point.x - line->through.x, dy = point.y - line->through.y;
@@ -138,8 +161,14 @@ void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Poin
       on = std::abs(beside) <= kTangential && std::abs(line->normal.x * dx + line->normal.y * dy) < kOnSurface;
     }
     on_surface += on;
-    if (on) fit->origins[line->origin] += 1.0 / static_cast<double>(beams.size());
-    against += !on && contradicts(map, from, point);
+    if (on) {
+      Support& support = fit->origins[line->origin];
+      support.share += 1.0 / static_cast<double>(beams.size());
+      const Point arm = frame.turned(beams[i]->end), &normal = line->normal;
+      const Eigen::Vector3d jacobian(normal.x, normal.y, -normal.x * arm.y + normal.y * arm.x);
+      support.information += precision * line->weight * jacobian * jacobian.transpose();
+    }
+    against += !on && contradicts(surfaces.map, from, point);
   }
   const int known = on_surface + against;
   fit->share = known == 0 ? 0.0 : static_cast<double>(on_surface) / known;
@@ -147,7 +176,7 @@ void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Poin
 }
 
 // Gauss-Newton on point-to-line distances with Cauchy weights and the odometry prior.
-Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose& start, const Pose& expected,
+Fit refine(const Surfaces& surfaces, const std::vector<const Beam*>& beams, const Pose& start, const Pose& expected,
            const Pose& deviation, double surface_deviation, const Point& eye, const MatchOptions& options,
            std::vector<Association>& associations) {
   const double precision = 1.0 / (surface_deviation * surface_deviation);
@@ -158,14 +187,13 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     information.diagonal() << 1.0 / (deviation.x * deviation.x), 1.0 / (deviation.y * deviation.y),
         1.0 / (deviation.yaw * deviation.yaw);
-    const Eigen::Matrix3d prior = information;
     Eigen::Vector3d gradient(pose.x - expected.x, pose.y - expected.y, normalized(pose.yaw - expected.yaw));
     gradient = information * gradient;
     const Frame frame(pose);
     for (std::size_t i = 0; i < beams.size(); ++i) {
       const Point arm = frame.turned(beams[i]->end), normal = frame.turned(beams[i]->normal);
       const Point point{pose.x + arm.x, pose.y + arm.y};
-      const Line* found = line_of(map, point, normal, reach, associations[i]);
+      const Line* found = line_of(surfaces, point, normal, reach, associations[i]);
       if (found == nullptr) continue;
       const Line& line = *found;
       const double nx = line.normal.x, ny = line.normal.y;
@@ -178,22 +206,21 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
       information += weight * jacobian * jacobian.transpose();
       gradient += weight * residual * jacobian;
     }
-    fit.information = information - prior;
     const Eigen::Vector3d step = information.ldlt().solve(-gradient);
     fit.pose = {pose.x + step.x(), pose.y + step.y(), normalized(pose.yaw + step.z())};
     reach = std::max(0.5 * reach, 0.12);
     if (iteration > 1 && step.head<2>().norm() < 2e-4 && std::abs(step.z()) < 1e-4) break;
   }
-  judge(map, beams, eye, reach, associations, &fit);
+  judge(surfaces, beams, eye, reach, precision, associations, &fit);
   return fit;
 }
 
 // Exhaustive search over a window (correlative matching, Olson 2009) on every fourth hit.
-Pose search(const GridMap& map, const std::vector<const Beam*>& beams, const Pose& center,
-            const MatchOptions& options) {
+Pose search(const Surfaces& surfaces, const std::vector<const Beam*>& beams, const Pose& center, const Pose& window) {
+  const GridMap& map = surfaces.map;
   const double step = map.resolution(), turn_step = 0.025;
-  const int steps = static_cast<int>(std::ceil(options.window / step));
-  const int turns = static_cast<int>(std::ceil(options.angular_window / turn_step));
+  const int steps = static_cast<int>(std::ceil(window.x / step));
+  const int turns = static_cast<int>(std::ceil(window.yaw / turn_step));
   Pose best = center;
   double best_score = -1.0;
   std::vector<Cell> cells;
@@ -205,7 +232,7 @@ Pose search(const GridMap& map, const std::vector<const Beam*>& beams, const Pos
     for (int dy = -steps; dy <= steps; ++dy) {
       for (int dx = -steps; dx <= steps; ++dx) {
         double score = 0.0;
-        for (const Cell& cell : cells) score += map.surface({cell.x + dx, cell.y + dy}) != nullptr;
+        for (const Cell& cell : cells) score += surfaces.at({cell.x + dx, cell.y + dy});
         // Ties go to the pose nearest to the expectation.
         score -= 1e-3 * (dx * dx + dy * dy) + 1e-2 * turn * turn;
         if (score <= best_score) continue;
@@ -223,6 +250,9 @@ bool agree(const Pose& a, const Pose& b, const Pose& deviation) {
   return x * x + y * y + yaw * yaw < kAgreement;
 }
 
+// Of all hits, those on surfaces.
+double share_on(const Fit& fit) { return fit.share * fit.known; }
+
 bool better(const Fit& fit, const Fit& than) { return fit.share > than.share + 0.05; }
 
 }  // namespace
@@ -233,7 +263,7 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
   if (beams.size() < 10) return {expected};
   std::vector<Association> associations(beams.size());
   const auto fit = [&](const Pose& start) {
-    return refine(map, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations);
+    return refine({map}, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations);
   };
   Fit best = fit(expected);
   if (best.known < options.known_share) return {expected, best.share};
@@ -241,7 +271,8 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
     Match match{expected, best.share, Outcome::kContradicts};
     Fit other = fit(previous);
     match.stays = better(other, best) && other.share >= kSure && other.known >= kMostKnown;
-    if (!match.stays && best.share < options.poor_share) other = fit(search(map, beams, expected, options));
+    if (!match.stays && best.share < options.poor_share)
+      other = fit(search({map}, beams, expected, {options.window, options.window, options.angular_window}));
     const bool found = other.known >= options.known_share && better(other, best);
     if (found && other.share >= options.good_share) match.elsewhere = other.pose;
     if (found || best.share < options.poor_share) return match;
@@ -252,14 +283,31 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
   // where it explains the scan worse.
   const bool agreed = agree(best.pose, expected, deviation);
   const Pose trusted{kTrust * deviation.x, kTrust * deviation.y, deviation.yaw};
-  const Fit joint = refine(map, beams, agreed ? best.pose : expected, expected, trusted, options.joint_deviation,
+  const Fit joint = refine({map}, beams, agreed ? best.pose : expected, expected, trusted, options.joint_deviation,
                            scan.eye, options, associations);
   if (!agreed && better(best, joint)) return {expected, joint.share, Outcome::kContradicts, best.pose};
   if (joint.share < options.poor_share) return {expected, joint.share, Outcome::kContradicts};
   Match match{joint.pose, joint.share, Outcome::kMatched};
   match.known = joint.known;
-  match.information = joint.information;
   match.origins = joint.origins;
+  return match;
+}
+
+std::optional<Match> match_old(const GridMap& map, int newest, const Scan& scan, const Pose& pose, const Pose& window,
+                               const MatchOptions& options) {
+  const std::vector<const Beam*> beams = choose_beams(scan);
+  if (beams.size() < kLeastBeams) return std::nullopt;
+  const Surfaces old{map, newest};
+  const auto fit = [&](const Pose& start, const Pose& deviation) {
+    std::vector<Association> associations(beams.size());
+    return refine(old, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations);
+  };
+  const Fit now = fit(pose, kTight);
+  const Fit best = fit(search(old, beams, pose, window), window);
+  if (share_on(best) < kLeastOnOld || share_on(best) < share_on(now) + kMoreOnOld) return std::nullopt;
+  Match match{best.pose, best.share, Outcome::kMatched};
+  match.known = best.known;
+  match.origins = best.origins;
   return match;
 }
 

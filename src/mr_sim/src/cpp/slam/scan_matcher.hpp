@@ -27,21 +27,31 @@ enum class Outcome {
   kContradicts,   // the pose is odometry's, and wrong
 };
 
+// Of the hits that lie on surfaces of one origin: their share of all, and what they alone say of the pose.
+struct Support {
+  double share = 0.0;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+};
+
 struct Match {
   Pose pose;
   double share = 0.0;  // of the hits in known parts, those that lie on a surface
   Outcome outcome = Outcome::kNothingKnown;
   // Where the scan would fit far from where odometry leads: to be believed when scans from other places say the same.
   std::optional<Pose> elsewhere = std::nullopt;
-  bool stays = false;                                     // that is where it was: its wheels slip
-  double known = 0.0;                                     // share of the hits that lie in known parts
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // of what the scan alone says of the pose
-  std::map<int, double> origins{};                        // of the surfaces that it lies on: shares of the hits
+  bool stays = false;  // that is where it was: its wheels slip
+  double known = 0.0;  // share of the hits that lie in known parts
+  std::map<int, Support> origins{};
 };
 
 // `expected`: pose by odometry with its standard deviations, weak enough for the scan to overrule slipping wheels.
 // `previous`: pose at the last match that held, where the robot still is if its wheels slipped.
 Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
                  const Pose& previous, const MatchOptions& options);
+
+// Of a robot that comes back to where it was long ago: where it must be for its scan to lie on the surfaces up to
+// origin `newest`, within `window` (m, rad) of `pose`. Nothing where they say no more than at `pose`.
+std::optional<Match> match_old(const GridMap& map, int newest, const Scan& scan, const Pose& pose, const Pose& window,
+                               const MatchOptions& options);
 
 }  // namespace mr_sim::slam

@@ -141,7 +141,9 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   if (!contradicted_ && !doubtful && !match.elsewhere &&
       (stands || moved(inserted_, pose_, options_.insert_distance, options_.insert_angle))) {
     update.inserted = insert(scan, stands, time);
-    memory_.add({ranges, ranges + size}, geometry, pose_, odometry, way_, model_, match);
+    if (memory_.add({ranges, ranges + size}, geometry, pose_, odometry, way_, model_, match)) {
+      memory_.close_loop(map_, scan, model_, options_.match);
+    }
   }
   if (verdict == Standing::Verdict::kMoved || verdict == Standing::Verdict::kUnknown) stood_ = pose_;
   update.inserted |= follow(memory_.work(&map_));
