@@ -11,7 +11,7 @@ from test_slam import ROUND, Drives, follow
 from mr_sim._slam import PoseGraph
 from mr_sim.measures import Truth
 from mr_sim.slam.engine import LaserScan, Slam, SlamError
-from mr_sim.slam.evaluation import evaluate
+from mr_sim.slam.evaluation import evaluate, loop_ends
 from mr_sim.slam.scan_log import ScanLog, with_random_walk
 from mr_sim.world import World
 from mr_sim.world_model import load_world
@@ -185,3 +185,13 @@ def test_a_random_walk_errs_by_what_it_is_told() -> None:
     errors = (np.diff(walk[:, 0]) - 0.05) / math.sqrt(0.05)
     assert errors.std() == pytest.approx(0.03, rel=0.05) and abs(errors.mean()) < 0.001
     assert np.array_equal(walk, with_random_walk(log, 0.03, 0.05, 1).odometry)
+
+
+def test_a_loop_ends_near_a_place_that_lies_far_back() -> None:
+    """A square of 20 m: the last 5 m of the first round, and all of the second."""
+    corners = np.array([(0.0, 0.0), (20.0, 0.0), (20.0, 20.0), (0.0, 20.0)])
+    sides = [np.linspace(a, b, 200, endpoint=False) for a, b in zip(corners, np.roll(corners, -1, axis=0))]
+    lap = np.concatenate(sides)
+    ends = loop_ends(np.concatenate([lap, lap]))
+    assert not ends[:748].any() and ends[752:].all()
+    assert not loop_ends(lap[:700]).any()
