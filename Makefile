@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim experiments clean
+.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-sim experiments clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -76,6 +76,12 @@ bench-slam: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_slam --out out/bench/slam.json
 
 # Where robots get stuck: two hundred scenes drawn from seeds, a minute.
+# The same beside MRPT's ICP and RBPF, which take some minutes a log. SLAM: options of bench_slam.
+bench-slam-peers: build
+	@tools/build_slam_peers
+	@mkdir -p out/bench && $(ENVIRONMENT) PYTHONPATH=build/slam_peers:$$PYTHONPATH \
+	  rosrun mr_experiments bench_slam --peers --out out/bench/slam_peers.json $(SLAM)
+
 bench-navigation: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_sim bench_navigation --seeds 200 --jobs 2 --out out/bench/navigation.json
 

@@ -6,20 +6,30 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from mr_experiments.bench.slam_comparison import (
+    OURS,
+    Engines,
+    Setting,
+    comparison_rows,
+    measures_of,
+    printed,
+    table,
+)
+from mr_experiments.bench.slam_peers import peers
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.host.mission import Mission
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial, TrialError
 from mr_grid import Pose
 from mr_sim.measures import Truth
-from mr_sim.slam.engine import SlamError
-from mr_sim.slam.evaluation import Evaluation, evaluate
+from mr_sim.slam.engine import Slam, SlamError
+from mr_sim.slam.evaluation import Engine, Evaluation, evaluate
 from mr_sim.slam.scan_log import ScanLog, with_random_walk
 from mr_sim.world import World
 from mr_sim.world_model import load_world
@@ -32,6 +42,7 @@ ODOMETRY_ERROR = {"pioneers": (0.03, 0.05), "turtlebots": (0.03, 0.01)}
 hold for all other kinds."""
 WRONG_WALLS = {"pioneers": (0.5, 3.0), "turtlebots": (3.0, 8.0), "halls and loops": (5.0, 5.0)}  # %, mean and worst
 KINDS = sorted([*WRONG_WALLS, LARGE_LOOPS])
+BIAS, WALK = "a constant bias", "a random walk"
 LOOP_END = 0.3  # m, 0.95 quantile of the position's error where large loops end
 LIMIT = 900.0  # s of a mission
 PER_SCAN = (4.0, 60.0)  # ms, mean and worst
@@ -49,6 +60,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--first-seed", type=int, default=1, metavar="N", help="of the missions (default: %(default)s)")
     add("--missions", type=int, default=5, metavar="N", help="of each kind (default: %(default)s)")
     add("--kinds", nargs="+", choices=KINDS, default=KINDS, help="(default: all)")
+    add("--peers", action="store_true", help="also run MRPT's ICP and RBPF (built by `make bench-slam-peers`)")
     add("--logs", default="out/bench/scans", metavar="DIR", help="folder of the logs (default: %(default)s)")
     add("--out", default="out/bench/slam.json", metavar="FILE", help="rows (default: %(default)s)")
     return parser
@@ -123,30 +135,51 @@ def loop_row(results: Sequence[Evaluation]) -> dict[str, Any]:
     together = np.concatenate(errors)
     value = float(np.quantile(together, 0.95)) if len(together) else math.inf
     detail = f"{len(errors)} logs, {len(together)} scans at loop ends, worst of each {worst} m"
-    return _row(f"position error at loop ends, 0.95 quantile, {LARGE_LOOPS}, odometry with a random walk",
+    return _row(f"position error at loop ends, 0.95 quantile, {LARGE_LOOPS}, odometry with {WALK}",
                 LOOP_END, value, "m", detail)  # fmt: skip
 
 
+Factories = Mapping[str, Callable[[ScanLog], Engine]]
+
+
+def judged(logs: Sequence[ScanLog], name: str, make: Callable[[ScanLog], Engine]) -> list[Evaluation]:
+    """One engine on logs, a new one for each."""
+    results = []
+    for log in logs:
+        results.append(evaluate(log, truth_of(log.world), make(log)))
+        print(f"{label_of(log.world)}, {name}: wrong walls {100 * results[-1].wrong_walls:.1f} %, position error "
+              f"{results[-1].q95_error:.3f} m", flush=True)  # fmt: skip
+    return results
+
+
 def run(given: argparse.Namespace) -> list[dict[str, Any]]:
+    factories: Factories = {OURS: lambda _: Slam(), **(peers() if given.peers else {})}
     rows: list[dict[str, Any]] = []
+    settings: dict[Setting, Engines] = {}
     spent: list[tuple[float, float]] = []
     for kind in given.kinds:
         errors = ODOMETRY_ERROR.get(kind, ODOMETRY_ERROR["pioneers"])
-        biased, wandering = [], []
-        for trial in trials(kind, given.first_seed, given.missions):
-            log, truth = recorded(trial, Path(given.logs)), truth_of(trial.world)
-            biased.append(evaluate(log, truth))
-            wandering.append(evaluate(with_random_walk(log, *errors, trial.seed), truth))
-            spent += [biased[-1].milliseconds, wandering[-1].milliseconds]
-            print(f"{label_of(trial.world)}, seed {trial.seed}: wrong walls {100 * biased[-1].wrong_walls:.1f} and "
-                  f"{100 * wandering[-1].wrong_walls:.1f} %", flush=True)  # fmt: skip
+        taken = [(recorded(trial, Path(given.logs)), trial.seed)
+                 for trial in trials(kind, given.first_seed, given.missions)]  # fmt: skip
+        walks = [with_random_walk(log, *errors, seed) for log, seed in taken]
         if kind == LARGE_LOOPS:
-            rows.append(loop_row(wandering))
-        else:
-            rows += rows_of(kind, "a constant bias", biased) + rows_of(kind, "a random walk", wandering)
+            results = judged(walks, OURS, factories[OURS])
+            rows.append(loop_row(results))
+            spent += [each.milliseconds for each in results]
+            continue
+        for odometry, logs in ((BIAS, [log for log, _ in taken]), (WALK, walks)):
+            found = {name: judged(logs, name, make) for name, make in factories.items()}
+            rows += rows_of(kind, odometry, found[OURS])
+            spent += [each.milliseconds for each in found[OURS]]
+            settings[kind, odometry] = {name: measures_of(results) for name, results in found.items()}
     rows.append(_row("SLAM per scan, mean", PER_SCAN[0], float(np.mean([mean for mean, _ in spent])), "ms", ""))
     rows.append(_row("SLAM per scan, worst", PER_SCAN[1], max(worst for _, worst in spent), "ms", ""))
-    return rows
+    return rows + (compared(settings) if given.peers and settings else [])
+
+
+def compared(settings: Mapping[Setting, Engines]) -> list[dict[str, Any]]:
+    print(table(settings), flush=True)
+    return [printed(row) for row in comparison_rows(settings)]
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -3,16 +3,25 @@
 import math
 import time
 from dataclasses import dataclass
+from typing import Optional, Protocol
 
 import numpy as np
 
-from mr_grid import Pose
+from mr_grid import OccupancyGrid, Pose
 from mr_sim.measures import Truth, coverage, wrong_walls
-from mr_sim.slam.engine import LaserScan, Slam
+from mr_sim.slam.engine import LaserScan, Slam, SlamUpdate
 from mr_sim.slam.scan_log import ScanLog
 
 LOOP_RADIUS, LOOP_WAY = 5.0, 60.0  # m: a loop ends this near to a place that lies so much of way back
 PLACES_APART = 0.25  # m of way between the places where a loop may end
+
+
+class Engine(Protocol):
+    """SLAM to be judged, ours or another."""
+
+    def process(self, scan: LaserScan, odometry: Pose, time: float) -> SlamUpdate: ...
+
+    def map(self) -> OccupancyGrid: ...
 
 
 @dataclass(frozen=True)
@@ -32,7 +41,7 @@ class Evaluation:
     milliseconds: tuple[float, float]
 
 
-def evaluate(log: ScanLog, truth: Truth, slam: Slam | None = None) -> Evaluation:
+def evaluate(log: ScanLog, truth: Truth, slam: Optional[Engine] = None) -> Evaluation:
     """Runs SLAM over the whole log. Its first pose is where the log begins."""
     slam = slam or Slam()
     start = Pose(*log.truth[0].tolist())
