@@ -8,10 +8,12 @@ import argparse
 import contextlib
 import json
 import os
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
+from mr_experiments.common.plain_rounding import plain_environment
 from mr_experiments.sweep.record import versions
 from mr_experiments.sweep.sweep import LocalPool, default_jobs
 from mr_experiments.sweep.trial_process import record_path
@@ -51,9 +53,9 @@ TRIALS = [
     trial("office26x15", 1, 1, "fast", fast=True),
     trial("office26x15", 3, 7, "fast", fast=True),
 ]
-# Missions are the same bit for bit on one type of computer. Another processor may round sines, fused multiplications
-# and sums of vectors otherwise in the last bit. As long as this changes no decision, a path differs by less than a
-# millimetre and a few cells of a map flip; a time may fall into the next step of the world. What is counted stays.
+# Missions are the same bit for bit on every x86-64 processor. Others round sines and fused multiplications otherwise in
+# the last bit. As long as this changes no decision, a path differs by less than a millimetre and a few cells of a map
+# flip; a time may fall into the next step of the world. What is counted stays.
 TOLERANCES = {
     "exploration time, s": 0.1,
     "distance, m": 0.01,
@@ -98,7 +100,14 @@ def working_in(folder):
 
 
 def run_all():
-    """The table and what it depends on."""
+    """The table and what it depends on, of a process that rounds plainly and has no threads yet."""
+    with tempfile.TemporaryDirectory() as name:
+        path = Path(name) / TABLE.name
+        subprocess.run([sys.executable, __file__, "--write", str(path)], env=plain_environment(), check=True)
+        return json.loads(path.read_text())
+
+
+def run_here():
     with tempfile.TemporaryDirectory() as name, working_in(name):
         folder = Path(name) / "records"
         folder.mkdir()
@@ -217,7 +226,11 @@ def main():
         description=__doc__.splitlines()[0], epilog="Exit code: 0 all as stored, 1 something changed."
     )
     parser.add_argument("--store", action="store_true", help=f"store the outcome in {TABLE.name}")
+    parser.add_argument("--write", type=Path, help="only run the trials and write their outcome to this file")
     arguments = parser.parse_args()
+    if arguments.write:
+        arguments.write.write_text(json.dumps(run_here()))
+        return 0
     now = run_all()
     before = json.loads(TABLE.read_text()) if TABLE.exists() else {"versions": {}, "trials": {}}
     lines = differences(before, now)

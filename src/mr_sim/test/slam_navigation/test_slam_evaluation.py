@@ -1,6 +1,7 @@
 """SLAM on logs of scans: what it learns of odometry, what it refuses, and how it is judged."""
 
 import math
+import multiprocessing
 from pathlib import Path
 from typing import Callable
 
@@ -100,6 +101,29 @@ def test_a_loop_that_closes_tells_how_odometry_counts() -> None:
     for corner, expected in enumerate([(0, 0), (2, 0), (2, 2), (0, 2), (0, 0)]):
         assert graph.pose(corner)[:2] == pytest.approx(expected, abs=0.05)
     assert graph.pose(0) == (0.0, 0.0, 0.0)
+
+
+def solved_grid(side: int) -> tuple[float, float, float]:
+    """Solves a lawn mower's way of side x side poses of which each is linked to its neighbours on the lane before."""
+    graph = PoseGraph()
+    for index in range(side * side):
+        lane, place = divmod(index, side)
+        graph.add((float(place) + 0.1 * math.sin(index), float(lane), 0.0))
+        if index:
+            before = ((index - 1) % side, (index - 1) // side)
+            graph.link_odometry(index, (place - before[0], lane - before[1], 0.0), (0.1, 0.1, 0.05))
+        for neighbour in range(max(0, index - side - 1), index - side + 2):
+            relative = (place - neighbour % side, lane - neighbour // side, 0.0)
+            graph.link(neighbour, index, relative, np.diag([1e3, 1e3, 1e4]))
+    graph.solve()
+    return graph.pose(side * side - 1)
+
+
+def test_a_graph_is_solved_in_a_forked_process_as_in_its_parent() -> None:
+    """Threads of OpenMP that a library had started in the parent were waited for in the child, for ever."""
+    here = solved_grid(24)
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        assert pool.apply_async(solved_grid, (24,)).get(timeout=20.0) == here
 
 
 def test_a_false_link_does_not_bend_the_way() -> None:

@@ -88,6 +88,9 @@ void PoseGraph::solve() {
   problem.SetParameterBlockConstant(values[0].data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  // SuiteSparse would run OpenMP threads, which hang in a process that was forked after they had started, and a BLAS
+  // that rounds as the processor likes.
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   options.max_num_iterations = kIterations;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
