@@ -69,7 +69,8 @@ class Agent:
             self._observations.look(now)
 
     def on_local_pose(self, pose: Pose, now: float) -> None:
-        """The robot's pose in its map frame."""
+        """The robot's pose in its map frame at that time, `now`, which may lie up to timer.LONGEST_AGE_S behind that of
+        other calls."""
         self._observations.on_own_pose(pose, now)
 
     @property

@@ -1,6 +1,6 @@
 """Poses and scans of the own robot from ROS, brought into its map frame with tf2. Only the node uses this."""
 
-from typing import Any, Callable, Optional
+from typing import Any, Callable, Optional, Tuple
 
 import rospy
 import tf2_ros
@@ -35,8 +35,9 @@ class PoseInput:
     def _keep(self, message: Any) -> None:
         self._latest = message
 
-    def take(self) -> Optional[Pose]:
-        """The newest pose; None if there is no new one or it cannot be used, which is reported once in a while."""
+    def take(self) -> Optional[Tuple[Pose, float]]:
+        """The newest pose and its stamp in s; None if there is no new one or it cannot be used, which is reported once
+        in a while."""
         if self._latest is None or not self._timer.fires(rospy.get_time()):
             return None
         raw, self._latest = self._latest, None
@@ -45,7 +46,8 @@ class PoseInput:
             self.base_frame = odometry.child_frame_id.lstrip("/")
             pose = ros_io.transform_of_pose(odometry.pose.pose)
             frame = odometry.header.frame_id.lstrip("/")
-            return pose if frame == self._map_frame else self._to_map(frame).compose(pose)
+            stamp = odometry.header.stamp.to_sec()
+            return (pose if frame == self._map_frame else self._to_map(frame).compose(pose)), stamp
         except tf2_ros.TransformException as error:
             rospy.logwarn_throttle(30.0, f"map_merger does not know its position yet: {error}")
         except Exception as error:

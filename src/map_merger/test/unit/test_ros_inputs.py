@@ -1,4 +1,4 @@
-"""Scans from ROS. They need ROS's message classes, but no master."""
+"""Poses and scans from ROS. They need ROS's message classes, but no master."""
 
 import io
 
@@ -8,6 +8,7 @@ pytest.importorskip("rospy")
 
 import rospy
 from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
 from map_merger import ros_inputs
@@ -23,6 +24,27 @@ class Buffer:
         return transform
 
 
+def raw_of(message):
+    raw, octets = rospy.AnyMsg(), io.BytesIO()
+    message.serialize(octets)
+    raw._buff = octets.getvalue()
+    return raw
+
+
+def test_a_pose_comes_with_the_stamp_of_its_odometry(monkeypatch):
+    """Dated when it was looked at, between scans dated rightly, a turning robot seemed to jump to and fro: transforms
+    that were right were taken to be refuted."""
+    monkeypatch.setattr(ros_inputs.rospy, "Subscriber", lambda *arguments, **options: None)
+    monkeypatch.setattr(ros_inputs.rospy, "get_time", lambda: 7.3)
+    poses = ros_inputs.PoseInput("odom", "odom", Buffer())
+    message = Odometry(child_frame_id="base")
+    message.header.frame_id, message.header.stamp = "odom", rospy.Time(7, 0)
+    message.pose.pose.position.x, message.pose.pose.orientation.w = 2.0, 1.0
+    poses._keep(raw_of(message))
+    pose, stamp = poses.take()
+    assert (pose.x, stamp) == (2.0, 7.0) and poses.take() is None
+
+
 def test_a_scan_comes_with_its_stamp_and_the_pose_of_that_time(monkeypatch):
     """It was dated when it had been processed, up to 0.3 s late."""
     monkeypatch.setattr(ros_inputs.rospy, "Subscriber", lambda *arguments, **options: None)
@@ -33,9 +55,6 @@ def test_a_scan_comes_with_its_stamp_and_the_pose_of_that_time(monkeypatch):
     )
     message = LaserScan(angle_min=-1.0, angle_increment=0.5, range_max=5.0, ranges=[1.0] * 5)
     message.header.frame_id, message.header.stamp = "laser", rospy.Time(7, 0)
-    raw, octets = rospy.AnyMsg(), io.BytesIO()
-    message.serialize(octets)
-    raw._buff = octets.getvalue()
-    scans._on_scan(raw)
+    scans._on_scan(raw_of(message))
     ((scan, pose, stamp),) = taken
     assert scan.ranges.size == 5 and pose.x == 7.0 and stamp == 7.0
