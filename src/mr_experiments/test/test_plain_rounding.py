@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+
 from mr_experiments.common.plain_rounding import SETTINGS, plain_environment
 
 PROGRAM = """
