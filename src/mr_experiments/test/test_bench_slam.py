@@ -7,7 +7,7 @@ import pytest
 
 from mr_experiments.bench import bench_slam
 from mr_experiments.trial.trial import Trial
-from mr_sim.slam.scan_log import ScanLog
+from mr_sim.scan_log import ScanLog
 
 
 def test_a_mission_is_recorded_once_and_judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,8 +17,8 @@ from mr_experiments.sweep.record import run_trial
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
 from mr_grid import OccupancyGrid, Pose
+from mr_robot.navigation.options import NavigationOptions
 from mr_sim.measures import Truth, coverage, wrong_walls
-from mr_sim.navigation.options import NavigationOptions
 
 
 def test_teams_explore_everything_and_faster_than_one_alone():

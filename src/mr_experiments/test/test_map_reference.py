@@ -80,6 +80,6 @@ def test_bad_calls(bad, capsys):
 
 def test_reference_says_what_it_was_made_with():
     reference = make_reference(WORLD, [3], limit=LIMIT, jobs=1)
-    assert (reference.world, reference.host, reference.slam) == (WORLD, VIRTUAL_TIME, "mrpt")
+    assert (reference.world, reference.host, reference.slam) == (WORLD, VIRTUAL_TIME, "ours")
     assert reference.code == map_reference.code_version() and list(reference.free_cells) == [3]
     assert json.dumps(reference.resolution) == "0.05"

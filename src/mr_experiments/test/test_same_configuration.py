@@ -15,8 +15,8 @@ from mr_launch.arguments import parse_arguments
 from mr_launch.commands import make_output_folder
 from mr_launch.plan import Plan, RobotPlan, launch_command
 from mr_launch.world import find_world, presets_of
-from mr_sim.navigation.options import NavigationOptions
-from mr_sim.slam.engine import SlamOptions
+from mr_robot.navigation.options import NavigationOptions
+from mr_robot.slam.engine import SlamOptions
 
 WORLDS = {"pioneer": "office26x15", "turtlebot": "office26x15_turtlebots", "mixed": "office26x15_mixed"}
 ROBOTS = 2

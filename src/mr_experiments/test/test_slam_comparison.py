@@ -8,7 +8,7 @@ import pytest
 from mr_experiments.bench.slam_comparison import OURS, comparison_rows, measures_of, table
 from mr_experiments.bench.slam_peers import peers
 from mr_experiments.common.command_line import CallError
-from mr_sim.slam.evaluation import Evaluation
+from mr_sim.slam_evaluation import Evaluation
 
 
 def evaluation(walls: float, error: float) -> Evaluation:

@@ -36,7 +36,7 @@ def summary_of(time, **more):
 def record(time=20.0, seed=1, reason=""):
     options = SimpleNamespace(
         world="small8x8", seed=seed, strategy=7, duration=900.0, range=10.0, loss=0.05, wall_attenuation=0.0,
-        odometry="bias", topology="distributed", slam="mrpt", navigation="mr_sim", rtf=1.0,
+        odometry="bias", topology="distributed", slam="ours", navigation="ours", rtf=1.0,
     )  # fmt: skip
     robots = [SimpleNamespace(name=f"robot_{number}", start=(1.0, 2.0, 0.0)) for number in range(2)]
     team = {

@@ -87,7 +87,9 @@ def test_configuration_files_go_before_the_preset(tmp_path):
 
 
 def test_an_own_robot(tmp_path):
-    template = subprocess.run(["rospack", "find", "mr_sim"], capture_output=True, text=True, check=True).stdout.strip()
+    template = subprocess.run(
+        ["rospack", "find", "mr_robot"], capture_output=True, text=True, check=True
+    ).stdout.strip()
     own = tmp_path / "my robot.yaml"
     own.write_text((Path(template) / "robots" / "template.yaml").read_text().replace("width: 0.40", "width: 0.50"))
     parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", f"robot:={own}"))

@@ -226,9 +226,9 @@ def test_end_of_the_recorder_counts_only_if_it_died():
 
 def test_node_that_could_not_be_started():
     (end,) = parse_ends(
-        "\x1b[31mERROR: cannot launch node of type [mr_sim/slam]: Cannot locate node of type [slam]\x1b[0m\n"
+        "\x1b[31mERROR: cannot launch node of type [mr_robot/slam]: Cannot locate node of type [slam]\x1b[0m\n"
     )
-    assert end.describe("robot_0") == "mr_sim/slam of robot_0 was not started: Cannot locate node of type [slam]"
+    assert end.describe("robot_0") == "mr_robot/slam of robot_0 was not started: Cannot locate node of type [slam]"
 
 
 def test_quiet_roslaunch_gives_no_ends(tmp_path):

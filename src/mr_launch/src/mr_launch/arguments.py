@@ -98,8 +98,8 @@ def make_parser() -> argparse.ArgumentParser:
     )
     strategies = "; ".join(f"{number}: {text}" for number, text in STRATEGIES.items())
     add("--strategy", type=int, default=7, metavar="N", help=f"frontier selection: {strategies} (default: 7)")
-    add("--slam", choices=("mrpt", "gmapping"), default="mrpt", help="local SLAM (default: %(default)s)")
-    add("--navigation", choices=("mr_sim", "move_base"), default="mr_sim", help="navigation (default: %(default)s)")
+    add("--slam", choices=("ours", "gmapping"), default="ours", help="local SLAM (default: %(default)s)")
+    add("--navigation", choices=("ours", "move_base"), default="ours", help="navigation (default: %(default)s)")
     add("--no-bag", dest="bag", action="store_false", help="record no bags")
     add("--initial-poses", action="store_true", help="tell the robots each other's start poses")
     add(

@@ -28,7 +28,7 @@ class RobotPlan:
     index: int
     port: int
     start: Pose
-    preset: str = "pioneer"  # what the robot is: its name in Plan.presets, or of one that comes with mr_sim
+    preset: str = "pioneer"  # what the robot is: its name in Plan.presets, or of one that comes with mr_robot
 
     @property
     def air(self) -> str:

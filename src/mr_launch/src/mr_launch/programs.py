@@ -21,9 +21,10 @@ NODES = (
     ("mr_launch", "monitor"),
     ("rosbag", "record"),
 )
-SLAM = {"mrpt": ("mr_sim", "slam"), "gmapping": ("gmapping", "slam_gmapping")}
-NAVIGATION = {"mr_sim": ("mr_sim", "move_base"), "move_base": ("move_base", "move_base")}
-OWN = ("adhoc_communication", "explorer", "map_merger", "mr_launch", "mr_sim")  # packages of this repository
+SLAM = {"ours": ("mr_robot", "slam"), "gmapping": ("gmapping", "slam_gmapping")}
+NAVIGATION = {"ours": ("mr_robot", "move_base"), "move_base": ("move_base", "move_base")}
+# packages of this repository
+OWN = ("adhoc_communication", "explorer", "map_merger", "mr_launch", "mr_robot", "mr_sim")
 SYSTEM = ("roslaunch", "ip", "unshare", "nsenter", "setpriv")
 
 

@@ -99,7 +99,7 @@ def draw(
 
 def sizes_of(plan: Plan) -> dict[str, tuple[float, float]]:
     """Length and width in m of each robot whose preset was made from the world."""
-    from mr_sim.platforms.preset import load_platform
+    from mr_robot.platforms.preset import load_platform
 
     files = {robot.name: Path(plan.preset_file(robot.preset)) for robot in plan.robots if robot.preset in plan.presets}
     known = {name: load_platform(str(path)).footprint for name, path in files.items()}

@@ -53,9 +53,9 @@ def keep_generated(world: str, folder: Path) -> str:
 def presets_of(world: str, names: Sequence[str]) -> tuple[dict[str, str], dict[str, str]]:
     """What the robots are by their models: the preset of each robot by name, and the text of each preset by name. Equal
     robots share one, which has the name of the first. Raises UserError."""
-    from mr_sim.platforms.platform import PlatformError
-    from mr_sim.platforms.preset import platform_from, text_of
-    from mr_sim.platforms.simulated import platform_of
+    from mr_robot.platforms.platform import PlatformError
+    from mr_robot.platforms.preset import platform_from, text_of
+    from mr_sim.simulated_platform import platform_of
     from mr_sim.world_model import load_world
 
     of_robot: dict[str, str] = {}

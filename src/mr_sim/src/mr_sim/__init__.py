@@ -1,1 +1,1 @@
-"""Stage worlds without Stage: simulator, local SLAM and navigation for one robot or a team."""
+"""Stage worlds without Stage: the simulator, and measures of what robots did in them."""

@@ -8,9 +8,9 @@ from typing import Callable, Dict, List, Optional, Tuple, Union
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose, normalized
-from mr_sim.navigation.engine import Command, Navigator, Status
-from mr_sim.navigation.options import NavigationOptions, make_scan
-from mr_sim.slam.engine import LaserScan, Slam
+from mr_robot.navigation.engine import Command, Navigator, Status
+from mr_robot.navigation.options import NavigationOptions, make_scan
+from mr_robot.slam.engine import LaserScan, Slam
 from mr_sim.world import World
 from mr_sim.world_model import WorldDescription, load_world
 from mr_sim.worlds import find_world

@@ -14,8 +14,8 @@ import cv2
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
+from mr_robot.navigation.engine import Status
 from mr_sim.closed_loop import ClosedLoop, Robot
-from mr_sim.navigation.engine import Status
 
 GOAL_PERIOD = 2.0  # s between choices of a goal
 
@@ -72,8 +72,8 @@ class NearestFrontier:
         robot.navigator.set_goal((nearest[0], nearest[1], 0.0), now)
 
     def _nearest(self, robot: Robot, pose: Pose, points: List[Tuple[float, float]]) -> Tuple[float, float]:
-        from mr_sim import _navigation
-        from mr_sim.navigation.planner import CostMap
+        from mr_robot import _navigation
+        from mr_robot.navigation.planner import CostMap
 
         assert robot.grid is not None
         slowness = CostMap(robot.grid, robot.navigator.options).slowness(np.empty((0, 2)), pose)

@@ -9,16 +9,16 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from mr_grid import OccupancyGrid, Pose
-from mr_sim import _navigation
+from mr_robot import _navigation
+from mr_robot.navigation.arrivals import Arrivals
+from mr_robot.navigation.clock import Clock
+from mr_robot.navigation.engine import Command, Navigator, Status
+from mr_robot.navigation.obstacles import ObstacleMemory
+from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan, make_scan
+from mr_robot.navigation.planner import CostMap, plan
+from mr_robot.navigation.stall import StallWatch
+from mr_robot.navigation.yielding import HeldUp, find_retreat
 from mr_sim.closed_loop import ClosedLoop, Robot
-from mr_sim.navigation.arrivals import Arrivals
-from mr_sim.navigation.clock import Clock
-from mr_sim.navigation.engine import Command, Navigator, Status
-from mr_sim.navigation.obstacles import ObstacleMemory
-from mr_sim.navigation.options import NavigationError, NavigationOptions, Scan, make_scan
-from mr_sim.navigation.planner import CostMap, plan
-from mr_sim.navigation.stall import StallWatch
-from mr_sim.navigation.yielding import HeldUp, find_retreat
 
 EMPTY = make_scan(np.full(541, np.inf), -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.1, 0.0, 0.0))
 

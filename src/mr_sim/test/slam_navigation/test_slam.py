@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from mr_grid import Pose
+from mr_robot.slam.engine import LaserScan, OdometryHistory, Slam, SlamError, SlamOptions
 from mr_sim.closed_loop import ClosedLoop, Robot
-from mr_sim.slam.engine import LaserScan, OdometryHistory, Slam, SlamError, SlamOptions
 
 Drive = Callable[[float], Tuple[float, float]]
 
@@ -374,7 +374,7 @@ def test_a_sweep_of_a_robot_that_turns_gives_straight_walls(known: bool) -> None
 def test_how_long_a_sweep_takes_comes_from_the_scan() -> None:
     from sensor_msgs.msg import LaserScan as Message
 
-    from mr_sim.slam.ros_io import sweep_time
+    from mr_robot.slam.ros_io import sweep_time
 
     assert sweep_time(Message(ranges=[1.0] * 541, time_increment=1e-4)) == pytest.approx(0.054)
     assert sweep_time(Message()) == 0.0

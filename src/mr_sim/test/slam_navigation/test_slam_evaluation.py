@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from test_slam import ROUND, Drives, follow
 
-from mr_sim._slam import PoseGraph
+from mr_robot._slam import PoseGraph
+from mr_robot.slam.engine import LaserScan, Slam, SlamError
 from mr_sim.measures import Truth
-from mr_sim.slam.engine import LaserScan, Slam, SlamError
-from mr_sim.slam.evaluation import evaluate, loop_ends
-from mr_sim.slam.scan_log import ScanLog, with_random_walk
+from mr_sim.scan_log import ScanLog, with_random_walk
+from mr_sim.slam_evaluation import evaluate, loop_ends
 from mr_sim.world import World
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world

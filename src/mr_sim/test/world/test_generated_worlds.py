@@ -5,9 +5,9 @@ import pytest
 
 from mr_plans import WORLD_KINDS
 from mr_plans.passable import NARROW_CELLS
+from mr_robot.navigation.options import NavigationOptions
 from mr_sim import measures
 from mr_sim.measures import Truth
-from mr_sim.navigation.options import NavigationOptions
 from mr_sim.reference import load_reference, reference_path
 from mr_sim.stored_truth import stored_path, truth_of_generated
 from mr_sim.world import World

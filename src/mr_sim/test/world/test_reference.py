@@ -12,7 +12,7 @@ CELLS = {seed: 1000 + seed for seed in range(11)}
 
 
 def reference(**changes):
-    return Reference(**{"world": "flat", "resolution": 0.05, "slam": "mrpt", "host": "here", "code": "c0de",
+    return Reference(**{"world": "flat", "resolution": 0.05, "slam": "ours", "host": "here", "code": "c0de",
                         "free_cells": CELLS, **changes})  # fmt: skip
 
 
@@ -33,7 +33,7 @@ def test_what_is_written_is_read(tmp_path):
 
 def test_error_is_taken_against_the_median(tmp_path):
     write_reference(tmp_path / "flat.world", reference())
-    error, reason = error_of_map(tmp_path / "flat.world", map_of(2010), "mrpt", "here")
+    error, reason = error_of_map(tmp_path / "flat.world", map_of(2010), "ours", "here")
     assert (error, reason) == (pytest.approx(100.0), "")
 
 
@@ -42,13 +42,13 @@ def test_error_is_taken_against_the_median(tmp_path):
     [
         ({"host": "elsewhere"}, "of another host: elsewhere, not here"),
         ({"slam": "gmapping"}, "with gmapping at 0.05 m"),
-        ({"resolution": 0.1}, "with mrpt at 0.1 m"),
+        ({"resolution": 0.1}, "with ours at 0.1 m"),
         ({"free_cells": {1: 1000}}, "only 1 of 10"),
     ],
 )
 def test_what_cannot_be_compared_is_refused_in_words(tmp_path, changes, reason):
     write_reference(tmp_path / "flat.world", reference(**changes))
-    error, told = error_of_map(tmp_path / "flat.world", map_of(1005), "mrpt", "here")
+    error, told = error_of_map(tmp_path / "flat.world", map_of(1005), "ours", "here")
     assert error is None and reason in told
 
 

@@ -27,10 +27,10 @@ from mr_experiments.host.mission import Mission
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial, TrialError
 from mr_grid import Pose
+from mr_robot.slam.engine import Slam, SlamError
 from mr_sim.measures import Truth
-from mr_sim.slam.engine import Slam, SlamError
-from mr_sim.slam.evaluation import Engine, Evaluation, evaluate
-from mr_sim.slam.scan_log import ScanLog, with_random_walk
+from mr_sim.scan_log import ScanLog, with_random_walk
+from mr_sim.slam_evaluation import Engine, Evaluation, evaluate
 from mr_sim.world import World
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world, label_of

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mr_sim.slam.evaluation import Evaluation
+from mr_sim.slam_evaluation import Evaluation
 
 OURS = "ours"
 

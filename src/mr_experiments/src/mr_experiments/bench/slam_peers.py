@@ -9,9 +9,9 @@ import numpy as np
 
 from mr_experiments.common.command_line import CallError
 from mr_grid import OccupancyGrid, Pose
-from mr_sim.slam.engine import LaserScan, SlamUpdate
-from mr_sim.slam.evaluation import Engine
-from mr_sim.slam.scan_log import ScanLog
+from mr_robot.slam.engine import LaserScan, SlamUpdate
+from mr_sim.scan_log import ScanLog
+from mr_sim.slam_evaluation import Engine
 
 RESOLUTION = 0.05  # m, as ours
 PARTICLES, SEED = 15, 1  # MRPT's own example takes as many

@@ -9,9 +9,9 @@ import numpy as np
 
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_grid import OccupancyGrid, Pose
-from mr_sim.navigation.engine import Navigator, Status
-from mr_sim.navigation.options import NavigationError, NavigationOptions, make_scan
-from mr_sim.slam.engine import MAP_UPDATE_INTERVAL, LaserScan, Slam, SlamOptions
+from mr_robot.navigation.engine import Navigator, Status
+from mr_robot.navigation.options import NavigationError, NavigationOptions, make_scan
+from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, LaserScan, Slam, SlamOptions
 from mr_sim.world_model import RangerDescription
 
 GoalEnd = Callable[[int, bool, str], None]

@@ -21,7 +21,7 @@ from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.robot_radio import RobotRadio
 from mr_grid import OccupancyGrid, Pose
-from mr_sim.slam.engine import LaserScan
+from mr_robot.slam.engine import LaserScan
 
 TICK = 0.2  # s
 SCAN_PERIOD = 0.2  # s

@@ -27,7 +27,7 @@ from mr_experiments.host.start_up import StartUp
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import platforms_of, world_of
 from mr_grid import Pose
-from mr_sim.platforms.parameters import kinds_of
+from mr_robot.platforms.parameters import kinds_of
 from mr_sim.world import World
 
 READY_PATIENCE = 30.0  # s until every robot must have a map and a pose

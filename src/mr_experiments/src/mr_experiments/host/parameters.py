@@ -14,15 +14,15 @@ from mr_experiments.common.ros_packages import folder_of
 from mr_experiments.host import base_station
 from mr_experiments.trial.trial import CENTRALIZED, Trial, TrialError
 from mr_grid import Pose
-from mr_sim.navigation.options import NavigationOptions
-from mr_sim.platforms.parameters import (
+from mr_robot.navigation.options import NavigationOptions
+from mr_robot.platforms.parameters import (
     explorer_parameters,
     merger_parameters,
     navigation_parameters,
     slam_parameters,
 )
-from mr_sim.platforms.platform import Platform
-from mr_sim.slam.engine import SlamOptions
+from mr_robot.platforms.platform import Platform
+from mr_robot.slam.engine import SlamOptions
 
 # Frames, topics and periods, which the nodes have and their engines have not.
 NODES_OWN = frozenset(

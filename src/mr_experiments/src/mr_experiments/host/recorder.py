@@ -169,9 +169,10 @@ class Recorder:
 
     def records(self, robot: int) -> np.ndarray:
         """True motion as a record array of mr_sim.trace."""
-        columns = np.array(self.logs[robot].truth).reshape(-1, len(RECORD)).T
+        names = RECORD.names or ()
+        columns = np.array(self.logs[robot].truth).reshape(-1, len(names)).T
         records = np.zeros(columns.shape[1], dtype=RECORD)
-        for name, column in zip(RECORD.names or (), columns):
+        for name, column in zip(names, columns):
             records[name] = column
         return records
 

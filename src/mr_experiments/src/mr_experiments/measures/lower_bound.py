@@ -28,8 +28,8 @@ import numpy as np
 
 from mr_experiments.measures.visibility import DrivingDistance, Views
 from mr_grid import Pose
+from mr_robot.navigation.options import NavigationOptions
 from mr_sim.measures import Truth
-from mr_sim.navigation.options import NavigationOptions
 from mr_sim.world import World
 
 SAMPLES = 2000  # reference cells looked at

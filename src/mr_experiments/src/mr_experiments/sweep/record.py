@@ -29,7 +29,7 @@ from mr_sim.reference import VIRTUAL_TIME, MapReferenceError, error_of_map
 from mr_sim.worlds import find_world
 
 FORMAT = 1
-SLAM = "mrpt"  # its name in the references of maps
+SLAM = "ours"  # its name in the references of maps
 
 
 def run_trial(

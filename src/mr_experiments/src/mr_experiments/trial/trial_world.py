@@ -5,9 +5,9 @@ from __future__ import annotations
 import functools
 
 from mr_experiments.trial.trial import Trial, TrialError
+from mr_robot.platforms.platform import Platform, PlatformError
 from mr_sim import worlds
-from mr_sim.platforms.platform import Platform, PlatformError
-from mr_sim.platforms.simulated import platform_of
+from mr_sim.simulated_platform import platform_of
 from mr_sim.world import World, WorldError
 from mr_sim.world_file import WorldFileError
 from mr_sim.world_model import RobotDescription, WorldDescription, load_world

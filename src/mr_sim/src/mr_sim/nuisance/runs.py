@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 from mr_grid import Pose
+from mr_robot.navigation.options import NavigationOptions
 from mr_sim.closed_loop import ClosedLoop, Robot
-from mr_sim.navigation.options import NavigationOptions
 from mr_sim.nuisance.merged import MergedMap
 from mr_sim.nuisance.reach import SPEED
 from mr_sim.nuisance.scenes import Scene, draw

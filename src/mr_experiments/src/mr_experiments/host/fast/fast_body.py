@@ -12,11 +12,11 @@ from mr_experiments.host.body import GoalEnd
 from mr_experiments.host.fast.perfect_merging import TeamSight
 from mr_experiments.measures.true_map import TrueMap
 from mr_grid import OccupancyGrid, Pose
+from mr_robot.navigation.options import NavigationOptions
+from mr_robot.navigation.planner import CostMap, Plan, path, plan
+from mr_robot.slam.engine import MAP_UPDATE_INTERVAL
 from mr_sim import _world
-from mr_sim.navigation.options import NavigationOptions
-from mr_sim.navigation.planner import CostMap, Plan, path, plan
 from mr_sim.raster import Grid as Raster
-from mr_sim.slam.engine import MAP_UPDATE_INTERVAL
 from mr_sim.world_model import RangerDescription
 
 BEAMS = 181  # that bound the visible area

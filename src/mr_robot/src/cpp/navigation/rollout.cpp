@@ -1,0 +1,225 @@
+#include "rollout.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace mr_robot::navigation {
+namespace {
+
+constexpr double kHidden = 1e3;     // m, clearance where there is no obstacle
+constexpr double kTouching = 0.03;  // m to obstacles, less than which may be a touch: poses and points are inexact
+constexpr double kClosest = 0.02;   // m to obstacles, less than which no slack is given
+
+double approach(double value, double target, double change) {
+  return value + std::clamp(target - value, -change, change);
+}
+
+// Where the robot heads in one step, and at its end.
+struct Heading {
+  double cosine, sine, yaw;
+};
+
+// Of each step of a motion; the same for all its speeds.
+std::vector<Heading> turn(double yaw, double angular, double target, const Limits& limits, const Horizon& horizon) {
+  std::vector<Heading> headings(std::lround(horizon.duration / horizon.step));
+  for (Heading& heading : headings) {
+    angular = approach(angular, target, limits.angular_acceleration * horizon.step);
+    const double middle = yaw + 0.5 * angular * horizon.step;
+    yaw += angular * horizon.step;
+    heading = {std::cos(middle), std::sin(middle), yaw};
+  }
+  return headings;
+}
+
+// Poses after each step, the last of them within the goal's radius if it comes there.
+struct Motion {
+  std::vector<Pose> poses;
+  double arrived = -1.0;  // s, when it came to the goal
+};
+
+Motion drive(const Field* field, Pose pose, double linear, double target, const std::vector<Heading>& headings,
+             const Limits& limits, const Horizon& horizon) {
+  Motion motion;
+  motion.poses.reserve(headings.size());
+  const double near = horizon.goal_radius * horizon.goal_radius;
+  for (const Heading& heading : headings) {
+    linear = approach(linear, target, limits.linear_acceleration * horizon.step);
+    pose.x += linear * horizon.step * heading.cosine;
+    pose.y += linear * horizon.step * heading.sine;
+    pose.yaw = heading.yaw;
+    motion.poses.push_back(pose);
+    if (field == nullptr) continue;
+    const double dx = pose.x - field->goal_x, dy = pose.y - field->goal_y;
+    if (dx * dx + dy * dy < near) {
+      motion.arrived = static_cast<double>(motion.poses.size()) * horizon.step;
+      break;
+    }
+  }
+  return motion;
+}
+
+// How far a motion touches nothing, and the least clearance with margins on that way.
+struct ClearWay {
+  std::size_t count = 0;  // of its poses
+  double nearest = kHidden;
+};
+
+ClearWay clear_poses(const Motion& motion, const Velocity& target, const std::vector<Obstacle>& obstacles,
+                     const Clearance& at_start, const Footprint& footprint, double slack) {
+  // From inside a margin only ways that lead no deeper are open.
+  const double least = std::min(0.0, at_start.with_margins - 0.003);
+  const double least_bare = std::min({kTouching, at_start.bare, std::max(at_start.bare - slack, kClosest)});
+  ClearWay way;
+  double before = at_start.bare;
+  for (const Pose& pose : motion.poses) {
+    const Clearance now = clearance(pose, std::abs(target.linear), obstacles, footprint);
+    // Margins grow with speed; a motion that leads away may have it all the same, or no way out would be open.
+    const bool leads_away = now.bare > before;
+    if ((now.with_margins < least && !leads_away) || now.bare < least_bare) break;
+    ++way.count;
+    way.nearest = std::min(way.nearest, now.with_margins);
+    before = now.bare;
+  }
+  return way;
+}
+
+// The least clearance with margins on the way; nothing if the motion touches something.
+std::optional<double> way_clearance(const Motion& motion, const Velocity& target,
+                                    const std::vector<Obstacle>& obstacles, const Clearance& at_start,
+                                    const Footprint& footprint, double slack) {
+  const ClearWay way = clear_poses(motion, target, obstacles, at_start, footprint, slack);
+  if (way.count < motion.poses.size()) return std::nullopt;
+  return way.nearest;
+}
+
+double time_left(const Field& field, const Motion& motion, const Limits& limits, const Horizon& horizon) {
+  if (motion.arrived >= 0.0) return motion.arrived;
+  const Pose& end = motion.poses.back();
+  const double cost = cost_at(field, end.x, end.y);
+  if (!std::isfinite(cost)) return kUnreached;
+  double time = horizon.duration + cost * field.resolution / limits.linear;
+  if (const auto direction = downhill(field, end.x, end.y)) {
+    const double error = std::abs(std::remainder(*direction - end.yaw, 2.0 * M_PI));
+    time += horizon.heading_weight * error / limits.angular;
+  }
+  return time;
+}
+
+std::vector<double> speeds(const Limits& limits) {
+  std::vector<double> values{0.0};
+  for (const double share : {0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 1.0}) values.push_back(share * limits.linear);
+  return values;
+}
+
+}  // namespace
+
+double cost_at(const Field& field, double x, double y) {
+  const double column = (x - field.origin_x) / field.resolution - 0.5;
+  const double row = (y - field.origin_y) / field.resolution - 0.5;
+  const int c = static_cast<int>(std::floor(column)), r = static_cast<int>(std::floor(row));
+  double sum = 0.0, weights = 0.0;
+  for (int dr = 0; dr < 2; ++dr) {
+    for (int dc = 0; dc < 2; ++dc) {
+      const int rr = r + dr, cc = c + dc;
+      if (rr < 0 || cc < 0 || rr >= field.rows || cc >= field.columns) continue;
+      const float cost = field.cost[static_cast<std::size_t>(rr) * field.columns + cc];
+      if (!std::isfinite(cost)) continue;
+      const double weight = (1.0 - std::abs(column - cc)) * (1.0 - std::abs(row - rr));
+      sum += weight * cost;
+      weights += weight;
+    }
+  }
+  return weights > 1e-6 ? sum / weights : kUnreached;
+}
+
+std::optional<double> downhill(const Field& field, double x, double y) {
+  const double h = 2.0 * field.resolution;
+  const double here = cost_at(field, x, y);
+  const auto slope = [&](double dx, double dy) {
+    const double ahead = cost_at(field, x + dx, y + dy), behind = cost_at(field, x - dx, y - dy);
+    if (std::isfinite(ahead) && std::isfinite(behind)) return 0.5 * (ahead - behind);
+    if (std::isfinite(ahead)) return std::min(0.0, ahead - here);
+    if (std::isfinite(behind)) return std::max(0.0, here - behind);
+    return 0.0;
+  };
+  const double gx = slope(h, 0.0), gy = slope(0.0, h);
+  if (gx == 0.0 && gy == 0.0) return std::nullopt;
+  return std::atan2(-gy, -gx);
+}
+
+Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>& obstacles,
+                    const Footprint& footprint) {
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  Clearance least{kHidden, kHidden};
+  for (const Obstacle& obstacle : obstacles) {
+    const double dx = obstacle.x - pose.x, dy = obstacle.y - pose.y;
+    const double ahead = std::abs(c * dx + s * dy) - footprint.half_length;
+    const double beside = std::abs(-s * dx + c * dy) - footprint.half_width;
+    const double margin = obstacle.margin + obstacle.reaction_time * speed;
+    const double inside = std::max(ahead, beside);
+    if (inside - margin >= least.with_margins && inside >= least.bare) continue;
+    const double distance = ahead > 0.0 && beside > 0.0 ? std::sqrt(ahead * ahead + beside * beside) : inside;
+    least.bare = std::min(least.bare, distance);
+    least.with_margins = std::min(least.with_margins, distance - margin);
+  }
+  return least;
+}
+
+Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
+              const Limits& limits, const Footprint& footprint, const Horizon& horizon, double period) {
+  constexpr int kTurns = 12;  // to each side
+  struct Candidate {
+    Velocity target;
+    Motion motion;
+    double time;
+  };
+  std::vector<double> rates;
+  std::vector<std::vector<Heading>> headings;
+  for (int side = -kTurns; side <= kTurns; ++side) {
+    // Finer around straight ahead.
+    const double share = static_cast<double>(side) / kTurns;
+    rates.push_back(limits.angular * share * std::abs(share));
+    headings.push_back(turn(pose.yaw, velocity.angular, rates.back(), limits, horizon));
+  }
+  std::vector<Candidate> candidates;
+  for (const double linear : speeds(limits)) {
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+      const Velocity target{linear, rates[i]};
+      if (linear > 0.0 && std::abs(rates[i]) > limits.curvature * linear) continue;
+      Motion motion = drive(&field, pose, velocity.linear, linear, headings[i], limits, horizon);
+      double time = time_left(field, motion, limits, horizon);
+      time += 0.02 * std::abs(target.angular - velocity.angular);
+      if (time < kUnreached) candidates.push_back({target, std::move(motion), time});
+    }
+  }
+  // Whether a motion touches something takes longest to find out, so the best ones are asked first.
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.time < b.time; });
+  Choice best{{0.0, 0.0}, {0.0, 0.0}, kUnreached, 0.0, false};
+  const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
+  for (const Candidate& candidate : candidates) {
+    const auto nearest =
+        way_clearance(candidate.motion, candidate.target, obstacles, at_start, footprint, horizon.slack);
+    if (!nearest) continue;
+    best.time = candidate.time;
+    best.target = candidate.target;
+    best.clearance = *nearest;
+    best.found = true;
+    break;
+  }
+  best.velocity = {approach(velocity.linear, best.target.linear, limits.linear_acceleration * period),
+                   approach(velocity.angular, best.target.angular, limits.angular_acceleration * period)};
+  return best;
+}
+
+bool is_clear(const Pose& pose, const Velocity& velocity, const Velocity& target,
+              const std::vector<Obstacle>& obstacles, const Limits& limits, const Footprint& footprint,
+              const Horizon& horizon) {
+  const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
+  const auto headings = turn(pose.yaw, velocity.angular, target.angular, limits, horizon);
+  const Motion motion = drive(nullptr, pose, velocity.linear, target.linear, headings, limits, horizon);
+  return way_clearance(motion, target, obstacles, at_start, footprint, horizon.slack).has_value();
+}
+
+}  // namespace mr_robot::navigation

@@ -1,0 +1,82 @@
+// Local control: of the motions the robot can make next, the one after which the least time is left to the goal.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "march.hpp"
+
+namespace mr_robot::navigation {
+
+struct Pose {
+  double x, y, yaw;  // m, rad
+};
+
+struct Velocity {
+  double linear, angular;  // m/s, rad/s
+};
+
+struct Obstacle {
+  double x, y;           // m, frame of the poses
+  double margin;         // m, how far the footprint has to stay away
+  double reaction_time;  // s, by which the margin grows with speed: what moves comes nearer meanwhile
+};
+
+struct Limits {
+  double linear = 0.5;                 // m/s
+  double angular = 1.57;               // rad/s
+  double linear_acceleration = 1.0;    // m/s^2
+  double angular_acceleration = 3.14;  // rad/s^2
+  double curvature = 1e9;              // 1/m of a way ahead; a robot that stands may turn
+};
+
+struct Footprint {
+  double half_length = 0.22, half_width = 0.19;  // m
+};
+
+struct Horizon {
+  double duration = 1.1, step = 0.1;  // s
+  double goal_radius = 0.1;           // m, a motion that comes this near to the goal is complete
+  double heading_weight = 0.7;        // s of turning counted as this share of driving
+  double slack = 0.0;                 // m nearer than now that a robot within touching distance may come
+};
+
+// Cost to go on a grid, in cells of time at full speed.
+struct Field {
+  const float* cost;
+  int rows, columns;
+  double resolution, origin_x, origin_y;  // m
+  double goal_x, goal_y;                  // m
+};
+
+// Between cells; infinity where there is no way.
+double cost_at(const Field& field, double x, double y);
+
+// Direction of steepest descent, rad, over a stencil wide enough to smooth the grid.
+std::optional<double> downhill(const Field& field, double x, double y);
+
+struct Choice {
+  Velocity velocity;  // to command now
+  Velocity target;    // what the motion ramps to
+  double time;        // s to the goal by this motion
+  double clearance;   // m, least distance of the footprint from obstacles on the way, less their margins
+  bool found;
+};
+
+// Least distance of a rectangle from obstacles, m, negative inside.
+struct Clearance {
+  double bare, with_margins;
+};
+
+// `speed`: for which the margins are taken, m/s.
+Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>& obstacles, const Footprint& footprint);
+
+Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
+              const Limits& limits, const Footprint& footprint, const Horizon& horizon, double period);
+
+// Whether the motion ramping to `target` stays clear of the obstacles for `duration`.
+bool is_clear(const Pose& pose, const Velocity& velocity, const Velocity& target,
+              const std::vector<Obstacle>& obstacles, const Limits& limits, const Footprint& footprint,
+              const Horizon& horizon);
+
+}  // namespace mr_robot::navigation

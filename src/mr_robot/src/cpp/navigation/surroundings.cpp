@@ -1,0 +1,318 @@
+#include "surroundings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mr_robot::navigation {
+namespace {
+
+// m; a robot that turns may touch what is this close with a corner, and the nearest point of a square to its middle is
+// not the nearest to that corner.
+constexpr double kClose = 0.45;
+constexpr double kDense = 0.6;         // m around the robot in which hits are smoothed
+constexpr double kPatch = 0.04;        // m around a hit of what belongs to the same surface
+constexpr std::size_t kStray = 3;      // hits that may be farther off between others of a surface
+constexpr std::size_t kPatchHits = 8;  // that make a surface
+constexpr double kEdge = 0.05;         // rad from the edge of the field of view of a hit at it
+constexpr double kEdgePatch = 0.15;    // m of a surface there by which it is continued
+constexpr double kContinued = 0.45;    // m, the length of a robot
+constexpr double kAlong = 0.02;        // m between points of what is continued
+constexpr double kSameWall = 0.1;      // m from it in which walls of the map are the same
+constexpr double kStraight = 0.015;    // m, standard deviation of hits from a line up to which they are one
+
+// Numbers the squares of the plane that points lie in, in the order in which they come.
+class Squares {
+ public:
+  Squares(double size, std::size_t most) : size_(size) {
+    std::size_t slots = 16;
+    while (slots < 2 * most) slots *= 2;
+    slots_.assign(slots, {0, 0, kNone});
+  }
+
+  // The number of the point's square; as many as there were before if it is new.
+  std::size_t number(double x, double y) {
+    const auto column = static_cast<std::int64_t>(std::floor(x / size_));
+    const auto row = static_cast<std::int64_t>(std::floor(y / size_));
+    const std::uint64_t hash = (static_cast<std::uint64_t>(column) * 0x9E3779B97F4A7C15U) ^
+                               (static_cast<std::uint64_t>(row) * 0xC2B2AE3D27D4EB4FU);
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t slot = (hash >> 20) & mask;
+    while (slots_[slot].number != kNone && (slots_[slot].column != column || slots_[slot].row != row)) {
+      slot = (slot + 1) & mask;
+    }
+    if (slots_[slot].number == kNone) slots_[slot] = {column, row, count_++};
+    return slots_[slot].number;
+  }
+
+ private:
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  struct Slot {
+    std::int64_t column, row;
+    std::size_t number;
+  };
+  double size_;
+  std::vector<Slot> slots_;
+  std::size_t count_ = 0;
+};
+
+// Places points of one frame in that which the frame is given in.
+class Placement {
+ public:
+  explicit Placement(const Pose& frame) : frame_(frame), cosine_(std::cos(frame.yaw)), sine_(std::sin(frame.yaw)) {}
+  Point operator()(const Point& point) const {
+    return {point.x * cosine_ - point.y * sine_ + frame_.x, point.x * sine_ + point.y * cosine_ + frame_.y};
+  }
+
+ private:
+  Pose frame_;
+  double cosine_, sine_;
+};
+
+bool is_wall(const Walls& walls, const Point& point, double within) {
+  const double column = std::floor((point.x - walls.origin_x) / walls.resolution);
+  const double row = std::floor((point.y - walls.origin_y) / walls.resolution);
+  if (!(row >= 0.0 && column >= 0.0 && row < walls.rows && column < walls.columns)) return false;
+  const std::size_t index = static_cast<std::size_t>(row) * walls.columns + static_cast<std::size_t>(column);
+  return walls.distance[index] < static_cast<float>(within);
+}
+
+// Whether the scan looks through the point, or would hit it if it were still there.
+bool seen_gone(const Point& point, const Point& eye, double heading, const ScanView& scan, double beyond) {
+  const double dx = point.x - eye.x, dy = point.y - eye.y;
+  const double bearing = std::remainder(std::atan2(dy, dx) - heading, 2.0 * M_PI);
+  const double beam = std::nearbyint((bearing - scan.angle_min) / scan.angle_increment);
+  if (!(beam >= 0.0 && beam < static_cast<double>(scan.range_count))) return false;
+  return scan.ranges[static_cast<std::size_t>(beam)] > std::hypot(dx, dy) + beyond;
+}
+
+// Whether a valid reading of the scan goes in that direction, so that it would show what is there.
+bool in_view(const Point& point, const Point& eye, double heading, const ScanView& scan) {
+  const double bearing = std::remainder(std::atan2(point.y - eye.y, point.x - eye.x) - heading, 2.0 * M_PI);
+  const double beam = std::nearbyint((bearing - scan.angle_min) / scan.angle_increment);
+  return beam >= 0.0 && beam < static_cast<double>(scan.range_count) &&
+         scan.ranges[static_cast<std::size_t>(beam)] > 0.0;
+}
+
+struct Line {
+  double x, y, cosine, sine;  // a point and the direction
+  bool straight;              // whether the points lie on it
+  Point nearest(const Point& point) const {
+    const double along = cosine * (point.x - x) + sine * (point.y - y);
+    return {x + cosine * along, y + sine * along};
+  }
+};
+
+// Through all points as well as one line can.
+Line line_through(const Point* points, std::size_t count) {
+  double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    x += points[i].x / count;
+    y += points[i].y / count;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const double dx = points[i].x - x, dy = points[i].y - y;
+    xx += dx * dx / count;
+    xy += dx * dy / count;
+    yy += dy * dy / count;
+  }
+  const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy), c = std::cos(angle), s = std::sin(angle);
+  const double off = s * s * xx - 2.0 * s * c * xy + c * c * yy;
+  return {x, y, c, s, off <= kStraight * kStraight};
+}
+
+double distance(const Point& a, const Point& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+// Close to the robot hits lie denser than they are exact: the mean of many beams says where a surface is, while the
+// nearest of them seems to touch a robot that stands beside it.
+std::vector<Point> smoothed(const ScanView& scan) {
+  std::vector<Point> result(scan.points, scan.points + scan.point_count);
+  const auto near = [&](std::size_t i, std::size_t k) { return distance(scan.points[i], scan.points[k]) < kPatch; };
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    if (std::hypot(scan.points[i].x, scan.points[i].y) > kDense) continue;
+    std::size_t first = i, last = i;
+    for (std::size_t k = i; k > 0 && first - (k - 1) <= kStray; --k) {
+      if (near(i, k - 1)) first = k - 1;
+    }
+    for (std::size_t k = i + 1; k < result.size() && k - last <= kStray; ++k) {
+      if (near(i, k)) last = k;
+    }
+    const std::size_t count = last + 1 - first;
+    if (count < kPatchHits) continue;
+    const Line line = line_through(scan.points + first, count);
+    if (line.straight) result[i] = line.nearest(scan.points[i]);
+  }
+  return result;
+}
+
+// What is close beside the robot at an edge of the field of view goes on where the laser is blind: beside a wall a
+// robot that turns touches it with a corner that it does not see. Points in the robot's frame.
+void continue_edge(const ScanView& scan, bool first, std::vector<Point>& result) {
+  const auto edge_of = [&](std::size_t i) { return first ? scan.points[i] : scan.points[scan.point_count - 1 - i]; };
+  const Point edge = edge_of(0);
+  const double end = first ? scan.angle_min : scan.angle_min + scan.angle_increment * (scan.range_count - 1.0);
+  const double bearing = std::atan2(edge.y - scan.mount.y, edge.x - scan.mount.x) - scan.mount.yaw;
+  if (std::hypot(edge.x, edge.y) > kDense || std::abs(std::remainder(bearing - end, 2.0 * M_PI)) > kEdge) return;
+  std::vector<Point> patch;
+  for (std::size_t i = 0; i < scan.point_count && distance(edge_of(i), edge) < kEdgePatch; ++i) {
+    patch.push_back(edge_of(i));
+  }
+  if (patch.size() < kPatchHits) return;
+  const Line line = line_through(patch.data(), patch.size());
+  if (!line.straight) return;
+  const Point from = line.nearest(edge), inside = line.nearest(patch.back());
+  const double length = distance(from, inside);
+  if (length < kPatch) return;
+  const double x = (from.x - inside.x) / length, y = (from.y - inside.y) / length;
+  for (double along = kAlong; along <= kContinued; along += kAlong) {
+    result.push_back({from.x + along * x, from.y + along * y});
+  }
+}
+
+std::vector<Point> continued(const ScanView& scan) {
+  std::vector<Point> result;
+  const double view = scan.angle_increment * (static_cast<double>(scan.range_count) - 1.0);
+  if (scan.point_count == 0 || scan.range_count < 2 || view > 2.0 * M_PI - 2.0 * kEdge) return result;
+  continue_edge(scan, true, result);
+  continue_edge(scan, false, result);
+  return result;
+}
+
+// Whether the map shows that nothing is there, nor beside it.
+bool is_open(const Walls& walls, const Point& point) {
+  const double column = std::floor((point.x - walls.origin_x) / walls.resolution);
+  const double row = std::floor((point.y - walls.origin_y) / walls.resolution);
+  if (!(row >= 0.0 && column >= 0.0 && row < walls.rows && column < walls.columns)) return false;
+  const std::size_t index = static_cast<std::size_t>(row) * walls.columns + static_cast<std::size_t>(column);
+  return walls.cells[index] >= 0 && walls.distance[index] > static_cast<float>(kSameWall);
+}
+
+// Keeps the nearest obstacle of each square, and all that are close.
+class Nearest {
+ public:
+  Nearest(const Pose& pose, double spacing, std::size_t most) : pose_(pose), squares_(spacing, most) {}
+
+  void add(const Obstacle& obstacle) {
+    const double dx = obstacle.x - pose_.x, dy = obstacle.y - pose_.y, squared = dx * dx + dy * dy;
+    if (squared < kClose * kClose) {
+      close_.push_back(obstacle);
+      return;
+    }
+    const std::size_t number = squares_.number(obstacle.x, obstacle.y);
+    if (number == kept_.size()) {
+      kept_.push_back(obstacle);
+      squared_.push_back(squared);
+    } else if (squared < squared_[number]) {
+      kept_[number] = obstacle;
+      squared_[number] = squared;
+    }
+  }
+
+  std::vector<Obstacle> all() {
+    kept_.insert(kept_.end(), close_.begin(), close_.end());
+    return std::move(kept_);
+  }
+
+ private:
+  Pose pose_;
+  Squares squares_;
+  std::vector<Obstacle> kept_, close_;
+  std::vector<double> squared_;
+};
+
+std::vector<Point> walls_near(const Walls& walls, const Pose& pose, double reach) {
+  std::vector<Point> points;
+  const auto first = [&](double from) { return static_cast<int>(std::clamp(std::floor(from), 0.0, 1e9)); };
+  const auto last = [&](double to, int count) {
+    return static_cast<int>(std::clamp(std::floor(to), -1.0, count - 1.0));
+  };
+  const double column = (pose.x - walls.origin_x) / walls.resolution,
+               row = (pose.y - walls.origin_y) / walls.resolution;
+  const double cells = reach / walls.resolution;
+  for (int r = first(row - cells); r <= last(row + cells, walls.rows); ++r) {
+    for (int c = first(column - cells); c <= last(column + cells, walls.columns); ++c) {
+      if (walls.cells[static_cast<std::size_t>(r) * walls.columns + c] <= 50) continue;
+      points.push_back({walls.origin_x + (c + 0.5) * walls.resolution, walls.origin_y + (r + 0.5) * walls.resolution});
+    }
+  }
+  return points;
+}
+
+bool within(const Point& point, const Pose& pose, double reach) {
+  const double dx = point.x - pose.x, dy = point.y - pose.y;
+  return dx * dx + dy * dy < reach * reach;
+}
+
+}  // namespace
+
+std::vector<Point> hits(double* ranges, std::size_t count, const Point* directions, double range_min, double range_max,
+                        const Point& mount) {
+  constexpr double kSmallest = 1e-3;  // m, of a reading, and below range_max for a hit
+  std::vector<Point> points;
+  points.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    // Comparisons with what is no number are false.
+    ranges[i] = ranges[i] >= std::max(range_min, kSmallest) ? std::min(ranges[i], range_max) : 0.0;
+    if (!(ranges[i] > 0.0 && ranges[i] < range_max - kSmallest)) continue;
+    points.push_back({directions[i].x * ranges[i] + mount.x, directions[i].y * ranges[i] + mount.y});
+  }
+  return points;
+}
+
+std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanView& scan, const Pose& pose,
+                                 const Walls& walls, const Memory& memory, double now) {
+  std::vector<Remembered> kept;
+  Squares squares(memory.cell, scan.point_count + old.size());
+  const auto keep = [&](const Remembered& point) {
+    if (kept.size() < memory.most && squares.number(point.x, point.y) == kept.size()) kept.push_back(point);
+  };
+  const Placement place(pose);
+  for (std::size_t i = 0; i < scan.point_count; ++i) {
+    const Point hit = place(scan.points[i]);
+    if (!is_wall(walls, hit, memory.known_within)) keep({hit.x, hit.y, now});
+  }
+  const Point eye = place({scan.mount.x, scan.mount.y});
+  const double heading = pose.yaw + scan.mount.yaw;
+  for (const Remembered& point : old) {
+    const bool valid = now - point.time < memory.duration && point.time <= now;
+    if (valid && !seen_gone({point.x, point.y}, eye, heading, scan, memory.seen_beyond)) keep(point);
+  }
+  return kept;
+}
+
+std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
+                                   const Walls& walls, const Margins& margins, double known_within, double reach,
+                                   double spacing) {
+  const std::vector<Point> of_map = walls_near(walls, pose, reach);
+  const std::size_t most = scan.point_count + remembered.size() + of_map.size();
+  Nearest nearest(pose, spacing, most + 2 * static_cast<std::size_t>(kContinued / kAlong + 1.0));
+  const Placement place(pose);
+  for (const Point& point : smoothed(scan)) {
+    if (!within(point, {0.0, 0.0, 0.0}, reach)) continue;
+    const Point hit = place(point);
+    const bool known = is_wall(walls, hit, known_within);
+    nearest.add(known ? Obstacle{hit.x, hit.y, margins.obstacle, 0.0}
+                      : Obstacle{hit.x, hit.y, margins.moving, margins.reaction_time});
+  }
+  for (const Remembered& point : remembered) {
+    if (within({point.x, point.y}, pose, reach)) nearest.add({point.x, point.y, margins.moving, margins.reaction_time});
+  }
+  std::vector<Point> guessed;
+  for (const Point& point : continued(scan)) {
+    const Point there = place(point);
+    if (is_open(walls, there)) continue;
+    guessed.push_back(there);
+    nearest.add({there.x, there.y, margins.obstacle, 0.0});
+  }
+  const Point eye = place({scan.mount.x, scan.mount.y});
+  for (const Point& wall : of_map) {
+    if (std::any_of(guessed.begin(), guessed.end(), [&](const Point& p) { return distance(p, wall) < kSameWall; })) {
+      continue;
+    }
+    if (in_view(wall, eye, pose.yaw + scan.mount.yaw, scan)) continue;
+    nearest.add({wall.x, wall.y, margins.wall, 0.0});
+  }
+  return nearest.all();
+}
+
+}  // namespace mr_robot::navigation

@@ -1,0 +1,67 @@
+// What a laser scan tells about obstacles around the robot, and what of it the map does not know.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "rollout.hpp"
+
+namespace mr_robot::navigation {
+
+struct Point {
+  double x, y;  // m
+};
+
+// The walls of a map.
+struct Walls {
+  const std::int8_t* cells;  // above 50 = wall
+  const float* distance;     // m from each cell to the nearest wall
+  int rows, columns;
+  double resolution, origin_x, origin_y;  // m
+};
+
+struct ScanView {
+  const Point* points;  // hits, robot's frame
+  std::size_t point_count;
+  const double* ranges;  // m by beam, 0 = not valid
+  std::size_t range_count;
+  double angle_min, angle_increment;  // rad
+  Pose mount;                         // of the laser on the robot
+};
+
+struct Remembered {
+  double x, y;  // m, map frame
+  double time;  // s, when seen
+};
+
+struct Memory {
+  double duration;      // s for which a point is remembered
+  double cell;          // m, one point is kept per square of this size
+  double known_within;  // m; hits this near to a wall of the map are that wall
+  double seen_beyond;   // m; a beam that goes this far past a point has seen it gone
+  std::size_t most;     // points
+};
+
+// Distances that the footprint keeps, m, and for what may move, s by which that grows with speed.
+struct Margins {
+  double wall, obstacle, moving, reaction_time;
+};
+
+// What a laser's readings say: sets those that are none to 0 and the rest to at most `range_max`, and returns the hits
+// in the robot's frame. `directions`: unit vectors of the beams; `mount`: place of the laser on the robot.
+std::vector<Point> hits(double* ranges, std::size_t count, const Point* directions, double range_min, double range_max,
+                        const Point& mount);
+
+// The memory after one more scan taken at `pose`: its hits that are no walls of the map, then what is left of the old.
+// Of several points in a square the first is kept.
+std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanView& scan, const Pose& pose,
+                                 const Walls& walls, const Memory& memory, double now);
+
+// Hits, remembered points and, where the laser is blind, walls within `reach` of the robot; of each square of `spacing`
+// the nearest, of those close to the robot all.
+std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
+                                   const Walls& walls, const Margins& margins, double known_within, double reach,
+                                   double spacing);
+
+}  // namespace mr_robot::navigation

@@ -1,0 +1,101 @@
+// Python module mr_robot._slam.
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <tuple>
+
+#include "slam.hpp"
+
+namespace py = pybind11;
+using namespace mr_robot::slam;
+
+namespace {
+
+using PoseTuple = std::tuple<double, double, double>;
+using Ranges = py::array_t<float, py::array::c_style | py::array::forcecast>;
+
+Pose to_pose(const PoseTuple& pose) { return {std::get<0>(pose), std::get<1>(pose), std::get<2>(pose)}; }
+PoseTuple to_tuple(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
+
+py::tuple process(Slam& slam, const Ranges& ranges, const PoseTuple& odometry, const PoseTuple& mount, double angle_min,
+                  double angle_increment, double range_min, double range_max, double time, const PoseTuple& swept) {
+  const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, to_pose(mount), to_pose(swept)};
+  const SlamUpdate update =
+      slam.process(ranges.data(), static_cast<std::size_t>(ranges.size()), geometry, to_pose(odometry), time);
+  return py::make_tuple(to_tuple(update.pose), update.matched, update.inserted, update.share);
+}
+
+// Cells and, in cells, the lower left corner of the grid.
+py::tuple occupancy(const Slam& slam) {
+  const GridMap& map = slam.map();
+  const std::vector<int8_t> cells = map.occupancy();
+  py::array_t<int8_t> grid({map.height(), map.width()});
+  std::copy(cells.begin(), cells.end(), grid.mutable_data());
+  return py::make_tuple(grid, map.origin().x, map.origin().y);
+}
+
+// Rows (x, y, normal x, normal y, hits).
+py::array_t<float> surfaces(const Slam& slam) {
+  const GridMap& map = slam.map();
+  std::vector<float> values;
+  for (int y = 0; y < map.height(); ++y) {
+    for (int x = 0; x < map.width(); ++x) {
+      const Surface* surface = map.surface({map.origin().x + x, map.origin().y + y});
+      if (surface == nullptr) continue;
+      values.insert(values.end(), {surface->x, surface->y, surface->normal_x, surface->normal_y, surface->hits});
+    }
+  }
+  py::array_t<float> rows({static_cast<py::ssize_t>(values.size() / 5), py::ssize_t{5}});
+  std::copy(values.begin(), values.end(), rows.mutable_data());
+  return rows;
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_slam, module) {
+  module.doc() = "Core of the SLAM engine. SI units, poses as (x, y, yaw).";
+  py::class_<SlamOptions>(module, "SlamOptions")
+      .def(py::init<>())
+      .def_property(
+          "resolution", [](const SlamOptions& o) { return o.grid.resolution; },
+          [](SlamOptions& o, double value) { o.grid.resolution = value; })
+      .def_property(
+          "search_window", [](const SlamOptions& o) { return o.match.window; },
+          [](SlamOptions& o, double value) { o.match.window = value; })
+      .def_property(
+          "surface_deviation", [](const SlamOptions& o) { return o.match.surface_deviation; },
+          [](SlamOptions& o, double value) { o.match.surface_deviation = value; })
+      .def_readwrite("match_distance", &SlamOptions::match_distance)
+      .def_readwrite("match_angle", &SlamOptions::match_angle)
+      .def_readwrite("insert_distance", &SlamOptions::insert_distance)
+      .def_readwrite("insert_angle", &SlamOptions::insert_angle)
+      .def_readwrite("insert_interval", &SlamOptions::insert_interval)
+      .def_property(
+          "free_radius", [](const SlamOptions& o) { return o.grid.free_radius; },
+          [](SlamOptions& o, double value) { o.grid.free_radius = value; })
+      .def_readwrite("small_object_size", &SlamOptions::small_object_size)
+      .def_readwrite("surface_window", &SlamOptions::surface_window);
+  py::class_<PoseGraph>(module, "PoseGraph")
+      .def(py::init<>())
+      .def("add", [](PoseGraph& graph, const PoseTuple& pose) { graph.add(to_pose(pose)); })
+      .def("link_odometry",
+           [](PoseGraph& graph, std::size_t next, const PoseTuple& motion, const PoseTuple& deviation) {
+             graph.link_odometry(next, to_pose(motion), to_pose(deviation));
+           })
+      .def("link", [](PoseGraph& graph, std::size_t from, std::size_t to, const PoseTuple& relative,
+                      const Eigen::Matrix3d& information) { graph.link(from, to, to_pose(relative), information); })
+      .def("solve", &PoseGraph::solve)
+      .def("pose", [](const PoseGraph& graph, std::size_t index) { return to_tuple(graph.pose(index)); });
+  py::class_<Slam>(module, "Slam")
+      .def(py::init<const SlamOptions&>())
+      .def("process", &process, py::arg("ranges"), py::arg("odometry"), py::arg("mount"), py::arg("angle_min"),
+           py::arg("angle_increment"), py::arg("range_min"), py::arg("range_max"), py::arg("time"),
+           py::arg("swept") = PoseTuple{0.0, 0.0, 0.0})
+      .def("pose_at",
+           [](const Slam& slam, const PoseTuple& odometry) { return to_tuple(slam.pose_at(to_pose(odometry))); })
+      .def("map_to_odometry", [](const Slam& slam) { return to_tuple(slam.map_to_odometry()); })
+      .def("occupancy", &occupancy)
+      .def("surfaces", &surfaces, "Rows (x, y, normal x, normal y, hits) float32, map frame.");
+}

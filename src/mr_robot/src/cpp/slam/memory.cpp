@@ -1,0 +1,159 @@
+#include "memory.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+
+namespace mr_robot::slam {
+namespace {
+
+constexpr double kKeyframeDistance = 0.75;  // m between keyframes
+constexpr double kKeyframeAngle = 0.8;      // rad
+constexpr int kSolveEvery = 6;              // keyframes
+constexpr std::size_t kMostLinks = 8;       // of a keyframe to others, by scans
+constexpr double kLoopWay = 15.0;           // m since what was drawn long ago
+constexpr Pose kLoopWindow{1.0, 1.0, 0.1};  // m and rad at most, within which a loop is closed
+constexpr double kLeastWindow = 0.3;        // m
+constexpr double kSameLoop = 0.15;          // m within which two keyframes say the same
+constexpr double kMoved = 0.03;             // m that a keyframe has moved before the map is drawn anew
+constexpr double kTurned = 0.005;           // rad
+constexpr std::size_t kMostScans = 20'000;  // beyond, the map stays as it is
+constexpr int kScansAtOnce = 30;            // that are drawn anew with each scan that comes
+
+const Eigen::Matrix3d kFloor = Eigen::Vector3d(1e-4, 1e-4, 4e-6).asDiagonal();          // covariance of the best match
+const Eigen::Matrix3d kLoopFloor = Eigen::Vector3d(2.5e-3, 2.5e-3, 4e-5).asDiagonal();  // of one that closes a loop
+
+Eigen::Matrix3d with_floor(const Eigen::Matrix3d& information, const Eigen::Matrix3d& floor) {
+  // Inverse of (information^-1 + floor), also where the information is singular.
+  const Eigen::Matrix3d sum = Eigen::Matrix3d::Identity() + information * floor;
+  const Eigen::Matrix3d result = sum.inverse() * information;
+  return 0.5 * (result + result.transpose()) + 1e-3 * Eigen::Matrix3d::Identity();
+}
+
+// Information about a position in the map, as about the same position seen from a frame that is turned.
+Eigen::Matrix3d seen_from(const Pose& frame, const Eigen::Matrix3d& information) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(frame.yaw).toRotationMatrix();
+  return turn.transpose() * information * turn;
+}
+
+}  // namespace
+
+Memory::Memory(const GridOptions& grid, double surface_window, double small_object_size)
+    : grid_(grid), surface_window_(surface_window), small_object_size_(small_object_size) {}
+
+bool Memory::due(const Pose& pose) const {
+  return keyframes_.empty() || distance(keyframes_.back().drawn, pose) >= kKeyframeDistance ||
+         std::abs(normalized(pose.yaw - keyframes_.back().drawn.yaw)) >= kKeyframeAngle;
+}
+
+int Memory::origin(const Pose& pose) const { return static_cast<int>(keyframes_.size()) - (due(pose) ? 0 : 1); }
+
+Scan Memory::scan_of(const Kept& kept) const {
+  LaserGeometry geometry = geometry_;
+  geometry.swept = kept.swept;
+  return make_scan(kept.ranges.data(), kept.ranges.size(), geometry, surface_window_, small_object_size_);
+}
+
+bool Memory::add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose,
+                 const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match) {
+  if (scans_ == kMostScans) return false;
+  ++scans_;
+  geometry_ = geometry;
+  const bool opens = due(pose);
+  if (opens) open(pose, odometry, way, model, match);
+  keyframes_.back().scans.push_back({ranges, geometry.swept, between(keyframes_.back().drawn, pose)});
+  return opens;
+}
+
+void Memory::open(const Pose& pose, const Pose& odometry, const Way& way, const OdometryModel& model,
+                  const Match& match) {
+  const std::size_t next = keyframes_.size();
+  if (next == 0) {
+    graph_.add(pose);
+    keyframes_.push_back({pose, odometry, way, {}});
+    return;
+  }
+  const Keyframe& last = keyframes_.back();
+  const Pose motion = between(last.odometry, odometry);
+  graph_.add(graph_.pose(next - 1) * between(last.drawn, pose));
+  graph_.link_odometry(next, motion,
+                       model.deviation_of_way({way.distance - last.way.distance, way.turn - last.way.turn}));
+  link_by_scan(next, pose, match, kFloor);
+  keyframes_.push_back({pose, odometry, way, {}});
+}
+
+void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor) {
+  std::vector<std::pair<double, int>> shares;
+  for (const auto& [origin, support] : match.origins) shares.emplace_back(support.share, origin);
+  std::sort(shares.rbegin(), shares.rend());
+  shares.resize(std::min(shares.size(), kMostLinks));
+  for (const auto& [share, origin] : shares) {
+    const Pose& from = keyframes_[origin].drawn;
+    const Eigen::Matrix3d information = seen_from(from, match.origins.at(origin).information);
+    graph_.link(origin, next, between(from, pose), with_floor(information, floor));
+  }
+}
+
+void Memory::close_loop(const GridMap& map, const Scan& scan, const OdometryModel& model, const MatchOptions& options) {
+  const Keyframe& last = keyframes_.back();
+  while (last.way.distance - keyframes_[long_ago_ + 1].way.distance > kLoopWay) ++long_ago_;
+  if (long_ago_ < 0) return;
+  const double drift = 3.0 * model.deviation_of_way({last.way.distance, 0.0}).x;
+  const double window = std::clamp(drift, kLeastWindow, kLoopWindow.x);
+  const auto match = match_old(map, long_ago_, scan, last.drawn, {window, window, kLoopWindow.yaw}, options);
+  const bool same = match && loop_ && distance(*loop_ * last.drawn, match->pose) < kSameLoop;
+  loop_.reset();
+  if (!match) return;
+  loop_ = match->pose * between(last.drawn, Pose{});
+  if (!same) return;
+  link_by_scan(keyframes_.size() - 1, match->pose, *match, kLoopFloor);
+  solved_ = 0;
+}
+
+void Memory::solve() {
+  graph_.solve();
+  solved_ = keyframes_.size();
+  bool moved = false;
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    moved |= distance(graph_.pose(i), keyframes_[i].drawn) > kMoved ||
+             std::abs(normalized(graph_.pose(i).yaw - keyframes_[i].drawn.yaw)) > kTurned;
+  }
+  if (!moved) return;
+  redrawing_.emplace(Redrawing{GridMap(grid_), {}});
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) redrawing_->poses.push_back(graph_.pose(i));
+}
+
+// Where a keyframe is on the map that is being drawn.
+Pose Memory::target(std::size_t keyframe) const {
+  const std::vector<Pose>& poses = redrawing_->poses;
+  if (keyframe < poses.size()) return poses[keyframe];
+  const std::size_t last = poses.size() - 1;
+  return poses[last] * between(keyframes_[last].drawn, keyframes_[keyframe].drawn);
+}
+
+std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map) {
+  if (scans_ == kMostScans) return std::nullopt;
+  if (!redrawing_) {
+    if (keyframes_.size() >= solved_ + kSolveEvery) solve();
+    return std::nullopt;
+  }
+  Redrawing& redrawing = *redrawing_;
+  for (int done = 0; done < kScansAtOnce && redrawing.keyframe < keyframes_.size(); ++done) {
+    const Keyframe& keyframe = keyframes_[redrawing.keyframe];
+    const Kept& kept = keyframe.scans[redrawing.scan++];
+    redrawing.map.insert(scan_of(kept), target(redrawing.keyframe) * kept.relative,
+                         static_cast<int>(redrawing.keyframe));
+    if (redrawing.scan == keyframe.scans.size()) ++redrawing.keyframe, redrawing.scan = 0;
+  }
+  if (redrawing.keyframe < keyframes_.size()) return std::nullopt;
+  std::vector<Pose> targets;
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) targets.push_back(target(i));
+  const std::pair<Pose, Pose> change{keyframes_.back().drawn, targets.back()};
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) keyframes_[i].drawn = targets[i];
+  *map = std::move(redrawing.map);
+  redrawing_.reset();
+  loop_.reset();
+  return change;
+}
+
+}  // namespace mr_robot::slam

@@ -1,0 +1,70 @@
+// All scans of the map, kept at places along the way (keyframes), so that it can be drawn anew when the way turns out
+// to be another. A keyframe is linked to those on whose surfaces its first scan lies: to old ones where a loop closes.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "grid_map.hpp"
+#include "odometry_model.hpp"
+#include "pose_graph.hpp"
+#include "scan_matcher.hpp"
+
+namespace mr_robot::slam {
+
+class Memory {
+ public:
+  // As in make_scan.
+  Memory(const GridOptions& grid, double surface_window, double small_object_size);
+
+  // By what the surfaces of the scan that is added next are to be known.
+  int origin(const Pose& pose) const;
+  // A scan has entered the map at `pose`, where `match` has put it. `way`: of the robot since its start.
+  // Returns whether that is a new keyframe.
+  bool add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose, const Pose& odometry,
+           const Way& way, const OdometryModel& model, const Match& match);
+  // Whether the new keyframe, whose first scan this is, lies elsewhere on what was drawn long ago: links it there when
+  // the one before has said the same.
+  void close_loop(const GridMap& map, const Scan& scan, const OdometryModel& model, const MatchOptions& options);
+  // A part of the work that is left. When the map has been drawn anew it is moved to `map`; how the robot's pose on the
+  // former map is to be taken to it.
+  std::optional<std::pair<Pose, Pose>> work(GridMap* map);
+
+ private:
+  struct Kept {
+    std::vector<float> ranges;
+    Pose swept;     // see LaserGeometry
+    Pose relative;  // to the keyframe
+  };
+  struct Keyframe {
+    Pose drawn;  // where it is on the map
+    Pose odometry;
+    Way way;
+    std::vector<Kept> scans;
+  };
+  struct Redrawing {
+    GridMap map;
+    std::vector<Pose> poses;  // of the keyframes that there were when it began
+    std::size_t keyframe = 0, scan = 0;
+  };
+
+  void open(const Pose& pose, const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match);
+  void link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor);
+  bool due(const Pose& pose) const;
+  Scan scan_of(const Kept& kept) const;
+  void solve();
+  Pose target(std::size_t keyframe) const;
+
+  GridOptions grid_;
+  double surface_window_, small_object_size_;
+  LaserGeometry geometry_{};
+  PoseGraph graph_;
+  std::vector<Keyframe> keyframes_;
+  std::optional<Redrawing> redrawing_;
+  int long_ago_ = -1;         // last keyframe that the way since then has led far from
+  std::optional<Pose> loop_;  // what the last keyframe says: the frame of its drawn pose in that of the old surfaces
+  std::size_t solved_ = 0;    // keyframes at the last solution
+  std::size_t scans_ = 0;
+};
+
+}  // namespace mr_robot::slam

@@ -1,0 +1,102 @@
+#include "pose_graph.hpp"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Cholesky>
+
+namespace mr_robot::slam {
+namespace {
+
+constexpr double kFactorDeviations[2] = {0.03, 0.05};  // of odometry's factors before anything is known of them
+constexpr double kOutlier = 3.0;                       // standard deviations from which scans lose their weight
+constexpr int kIterations = 8;
+constexpr std::size_t kRecent = 10;  // poses back, to which scans are not doubted
+
+template <class T>
+T normalized_angle(const T& angle) {
+  return ceres::atan2(ceres::sin(angle), ceres::cos(angle));
+}
+
+// Pose `to` seen from `from`, less `relative`.
+template <class T>
+Eigen::Matrix<T, 3, 1> difference(const T* from, const T* to, const Eigen::Matrix<T, 3, 1>& relative) {
+  const T c = ceres::cos(from[2]), s = ceres::sin(from[2]), x = to[0] - from[0], y = to[1] - from[1];
+  return {c * x + s * y - relative[0], -s * x + c * y - relative[1],
+          normalized_angle(T(to[2] - from[2] - relative[2]))};
+}
+
+struct ScanCost {
+  Pose relative;
+  Eigen::Matrix3d root;
+
+  template <class T>
+  bool operator()(const T* from, const T* to, T* residual) const {
+    Eigen::Map<Eigen::Matrix<T, 3, 1>> result(residual);
+    result = root.cast<T>() * difference<T>(from, to, {T(relative.x), T(relative.y), T(relative.yaw)});
+    return true;
+  }
+};
+
+struct OdometryCost {
+  Pose motion, deviation;
+
+  template <class T>
+  bool operator()(const T* from, const T* to, const T* factors, T* residual) const {
+    const Eigen::Matrix<T, 3, 1> corrected(factors[0] * motion.x, factors[0] * motion.y, factors[1] * motion.yaw);
+    const Eigen::Matrix<T, 3, 1> left = difference<T>(from, to, corrected);
+    residual[0] = left[0] / deviation.x;
+    residual[1] = left[1] / deviation.y;
+    residual[2] = left[2] / deviation.yaw;
+    return true;
+  }
+};
+
+struct FactorCost {
+  template <class T>
+  bool operator()(const T* factors, T* residual) const {
+    for (int i = 0; i < 2; ++i) residual[i] = (factors[i] - 1.0) / kFactorDeviations[i];
+    return true;
+  }
+};
+
+}  // namespace
+
+void PoseGraph::link_odometry(std::size_t next, const Pose& motion, const Pose& deviation) {
+  odometry_.push_back({next, motion, deviation});
+}
+
+void PoseGraph::link(std::size_t from, std::size_t to, const Pose& relative, const Eigen::Matrix3d& information) {
+  links_.push_back({from, to, relative, Eigen::Matrix3d(information.llt().matrixU())});
+}
+
+void PoseGraph::solve() {
+  if (poses_.size() < 2) return;
+  std::vector<std::array<double, 3>> values;
+  for (const Pose& pose : poses_) values.push_back({pose.x, pose.y, pose.yaw});
+  ceres::Problem problem;
+  for (const OdometryLink& link : odometry_) {
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<OdometryCost, 3, 3, 3, 2>(new OdometryCost{link.motion, link.deviation}),
+        new ceres::CauchyLoss(kOutlier), values[link.next - 1].data(), values[link.next].data(), factors_);
+  }
+  for (const Link& link : links_) {
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ScanCost, 3, 3, 3>(new ScanCost{link.relative, link.root}),
+                             link.from + kRecent >= link.to ? nullptr : new ceres::CauchyLoss(kOutlier),
+                             values[link.from].data(), values[link.to].data());
+  }
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<FactorCost, 2, 2>(new FactorCost), nullptr, factors_);
+  problem.SetParameterBlockConstant(values[0].data());
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  // SuiteSparse would run OpenMP threads, which hang in a process that was forked after they had started, and a BLAS
+  // that rounds as the processor likes.
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  options.max_num_iterations = kIterations;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  for (std::size_t i = 0; i < poses_.size(); ++i) poses_[i] = {values[i][0], values[i][1], normalized(values[i][2])};
+}
+
+}  // namespace mr_robot::slam

@@ -1,0 +1,44 @@
+// Poses that belong together: what odometry and scans say of how they lie to one another, and the poses that fit best.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "pose.hpp"
+
+namespace mr_robot::slam {
+
+class PoseGraph {
+ public:
+  // The first pose stays where it is.
+  void add(const Pose& pose) { poses_.push_back(pose); }
+  // Odometry counted `motion` from one pose to the next one, `next`, with these standard deviations besides the factors
+  // by which it counts all distances and turns wrong.
+  void link_odometry(std::size_t next, const Pose& motion, const Pose& deviation);
+  // Scans say that `to` lies at `relative` seen from `from`. `information`: of that, inverse of its covariance.
+  void link(std::size_t from, std::size_t to, const Pose& relative, const Eigen::Matrix3d& information);
+
+  std::size_t size() const { return poses_.size(); }
+  const Pose& pose(std::size_t index) const { return poses_[index]; }
+
+  // Moves the poses to where all fits best (least squares, Cauchy weights for what scans say).
+  void solve();
+
+ private:
+  struct OdometryLink {
+    std::size_t next;
+    Pose motion, deviation;
+  };
+  struct Link {
+    std::size_t from, to;
+    Pose relative;
+    Eigen::Matrix3d root;  // of the information
+  };
+
+  std::vector<Pose> poses_;
+  std::vector<OdometryLink> odometry_;
+  std::vector<Link> links_;
+  double factors_[2] = {1.0, 1.0};  // of distance and turn
+};
+
+}  // namespace mr_robot::slam

@@ -1,0 +1,103 @@
+#include "scan.hpp"
+
+#include <algorithm>
+
+#include "small_objects.hpp"
+
+namespace mr_robot::slam {
+namespace {
+
+constexpr double kStraight = 0.03;    // m off the line through two hits at most, of a third on the same wall
+constexpr double kLongestStep = 2.0;  // m from one hit to the next on a wall that is seen at a grazing angle
+
+bool turn_to(const Point& eye, const Point& at, Point* normal) {
+  if (normal->x * (eye.x - at.x) + normal->y * (eye.y - at.y) < 0.0) *normal = {-normal->x, -normal->y};
+  return true;
+}
+
+// Of three successive beams whose ends lie on one line: a wall seen at a grazing angle, on which hits are far apart.
+bool normal_of_three(const std::vector<Beam>& beams, std::size_t first, Point* normal) {
+  const Beam &a = beams[first], &b = beams[first + 1], &c = beams[first + 2];
+  if (!a.hit || !b.hit || !c.hit) return false;
+  const double x = c.end.x - a.end.x, y = c.end.y - a.end.y, length = std::hypot(x, y);
+  const double px = b.end.x - a.end.x, py = b.end.y - a.end.y;
+  const double along = (px * x + py * y) / length;
+  if (length <= 0.0 || along <= 0.0 || along >= length) return false;
+  if (std::max(along, length - along) > kLongestStep || std::abs(px * y - py * x) > kStraight * length) return false;
+  *normal = {-y / length, x / length};
+  return true;
+}
+
+bool fit_sparse_normal(const std::vector<Beam>& beams, std::size_t index, const Point& eye, Point* normal) {
+  const std::size_t low = index < 2 ? 0 : index - 2;
+  for (std::size_t first = low; first <= index && first + 2 < beams.size(); ++first) {
+    if (normal_of_three(beams, first, normal)) return turn_to(eye, beams[index].end, normal);
+  }
+  return false;
+}
+
+// Direction of the line through the hits around `index`, by principal axes; needs three hits and some extent.
+bool fit_normal(const std::vector<Beam>& beams, std::size_t index, double window, const Point& eye, Point* normal) {
+  const Point center = beams[index].end;
+  double sx = 0.0, sy = 0.0, sxx = 0.0, syy = 0.0, sxy = 0.0;
+  int count = 0;
+  const auto add = [&](const Beam& beam) {
+    const double x = beam.end.x - center.x, y = beam.end.y - center.y;
+    if (!beam.hit || x * x + y * y > window * window) return false;
+    sx += x, sy += y, sxx += x * x, syy += y * y, sxy += x * y;
+    ++count;
+    return true;
+  };
+  add(beams[index]);
+  for (std::size_t i = index; i-- > 0 && add(beams[i]);) {
+  }
+  for (std::size_t i = index + 1; i < beams.size() && add(beams[i]); ++i) {
+  }
+  if (count < 3) return fit_sparse_normal(beams, index, eye, normal);
+  const double xx = sxx - sx * sx / count, yy = syy - sy * sy / count, xy = sxy - sx * sy / count;
+  const double spread = std::hypot(0.5 * (xx - yy), xy);
+  const double large = 0.5 * (xx + yy) + spread, small = 0.5 * (xx + yy) - spread;
+  if (large < 25.0 * small || large < count * 0.04 * window * window) return false;
+  const double along = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  *normal = {-std::sin(along), std::cos(along)};
+  return turn_to(eye, center, normal);
+}
+
+}  // namespace
+
+Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window,
+               double small_object_size) {
+  const Frame mount(geometry.mount);
+  const Pose& swept = geometry.swept;
+  const bool moves = size > 1 && (swept.x != 0.0 || swept.y != 0.0 || swept.yaw != 0.0);
+  Scan scan;
+  scan.eye = {geometry.mount.x, geometry.mount.y};
+  scan.beams.reserve(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    const double range = ranges[i];
+    if (std::isnan(range) || range < std::max(geometry.range_min, 1e-3)) continue;
+    const bool hit = range < geometry.range_max - 1e-3;
+    const double length = hit ? range : geometry.range_max;
+    const double angle = geometry.angle_min + static_cast<double>(i) * geometry.angle_increment;
+    Point end = mount * Point{length * std::cos(angle), length * std::sin(angle)};
+    if (moves) {
+      const double share = static_cast<double>(i) / static_cast<double>(size - 1);
+      end = Pose{share * swept.x, share * swept.y, share * swept.yaw} * end;
+    }
+    scan.beams.push_back({end, hit});
+    scan.beams.back().index = i;
+  }
+  mark_small_objects(scan, small_object_size);
+  for (std::size_t i = 0; i < scan.beams.size(); ++i) {
+    Beam& beam = scan.beams[i];
+    if (!beam.hit) continue;
+    beam.has_normal = fit_normal(scan.beams, i, surface_window, scan.eye, &beam.normal);
+    const Point ray{beam.end.x - scan.eye.x, beam.end.y - scan.eye.y};
+    const double range = std::hypot(ray.x, ray.y);
+    const double incidence = std::abs(beam.normal.x * ray.x + beam.normal.y * ray.y) / range;
+    beam.spacing = range * std::abs(geometry.angle_increment) / std::max(0.1, incidence);
+  }
+  return scan;
+}
+
+}  // namespace mr_robot::slam

@@ -1,0 +1,39 @@
+// One sweep of a laser, reduced to what mapping and matching need.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "pose.hpp"
+
+namespace mr_robot::slam {
+
+struct LaserGeometry {
+  double angle_min, angle_increment;  // rad
+  double range_min, range_max;        // m
+  Pose mount;                         // laser in the robot's frame
+  Pose swept{};                       // robot at the last beam seen from where it was at the first
+};
+
+struct Beam {
+  Point end;  // frame of the robot at the first beam; where free space ends
+  bool hit;   // false: nothing up to range_max, the beam shows free space only
+  bool on_small_object = false;
+  bool has_normal = false;  // the surface is seen densely enough to know its direction
+  Point normal{};           // robot's frame, towards the laser
+  double spacing = 0.0;     // m along the surface from one beam to the next
+  std::size_t index = 0;    // of its reading
+};
+
+struct Scan {
+  Point eye;  // laser in the robot's frame
+  std::vector<Beam> beams;
+};
+
+// Beams are put where the robot was when each was taken, as if it had moved evenly from the first to the last one.
+// Readings that are NaN, negative or below range_min are dropped; infinity or range_max and above mean free space.
+// `surface_window`: m, neighbours up to this far apart form a surface. `small_object_size`: m, see mark_small_objects.
+Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window,
+               double small_object_size);
+
+}  // namespace mr_robot::slam

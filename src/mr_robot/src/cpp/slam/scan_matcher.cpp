@@ -1,0 +1,314 @@
+#include "scan_matcher.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <limits>
+
+namespace mr_robot::slam {
+namespace {
+
+constexpr int kIterations = 12;
+constexpr double kSpacing = 0.04;     // m between the hits used, so that near walls do not outweigh far ones
+constexpr double kOnSurface = 0.05;   // m
+constexpr double kSure = 0.8;         // share on surfaces from which wheels are said to slip
+constexpr double kMostKnown = 0.5;    // of the hits that must be known for that
+constexpr double kTangential = 0.08;  // m, a surface reaches this far beside its mean
+constexpr int kNeighbours = 2;        // cells around a surface that make up its line
+constexpr double kMatureHits = 20.0;  // of a line, for its full weight
+constexpr double kMatureScans = 5.0;  // same; what was hit in one scan only, such as a robot that drives, has no weight
+constexpr double kAgreement = 16.0;   // squared deviations within which scan and odometry agree
+constexpr std::size_t kLeastBeams = 30;  // to look for old surfaces with
+constexpr double kClosed = 0.7;          // of the hits lie on old surfaces: no loop is to be closed
+constexpr double kLeastOnOld = 0.5;      // that must do so elsewhere, and
+constexpr double kMoreOnOld = 0.2;       // so many more than where the robot seems to be
+constexpr Pose kTight{0.05, 0.05, 0.01};
+constexpr double kSameSide = 0.7;     // cosine
+constexpr double kTrust = 0.5;        // of odometry's deviation where scan and odometry agree
+constexpr double kSamePlace = 0.005;  // m, a hit that moves less between two iterations keeps its line
+
+// Small objects may be robots that drive along and carry the pose with them.
+// Whether a hit is used must not depend on its own noise: asking how far it lies from the last one would prefer, on
+// each wall, hits that err in the direction of the sweep, and turn the robot a little with every match.
+std::vector<const Beam*> choose_beams(const Scan& scan) {
+  std::vector<const Beam*> chosen;
+  double passed = kSpacing;
+  for (const Beam& beam : scan.beams) {
+    if (!beam.has_normal || beam.on_small_object) continue;
+    if (passed >= kSpacing) {
+      chosen.push_back(&beam);
+      passed = 0.0;
+    }
+    passed += beam.spacing;
+  }
+  return chosen;
+}
+
+struct Line {
+  Point through, normal;  // m; unit vector
+  double distance = 0.0;  // m, of the nearest surface
+  double weight = 0.0;
+  bool found = false;
+  int origin = 0;  // of the nearest surface
+};
+
+// What was found for a hit, and where it was then.
+struct Association {
+  Point place;
+  double reach = 0.0;  // m; 0: nothing was looked for yet
+  Line line;
+};
+
+bool same_side(const Surface& surface, const Point& normal) {
+  return surface.normal_x * normal.x + surface.normal_y * normal.y > kSameSide;
+}
+
+Cell around(const Cell& cell, int offset) { return {cell.x + offset, cell.y + offset}; }
+
+// The surfaces of a map up to an origin.
+struct Surfaces {
+  const GridMap& map;
+  int newest = std::numeric_limits<int>::max();
+
+  template <class Visit>
+  void visit(const Cell& low, const Cell& high, Visit visit) const {
+    map.visit_surfaces(low, high, [&](const Surface& surface) {
+      if (surface.origin <= newest) visit(surface);
+    });
+  }
+  bool at(const Cell& cell) const {
+    const Surface* surface = map.surface(cell);
+    return surface != nullptr && surface->origin <= newest;
+  }
+};
+
+const Surface* nearest(const Surfaces& surfaces, const Point& point, const Point& normal, double reach) {
+  const int radius = static_cast<int>(std::ceil(reach / surfaces.map.resolution()));
+  const Cell center = surfaces.map.cell_of(point);
+  const Surface* best = nullptr;
+  double best_distance = reach * reach;
+  surfaces.visit(around(center, -radius), around(center, radius), [&](const Surface& surface) {
+    const double dx = point.x - surface.x, dy = point.y - surface.y;
+    const double distance = dx * dx + dy * dy;
+    if (distance >= best_distance || !same_side(surface, normal)) return;
+    best = &surface;
+    best_distance = distance;
+  });
+  return best;
+}
+
+// The line through the nearest surface and its neighbours. A single cell would not do: a wall on the border of two
+// cells leaves half its hits in each, and hits would be drawn to the nearer half wherever they lie.
+Line line_near(const Surfaces& surfaces, const Point& point, const Point& normal, double reach) {
+  const Surface* center = nearest(surfaces, point, normal, reach);
+  if (center == nullptr) return {};
+  const Cell cell = surfaces.map.cell_of({center->x, center->y});
+  Line line;
+  line.distance = std::hypot(point.x - center->x, point.y - center->y);
+  double hits = 0.0, scans = 0.0;
+  surfaces.visit(around(cell, -kNeighbours), around(cell, kNeighbours), [&](const Surface& surface) {
+    if (!same_side(surface, normal)) return;
+    hits += surface.hits;
+    scans += surface.hits * surface.scans;
+    line.through.x += surface.hits * surface.x;
+    line.through.y += surface.hits * surface.y;
+    line.normal.x += surface.hits * surface.normal_x;
+    line.normal.y += surface.hits * surface.normal_y;
+  });
+  const double length = std::hypot(line.normal.x, line.normal.y);
+  line.through = {line.through.x / hits, line.through.y / hits};
+  line.normal = {line.normal.x / length, line.normal.y / length};
+  const double maturity = std::clamp((scans / hits - 1.0) / (kMatureScans - 1.0), 0.0, 1.0);
+  line.weight = maturity * std::min(1.0, hits / kMatureHits);
+  line.found = true;
+  line.origin = center->origin;
+  return line;
+}
+
+// The line within `reach` of a hit. Most of the time of matching went into finding the same lines again.
+const Line* line_of(const Surfaces& surfaces, const Point& point, const Point& normal, double reach,
+                    Association& known) {
+  const double dx = point.x - known.place.x, dy = point.y - known.place.y;
+  const bool holds = dx * dx + dy * dy < kSamePlace * kSamePlace && (known.line.found || reach <= known.reach);
+  if (known.reach == 0.0 || !holds) known = {point, reach, line_near(surfaces, point, normal, reach)};
+  return known.line.found && known.line.distance < reach ? &known.line : nullptr;
+}
+
+struct Fit {
+  Pose pose;
+  double share = 0.0;  // of the hits in known parts, those on a surface
+  double known = 0.0;  // share of the hits that lie in known parts
+  std::map<int, Support> origins{};
+};
+
+// A hit that lies on no surface: whether the map knows better.
+bool contradicts(const GridMap& map, const Point& eye, const Point& point) {
+  return map.known(map.cell_of(point)) || map.blocked(eye, point);
+}
+
+// What the map says to the hits at the pose of the fit.
+void judge(const Surfaces& surfaces, const std::vector<const Beam*>& beams, const Point& eye, double reach,
+           double precision, std::vector<Association>& associations, Fit* fit) {
+  const Frame frame(fit->pose);
+  const Point from = frame * eye;
+  int on_surface = 0, against = 0;
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const Point point = frame * beams[i]->end;
+    const Line* line = line_of(surfaces, point, frame.turned(beams[i]->normal), reach, associations[i]);
+    bool on = false;
+    if (line != nullptr) {
+      const double dx = point.x - line->through.x, dy = point.y - line->through.y;
+      const double beside = -line->normal.y * dx + line->normal.x * dy;
+      on = std::abs(beside) <= kTangential && std::abs(line->normal.x * dx + line->normal.y * dy) < kOnSurface;
+    }
+    on_surface += on;
+    if (on) {
+      Support& support = fit->origins[line->origin];
+      support.share += 1.0 / static_cast<double>(beams.size());
+      const Point arm = frame.turned(beams[i]->end), &normal = line->normal;
+      const Eigen::Vector3d jacobian(normal.x, normal.y, -normal.x * arm.y + normal.y * arm.x);
+      support.information += precision * line->weight * jacobian * jacobian.transpose();
+    }
+    against += !on && contradicts(surfaces.map, from, point);
+  }
+  const int known = on_surface + against;
+  fit->share = known == 0 ? 0.0 : static_cast<double>(on_surface) / known;
+  fit->known = beams.empty() ? 0.0 : static_cast<double>(known) / static_cast<double>(beams.size());
+}
+
+// Gauss-Newton on point-to-line distances with Cauchy weights and the odometry prior.
+Fit refine(const Surfaces& surfaces, const std::vector<const Beam*>& beams, const Pose& start, const Pose& expected,
+           const Pose& deviation, double surface_deviation, const Point& eye, const MatchOptions& options,
+           std::vector<Association>& associations) {
+  const double precision = 1.0 / (surface_deviation * surface_deviation);
+  Fit fit{start};
+  double reach = options.reach;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const Pose& pose = fit.pose;
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    information.diagonal() << 1.0 / (deviation.x * deviation.x), 1.0 / (deviation.y * deviation.y),
+        1.0 / (deviation.yaw * deviation.yaw);
+    Eigen::Vector3d gradient(pose.x - expected.x, pose.y - expected.y, normalized(pose.yaw - expected.yaw));
+    gradient = information * gradient;
+    const Frame frame(pose);
+    for (std::size_t i = 0; i < beams.size(); ++i) {
+      const Point arm = frame.turned(beams[i]->end), normal = frame.turned(beams[i]->normal);
+      const Point point{pose.x + arm.x, pose.y + arm.y};
+      const Line* found = line_of(surfaces, point, normal, reach, associations[i]);
+      if (found == nullptr) continue;
+      const Line& line = *found;
+      const double nx = line.normal.x, ny = line.normal.y;
+      const double dx = point.x - line.through.x, dy = point.y - line.through.y;
+      const double residual = nx * dx + ny * dy, beside = -ny * dx + nx * dy;
+      if (std::abs(beside) > kTangential) continue;
+      const double scaled = residual / (2.5 * options.surface_deviation);
+      const double weight = precision * line.weight / (1.0 + scaled * scaled);
+      const Eigen::Vector3d jacobian(nx, ny, -nx * arm.y + ny * arm.x);
+      information += weight * jacobian * jacobian.transpose();
+      gradient += weight * residual * jacobian;
+    }
+    const Eigen::Vector3d step = information.ldlt().solve(-gradient);
+    fit.pose = {pose.x + step.x(), pose.y + step.y(), normalized(pose.yaw + step.z())};
+    reach = std::max(0.5 * reach, 0.12);
+    if (iteration > 1 && step.head<2>().norm() < 2e-4 && std::abs(step.z()) < 1e-4) break;
+  }
+  judge(surfaces, beams, eye, reach, precision, associations, &fit);
+  return fit;
+}
+
+// Exhaustive search over a window (correlative matching, Olson 2009) on every fourth hit.
+Pose search(const Surfaces& surfaces, const std::vector<const Beam*>& beams, const Pose& center, const Pose& window) {
+  const GridMap& map = surfaces.map;
+  const double step = map.resolution(), turn_step = 0.025;
+  const int steps = static_cast<int>(std::ceil(window.x / step));
+  const int turns = static_cast<int>(std::ceil(window.yaw / turn_step));
+  Pose best = center;
+  double best_score = -1.0;
+  std::vector<Cell> cells;
+  for (int turn = -turns; turn <= turns; ++turn) {
+    const Pose turned{center.x, center.y, normalized(center.yaw + turn * turn_step)};
+    const Frame frame(turned);
+    cells.clear();
+    for (std::size_t i = 0; i < beams.size(); i += 4) cells.push_back(map.cell_of(frame * beams[i]->end));
+    for (int dy = -steps; dy <= steps; ++dy) {
+      for (int dx = -steps; dx <= steps; ++dx) {
+        double score = 0.0;
+        for (const Cell& cell : cells) score += surfaces.at({cell.x + dx, cell.y + dy});
+        // Ties go to the pose nearest to the expectation.
+        score -= 1e-3 * (dx * dx + dy * dy) + 1e-2 * turn * turn;
+        if (score <= best_score) continue;
+        best_score = score;
+        best = {center.x + dx * step, center.y + dy * step, turned.yaw};
+      }
+    }
+  }
+  return best;
+}
+
+bool agree(const Pose& a, const Pose& b, const Pose& deviation) {
+  const double x = (a.x - b.x) / deviation.x, y = (a.y - b.y) / deviation.y;
+  const double yaw = normalized(a.yaw - b.yaw) / deviation.yaw;
+  return x * x + y * y + yaw * yaw < kAgreement;
+}
+
+// Of all hits, those on surfaces.
+double share_on(const Fit& fit) { return fit.share * fit.known; }
+
+bool better(const Fit& fit, const Fit& than) { return fit.share > than.share + 0.05; }
+
+}  // namespace
+
+Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
+                 const Pose& previous, const MatchOptions& options) {
+  const std::vector<const Beam*> beams = choose_beams(scan);
+  if (beams.size() < 10) return {expected};
+  std::vector<Association> associations(beams.size());
+  const auto fit = [&](const Pose& start) {
+    return refine({map}, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations);
+  };
+  Fit best = fit(expected);
+  if (best.known < options.known_share) return {expected, best.share};
+  if (best.share < options.good_share) {
+    Match match{expected, best.share, Outcome::kContradicts};
+    Fit other = fit(previous);
+    match.stays = better(other, best) && other.share >= kSure && other.known >= kMostKnown;
+    if (!match.stays && best.share < options.poor_share)
+      other = fit(search({map}, beams, expected, {options.window, options.window, options.angular_window}));
+    const bool found = other.known >= options.known_share && better(other, best);
+    if (found && other.share >= options.good_share) match.elsewhere = other.pose;
+    if (found || best.share < options.poor_share) return match;
+  }
+  // Neighbouring hits err together (walls on cell borders, corners), so where the wheels do not slip odometry is
+  // worth more beside the scan than independent hits would leave it; this keeps headings from creeping. And where walls
+  // fix no position along them, a robot that drives ahead must not carry this one with it: odometry is overruled only
+  // where it explains the scan worse.
+  const bool agreed = agree(best.pose, expected, deviation);
+  const Pose trusted{kTrust * deviation.x, kTrust * deviation.y, deviation.yaw};
+  const Fit joint = refine({map}, beams, agreed ? best.pose : expected, expected, trusted, options.joint_deviation,
+                           scan.eye, options, associations);
+  if (!agreed && better(best, joint)) return {expected, joint.share, Outcome::kContradicts, best.pose};
+  if (joint.share < options.poor_share) return {expected, joint.share, Outcome::kContradicts};
+  Match match{joint.pose, joint.share, Outcome::kMatched};
+  match.known = joint.known;
+  match.origins = joint.origins;
+  return match;
+}
+
+std::optional<Match> match_old(const GridMap& map, int newest, const Scan& scan, const Pose& pose, const Pose& window,
+                               const MatchOptions& options) {
+  const std::vector<const Beam*> beams = choose_beams(scan);
+  if (beams.size() < kLeastBeams) return std::nullopt;
+  const Surfaces old{map, newest};
+  const auto fit = [&](const Pose& start, const Pose& deviation) {
+    std::vector<Association> associations(beams.size());
+    return refine(old, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations);
+  };
+  const Fit now = fit(pose, kTight);
+  const Fit best = fit(search(old, beams, pose, window), window);
+  if (share_on(best) < kLeastOnOld || share_on(best) < share_on(now) + kMoreOnOld) return std::nullopt;
+  Match match{best.pose, best.share, Outcome::kMatched};
+  match.known = best.known;
+  match.origins = best.origins;
+  return match;
+}
+
+}  // namespace mr_robot::slam

@@ -1,0 +1,57 @@
+// Where must the robot be for its scan to lie on the surfaces of the map?
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <optional>
+
+#include "grid_map.hpp"
+#include "scan.hpp"
+
+namespace mr_robot::slam {
+
+struct MatchOptions {
+  double reach = 0.25;              // m, how far from a surface a hit may be to be drawn to it
+  double surface_deviation = 0.02;  // m, standard deviation of hits around surfaces
+  double joint_deviation = 0.05;    // m, the same where hits and odometry are weighed against one another
+  double window = 0.4;              // m, half width of the search where odometry alone does not lead to a match
+  double angular_window = 0.2;      // rad, same for the heading
+  double good_share = 0.6;          // share of hits on surfaces that makes a match certain
+  double poor_share = 0.3;          // share below which the scan contradicts the map
+  double known_share = 0.15;        // of the hits that must lie in known parts for a match
+};
+
+enum class Outcome {
+  kMatched,
+  kNothingKnown,  // too little of what the scan shows has been seen before: it may enter the map at odometry's pose
+  kContradicts,   // the pose is odometry's, and wrong
+};
+
+// Of the hits that lie on surfaces of one origin: their share of all, and what they alone say of the pose.
+struct Support {
+  double share = 0.0;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+};
+
+struct Match {
+  Pose pose;
+  double share = 0.0;  // of the hits in known parts, those that lie on a surface
+  Outcome outcome = Outcome::kNothingKnown;
+  // Where the scan would fit far from where odometry leads: to be believed when scans from other places say the same.
+  std::optional<Pose> elsewhere = std::nullopt;
+  bool stays = false;  // that is where it was: its wheels slip
+  double known = 0.0;  // share of the hits that lie in known parts
+  std::map<int, Support> origins{};
+};
+
+// `expected`: pose by odometry with its standard deviations, weak enough for the scan to overrule slipping wheels.
+// `previous`: pose at the last match that held, where the robot still is if its wheels slipped.
+Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
+                 const Pose& previous, const MatchOptions& options);
+
+// Of a robot that comes back to where it was long ago: where it must be for its scan to lie on the surfaces up to
+// origin `newest`, within `window` (m, rad) of `pose`. Nothing where they say no more than at `pose`.
+std::optional<Match> match_old(const GridMap& map, int newest, const Scan& scan, const Pose& pose, const Pose& window,
+                               const MatchOptions& options);
+
+}  // namespace mr_robot::slam

@@ -1,0 +1,156 @@
+#include "slam.hpp"
+
+namespace mr_robot::slam {
+namespace {
+
+// Scans of a robot that stands which enter the map; the next ones only take from it. Hits that err by turns into one
+// cell and into the next would make thick walls.
+constexpr int kRestLimit = 3;
+constexpr int kStays = 2;                   // matches in a row for which the wheels have slipped
+constexpr int kSayTheSame = 8;              // matches that bring the robot elsewhere
+constexpr Pose kSlipped{0.03, 0.03, 0.03};  // m and rad, deviations from where the robot stood when its wheels slipped
+constexpr double kSameDistance = 0.1;       // m within which they say the same
+constexpr double kSameAngle = 0.05;         // rad
+constexpr double kOtherDistance = 0.4;      // m from the first to the last
+constexpr double kOtherAngle = 0.7;         // rad
+
+bool near(const Pose& a, const Pose& b) {
+  return slam::distance(a, b) < kSameDistance && std::abs(normalized(a.yaw - b.yaw)) < kSameAngle;
+}
+
+}  // namespace
+
+bool Elsewhere::far_from_first(const Pose& odometry) const {
+  return slam::distance(first_, odometry) > kOtherDistance ||
+         std::abs(normalized(odometry.yaw - first_.yaw)) > kOtherAngle;
+}
+
+bool Elsewhere::add(const Match& match, const Pose& odometry) {
+  stays_ = match.elsewhere && match.stays ? stays_ + 1 : 0;
+  if (!match.elsewhere) return false;
+  const bool same = count_ > 0 && near(*match.elsewhere, correction_ * odometry);
+  if (!same) first_ = odometry;
+  count_ = same ? count_ + 1 : 1;
+  correction_ = *match.elsewhere * between(odometry, Pose{});
+  return stays_ >= kStays || (count_ >= kSayTheSame && far_from_first(odometry));
+}
+
+Slam::Slam(const SlamOptions& options)
+    : options_(options), map_(options.grid), memory_(options.grid, options.surface_window, options.small_object_size) {}
+
+bool Slam::moved(const Pose& from, const Pose& to, double distance, double angle) const {
+  // A whisker below the threshold, so that steps of exactly that length count.
+  return slam::distance(from, to) >= distance - 1e-4 || std::abs(normalized(to.yaw - from.yaw)) >= angle - 1e-4;
+}
+
+Pose Slam::pose_at(const Pose& odometry) const {
+  return started_ ? pose_ * model_.corrected(between(odometry_, odometry)) : Pose{};
+}
+
+Pose Slam::map_to_odometry() const { return pose_ * between(odometry_, Pose{}); }
+
+// Returns whether that changed the map.
+bool Slam::insert(const Scan& scan, bool stands, double time) {
+  rested_ = stands ? rested_ + 1 : 0;
+  inserted_ = pose_;
+  updated_at_ = time;
+  return map_.insert(scan, pose_, memory_.origin(pose_));
+}
+
+void Slam::start(const Scan& scan, const Pose& odometry, double time, SlamUpdate* update) {
+  insert(scan, false, time);
+  odometry_ = odometry;
+  started_ = true;
+  update->matched = update->inserted = true;
+  update->share = 1.0;
+}
+
+SlamUpdate Slam::rest(const Pose& odometry) const {
+  SlamUpdate update;
+  update.pose = pose_at(odometry);
+  update.matched = !contradicted_;
+  update.share = share_;
+  return update;
+}
+
+// The wheels turned and the robot moved by no more than it may have done before they slipped.
+SlamUpdate Slam::slip(const Scan& scan, const Pose& odometry) {
+  const Match match = match_scan(map_, scan, stood_, kSlipped, stood_, options_.match);
+  pose_ = confirmed_ = match.outcome == Outcome::kMatched ? match.pose : stood_;
+  odometry_ = odometry;
+  contradicted_ = left_confirmed_ = false;
+  elsewhere_.clear();
+  model_.interrupt();
+  return rest(odometry);
+}
+
+// The map has been drawn anew: what lay at the first pose lies at the second.
+bool Slam::follow(const std::optional<std::pair<Pose, Pose>>& change) {
+  if (!change) return false;
+  for (Pose* pose : {&pose_, &confirmed_, &inserted_, &stood_}) *pose = change->second * between(change->first, *pose);
+  elsewhere_.clear();
+  return true;
+}
+
+SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeometry& geometry, const Pose& odometry,
+                         double time) {
+  const bool stands = started_ && !moved(odometry_, odometry, options_.match_distance, options_.match_angle);
+  // What has left while the robot stood must not stay in the map: it may be all that keeps the robot standing.
+  const bool due = !contradicted_ && std::abs(time - updated_at_) >= options_.insert_interval;
+  if (stands && !due) return rest(odometry);
+  const Scan scan = make_scan(ranges, size, geometry, options_.surface_window, options_.small_object_size);
+  SlamUpdate update;
+  if (stands && rested_ >= kRestLimit) {
+    update = rest(odometry);
+    update.inserted = map_.clear(scan, update.pose);
+    updated_at_ = time;
+    return update;
+  }
+  if (!started_) {
+    start(scan, odometry, time, &update);
+    memory_.add({ranges, ranges + size}, geometry, pose_, odometry, way_, model_, Match{});
+    standing_.judge(ranges, size, geometry, scan, odometry);
+    return update;
+  }
+  const Standing::Verdict verdict = standing_.judge(ranges, size, geometry, scan, odometry);
+  if (verdict == Standing::Verdict::kStands) return slip(scan, odometry);
+  const Pose motion = between(odometry_, odometry);
+  way_.distance += std::hypot(motion.x, motion.y);
+  way_.turn += std::abs(motion.yaw);
+  Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), confirmed_, options_.match);
+  left_confirmed_ |= verdict == Standing::Verdict::kMoved;
+  if (match.stays && left_confirmed_) match.elsewhere.reset();
+  const bool doubtful = verdict == Standing::Verdict::kSeemsToStand;
+  if (match.outcome == Outcome::kMatched && !doubtful && !match.elsewhere && match.share > options_.match.good_share) {
+    model_.learn(motion, between(pose_, match.pose));
+  } else {
+    model_.interrupt();
+  }
+  pose_ = match.pose;
+  odometry_ = odometry;
+  contradicted_ = match.outcome == Outcome::kContradicts;
+  if (elsewhere_.add(match, odometry)) {
+    pose_ = *match.elsewhere;
+    contradicted_ = false;
+    elsewhere_.clear();
+  }
+  if (!contradicted_) {
+    confirmed_ = pose_;
+    left_confirmed_ = false;
+  }
+  if (!contradicted_ && !doubtful && !match.elsewhere &&
+      (stands || moved(inserted_, pose_, options_.insert_distance, options_.insert_angle))) {
+    update.inserted = insert(scan, stands, time);
+    if (memory_.add({ranges, ranges + size}, geometry, pose_, odometry, way_, model_, match)) {
+      memory_.close_loop(map_, scan, model_, options_.match);
+    }
+  }
+  if (verdict == Standing::Verdict::kMoved || verdict == Standing::Verdict::kUnknown) stood_ = pose_;
+  update.inserted |= follow(memory_.work(&map_));
+  update.pose = pose_;
+  update.matched = !contradicted_;
+  update.share = share_ = match.share;
+  return update;
+}
+
+}  // namespace mr_robot::slam

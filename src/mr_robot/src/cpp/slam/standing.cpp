@@ -1,0 +1,67 @@
+#include "standing.hpp"
+
+namespace mr_robot::slam {
+namespace {
+
+constexpr double kLeastWay = 0.08;    // m by odometry from which scans tell motion from rest
+constexpr double kLeastAngle = 0.07;  // rad
+constexpr double kTolerance = 0.03;   // m between equal readings, plus
+constexpr double kShare = 0.02;       // of the range
+constexpr int kLeastBeams = 20;       // that are compared
+constexpr double kSame = 0.55;        // of them that see what they saw, where the robot stands among others that move,
+constexpr double kClearly = 0.25;     // and so many more than see what they would if it had moved
+constexpr double kSeen = 0.1;         // so many more of them see that it moved
+constexpr double kMostWay = 0.5;      // m, and
+constexpr double kMostAngle = 0.6;    // rad by odometry that are waited for a verdict
+
+bool equal(double a, double b) { return std::abs(a - b) < kTolerance + kShare * std::max(a, b); }
+
+bool is_hit(float range, const LaserGeometry& geometry) {
+  return range >= geometry.range_min && range < geometry.range_max - 1e-3;
+}
+
+}  // namespace
+
+void Standing::keep(const float* ranges, std::size_t size, const Scan& scan, const Pose& odometry) {
+  ranges_.assign(ranges, ranges + size);
+  beams_ = scan.beams;
+  odometry_ = odometry;
+}
+
+Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const LaserGeometry& geometry,
+                                  const Scan& scan, const Pose& odometry) {
+  if (ranges_.size() != size) {
+    keep(ranges, size, scan, odometry);
+    return Verdict::kUnknown;
+  }
+  const Pose motion = between(odometry_, odometry);
+  const bool drives = std::hypot(motion.x, motion.y) >= kLeastWay;
+  if (!drives && std::abs(motion.yaw) < kLeastAngle) return Verdict::kUndecided;
+  const Frame to_laser(between(geometry.mount, Pose{}) * between(motion, Pose{}));
+  const double middle = geometry.angle_min + 0.5 * static_cast<double>(size - 1) * geometry.angle_increment;
+  int compared = 0, same = 0, moved = 0;
+  for (const Beam& beam : beams_) {
+    // A robot that drives ahead looks as if one stood, but not when one turns.
+    if (!beam.hit || (drives && beam.on_small_object)) continue;
+    const Point end = to_laser * beam.end;
+    const double off = normalized(std::atan2(end.y, end.x) - middle) / geometry.angle_increment;
+    const auto other = std::lround(off + 0.5 * static_cast<double>(size - 1));
+    if (other < 0 || other >= static_cast<long>(size)) continue;
+    ++compared;
+    const float now = ranges[beam.index], there = ranges[other];
+    same += is_hit(now, geometry) && equal(now, ranges_[beam.index]);
+    moved += is_hit(there, geometry) && equal(there, std::hypot(end.x, end.y));
+  }
+  if (compared >= kLeastBeams && same >= kSame * compared && same - moved >= kClearly * compared) {
+    odometry_ = odometry;
+    return Verdict::kStands;
+  }
+  const bool far = std::hypot(motion.x, motion.y) >= kMostWay || std::abs(motion.yaw) >= kMostAngle;
+  const bool moves = moved - same >= kSeen * compared;
+  // Along a wall, or turned by little, a robot would see much the same.
+  if (!moves && !far) return same - moved >= kSeen * compared ? Verdict::kSeemsToStand : Verdict::kUndecided;
+  keep(ranges, size, scan, odometry);
+  return moves ? Verdict::kMoved : Verdict::kUnknown;
+}
+
+}  // namespace mr_robot::slam

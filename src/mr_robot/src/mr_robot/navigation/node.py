@@ -1,0 +1,223 @@
+"""The move_base node: parameters, topics, tf and the action of the navigation engine."""
+
+import socket
+import sys
+import threading
+from dataclasses import fields
+from typing import Any, Dict, Optional, Union
+
+import actionlib
+import rospy
+import tf2_ros
+from adhoc_communication.msg import MmListOfPoints
+from geometry_msgs.msg import PoseStamped, Twist
+from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseResult
+from nav_msgs.msg import OccupancyGrid, Path
+from rospy.numpy_msg import numpy_msg
+from sensor_msgs.msg import LaserScan
+
+from mr_grid import Pose
+from mr_robot.navigation import ros_io
+from mr_robot.navigation.engine import Navigator, Status
+from mr_robot.navigation.options import NavigationError, NavigationOptions
+from mr_robot.ros_poses import transform_pose
+
+FRAMES = {"map_frame": "map", "base_frame": "base_footprint"}
+DRIVERS = {"scan_topic": "base_scan", "velocity_topic": "cmd_vel"}
+TOPICS = {"others": "all_positions", "plan": "~plan"}
+MAP_TOPIC = "map_merger/global_map"
+OWN_MAP_TOPIC = "map"  # of this robot's SLAM
+SCAN_AGE = 0.5  # s after which a scan no longer tells what is around
+POSE_AGE = 0.5  # s after which the pose no longer tells where the robot is
+PLAN_PERIOD = 1.0  # s between published paths
+FEEDBACK_PERIOD = 0.5  # s
+
+
+def options() -> NavigationOptions:
+    values: Dict[str, Union[float, bool]] = {}
+    for field in fields(NavigationOptions):
+        value = rospy.get_param("~" + field.name, field.default)
+        wanted = bool if isinstance(field.default, bool) else int if isinstance(field.default, int) else float
+        if isinstance(value, bool) != (wanted is bool) or not isinstance(value, (int, float)):
+            raise NavigationError(f"parameter ~{field.name} must be a {wanted.__name__}, not {value!r}")
+        values[field.name] = wanted(value)
+    return NavigationOptions(**values)  # type: ignore[arg-type]
+
+
+def robot_name() -> str:
+    """Parameter ~robot_name, else robot_name of a parent namespace, else the namespace, else the computer's name."""
+    found = rospy.search_param("robot_name")
+    return str(rospy.get_param(found)) if found else rospy.get_namespace().strip("/") or socket.gethostname()
+
+
+class MoveBaseNode:
+    def __init__(self) -> None:
+        self._navigator = Navigator(options(), robot_name())
+        self._frames: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in FRAMES.items()}
+        drivers: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in DRIVERS.items()}
+        self._lock = threading.RLock()
+        self._scan: Optional[Any] = None
+        self._mounts: Dict[str, Pose] = {}
+        self._planned_at = self._fed_back_at = -float("inf")
+        self._moving = False
+        self._buffer = tf2_ros.Buffer(rospy.Duration(10.0))
+        self._listener = tf2_ros.TransformListener(self._buffer)
+        self._command = rospy.Publisher(drivers["velocity_topic"], Twist, queue_size=1)
+        self._plan = rospy.Publisher(TOPICS["plan"], Path, queue_size=1, latch=True)
+        self._server = actionlib.SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
+        self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
+        rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1)
+        map_topic = rospy.get_param("~map_topic", MAP_TOPIC)
+        rospy.Subscriber(map_topic, numpy_msg(OccupancyGrid), self._on_map, queue_size=1, buff_size=2**24)
+        rospy.Subscriber(OWN_MAP_TOPIC, numpy_msg(OccupancyGrid), self._on_own_map, queue_size=1, buff_size=2**24)
+        rospy.Subscriber(TOPICS["others"], MmListOfPoints, self._on_others, queue_size=1)
+        rospy.Subscriber(drivers["scan_topic"], numpy_msg(LaserScan), self._on_scan, queue_size=1)
+        self._server.start()
+        period = rospy.Duration(self._navigator.options.controller_period)
+        self._timer = rospy.Timer(period, self._on_timer, reset=True)
+        rospy.on_shutdown(self._stop)
+
+    # --- inputs -------------------------------------------------------------------------------------------------------
+
+    def _on_map(self, message: Any) -> None:
+        try:
+            with self._lock:
+                self._navigator.set_map(ros_io.grid_value(message))
+        except NavigationError as error:
+            rospy.logwarn_throttle(10.0, f"map ignored: {error}")
+
+    def _on_own_map(self, message: Any) -> None:
+        try:
+            with self._lock:
+                self._navigator.set_own_map(ros_io.grid_value(message), rospy.get_time())
+        except NavigationError as error:
+            rospy.logwarn_throttle(10.0, f"own map ignored: {error}")
+
+    def _on_scan(self, message: Any) -> None:
+        self._scan = message
+
+    def _on_others(self, message: MmListOfPoints) -> None:
+        positions = {point.src_robot: (point.x, point.y) for point in message.positions}
+        with self._lock:
+            ignored = self._navigator.set_others(positions, rospy.get_time())
+        if ignored:
+            rospy.logwarn_throttle(
+                60.0, f"{TOPICS['others']}: positions of {', '.join(ignored[:5])} cannot be, ignored"
+            )
+
+    def _on_simple_goal(self, message: PoseStamped) -> None:
+        goal = MoveBaseActionGoal()
+        goal.header.stamp = rospy.Time.now()
+        goal.goal.target_pose = message
+        self._goals.publish(goal)
+
+    def _take_requests(self) -> None:
+        """New goals and cancellations. Asked for in each control period: the server's callbacks run under its own lock,
+        so they must not wait for this node's lock, which is held while the server is called."""
+        if self._server.is_new_goal_available():
+            self._take_goal(self._server.accept_new_goal())
+        elif self._server.is_preempt_requested() and self._server.is_active():
+            self._navigator.cancel()
+            self._server.set_preempted(MoveBaseResult(), "goal was cancelled")
+
+    def _take_goal(self, goal: Any) -> None:
+        if goal is None:
+            return
+        try:
+            self._navigator.set_goal(self._in_map(goal.target_pose), rospy.get_time())
+            self._planned_at = -float("inf")
+        except NavigationError as error:
+            self._navigator.cancel()
+            self._server.set_aborted(MoveBaseResult(), str(error))
+
+    def _in_map(self, target: PoseStamped) -> Pose:
+        goal = ros_io.goal_value(target)
+        frame = target.header.frame_id.lstrip("/")
+        if frame == self._frames["map_frame"]:
+            return goal
+        if not frame:
+            raise NavigationError("goal names no frame: set target_pose.header.frame_id")
+        try:
+            message = self._buffer.lookup_transform(self._frames["map_frame"], frame, rospy.Time(0))
+        except tf2_ros.TransformException as error:
+            raise NavigationError(
+                f"goal is given in frame {frame}, which has no transform to the map: {error}"
+            ) from None
+        return transform_pose(message).compose(goal)
+
+    # --- control ------------------------------------------------------------------------------------------------------
+
+    def _on_timer(self, _: rospy.timer.TimerEvent) -> None:
+        with self._lock:
+            self._take_requests()
+            if not self._server.is_active() and not self._moving:
+                return
+            self._control(rospy.get_time())
+
+    def _control(self, now: float) -> None:
+        pose = self._pose(now)
+        command = self._navigator.step(now, pose, self._scan_value(now))
+        twist = Twist()
+        twist.linear.x, twist.angular.z = command.linear, command.angular
+        self._command.publish(twist)
+        self._moving = command.linear != 0.0 or command.angular != 0.0
+        if not self._server.is_active():
+            return
+        if command.status is Status.SUCCEEDED:
+            self._server.set_succeeded(MoveBaseResult(), "goal reached")
+        elif command.status is Status.ABORTED:
+            rospy.logwarn(command.text)
+            self._server.set_aborted(MoveBaseResult(), command.text)
+        elif pose is not None:
+            self._report(now, pose)
+
+    def _report(self, now: float, pose: Pose) -> None:
+        stamp, frame = rospy.Time.from_sec(now), self._frames["map_frame"]
+        if not 0.0 <= now - self._fed_back_at < FEEDBACK_PERIOD:
+            self._fed_back_at = now
+            self._server.publish_feedback(ros_io.feedback_message(pose, frame, stamp))
+        if self._plan.get_num_connections() and not 0.0 <= now - self._planned_at < PLAN_PERIOD:
+            self._planned_at = now
+            self._plan.publish(ros_io.path_message(self._navigator.path(pose), frame, stamp))
+
+    def _pose(self, now: float) -> Optional[Pose]:
+        try:
+            message = self._buffer.lookup_transform(
+                self._frames["map_frame"], self._frames["base_frame"], rospy.Time(0)
+            )
+        except tf2_ros.TransformException as error:
+            rospy.logwarn_throttle(10.0, f"pose of the robot is unknown: {error}")
+            return None
+        return transform_pose(message) if now - message.header.stamp.to_sec() < POSE_AGE else None
+
+    def _scan_value(self, now: float) -> Any:
+        message = self._scan
+        if message is None or now - message.header.stamp.to_sec() > SCAN_AGE:
+            return None
+        frame = message.header.frame_id
+        if frame not in self._mounts:
+            try:
+                transform = self._buffer.lookup_transform(self._frames["base_frame"], frame, rospy.Time(0))
+            except tf2_ros.TransformException as error:
+                rospy.logwarn_throttle(10.0, f"place of the laser is unknown: {error}")
+                return None
+            self._mounts[frame] = transform_pose(transform)
+        return ros_io.scan_value(message, self._mounts[frame])
+
+    def _stop(self) -> None:
+        self._command.publish(Twist())
+
+
+def main() -> int:
+    rospy.init_node("move_base")
+    try:
+        MoveBaseNode()
+    except NavigationError as error:
+        rospy.logfatal(str(error))
+        return 1
+    rospy.spin()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

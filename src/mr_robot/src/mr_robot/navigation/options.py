@@ -1,0 +1,103 @@
+"""Options and values of the navigation engine. SI units, angles in radians, everything in the frame of the map."""
+
+from dataclasses import dataclass, fields
+from functools import lru_cache
+
+import numpy as np
+
+from mr_grid import Pose
+from mr_robot import _navigation
+
+
+class NavigationError(ValueError):
+    """A parameter, map or goal that navigation cannot work with."""
+
+
+@dataclass(frozen=True)
+class NavigationOptions:
+    max_linear_velocity: float = 0.5  # m/s
+    max_angular_velocity: float = 1.57  # rad/s
+    linear_acceleration: float = 1.0  # m/s^2
+    angular_acceleration: float = 3.14  # rad/s^2
+    footprint_length: float = 0.44  # m, along the robot
+    footprint_width: float = 0.38
+    largest_robot_radius: float = 0.29  # m, from the centre of the largest robot of the team to its farthest corner
+    obstacle_margin: float = 0.05  # m between footprint and what the laser sees
+    moving_margin: float = 0.1  # m between footprint and what the map does not know, which may move
+    moving_reaction_time: float = 0.25  # s of driving by which that margin grows
+    inflation_radius: float = 0.6  # m from walls within which paths cost more
+    xy_goal_tolerance: float = 0.15  # m
+    yaw_goal_tolerance: float = 6.3  # rad; pi or more = any heading
+    goal_search_radius: float = 0.5  # m around a goal in a wall or in the unknown within which another is taken
+    allow_unknown: bool = False  # plan through cells never seen
+    controller_period: float = 0.1  # s
+    plan_period: float = 1.0  # s
+    obstacle_memory: float = 4.0  # s an obstacle out of sight is remembered
+    yield_patience: float = 1.0  # s a robot that has to give way waits before it does
+    blocked_timeout: float = 25.0  # s a way may stay blocked or the robot stuck before the goal is given up
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.type is bool or field.type == "bool":
+                continue
+            if not (np.isfinite(value) and value > 0):
+                raise NavigationError(f"parameter {field.name} must be a positive number, not {value!r}")
+        if self.inflation_radius <= self.inscribed_radius:
+            raise NavigationError(
+                f"parameter inflation_radius must exceed half the robot's width and margin, {self.inscribed_radius:g} m"
+            )
+
+    @property
+    def half_width(self) -> float:
+        """Nearest the robot's centre can come to a wall, m."""
+        return min(self.footprint_length, self.footprint_width) / 2.0
+
+    @property
+    def inscribed_radius(self) -> float:
+        """Nearest the robot's centre comes to a wall unless there is no other way."""
+        return self.half_width + self.obstacle_margin
+
+    @property
+    def circumscribed_radius(self) -> float:
+        return float(np.hypot(self.footprint_length, self.footprint_width)) / 2.0
+
+    @property
+    def passing_distance(self) -> float:
+        """Metres between the centres of this robot and another one from which on both can turn."""
+        return round(self.circumscribed_radius + self.largest_robot_radius + 0.22, 2)
+
+    def reach_in(self, seconds: float) -> float:
+        """Metres around the robot's centre in which obstacles bear on a motion of that duration."""
+        way = self.max_linear_velocity * (seconds + self.moving_reaction_time)
+        return round(way + self.circumscribed_radius + self.moving_margin + 0.23, 2)
+
+
+@dataclass(frozen=True)
+class Scan:
+    """`points`: (n, 2) hits in the robot's frame; `bearings`, `ranges`: (m,) of all valid beams from the laser."""
+
+    points: np.ndarray
+    ranges: np.ndarray  # m, valid beams keep their reading, others are 0
+    angle_min: float
+    angle_increment: float
+    range_max: float
+    mount: Pose
+
+
+def make_scan(
+    ranges: np.ndarray, angle_min: float, angle_increment: float, range_min: float, range_max: float, mount: Pose
+) -> Scan:
+    """`ranges`: m, (m,), of beams from `angle_min` on, rad; infinity = nothing hit. `mount`: the laser on the robot."""
+    directions = _directions(len(ranges), angle_min, angle_increment, mount[2])
+    ranges, points = _navigation.hits(ranges, directions, range_min, range_max, mount[:2])
+    return Scan(points, ranges, angle_min, angle_increment, range_max, mount)
+
+
+@lru_cache(maxsize=16)
+def _directions(count: int, angle_min: float, angle_increment: float, yaw: float) -> np.ndarray:
+    """Unit vectors (count, 2) of the beams in the robot's frame."""
+    angles = yaw + angle_min + angle_increment * np.arange(count)
+    directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    directions.flags.writeable = False
+    return directions

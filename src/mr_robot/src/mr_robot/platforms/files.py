@@ -1,0 +1,124 @@
+"""`rosrun mr_robot robot_parameters`: the parameters that follow from the description of a robot, one file per node."""
+
+import argparse
+import os
+import sys
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Dict, NoReturn, Optional, Sequence
+
+import yaml  # type: ignore[import-untyped]
+
+from mr_robot.platforms.parameters import (
+    Parameters,
+    explorer_parameters,
+    kinds_of,
+    merger_parameters,
+    navigation_parameters,
+    slam_parameters,
+)
+from mr_robot.platforms.platform import Frames, Platform, PlatformError, Topics
+from mr_robot.platforms.preset import load_platform
+from mr_robot.platforms.ros_stack import gmapping_parameters, move_base_parameters
+
+BAD_CALL = 2
+_OVERRIDES = {
+    "base_frame": ("frames", "base"),
+    "odom_frame": ("frames", "odom"),
+    "scan_topic": ("topics", "scan"),
+    "odometry_topic": ("topics", "odometry"),
+    "velocity_topic": ("topics", "velocity"),
+}
+"""Options that take the place of a word of the preset."""
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise PlatformError(f"{message} (--help lists the options)")
+
+
+def argument_parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="robot_parameters", description=__doc__)
+    add = parser.add_argument
+    add("--robot", default="", metavar="NAME|FILE", help="kind of this robot (default: the first of the team)")
+    add(
+        "--team",
+        default="",
+        metavar="LIST",
+        help="kinds of robots in the team, with commas between (default: this one)",
+    )
+    add(
+        "--simulated", choices=("true", "false"), default="false", help="true: frames and topics of the simulated robot"
+    )
+    for option in _OVERRIDES:
+        add(f"--{option.replace('_', '-')}", default="", help="instead of the preset's")
+    add("--slam", default="ours", help="ours, gmapping or none (default: %(default)s)")
+    add("--navigation", default="ours", help="ours, move_base or none (default: %(default)s)")
+    add("--out", default="", metavar="FOLDER", help="write NODE.yaml for each node there, too (default: no files)")
+    return parser
+
+
+def parameters_of(
+    platform: Platform, team: Sequence[Platform], slam: str = "ours", navigation: str = "ours"
+) -> Dict[str, Parameters]:
+    """The parameters of each node by its name."""
+    team = kinds_of([platform, *team])
+    ours = navigation != "move_base"
+    return {
+        "slam": gmapping_parameters(platform) if slam == "gmapping" else slam_parameters(platform, team),
+        "move_base": navigation_parameters(platform, team) if ours else move_base_parameters(platform, team),
+        "explorer": explorer_parameters(platform, team),
+        "map_merger": merger_parameters(platform, team),
+    }
+
+
+def described(given: argparse.Namespace) -> Platform:
+    """The robot of a call. Raises PlatformError."""
+    name = given.robot or given.team.split(",")[0].strip()
+    if not name:
+        raise PlatformError("give the kind of robot: --robot pioneer, for example")
+    platform = load_platform(name)
+    if given.simulated == "true":
+        platform = replace(platform, frames=Frames(), topics=Topics())
+    for option, (section, word) in _OVERRIDES.items():
+        value = getattr(given, option)
+        if value:
+            platform = replace(platform, **{section: replace(getattr(platform, section), **{word: value})})
+    _check_remappings(platform, given)
+    return platform
+
+
+def _check_remappings(platform: Platform, given: argparse.Namespace) -> None:
+    """Nodes of other packages have no parameters for their topics: the launch file has to rename these."""
+    topics = platform.topics
+    renamed = [("slam", "gmapping", "scan_topic", topics.scan, Topics.scan)]
+    renamed += [("navigation", "move_base", "velocity_topic", topics.velocity, Topics.velocity)]
+    for role, node, option, topic, usual in renamed:
+        if getattr(given, role) == node and topic not in (usual, getattr(given, option)):
+            raise PlatformError(
+                f"{node} does not read the topic {topic!r} of the preset: add the argument {option}:={topic}"
+            )
+
+
+def write(folder: Path, parameters: Dict[str, Parameters]) -> None:
+    """One YAML file per node. A reader sees the old file or the new one. Raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for node, values in parameters.items():
+        partial = folder / f".{node}.{os.getpid()}"
+        partial.write_text(yaml.safe_dump(values, sort_keys=False), encoding="utf-8")
+        partial.rename(folder / f"{node}.yaml")
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    try:
+        given = argument_parser().parse_args(arguments)
+        platform = described(given)
+        team = [load_platform(name.strip()) for name in given.team.split(",") if name.strip()]
+        parameters = parameters_of(platform, team, given.slam, given.navigation)
+        if given.out:
+            write(Path(given.out), parameters)
+    except (PlatformError, OSError) as error:
+        print(f"robot_parameters: {error}", file=sys.stderr)
+        return BAD_CALL
+    print(yaml.safe_dump({"robot": asdict(platform), **parameters}, sort_keys=False), end="")
+    return 0

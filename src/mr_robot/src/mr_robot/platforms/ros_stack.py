@@ -1,0 +1,51 @@
+"""Parameters of nodes of other packages that may stand in for ours: `slam_gmapping`, and `move_base` of ROS."""
+
+from typing import List, Sequence
+
+from mr_robot.platforms.parameters import Parameters, navigation_parameters
+from mr_robot.platforms.platform import Platform
+
+
+def gmapping_parameters(platform: Platform) -> Parameters:
+    """Of `gmapping slam_gmapping`."""
+    farthest = platform.sensor.range_max
+    return {
+        "base_frame": platform.frames.base,
+        "odom_frame": platform.frames.odom,
+        "maxUrange": round(farthest - 0.1, 3),
+        "maxRange": farthest,
+    }
+
+
+def move_base_parameters(platform: Platform, team: Sequence[Platform]) -> Parameters:
+    """Of `move_base move_base`."""
+    known = navigation_parameters(platform, team)
+    inflation: float = known["inflation_radius"]
+    planner = {
+        "odom_topic": platform.topics.odometry,
+        "max_vel_x": platform.drive.max_linear_velocity,
+        "max_vel_theta": platform.drive.max_angular_velocity,
+        "acc_lim_x": platform.drive.linear_acceleration,
+        "acc_lim_theta": platform.drive.angular_acceleration,
+    }
+    if "yaw_goal_tolerance" in known:
+        planner["yaw_goal_tolerance"] = known["yaw_goal_tolerance"]
+    return {
+        "global_costmap": _costmap(platform, inflation),
+        "local_costmap": {"global_frame": platform.frames.odom, **_costmap(platform, round(inflation - 0.1, 3))},
+        "TrajectoryPlannerROS": planner,
+    }
+
+
+def _costmap(platform: Platform, inflation: float) -> Parameters:
+    return {
+        "robot_base_frame": platform.frames.base,
+        "footprint": _corners(platform),
+        "obstacle_layer": {"scan": {"topic": platform.topics.scan}},
+        "inflation_layer": {"inflation_radius": inflation},
+    }
+
+
+def _corners(platform: Platform) -> List[List[float]]:
+    x, y = platform.footprint.length / 2.0, platform.footprint.width / 2.0
+    return [[-x, -y], [-x, y], [x, y], [x, -y]]

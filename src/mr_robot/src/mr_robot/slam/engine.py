@@ -1,0 +1,143 @@
+"""Local SLAM of one robot: odometry and scans in, pose and map out.
+
+Pure and deterministic: no clock, no randomness, no ROS. The map is an MRPT occupancy grid; poses come from matching
+scans to the surfaces in it (point-to-line, Gauss-Newton), with odometry where scan and wheels agree and without it
+where they do not. The hot loops are C++ (`mr_robot._slam`).
+"""
+
+from bisect import bisect_left
+from collections import deque
+from dataclasses import dataclass, fields
+from typing import Deque, Optional, Tuple
+
+import numpy as np
+
+from mr_grid import IDENTITY, OccupancyGrid, Pose
+from mr_robot import _slam
+
+ODOMETRY_KEPT = 100
+MAP_UPDATE_INTERVAL = 2.0  # s between maps that are handed out
+
+
+class SlamError(ValueError):
+    """A parameter or a message that SLAM cannot work with."""
+
+
+@dataclass(frozen=True)
+class SlamOptions:
+    """Lengths in metres, angles in radians, times in seconds."""
+
+    resolution: float = 0.05  # of the map
+    match_distance: float = 0.04  # by odometry, after which a scan is matched
+    match_angle: float = 0.035
+    insert_distance: float = 0.1  # between scans that enter the map
+    insert_angle: float = 0.087
+    insert_interval: float = 1.0  # s between scans that change the map while the robot stands
+    search_window: float = 0.4  # half width of the search when odometry does not lead to a match
+    surface_window: float = 0.15  # hits this near to one another form a surface
+    surface_deviation: float = 0.02  # standard deviation of hits around surfaces
+    free_radius: float = 0.17  # around the robot that is free because the robot is there
+    small_object_size: float = 0.7  # things that stand free up to this size may be robots and are not matched
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (np.isfinite(value) and value > 0.0):
+                raise SlamError(f"parameter {field.name} must be a positive number, not {value!r}")
+
+
+@dataclass(frozen=True)
+class LaserScan:
+    """`ranges`: float32 (n,), metres, NaN or below `range_min` = invalid, `range_max` or above = nothing there."""
+
+    ranges: np.ndarray
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    mount: Pose  # laser in the robot's frame
+    swept: Pose = IDENTITY  # robot at the last beam, by odometry, seen from where it was at the first
+
+
+@dataclass(frozen=True)
+class SlamUpdate:
+    pose: Pose  # robot in the map frame, at the time of the scan
+    matched: bool  # whether the scan confirmed it; otherwise odometry alone
+    inserted: bool  # whether the map that is handed out changed
+    share: float  # of the scan that lies on known surfaces
+
+
+class OdometryHistory:
+    """Recent odometry, to know where the wheels say the robot was at the time of a scan. Bounded."""
+
+    def __init__(self) -> None:
+        self._times: Deque[float] = deque(maxlen=ODOMETRY_KEPT)
+        self._poses: Deque[Pose] = deque(maxlen=ODOMETRY_KEPT)
+
+    def add(self, time: float, pose: Pose) -> None:
+        """Times must rise; a time before the last one (the clock was set back) starts the history anew."""
+        if self._times and time <= self._times[-1]:
+            if time == self._times[-1]:
+                return
+            self._times.clear()
+            self._poses.clear()
+        self._times.append(time)
+        self._poses.append(pose)
+
+    def newest(self) -> Optional[Tuple[float, Pose]]:
+        return (self._times[-1], self._poses[-1]) if self._times else None
+
+    def at(self, time: float) -> Optional[Pose]:
+        """None when the history does not reach `time` on both sides."""
+        index = bisect_left(self._times, time)
+        if index == len(self._times):
+            return None
+        if self._times[index] == time:
+            return self._poses[index]
+        if index == 0:
+            return None
+        before, after = self._times[index - 1], self._times[index]
+        return self._poses[index - 1].interpolate(self._poses[index], (time - before) / (after - before))
+
+
+class Slam:
+    def __init__(self, options: Optional[SlamOptions] = None) -> None:
+        self.options = options or SlamOptions()
+        core = _slam.SlamOptions()
+        for field in fields(self.options):
+            setattr(core, field.name, getattr(self.options, field.name))
+        self._core = _slam.Slam(core)
+        self.revision = 0  # counts changes of the map
+
+    def process(self, scan: LaserScan, odometry: Pose, time: float) -> SlamUpdate:
+        """`odometry`: robot in the odometry frame at the first beam. `time`: s, of that; only differences
+        count. Raises SlamError for unusable input."""
+        ranges = np.ascontiguousarray(scan.ranges, dtype=np.float32)
+        if ranges.ndim != 1 or ranges.size < 3:
+            raise SlamError(f"a scan needs at least 3 ranges, not {ranges.size}")
+        if not (0.0 < scan.range_max < 1000.0):
+            raise SlamError(f"range_max of the scan must lie between 0 and 1000 m, not {scan.range_max!r}")
+        numbers = (*odometry, *scan.mount, *scan.swept, scan.angle_min, scan.angle_increment, scan.range_min, time)
+        if not np.isfinite(numbers).all():
+            raise SlamError("odometry, time or geometry of the scan is not finite")
+        pose, matched, inserted, share = self._core.process(
+            ranges, odometry, scan.mount, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, time,
+            scan.swept,
+        )  # fmt: skip
+        self.revision += inserted
+        return SlamUpdate(Pose(*pose), matched, inserted, share)
+
+    def pose_at(self, odometry: Pose) -> Pose:
+        """Robot in the map frame when its odometry says `odometry`."""
+        return Pose(*self._core.pose_at(odometry))
+
+    def map_to_odometry(self) -> Pose:
+        """Odometry frame in the map frame."""
+        return Pose(*self._core.map_to_odometry())
+
+    def map(self) -> OccupancyGrid:
+        """The pose at the start is (0, 0, 0), and the origin a multiple of the resolution away from it, not turned: a
+        growing map keeps its lattice."""
+        cells, column, row = self._core.occupancy()
+        resolution = self.options.resolution
+        return OccupancyGrid.of(cells, resolution, Pose(column * resolution, row * resolution))

@@ -1,0 +1,160 @@
+"""The slam node: parameters, topics and tf of the SLAM engine."""
+
+import sys
+import threading
+from dataclasses import fields
+from typing import Any, Callable, Dict, Optional, TypeVar
+
+import rospy
+import tf2_ros
+from nav_msgs.msg import MapMetaData, Odometry
+from rospy.numpy_msg import numpy_msg
+from sensor_msgs.msg import LaserScan
+
+from mr_grid import Pose
+from mr_grid.ros import NumpyOccupancyGrid, grid_message, yaw_of
+from mr_robot.ros_poses import transform_pose
+from mr_robot.slam import ros_io
+from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
+
+T = TypeVar("T")
+
+FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}
+INPUTS = {"scan_topic": "base_scan", "odometry_topic": "odom"}
+TOPICS = {"map": "map", "metadata": "map_metadata"}
+TRANSFORM_PUBLISH_PERIOD = 0.1  # s
+TRANSFORM_TOLERANCE = 0.2  # s by which map -> odom is dated ahead
+
+
+def number_parameter(name: str, default: float, least: float = 0.0) -> float:
+    value = rospy.get_param("~" + name, default)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not value >= least:
+        raise SlamError(f"parameter ~{name} must be a number of at least {least:g}, not {value!r}")
+    return float(value)
+
+
+def options() -> SlamOptions:
+    defaults = SlamOptions()
+    return SlamOptions(**{f.name: number_parameter(f.name, getattr(defaults, f.name)) for f in fields(defaults)})
+
+
+class SlamNode:
+    def __init__(self) -> None:
+        self._slam = Slam(options())
+        self._frames: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in FRAMES.items()}
+        inputs: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in INPUTS.items()}
+        self._map_interval = number_parameter("map_update_interval", MAP_UPDATE_INTERVAL)
+        self._transform_period = number_parameter("transform_publish_period", TRANSFORM_PUBLISH_PERIOD)
+        self._tolerance = rospy.Duration(number_parameter("transform_tolerance", TRANSFORM_TOLERANCE))
+        self._lock = threading.Lock()
+        self._odometry = OdometryHistory()
+        self._pending: Optional[Any] = None  # a scan that waits for odometry to catch up
+        self._mounts: Dict[str, Pose] = {}
+        self._published_revision = 0
+        self._published_at = -float("inf")
+        self._transformed_at = -float("inf")
+        self._buffer = tf2_ros.Buffer()
+        self._listener: Optional[tf2_ros.TransformListener] = None
+        self._broadcaster = tf2_ros.TransformBroadcaster()
+        self._map = rospy.Publisher(TOPICS["map"], NumpyOccupancyGrid, queue_size=1, latch=True)
+        self._metadata = rospy.Publisher(TOPICS["metadata"], MapMetaData, queue_size=1, latch=True)
+        rospy.Subscriber(inputs["odometry_topic"], Odometry, self._guard(self._on_odometry), queue_size=20)
+        rospy.Subscriber(inputs["scan_topic"], numpy_msg(LaserScan), self._guard(self._on_scan), queue_size=2)
+
+    def _guard(self, handler: Callable[[T], None]) -> Callable[[T], None]:
+        """One message at a time; a bad one is reported and dropped."""
+
+        def guarded(message: T) -> None:
+            try:
+                with self._lock:
+                    handler(message)
+            except SlamError as error:
+                rospy.logwarn_throttle(10.0, f"message dropped: {error}")
+
+        return guarded
+
+    def _on_odometry(self, message: Odometry) -> None:
+        pose = message.pose.pose
+        stamp = message.header.stamp
+        self._odometry.add(stamp.to_sec(), Pose(pose.position.x, pose.position.y, yaw_of(pose.orientation)))
+        if self._pending is not None:
+            scan, self._pending = self._pending, None
+            self._on_scan(scan)
+        if self._slam.revision and not 0.0 <= stamp.to_sec() - self._transformed_at < self._transform_period - 0.01:
+            self._publish_transform(stamp)
+
+    def _on_scan(self, message: Any) -> None:
+        mount = self._mount(message.header.frame_id)
+        if mount is None:
+            return
+        time = message.header.stamp.to_sec()
+        last = time + self._sweep_time(message)
+        odometry, odometry_after = self._odometry.at(time), self._odometry.at(last)
+        if odometry is None or odometry_after is None:
+            newest = self._odometry.newest()
+            # Too new: wait for the odometry of its time. Too old: of no use any more.
+            self._pending = message if newest is not None and last > newest[0] else None
+            return
+        scan = ros_io.scan_value(message, mount, odometry.between(odometry_after))
+        update = self._slam.process(scan, odometry, time)
+        if not update.matched:
+            rospy.logwarn_throttle(10.0, f"scan does not match the map ({update.share:.0%} of it does)")
+        if not 0.0 <= time - self._published_at < self._map_interval:
+            self._publish_map(message.header.stamp)
+
+    @staticmethod
+    def _sweep_time(message: Any) -> float:
+        try:
+            return ros_io.sweep_time(message)
+        except SlamError as error:
+            rospy.logwarn_once(str(error))
+            return 0.0
+
+    def _mount(self, frame: str) -> Optional[Pose]:
+        """The laser on the robot; looked up once, because listening to tf costs more than matching scans."""
+        if frame in self._mounts:
+            return self._mounts[frame]
+        if self._listener is None:
+            self._listener = tf2_ros.TransformListener(self._buffer)
+        try:
+            message = self._buffer.lookup_transform(self._frames["base_frame"], frame, rospy.Time(0))
+        except tf2_ros.TransformException as error:
+            rospy.logwarn_throttle(10.0, f"no transform from {self._frames['base_frame']} to the laser yet: {error}")
+            return None
+        self._mounts[frame] = transform_pose(message)
+        self._listener.unregister()
+        self._listener = None
+        return self._mounts[frame]
+
+    def _publish_transform(self, stamp: rospy.Time) -> None:
+        self._transformed_at = stamp.to_sec()
+        pose = self._slam.map_to_odometry()
+        self._broadcaster.sendTransform(
+            ros_io.transform_message(
+                pose, self._frames["map_frame"], self._frames["odom_frame"], stamp + self._tolerance
+            )
+        )
+
+    def _publish_map(self, stamp: rospy.Time) -> None:
+        if self._slam.revision == self._published_revision:
+            return
+        self._published_revision = self._slam.revision
+        self._published_at = stamp.to_sec()
+        message = grid_message(self._slam.map(), self._frames["map_frame"], stamp)
+        self._map.publish(message)
+        self._metadata.publish(message.info)
+
+
+def main() -> int:
+    rospy.init_node("slam")
+    try:
+        SlamNode()
+    except SlamError as error:
+        rospy.logfatal(str(error))
+        return 1
+    rospy.spin()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

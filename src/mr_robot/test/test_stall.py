@@ -1,0 +1,36 @@
+"""Wheels that turn while the robot stands."""
+
+import math
+
+from mr_robot.navigation.stall import StallWatch
+
+
+def blocked_at(command: tuple, motion: float, turning: float = 0.0) -> float:
+    """s until the watch calls a robot blocked that is given `command` (m/s, rad/s) and moves at `motion` m/s."""
+    watch = StallWatch()
+    for step in range(300):
+        now = 0.1 * step
+        if watch.blocked(now, (motion * now, 0.0, turning * now)):
+            return now
+        watch.command(now, command)
+    return math.inf
+
+
+def test_a_robot_that_stands_is_noticed_within_a_second() -> None:
+    assert blocked_at((0.5, 0.0), 0.0) < 1.0
+    assert blocked_at((0.0, 1.0), 0.0) < 1.0
+
+
+def test_a_robot_that_follows_is_not() -> None:
+    assert blocked_at((0.5, 0.0), 0.5) == math.inf
+    assert blocked_at((0.5, 1.0), 0.5, 1.0) == math.inf
+    assert blocked_at((0.0, 0.0), 0.0) == math.inf
+
+
+def test_a_clock_that_was_set_back_starts_anew() -> None:
+    watch = StallWatch()
+    for now in (10.0, 10.1, 10.2, 10.3, 10.4, 10.5, 10.6):
+        watch.blocked(now, (0.0, 0.0, 0.0))
+        watch.command(now, (0.5, 0.0))
+    assert watch.blocked(10.7, (0.0, 0.0, 0.0))
+    assert not watch.blocked(1.0, (0.0, 0.0, 0.0))

@@ -1,0 +1,46 @@
+"""Descriptions of simulated robots, from the model of their world."""
+
+import math
+
+from mr_robot.platforms.platform import Drive, Footprint, Platform, PlatformError, RangeSensor, Topics
+from mr_sim.world_model import RangerDescription, RobotDescription
+
+
+def platform_of(robot: RobotDescription) -> Platform:
+    """Lengths to 0.1 mm; angles rounded down to 0.01 rad, so that nobody counts on more than there is. Of several
+    rangers the main one counts. Raises PlatformError for a robot that cannot explore."""
+    if not robot.rangers:
+        raise PlatformError("no laser: add a ranger to its position model")
+    linear, angular = robot.linear_bounds[1], min(-robot.angular_bounds[0], robot.angular_bounds[1])
+    if linear <= 0.0 or angular <= 0.0:
+        raise PlatformError("it cannot drive ahead and turn both ways: see velocity_bounds of its model")
+    scan = Topics.scan if len(robot.rangers) == 1 else f"{Topics.scan}_{robot.main_ranger}"
+    return Platform(
+        _footprint(robot),
+        _sensor(robot.rangers[robot.main_ranger]),
+        Drive(linear, _rounded_down(angular)),
+        topics=Topics(scan),
+    )
+
+
+def _footprint(robot: RobotDescription) -> Footprint:
+    corners = [corner for polygon in robot.footprint for corner in polygon]
+    return Footprint(
+        round(2.0 * max(abs(x) for x, _ in corners), 4),
+        round(2.0 * max(abs(y) for _, y in corners), 4),
+        round(max(math.hypot(x, y) for x, y in corners), 4),
+    )
+
+
+def _sensor(ranger: RangerDescription) -> RangeSensor:
+    return RangeSensor(
+        ranger.range_min,
+        ranger.range_max,
+        _rounded_down(ranger.field_of_view),
+        round(math.sqrt(ranger.noise_variance), 4),
+        round(ranger.noise_share / math.sqrt(3.0), 4),  # the world's errors are spread evenly up to their share
+    )
+
+
+def _rounded_down(angle: float) -> float:
+    return math.floor(100.0 * angle + 1e-6) / 100.0
