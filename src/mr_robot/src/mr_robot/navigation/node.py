@@ -19,16 +19,16 @@ from sensor_msgs.msg import LaserScan
 from mr_grid import Pose
 from mr_robot.navigation import ros_io
 from mr_robot.navigation.engine import Navigator, Status
-from mr_robot.navigation.options import NavigationError, NavigationOptions
+from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan
+from mr_robot.navigation.tf_poses import TfPoses
 from mr_robot.ros_poses import transform_pose
 
-FRAMES = {"map_frame": "map", "base_frame": "base_footprint"}
+FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}
 DRIVERS = {"scan_topic": "base_scan", "velocity_topic": "cmd_vel"}
 TOPICS = {"others": "all_positions", "plan": "~plan"}
 MAP_TOPIC = "map_merger/global_map"
 OWN_MAP_TOPIC = "map"  # of this robot's SLAM
 SCAN_AGE = 0.5  # s after which a scan no longer tells what is around
-POSE_AGE = 0.5  # s after which the pose no longer tells where the robot is
 PLAN_PERIOD = 1.0  # s between published paths
 FEEDBACK_PERIOD = 0.5  # s
 
@@ -57,11 +57,11 @@ class MoveBaseNode:
         drivers: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in DRIVERS.items()}
         self._lock = threading.RLock()
         self._scan: Optional[Any] = None
-        self._mounts: Dict[str, Pose] = {}
         self._planned_at = self._fed_back_at = -float("inf")
         self._moving = False
         self._buffer = tf2_ros.Buffer(rospy.Duration(10.0))
         self._listener = tf2_ros.TransformListener(self._buffer)
+        self._tf_poses = TfPoses(self._buffer, self._frames)
         self._command = rospy.Publisher(drivers["velocity_topic"], Twist, queue_size=1)
         self._plan = rospy.Publisher(TOPICS["plan"], Path, queue_size=1, latch=True)
         self._server = actionlib.SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
@@ -155,8 +155,9 @@ class MoveBaseNode:
             self._control(rospy.get_time())
 
     def _control(self, now: float) -> None:
-        pose = self._pose(now)
-        command = self._navigator.step(now, pose, self._scan_value(now))
+        located = self._tf_poses.robot(now)
+        pose, scan = (located[0], self._scan_value(now, located[1])) if located else (None, None)
+        command = self._navigator.step(now, pose, scan)
         twist = Twist()
         twist.linear.x, twist.angular.z = command.linear, command.angular
         self._command.publish(twist)
@@ -180,29 +181,13 @@ class MoveBaseNode:
             self._planned_at = now
             self._plan.publish(ros_io.path_message(self._navigator.path(pose), frame, stamp))
 
-    def _pose(self, now: float) -> Optional[Pose]:
-        try:
-            message = self._buffer.lookup_transform(
-                self._frames["map_frame"], self._frames["base_frame"], rospy.Time(0)
-            )
-        except tf2_ros.TransformException as error:
-            rospy.logwarn_throttle(10.0, f"pose of the robot is unknown: {error}")
-            return None
-        return transform_pose(message) if now - message.header.stamp.to_sec() < POSE_AGE else None
-
-    def _scan_value(self, now: float) -> Any:
+    def _scan_value(self, now: float, stamp: rospy.Time) -> Optional[Scan]:
+        """The latest scan as seen from where the robot was at `stamp`."""
         message = self._scan
         if message is None or now - message.header.stamp.to_sec() > SCAN_AGE:
             return None
-        frame = message.header.frame_id
-        if frame not in self._mounts:
-            try:
-                transform = self._buffer.lookup_transform(self._frames["base_frame"], frame, rospy.Time(0))
-            except tf2_ros.TransformException as error:
-                rospy.logwarn_throttle(10.0, f"place of the laser is unknown: {error}")
-                return None
-            self._mounts[frame] = transform_pose(transform)
-        return ros_io.scan_value(message, self._mounts[frame])
+        mount = self._tf_poses.laser(message.header.frame_id, message.header.stamp, stamp)
+        return None if mount is None else ros_io.scan_value(message, mount)
 
     def _stop(self) -> None:
         self._command.publish(Twist())

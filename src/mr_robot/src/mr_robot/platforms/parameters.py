@@ -38,6 +38,7 @@ def navigation_parameters(platform: Platform, team: Sequence[Platform]) -> Param
     drive, footprint = platform.drive, platform.footprint
     parameters = {
         "base_frame": platform.frames.base,
+        "odom_frame": platform.frames.odom,
         "scan_topic": platform.topics.scan,
         "velocity_topic": platform.topics.velocity,
         "max_linear_velocity": drive.max_linear_velocity,

@@ -1,0 +1,58 @@
+"""Where the robot and its laser are, from tf."""
+
+from typing import Any, Dict, Optional, Tuple
+
+import rospy
+import tf2_ros
+
+from mr_grid import Pose
+from mr_robot.ros_poses import transform_pose
+
+POSE_AGE = 0.5  # s after which the pose no longer tells where the robot is
+
+
+class TfPoses:
+    """The robot's pose is as old as its last odometry; a scan is of another moment, and a robot that turns has moved
+    since. What the laser saw is told as seen from where the pose says the robot is."""
+
+    def __init__(self, buffer: Any, frames: Dict[str, str]) -> None:
+        """`buffer`: tf2_ros.BufferInterface; `frames`: map_frame, odom_frame, base_frame."""
+        self._buffer = buffer
+        self._frames = frames
+        self._mounts: Dict[str, Pose] = {}
+
+    def robot(self, now: float) -> Optional[Tuple[Pose, rospy.Time]]:
+        """The latest pose of the base in the map frame and its time; None where tf has none of the last half second.
+        `now`: s."""
+        try:
+            message = self._buffer.lookup_transform(
+                self._frames["map_frame"], self._frames["base_frame"], rospy.Time(0)
+            )
+        except tf2_ros.TransformException as error:
+            rospy.logwarn_throttle(10.0, f"pose of the robot is unknown: {error}")
+            return None
+        stamp = message.header.stamp
+        return (transform_pose(message), stamp) if now - stamp.to_sec() < POSE_AGE else None
+
+    def laser(self, frame: str, taken: rospy.Time, stamp: rospy.Time) -> Optional[Pose]:
+        """Of the laser when it took its scan, in the frame of the base at `stamp`. Without odometry of that moment, or
+        any odometry frame: as it is mounted. None where tf does not say that either."""
+        mount = self._mount(frame)
+        if mount is None:
+            return None
+        base, odometry = self._frames["base_frame"], self._frames["odom_frame"]
+        try:
+            moved = self._buffer.lookup_transform_full(base, stamp, base, taken, odometry)
+        except tf2_ros.TransformException:
+            return mount
+        return transform_pose(moved).compose(mount)
+
+    def _mount(self, frame: str) -> Optional[Pose]:
+        if frame not in self._mounts:
+            try:
+                message = self._buffer.lookup_transform(self._frames["base_frame"], frame, rospy.Time(0))
+            except tf2_ros.TransformException as error:
+                rospy.logwarn_throttle(10.0, f"place of the laser is unknown: {error}")
+                return None
+            self._mounts[frame] = transform_pose(message)
+        return self._mounts[frame]
