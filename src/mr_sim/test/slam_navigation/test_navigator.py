@@ -17,6 +17,7 @@ from mr_robot.navigation.obstacles import ObstacleMemory
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan, make_scan
 from mr_robot.navigation.planner import CostMap, plan
 from mr_robot.navigation.stall import StallWatch
+from mr_robot.navigation.surroundings import Surroundings
 from mr_robot.navigation.yielding import HeldUp, find_retreat
 from mr_sim.closed_loop import ClosedLoop, Robot
 
@@ -303,13 +304,12 @@ def test_not_into_a_robot_that_says_it_is_beside_a_narrow_view(degrees: float, t
 
 def test_thinning_keeps_the_nearest_point() -> None:
     """A corner was taken for 4 cm farther away than it was, and touched."""
-    navigator = Navigator()
-    navigator.set_map(OccupancyGrid.of(np.zeros((40, 40), np.int8), 0.05, Pose(-1.0, -1.0)))
+    options = NavigationOptions()
+    costs = CostMap(OccupancyGrid.of(np.zeros((40, 40), np.int8), 0.05, Pose(-1.0, -1.0)), options)
     points = np.array([[0.599, 0.0], [0.571, 0.0], [0.585, 0.0]])
     scan = Scan(points, np.full(3, 0.6), 0.0, 0.01, 8.0, (0.0, 0.0, 0.0))
-    assert navigator._obstacles(CostMap(navigator._grid, navigator.options), (0.0, 0.0, 0.0), scan)[
-        :, 0
-    ].min() == pytest.approx(0.571)
+    rows = Surroundings(options, "robot").obstacles(costs, Pose(), scan)
+    assert rows[:, 0].min() == pytest.approx(0.571)
 
 
 def test_a_new_goal_does_not_stop_the_robot() -> None:

@@ -1,5 +1,6 @@
 """Options and values of the navigation engine. SI units, angles in radians, everything in the frame of the map."""
 
+import math
 from dataclasses import dataclass, fields
 from functools import lru_cache
 
@@ -75,7 +76,7 @@ class NavigationOptions:
 
 @dataclass(frozen=True)
 class Scan:
-    """`points`: (n, 2) hits in the robot's frame; `bearings`, `ranges`: (m,) of all valid beams from the laser."""
+    """`points`: (n, 2) hits in the robot's frame; `ranges`: (m,), of all beams."""
 
     points: np.ndarray
     ranges: np.ndarray  # m, valid beams keep their reading, others are 0
@@ -83,6 +84,20 @@ class Scan:
     angle_increment: float
     range_max: float
     mount: Pose
+
+    @property
+    def half_view(self) -> float:
+        """rad to each side of where the laser looks."""
+        return abs(0.5 * (len(self.ranges) - 1) * self.angle_increment)
+
+    def blind_to(self, points: np.ndarray) -> np.ndarray:
+        """bool (n,), of points (n, 2) in the robot's frame: behind the robot, or beside the field of view."""
+        middle = self.angle_min + 0.5 * (len(self.ranges) - 1) * self.angle_increment
+        from_laser = self.mount.apply_inverse(points)
+        bearing = np.arctan2(from_laser[:, 1], from_laser[:, 0]) - middle
+        beside = np.abs(np.remainder(bearing + math.pi, 2.0 * math.pi) - math.pi) > self.half_view
+        blind: np.ndarray = (points[:, 0] < 0.0) | beside
+        return blind
 
 
 def make_scan(

@@ -1,0 +1,64 @@
+"""Drives along a way; where that cannot be driven ahead, a manoeuvre leads on."""
+
+import math
+from typing import Optional
+
+import numpy as np
+
+from mr_grid import Pose
+from mr_robot import _navigation
+from mr_robot.navigation.command import Velocity
+from mr_robot.navigation.manoeuvre import Manoeuvre, plan_manoeuvre
+from mr_robot.navigation.motion import STOP, Motion, bare
+from mr_robot.navigation.options import NavigationOptions
+from mr_robot.navigation.planner import Plan
+
+AWAY = 0.6  # rad to the way from which a robot without room to turn does so at once
+TOUCHING = 0.03  # m to what is beside a robot from which it first gains room
+PAUSE = 0.5  # s between plans of manoeuvres
+
+
+class Follower:
+    def __init__(self, motion: Motion, options: NavigationOptions) -> None:
+        self.gained_room = False  # whether a manoeuvre ended in this step
+        self._motion = motion
+        self._options = options
+        self._manoeuvre: Optional[Manoeuvre] = None
+        self._planned_at = -math.inf
+
+    def drop_manoeuvre(self) -> None:
+        self._manoeuvre = None
+
+    def plan_anew(self) -> None:
+        """Drops the manoeuvre, and another may be planned at once."""
+        self._manoeuvre, self._planned_at = None, -math.inf
+
+    def follow(self, now: float, way: Plan, pose: Pose, obstacles: np.ndarray, stuck: bool) -> Optional[Velocity]:
+        """None where nothing is safe. `stuck`: whether the way does not lead on although nothing is in the way."""
+        tight = bare(obstacles, self._options.obstacle_margin)
+        self.gained_room = False
+        if self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, tight, stuck):
+            self._planned_at = now
+            self._manoeuvre = plan_manoeuvre(way, pose, tight, self._motion.footprint, self._options)
+        if self._manoeuvre is not None:
+            target = self._manoeuvre.velocity(pose, self._options.controller_period)
+            if target is not None:
+                if self._motion.is_clear(pose, tight, target):
+                    return self._motion.towards(target)
+                self._manoeuvre = None
+                return self._motion.towards(STOP)
+            self._manoeuvre = None
+            self.gained_room = True
+        return self._motion.along(way, pose, obstacles)
+
+    def _wants_manoeuvre(self, now: float, way: Plan, pose: Pose, tight: np.ndarray, stuck: bool) -> bool:
+        if now - self._planned_at < PAUSE:
+            return False
+        if stuck:
+            return True
+        if _navigation.has_room_to_turn(pose, tight, self._motion.footprint):
+            return False
+        if _navigation.clearance(pose, tight, self._motion.footprint) < TOUCHING:
+            return True
+        off = _navigation.turn_wanted(way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose)
+        return abs(off) > AWAY

@@ -1,0 +1,53 @@
+"""The map that ways are planned on: the latest one without what moves."""
+
+from typing import List, Optional, Tuple
+
+from mr_grid import FARTHEST, OccupancyGrid, is_place
+from mr_robot.navigation.arrivals import Arrivals
+from mr_robot.navigation.options import NavigationError, NavigationOptions
+from mr_robot.navigation.planner import CostMap, without_robots
+
+MOST_ROTATION = 1e-3  # rad: kernels take cells to lie along the axes of the frame
+
+
+class KnownMap:
+    def __init__(self, options: NavigationOptions) -> None:
+        self._options = options
+        self._grid: Optional[OccupancyGrid] = None
+        self._arrivals = Arrivals()
+        self._costs: Optional[CostMap] = None
+        self._robots: List[Tuple[float, float]] = []
+        self._costs_hold = False  # whether they are those of the present map and positions
+
+    def set_grid(self, grid: OccupancyGrid) -> None:
+        """Raises NavigationError for a grid that is no map."""
+        if 0 in grid.cells.shape:
+            raise NavigationError(f"map has no cells: shape {grid.cells.shape}")
+        x, y, yaw = grid.origin
+        if not is_place(x, y) or abs(yaw) > MOST_ROTATION:
+            raise NavigationError(
+                f"map needs an origin within {FARTHEST:g} m that is not rotated, not ({x:g}, {y:g}, {yaw:g})"
+            )
+        self._grid = grid
+        self._costs_hold = False
+
+    def set_own_grid(self, grid: OccupancyGrid, now: float) -> None:
+        """What this robot's own SLAM says tells what moves."""
+        self._arrivals.update(grid, now)
+        self._costs_hold = False
+
+    def set_robots(self, positions: List[Tuple[float, float]]) -> None:
+        self._robots = positions
+        self._costs_hold = False
+
+    def costs(self, now: float) -> Optional[CostMap]:
+        """None without a map. Robots that stood still long enough to enter it are no walls: what came lately is taken
+        out, and them where they report."""
+        if self._grid is None or self._costs_hold:
+            return self._costs
+        self._costs_hold = True
+        grid = self._arrivals.taken_from(self._grid, now)
+        grid = without_robots(grid, self._robots, self._options.largest_robot_radius)
+        if self._costs is None or not grid.equals(self._costs.grid):
+            self._costs = CostMap(grid, self._options, self._costs)
+        return self._costs

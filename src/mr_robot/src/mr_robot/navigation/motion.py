@@ -1,0 +1,82 @@
+"""What the body and its motors can do next.
+
+Among the motions that the robot can make in the next period (Fox, Burgard and Thrun, The dynamic window approach to
+collision avoidance, 1997), the one after which the plan's cost to go leaves the least time.
+"""
+
+from typing import Optional
+
+import numpy as np
+
+from mr_grid import Pose
+from mr_robot import _navigation
+from mr_robot.navigation.command import Velocity
+from mr_robot.navigation.options import NavigationOptions, Scan
+from mr_robot.navigation.planner import Plan
+
+LOOK_AHEAD = 0.5  # m that a robot drives before it is where it has looked: it turns no sharper than it sees
+REACHED = 0.7  # times the tolerance of goals, within which the way ends
+RAMP = 0.4  # s of motion that have to be clear
+RAMP_SLACK = 0.002  # m that a motion may come nearer to what the body touches already
+BRAKING = 0.6  # s that it takes at most
+STOP: Velocity = (0.0, 0.0)
+
+
+class Motion:
+    """Has the velocity commanded last. `obstacles`: rows (x, y, margin, reaction time) in the map frame."""
+
+    def __init__(self, options: NavigationOptions) -> None:
+        self.velocity = STOP
+        self.footprint = _navigation.Footprint()
+        self.footprint.half_length = options.footprint_length / 2.0
+        self.footprint.half_width = options.footprint_width / 2.0
+        self._options = options
+        self._limits = _navigation.Limits()
+        self._limits.linear, self._limits.angular = options.max_linear_velocity, options.max_angular_velocity
+        self._limits.linear_acceleration = options.linear_acceleration
+        self._limits.angular_acceleration = options.angular_acceleration
+
+    def see(self, scan: Scan) -> None:
+        """No bend is sharper than the robot can look into."""
+        self._limits.curvature = 2.0 * scan.half_view / LOOK_AHEAD
+
+    def along(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Optional[Velocity]:
+        """None where nothing is safe, not even to brake gently."""
+        horizon = _navigation.Horizon()
+        horizon.goal_radius = REACHED * self._options.xy_goal_tolerance
+        found, linear, angular, _, _ = _navigation.choose_velocity(
+            way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, self.velocity, obstacles,
+            self._limits, self.footprint, horizon, self._options.controller_period,
+        )  # fmt: skip
+        return (linear, angular) if found else None
+
+    def is_clear(self, pose: Pose, obstacles: np.ndarray, target: Velocity, duration: float = RAMP) -> bool:
+        horizon = _navigation.Horizon()
+        horizon.duration, horizon.slack = duration, RAMP_SLACK
+        return _navigation.is_clear(pose, self.velocity, target, obstacles, self._limits, self.footprint, horizon)
+
+    def towards(self, target: Velocity) -> Velocity:
+        """As near to it as accelerations allow."""
+        period = self._options.controller_period
+        most = (self._options.linear_acceleration * period, self._options.angular_acceleration * period)
+        linear, angular = (v + min(max(t - v, -m), m) for v, t, m in zip(self.velocity, target, most))
+        return linear, angular
+
+    def brake(self) -> Velocity:
+        self.velocity = self.towards(STOP)
+        return self.velocity
+
+    def brake_clear(self, velocity: Velocity, pose: Pose, obstacles: np.ndarray) -> Velocity:
+        """Of a robot without a goal, which brakes on the curve that it was on: at once where that touches something."""
+        tight = bare(obstacles, self._options.obstacle_margin)
+        self.velocity = velocity
+        if not self.is_clear(pose, tight, STOP, BRAKING):
+            self.velocity = STOP
+        return self.velocity
+
+
+def bare(obstacles: np.ndarray, margin: float) -> np.ndarray:
+    """Rows (x, y, margin, reaction time) with `margin`, m, less: as near as the body can come."""
+    rows = obstacles - (0.0, 0.0, margin, 0.0)
+    rows[:, 2:] = np.maximum(rows[:, 2:], 0.0) * (1.0, 0.0)
+    return rows
