@@ -458,9 +458,8 @@ def beside(wall: float) -> Scan:
 
 
 def seen_around(scan: Scan, grid: OccupancyGrid) -> np.ndarray:
-    navigator = Navigator()
-    navigator.set_map(grid)
-    return navigator._obstacles(CostMap(grid, navigator.options), (2.0, 2.0, 0.0), scan)[:, :2] - (2.0, 2.0)
+    options, pose = NavigationOptions(), Pose(2.0, 2.0, 0.0)
+    return Surroundings(options, "robot").obstacles(CostMap(grid, options), pose, scan)[:, :2] - pose[:2]
 
 
 def test_a_wall_beside_the_robot_is_where_most_hits_are() -> None:
