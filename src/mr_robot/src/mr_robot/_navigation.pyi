@@ -18,6 +18,7 @@ class Limits:
 class Footprint:
     half_length: float
     half_width: float
+    radius: float
     def __init__(self) -> None: ...
 
 class Horizon:

@@ -22,6 +22,9 @@ class NavigationOptions:
     angular_acceleration: float = 3.14  # rad/s^2
     footprint_length: float = 0.44  # m, along the robot
     footprint_width: float = 0.38
+    footprint_radius: float = (
+        10.0  # m, from the centre to the farthest corner: less than that of the box if it is round
+    )
     largest_robot_radius: float = 0.29  # m, from the centre of the largest robot of the team to its farthest corner
     obstacle_margin: float = 0.05  # m between footprint and what the laser sees
     moving_margin: float = 0.1  # m between footprint and what the map does not know, which may move
@@ -61,7 +64,7 @@ class NavigationOptions:
 
     @property
     def circumscribed_radius(self) -> float:
-        return float(np.hypot(self.footprint_length, self.footprint_width)) / 2.0
+        return min(float(np.hypot(self.footprint_length, self.footprint_width)) / 2.0, self.footprint_radius)
 
     @property
     def passing_distance(self) -> float:
