@@ -47,7 +47,7 @@ def test_parameters_of_a_turtlebot():
     assert parameters["explorer"]["field_of_view"] == 0.99 and parameters["explorer"]["inflation_radius"] == 0.237
     assert parameters["move_base"]["yaw_goal_tolerance"] == 0.25
     assert parameters["move_base"]["velocity_topic"] == "cmd_vel_mux/input/navi"
-    assert (parameters["move_base"]["footprint_length"], parameters["move_base"]["footprint_radius"]) == (0.354, 0.177)
+    assert parameters["move_base"]["footprint_length"] == 0.354
     assert parameters["slam"]["free_radius"] == 0.157 and parameters["slam"]["surface_deviation"] == 0.022
     assert {parameters[node]["scan_topic"] for node in ("slam", "move_base", "map_merger")} == {"scan"}
 

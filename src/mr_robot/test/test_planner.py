@@ -259,14 +259,3 @@ def test_room_to_get_free_and_to_pass_follows_the_size_of_the_robots() -> None:
     for options, reach in ((OPTIONS, 0.45), (large, 0.61)):
         opened = CostMap(grid, options).slowness(np.empty((0, 2)), Pose(0.1, 2.0, 0.0)) == 25.0
         assert np.ptp(np.flatnonzero(opened.any(axis=1))) * 0.05 / 2 == pytest.approx(reach, abs=0.05)
-
-
-@pytest.mark.parametrize(("radius", "clearance", "turns"), [(10.0, -0.027, False), (0.177, 0.035, True)])
-def test_a_round_robot_turns_where_a_box_would_not(radius: float, clearance: float, turns: bool) -> None:
-    """Turtlebots took themselves for squares, backed out where they could turn, and met behind their backs."""
-    beside_the_corner = np.array([[0.15, 0.15, 0.0, 0.0]])
-    footprint = _navigation.Footprint()
-    footprint.half_length = footprint.half_width = 0.177
-    footprint.radius = radius
-    assert _navigation.clearance(Pose(), beside_the_corner, footprint) == pytest.approx(clearance, abs=1e-3)
-    assert _navigation.has_room_to_turn(Pose(), beside_the_corner, footprint) == turns

@@ -18,7 +18,6 @@ class Limits:
 class Footprint:
     half_length: float
     half_width: float
-    radius: float
     def __init__(self) -> None: ...
 
 class Horizon:

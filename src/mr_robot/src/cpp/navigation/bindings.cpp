@@ -167,8 +167,7 @@ PYBIND11_MODULE(_navigation, module) {
   py::class_<Footprint>(module, "Footprint")
       .def(py::init<>())
       .def_readwrite("half_length", &Footprint::half_length)
-      .def_readwrite("half_width", &Footprint::half_width)
-      .def_readwrite("radius", &Footprint::radius);
+      .def_readwrite("half_width", &Footprint::half_width);
   py::class_<Horizon>(module, "Horizon")
       .def(py::init<>())
       .def_readwrite("duration", &Horizon::duration)

@@ -50,7 +50,7 @@ class Body {
  public:
   Body(const Pose& start, const std::vector<Obstacle>& obstacles, const Footprint& footprint)
       : footprint_(footprint),
-        circle_(footprint.reach()),
+        circle_(std::hypot(footprint.half_length, footprint.half_width)),
         left_(start.x - kReach - kCell),
         bottom_(start.y - kReach - kCell),
         side_(static_cast<int>(std::ceil(2.0 * (kReach + kCell) / kCell)) + 1),
@@ -68,7 +68,7 @@ class Body {
       const double beside = std::abs(-s * dx + c * dy) - footprint_.half_width;
       const double inside = std::max(ahead, beside) - point.margin;
       if (inside >= least) continue;
-      least = std::min(least, footprint_.distance(std::hypot(dx, dy), ahead, beside) - point.margin);
+      least = std::min(least, ahead > 0.0 && beside > 0.0 ? std::hypot(ahead, beside) - point.margin : inside);
     }
     return least;
   }
@@ -247,7 +247,7 @@ std::vector<Waypoint> manoeuvre(const Field& field, const Pose& start, const std
 }
 
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint) {
-  const double reach = footprint.reach() + kTurningRoom;
+  const double reach = std::hypot(footprint.half_length, footprint.half_width) + kTurningRoom;
   return std::none_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
     const double dx = obstacle.x - pose.x, dy = obstacle.y - pose.y, near = reach + obstacle.margin;
     return dx * dx + dy * dy < near * near;

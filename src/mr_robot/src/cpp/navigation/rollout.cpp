@@ -159,7 +159,7 @@ Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>&
     const double margin = obstacle.margin + obstacle.reaction_time * speed;
     const double inside = std::max(ahead, beside);
     if (inside - margin >= least.with_margins && inside >= least.bare) continue;
-    const double distance = footprint.distance(std::sqrt(dx * dx + dy * dy), ahead, beside);
+    const double distance = ahead > 0.0 && beside > 0.0 ? std::sqrt(ahead * ahead + beside * beside) : inside;
     least.bare = std::min(least.bare, distance);
     least.with_margins = std::min(least.with_margins, distance - margin);
   }

@@ -1,8 +1,6 @@
 // Local control: of the motions the robot can make next, the one after which the least time is left to the goal.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -32,20 +30,8 @@ struct Limits {
   double curvature = 1e9;              // 1/m of a way ahead; a robot that stands may turn
 };
 
-// What lies both in a box and in a circle around the middle of the robot.
 struct Footprint {
   double half_length = 0.22, half_width = 0.19;  // m
-  double radius = 1e3;                           // m
-
-  // m, from the middle to the farthest corner.
-  double reach() const { return std::min(std::hypot(half_length, half_width), radius); }
-  // m, from the footprint to a point of which are known: the way to it from the middle, and how far it lies ahead of
-  // or behind, and beside, the box.
-  double distance(double way, double ahead, double beside) const {
-    const double box =
-        ahead > 0.0 && beside > 0.0 ? std::sqrt(ahead * ahead + beside * beside) : std::max(ahead, beside);
-    return std::max(box, way - radius);
-  }
 };
 
 struct Horizon {

@@ -30,7 +30,6 @@ class Motion:
         self.footprint = _navigation.Footprint()
         self.footprint.half_length = options.footprint_length / 2.0
         self.footprint.half_width = options.footprint_width / 2.0
-        self.footprint.radius = options.footprint_radius
         self._options = options
         self._limits = _navigation.Limits()
         self._limits.linear, self._limits.angular = options.max_linear_velocity, options.max_angular_velocity

@@ -22,7 +22,6 @@ class NavigationOptions:
     angular_acceleration: float = 3.14  # rad/s^2
     footprint_length: float = 0.44  # m, along the robot
     footprint_width: float = 0.38
-    footprint_radius: float = 10.0  # m, from the centre to the farthest corner; beyond those of the box: a box
     largest_robot_radius: float = 0.29  # m, from the centre of the largest robot of the team to its farthest corner
     obstacle_margin: float = 0.05  # m between footprint and what the laser sees
     moving_margin: float = 0.1  # m between footprint and what the map does not know, which may move
@@ -62,7 +61,7 @@ class NavigationOptions:
 
     @property
     def circumscribed_radius(self) -> float:
-        return min(float(np.hypot(self.footprint_length, self.footprint_width)) / 2.0, self.footprint_radius)
+        return float(np.hypot(self.footprint_length, self.footprint_width)) / 2.0
 
     @property
     def passing_distance(self) -> float:

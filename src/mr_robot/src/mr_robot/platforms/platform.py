@@ -26,11 +26,6 @@ class Footprint:
         return cls(diameter, diameter, round(diameter / 2.0, 4))
 
     @property
-    def is_round(self) -> bool:
-        """Whether the corners of its box stand out."""
-        return self.radius < math.hypot(self.length, self.width) / 2.0 - 1e-3
-
-    @property
     def half_width(self) -> float:
         """Nearest that a wall can come to the middle."""
         return min(self.length, self.width) / 2.0
