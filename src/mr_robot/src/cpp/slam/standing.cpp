@@ -35,14 +35,13 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
     return Verdict::kUnknown;
   }
   const Pose motion = between(odometry_, odometry);
-  const bool drives = std::hypot(motion.x, motion.y) >= kLeastWay;
-  if (!drives && std::abs(motion.yaw) < kLeastAngle) return Verdict::kUndecided;
+  if (std::hypot(motion.x, motion.y) < kLeastWay && std::abs(motion.yaw) < kLeastAngle) return Verdict::kUndecided;
   const Frame to_laser(between(geometry.mount, Pose{}) * between(motion, Pose{}));
   const double middle = geometry.angle_min + 0.5 * static_cast<double>(size - 1) * geometry.angle_increment;
   int compared = 0, same = 0, moved = 0;
   for (const Beam& beam : beams_) {
-    // A robot that drives ahead looks as if one stood, but not when one turns.
-    if (!beam.hit || (drives && beam.on_small_object)) continue;
+    // A robot that drives ahead, or around one that turns, looks as if one stood.
+    if (!beam.hit || beam.on_small_object) continue;
     const Point end = to_laser * beam.end;
     const double off = normalized(std::atan2(end.y, end.x) - middle) / geometry.angle_increment;
     const auto other = std::lround(off + 0.5 * static_cast<double>(size - 1));
