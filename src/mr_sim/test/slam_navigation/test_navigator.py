@@ -308,7 +308,7 @@ def test_thinning_keeps_the_nearest_point() -> None:
     costs = CostMap(OccupancyGrid.of(np.zeros((40, 40), np.int8), 0.05, Pose(-1.0, -1.0)), options)
     points = np.array([[0.599, 0.0], [0.571, 0.0], [0.585, 0.0]])
     scan = Scan(points, np.full(3, 0.6), 0.0, 0.01, 8.0, (0.0, 0.0, 0.0))
-    rows = Surroundings(options, "robot").obstacles(costs, Pose(), scan)
+    rows = Surroundings(options).obstacles(costs, Pose(), scan)
     assert rows[:, 0].min() == pytest.approx(0.571)
 
 
@@ -459,7 +459,7 @@ def beside(wall: float) -> Scan:
 
 def seen_around(scan: Scan, grid: OccupancyGrid) -> np.ndarray:
     options, pose = NavigationOptions(), Pose(2.0, 2.0, 0.0)
-    return Surroundings(options, "robot").obstacles(CostMap(grid, options), pose, scan)[:, :2] - pose[:2]
+    return Surroundings(options).obstacles(CostMap(grid, options), pose, scan)[:, :2] - pose[:2]
 
 
 def test_a_wall_beside_the_robot_is_where_most_hits_are() -> None:

@@ -17,6 +17,7 @@ from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.known_map import KnownMap
 from mr_robot.navigation.motion import STOP, Motion
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan
+from mr_robot.navigation.other_robots import OtherRobots
 from mr_robot.navigation.planner import CostMap, Plan, path
 from mr_robot.navigation.route import Route
 from mr_robot.navigation.stall import StallWatch
@@ -49,7 +50,8 @@ class Navigator:
         self.mode = Mode.DRIVE
         self._random = np.random.Generator(np.random.PCG64([seed, zlib.crc32(name.encode())]))
         self._map = KnownMap(self.options)
-        self._surroundings = Surroundings(self.options, name)
+        self._surroundings = Surroundings(self.options)
+        self._others = OtherRobots(self.options, name)
         self._route = Route(self.options)
         self._motion = Motion(self.options)
         self._follower = Follower(self._motion, self.options)
@@ -75,8 +77,8 @@ class Navigator:
     def set_others(self, positions: Mapping[str, Tuple[float, float]], now: float) -> List[str]:
         """Where the other robots say they are, map frame. A hint: nothing depends on it being there or right. Returns
         the names of those whose position cannot be and is ignored."""
-        ignored = self._surroundings.set_others(positions, self._clock(now))
-        self._map.set_robots(self._surroundings.robots)
+        ignored = self._others.hear(positions, self._clock(now))
+        self._map.set_robots(self._others.places)
         return ignored
 
     def set_goal(self, goal: Pose, now: float) -> None:
@@ -116,9 +118,7 @@ class Navigator:
             self._follower.plan_anew()
         self._motion.see(scan)
         obstacles = self._surroundings.obstacles(costs, pose, scan)
-        unseen = self._surroundings.unseen_robots(now, pose, scan)
-        if len(unseen):
-            obstacles = np.concatenate([obstacles, unseen])
+        obstacles = self._others.settle(np.concatenate([obstacles, self._others.unseen(now, pose, scan)]), now)
         try:
             command = self._act(now, pose, costs, obstacles)
         except GivenUp as reason:
@@ -209,7 +209,7 @@ class Navigator:
     def _held(self, now: float, pose: Pose, moving: bool) -> bool:
         """Whether something that moves holds the robot up and it is on this robot to make room."""
         blocker = None if moving else self._blocker(pose)
-        return self._held_up.must_give_way(now, pose[:2], blocker, self._surroundings.others(now))
+        return self._held_up.must_give_way(now, pose[:2], blocker, self._others.lately(now))
 
     def _blocker(self, pose: Pose) -> Optional[Point]:
         return self._surroundings.blocker(pose, self._route.closed)
@@ -242,7 +242,7 @@ class Navigator:
 
     def _lets_pass(self, now: float, pose: Pose) -> bool:
         """Whether a robot with the right of way is still near the one that made room for it."""
-        others = self._surroundings.others(now)
+        others = self._others.lately(now)
         near = [name for name, place in others.items() if math.dist(place, pose[:2]) < PASSING_NEAR]
         return now - self._mode_until < PASSING_TIME and min(near, default=self.name) < self.name
 

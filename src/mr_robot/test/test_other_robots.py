@@ -1,0 +1,77 @@
+"""Which ground other robots take up where the laser is blind."""
+
+import math
+from typing import Tuple
+
+import numpy as np
+import pytest
+
+from mr_grid import Pose
+from mr_robot.navigation.options import NavigationOptions, make_scan
+from mr_robot.navigation.other_robots import FRESH, OtherRobots
+
+HERE = Pose(1.0, 2.0, 0.0)
+BESIDE = (1.0, 3.0)  # m, where a laser that looks ahead is blind
+VIEW = 1.0  # rad
+SCAN = make_scan(np.full(101, math.inf), -0.5 * VIEW, VIEW / 100, 0.45, 4.0, Pose(0.0, 0.0, 0.0))
+
+
+def robots(own: str, *reports: Tuple[Tuple[float, float], float]) -> OtherRobots:
+    """`reports`: place (m, map frame) of robot_1 and when it came, s."""
+    others = OtherRobots(NavigationOptions(), own)
+    for place, at in reports:
+        others.hear({"robot_1": place}, at)
+    return others
+
+
+def is_taken(others: OtherRobots, place: Tuple[float, float], now: float) -> bool:
+    rims = others.unseen(now, HERE, SCAN)
+    return bool(np.any(np.hypot(rims[:, 0] - place[0], rims[:, 1] - place[1]) < 0.05))
+
+
+@pytest.mark.parametrize("place, taken", [(BESIDE, True), ((0.2, 2.0), True), ((2.0, 2.0), False), ((1.0, 4.0), False)])
+def test_a_robot_counts_where_the_laser_is_blind_and_near(place: Tuple[float, float], taken: bool) -> None:
+    others = robots("robot_2", (place, 0.0))
+    assert is_taken(others, (place[0] + 0.25, place[1]), 0.1) == taken
+
+
+@pytest.mark.parametrize("own, yields", [("robot_2", True), ("robot_0", False)])
+def test_of_two_robots_on_the_way_to_one_place_the_later_name_lets_the_other_pass(own: str, yields: bool) -> None:
+    """Turtlebots that knew where both were drove into one another: each counted the other where it had been."""
+    others = robots(own, ((0.6, 3.0), 0.0), ((0.8, 3.0), 0.4))  # drives past at 0.5 m/s
+    assert is_taken(others, (1.35, 3.0), 0.4) == yields
+    assert not is_taken(others, (1.9, 3.0), 0.4)
+
+
+def test_who_stands_is_where_it_says() -> None:
+    others = robots("robot_2", ((0.6, 3.0), 0.0), (BESIDE, 0.4), (BESIDE, 0.4 + FRESH))
+    assert is_taken(others, (1.25, 3.0), 0.4 + FRESH) and not is_taken(others, (1.65, 3.0), 0.4 + FRESH)
+
+
+def test_a_place_told_again_with_those_of_others_is_no_news() -> None:
+    others = robots("robot_2", ((0.8, 3.0), 0.0), (BESIDE, 0.4), (BESIDE, 0.5))
+    assert is_taken(others, (1.6, 3.0), 0.5)
+
+
+def test_a_transform_that_jumps_is_no_speed() -> None:
+    others = robots("robot_2", ((-9.0, 3.0), 0.0), (BESIDE, 0.4))
+    assert not is_taken(others, (2.2, 3.0), 0.4)
+
+
+def test_old_positions_and_such_of_the_future_tell_nothing_about_motion() -> None:
+    for others in (robots("robot_2", ((0.2, 3.0), 0.0), (BESIDE, 9.0)), robots("robot_2", ((0.8, 3.0), 9.0), (BESIDE, 0.0))):
+        now = 9.0 if others.lately(9.0) else 0.0
+        assert is_taken(others, (1.25, 3.0), now) and not is_taken(others, (1.55, 3.0), now)
+
+
+def test_others_pass_nearer_to_robots_at_rest_than_to_such_that_may_move() -> None:
+    """Between three robots that were home there was no way for the fourth: it stayed 2 m away."""
+    options = NavigationOptions()
+    others = robots("robot_2", (BESIDE, 0.0), (BESIDE, 5.0), ((BESIDE[0], BESIDE[1] + 0.02), 9.0))
+    moving = [options.moving_margin, options.moving_reaction_time]
+    rows = np.array([[1.2, 3.0, *moving], [2.0, 2.0, *moving]])
+    assert others.settle(rows.copy(), 5.0).tolist() == rows.tolist()
+    settled = others.settle(rows.copy(), 9.0)
+    assert settled[0, 2:].tolist() == [options.obstacle_margin, 0.0] and settled[1].tolist() == rows[1].tolist()
+    others.hear({"robot_1": (1.0, 3.2)}, 9.4)
+    assert others.settle(rows.copy(), 9.4).tolist() == rows.tolist()
