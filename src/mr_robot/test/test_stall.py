@@ -34,3 +34,9 @@ def test_a_clock_that_was_set_back_starts_anew() -> None:
         watch.command(now, (0.5, 0.0))
     assert watch.blocked(10.7, (0.0, 0.0, 0.0))
     assert not watch.blocked(1.0, (0.0, 0.0, 0.0))
+
+
+def test_a_robot_that_creeps_against_something_is_noticed() -> None:
+    """Three Turtlebots wedged into one another pressed at 0.03 m/s for as long as their manoeuvres lasted."""
+    assert blocked_at((-0.03, 0.0), 0.0) < 4.0
+    assert blocked_at((-0.03, 0.0), -0.03) == math.inf

@@ -6,6 +6,7 @@ from explorer.agreement import Agreement
 from explorer.announcing import Announcing
 from explorer.auctions import Auctions, comparable
 from explorer.claim import OwnClaim
+from explorer.departure import Departure
 from explorer.driver import Driver, GoalEvent, at_home
 from explorer.ending import Ending
 from explorer.foreign import ForeignFrontiers
@@ -54,6 +55,7 @@ class Exploration:
         self.finished_at: Optional[float] = None
         self.orders = Orders(options)
         self.team = Team(name, options.claim_timeout)
+        self._departure = Departure(name, options.field_of_view, self.team)
         self.verdicts = Verdicts()
         self.claim = OwnClaim(name)
         self.driver = Driver(options, emit, last_goal)
@@ -252,16 +254,20 @@ class Exploration:
         if self.ending.reached(scene, self._senses.fresh(now)):
             self._finish(DONE, now)
             return
-        self._allocate(scene, now)
+        awaited = self._departure.awaited(self.exploration_time(now), now)
+        self._allocate(scene, now, not awaited)
         self.sharing.share(now)
-        self._tell_state()
+        if awaited:
+            self._be(State.WAITING, f"lets {', '.join(awaited)} drive off first")
+        else:
+            self._tell_state()
 
-    def _allocate(self, scene: Scene, now: float) -> None:
+    def _allocate(self, scene: Scene, now: float, may_drive: bool) -> None:
         auction = self.auctions.close_if_complete(now)
         if auction is not None:
             self._selection.close(auction.auction_id, auction.bids, self._scenes.scene(now))
             scene = self._scenes.scene(now)
-        if self.driver.may_send(now):
+        if may_drive and self.driver.may_send(now):
             self._selection.select(scene)
         self._selection.confirm(scene)
 

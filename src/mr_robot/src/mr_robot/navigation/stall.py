@@ -7,7 +7,7 @@ from typing import List, Tuple
 from mr_grid import Pose
 
 # (s looked back, m and rad commanded in that time from which a standing robot is blocked)
-WINDOWS = ((0.4, 0.1, 0.35), (1.2, 0.08, 0.3))
+WINDOWS = ((0.4, 0.1, 0.35), (1.2, 0.08, 0.3), (3.6, 0.08, 0.3))
 LATENCY = 0.1  # s from a command to motion
 STANDING = 0.3  # share of the commanded motion below which the robot stands
 KEPT = 50  # commands and poses; more than the longest window holds
