@@ -355,7 +355,7 @@ def narrow_room(heading: float, robot: float) -> LaserScan:
 
 
 def test_a_robot_that_turns_with_another_one_before_it_does_not_seem_to_stand() -> None:
-    """A Turtlebot whose view another one filled that drove around it took its own turn for slipping wheels: 9 degrees."""
+    """A Turtlebot whose view another one filled that drove around it took its turn for slipping wheels: 9 degrees."""
     slam, yaw = Slam(), 0.0
     for step in range(60):
         slam.process(narrow_room(yaw, math.pi), Pose(0.0, 0.0, yaw), 0.1 * step)
