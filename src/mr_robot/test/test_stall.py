@@ -25,6 +25,7 @@ def test_a_robot_that_follows_is_not() -> None:
     assert blocked_at((0.5, 0.0), 0.5) == math.inf
     assert blocked_at((0.5, 1.0), 0.5, 1.0) == math.inf
     assert blocked_at((0.0, 0.0), 0.0) == math.inf
+    assert blocked_at((0.0, 1.7), 0.0, 1.7) == math.inf, "a whole turn is none in the pose"
 
 
 def test_a_clock_that_was_set_back_starts_anew() -> None:

@@ -47,6 +47,8 @@ class StallWatch:
             return False
         distance, turn = self._commanded(since - LATENCY, now - LATENCY)
         moved = math.dist(pose[:2], before[:2])
+        if abs(turn) > math.pi:
+            return False  # poses do not tell how often a robot turned
         turned = math.remainder(pose[2] - before[2], 2.0 * math.pi)
         if abs(distance) >= least_distance and moved < STANDING * abs(distance):
             return abs(turn) < least_turn or abs(turned) < STANDING * abs(turn)
