@@ -19,7 +19,8 @@ class Memory {
 
   // By what the surfaces of the scan that is added next are to be known.
   int origin(const Pose& pose) const;
-  // A scan has entered the map at `pose`, where `match` has put it. `way`: of the robot since its start.
+  // A scan has entered the map at `pose`, where `match` has put it. `odometry`: without what its wheels slipped.
+  // `way`: of the robot since its start.
   // Returns whether that is a new keyframe.
   bool add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose, const Pose& odometry,
            const Way& way, const OdometryModel& model, const Match& match);

@@ -9,13 +9,15 @@ constexpr int kRestLimit = 3;
 constexpr int kStays = 2;                   // matches in a row for which the wheels have slipped
 constexpr int kSayTheSame = 8;              // matches that bring the robot elsewhere
 constexpr Pose kSlipped{0.03, 0.03, 0.03};  // m and rad, deviations from where the robot stood when its wheels slipped
+constexpr double kSlipDistance = 0.02;      // m and rad off odometry in one step, from which
+constexpr double kSlipAngle = 0.02;         // its wheels have slipped
 constexpr double kSameDistance = 0.1;       // m within which they say the same
 constexpr double kSameAngle = 0.05;         // rad
 constexpr double kOtherDistance = 0.4;      // m from the first to the last
 constexpr double kOtherAngle = 0.7;         // rad
 
-bool near(const Pose& a, const Pose& b) {
-  return slam::distance(a, b) < kSameDistance && std::abs(normalized(a.yaw - b.yaw)) < kSameAngle;
+bool within(const Pose& a, const Pose& b, double distance, double angle) {
+  return slam::distance(a, b) < distance && std::abs(normalized(a.yaw - b.yaw)) < angle;
 }
 
 }  // namespace
@@ -28,7 +30,7 @@ bool Elsewhere::far_from_first(const Pose& odometry) const {
 bool Elsewhere::add(const Match& match, const Pose& odometry) {
   stays_ = match.elsewhere && match.stays ? stays_ + 1 : 0;
   if (!match.elsewhere) return false;
-  const bool same = count_ > 0 && near(*match.elsewhere, correction_ * odometry);
+  const bool same = count_ > 0 && within(*match.elsewhere, correction_ * odometry, kSameDistance, kSameAngle);
   if (!same) first_ = odometry;
   count_ = same ? count_ + 1 : 1;
   correction_ = *match.elsewhere * between(odometry, Pose{});
@@ -78,6 +80,7 @@ SlamUpdate Slam::slip(const Scan& scan, const Pose& odometry) {
   const Match match = match_scan(map_, scan, stood_, kSlipped, stood_, options_.match);
   pose_ = confirmed_ = match.outcome == Outcome::kMatched ? match.pose : stood_;
   odometry_ = odometry;
+  driven_ = stood_driven_;
   contradicted_ = left_confirmed_ = false;
   elsewhere_.clear();
   model_.interrupt();
@@ -108,7 +111,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   }
   if (!started_) {
     start(scan, odometry, time, &update);
-    memory_.add({ranges, ranges + size}, geometry, pose_, odometry, way_, model_, Match{});
+    memory_.add({ranges, ranges + size}, geometry, pose_, driven_, way_, model_, Match{});
     standing_.judge(ranges, size, geometry, scan, odometry);
     return update;
   }
@@ -117,7 +120,8 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   const Pose motion = between(odometry_, odometry);
   way_.distance += std::hypot(motion.x, motion.y);
   way_.turn += std::abs(motion.yaw);
-  Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), confirmed_, options_.match);
+  const Pose expected = pose_at(odometry);
+  Match match = match_scan(map_, scan, expected, model_.deviation(motion), confirmed_, options_.match);
   left_confirmed_ |= verdict == Standing::Verdict::kMoved;
   if (match.stays && left_confirmed_) match.elsewhere.reset();
   const bool doubtful = verdict == Standing::Verdict::kSeemsToStand;
@@ -126,10 +130,13 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   } else {
     model_.interrupt();
   }
+  const bool rolled = within(match.pose, expected, kSlipDistance, kSlipAngle);
+  driven_ = driven_ * (rolled ? motion : between(pose_, match.pose));
   pose_ = match.pose;
   odometry_ = odometry;
   contradicted_ = match.outcome == Outcome::kContradicts;
   if (elsewhere_.add(match, odometry)) {
+    driven_ = driven_ * between(pose_, *match.elsewhere);
     pose_ = *match.elsewhere;
     contradicted_ = false;
     elsewhere_.clear();
@@ -141,11 +148,14 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   if (!contradicted_ && !doubtful && !match.elsewhere &&
       (stands || moved(inserted_, pose_, options_.insert_distance, options_.insert_angle))) {
     update.inserted = insert(scan, stands, time);
-    if (memory_.add({ranges, ranges + size}, geometry, pose_, odometry, way_, model_, match)) {
+    if (memory_.add({ranges, ranges + size}, geometry, pose_, driven_, way_, model_, match)) {
       memory_.close_loop(map_, scan, model_, options_.match);
     }
   }
-  if (verdict == Standing::Verdict::kMoved || verdict == Standing::Verdict::kUnknown) stood_ = pose_;
+  if (verdict == Standing::Verdict::kMoved || verdict == Standing::Verdict::kUnknown) {
+    stood_ = pose_;
+    stood_driven_ = driven_;
+  }
   update.inserted |= follow(memory_.work(&map_));
   update.pose = pose_;
   update.matched = !contradicted_;

@@ -72,6 +72,7 @@ class Slam {
   bool started_ = false;
   Pose pose_;                // at the last match, map frame
   Pose odometry_;            // same moment, odometry frame
+  Pose driven_;              // same moment, odometry without what its wheels slipped
   Pose confirmed_;           // same frame, where the last scan was that did not contradict the map
   Pose inserted_;            // pose of the last scan in the map
   double updated_at_ = 0.0;  // s, of the last scan in the map
@@ -84,7 +85,8 @@ class Slam {
   bool left_confirmed_ = false;  // as scans say
   Elsewhere elsewhere_;
   Standing standing_;
-  Pose stood_;  // map frame, where the scan was taken that `standing_` compares with
+  Pose stood_;         // map frame, where the scan was taken that `standing_` compares with
+  Pose stood_driven_;  // `driven_` at that moment
 };
 
 }  // namespace mr_robot::slam
