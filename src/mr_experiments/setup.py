@@ -6,7 +6,6 @@ FOLDERS = (
     "common",
     "host",
     "host.fast",
-    "measures",
     "publish",
     "replay",
     "report",

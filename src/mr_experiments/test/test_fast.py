@@ -12,13 +12,15 @@ from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.fast.fast_body import FastBody
 from mr_experiments.host.fast.perfect_merging import PerfectMerger, TeamSight
 from mr_experiments.host.fast.perfect_radio import PerfectRadio
-from mr_experiments.measures.true_map import TrueMap
 from mr_experiments.sweep.record import run_trial
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
 from mr_grid import OccupancyGrid, Pose
+from mr_measures.figures import coverage, wrong_walls
+from mr_measures.true_map import TrueMap
+from mr_measures.truth import Truth
 from mr_robot.navigation.options import NavigationOptions
-from mr_sim.measures import Truth, coverage, wrong_walls
+from mr_sim.true_world import occupancy_of, true_world_of
 
 
 def test_teams_explore_everything_and_faster_than_one_alone():
@@ -58,7 +60,7 @@ def test_what_is_seen_is_true_and_bounded_by_walls(world):
     body = body_in(world)
     body.look()
     occupancy = body.new_map(0.0)
-    truth = Truth.of_world(world)
+    truth = Truth.of_world(true_world_of(world))
     assert 0.05 < coverage(truth, occupancy, start) < 0.9
     assert wrong_walls(truth, occupancy, start) == 0.0
     assert body.new_map(1.0) is None and body.new_map(2.0) is not None
@@ -141,7 +143,13 @@ def test_perfect_merger_knows_what_those_have_seen_who_were_on_the_radio(world):
     starts = {"robot_0": Pose(2.0, 2.0, 0.5), "robot_1": Pose(5.0, 6.0, -2.0)}
     sight, agenda, published = TeamSight(starts), Agenda(), Published()
     merger = PerfectMerger(
-        "robot_0", TrueMap(world.visible, starts["robot_0"]), sight, agenda, Stopwatch(), published, lambda: 0.0
+        "robot_0",
+        TrueMap(occupancy_of(world.visible), starts["robot_0"]),
+        sight,
+        agenda,
+        Stopwatch(),
+        published,
+        lambda: 0.0,
     )
     merger.start(0.0)
     own, other = (np.array([[x, 2.0], [x + 1.0, 2.0], [x + 1.0, 3.0], [x, 3.0]]) for x in (2.0, 5.0))

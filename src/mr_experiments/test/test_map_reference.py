@@ -10,7 +10,7 @@ import pytest
 from mr_experiments.sweep import map_reference, reference_command
 from mr_experiments.sweep.map_reference import TOLERANCE, deviation, make_reference
 from mr_experiments.trial.trial import TrialError
-from mr_sim.reference import VIRTUAL_TIME, MapReferenceError, load_reference, write_reference
+from mr_measures.reference import VIRTUAL_TIME, MapReferenceError, load_reference, write_reference
 from mr_sim.worlds import find_world
 
 WORLD, LIMIT = "small8x8", 300.0

@@ -20,8 +20,8 @@ from mr_launch.results import exploration_end, last_finish
 from mr_launch.summary import cpu_shares, mission_summary, packets_by_hops, process_name, robot_summary, team_summary
 from mr_launch.truth import Truth
 from mr_launch.view import Picture, RobotRow, plain_lines
-from mr_sim.measures import collisions, distance_driven
-from mr_sim.trace import read_trace
+from mr_measures.figures import collisions, distance_driven
+from mr_measures.motion import read_trace
 
 HEADER = "# mr_sim trace 1 seed 1 real_time_factor 1 world w\ntime,wall,robot,x,y,yaw,v,w,stalled,collision\n"
 

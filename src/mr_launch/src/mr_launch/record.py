@@ -22,7 +22,7 @@ def mission_record(
     plan: Plan, summary: Mapping[str, Any], outcome: Outcome, truth: Truth, grids: Mapping[str, OccupancyGrid]
 ) -> dict[str, Any]:
     """`summary`: as in summary.json. Times in s since the start of the mission."""
-    from mr_sim.map_picture import picture_of
+    from mr_measures.map_picture import picture_of
 
     team = summary["team"]
     pictures = {name: {"global": picture_of(grid)} for name, grid in grids.items()}
@@ -83,7 +83,7 @@ def _trial(plan: Plan) -> dict[str, Any]:
 
 
 def _robot(robot: RobotPlan, summary: Mapping[str, Any], outcome: Outcome, track: Track) -> dict[str, Any]:
-    from mr_sim.measures import collisions, distance_driven
+    from mr_measures.figures import collisions, distance_driven
 
     finished_at = summary["time"]
     until = outcome.end if finished_at is None else outcome.start + finished_at

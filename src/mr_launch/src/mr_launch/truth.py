@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mr_sim.trace import Row, records_of, row_of
+from mr_measures.motion import Row, records_of, row_of
 
 
 class Track:
@@ -30,13 +30,13 @@ class Track:
         self._rows.append(row)
 
     def records(self, start: float = -math.inf, end: float = math.inf) -> np.ndarray:
-        """Rows between two simulation times (s), both included, as `mr_sim.trace` has them."""
+        """Rows between two simulation times (s), both included, as `mr_measures.motion` has them."""
         return records_of(self._rows[bisect_left(self._rows, (start,)) : bisect_right(self._rows, (end, math.inf))])
 
     def statistics(self, start: float, finished: float, end: float) -> dict[str, Any]:
-        """Figures of a mission, by mr_sim.measures. Simulation times (s): of its start, of the end of this robot's
+        """Figures of a mission, by mr_measures.figures. Simulation times (s): of its start, of the end of this robot's
         exploration, of its end."""
-        from mr_sim.measures import collisions, distance_driven, moving_share, stalled_time
+        from mr_measures.figures import collisions, distance_driven, moving_share, stalled_time
 
         records = self.records(start, end)
         hits = collisions(records)

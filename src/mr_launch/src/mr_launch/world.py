@@ -1,4 +1,4 @@
-"""What the runner needs to know about a world. What the figures mean is defined in mr_sim.measures."""
+"""What the runner needs to know about a world. What the figures mean is defined in mr_measures."""
 
 from __future__ import annotations
 
@@ -116,18 +116,19 @@ def write_walls(world: str, file: str) -> Walls:
 
 def write_truth(world: str, robots: int, path: Path) -> None:
     """Compute what maps of this world are compared with (seconds of work) and store it for ``load_truth``."""
-    from mr_sim.measures import Truth
+    from mr_measures.truth import Truth
+    from mr_sim.true_world import true_world_of
     from mr_sim.world import World
     from mr_sim.world_model import load_world
 
-    truth = Truth.of_world(World(load_world(world), robots))
+    truth = Truth.of_world(true_world_of(World(load_world(world), robots)))
     partial = path.with_suffix(".partial")
     partial.write_bytes(pickle.dumps(truth))
     partial.rename(path)
 
 
 def load_truth(path: Path) -> Any | None:
-    """The stored mr_sim.measures.Truth, None while it is not there. The file comes from this team's own process."""
+    """The stored mr_measures.truth.Truth, None while it is not there. The file comes from this team's own process."""
     try:
         return pickle.loads(path.read_bytes())
     except OSError:
@@ -144,14 +145,14 @@ class CoverageMeter:
 
     def coverage(self, grid: OccupancyGrid) -> float | None:
         """Share of the reference cells that the map knows; None until the reference has been computed."""
-        from mr_sim.measures import coverage
+        from mr_measures.figures import coverage
 
         self._truth = self._truth or load_truth(self._file)
         return None if self._truth is None else coverage(self._truth, grid, self._start)
 
 
 class Measures:
-    """Figures of final maps, by mr_sim.measures."""
+    """Figures of final maps, by mr_measures."""
 
     def __init__(self, world: str, slam: str, truth_file: Path) -> None:
         self._world = world
@@ -162,7 +163,7 @@ class Measures:
         """Coverage, wrong walls, free cells and map error of one robot's final map; None where there is none."""
         if grid is None:
             return {"coverage": None, "wrong_walls": None, "free_cells": None, **no_error("the robot gave no map")}
-        from mr_sim.measures import coverage, explored_free_cells, wrong_walls
+        from mr_measures.figures import coverage, explored_free_cells, wrong_walls
 
         truth = self._truth
         return {
@@ -174,7 +175,7 @@ class Measures:
 
     def _error(self, grid: OccupancyGrid) -> dict[str, Any]:
         """Against the missions in virtual time: those of a host in real time would take an hour for each world."""
-        from mr_sim.reference import VIRTUAL_TIME, MapReferenceError, error_of_map
+        from mr_measures.reference import VIRTUAL_TIME, MapReferenceError, error_of_map
 
         try:
             error, reason = error_of_map(self._world, grid, self._slam, VIRTUAL_TIME)

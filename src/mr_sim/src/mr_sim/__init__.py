@@ -1,1 +1,1 @@
-"""Stage worlds without Stage: the simulator, and measures of what robots did in them."""
+"""Stage worlds without Stage: the simulator."""

@@ -8,8 +8,9 @@ from typing import Optional, Protocol
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
+from mr_measures.figures import coverage, wrong_walls
+from mr_measures.truth import Truth
 from mr_robot.slam.engine import LaserScan, Slam, SlamUpdate
-from mr_sim.measures import Truth, coverage, wrong_walls
 from mr_sim.scan_log import ScanLog
 
 LOOP_RADIUS, LOOP_WAY = 5.0, 60.0  # m: a loop ends this near to a place that lies so much of way back

@@ -10,10 +10,10 @@ from functools import lru_cache
 from pathlib import Path
 
 from mr_grid import Pose
+from mr_measures.reference import reference_path
 from mr_plans.names import FORM, is_generated, parse_name
 from mr_plans.world_files import WorldFiles, world_files
 from mr_sim.map_world import is_map, map_world_files
-from mr_sim.reference import reference_path
 from mr_sim.world_model import WorldDescription
 
 GENERATED = Path("out/worlds")

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from test_slam import ROUND, Drives, follow
 
+from mr_measures.truth import Truth
 from mr_robot._slam import PoseGraph
 from mr_robot.slam.engine import LaserScan, Slam, SlamError
-from mr_sim.measures import Truth
 from mr_sim.scan_log import ScanLog, with_random_walk
 from mr_sim.slam_evaluation import evaluate, loop_ends
+from mr_sim.true_world import true_world_of
 from mr_sim.world import World
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
@@ -64,7 +65,7 @@ def test_wheels_that_err_anew_at_each_step_bend_no_map() -> None:
     """What they err by grows with the root of the way. Taken for a share of it, every single step of 2 degrees, which
     errs by half a degree, was believed."""
     log = with_random_walk(driven("office26x15", SEED, 190.0), 0.03, 0.05, 2)
-    evaluation = evaluate(log, Truth.of_world(World(load_world(find_world("office26x15")), 1)))
+    evaluation = evaluate(log, Truth.of_world(true_world_of(World(load_world(find_world("office26x15")), 1))))
     assert evaluation.q95_heading < math.radians(0.25) and evaluation.wrong_walls < 0.01
 
 
@@ -73,7 +74,7 @@ def test_the_map_is_drawn_anew_when_the_way_turns_out_to_be_another() -> None:
     wrong when it came back."""
     drives = Recorder("office26x15_turtlebots", 3)
     drives.run(240.0, follow(ROUND, 0.4))
-    evaluation = evaluate(drives.log(), Truth.of_world(drives.world))
+    evaluation = evaluate(drives.log(), Truth.of_world(true_world_of(drives.world)))
     assert evaluation.wrong_walls < 0.03 and evaluation.end_error < 0.15
 
 
@@ -83,7 +84,7 @@ def test_a_loop_is_closed_farther_off_than_a_scan_is_matched(draw_world: Callabl
     drives = Recorder(draw_world((24, 16), [(2.0, 2.0, 20.0, 12.0)], [(1.0, 1.0, 0.0)]), 0)
     corners = [(23.0, 1.0), (23.0, 15.0), (1.0, 15.0), (1.0, 1.0)]
     drives.run(260.0, follow(corners + corners[:1], 0.4))
-    evaluation = evaluate(with_random_walk(drives.log(), 0.1, 0.02, 7), Truth.of_world(drives.world))
+    evaluation = evaluate(with_random_walk(drives.log(), 0.1, 0.02, 7), Truth.of_world(true_world_of(drives.world)))
     assert evaluation.end_error < 0.2 and evaluation.wrong_walls < 0.05
 
 

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
+from mr_measures import truth
+from mr_measures.reference import load_reference, reference_path
+from mr_measures.stored_truth import stored_path, truth_of_generated
+from mr_measures.truth import Truth
 from mr_plans import WORLD_KINDS
 from mr_plans.passable import NARROW_CELLS
 from mr_robot.navigation.options import NavigationOptions
-from mr_sim import measures
-from mr_sim.measures import Truth
-from mr_sim.reference import load_reference, reference_path
-from mr_sim.stored_truth import stored_path, truth_of_generated
+from mr_sim.true_world import true_world_of
 from mr_sim.world import World
 from mr_sim.world_model import load_world
 from mr_sim.worlds import WorldNotFoundError, find_world, label_of
@@ -27,8 +28,9 @@ def test_sixteen_robots_stand_free_in_every_kind(kind, tmp_path):
 @pytest.mark.parametrize("kind", ["rooms", "narrow", "cave"])
 def test_the_measures_find_all_of_it_reachable_from_any_start(kind, tmp_path):
     description = load_world(find_world(f"generated:{kind}:5:18x12", tmp_path))
-    first = Truth.of_world(World(description, 1))
-    everywhere = Truth.of_world(World(load_world(find_world(f"generated:{kind}:5:18x12:anywhere", tmp_path)), 16))
+    first = Truth.of_world(true_world_of(World(description, 1)))
+    anywhere = World(load_world(find_world(f"generated:{kind}:5:18x12:anywhere", tmp_path)), 16)
+    everywhere = Truth.of_world(true_world_of(anywhere))
     assert np.array_equal(first.reference, everywhere.reference) and len(first.reference) * first.cell_area > 30.0
 
 
@@ -59,11 +61,11 @@ def test_what_cannot_be_drawn_is_one_clear_error(tmp_path):
 
 def test_the_knowable_area_is_computed_once_and_is_that_of_the_definition(tmp_path, monkeypatch):
     path = find_world("generated:rooms:2:15x10", tmp_path)
-    world = World(load_world(path), 2)
+    world = true_world_of(World(load_world(path), 2))
     expected = Truth.of_world(world)
     assert np.array_equal(truth_of_generated(world, path).reference, expected.reference)
     monkeypatch.setattr(Truth, "_viewpoints", None)
-    again = truth_of_generated(World(load_world(path), 1), path)
+    again = truth_of_generated(true_world_of(World(load_world(path), 1)), path)
     assert np.array_equal(again.reference, expected.reference)
     assert np.array_equal(again.viewpoints, expected.viewpoints)
 
@@ -71,8 +73,8 @@ def test_the_knowable_area_is_computed_once_and_is_that_of_the_definition(tmp_pa
 def test_a_stored_area_of_other_walls_or_a_broken_one_does_not_count(tmp_path):
     path = find_world("generated:rooms:2:15x10", tmp_path)
     other = find_world("generated:rooms:3:15x10", tmp_path)
-    truth_of_generated(World(load_world(other), 1), path)
-    world = World(load_world(path), 1)
+    truth_of_generated(true_world_of(World(load_world(other), 1)), path)
+    world = true_world_of(World(load_world(path), 1))
     expected = Truth.of_world(world).reference
     assert np.array_equal(truth_of_generated(world, path).reference, expected)
     stored_path(path).write_bytes(stored_path(path).read_bytes()[:1000])
@@ -85,5 +87,6 @@ def test_the_knowable_area_is_what_robots_explore(world, monkeypatch):
     by two."""
     path = find_world(world)
     explored = load_reference(path)
-    monkeypatch.setattr(measures, "WALL_MARGIN", 0.05)
-    assert len(Truth.of_world(World(load_world(path), 1)).reference) == pytest.approx(explored.median, rel=0.01)
+    monkeypatch.setattr(truth, "WALL_MARGIN", 0.05)
+    known = Truth.of_world(true_world_of(World(load_world(path), 1))).reference
+    assert len(known) == pytest.approx(explored.median, rel=0.01)

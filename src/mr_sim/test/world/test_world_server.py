@@ -11,9 +11,10 @@ import time
 
 import pytest
 
+from mr_measures.motion import read_trace
 from mr_sim import protocol as p
 from mr_sim.radio_control import RadioControl
-from mr_sim.trace import TraceWriter, read_trace
+from mr_sim.trace import TraceWriter
 from mr_sim.world_client import ConnectionRefused, WorldClient
 from mr_sim.world_server import ServerError, WorldServer, listen
 

@@ -27,10 +27,11 @@ from mr_experiments.host.mission import Mission
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial, TrialError
 from mr_grid import Pose
+from mr_measures.truth import Truth
 from mr_robot.slam.engine import Slam, SlamError
-from mr_sim.measures import Truth
 from mr_sim.scan_log import ScanLog, with_random_walk
 from mr_sim.slam_evaluation import Engine, Evaluation, evaluate
+from mr_sim.true_world import true_world_of
 from mr_sim.world import World
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world, label_of
@@ -104,7 +105,7 @@ def record(trial: Trial) -> ScanLog:
 
 
 def truth_of(world: str) -> Truth:
-    return Truth.of_world(World(load_world(find_world(world)), 1, 0))
+    return Truth.of_world(true_world_of(World(load_world(find_world(world)), 1, 0)))
 
 
 def rows_of(kind: str, odometry: str, results: Sequence[Evaluation]) -> list[dict[str, Any]]:

@@ -10,12 +10,12 @@ from typing import Any, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from mr_experiments.measures import lower_bound, visibility
-from mr_experiments.measures.lower_bound import LowerBound
+from mr_experiments.trial.bound import bound_of
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
+from mr_measures import lower_bound, truth, visibility
 from mr_plans import WORLD_KINDS, worlds
-from mr_sim import measures
+from mr_sim import world as simulation
 
 KINDS = ("office", "equalrooms", "hall", "cave", "loop")
 SHORTEST_M, LONGEST_M = 15, 50
@@ -164,7 +164,7 @@ def read_bounds(path: Path) -> Bounds:
 def bounds_of(world: str, robots: Sequence[int]) -> list[dict[str, Any]]:
     """A line for each team size: the time in s before which no such team has seen everything. Takes many seconds."""
     simulated = world_of(Trial(world, max(robots), 0))
-    bound = LowerBound(simulated)
+    bound = bound_of(simulated)
     starts = [simulated.pose(number) for number in range(max(robots))]
     return [
         {"world": world, "robots": size, "bound": round(bound.completion_time(starts[:size]), 2),
@@ -175,7 +175,7 @@ def bounds_of(world: str, robots: Sequence[int]) -> list[dict[str, Any]]:
 
 def _bound_version() -> str:
     """Changes with the code that draws worlds or bounds them."""
-    files = [Path(str(module.__file__)) for module in (lower_bound, visibility, measures)]
-    files += sorted(Path(str(measures.__file__)).parent.glob("world*.py"))
+    files = [Path(str(module.__file__)) for module in (lower_bound, truth, visibility)]
+    files += sorted(Path(str(simulation.__file__)).parent.glob("world*.py"))
     files += sorted(Path(str(worlds.__file__)).parent.glob("*.py"))
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:12]

@@ -14,6 +14,7 @@ import explorer
 import map_merger
 import mr_experiments
 import mr_grid
+import mr_measures
 import mr_plans
 import mr_robot
 import mr_sim
@@ -22,7 +23,8 @@ from mr_sim.worlds import world_folders
 
 IMPORTED = {
     "adhoc_communication": adhoc_engine, "explorer": explorer, "map_merger": map_merger, "mr_grid": mr_grid,
-    "mr_plans": mr_plans, "mr_robot": mr_robot, "mr_sim": mr_sim, "mr_experiments": mr_experiments,
+    "mr_measures": mr_measures, "mr_plans": mr_plans, "mr_robot": mr_robot, "mr_sim": mr_sim,
+    "mr_experiments": mr_experiments,
 }  # fmt: skip
 # What a package is built from: a compiler's output differs between computers that run the same code.
 SOURCES = (

@@ -13,15 +13,16 @@ from explorer import messages
 from mr_experiments.host.radio import TeamRadio
 from mr_experiments.host.robot import Robot
 from mr_experiments.host.transforms import MergeLog
-from mr_experiments.measures.occupancy import free_area, occupancy_of
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
 from mr_grid import OccupancyGrid, Pose
+from mr_measures.map_picture import picture_of
+from mr_measures.motion import RECORD
+from mr_measures.occupancy import free_area, occupancy_of
+from mr_measures.stored_truth import truth_of_generated
+from mr_measures.truth import Truth
 from mr_plans import is_generated
-from mr_sim.map_picture import picture_of
-from mr_sim.measures import Truth
-from mr_sim.stored_truth import truth_of_generated
-from mr_sim.trace import RECORD
+from mr_sim.true_world import true_world_of
 from mr_sim.world import World
 from mr_sim.worlds import find_world
 
@@ -34,7 +35,7 @@ MOTION = ["x", "y", "yaw", "velocity_x", "velocity_y", "velocity_yaw", "stalled"
 @functools.lru_cache(maxsize=8)
 def _truth_of(world: str, starts: tuple[Pose, ...]) -> Truth:
     """Seconds of work, so kept; a process runs many trials in one world."""
-    simulated = world_of(Trial(world, len(starts), 0, starts=starts))
+    simulated = true_world_of(world_of(Trial(world, len(starts), 0, starts=starts)))
     return truth_of_generated(simulated, find_world(world)) if is_generated(world) else Truth.of_world(simulated)
 
 
@@ -168,7 +169,7 @@ class Recorder:
         ]
 
     def records(self, robot: int) -> np.ndarray:
-        """True motion as a record array of mr_sim.trace."""
+        """True motion as a record array of mr_measures.motion."""
         names = RECORD.names or ()
         columns = np.array(self.logs[robot].truth).reshape(-1, len(names)).T
         records = np.zeros(columns.shape[1], dtype=RECORD)

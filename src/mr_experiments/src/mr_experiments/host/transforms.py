@@ -10,9 +10,9 @@ import numpy as np
 from map_merger.benchmark import classify
 from map_merger.transform import displacement, rotation_between
 from mr_experiments.host.robot import Robot
-from mr_experiments.measures.drift import FEWEST_POINTS, Track, best_rigid_fit, overlap
-from mr_experiments.measures.occupancy import occupancy_of
 from mr_grid import Pose
+from mr_measures.drift import FEWEST_POINTS, Track, best_rigid_fit, overlap
+from mr_measures.occupancy import occupancy_of
 
 
 class MergeLog:

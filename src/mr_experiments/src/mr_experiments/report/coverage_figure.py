@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from mr_experiments.measures.lower_bound import LowerBound
 from mr_experiments.report import figure_style as style
 from mr_experiments.report.derived import mean
 from mr_experiments.report.figure_style import plt
 from mr_experiments.report.figures import SAMPLES
 from mr_experiments.report.record_set import Record
 from mr_experiments.report.scope import Scope
+from mr_measures.lower_bound import LowerBound
 
 PANEL = (4.2, 3.1)  # inches
 SINGLE = 6.0  # inches, width of a panel alone

@@ -8,7 +8,6 @@ from typing import Callable, Iterable, Sequence
 
 from matplotlib.figure import Figure
 
-from mr_experiments.measures.lower_bound import LowerBound
 from mr_experiments.report import page
 from mr_experiments.report.comparison import Comparison, compare_sets, comparison_table
 from mr_experiments.report.coverage_figure import coverage_figure
@@ -19,6 +18,8 @@ from mr_experiments.report.record_set import Chapter, RecordSet, load_records
 from mr_experiments.report.scope import Scope, scopes
 from mr_experiments.report.table import Table, to_csv
 from mr_experiments.report.tables import chapter_tables, outcome_table, trials_table, trouble_table
+from mr_experiments.trial.bound import bound_of
+from mr_measures.lower_bound import LowerBound
 from mr_sim.world import World
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
@@ -123,7 +124,7 @@ class _Making:
         if world not in self.bounds:
             self.progress(f"lower bound for {world}")
             try:
-                self.bounds[world] = LowerBound(World(load_world(find_world(world))))
+                self.bounds[world] = bound_of(World(load_world(find_world(world))))
             except (OSError, ValueError) as error:
                 self.notes.append(f"No lower bound on the time for {world}: {error}")
                 self.bounds[world] = None

@@ -12,7 +12,7 @@ from mr_experiments.sweep.record import SLAM
 from mr_experiments.sweep.sweep import LocalPool
 from mr_experiments.sweep.trial_process import record_path
 from mr_experiments.trial.trial import Trial, TrialError
-from mr_sim.reference import VIRTUAL_TIME, MapReferenceError, Reference, load_reference
+from mr_measures.reference import VIRTUAL_TIME, MapReferenceError, Reference, load_reference
 
 RESOLUTION = 0.05  # m, of the maps of SLAM
 TOLERANCE = 0.05  # percent; the same mission on another processor may flip a few cells

@@ -16,16 +16,23 @@ import cv2
 import numpy as np
 import scipy
 
+from mr_experiments.common.allocation import keep_freed_memory
 from mr_experiments.common.code_version import code_version
 from mr_experiments.common.ros_packages import version_of
 from mr_experiments.host.mission import Mission
 from mr_experiments.host.robot import Robot
-from mr_experiments.measures.allocation import keep_freed_memory
-from mr_experiments.measures.occupancy import occupancy_of
 from mr_experiments.trial.trial import Trial, TrialError
-from mr_sim.map_picture import picture_of
-from mr_sim.measures import collisions, coverage, explored_free_cells, moving_share, overlap_between_robots, wrong_walls
-from mr_sim.reference import VIRTUAL_TIME, MapReferenceError, error_of_map
+from mr_measures.figures import (
+    collisions,
+    coverage,
+    explored_free_cells,
+    moving_share,
+    overlap_between_robots,
+    wrong_walls,
+)
+from mr_measures.map_picture import picture_of
+from mr_measures.occupancy import occupancy_of
+from mr_measures.reference import VIRTUAL_TIME, MapReferenceError, error_of_map
 from mr_sim.worlds import find_world
 
 FORMAT = 1

@@ -11,7 +11,7 @@ from mr_experiments.common.command_line import BAD_CALL, CallError, Parser
 from mr_experiments.sweep.map_reference import TOLERANCE, deviation, make_reference
 from mr_experiments.sweep.sweep import default_jobs
 from mr_experiments.trial.trial import TrialError
-from mr_sim.reference import MINIMUM_MISSIONS, MapReferenceError, load_reference, write_reference
+from mr_measures.reference import MINIMUM_MISSIONS, MapReferenceError, load_reference, write_reference
 from mr_sim.worlds import WorldNotFoundError, find_world
 
 

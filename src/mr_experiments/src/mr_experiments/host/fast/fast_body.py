@@ -10,13 +10,14 @@ import numpy as np
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.body import GoalEnd
 from mr_experiments.host.fast.perfect_merging import TeamSight
-from mr_experiments.measures.true_map import TrueMap
 from mr_grid import OccupancyGrid, Pose
+from mr_measures.true_map import TrueMap
 from mr_robot.navigation.options import NavigationOptions
 from mr_robot.navigation.planner import CostMap, Plan, path, plan
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL
 from mr_sim import _world
 from mr_sim.raster import Grid as Raster
+from mr_sim.true_world import occupancy_of
 from mr_sim.world_model import RangerDescription
 
 BEAMS = 181  # that bound the visible area
@@ -41,7 +42,7 @@ class FastBody:
         self.on_goal_end: GoalEnd = lambda *_: None
         self._name, self._start, self._ranger, self._sight, self._stopwatch = name, start, ranger, sight, stopwatch
         self._raster = _world.Raster(walls.cells, walls.resolution, walls.origin)
-        self.true_map = TrueMap(walls, start)
+        self.true_map = TrueMap(occupancy_of(walls), start)
         self._seen = self.true_map.nothing()
         self._looked_from: Pose | None = None
         self._map_at = -math.inf

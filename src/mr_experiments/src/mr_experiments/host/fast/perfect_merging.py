@@ -10,8 +10,8 @@ import numpy as np
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.merging import MergerListener
-from mr_experiments.measures.true_map import TrueMap
 from mr_grid import OccupancyGrid, Pose
+from mr_measures.true_map import TrueMap
 
 POSITION_PERIOD = 1.0  # s between positions, as map_merger's seconds_send_position in mr_launch
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mr_grid import OccupancyGrid
-from mr_sim.measures import explored_free_cells, map_error
+from mr_measures.figures import explored_free_cells, map_error
 
 MINIMUM_MISSIONS = 10
 VIRTUAL_TIME = "mr_experiments"  # the host of the references in `worlds/`

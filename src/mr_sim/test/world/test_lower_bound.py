@@ -6,10 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from mr_experiments.measures.lower_bound import LowerBound, shared_out, shortest_chains
-from mr_experiments.measures.visibility import DrivingDistance, Views, inscribed_radius
 from mr_grid import Pose
-from mr_sim import _world
+from mr_measures.lower_bound import LowerBound
+from mr_measures.visibility import DrivingDistance, Views
+from mr_sim.true_world import true_world_of
 from mr_sim.world import World
 from mr_sim.world_model import load_world
 
@@ -41,12 +41,12 @@ SPEED = 0.4
 def world(tmp_path_factory):
     path = tmp_path_factory.mktemp("world") / "rooms.world"
     path.write_text(WORLD)
-    return World(load_world(path))
+    return true_world_of(World(load_world(path)))
 
 
 @pytest.fixture(scope="module")
 def bound(world):
-    return LowerBound(world, samples=300)
+    return LowerBound(world, 0.5, samples=300)
 
 
 @pytest.fixture(scope="module")
@@ -56,10 +56,9 @@ def driving(world):
 
 def sees(world, place, points):
     """Which points (N, 2) are in line of sight and range of a place."""
-    raster = _world.Raster(world.visible.cells, world.visible.resolution, world.visible.origin)
     offsets = points - np.asarray(place)
     lengths = np.hypot(*offsets.T)
-    reached = [raster.cast(tuple(place), np.array([math.atan2(y, x)]), 8.0)[0] for x, y in offsets]
+    reached = [world.cast(tuple(place), np.array([math.atan2(y, x)]), 8.0)[0] for x, y in offsets]
     return lengths < np.array(reached) - 1e-6
 
 
@@ -81,8 +80,9 @@ def test_at_the_start_it_is_what_is_seen_from_there(world, bound):
     assert seen < 0.8
 
 
-def test_speed_is_the_lower_one_of_base_and_navigation(bound):
+def test_speed_is_the_lower_one_of_base_and_navigation(world, bound):
     assert bound.speed == SPEED
+    assert LowerBound(world, 0.3, samples=1).speed == 0.3
 
 
 def test_no_straight_drive_sees_more(world, bound):
@@ -130,7 +130,7 @@ def test_driving_distance_in_every_direction(tmp_path):
     path = tmp_path / "hall.world"
     wide = WORLD.replace("size [ 0.1 2.9 1 ] pose [ 5 1.45 0 0 ]", "size [ 0.1 0.1 1 ] pose [ 5 0.1 0 0 ]")
     path.write_text(wide.replace("ranger ( pose [ 0.1 0 0 0 ]", "ranger ( pose [ 0 0 0 0 ]"))
-    driving = DrivingDistance(World(load_world(path)))
+    driving = DrivingDistance(true_world_of(World(load_world(path))))
     field = driving.from_start(START)
     for angle in np.radians([0.0, 5.0, 13.3, 17.0]):
         point = (START[0] + 8.4 * math.cos(angle), START[1] + 8.4 * math.sin(angle))
@@ -148,31 +148,3 @@ def test_views_stop_at_walls(world, driving):
     for point, visible in [((4.0, 3.0), True), ((0.3, 0.3), True), ((6.0, 1.0), False), ((9.0, 3.5), False)]:
         row, column = driving.lattice.index(np.array(point))
         assert seen[row, column] == visible
-
-
-def test_inscribed_radius():
-    assert inscribed_radius([((-0.2, -0.1), (0.3, -0.1), (0.3, 0.15), (-0.2, 0.15))]) == pytest.approx(0.1)
-    assert inscribed_radius([((1.0, 1.0), (2.0, 1.0), (2.0, 2.0))]) == 0.0
-
-
-def chain_length(order, entry, between):
-    return entry[order[0]] + sum(between[a, b] for a, b in itertools.pairwise(order)) if order else 0.0
-
-
-def test_shortest_chains_against_every_order():
-    generator = np.random.default_rng(2)
-    entry, between = generator.uniform(0.0, 5.0, 4), generator.uniform(0.0, 5.0, (4, 4))
-    lengths = shortest_chains(entry, between)
-    for chosen in range(16):
-        places = [place for place in range(4) if chosen >> place & 1]
-        expected = min(chain_length(order, entry, between) for order in itertools.permutations(places))
-        assert lengths[chosen] == pytest.approx(expected)
-
-
-def test_shared_out_against_every_partition():
-    generator = np.random.default_rng(3)
-    first, second = np.sort(generator.uniform(0.0, 5.0, (2, 8)), axis=1)
-    best = shared_out(first, second)
-    for chosen in range(8):
-        parts = [part for part in range(8) if part & chosen == part]
-        assert best[chosen] == min(max(first[chosen ^ part], second[part]) for part in parts)

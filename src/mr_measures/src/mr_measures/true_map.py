@@ -6,7 +6,6 @@ import cv2
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
-from mr_sim.raster import Grid as Raster
 
 RESOLUTION = 0.1  # m; twice that of SLAM, which the strategy does not notice and the time does
 
@@ -14,7 +13,7 @@ RESOLUTION = 0.1  # m; twice that of SLAM, which the strategy does not notice an
 class TrueMap:
     """Masks of what has been seen are uint8 (rows, columns); see `nothing`."""
 
-    def __init__(self, walls: Raster, start: Pose) -> None:
+    def __init__(self, walls: OccupancyGrid, start: Pose) -> None:
         """`start`: origin of the map frame, world frame."""
         self._start = start
         self._cells, self._origin = _in_map_frame(walls, start)
@@ -37,11 +36,11 @@ class TrueMap:
         return OccupancyGrid.of(cells, RESOLUTION, corner)
 
 
-def _in_map_frame(walls: Raster, start: Pose) -> tuple[np.ndarray, np.ndarray]:
+def _in_map_frame(walls: OccupancyGrid, start: Pose) -> tuple[np.ndarray, np.ndarray]:
     """int8 cells, 0 free, 100 occupied where any part of a cell may be, and the lower left corner, m."""
     rows, columns = walls.cells.shape
     size = np.array([columns, rows]) * walls.resolution
-    corners = np.array([[0.0, 0.0], [size[0], 0.0], [size[0], size[1]], [0.0, size[1]]]) + walls.origin
+    corners = np.array([[0.0, 0.0], [size[0], 0.0], [size[0], size[1]], [0.0, size[1]]]) + walls.origin[:2]
     local = start.apply_inverse(corners)
     low = np.floor(local.min(axis=0) / RESOLUTION) - 1
     high = np.ceil(local.max(axis=0) / RESOLUTION) + 1
@@ -49,7 +48,7 @@ def _in_map_frame(walls: Raster, start: Pose) -> tuple[np.ndarray, np.ndarray]:
     origin = low * RESOLUTION
     grid = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).reshape(-1, 2)
     centres = start.apply((grid + 0.5) * RESOLUTION + origin)
-    index = np.floor((centres - walls.origin) / walls.resolution).astype(np.int64)
+    index = np.floor((centres - walls.origin[:2]) / walls.resolution).astype(np.int64)
     inside = ((index >= 0) & (index < (columns, rows))).all(axis=1)
     cells = np.zeros(len(centres), dtype=np.int8)
     cells[inside] = np.where(walls.cells[index[inside, 1], index[inside, 0]] > 0, 100, 0)

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from mr_sim import measures
-from mr_sim.measures import KnowableArea, Truth
-from mr_sim.world import World
+from mr_measures import truth as definition
+from mr_measures.true_world import TrueWorld
+from mr_measures.truth import KnowableArea, Truth
 
 
 def stored_path(world: Path) -> Path:
@@ -19,7 +19,7 @@ def stored_path(world: Path) -> Path:
     return world.with_suffix(".knowable.npz")
 
 
-def truth_of_generated(world: World, path: Path) -> Truth:
+def truth_of_generated(world: TrueWorld, path: Path) -> Truth:
     """As `Truth.of_world`, for a world whose free space is connected, so that it is the same from all starts. `path`:
     of its world file. What is stored counts only for the same walls, robots and definition."""
     key, file = _key(world), stored_path(path)
@@ -31,11 +31,10 @@ def truth_of_generated(world: World, path: Path) -> Truth:
     return truth
 
 
-def _key(world: World) -> str:
+def _key(world: TrueWorld) -> str:
     robot, walls = world.robots[0], world.visible
-    digest = hashlib.sha256(Path(str(measures.__file__)).read_bytes() + walls.cells.tobytes())
-    ranges = [ranger.range_max for ranger in robot.rangers]
-    digest.update(repr((walls.cells.shape, walls.resolution, walls.origin, robot.footprint, ranges)).encode())
+    digest = hashlib.sha256(Path(str(definition.__file__)).read_bytes() + walls.cells.tobytes())
+    digest.update(repr((walls.info, robot.footprint, robot.range_max)).encode())
     return digest.hexdigest()
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from mr_grid import GridInfo, OccupancyGrid, empty_grid
+from mr_measures.figures import FREE_BELOW
 
 
 def free_area(cells: np.ndarray, resolution: float) -> float:
     """m^2 of explored free space."""
-    return float(np.count_nonzero((cells >= 0) & (cells < 50))) * resolution * resolution
+    return float(np.count_nonzero((cells >= 0) & (cells < FREE_BELOW))) * resolution * resolution
 
 
 def occupancy_of(local: OccupancyGrid | None) -> OccupancyGrid:

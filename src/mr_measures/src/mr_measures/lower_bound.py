@@ -21,16 +21,16 @@ claim cells that nobody has seen.
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from typing import Sequence
 
 import numpy as np
 
-from mr_experiments.measures.visibility import DrivingDistance, Views
 from mr_grid import Pose
-from mr_robot.navigation.options import NavigationOptions
-from mr_sim.measures import Truth
-from mr_sim.world import World
+from mr_measures.true_world import TrueWorld
+from mr_measures.truth import Truth
+from mr_measures.visibility import DrivingDistance, Views
 
 SAMPLES = 2000  # reference cells looked at
 MAXIMUM_WITNESSES = 11  # every way to share them out is tried
@@ -40,12 +40,13 @@ THUMBNAIL = 10_000  # cells at which views are compared; this only chooses witne
 class LowerBound:
     """Bounds for teams in one world, with the sensors, footprints and speeds of its robots. Takes seconds."""
 
-    def __init__(self, world: World, samples: int = SAMPLES) -> None:
+    def __init__(self, world: TrueWorld, speed_limit: float = math.inf, samples: int = SAMPLES) -> None:
+        """`speed_limit`: m/s that their navigation asks for at most. ValueError for a world without reference cells."""
         reference = Truth.of_world(world).reference
         if not len(reference):
             raise ValueError("the world has no reference cells: no robot can move in it")
         self.points = reference[:: max(1, len(reference) // samples)]
-        self.speed = highest_speed(world)
+        self.speed = min(max(robot.top_speed for robot in world.robots), speed_limit)
         self._driving = DrivingDistance(world)
         views = Views(world, self._driving.lattice)
         self._views = [views.of_point(point) for point in self.points]
@@ -101,12 +102,6 @@ class LowerBound:
         views = [self._views[witness] for witness in self._witnesses]
         fields = [self._driving.from_views(view.whole(self._driving.lattice.shape)) for view in views]
         return np.array([[view.least(field) for view in views] for field in fields])
-
-
-def highest_speed(world: World) -> float:
-    """In m/s: what the base allows and navigation asks for."""
-    base = max(max(abs(bound) for bound in robot.linear_bounds) for robot in world.robots)
-    return min(base, NavigationOptions().max_linear_velocity)
 
 
 def shortest_chains(entry: np.ndarray, between: np.ndarray) -> np.ndarray:

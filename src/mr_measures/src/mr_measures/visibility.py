@@ -12,9 +12,7 @@ from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
 from mr_grid import Pose
-from mr_sim import _world
-from mr_sim.world import World
-from mr_sim.world_model import Polygon
+from mr_measures.true_world import Polygon, TrueWorld
 
 CELL = 0.05  # m, lattice on which places are told apart
 MAP_CELL = 0.05  # m, of the maps whose coverage is bounded: a cell counts as known when any part of it is seen
@@ -71,8 +69,8 @@ class DrivingDistance:
     taking away what the lattice adds to a straight line, what rounding to cells adds, and the arm of the sensor.
     """
 
-    def __init__(self, world: World) -> None:
-        walls = world.obstacles
+    def __init__(self, world: TrueWorld) -> None:
+        walls = world.solid
         block = max(1, round(CELL / walls.resolution))
         cell = block * walls.resolution
         pad = math.ceil(PAD / cell) * block
@@ -81,12 +79,12 @@ class DrivingDistance:
         clearance = ndimage.distance_transform_edt(cells == 0) * walls.resolution
         coarse = clearance.reshape(cells.shape[0] // block, block, -1, block).max(axis=(1, 3))
         radius = min(inscribed_radius(robot.footprint) for robot in world.robots)
-        x, y = walls.origin
+        x, y = walls.origin[:2]
         self.lattice = Lattice(coarse.shape, (x - pad * walls.resolution, y - pad * walls.resolution), cell)
         self.free = coarse >= radius - walls.resolution
         # At both ends: rounding to the centre of a cell, and a sliver of a view, thinner than a cell, that was missed.
         self._slack = 2.0 * (math.sqrt(0.5) + 1.0) * cell
-        self._arm = max((math.hypot(*r.mount[:2]) for robot in world.robots for r in robot.rangers), default=0.0)
+        self._arm = max((robot.arm for robot in world.robots), default=0.0)
         self._node = np.cumsum(self.free.ravel()).reshape(self.free.shape) - 1
         self._graph = self._make_graph()
 
@@ -142,11 +140,10 @@ class DrivingDistance:
 class Views:
     """Parts of the lattice from which a cell of a map can be seen, by sensors that look all around."""
 
-    def __init__(self, world: World, lattice: Lattice) -> None:
-        walls = world.visible
+    def __init__(self, world: TrueWorld, lattice: Lattice) -> None:
         self.lattice = lattice
-        self.range = max((ranger.range_max for robot in world.robots for ranger in robot.rangers), default=0.0)
-        self._raster = _world.Raster(walls.cells, walls.resolution, walls.origin)
+        self.range = world.range_max
+        self._cast = world.cast
         self._angles = np.arange(BEAMS) * (2.0 * math.pi / BEAMS)
         self._directions = np.stack([np.cos(self._angles), np.sin(self._angles)], axis=1)
         # The cell of the map that holds a point may extend one cell to any side of it.
@@ -163,7 +160,7 @@ class Views:
         seen = np.zeros((rows.stop - rows.start, columns.stop - columns.start), dtype=np.uint8)
         corner = np.array([columns.start, rows.start])
         for begin in point + self._offsets:
-            lengths = self._raster.cast((begin[0], begin[1]), self._angles, self.range + 2.0 * MAP_CELL)
+            lengths = self._cast((begin[0], begin[1]), self._angles, self.range + 2.0 * MAP_CELL)
             ends = begin + self._directions * lengths[:, None]
             cv2.fillPoly(seen, [(self.lattice.index(ends)[:, ::-1] - corner).astype(np.int32)], 1)
         return View(rows, columns, np.packbits(seen))

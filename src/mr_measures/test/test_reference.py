@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from mr_grid import OccupancyGrid
-from mr_sim.reference import MapReferenceError, Reference, error_of_map, load_reference, reference_path, write_reference
+from mr_measures.reference import (
+    MapReferenceError,
+    Reference,
+    error_of_map,
+    load_reference,
+    reference_path,
+    write_reference,
+)
 
 CELLS = {seed: 1000 + seed for seed in range(11)}
 

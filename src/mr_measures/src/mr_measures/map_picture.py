@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from mr_grid import OccupancyGrid
-from mr_sim.measures import FREE_BELOW, OCCUPIED_FROM
+from mr_measures.figures import FREE_BELOW, OCCUPIED_FROM
 
 OCCUPIED, UNKNOWN, FREE = 0, 205, 254  # gray values, as in the files of map_server
 

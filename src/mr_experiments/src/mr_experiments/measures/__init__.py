@@ -1,1 +1,0 @@
-"""What is computed from worlds and maps: bounds, visibility, drift, truth."""
