@@ -50,6 +50,7 @@ def sample_robot(index: int, names: list[str], start: Pose, end: int) -> dict[st
         "start": list(start),
         "finished_at": end - 5.0 - index * 0.1,
         "distance": math.pi,
+        "moving": 0.9,
         "goals": [
             {"set": 1.0, "x": 1.0, "y": 0.5, "end": 20.0, "outcome": "reached", "text": ""},
             {"set": 20.0, "x": 0.0, "y": -1.0, "end": 25.0, "outcome": "failed", "text": "no path </script>"},

@@ -3,10 +3,13 @@
 import json
 
 import pytest
+from made_missions import made_mission, made_robot
 
 from mr_experiments.report.agreement import MINIMUM_MISSIONS, Verdict, agreements, rows_of, stack_runs, virtual_runs
 from mr_experiments.report.agreement_command import main
 from mr_experiments.report.stack_missions import ATTEMPTS, NO_SUMMARY, begin_attempt, read_attempts
+from mr_measures.record import files
+from mr_measures.record.robot_record import MapFigures
 
 TIMES = [100.0 + (7 * seed) % MINIMUM_MISSIONS for seed in range(MINIMUM_MISSIONS)]  # 100 s to 111 s
 
@@ -20,15 +23,10 @@ def write_mission(folder, time, errors, seed=0, world="w"):
 
 def write_record(folder, seed, time, errors, world="w", code="c"):
     folder.mkdir(exist_ok=True)
-    record = {
-        "format": 1,
-        "trial": {"world": world, "robots": len(errors), "seed": seed, "scenario": "s", "strategy": 7},
-        "versions": {"code": code},
-        "outcome": {"status": "finished" if time else "unfinished", "reason": "", "time": time or 900.0},
-        "team": {"exploration_time": time},
-        "robots": {f"robot_{i}": {"map": {"error": error}} for i, error in enumerate(errors)},
-    }
-    (folder / f"{len(errors)}-{seed}.json").write_text(json.dumps(record))
+    robots = [made_robot(map=MapFigures(error=error)) for error in errors]
+    status, settings = "finished" if time else "unfinished", {"world": world, "seed": seed}
+    record = made_mission(robots, status, time or 900.0, settings=settings, versions={"code": code})
+    files.write_record(record, folder / f"{len(errors)}-{seed}.json")
 
 
 @pytest.fixture

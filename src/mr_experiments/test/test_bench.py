@@ -3,20 +3,19 @@
 import json
 
 import pytest
+from made_missions import made_mission, made_robot
 
 from mr_experiments.bench import bench
-from mr_experiments.sweep.trial_process import failed_record
 from mr_experiments.trial.trial import Trial, TrialError
+from mr_measures.record.mission_record import Measured
 
 
 @pytest.fixture
 def fake_trials(monkeypatch):
     def install(time, cpu, status="finished"):
         def run(trial):
-            record = failed_record(trial, "")
-            record["outcome"] = {"status": status, "reason": "", "time": time}
-            record["measured"] = {"cpu": cpu, "cpu_by_component": {"slam": 0.5 * cpu, "navigation": 0.3 * cpu}}
-            return record
+            measured = Measured(cpu=cpu, cpu_by_component={"slam": 0.5 * cpu, "navigation": 0.3 * cpu})
+            return made_mission([made_robot()], status, time, measured=measured)
 
         monkeypatch.setattr(bench, "run_trial", run)
 

@@ -3,30 +3,30 @@
 import json
 
 import pytest
+from made_missions import made_mission, made_robot
 
 from mr_experiments.bench import bench_buildings_command as command
 from mr_experiments.bench import mission_set
 from mr_experiments.bench.bench_buildings import HUGE, KINDS, revoked_though_right, table, trials_of
+from mr_grid import Pose
+from mr_measures.record.files import write_record
+from mr_measures.record.robot_record import Contacts, MapFigures, Merge
+from mr_measures.record.series import RobotSeries
 
 
 def robot(walls=0.0, collisions=0, last=(1.0, 2.0), merges=(), died_at=None):
-    return {
-        "map": {"wrong_walls": walls},
-        "died_at": died_at,
-        "collisions": {"walls": collisions, "robots": 0},
-        "start": [1.0, 2.0, 0.0],
-        "series": {"x": [1.0, last[0]], "y": [2.0, last[1]]},
-        "merges": list(merges),
-    }
+    return made_robot(
+        map=MapFigures(wrong_walls=walls),
+        died_at=died_at,
+        collisions=Contacts(collisions),
+        series=RobotSeries(time=(0.0, 1.0), x=(1.0, last[0]), y=(2.0, last[1])),
+        merges=tuple(merges),
+    )
 
 
 def record(*robots, seed=1, time=100.0, status="finished"):
-    return {
-        "trial": {"seed": seed},
-        "outcome": {"status": status, "reason": "" if status == "finished" else "limit of 9 s reached"},
-        "team": {"exploration_time": time if status == "finished" else None},
-        "robots": {f"robot_{number}": each for number, each in enumerate(robots or (robot(),))},
-    }
+    reason = "" if status == "finished" else "limit of 9 s reached"
+    return made_mission(robots or (robot(),), status, time, reason, {"seed": seed})
 
 
 def entry(records, what, kind="turtlebot", team=4):
@@ -35,7 +35,7 @@ def entry(records, what, kind="turtlebot", team=4):
 
 
 def merge(at, transform, right=True):
-    return {"with": "robot_1", "at": at, "transform": transform, "right": right}
+    return Merge("robot_1", at, transform, right=right)
 
 
 def test_each_kind_has_its_worlds_and_robots():
@@ -59,7 +59,11 @@ def test_a_mission_without_an_end_is_named():
         (robot(last=(4.0, 6.0)), "did not get home", "seed 1: robot_0 is 5.0 m from home"),
         (robot(collisions=2), "touched something", "seed 1: robot_0"),
         (robot(walls=0.2), "wrong walls, worst", "seed 1: robot_0 20 %"),
-        (robot(merges=[merge(3.0, [1, 2, 0]), merge(9.0, None)]), "revoked", "seed 1: robot_0 of robot_1 at 9 s"),
+        (
+            robot(merges=[merge(3.0, Pose(1.0)), merge(9.0, None)]),
+            "revoked",
+            "seed 1: robot_0 of robot_1 at 9 s",
+        ),
     ],
 )
 def test_each_fault_misses_its_bar_and_is_named(bad, what, detail):
@@ -75,7 +79,7 @@ def test_robots_that_died_need_no_way_home_and_no_map():
 
 def test_only_transforms_that_were_right_count_when_they_are_taken_back():
     wrong = robot(
-        merges=[merge(1.0, [0, 0, 0], right=False), merge(2.0, []), merge(3.0, [1, 0, 0]), merge(4.0, [2, 0, 0])]
+        merges=[merge(1.0, Pose(), right=False), merge(2.0, None), merge(3.0, Pose(1.0)), merge(4.0, Pose(2.0))]
     )
     assert revoked_though_right(record(wrong)) == []
 
@@ -87,7 +91,7 @@ def test_a_run_goes_on(tmp_path, monkeypatch, capsys):
     def follow(pool, trials, folder, console, line):
         for trial in trials:
             ran.append(trial.seed)
-            (folder / f"{trial.key}.json").write_text(json.dumps({**record(seed=trial.seed), "format": 1}))
+            write_record(record(seed=trial.seed), folder / f"{trial.key}.json")
 
     monkeypatch.setattr(mission_set, "follow", follow)
     monkeypatch.setattr(

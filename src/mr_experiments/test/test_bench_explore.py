@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 
 import pytest
+from made_missions import made_mission, made_robot
 
 from mr_experiments.bench import bench_explore_command as command
 from mr_experiments.bench.bench_explore import table, text_table
@@ -21,6 +22,8 @@ from mr_experiments.bench.explore_missions import (
     world_name,
 )
 from mr_experiments.sweep.sweep import Done
+from mr_measures.record.files import write_record
+from mr_measures.record.series import TeamSeries
 from mr_plans import parse_name
 
 
@@ -97,15 +100,11 @@ def test_fast_trials_are_of_the_same_worlds_and_seeds():
 
 
 def test_a_row_tells_when_99_percent_was_known():
-    record = {
-        "trial": {"world": "w", "robots": 1, "strategy": 7, "seed": 3, "limit": 9.0},
-        "versions": {"code": "x"}, "outcome": {"status": "finished", "reason": ""},
-        "team": {"exploration_time": 30.0, "series": {"time": [0.0, 10.0, 20.0], "coverage": [0.0, 0.98, 1.0]}},
-        "robots": {"robot_0": {"finished_at": 30.0, "map": {"coverage": 0.99, "wrong_walls": 0.1}, "distance": 5.0}},
-    }  # fmt: skip
-    assert row_of(record).known_at == pytest.approx(15.0)
-    record["team"]["series"] = {"time": [0.0, 10.0], "coverage": [0.0, 0.98]}
-    assert row_of(record).known_at is None
+    def known_at(times, shares):
+        return row_of(made_mission([made_robot()], series=TeamSeries(time=times, coverage=shares))).known_at
+
+    assert known_at((0.0, 10.0, 20.0), (0.0, 0.98, 1.0)) == pytest.approx(15.0)
+    assert known_at((0.0, 10.0), (0.0, 0.98)) is None
 
 
 def test_rows_survive_a_line_that_was_cut_off(tmp_path):
@@ -127,12 +126,10 @@ def test_a_run_goes_on_and_repeats_missions_of_other_code(tmp_path, monkeypatch,
         def run(self, trials, folder, tell):
             for trial in trials:
                 ran.append(trial.robots)
-                (folder / f"{trial.key}.json").write_text(json.dumps({
-                    "trial": trial.to_json(), "versions": {"code": command.code_version()},
-                    "outcome": {"status": "finished", "reason": ""},
-                    "team": {"exploration_time": 9.0, "series": {"time": [], "coverage": []}},
-                    "robots": {"robot_0": {"finished_at": 9.0, "map": {}, "distance": 1.0}},
-                }))  # fmt: skip
+                robots = [made_robot(finished_at=9.0)] * trial.robots
+                code = {"code": command.code_version()}
+                record = made_mission(robots, time=9.0, settings=trial.to_json(), versions=code)
+                write_record(record, folder / f"{trial.key}.json")
                 yield Done(trial, "finished", "", 9.0, (), 1.0, "")
 
     monkeypatch.setattr(command, "LocalPool", Pool)

@@ -3,21 +3,20 @@
 import json
 
 import pytest
+from made_missions import made_mission, made_robot
 
 from mr_experiments.bench import bench_hardship_command as command
 from mr_experiments.bench import mission_set
 from mr_experiments.bench.bench_hardship import HARDSHIPS, LARGE, table, trials_of
+from mr_measures.record.files import write_record
+from mr_measures.record.robot_record import MapFigures
 
 
 def record(scenario="paper", robots=4, seed=1, time=100.0, status="finished", coverage=1.0, died_at=None):
-    members = {f"robot_{number}": {"map": {"coverage": coverage}, "died_at": None} for number in range(robots)}
-    members["robot_1"] = {"map": {"coverage": 0.2 if died_at else coverage}, "died_at": died_at}
-    return {
-        "trial": {"scenario": scenario, "robots": robots, "seed": seed},
-        "outcome": {"status": status, "reason": "" if status == "finished" else "limit of 9 s reached"},
-        "team": {"exploration_time": time if status == "finished" else None},
-        "robots": members,
-    }
+    members = [made_robot(map=MapFigures(coverage=coverage)) for _ in range(robots)]
+    members[1] = made_robot(map=MapFigures(coverage=0.2 if died_at else coverage), died_at=died_at)
+    reason = "" if status == "finished" else "limit of 9 s reached"
+    return made_mission(members, status, time, reason, {"scenario": scenario, "seed": seed})
 
 
 def entry(records, what):
@@ -63,8 +62,7 @@ def test_a_run_goes_on(tmp_path, monkeypatch, capsys):
     def follow(pool, trials, folder, console, line):
         for trial in trials:
             ran.append(trial.seed)
-            made = {**record(seed=trial.seed), "trial": trial.to_json(), "format": 1}
-            (folder / f"{trial.key}.json").write_text(json.dumps(made))
+            write_record(record(seed=trial.seed), folder / f"{trial.key}.json")
 
     monkeypatch.setattr(mission_set, "follow", follow)
     monkeypatch.setattr(

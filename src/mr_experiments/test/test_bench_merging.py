@@ -2,32 +2,34 @@
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
+from made_missions import made_mission, made_robot
 
 from mr_experiments.bench import bench_merging, bench_merging_command
 from mr_experiments.bench.bench_merging import PARTS, Request, wrong_row
 from mr_experiments.bench.merge_times import all_settled_at, classes_of_pairs, known_at, quantile, settled_at
 from mr_experiments.common.code_version import code_version
 from mr_experiments.sweep.record import run_trial
-from mr_experiments.sweep.trial_process import failed_record, record_path
+from mr_experiments.sweep.trial_process import record_path
 from mr_experiments.trial.trial import Trial
+from mr_grid import Pose
+from mr_measures.record.mission_record import Measured
+from mr_measures.record.robot_record import Merge
+from mr_measures.record.series import TeamSeries
 
 
 def entry(at, kind="right", other="robot_1"):
     """`kind` None: the transform was revoked."""
-    if kind is None:
-        return {"with": other, "at": at, "transform": None}
-    return {"with": other, "at": at, "transform": [0.0, 0.0, 0.0], "class": kind, "right": kind != "wrong"}
+    return Merge(other, at, None) if kind is None else Merge(other, at, Pose(), kind=kind, right=kind != "wrong")
 
 
-def record(first, second, robots=2, status="unfinished", seed=1, time=60.0):
+def record(first, second, status="unfinished", seed=1, time=60.0, **parts):
     """Of two robots with these merges."""
-    made = failed_record(Trial("small8x8", robots, seed), "")
-    made["outcome"] = {"status": status, "reason": "", "time": time}
-    second = [{**one, "with": "robot_0"} for one in second]
-    made["robots"] = {"robot_0": {"merges": first}, "robot_1": {"merges": second}}
-    return made
+    second = [replace(one, partner="robot_0") for one in second]
+    robots = [made_robot(merges=tuple(merges)) for merges in (first, second)]
+    return made_mission(robots, status, time, settings={"seed": seed}, **parts)
 
 
 @pytest.mark.parametrize(
@@ -65,8 +67,7 @@ def test_quantiles_reach_into_what_never_came():
 
 
 def test_share_that_is_known_at_a_time():
-    made = record([], [])
-    made["team"]["series"] = {"time": [0.0, 10.0], "coverage": [0.2, 0.4]}
+    made = record([], [], series=TeamSeries(time=(0.0, 10.0), coverage=(0.2, 0.4)))
     assert known_at(made, 5.0) == pytest.approx(0.3)
     assert known_at(made, math.inf) == math.inf
 
@@ -94,20 +95,17 @@ def test_row_of_wrong_transforms():
 
 
 def test_whole_missions_of_equal_rooms():
-    def whole(time):
-        made = record([entry(3.0)], [entry(4.0)], status="finished")
-        made["team"].update(exploration_time=time, overlap=0.5)
-        return made
+    def whole(time, *merges):
+        return record(merges, merges, "finished", time=time, overlap=0.5)
 
-    (row,) = PARTS["equal_whole"].rows({1: [whole(300.0)], 4: [whole(150.0)]})
+    (row,) = PARTS["equal_whole"].rows({1: [whole(300.0)], 4: [whole(150.0, entry(3.0))]})
     assert (row["value"], row["holds"]) == (0.5, True)
-    unmerged = {**whole(150.0), "robots": record([], [])["robots"]}
-    assert not PARTS["equal_whole"].rows({1: [whole(300.0)], 4: [unmerged]})[0]["holds"]
+    assert not PARTS["equal_whole"].rows({1: [whole(300.0)], 4: [whole(150.0)]})[0]["holds"]
 
 
 def test_cost_is_that_of_merging_and_registration():
-    made = record([], [], time=100.0)
-    made["measured"] = {"cpu_by_component": {"merging": 0.5, "registration": 0.3, "slam": 9.0}}
+    spent = {"merging": 0.5, "registration": 0.3, "slam": 9.0}
+    made = record([], [], time=100.0, measured=Measured(cpu_by_component=spent))
     (row,) = PARTS["cost"].rows({3: [made]})
     assert (row["value"], row["holds"]) == (8.0, True)
 
@@ -146,5 +144,5 @@ def test_bad_calls(bad, capsys):
 
 def test_records_hold_the_class_of_each_transform():
     made = run_trial(Trial("small8x8", 2, 1, limit=60.0))
-    merges = [merge for robot in made["robots"].values() for merge in robot["merges"] if merge["transform"]]
-    assert merges and {merge["class"] for merge in merges} <= {"right", "imprecise", "wrong"}
+    merges = [merge for robot in made.robots.values() for merge in robot.merges if merge.accepted]
+    assert merges and {merge.kind for merge in merges} <= {"right", "imprecise", "wrong"}

@@ -53,10 +53,10 @@ def test_both_robots_know_what_the_other_has_seen(monkeypatch):
     assert {destination for robot, destination in heard.maps if robot != base} == {"base"}
     assert (base, "mc_base") in heard.maps
     record = record_of(mission, None)
-    assert set(record["robots"]) == {"robot_0", "robot_1"}
-    for robot in record["robots"].values():
-        assert [merge["class"] for merge in robot["merges"]] and all(merge["right"] for merge in robot["merges"])
-    assert record["trial"]["base"] == list(SHORT.base) and record["trial"]["topology"] == "centralized"
+    assert set(record.robots) == {"robot_0", "robot_1"}
+    for robot in record.robots.values():
+        assert [merge.kind for merge in robot.merges] and all(merge.right for merge in robot.merges)
+    assert record.asked.settings["base"] == list(SHORT.base) and record.asked.settings["topology"] == "centralized"
 
 
 def test_both_topologies_end_with_the_same_map():

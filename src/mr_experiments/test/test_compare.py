@@ -7,8 +7,9 @@ from sample_records import failed_record, make_record, write_random_set, write_r
 
 from mr_experiments.common.statistics import Verdict
 from mr_experiments.report.comparison import compare_sets, comparison_table
-from mr_experiments.report.record_set import RecordError, load_records
+from mr_experiments.report.record_set import load_records
 from mr_experiments.report.report import make_report
+from mr_measures.record.files import RecordError
 
 
 def write_set(folder, trials, *, faster=0.0, more_bytes=0, **trial):

@@ -17,6 +17,7 @@ from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
 from mr_grid import OccupancyGrid, Pose
 from mr_measures.figures import coverage, wrong_walls
+from mr_measures.record.robot_record import Contacts
 from mr_measures.true_map import TrueMap
 from mr_measures.truth import Truth
 from mr_robot.navigation.options import NavigationOptions
@@ -27,18 +28,18 @@ def test_teams_explore_everything_and_faster_than_one_alone():
     times = {1: 0.0, 2: 0.0}
     for robots, seed in itertools.product((1, 2), (1, 2, 3)):
         record = run_trial(Trial("small8x8", robots, seed, limit=300.0, fast=True))
-        assert record["outcome"]["status"] == "finished"
-        times[robots] += record["team"]["exploration_time"]
-        for robot in record["robots"].values():
-            assert robot["map"]["coverage"] > 0.99 and robot["map"]["wrong_walls"] == 0.0
-            assert all(merge["offset"] < 0.05 for merge in robot["merges"]) and len(robot["merges"]) >= robots - 1
-            assert robot["collisions"] == {"walls": 0, "robots": 0, "times": []}
-            assert robot["map"]["error"] is None and "SLAM" in robot["map"]["error_reason"]
+        assert record.outcome.status == "finished"
+        times[robots] += record.team.exploration_time
+        for robot in record.robots.values():
+            assert robot.map.coverage > 0.99 and robot.map.wrong_walls == 0.0
+            assert all(merge.offset < 0.05 for merge in robot.merges) and len(robot.merges) >= robots - 1
+            assert robot.collisions == Contacts()
+            assert robot.map.error is None and "SLAM" in robot.map.error_reason
     assert times[2] < times[1]
 
 
 def test_seeds_make_different_missions():
-    times = {run_trial(Trial("small8x8", 2, seed, fast=True))["team"]["exploration_time"] for seed in (1, 2, 3, 4)}
+    times = {run_trial(Trial("small8x8", 2, seed, fast=True)).team.exploration_time for seed in (1, 2, 3, 4)}
     assert len(times) > 1
 
 

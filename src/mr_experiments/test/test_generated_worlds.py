@@ -7,6 +7,7 @@ import pytest
 from mr_experiments.sweep.record import run_trial
 from mr_experiments.trial.trial import Trial, TrialError
 from mr_experiments.worlds.plans_command import main
+from mr_measures.record.robot_record import Contacts
 
 
 @pytest.fixture(autouse=True)
@@ -18,11 +19,11 @@ def folder(tmp_path, monkeypatch):
 @pytest.mark.parametrize(("kind", "fast", "robots"), [("rooms", False, 1), ("narrow", True, 2)])
 def test_a_mission_explores_a_generated_world(kind, fast, robots, folder):
     record = run_trial(Trial(f"generated:{kind}:11:15x10", robots, 1, fast=fast))
-    assert record["outcome"]["status"] == "finished", record["outcome"]
-    for robot in record["robots"].values():
-        assert robot["map"]["coverage"] > 0.99 and robot["map"]["wrong_walls"] < 0.05
-        assert robot["collisions"] == {"walls": 0, "robots": 0, "times": []}
-        assert robot["map"]["error"] is None and robot["map"]["error_reason"], "it has no reference missions"
+    assert record.outcome.status == "finished", record.outcome
+    for robot in record.robots.values():
+        assert robot.map.coverage > 0.99 and robot.map.wrong_walls < 0.05
+        assert robot.collisions == Contacts()
+        assert robot.map.error is None and robot.map.error_reason, "it has no reference missions"
     assert (folder / f"out/worlds/generated-{kind}-11-15x10.knowable.npz").exists()
 
 

@@ -13,12 +13,17 @@ import sys
 import tempfile
 from pathlib import Path
 
+from made_missions import made_mission, made_robot
+
 from mr_experiments.common.plain_rounding import plain_environment
 from mr_experiments.sweep.record import versions
 from mr_experiments.sweep.sweep import LocalPool, default_jobs
 from mr_experiments.sweep.trial_process import record_path
 from mr_experiments.trial.radio_options import RadioOptions
 from mr_experiments.trial.trial import Trial
+from mr_measures.record.files import read_record
+from mr_measures.record.robot_record import Contacts, MapFigures
+from mr_measures.record.series import TeamSeries
 
 TABLE = Path(__file__).with_name("guard.json")
 STORE = "/usr/bin/python3 test_guard.py --store"
@@ -67,24 +72,22 @@ TOLERANCES = {
 
 def outcome_of(record):
     """One row of the table. Of the whole team, where nothing else is said."""
-    robots = record["robots"].values()
-    errors = [robot["map"].get("error") for robot in robots]
-    merges = [merge for robot in robots for merge in robot["merges"]]
-    walls = [robot["map"].get("wrong_walls") for robot in robots]
-    outcome, known = record["outcome"], record["team"]["series"]["explored"]
+    robots, outcome, known = record.robots.values(), record.outcome, record.team.series.explored
+    merges = [merge for robot in robots for merge in robot.merges]
+    walls = [robot.map.wrong_walls for robot in robots]
     return {
         # Where robots drive to when a mission is cut is rounded, which may turn out otherwise on another processor.
-        "status": outcome["status"] + (f" ({outcome['reason']})" if outcome["status"] == "failed" else ""),
-        "exploration time, s": record["team"]["exploration_time"],
-        "distance, m": round(sum(robot["distance"] for robot in robots), 3),
-        "map error, %": max((error for error in errors if error is not None), key=abs, default=None),
+        "status": outcome.status + (f" ({outcome.reason})" if record.failed else ""),
+        "exploration time, s": record.team.exploration_time,
+        "distance, m": round(record.distance, 3),
+        "map error, %": max(record.map_errors, key=abs, default=None),
         "known, m2": round(known[-1], 3) if known else None,
         "worst wrong walls": max((share for share in walls if share is not None), default=None),
-        "collisions": sum(robot["collisions"]["walls"] + robot["collisions"]["robots"] for robot in robots),
-        "frames": sum(robot["radio"].get("frames_sent", 0) for robot in robots),
-        "goals": sum(robot["counters"]["goals"] for robot in robots),
+        "collisions": sum(robot.collisions.total for robot in robots),
+        "frames": sum(robot.sent("frames_sent") for robot in robots),
+        "goals": sum(robot.counters["goals"] for robot in robots),
         "merges": len(merges),
-        "wrong merges": sum(not merge["right"] for merge in merges),
+        "wrong merges": sum(not merge.right for merge in merges),
     }
 
 
@@ -112,7 +115,7 @@ def run_here():
         folder = Path(name) / "records"
         folder.mkdir()
         list(LocalPool(min(2, default_jobs())).run(TRIALS, folder))
-        records = {trial.key: json.loads(record_path(folder, trial).read_text()) for trial in TRIALS}
+        records = {trial.key: read_record(record_path(folder, trial)) for trial in TRIALS}
     libraries = {name: version for name, version in versions().items() if name != "code"}
     return {"versions": libraries, "trials": {key: outcome_of(record) for key, record in records.items()}}
 
@@ -171,19 +174,15 @@ def test_trials_are_of_many_kinds():
 
 
 def test_what_a_cut_mission_has_come_to_counts():
-    robot = {
-        "map": {"error": None, "wrong_walls": 0.01}, "merges": [], "distance": 12.0, "radio": {},
-        "collisions": {"walls": 1, "robots": 2}, "counters": {"goals": 4},
-    }  # fmt: skip
-    record = {
-        "outcome": {"status": "unfinished", "reason": "limit of 60 s reached: robot_0: drives to (1.0, 2.0)"},
-        "team": {"exploration_time": None, "series": {"explored": [10.0, 83.25]}}, "robots": {"robot_0": robot},
-    }  # fmt: skip
-    row = outcome_of(record)
+    robot = made_robot(
+        map=MapFigures(wrong_walls=0.01), merges=(), distance=12.0, collisions=Contacts(1, 2), counters={"goals": 4}
+    )
+    reason, series = "limit of 60 s reached: robot_0: drives to (1.0, 2.0)", TeamSeries((0.0, 5.0), (10.0, 83.25))
+    row = outcome_of(made_mission([robot], "unfinished", 60.0, reason, series=series))
     assert (row["status"], row["known, m2"], row["worst wrong walls"]) == ("unfinished", 83.25, 0.01)
     assert (row["distance, m"], row["collisions"], row["goals"]) == (12.0, 3, 4)
-    record["outcome"] = {"status": "failed", "reason": "its process ended"}
-    assert outcome_of({**record, "robots": {}})["status"] == "failed (its process ended)"
+    failed = made_mission([robot], "failed", 60.0, "its process ended")
+    assert outcome_of(failed)["status"] == "failed (its process ended)"
 
 
 def table(**figures):

@@ -4,7 +4,7 @@ import json
 import os
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -23,34 +23,34 @@ def finished():
 
 
 def test_two_robots_explore_and_merge(finished):
-    assert finished["outcome"] == {"status": "finished", "reason": "", "time": finished["outcome"]["time"]}
-    assert 15.0 < finished["team"]["exploration_time"] < 60.0
-    assert finished["team"]["series"]["coverage"][-1] > 0.995
-    for robot in finished["robots"].values():
-        assert robot["map"]["coverage"] > 0.995
-        assert abs(robot["map"]["error"]) < 0.6 and robot["map"]["wrong_walls"] < 0.005
-        assert robot["merges"] and all(merge["right"] for merge in robot["merges"])
-        assert robot["radio"]["packets_sent"] > 10 and robot["radio"]["packets_failed"] == 0
-        assert robot["counters"]["bids"] > 0
-        assert 0.3 < robot["moving"] <= 1.0
+    assert (finished.outcome.status, finished.outcome.reason) == ("finished", "")
+    assert 15.0 < finished.team.exploration_time < 60.0
+    assert finished.final_coverage > 0.995
+    for robot in finished.robots.values():
+        assert robot.map.coverage > 0.995
+        assert abs(robot.map.error) < 0.6 and robot.map.wrong_walls < 0.005
+        assert robot.merges and all(merge.right for merge in robot.merges)
+        assert robot.sent("packets_sent") > 10 and robot.sent("packets_failed") == 0
+        assert robot.counters["bids"] > 0
+        assert 0.3 < robot.moving <= 1.0
 
 
 def test_series_are_of_one_length_and_in_order(finished):
-    for robot in finished["robots"].values():
-        lengths = {len(values) for values in robot["series"].values()}
-        assert len(lengths) == 1 and lengths.pop() > 20
-        assert robot["series"]["time"] == sorted(robot["series"]["time"])
-        assert robot["series"]["distance"][-1] >= robot["distance"] > 5.0  # the way home does not count
-    assert finished["snapshots"] and set(finished["maps"]["robot_0"]) == {"global", "local"}
+    for robot in finished.robots.values():
+        assert len(robot.series.time) > 20
+        assert all(len(column) == len(robot.series.time) for column in asdict(robot.series).values())
+        assert robot.series.distance[-1] >= robot.distance > 5.0  # the way home does not count
+    maps = finished.maps["robot_0"]
+    assert finished.snapshots and maps.merged is not None and maps.local is not None
 
 
 def test_same_seed_same_record_in_another_process():
     """Bit for bit, whatever the order in which that process hashes strings."""
     code = (
         "import json; from mr_experiments.trial.trial import Trial;"
-        "from mr_experiments.sweep.record import run_trial;"
-        f"record = run_trial(Trial('small8x8', 2, {SHORT.seed}, limit={SHORT.limit})); del record['measured'];"
-        "print(json.dumps(record))"
+        "from mr_experiments.sweep.record import run_trial; from mr_measures.record.files import document_of;"
+        f"record = document_of(run_trial(Trial('small8x8', 2, {SHORT.seed}, limit={SHORT.limit})));"
+        "del record['measured']; print(json.dumps(record))"
     )
     records = [
         subprocess.run(
@@ -60,14 +60,14 @@ def test_same_seed_same_record_in_another_process():
     ]
     assert records[0] == records[1]
     other = run_trial(Trial("small8x8", 2, SHORT.seed + 1, limit=SHORT.limit))
-    assert other["team"]["trace"] != json.loads(records[0])["team"]["trace"]
+    assert other.team.trace != json.loads(records[0])["team"]["trace"]
 
 
 def test_unfinished_mission_says_why():
     record = run_trial(SHORT)
-    assert record["outcome"]["status"] == "unfinished"
-    assert "limit of 20 s" in record["outcome"]["reason"] and "robot_1" in record["outcome"]["reason"]
-    assert record["team"]["exploration_time"] is None
+    assert record.outcome.status == "unfinished"
+    assert "limit of 20 s" in record.outcome.reason and "robot_1" in record.outcome.reason
+    assert record.team.exploration_time is None
 
 
 def test_crash_of_an_engine_is_a_failed_record_with_its_time(monkeypatch):
@@ -79,10 +79,10 @@ def test_crash_of_an_engine_is_a_failed_record_with_its_time(monkeypatch):
     mission.agenda.at(5.0, crash)
     monkeypatch.setattr("mr_experiments.sweep.record.Mission", lambda *_: mission)
     record = run_trial(SHORT)
-    assert record["outcome"]["status"] == "failed"
-    assert "ZeroDivisionError: made by the test" in record["outcome"]["reason"]
-    assert "crash" in record["outcome"]["traceback"]
-    assert record["outcome"]["time"] == pytest.approx(5.0 - mission.begun_at, abs=0.1)
+    assert record.outcome.status == "failed"
+    assert "ZeroDivisionError: made by the test" in record.outcome.reason
+    assert "crash" in record.outcome.traceback
+    assert record.outcome.time == pytest.approx(5.0 - mission.begun_at, abs=0.1)
 
 
 def test_time_never_goes_back_and_is_known_to_those_who_hear(monkeypatch):
@@ -106,34 +106,34 @@ def test_crashed_mission_can_be_replayed_to_its_last_moment():
     first.run(until=8.0)
     again.run(until=4.0)
     again.run(until=8.0)
-    assert record_of(first, None)["robots"] == record_of(again, None)["robots"]
+    assert record_of(first, None).robots == record_of(again, None).robots
 
 
 def test_robot_that_dies_does_not_hold_up_the_others():
     record = run_trial(Trial("small8x8", 2, 1, limit=300.0, deaths={1: 10.0}))
-    assert record["outcome"]["status"] == "finished"
-    assert record["robots"]["robot_1"]["died_at"] == pytest.approx(10.0, abs=0.1)
-    dead = record["robots"]["robot_1"]
-    assert dead["finished_at"] is None and dead["moving"] > 0.5
-    assert dead["radio"]["bytes_sent"] == dead["series"]["bytes"][-1] > 0
-    assert dead["series"]["bytes"] == sorted(dead["series"]["bytes"])
-    assert record["robots"]["robot_0"]["map"]["coverage"] > 0.95
+    assert record.outcome.status == "finished"
+    assert record.robots["robot_1"].died_at == pytest.approx(10.0, abs=0.1)
+    dead = record.robots["robot_1"]
+    assert dead.finished_at is None and dead.moving > 0.5
+    assert dead.sent("bytes_sent") == dead.series.bytes[-1] > 0
+    assert list(dead.series.bytes) == sorted(dead.series.bytes)
+    assert record.robots["robot_0"].map.coverage > 0.95
 
 
 def test_robots_that_finish_before_they_would_die_do_not_spoil_the_record():
     alone = Trial("small8x8", 2, 1, limit=300.0, radio=RadioOptions(range=0.1), deaths={0: 250.0})
     record = run_trial(alone)
-    assert record["outcome"]["status"] == "finished"
-    finished = [robot["finished_at"] for robot in record["robots"].values() if robot["finished_at"] is not None]
-    assert record["team"]["exploration_time"] == max(finished)
+    assert record.outcome.status == "finished"
+    finished = [robot.finished_at for robot in record.robots.values() if robot.finished_at is not None]
+    assert record.team.exploration_time == max(finished)
 
 
 def test_robot_that_joins_late_takes_part():
     record = run_trial(Trial("small8x8", 2, 1, limit=300.0, joins={1: 15.0}))
-    assert record["outcome"]["status"] == "finished"
-    late = record["robots"]["robot_1"]
-    assert late["goals"][0]["set"] >= 15.0
-    assert late["merges"] and late["map"]["coverage"] > 0.9
+    assert record.outcome.status == "finished"
+    late = record.robots["robot_1"]
+    assert late.goals[0].set >= 15.0
+    assert late.merges and late.map.coverage > 0.9
 
 
 def test_a_trial_without_a_partition_is_recorded_as_before_there_were_any():
@@ -150,7 +150,7 @@ def test_odometry_model_reaches_the_world():
     trial = Trial("small8x8", 1, 1, limit=40.0, odometry="random_walk")
     mission = Mission(trial)
     assert mission.world.odometry == "random_walk"
-    assert run_trial(trial)["team"]["series"] != run_trial(replace(trial, odometry="bias"))["team"]["series"]
+    assert run_trial(trial).team.series != run_trial(replace(trial, odometry="bias")).team.series
 
 
 def test_halves_of_a_team_do_not_hear_each_other_in_a_partition():
@@ -186,8 +186,8 @@ def test_bad_trial_names_the_culprit(bad, text):
 
 def test_team_of_which_nobody_lives_does_not_count_as_finished():
     record = run_trial(Trial("small8x8", 1, 1, limit=60.0, deaths={0: 3.0}))
-    assert record["outcome"]["status"] == "unfinished" and record["outcome"]["reason"] == "no robot lives to the end"
-    assert record["team"]["exploration_time"] is None
+    assert record.outcome.status == "unfinished" and record.outcome.reason == "no robot lives to the end"
+    assert record.team.exploration_time is None
 
 
 @pytest.fixture
@@ -205,9 +205,9 @@ def plan_map(tmp_path, monkeypatch):
 def test_a_map_of_map_server_is_explored(plan_map):
     starts = ((-3.0, 0.0, 0.0), (-2.0, 0.0, 0.0))
     record = run_trial(Trial(plan_map, 2, 1, limit=200.0, starts=starts))
-    assert record["outcome"]["status"] == "finished"
-    assert record["trial"]["world"] == "plan.yaml" and record["trial"]["starts"][0] == [-3.0, 0.0, 0.0]
-    assert min(robot["map"]["coverage"] for robot in record["robots"].values()) > 0.95
+    assert record.outcome.status == "finished"
+    assert record.asked.settings["world"] == "plan.yaml" and record.asked.settings["starts"][0] == [-3.0, 0.0, 0.0]
+    assert min(robot.map.coverage for robot in record.robots.values()) > 0.95
 
 
 def test_missions_use_the_laser_among_the_rangers(tmp_path):
@@ -221,4 +221,4 @@ def test_missions_use_the_laser_among_the_rangers(tmp_path):
     mission = Mission(Trial(str(tmp_path / "w.world"), 1, 1, limit=60.0))
     mission.run()
     assert mission.finished
-    assert record_of(mission, None)["robots"]["r0"]["map"]["coverage"] > 0.95
+    assert record_of(mission, None).robots["r0"].map.coverage > 0.95

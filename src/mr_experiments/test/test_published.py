@@ -5,11 +5,15 @@ import re
 from pathlib import Path
 
 import pytest
+from made_missions import made_mission, made_robot
 
 from mr_experiments.bench.explore_missions import MissionRow
 from mr_experiments.publish import publish_command
 from mr_experiments.publish.mission_table import mission_rows, world_rows
 from mr_experiments.publish.published import PublishError, render
+from mr_measures.record.files import write_record
+from mr_measures.record.robot_record import Contacts, MapFigures
+from mr_measures.record.series import TeamSeries
 
 ROOT = Path(__file__).resolve().parents[3]
 ROWS = [{"robots": "1", "mean": "238.03"}, {"robots": "4", "mean": "103.94"}, {"robots": "8", "mean": ""}]
@@ -49,17 +53,11 @@ def test_what_cannot_be_filled_is_named(page, trouble):
 
 
 def record(robots, seed, time, **differences):
-    series = {"time": [0.0, 0.5 * time, time], "coverage": [0.1, 0.98, 1.0]}
-    wheels = {"map": {"coverage": 0.998, "error": -0.2, "wrong_walls": 0.01}, "died_at": None, "distance": 50.0}
-    wheels |= {"collisions": {"walls": 0, "robots": 1}, "finished_at": time - 2.0}
-    trial = {"world": "w", "scenario": "paper", "strategy": 7, "robots": robots, "seed": seed, "limit": 900.0}
-    return {
-        "trial": trial | differences,
-        "versions": {"code": "abc"},
-        "outcome": {"status": "finished", "reason": ""},
-        "team": {"exploration_time": time, "series": series},
-        "robots": {f"robot_{i}": wheels for i in range(robots)},
-    }
+    series = TeamSeries(time=(0.0, 0.5 * time, time), coverage=(0.1, 0.98, 1.0))
+    figures = MapFigures(coverage=0.998, error=-0.2, wrong_walls=0.01)
+    robot = made_robot(distance=50.0, map=figures, collisions=Contacts(0, 1), finished_at=time - 2.0)
+    settings = {"seed": seed, **differences}
+    return made_mission([robot] * robots, time=time, settings=settings, series=series, versions={"code": "abc"})
 
 
 def test_missions_of_a_kind_make_one_row():
@@ -98,7 +96,7 @@ def test_worlds_are_compared_one_by_one():
 
 def test_the_command_writes_tables_and_pages(tmp_path, capsys):
     (tmp_path / "records").mkdir()
-    (tmp_path / "records" / "a.json").write_text(json.dumps(record(4, 1, 104.2)))
+    write_record(record(4, 1, 104.2), tmp_path / "records" / "a.json")
     (tmp_path / "records" / "other.json").write_text("[]")
     table, page = tmp_path / "data" / "t.csv", tmp_path / "page.md"
     assert publish_command.main(["missions", str(tmp_path / "records"), str(table)]) == 0

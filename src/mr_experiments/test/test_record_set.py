@@ -5,23 +5,24 @@ import json
 import pytest
 from sample_records import failed_record, make_record, write_record
 
-from mr_experiments.report.record_set import Chapter, Group, RecordError, load_record, load_records
+from mr_experiments.report.record_set import Chapter, Group, load_record, load_records
+from mr_measures.record.files import RecordError
 
 
 def test_values_of_a_record(tmp_path):
     record = make_record(2, 17, times=[90.0, 120.5], distances=[20.0, 31.5], errors=[-0.5, None], overlap=0.31)
     loaded = load_record(write_record(tmp_path, record))
-    assert loaded.group == Group("small8x8", "paper", 7, 2)
-    assert loaded.seed == 17
+    assert Group.of(loaded) == Group("small8x8", "paper", 7, 2)
+    assert loaded.asked.seed == 17
     assert loaded.finished and not loaded.failed
-    assert loaded.exploration_time == 120.5
+    assert loaded.team.exploration_time == 120.5
     assert loaded.distance == pytest.approx(51.5)
-    assert loaded.map_errors == [-0.5]
-    assert loaded.overlap == 0.31
-    assert [robot.finished_at for robot in loaded.robots] == [90.0, 120.5]
-    assert loaded.robots[1].start == (1.0, 1.9, 0.5)
+    assert loaded.map_errors == (-0.5,)
+    assert loaded.team.overlap == 0.31
+    assert [robot.finished_at for robot in loaded.robots.values()] == [90.0, 120.5]
+    assert loaded.robots["robot_1"].start == (1.0, 1.9, 0.5)
     assert loaded.final_coverage == pytest.approx(0.99)
-    assert loaded.robots[0].bytes_sent == 200_000
+    assert loaded.robots["robot_0"].sent("bytes_sent") == 200_000
 
 
 def test_records_are_grouped_and_none_is_dropped(tmp_path):
@@ -38,7 +39,7 @@ def test_records_are_grouped_and_none_is_dropped(tmp_path):
         Group("small8x8", "paper", 7, 1): 1,
         Group("small8x8", "paper", 7, 2): 4,
     }
-    assert [record.seed for record in records.groups[Group("small8x8", "paper", 7, 2)]] == [1, 2, 3, 4]
+    assert [record.asked.seed for record in records.groups[Group("small8x8", "paper", 7, 2)]] == [1, 2, 3, 4]
     assert records.counts == {"finished": 4, "unfinished": 1, "failed": 1}
     chapters = {chapter: list(teams) for chapter, teams in records.chapters.items()}
     assert chapters == {Chapter("small8x8", "paper", 3): [1], Chapter("small8x8", "paper", 7): [1, 2]}
@@ -70,7 +71,7 @@ def test_the_same_trial_twice(tmp_path):
 @pytest.mark.parametrize(
     ("keys", "value", "message"),
     [
-        (("format",), 2, "has format 2; this version reads format 1"),
+        (("format",), 2, "the record has format 2; this version reads format 1"),
         (("trial", "world"), None, "trial.world is missing"),
         (("trial", "robots"), 0, "trial.robots must be a whole number"),
         (("trial", "robots"), 3, "has 2 robots, but the trial asked for 3"),

@@ -228,7 +228,7 @@ def test_the_map_shown_is_a_typical_one(tmp_path):
     for seed, error in ((1, 0.1), (2, -9.0), (3, 1.0)):
         write_record(tmp_path, make_record(2, seed, errors=[error, 0.0]))
     records = load_records(tmp_path)
-    assert typical_record(records.records).seed == 3
+    assert typical_record(records.records).asked.seed == 3
     (scope,) = scopes(records)
     assert "seed 3" in map_figure(scope).axes[0].get_title(loc="left")
 

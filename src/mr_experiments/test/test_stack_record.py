@@ -1,19 +1,20 @@
 """Missions of the ROS stack in reports and replays: what the team runner writes is a record."""
 
-import json
 import math
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from mr_experiments.replay.replay import make_page, read_record
-from mr_experiments.report.record_set import RecordError, load_record, load_records
+from mr_experiments.replay.replay import make_page
+from mr_experiments.report.record_set import load_record, load_records
 from mr_experiments.report.report import make_report
 from mr_grid import OccupancyGrid, Pose
 from mr_launch.mission import Outcome
 from mr_launch.record import mission_record
 from mr_launch.truth import Track
+from mr_measures.record.files import RecordError, read_record, write_record
+from mr_measures.record.robot_record import MapFigures
 
 START = 5.0  # s of simulation time
 
@@ -27,9 +28,11 @@ def driven(meters):
     return track
 
 
+FIGURES = MapFigures(free_cells=8, error=0.1, coverage=0.99, wrong_walls=0.0)
+
+
 def summary_of(time, **more):
-    return {"time": time, "state": "finished", "moving": 0.9, "stalled_time": 0.0, "coverage": 0.99, "wrong_walls": 0.0,
-            "free_cells": 8, "map_error": 0.1, "map_error_reason": "", "goals_reached": 3, "auctions": 2,
+    return {"time": time, "state": "finished", "goals_reached": 3, "auctions": 2,
             "radio": {"bytes_sent": 70, "frames_sent": 7, "packets_received_by_hops": [1]}, **more}  # fmt: skip
 
 
@@ -48,33 +51,38 @@ def record(time=20.0, seed=1, reason=""):
     grid = OccupancyGrid.of(np.array([[0, 100], [-1, 0]], dtype=np.int8), 0.05, Pose(-1.0, -1.0))
     outcome = Outcome(START, START + 30.0, reason, ["robot_1 was late"])
     truth = SimpleNamespace(tracks={robot.name: driven(30.0) for robot in robots})
-    return mission_record(SimpleNamespace(options=options, robots=robots), summary, outcome, truth, {"robot_0": grid})
+    plan, figures = SimpleNamespace(options=options, robots=robots), {robot.name: FIGURES for robot in robots}
+    return mission_record(plan, summary, outcome, truth, {"robot_0": grid}, figures)
 
 
 @pytest.fixture
 def missions(tmp_path):
     for seed in (1, 2):
         (tmp_path / f"mission-{seed}").mkdir()
-        (tmp_path / f"mission-{seed}" / "record.json").write_text(json.dumps(record(seed=seed)))
+        write_record(record(seed=seed), tmp_path / f"mission-{seed}" / "record.json")
     return tmp_path
 
 
 def test_figures_of_a_robot_end_when_it_has_finished(missions):
     found = load_record(missions / "mission-1" / "record.json")
-    assert (found.status, found.exploration_time, found.group.scenario) == ("finished", 20.0, "ros_stack")
-    assert found.distance == pytest.approx(40.0, abs=0.2) and found.time == 30.0
-    assert found.measured["cpu_by_component"] == {"explorer": pytest.approx(9.0)}
+    assert (found.outcome.status, found.team.exploration_time, found.asked.scenario) == ("finished", 20.0, "ros_stack")
+    assert found.distance == pytest.approx(40.0, abs=0.2) and found.outcome.time == 30.0
+    assert found.measured.cpu_by_component == {"explorer": pytest.approx(9.0)}
 
 
 def test_a_mission_without_an_end_is_unfinished(tmp_path):
-    (tmp_path / "record.json").write_text(json.dumps(record(time=None, reason="interrupted")))
+    write_record(record(time=None, reason="interrupted"), tmp_path / "record.json")
     (found,) = load_records(tmp_path).records
-    assert (found.status, found.reason, found.exploration_time) == ("unfinished", "interrupted", None)
+    assert (found.outcome.status, found.outcome.reason, found.team.exploration_time) == (
+        "unfinished",
+        "interrupted",
+        None,
+    )
 
 
 def test_missions_of_the_stack_make_a_report_without_what_they_do_not_know(missions, tmp_path):
     records = load_records(missions)
-    assert [each.seed for each in records.records] == [1, 2] and not any(
+    assert [each.asked.seed for each in records.records] == [1, 2] and not any(
         each.merges_recorded for each in records.records
     )
     report = make_report(missions, tmp_path / "report")
@@ -83,14 +91,14 @@ def test_missions_of_the_stack_make_a_report_without_what_they_do_not_know(missi
 
 
 def test_a_mission_of_the_stack_is_replayed(missions):
-    document = read_record(missions / "mission-1" / "record.json")
-    series = document["robots"]["robot_0"]["series"]
-    assert series["time"][:3] == pytest.approx([0.0, 1.0, 2.0]) and series["x"][:3] == pytest.approx([1.0, 2.0, 3.0])
-    assert math.isclose(series["distance"][-1], 30.0, abs_tol=0.1)
-    assert "robot_0" in make_page(document)
+    found = read_record(missions / "mission-1" / "record.json")
+    series = found.robots["robot_0"].series
+    assert series.time[:3] == pytest.approx((0.0, 1.0, 2.0)) and series.x[:3] == pytest.approx((1.0, 2.0, 3.0))
+    assert math.isclose(series.distance[-1], 30.0, abs_tol=0.1)
+    assert "robot_0" in make_page(found)
 
 
 def test_two_missions_of_one_seed_are_refused(missions):
-    (missions / "mission-2" / "record.json").write_text(json.dumps(record(seed=1)))
+    write_record(record(seed=1), missions / "mission-2" / "record.json")
     with pytest.raises(RecordError, match=r"mission-2/record.json and .*mission-1/record.json record the same trial"):
         load_records(missions)

@@ -10,13 +10,13 @@ from mr_experiments.trial.trial import Trial
 def survivors_of(trial):
     """Robots of a mission that has ended well, as in its record."""
     record = run_trial(trial)
-    assert record["outcome"]["status"] == "finished", record["outcome"]
-    return [robot for index, robot in enumerate(record["robots"].values()) if index not in trial.deaths]
+    assert record.outcome.status == "finished", record.outcome
+    return [robot for index, robot in enumerate(record.robots.values()) if index not in trial.deaths]
 
 
 def assert_complete(trial):
     for robot in survivors_of(trial):
-        assert robot["map"]["coverage"] > 0.98, robot["map"]
+        assert robot.map.coverage > 0.98, robot.map
 
 
 @pytest.mark.parametrize("strategy", range(8))

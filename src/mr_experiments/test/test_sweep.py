@@ -11,6 +11,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
+from made_missions import made_robot
 
 from mr_experiments.bench.bench import dask_cluster
 from mr_experiments.sweep import dask_cluster as cluster_module
@@ -20,6 +21,8 @@ from mr_experiments.sweep.run_command import main
 from mr_experiments.sweep.sweep import Done, LocalPool, split_done
 from mr_experiments.sweep.trial_process import failed_record, record_path
 from mr_experiments.trial.trial import Trial, TrialError
+from mr_measures.record.files import document_of, read_record
+from mr_measures.record.mission_record import Asked, Measured, MissionRecord, Outcome, Team
 
 
 def trial_of(seed, limit=1.0, **options):
@@ -61,7 +64,7 @@ def test_every_trial_leaves_its_record(tmp_path):
     for entry in done:
         record = recorded(tmp_path, entry.trial)
         assert record["trial"] == json.loads(json.dumps(entry.trial.to_json()))
-        assert entry == Done.of(entry.trial, record)
+        assert entry == Done.of(entry.trial, read_record(record_path(tmp_path, entry.trial)))
         assert entry.status == "unfinished" and "limit of 1 s" in entry.reason
 
 
@@ -153,21 +156,21 @@ def test_records_of_other_code_are_told(short, tmp_path, capsys):
 
 
 def broken(**values):
-    return json.dumps({**failed_record(TRIALS[0], "x"), **values})
+    return json.dumps({**document_of(failed_record(TRIALS[0], "x")), **values})
 
 
 @pytest.mark.parametrize(
     "content, told",
     [
-        ("", "is no record .Expecting value"),
-        (broken()[:50], "is no record"),
-        ("[1, 2]", "is no record"),
-        ("{}", "is no record .'trial' is missing.; remove it"),
-        (broken(outcome={}), "is no record .'status' is missing"),
-        (broken(robots=[]), "is no record"),
-        (broken(format=0), "format 0, not 1; choose another --out"),
+        ("", "cannot be read as JSON: Expecting value"),
+        (broken()[:50], "cannot be read as JSON"),
+        ("[1, 2]", "no record of a mission"),
+        ("{}", "no record of a mission: it has no format number; choose another --out or remove it"),
+        (broken(outcome={}), "damaged record: outcome.status is missing"),
+        (broken(robots=[]), "damaged record: robots must be an object"),
+        (broken(format=0), "format 0; this version reads format 1; choose another --out"),
         (broken(trial=trial_of(1, limit=2.0).to_json()), "another trial .limit: 2.0, not 1.0.; choose another --out"),
-        (broken(trial=5), "another trial"),
+        (broken(trial=5), "damaged record: trial must be an object"),
     ],
 )
 def test_file_of_something_else_is_told(tmp_path, content, told):
@@ -234,10 +237,10 @@ def test_sweep_runs_goes_on_and_tells(short, tmp_path, capsys):
 
 
 def test_all_finished_is_zero(short, tmp_path, fake_mission, capsys):
-    record = failed_record(trial_of(1), "")
-    record["outcome"]["status"] = "finished"
-    record["team"]["exploration_time"] = 12.5
-    record["measured"] = {"real_time_factor": 10.0}
+    record = MissionRecord(
+        Asked(trial_of(1).to_json()), Outcome("finished", 12.5), Team(12.5), {"robot_0": made_robot()},
+        measured=Measured(real_time_factor=10.0),
+    )  # fmt: skip
     fake_mission({1: lambda: record})
     assert main([*short, "--trials", "1"]) == 0
     assert "12.5 s  (10.0 x real time)" in capsys.readouterr().out

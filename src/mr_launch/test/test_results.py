@@ -22,6 +22,7 @@ from mr_launch.truth import Truth
 from mr_launch.view import Picture, RobotRow, plain_lines
 from mr_measures.figures import collisions, distance_driven
 from mr_measures.motion import read_trace
+from mr_measures.record.robot_record import MapFigures
 
 HEADER = "# mr_sim trace 1 seed 1 real_time_factor 1 world w\ntime,wall,robot,x,y,yaw,v,w,stalled,collision\n"
 
@@ -143,8 +144,8 @@ def report(**values):
 
 def test_time_of_a_robot_counts_from_the_start_of_the_mission():
     late = report(exploration_finished=True, exploration_time=50.0, start_time=12.5)
-    assert robot_summary(late, 12.0, {}, {})["time"] == 50.5
-    assert robot_summary(report(exploration_time=50.0), 12.0, {}, {})["time"] is None
+    assert robot_summary(late, 12.0, {}, MapFigures())["time"] == 50.5
+    assert robot_summary(report(exploration_time=50.0), 12.0, {}, MapFigures())["time"] is None
 
 
 def robot(time, hops, merged=()):

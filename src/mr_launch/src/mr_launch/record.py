@@ -1,6 +1,6 @@
-"""record.json: a mission of the ROS stack in the form of the records of `mr_experiments`, so that its reports, replays
-and comparisons take both. What the runner does not know is absent: goals, auctions, transforms, what the team knew over
-time."""
+"""record.json: a mission of the ROS stack as `mr_measures.record` has it, so that reports, replays and comparisons take
+it like one in virtual time. What the runner does not know is absent: goals, auctions, transforms, what the team knew
+over time."""
 
 from __future__ import annotations
 
@@ -8,46 +8,58 @@ from typing import Any, Mapping
 
 import numpy as np
 
-from mr_grid import OccupancyGrid
+from mr_grid import OccupancyGrid, Pose
 from mr_launch.mission import Outcome
 from mr_launch.plan import Plan, RobotPlan
 from mr_launch.truth import Track, Truth
+from mr_measures.map_picture import picture_of
+from mr_measures.record import mission_record as schema
+from mr_measures.record.mission_record import (
+    FINISHED,
+    UNFINISHED,
+    Asked,
+    Measured,
+    MissionRecord,
+    Note,
+    RobotMaps,
+    Team,
+)
+from mr_measures.record.parts import motion_of
+from mr_measures.record.robot_record import MapFigures, RobotRecord
+from mr_measures.record.series import RobotSeries
 
-FORMAT = 1
 SCENARIO = "ros_stack"
 SERIES_PERIOD = 1.0  # s
 
 
 def mission_record(
-    plan: Plan, summary: Mapping[str, Any], outcome: Outcome, truth: Truth, grids: Mapping[str, OccupancyGrid]
-) -> dict[str, Any]:
-    """`summary`: as in summary.json. Times in s since the start of the mission."""
-    from mr_measures.map_picture import picture_of
-
+    plan: Plan,
+    summary: Mapping[str, Any],
+    outcome: Outcome,
+    truth: Truth,
+    grids: Mapping[str, OccupancyGrid],
+    figures: Mapping[str, MapFigures],
+) -> MissionRecord:
+    """`summary`: as in summary.json; `grids`, `figures`: of the robots' global maps."""
     team = summary["team"]
-    pictures = {name: {"global": picture_of(grid)} for name, grid in grids.items()}
-    return {
-        "format": FORMAT,
-        "trial": _trial(plan),
-        "versions": {},
-        "outcome": {
-            "status": "unfinished" if team["exploration_time"] is None else "finished",
-            "reason": outcome.reason,
-            "time": round(max(0.0, outcome.end - outcome.start), 3),
-        },
-        "team": {"exploration_time": team["exploration_time"], "overlap": None, "series": {}},
-        "robots": {
-            robot.name: _robot(robot, summary["robots"][robot.name], outcome, truth.tracks[robot.name])
+    status = UNFINISHED if team["exploration_time"] is None else FINISHED
+    return MissionRecord(
+        Asked(_asked(plan)),
+        schema.Outcome(status, round(max(0.0, outcome.end - outcome.start), 3), outcome.reason),
+        Team(team["exploration_time"]),
+        {
+            robot.name: _robot(
+                robot, summary["robots"][robot.name], outcome, truth.tracks[robot.name], figures[robot.name]
+            )
             for robot in plan.robots
         },
-        "maps": {robot.name: pictures.get(robot.name, {}) for robot in plan.robots},
-        "snapshots": [],
-        "notes": [{"at": 0.0, "robot": "", "text": note, "warning": True} for note in outcome.notes],
-        "measured": _measured(team, outcome.end - outcome.start),
-    }
+        maps={name: RobotMaps(picture_of(grid)) for name, grid in grids.items()},
+        notes=tuple(Note(0.0, "", note, True) for note in outcome.notes),
+        measured=_measured(team, outcome.end - outcome.start),
+    )
 
 
-def _measured(team: Mapping[str, Any], duration: float) -> dict[str, Any]:
+def _measured(team: Mapping[str, Any], duration: float) -> Measured:
     """`duration`: s of simulation. Processor seconds of each kind of node, of all robots together."""
     factor = team["real_time_factor"]
     wall = duration / factor if factor else duration
@@ -55,15 +67,10 @@ def _measured(team: Mapping[str, Any], duration: float) -> dict[str, Any]:
     for shares in team.get("cpu", {}).values():
         for node, share in shares.items():
             spent[node] = round(spent.get(node, 0.0) + share * wall, 3)
-    return {
-        "wall": round(wall, 3),
-        "cpu": round(sum(spent.values()), 3),
-        "real_time_factor": factor,
-        "cpu_by_component": spent,
-    }
+    return Measured(round(wall, 3), round(sum(spent.values()), 3), factor, spent)
 
 
-def _trial(plan: Plan) -> dict[str, Any]:
+def _asked(plan: Plan) -> dict[str, Any]:
     options = plan.options
     return {
         "world": options.world,
@@ -82,48 +89,34 @@ def _trial(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _robot(robot: RobotPlan, summary: Mapping[str, Any], outcome: Outcome, track: Track) -> dict[str, Any]:
-    from mr_measures.figures import collisions, distance_driven
-
+def _robot(
+    robot: RobotPlan, summary: Mapping[str, Any], outcome: Outcome, track: Track, figures: MapFigures
+) -> RobotRecord:
+    records = track.records(outcome.start, outcome.end).copy()
+    records["time"] -= outcome.start
     finished_at = summary["time"]
-    until = outcome.end if finished_at is None else outcome.start + finished_at
-    records = track.records(outcome.start, outcome.end)
-    hits = collisions(records)
-    figures = {"free_cells": "free_cells", "error": "map_error", "error_reason": "map_error_reason",
-               "coverage": "coverage", "wrong_walls": "wrong_walls"}  # fmt: skip
-    return {
-        "start": [round(value, 5) for value in robot.start],
-        "finished_at": finished_at,
-        "died_at": None,
-        "state": summary["state"],
-        "distance": round(distance_driven(track.records(outcome.start, until)), 4),
-        "moving": summary["moving"],
-        "stalled": summary["stalled_time"],
-        "collisions": {
-            "walls": hits.with_walls,
-            "robots": hits.with_robots,
-            "times": [round(time - outcome.start, 3) for time in hits.times],
-        },
-        "map": {name: summary[key] for name, key in figures.items() if key in summary},
-        "radio": {name: value for name, value in summary["radio"].items() if isinstance(value, int)},
-        "counters": {"goals_reached": summary["goals_reached"], "auctions_completed": summary["auctions"]},
-        "series": _series(records, outcome.start),
-    }
+    motion = motion_of(records, 0.0, outcome.end - outcome.start if finished_at is None else finished_at)
+    return RobotRecord(
+        start=Pose(*(round(value, 5) for value in robot.start)),
+        distance=motion.distance,
+        moving=motion.moving,
+        finished_at=finished_at,
+        state=summary["state"],
+        stalled=motion.stalled,
+        collisions=motion.collisions,
+        map=figures,
+        radio={name: value for name, value in summary["radio"].items() if isinstance(value, int)},
+        counters={"goals_reached": summary["goals_reached"], "auctions_completed": summary["auctions"]},
+        series=_series(records),
+    )
 
 
-def _series(records: np.ndarray, start: float) -> dict[str, list[float]]:
-    """True motion once per second."""
+def _series(records: np.ndarray) -> RobotSeries:
+    """True motion once per second; `records`: times in s since the start of the mission."""
     if not records.size:
-        return {}
-    chosen = np.searchsorted(records["time"], np.arange(start, float(records["time"][-1]) + 1e-9, SERIES_PERIOD))
+        return RobotSeries()
+    chosen = np.searchsorted(records["time"], np.arange(0.0, float(records["time"][-1]) + 1e-9, SERIES_PERIOD))
     steps = np.hypot(np.diff(records["x"]), np.diff(records["y"]))
-    way = np.concatenate([[0.0], np.cumsum(steps)])
-    rows = records[chosen]
-    columns = {
-        "time": rows["time"] - start,
-        "x": rows["x"],
-        "y": rows["y"],
-        "yaw": rows["yaw"],
-        "distance": way[chosen],
-    }
-    return {name: [round(float(value), 4) for value in values] for name, values in columns.items()}
+    rows, way = records[chosen], np.concatenate([[0.0], np.cumsum(steps)])[chosen]
+    columns = {**{name: rows[name] for name in ("time", "x", "y", "yaw")}, "distance": way}
+    return RobotSeries(**{name: tuple(values.round(4).tolist()) for name, values in columns.items()})

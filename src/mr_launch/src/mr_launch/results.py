@@ -15,33 +15,36 @@ from mr_grid import OccupancyGrid
 from mr_launch.maps import load_raw, save_map
 from mr_launch.mission import Outcome
 from mr_launch.plan import TRUTH_FILE, Plan, RobotPlan
-from mr_launch.record import mission_record
 from mr_launch.reports import RobotReport
 from mr_launch.summary import mission_summary, robot_summary, team_summary
 from mr_launch.truth import Truth
 from mr_launch.view import percent
 from mr_launch.world import Measures
+from mr_measures.record.robot_record import MapFigures
 
 
 def write_results(
     plan: Plan, outcome: Outcome, reports: list[RobotReport], truth: Truth, cpu: dict[str, dict[str, float]]
 ) -> dict[str, Any]:
     """Write everything that the mission gave, however it ended, and return the summary."""
+    from mr_launch.record import mission_record  # what it needs is slow to import
+    from mr_measures.record.files import write_record
+
     measures = Measures(plan.world, plan.options.slam, Path(plan.socket(TRUTH_FILE)))
     grids = save_maps(plan, outcome)
     robots: dict[str, dict[str, Any]] = {}
+    figures: dict[str, MapFigures] = {}
     finish = last_finish(reports, outcome)
     for robot, report in zip(plan.robots, reports):
         movement = truth.tracks[robot.name].statistics(outcome.start, exploration_end(report, outcome), outcome.end)
-        grid = grids.get(robot.name)
-        robots[robot.name] = robot_summary(report, outcome.start, movement, measures.of(grid, robot.start))
+        figures[robot.name] = measures.of(grids.get(robot.name), robot.start)
+        robots[robot.name] = robot_summary(report, outcome.start, movement, figures[robot.name])
     team = team_summary(robots, truth.real_time_factor(outcome.start, finish), radio_statistics(plan))
     team["cpu"] = cpu
     summary = mission_summary(plan, robots, team, outcome.reason, outcome.notes)
     draw(plan, outcome, grids, robots, truth)
     (Path(plan.out) / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
-    record = mission_record(plan, summary, outcome, truth, grids)
-    (Path(plan.out) / "record.json").write_text(json.dumps(record, separators=(",", ":")) + "\n")
+    write_record(mission_record(plan, summary, outcome, truth, grids, figures), Path(plan.out) / "record.json")
     return summary
 
 

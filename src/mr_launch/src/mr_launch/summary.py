@@ -6,12 +6,14 @@ from typing import Any, Mapping
 
 from mr_launch.plan import Plan
 from mr_launch.reports import RobotReport
+from mr_measures.record.robot_record import MapFigures
 
 
 def robot_summary(
-    report: RobotReport, mission_start: float, movement: Mapping[str, Any], measures: Mapping[str, Any]
+    report: RobotReport, mission_start: float, movement: Mapping[str, Any], figures: MapFigures
 ) -> dict[str, Any]:
-    """One robot's part. ``time`` is T_r in s from the start of the mission, None if it did not finish."""
+    """One robot's part; `figures`: of its final map. ``time`` is T_r in s from the start of the mission, None if it did
+    not finish."""
     finished = report.exploration_finished
     late = report.start_time - mission_start
     return {
@@ -19,7 +21,11 @@ def robot_summary(
         "time": round(report.exploration_time + late, 2) if finished else None,
         "state": report.state_name,
         **movement,
-        **measures,
+        "coverage": _rounded(figures.coverage, 4),
+        "wrong_walls": _rounded(figures.wrong_walls, 4),
+        "free_cells": figures.free_cells,
+        "map_error": _rounded(figures.error, 3),
+        "map_error_reason": figures.error_reason,
         "goals_reached": report.goals_reached,
         "auctions": report.auctions,
         "unreachable_frontiers": report.unreachable,
@@ -27,6 +33,10 @@ def robot_summary(
         "merge_times": {name: round(time - mission_start, 1) for name, time in sorted(report.merge_times.items())},
         "radio": report.radio,
     }
+
+
+def _rounded(value: float | None, digits: int) -> float | None:
+    return None if value is None else round(value, digits)
 
 
 def packets_by_hops(robots: Mapping[str, Mapping[str, Any]]) -> dict[str, int]:

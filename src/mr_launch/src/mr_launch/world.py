@@ -13,6 +13,7 @@ import yaml  # type: ignore[import-untyped]
 from mr_grid import OccupancyGrid, Pose
 from mr_launch.errors import UserError
 from mr_launch.plan import Walls
+from mr_measures.record.robot_record import MapFigures
 
 
 def find_world(name: str, starts: Sequence[float] = ()) -> str:
@@ -159,33 +160,15 @@ class Measures:
         self._slam = slam
         self._truth = load_truth(truth_file)
 
-    def of(self, grid: OccupancyGrid | None, start: Pose) -> dict[str, Any]:
-        """Coverage, wrong walls, free cells and map error of one robot's final map; None where there is none."""
+    def of(self, grid: OccupancyGrid | None, start: Pose) -> MapFigures:
+        """Of one robot's final map. Its error is against missions in virtual time: those of a host in real time would
+        take an hour for each world."""
         if grid is None:
-            return {"coverage": None, "wrong_walls": None, "free_cells": None, **no_error("the robot gave no map")}
-        from mr_measures.figures import coverage, explored_free_cells, wrong_walls
+            return MapFigures(error_reason="the robot gave no map")
+        from mr_measures.record.parts import error_or_reason, map_figures_of
+        from mr_measures.reference import VIRTUAL_TIME
 
-        truth = self._truth
-        return {
-            "coverage": None if truth is None else round(coverage(truth, grid, start), 4),
-            "wrong_walls": None if truth is None else round(wrong_walls(truth, grid, start), 4),
-            "free_cells": explored_free_cells(grid),
-            **self._error(grid),
-        }
-
-    def _error(self, grid: OccupancyGrid) -> dict[str, Any]:
-        """Against the missions in virtual time: those of a host in real time would take an hour for each world."""
-        from mr_measures.reference import VIRTUAL_TIME, MapReferenceError, error_of_map
-
-        try:
-            error, reason = error_of_map(self._world, grid, self._slam, VIRTUAL_TIME)
-        except MapReferenceError as fault:
-            return no_error(str(fault))
-        return no_error(reason) if error is None else {"map_error": round(error, 3), "map_error_reason": ""}
-
-
-def no_error(reason: str) -> dict[str, Any]:
-    return {"map_error": None, "map_error_reason": reason}
+        return map_figures_of(grid, self._truth, start, *error_or_reason(self._world, grid, self._slam, VIRTUAL_TIME))
 
 
 if __name__ == "__main__":

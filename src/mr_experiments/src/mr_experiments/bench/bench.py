@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import statistics
 import subprocess
 import sys
@@ -11,11 +12,12 @@ import time
 from contextlib import closing, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Callable, Iterator, Sequence
+from typing import Callable, Iterator, Sequence
 
 from mr_experiments.sweep.dask_cluster import DaskCluster
 from mr_experiments.sweep.record import run_trial
 from mr_experiments.trial.trial import Trial, TrialError
+from mr_measures.record.mission_record import MissionRecord
 from mr_sim import bench_world
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
@@ -42,9 +44,9 @@ def shares(cpu: float, by_component: dict[str, float]) -> str:
     return ", ".join(f"{name} {100.0 * spent / cpu:.0f} %" for name, spent in parts)
 
 
-def factor_of(record: dict[str, Any]) -> float:
+def factor_of(record: MissionRecord) -> float:
     """s of virtual time per s of processor time, over the whole mission with everything that makes its record."""
-    return float(record["outcome"]["time"] / record["measured"]["cpu"])
+    return record.outcome.time / (record.measured.cpu or math.nan)
 
 
 def mission_rows(fast: bool, runs: int, world: str = WORLD, robots: int = ROBOTS) -> list[Row]:
@@ -57,16 +59,16 @@ def mission_rows(fast: bool, runs: int, world: str = WORLD, robots: int = ROBOTS
     except TrialError as error:
         return [row(what, bar, None, unit, False, f"skipped: {error}")]
     factors = [factor_of(record) for record in records]
-    finished = sum(record["outcome"]["status"] == "finished" for record in records)
+    finished = sum(record.finished for record in records)
     value = round(statistics.median(factors), 1)
-    cpu = sum(record["measured"]["cpu"] for record in records)
+    cpu = sum(record.measured.cpu or 0.0 for record in records)
     components: dict[str, float] = {}
     for record in records:
-        for name, spent in record["measured"]["cpu_by_component"].items():
+        for name, spent in record.measured.cpu_by_component.items():
             components[name] = components.get(name, 0.0) + spent
     detail = (
         f"seeds 1 to {runs}, {finished} of {runs} finished, {min(factors):.1f} to {max(factors):.1f}, missions of "
-        f"{', '.join(format(record['outcome']['time'], '.0f') for record in records)} s; {shares(cpu, components)}"
+        f"{', '.join(format(record.outcome.time, '.0f') for record in records)} s; {shares(cpu, components)}"
     )
     return [row(what, bar, value, unit, value >= bar and finished == runs, detail)]
 

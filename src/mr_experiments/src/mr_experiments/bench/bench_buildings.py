@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Callable, Mapping, Sequence
+from typing import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -13,12 +13,12 @@ from mr_experiments.bench.bench_merging import Row, row
 from mr_experiments.bench.explore_missions import world_name
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial
+from mr_measures.record.mission_record import MissionRecord
 
 STRATEGY = 7
 HOME = 1.5  # m from its start within which a robot is at home: two cannot stand on one spot
 WIDE = ("generated:hall:{}:48x20", "generated:loop:{}:45x40")  # wider than a Pioneer's laser reaches
 
-Record = Mapping[str, Any]
 Bars = tuple[float, float]  # percent of wrong walls: mean and worst of all maps
 PIONEERS: Bars = (0.5, 3.0)
 TURTLEBOTS: Bars = (3.0, 8.0)
@@ -62,22 +62,22 @@ def _trial(kind: Kind, team: int, seed: int) -> Trial:
     return load_scenario(kind.scenario).trial(team, STRATEGY, seed, kind.world(seed))
 
 
-def table(groups: Mapping[tuple[str, int], Sequence[Record]]) -> list[Row]:
+def table(groups: Mapping[tuple[str, int], Sequence[MissionRecord]]) -> list[Row]:
     """`groups`: records by kind and team size."""
     return [made for (name, team), records in groups.items() for made in _rows_of(name, team, records)]
 
 
-def _rows_of(name: str, team: int, records: Sequence[Record]) -> list[Row]:
+def _rows_of(name: str, team: int, records: Sequence[MissionRecord]) -> list[Row]:
     what, kind = f"{name}, R = {team}", KINDS[name]
-    finished = [record for record in records if record["outcome"]["status"] == "finished"]
-    late = _named([(record, record["outcome"]["reason"]) for record in records if record not in finished])
+    finished = [record for record in records if record.finished]
+    late = _named([(record, record.outcome.reason) for record in records if not record.finished])
     rows = [_row(f"{what}: missions that finished", "all", len(finished), f"of {len(records)}",
                  len(finished) == len(records), _times(finished) + late)]  # fmt: skip
     away = [
         (record, f"{robot} is {off:.1f} m from home") for record in records for robot, off in _far_from_home(record)
     ]
     rows.append(_row(f"{what}: robots that did not get home", "0", len(away), "", not away, _named(away)))
-    touched = [(record, name) for record in records for name, robot in record["robots"].items() if _contacts(robot)]
+    touched = [(record, name) for record in records for name, robot in record.robots.items() if robot.collisions.total]
     rows.append(_row(f"{what}: robots that touched something", "0", len(touched), "", not touched, _named(touched)))
     rows += _wall_rows(what, kind.walls, records)
     if kind.unrevoked and team > 1:
@@ -87,11 +87,10 @@ def _rows_of(name: str, team: int, records: Sequence[Record]) -> list[Row]:
     return rows
 
 
-def _wall_rows(what: str, bars: Bars, records: Sequence[Record]) -> list[Row]:
+def _wall_rows(what: str, bars: Bars, records: Sequence[MissionRecord]) -> list[Row]:
     """A robot that died has no say."""
-    maps = [(record, name, 100.0 * robot["map"]["wrong_walls"]) for record in records
-            for name, robot in record["robots"].items()
-            if robot["died_at"] is None and robot["map"].get("wrong_walls") is not None]  # fmt: skip
+    maps = [(record, name, 100.0 * robot.map.wrong_walls) for record in records
+            for name, robot in record.survivors.items() if robot.map.wrong_walls is not None]  # fmt: skip
     if not maps:
         return [_row(f"{what}: wrong walls", "-", math.inf, "%", False, "no map")]
     shares = [share for _, _, share in maps]
@@ -103,45 +102,40 @@ def _wall_rows(what: str, bars: Bars, records: Sequence[Record]) -> list[Row]:
     ]
 
 
-def revoked_though_right(record: Record) -> list[tuple[str, str, float]]:
+def revoked_though_right(record: MissionRecord) -> list[tuple[str, str, float]]:
     """Robot, the other one, and when, s, of transforms that were right and were taken back."""
     found = []
-    for name, robot in record["robots"].items():
+    for name, robot in record.robots.items():
         right: dict[str, bool] = {}
-        for merge in robot["merges"]:
-            if merge["transform"]:
-                right[merge["with"]] = bool(merge["right"])
-                continue
-            if right.pop(merge["with"], False):
-                found.append((name, merge["with"], float(merge["at"])))
+        for merge in robot.merges or ():
+            if merge.accepted:
+                right[merge.partner] = bool(merge.right)
+            elif right.pop(merge.partner, False):
+                found.append((name, merge.partner, merge.at))
     return found
 
 
-def _far_from_home(record: Record) -> list[tuple[str, float]]:
+def _far_from_home(record: MissionRecord) -> list[tuple[str, float]]:
     """Robot and m."""
     found = []
-    for name, robot in record["robots"].items():
-        series = robot["series"]
-        if robot["died_at"] is not None or not series["x"]:
+    for name, robot in record.survivors.items():
+        series = robot.series
+        if not series.x:
             continue
-        off = math.dist((series["x"][-1], series["y"][-1]), robot["start"][:2])
+        off = math.dist((series.x[-1], series.y[-1]), robot.start[:2])
         if off > HOME:
             found.append((name, off))
     return found
 
 
-def _contacts(robot: Mapping[str, Any]) -> int:
-    return int(robot["collisions"]["walls"] + robot["collisions"]["robots"])
-
-
-def _times(records: Sequence[Record]) -> str:
-    times = [record["team"]["exploration_time"] for record in records]
+def _times(records: Sequence[MissionRecord]) -> str:
+    times = [record.team.exploration_time for record in records if record.team.exploration_time is not None]
     return f"T {min(times):.0f} to {max(times):.0f} s, mean {float(np.mean(times)):.0f} s" if times else ""
 
 
-def _named(cases: Sequence[tuple[Record, str]], most: int = 6) -> str:
+def _named(cases: Sequence[tuple[MissionRecord, str]], most: int = 6) -> str:
     """The first cases with the seeds of their missions."""
-    told = [f"; seed {record['trial']['seed']}: {text}" for record, text in cases[:most]]
+    told = [f"; seed {record.asked.seed}: {text}" for record, text in cases[:most]]
     more = f"; {len(cases) - most} more" if len(cases) > most else ""
     return "".join(told) + more
 

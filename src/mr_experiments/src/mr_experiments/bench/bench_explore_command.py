@@ -35,6 +35,7 @@ from mr_experiments.sweep.following import follow, line_of
 from mr_experiments.sweep.sweep import Done, LocalPool, default_jobs
 from mr_experiments.sweep.trial_process import record_path
 from mr_experiments.trial.trial import Trial, TrialError
+from mr_measures.record.files import read_record
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -126,8 +127,7 @@ def _keeper(path: Path, folder: Path, count: int) -> Callable[[Done], str]:
     def keep(done: Done) -> str:
         nonlocal number
         number += 1
-        record = json.loads(record_path(folder, done.trial).read_text(encoding="utf-8"))
-        append(path, as_json(row_of(record)))
+        append(path, as_json(row_of(read_record(record_path(folder, done.trial)))))
         left = (time.monotonic() - begun) / number * (count - number) / 60.0
         return f"{line_of(done)}; {number} of {count}, about {left:.0f} min left"
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Mapping, Sequence
+from typing import Sequence
 
 import numpy as np
 
 from mr_experiments.bench.bench_merging import Row, row
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial
+from mr_measures.record.mission_record import MissionRecord
 
 FREE = "paper"  # error-free radio
 SHORT_RANGE = "range8"
@@ -18,8 +19,6 @@ TEAM = 4
 LARGE, LARGE_TEAMS = "large", (4, 8)
 RANGE_BAR = 1.2  # mean T with a radio of 8 m over that with an error-free one
 MEAN_COVERAGE_BAR, WORST_COVERAGE_BAR = 0.999, 0.995
-
-Record = Mapping[str, Any]
 
 
 def trials_of(names: Sequence[str], seeds: Sequence[int], large_seeds: Sequence[int]) -> list[Trial]:
@@ -33,26 +32,25 @@ def trials_of(names: Sequence[str], seeds: Sequence[int], large_seeds: Sequence[
     ]
 
 
-def table(records: Sequence[Record]) -> list[Row]:
+def table(records: Sequence[MissionRecord]) -> list[Row]:
     """The rows that the records suffice for."""
-    groups: dict[tuple[str, int], list[Record]] = {}
+    groups: dict[tuple[str, int], list[MissionRecord]] = {}
     for record in records:
-        groups.setdefault((record["trial"]["scenario"], record["trial"]["robots"]), []).append(record)
+        groups.setdefault((record.asked.scenario, record.asked.robots), []).append(record)
     rows = [made for (name, size), group in groups.items() for made in _rows_of(f"{name}, R = {size}", group)]
     free, short = (groups.get((name, TEAM), []) for name in (FREE, SHORT_RANGE))
     return [*rows, *_range_row(free, short)]
 
 
-def _rows_of(what: str, records: Sequence[Record]) -> list[Row]:
-    finished = [record for record in records if record["outcome"]["status"] == "finished"]
-    late = ", ".join(f"seed {record['trial']['seed']}: {record['outcome']['reason']}" for record in records
-                     if record not in finished)  # fmt: skip
+def _rows_of(what: str, records: Sequence[MissionRecord]) -> list[Row]:
+    finished = [record for record in records if record.finished]
+    late = ", ".join(f"seed {record.asked.seed}: {record.outcome.reason}" for record in records if not record.finished)
     rows = [
         row(f"{what}: missions that finished", "all", len(finished), f"of {len(records)}",
             len(finished) == len(records), late)
     ]  # fmt: skip
-    times = [record["team"]["exploration_time"] for record in finished]
-    shares = [robot["map"].get("coverage", 0.0) for record in records for robot in _survivors(record)]
+    times = _times(finished)
+    shares = [robot.map.coverage or 0.0 for record in records for robot in record.survivors.values()]
     if times:
         detail = f"{min(times):.0f} to {max(times):.0f} s"
         if len(times) > 1:
@@ -68,16 +66,18 @@ def _rows_of(what: str, records: Sequence[Record]) -> list[Row]:
     return rows
 
 
-def _survivors(record: Record) -> list[Mapping[str, Any]]:
-    return [robot for robot in record["robots"].values() if robot["died_at"] is None]
+def _times(records: Sequence[MissionRecord]) -> list[float]:
+    """T in s of those that finished."""
+    return [record.team.exploration_time for record in records if record.team.exploration_time is not None]
 
 
-def _range_row(free: Sequence[Record], short: Sequence[Record]) -> list[Row]:
+def _range_row(free: Sequence[MissionRecord], short: Sequence[MissionRecord]) -> list[Row]:
     """Of seeds that finished both ways."""
     times = [
-        {record["trial"]["seed"]: record["team"]["exploration_time"] for record in records} for records in (free, short)
+        {record.asked.seed: record.team.exploration_time for record in records if record.team.exploration_time}
+        for records in (free, short)
     ]
-    seeds = [seed for seed, time in times[0].items() if time and times[1].get(seed)]
+    seeds = [seed for seed in times[0] if seed in times[1]]
     if not seeds:
         return []
     value = sum(times[1][seed] for seed in seeds) / sum(times[0][seed] for seed in seeds)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Callable, Mapping, Sequence
+from typing import Callable, Mapping, Sequence
 
 from scipy import stats
 
@@ -15,8 +14,9 @@ from mr_experiments.bench.merge_times import all_settled_at, classes_of_pairs, k
 from mr_experiments.sweep.trial_process import record_path
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial
+from mr_measures.record.files import read_record
+from mr_measures.record.mission_record import MissionRecord
 
-Record = Mapping[str, Any]
 Row = dict  # what, bar, value, unit, holds, detail
 
 MEDIAN_BAR, HIGH_BAR = 10.0, 20.0  # s after the start until all transforms are right, and at the 0.95 quantile
@@ -41,7 +41,7 @@ class Part:
 
     name: str
     trials: Callable[[Request], list[Trial]]
-    rows: Callable[[Mapping[int, Sequence[Record]]], list[Row]]
+    rows: Callable[[Mapping[int, Sequence[MissionRecord]]], list[Row]]
 
 
 def row(what: str, bar: str, value: float, unit: str, holds: bool, detail: str) -> Row:
@@ -56,11 +56,11 @@ def text_of(entry: Row) -> str:
     return f"{'ok  ' if entry['holds'] else 'MISS'} {entry['what']}: {value} (bar {entry['bar']}) {entry['detail']}"
 
 
-def records_of(trials: Sequence[Trial], folder: Path) -> dict[int, list[Record]]:
+def records_of(trials: Sequence[Trial], folder: Path) -> dict[int, list[MissionRecord]]:
     """The records of the trials by team size."""
-    found: dict[int, list[Record]] = {}
+    found: dict[int, list[MissionRecord]] = {}
     for trial in trials:
-        found.setdefault(trial.robots, []).append(json.loads(record_path(folder, trial).read_text(encoding="utf-8")))
+        found.setdefault(trial.robots, []).append(read_record(record_path(folder, trial)))
     return found
 
 
@@ -78,14 +78,14 @@ def _meeting(scenario: str, bars: Sequence[tuple[float, float]], patience: float
             for robots in (2, 4)
         ]
 
-    def rows(records: Mapping[int, Sequence[Record]]) -> list[Row]:
+    def rows(records: Mapping[int, Sequence[MissionRecord]]) -> list[Row]:
         return [made for robots, of_size in records.items() for made in _meeting_rows(scenario, robots, of_size, bars)]
 
     return Part(scenario, trials, rows)
 
 
 def _meeting_rows(
-    scenario: str, robots: int, records: Sequence[Record], bars: Sequence[tuple[float, float]]
+    scenario: str, robots: int, records: Sequence[MissionRecord], bars: Sequence[tuple[float, float]]
 ) -> list[Row]:
     times = [_settled(record) for record in records]
     detail = f"{_seeds(records)}; {_spread(times, 's')}; {_never(times)}"
@@ -106,14 +106,14 @@ def _equal_trials(request: Request) -> list[Trial]:
     return [scenario.trial(robots, 7, seed) for seed in request.seeds for robots in (1, 4)]
 
 
-def _equal_rows(records: Mapping[int, Sequence[Record]]) -> list[Row]:
+def _equal_rows(records: Mapping[int, Sequence[MissionRecord]]) -> list[Row]:
     one, four = ([_duration(record) for record in records[robots]] for robots in (1, 4))
     merged = sum(math.isfinite(_settled(record)) for record in records[4])
     ratio = quantile(four, 0.5) / quantile(one, 0.5)
     ratio = math.inf if math.isnan(ratio) else ratio
     detail = (
         f"{_seeds(records[4])}; medians {quantile(four, 0.5):.1f} s and {quantile(one, 0.5):.1f} s; overlap "
-        f"{quantile([record['team'].get('overlap', math.inf) for record in records[4]], 0.5):.2f}; "
+        f"{quantile([_overlap(record) for record in records[4]], 0.5):.2f}; "
         f"{merged} of {len(four)} missions merged"
     )
     holds = ratio <= SPEEDUP_BAR and merged == len(four)
@@ -125,7 +125,7 @@ def _unknown_trials(request: Request) -> list[Trial]:
     return [scenario.trial(robots, 7, seed) for seed in request.seeds for robots in (2, 4)]
 
 
-def _unknown_rows(records: Mapping[int, Sequence[Record]]) -> list[Row]:
+def _unknown_rows(records: Mapping[int, Sequence[MissionRecord]]) -> list[Row]:
     rows = []
     for robots, of_size in records.items():
         shares = [known_at(record, _settled(record)) for record in of_size]
@@ -146,7 +146,7 @@ def _cost_trials(request: Request) -> list[Trial]:
     return [scenario.trial(3, 7, seed) for seed in request.seeds[:COST_SEEDS]]
 
 
-def _cost_rows(records: Mapping[int, Sequence[Record]]) -> list[Row]:
+def _cost_rows(records: Mapping[int, Sequence[MissionRecord]]) -> list[Row]:
     costs = [_cost(record) for record in records[3]]
     value = quantile(costs, 0.5)
     detail = f"{_seeds(records[3])}; {_spread(costs, 'ms')}; all three robots together"
@@ -154,10 +154,10 @@ def _cost_rows(records: Mapping[int, Sequence[Record]]) -> list[Row]:
     return [row(what, f"<= {COST_BAR:g} ms", value, "ms", value <= COST_BAR, detail)]
 
 
-def _cost(record: Record) -> float:
-    measured = record.get("measured", {}).get("cpu_by_component", {})
+def _cost(record: MissionRecord) -> float:
+    measured = record.measured.cpu_by_component
     spent = measured.get("merging", math.inf) + measured.get("registration", 0.0)
-    return 1000.0 * spent / record["outcome"]["time"] if record["outcome"]["time"] else math.inf
+    return 1000.0 * spent / record.outcome.time if record.outcome.time else math.inf
 
 
 SIDE_BY_SIDE = ((0.5, MEDIAN_BAR), (0.95, HIGH_BAR))
@@ -173,12 +173,12 @@ PARTS = {
 }
 
 
-def wrong_row(records: Sequence[Record]) -> Row:
+def wrong_row(records: Sequence[MissionRecord]) -> Row:
     """Of all missions together. A pair is two robots of one mission, in whatever direction they were wrong."""
     counts = Counter(kind for record in records for kind in classes_of_pairs(record))
     pairs, wrong = sum(counts.values()), counts["wrong"]
     bound = 100.0 * float(stats.beta.ppf(0.95, wrong + 1, pairs - wrong)) if pairs > wrong else 100.0
-    seeds = sorted({f"{r['trial']['scenario']} R{r['trial']['robots']} s{r['trial']['seed']}" for r in records
+    seeds = sorted({f"{r.asked.scenario} R{r.asked.robots} s{r.asked.seed}" for r in records
                     if "wrong" in classes_of_pairs(r)})  # fmt: skip
     detail = (
         f"of {pairs} pairs ({counts['right']} right, {counts['imprecise']} imprecise, {counts['none']} without); "
@@ -187,19 +187,23 @@ def wrong_row(records: Sequence[Record]) -> Row:
     return row("pairs that believed a wrong transform", "0", float(wrong), "pairs", wrong == 0 and pairs > 0, detail)
 
 
-def _settled(record: Record) -> float:
+def _settled(record: MissionRecord) -> float:
     """Of a mission that failed: never."""
-    return math.inf if record["outcome"]["status"] == "failed" else all_settled_at(record)
+    return math.inf if record.failed else all_settled_at(record)
 
 
-def _duration(record: Record) -> float:
-    time = record["team"]["exploration_time"]
-    return math.inf if time is None else float(time)
+def _duration(record: MissionRecord) -> float:
+    time = record.team.exploration_time
+    return math.inf if time is None else time
 
 
-def _seeds(records: Sequence[Record]) -> str:
-    seeds = [record["trial"]["seed"] for record in records]
-    failed = sum(record["outcome"]["status"] == "failed" for record in records)
+def _overlap(record: MissionRecord) -> float:
+    return math.inf if record.team.overlap is None else record.team.overlap
+
+
+def _seeds(records: Sequence[MissionRecord]) -> str:
+    seeds = [record.asked.seed for record in records]
+    failed = sum(record.failed for record in records)
     return f"seeds {min(seeds)} to {max(seeds)}" + (f", {failed} failed" if failed else "")
 
 

@@ -12,13 +12,15 @@ from typing import Sequence
 
 from rich.console import Console
 
-from mr_experiments.bench.bench_merging import PARTS, Part, Record, Request, Row, records_of, text_of, wrong_row
+from mr_experiments.bench.bench_merging import PARTS, Part, Request, Row, records_of, text_of, wrong_row
 from mr_experiments.bench.merge_times import all_settled_at, classes_of_pairs
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.sweep.following import follow, line_of
 from mr_experiments.sweep.sweep import Done, LocalPool, default_jobs, left_for_this_code
 from mr_experiments.sweep.trial_process import record_path
 from mr_experiments.trial.trial import TrialError
+from mr_measures.record.files import read_record
+from mr_measures.record.mission_record import MissionRecord
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -66,7 +68,7 @@ def _run(options: argparse.Namespace) -> int:
     request = Request(range(options.first_seed, options.first_seed + options.seeds), options.until)
     console = Console(soft_wrap=True, emoji=False, width=None if sys.stdout.isatty() else 120)
     rows: list[Row] = []
-    everything: list[Record] = []
+    everything: list[MissionRecord] = []
     for name in options.only:
         records = _records(PARTS[name], request, options, console)
         everything += [record for of_size in records.values() for record in of_size]
@@ -76,7 +78,9 @@ def _run(options: argparse.Namespace) -> int:
     return 0 if all(entry["holds"] for entry in rows) else 1
 
 
-def _records(part: Part, request: Request, options: argparse.Namespace, console: Console) -> dict[int, list[Record]]:
+def _records(
+    part: Part, request: Request, options: argparse.Namespace, console: Console
+) -> dict[int, list[MissionRecord]]:
     trials = part.trials(request)
     folder = options.out.with_suffix("") / f"{part.name}-{trials[0].limit:g}"
     folder.mkdir(parents=True, exist_ok=True)
@@ -89,7 +93,7 @@ def _records(part: Part, request: Request, options: argparse.Namespace, console:
 def _line(done: Done, folder: Path) -> str:
     if done.status == "failed" or done.trial.robots == 1:
         return line_of(done)
-    record = json.loads(record_path(folder, done.trial).read_text(encoding="utf-8"))
+    record = read_record(record_path(folder, done.trial))
     time, kinds = all_settled_at(record), Counter(classes_of_pairs(record))
     merged = "never merged" if math.isinf(time) else f"merged after {time:.0f} s"
     return f"{done.trial.key}: {merged} ({', '.join(f'{count} {kind}' for kind, count in kinds.items())})"

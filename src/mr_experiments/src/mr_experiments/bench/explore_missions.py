@@ -14,6 +14,8 @@ from mr_experiments.trial.bound import bound_of
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
 from mr_measures import lower_bound, truth, visibility
+from mr_measures.record.mission_record import MissionRecord
+from mr_measures.record.series import TeamSeries
 from mr_plans import WORLD_KINDS, worlds
 from mr_sim import world as simulation
 
@@ -91,23 +93,23 @@ def key_of(trial: Trial) -> tuple:
     return trial.world, trial.robots, trial.strategy, trial.seed, trial.limit, trial.fast
 
 
-def row_of(record: Mapping[str, Any]) -> MissionRow:
+def row_of(record: MissionRecord) -> MissionRow:
     """What is kept of the record of a trial."""
-    trial, robots = record["trial"], list(record["robots"].values())
-    ends = [robot["finished_at"] for robot in robots if robot["finished_at"] is not None]
+    asked, robots = record.asked, list(record.robots.values())
+    ends = [robot.finished_at for robot in robots if robot.finished_at is not None]
     return MissionRow(
-        trial["world"], trial["robots"], trial["strategy"], trial["seed"], trial["limit"], record["versions"]["code"],
-        record["outcome"]["status"], record["outcome"]["reason"], record["team"]["exploration_time"],
-        _known_at(record["team"]["series"]), min(ends, default=None),
-        tuple(robot["map"].get("coverage", 0.0) for robot in robots),
-        tuple(robot["map"].get("wrong_walls", 0.0) for robot in robots),
-        round(sum(robot["distance"] for robot in robots), 2), trial.get("fast", False),
+        asked.world, asked.robots, asked.strategy, asked.seed, asked.limit or LIMIT, record.code,
+        record.outcome.status, record.outcome.reason, record.team.exploration_time,
+        _known_at(record.team.series), min(ends, default=None),
+        tuple(robot.map.coverage or 0.0 for robot in robots),
+        tuple(robot.map.wrong_walls or 0.0 for robot in robots),
+        round(sum(robot.distance for robot in robots), 2), asked.fast,
     )  # fmt: skip
 
 
-def _known_at(series: Mapping[str, Sequence[float]]) -> float | None:
+def _known_at(series: TeamSeries) -> float | None:
     """Between two samples in proportion."""
-    times, shares = np.array(series["time"]), np.array(series["coverage"])
+    times, shares = np.array(series.time), np.array(series.coverage)
     reached = np.flatnonzero(shares >= KNOWN)
     if not reached.size:
         return None

@@ -4,50 +4,49 @@ from __future__ import annotations
 
 import math
 from itertools import combinations, permutations
-from typing import Any, Iterable, Mapping, Sequence
+from typing import Iterable, Sequence
 
 import numpy as np
+
+from mr_measures.record.mission_record import MissionRecord
+from mr_measures.record.robot_record import Merge
 
 WORST_FIRST = ("wrong", "imprecise", "right")  # what an accepted transform may be
 NONE = "none"
 
-Entry = Mapping[str, Any]
-"""Of the `merges` in a record."""
 
-
-def settled_at(entries: Iterable[Entry]) -> float:
+def settled_at(merges: Iterable[Merge]) -> float:
     """s after the mission's start since which a robot has had a right transform of one other, infinite if it has none
     at the end. A right one that only became better counts from the first."""
     since = math.inf
-    for entry in entries:
-        if entry["transform"] is None or not entry["right"]:
+    for merge in merges:
+        if not (merge.accepted and merge.right):
             since = math.inf
         elif math.isinf(since):
-            since = float(entry["at"])
+            since = merge.at
     return since
 
 
-def all_settled_at(record: Mapping[str, Any]) -> float:
+def all_settled_at(record: MissionRecord) -> float:
     """s after the start since which every robot has had right transforms of all others; infinite if one lacks one."""
-    robots = record["robots"]
-    times = (settled_at(_entries(record, one, other)) for one, other in permutations(robots, 2))
+    times = (settled_at(_merges(record, one, other)) for one, other in permutations(record.robots, 2))
     return max(times, default=math.inf)
 
 
-def classes_of_pairs(record: Mapping[str, Any]) -> list[str]:
+def classes_of_pairs(record: MissionRecord) -> list[str]:
     """For every two robots the worst that either ever believed of the other: see WORST_FIRST; NONE if nothing."""
     return [
-        _worst([*_entries(record, one, other), *_entries(record, other, one)])
-        for one, other in combinations(record["robots"], 2)
+        _worst([*_merges(record, one, other), *_merges(record, other, one)])
+        for one, other in combinations(record.robots, 2)
     ]
 
 
-def known_at(record: Mapping[str, Any], time: float) -> float:
+def known_at(record: MissionRecord, time: float) -> float:
     """Share of the area that the team knew together at this time in s after the start; for an infinite one infinite."""
     if math.isinf(time):
         return math.inf
-    series = record["team"]["series"]
-    return float(np.interp(time, series["time"], series["coverage"])) if series["time"] else 0.0
+    series = record.team.series
+    return float(np.interp(time, series.time, series.coverage)) if series.time else 0.0
 
 
 def quantile(values: Sequence[float], share: float) -> float:
@@ -57,10 +56,10 @@ def quantile(values: Sequence[float], share: float) -> float:
     return sorted(values)[max(0, math.ceil(share * len(values)) - 1)]
 
 
-def _entries(record: Mapping[str, Any], robot: str, other: str) -> list[Entry]:
-    return [entry for entry in record["robots"][robot]["merges"] if entry["with"] == other]
+def _merges(record: MissionRecord, robot: str, other: str) -> list[Merge]:
+    return [merge for merge in record.robots[robot].merges or () if merge.partner == other]
 
 
-def _worst(entries: Sequence[Entry]) -> str:
-    believed = {entry["class"] for entry in entries if entry["transform"] is not None}
+def _worst(merges: Sequence[Merge]) -> str:
+    believed = {merge.kind for merge in merges if merge.accepted}
     return next((kind for kind in WORST_FIRST if kind in believed), NONE)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any, Mapping, Sequence
+from typing import Sequence
 
 from rich.console import Console
 
@@ -12,12 +11,14 @@ from mr_experiments.sweep.following import follow, line_of
 from mr_experiments.sweep.sweep import LocalPool, left_for_this_code
 from mr_experiments.sweep.trial_process import record_path
 from mr_experiments.trial.trial import Trial
+from mr_measures.record.files import read_record
+from mr_measures.record.mission_record import MissionRecord
 
 
-def records_of_all(trials: Sequence[Trial], folder: Path, jobs: int, console: Console) -> list[Mapping[str, Any]]:
+def records_of_all(trials: Sequence[Trial], folder: Path, jobs: int, console: Console) -> list[MissionRecord]:
     """In the order of the trials. Missions of other code are run again."""
     folder.mkdir(parents=True, exist_ok=True)
     left = left_for_this_code(trials, folder)
     console.print(f"{len(left)} of {len(trials)} missions to run", highlight=False)
     follow(LocalPool(jobs), left, folder, console, line_of)
-    return [json.loads(record_path(folder, trial).read_text(encoding="utf-8")) for trial in trials]
+    return [read_record(record_path(folder, trial)) for trial in trials]

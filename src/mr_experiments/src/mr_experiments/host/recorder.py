@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from array import array
+from dataclasses import fields, replace
 from typing import Any, Sequence
 
 import numpy as np
@@ -19,6 +20,9 @@ from mr_grid import OccupancyGrid, Pose
 from mr_measures.map_picture import picture_of
 from mr_measures.motion import RECORD
 from mr_measures.occupancy import free_area, occupancy_of
+from mr_measures.record.mission_record import Note, Snapshot
+from mr_measures.record.robot_record import Auction, Goal
+from mr_measures.record.series import RobotSeries, TeamSeries
 from mr_measures.stored_truth import truth_of_generated
 from mr_measures.truth import Truth
 from mr_plans import is_generated
@@ -51,18 +55,17 @@ class RobotLog:
         self.truth = array("d")  # rows as RECORD; millions of numbers
         self.place: tuple[float, float] | None = None
         self.stalled = 0.0  # s
-        self.series: dict[str, list[Any]] = {
-            key: [] for key in (
-                "time", "x", "y", "yaw", "explored", "own", "distance", "stalled", "bytes", "frames", "bids", "state",
-                "neighbors",
-            )
-        }  # fmt: skip
-        self.goals: list[dict[str, Any]] = []
-        self.auctions: list[dict[str, Any]] = []
+        self.columns: dict[str, list[Any]] = {field.name: [] for field in fields(RobotSeries)}
+        self.goals: list[Goal] = []
+        self.auctions: list[Auction] = []
         self.distance = 0.0
         self.global_map: OccupancyGrid | None = None
         self.explored = 0.0
         self.died_at: float | None = None
+
+    @property
+    def series(self) -> RobotSeries:
+        return RobotSeries(**{name: tuple(column) for name, column in self.columns.items()})
 
 
 class Recorder:
@@ -76,11 +79,9 @@ class Recorder:
         self._reference = [start.apply_inverse(self.truth.reference) for start in self.starts]
         self.logs = [RobotLog() for _ in range(trial.robots)]
         self.merges = MergeLog(self.starts, world.names)
-        self.team: dict[str, list[float]] = {
-            key: [] for key in ("time", "explored", "coverage", "distance", "bytes", "frames")
-        }
-        self.notes: list[dict[str, Any]] = []
-        self.snapshots: list[dict[str, Any]] = []
+        self.team: dict[str, list[float]] = {field.name: [] for field in fields(TeamSeries)}
+        self.notes: list[Note] = []
+        self.snapshots: list[Snapshot] = []
         self._snapshot_period = snapshot_period
         self._snapshot_due = [0.0] * trial.robots
         self._begun_at: float | None = None
@@ -140,10 +141,10 @@ class Recorder:
                 "frames": statistics.get("frames_sent", 0),
                 "bids": robot.explorer.bids,
                 "state": int(robot.explorer.agent.state),
-                "neighbors": robot.own_radio.neighbors() if robot.running else [],
+                "neighbors": tuple(robot.own_radio.neighbors()) if robot.running else (),
             }
             for key, value in values.items():
-                log.series[key].append(value)
+                log.columns[key].append(value)
         for robot in self._robots:
             self.merges.look(robot, self._robots, now)
 
@@ -161,6 +162,10 @@ class Recorder:
         self.team["distance"].append(round(sum(log.distance for log in self.logs), 4))
         self.team["bytes"].append(sum(one.get("bytes_sent", 0) for one in traffic))
         self.team["frames"].append(sum(one.get("frames_sent", 0) for one in traffic))
+
+    @property
+    def team_series(self) -> TeamSeries:
+        return TeamSeries(**{name: tuple(column) for name, column in self.team.items()})
 
     def known_cells(self) -> list[np.ndarray]:
         """For each robot, which of the reference cells its own local map knows: bool (N,)."""
@@ -185,25 +190,21 @@ class Recorder:
 
     def on_goal(self, robot: int, goal_id: int, pose: Pose, now: float) -> None:
         self._end_goal(robot, "replaced", "", now)
-        self.logs[robot].goals.append(
-            {
-                "id": goal_id, "set": self._since(now), "x": round(pose.x, 4), "y": round(pose.y, 4),
-                "end": None, "outcome": "", "text": "",
-            }
-        )  # fmt: skip
+        goal = Goal(self._since(now), round(pose.x, 4), round(pose.y, 4), id=goal_id)
+        self.logs[robot].goals.append(goal)
 
     def on_goal_end(self, robot: int, goal_id: int | None, outcome: str, text: str, now: float) -> None:
         self._end_goal(robot, outcome, text if outcome == messages.FAILED else "", now)
 
     def _end_goal(self, robot: int, outcome: str, text: str, now: float) -> None:
         goals = self.logs[robot].goals
-        if goals and goals[-1]["end"] is None:
-            goals[-1].update(end=self._since(now), outcome=outcome, text=text)
+        if goals and goals[-1].end is None:
+            goals[-1] = replace(goals[-1], end=self._since(now), outcome=outcome, text=text)
 
     def on_auction(self, robot: int, auction: messages.Auction, now: float) -> None:
         if auction.status and auction.start:
-            entry = {"at": self._since(now), "id": auction.auction_id, "clusters": len(auction.requested)}
-            self.logs[robot].auctions.append(entry)
+            opened = Auction(self._since(now), auction.auction_id, len(auction.requested))
+            self.logs[robot].auctions.append(opened)
 
     def on_global_map(self, robot: int, grid: OccupancyGrid, now: float) -> None:
         log = self.logs[robot]
@@ -213,7 +214,7 @@ class Recorder:
             if math.isinf(self._snapshot_period):
                 return
             self._snapshot_due[robot] = self._since(now) + self._snapshot_period
-            self.snapshots.append({"time": self._since(now), "robot": self.world.names[robot], **picture_of(grid)})
+            self.snapshots.append(Snapshot.of(self._since(now), self.world.names[robot], picture_of(grid)))
 
     def on_note(self, robot: int, text: str, warning: bool, now: float) -> None:
         self.note(self.world.names[robot], text, warning, now)
@@ -221,9 +222,9 @@ class Recorder:
     def note(self, name: str, text: str, warning: bool, now: float) -> None:
         """`name`: of a robot or of the base."""
         if len(self.notes) < MOST_NOTES:
-            self.notes.append({"at": self._since(now), "robot": name, "text": text, "warning": warning})
+            self.notes.append(Note(self._since(now), name, text, warning))
             if len(self.notes) == MOST_NOTES:
-                self.notes[-1].update(text="further notes were dropped", warning=True)
+                self.notes[-1] = replace(self.notes[-1], text="further notes were dropped", warning=True)
 
     def on_death(self, robot: int, now: float) -> None:
         self.logs[robot].died_at = self._since(now)

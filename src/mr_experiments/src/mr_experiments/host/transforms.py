@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Sequence
+from typing import Sequence
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from mr_experiments.host.robot import Robot
 from mr_grid import Pose
 from mr_measures.drift import FEWEST_POINTS, Track, best_rigid_fit, overlap
 from mr_measures.occupancy import occupancy_of
+from mr_measures.record.robot_record import Merge
 
 
 class MergeLog:
@@ -22,7 +23,7 @@ class MergeLog:
         self._starts = dict(zip(names, starts))
         self._tracks = {name: Track() for name in names}
         self._believed: dict[str, dict[str, Pose]] = {name: {} for name in names}
-        self.entries: dict[str, list[dict[str, Any]]] = {name: [] for name in names}
+        self.entries: dict[str, list[Merge]] = {name: [] for name in names}
 
     def follow(self, robot: Robot, true: Pose) -> None:
         """Notes where a robot is, world frame, and where it believes to be."""
@@ -35,27 +36,27 @@ class MergeLog:
         before = self._believed[robot.name]
         present = {name: transform for name, transform in robot.merger.transforms().items() if name in partners}
         for other in sorted(before.keys() - present.keys()):
-            self.entries[robot.name].append({"with": other, "at": round(now, 3), "transform": None})
+            self.entries[robot.name].append(Merge(other, round(now, 3), None))
         for other, transform in present.items():
             if other not in before or _apart(before[other], transform):
                 self.entries[robot.name].append(self._entry(robot, partners[other], transform, now))
                 before = {**before, other: transform}
         self._believed[robot.name] = {name: before[name] for name in present}
 
-    def _entry(self, robot: Robot, other: Robot, transform: Pose, now: float) -> dict[str, Any]:
+    def _entry(self, robot: Robot, other: Robot, transform: Pose, now: float) -> Merge:
         true, points = self._truth(robot, other)
         offsets = displacement(transform, true, points)
         turn = rotation_between(transform, true)
         kind = classify(offsets, turn)
-        return {
-            "with": other.name,
-            "at": round(now, 3),
-            "transform": [round(transform.x, 4), round(transform.y, 4), round(transform.yaw, 5)],
-            "offset": round(float(offsets.max()), 4),
-            "turn": round(turn, 5),
-            "class": kind,
-            "right": kind != "wrong",
-        }
+        return Merge(
+            other.name,
+            round(now, 3),
+            Pose(round(transform.x, 4), round(transform.y, 4), round(transform.yaw, 5)),
+            round(float(offsets.max()), 4),
+            round(turn, 5),
+            kind,
+            kind != "wrong",
+        )
 
     def _truth(self, robot: Robot, other: Robot) -> tuple[Pose, np.ndarray]:
         """The best rigid fit over what both maps know, and those places (n, 2) in the other's map. Where they share too

@@ -2,52 +2,52 @@
 
 from __future__ import annotations
 
-from typing import Any, Mapping, Sequence
+from typing import Any, Sequence
 
 import numpy as np
 
 from mr_experiments.bench.bench_explore import BEST, NEAREST
 from mr_experiments.bench.explore_missions import MissionRow, row_of
 from mr_experiments.common.statistics import mean_interval
+from mr_measures.record.mission_record import MissionRecord
 
 KEYS = ("world", "scenario", "odometry", "strategy", "robots")
 DEFAULTS = {"odometry": "bias"}  # of records that do not name it
 WRONG_WALLS = 0.005  # share from which a map counts as one with walls out of place
 
-Record = Mapping[str, Any]
 Row = dict[str, Any]
 
 
-def mission_rows(records: Sequence[Record]) -> list[Row]:
+def mission_rows(records: Sequence[MissionRecord]) -> list[Row]:
     """Sorted by KEYS; None for what there is not."""
-    groups: dict[tuple, list[Record]] = {}
+    groups: dict[tuple, list[MissionRecord]] = {}
     for record in records:
-        groups.setdefault(tuple(record["trial"].get(key, DEFAULTS.get(key)) for key in KEYS), []).append(record)
+        groups.setdefault(tuple(record.asked.settings.get(key, DEFAULTS.get(key)) for key in KEYS), []).append(record)
     return [
         {**dict(zip(KEYS, key)), **_summary(group)} for key, group in sorted(groups.items(), key=lambda group: group[0])
     ]
 
 
-def _summary(records: Sequence[Record]) -> Row:
+def _summary(records: Sequence[MissionRecord]) -> Row:
     missions = [row_of(record) for record in records]
     finished = [mission for mission in missions if mission.time is not None]
-    robots = [robot for record in records for robot in record["robots"].values() if robot["died_at"] is None]
-    maps = [robot["map"] for robot in robots]
-    walls = [float(each["wrong_walls"]) for each in maps if each.get("wrong_walls") is not None]
-    errors = [abs(each["error"]) for each in maps if each.get("error") is not None]
+    robots = [robot for record in records for robot in record.survivors.values()]
+    maps = [robot.map for robot in robots]
+    walls = [each.wrong_walls for each in maps if each.wrong_walls is not None]
+    errors = [abs(each.error) for each in maps if each.error is not None]
     return {
         "trials": len(records),
         "finished": sum(mission.status == "finished" for mission in missions),
         **_of_times(finished),
         "distance": _mean([mission.distance for mission in missions]),
-        "coverage_mean": _mean([each.get("coverage", 0.0) for each in maps]),
-        "coverage_worst": min((each.get("coverage", 0.0) for each in maps), default=None),
+        "coverage_mean": _mean([each.coverage or 0.0 for each in maps]),
+        "coverage_worst": min((each.coverage or 0.0 for each in maps), default=None),
         "abs_error_mean": _mean(errors),
         "wrong_walls_mean": _mean(walls),
         "wrong_walls_worst": max(walls, default=None),
         "wrong_maps": sum(share > WRONG_WALLS for share in walls),
         "maps": len(maps),
-        "collisions": sum(sum(robot["collisions"][kind] for kind in ("walls", "robots")) for robot in robots),
+        "collisions": sum(robot.collisions.total for robot in robots),
         "first_seed": min(mission.seed for mission in missions),
         "last_seed": max(mission.seed for mission in missions),
         "code": " ".join(sorted({mission.code for mission in missions})),

@@ -13,6 +13,7 @@ from mr_experiments.bench.explore_missions import read_rows
 from mr_experiments.common.command_line import BAD_CALL, CallError, Parser
 from mr_experiments.publish.mission_table import mission_rows, world_rows
 from mr_experiments.publish.published import PublishError, render
+from mr_measures.record.files import RecordError, read_record
 
 Row = Mapping[str, Any]
 
@@ -94,11 +95,14 @@ def _cell(value: Any) -> Any:
 
 
 def _of_missions(folders: Sequence[str]) -> list[dict[str, Any]]:
-    records = [_json(path) for folder in folders for path in sorted(Path(folder).glob("*.json"))]
-    trials = [record for record in records if isinstance(record, dict) and "trial" in record]
-    if not trials:
+    documents = {path: _json(path) for folder in folders for path in sorted(Path(folder).glob("*.json"))}
+    paths = [path for path, document in documents.items() if isinstance(document, dict) and "trial" in document]
+    if not paths:
         raise CallError(f"no records of missions in {', '.join(folders)}")
-    return mission_rows(trials)
+    try:
+        return mission_rows([read_record(path) for path in paths])
+    except RecordError as error:
+        raise CallError(str(error)) from None
 
 
 def _of_worlds(files: Sequence[str]) -> list[dict[str, Any]]:

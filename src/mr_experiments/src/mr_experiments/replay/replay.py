@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from mr_experiments.replay import replay_data
-from mr_experiments.replay.replay_data import Record, ReplayError, entries, section
+from mr_experiments.replay.replay_data import ReplayError
 from mr_experiments.replay.replay_maps import (
     Eye,
     Lookout,
@@ -34,9 +34,10 @@ from mr_experiments.replay.replay_maps import (
     walls_of_maps,
 )
 from mr_grid import Pose
+from mr_measures.record.files import RecordError, read_record
+from mr_measures.record.mission_record import MissionRecord, RobotMaps
 from mr_sim.raster import Grid
 
-FORMAT = 1  # of the records that can be read
 MAX_SNAPSHOT_CHARACTERS = 16_000_000  # in one page; with more, snapshots are left out evenly
 REVEAL_STEP = 0.5  # s, least step in which a reconstructed map grows
 MARGIN = 0.5  # m around everything that is shown
@@ -45,33 +46,21 @@ HERE = Pose()  # pose of the world frame in itself
 SNAPSHOTS, RECONSTRUCTED, SEEN = "snapshots", "reconstructed", "seen"  # where the maps of a page come from
 
 
-def read_record(path: Path) -> dict[str, Any]:
+def load_record(path: Path) -> MissionRecord:
     """The record in a file. Raises ReplayError naming what is wrong with it."""
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ReplayError(f"cannot read {path}: {error.strerror}; give the record (JSON) of a trial") from None
-    except ValueError:
-        raise ReplayError(f"{path} is not JSON: give a record that `rosrun mr_experiments run` wrote") from None
-    try:
-        check_record(record)
-    except ReplayError as error:
-        raise ReplayError(f"{path}: {error}") from None
+        record = read_record(path)
+    except RecordError as error:
+        raise ReplayError(
+            f"{error}; give a record that `rosrun mr_experiments run` or `mr_launch team` wrote"
+        ) from None
+    if not record.robots:
+        raise ReplayError(f"{path} holds no robots, so there is nothing to show: the trial failed before it began")
     return record
 
 
-def check_record(record: Any) -> None:
-    """Raises ReplayError unless this is a record of a known format with robots."""
-    if not isinstance(record, dict) or "format" not in record:
-        raise ReplayError('no record of a trial, it has no "format": give one that `rosrun mr_experiments run` wrote')
-    if record["format"] != FORMAT:
-        raise ReplayError(f"its format is {record['format']}, only {FORMAT} is known: use the version that wrote it")
-    if not section(record, "robots"):
-        raise ReplayError("it holds no robots, so there is nothing to show: the trial failed before it began")
-
-
-def make_page(record: Record) -> str:
-    """The HTML page of a checked record. Raises ReplayError for a record that is damaged."""
+def make_page(record: MissionRecord) -> str:
+    """The HTML page of a record with robots. Raises ReplayError for maps that cannot be read."""
     data = page_data(record)
     text = json.dumps(data, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
     parts = {
@@ -87,12 +76,12 @@ def _part(suffix: str) -> str:
     return (Path(__file__).parent / f"replay_page.{suffix}").read_text(encoding="utf-8")
 
 
-def page_data(record: Record) -> dict[str, Any]:
+def page_data(record: MissionRecord) -> dict[str, Any]:
     """All that the page draws, ready for JSON; positions in the world frame. Raises ReplayError."""
     robots = replay_data.robots_of(record)
     end = replay_data.end_of(record)
-    surroundings = load_surroundings(str(section(record, "trial").get("world") or ""))
-    merges = replay_data.merges(section(record, "robots"))
+    surroundings = load_surroundings(record.asked.world)
+    merges = replay_data.merges(record.robots)
     events = replay_data.events(robots, merges, end) + replay_data.warnings(record, end)
     maps = _Maps(record, robots, merges, surroundings, end).build()
     data = {
@@ -100,9 +89,9 @@ def page_data(record: Record) -> dict[str, Any]:
         "end": end,
         "states": replay_data.STATES,
         "robots": robots,
-        "team": replay_data.series_of(section(record, "team"), {"explored": 1, "coverage": 4}, "team"),
+        "team": replay_data.series_of(record.team.series, replay_data.TEAM_DIGITS),
         "merges": merges,
-        "links": replay_data.links(section(record, "robots"), end),
+        "links": replay_data.links(record.robots, end),
         "events": sorted(events, key=lambda event: event["at"]),
         "footprints": [_footprint(robot["name"], surroundings) for robot in robots],
         "walls": None if surroundings is None else _walls(surroundings.walls),
@@ -113,20 +102,16 @@ def page_data(record: Record) -> dict[str, Any]:
     return data
 
 
-def _head(record: Record) -> dict[str, Any]:
+def _head(record: MissionRecord) -> dict[str, Any]:
     """Title, plain values of the trial, and how it came out."""
-    trial, outcome = section(record, "trial"), section(record, "outcome")
-    count = len(section(record, "robots"))
-    title = f"{trial.get('world') or 'unknown world'}, {count} robot{'s' if count != 1 else ''}"
-    if trial.get("scenario"):
-        title += f", {trial['scenario']}"
-    if trial.get("seed") is not None:
-        title += f", seed {trial['seed']}"
+    asked, outcome = record.asked, record.outcome
+    count = len(record.robots)
+    title = f"{asked.world}, {count} robot{'s' if count != 1 else ''}, {asked.scenario}, seed {asked.seed}"
     return {
         "title": title,
-        "trial": {name: value for name, value in trial.items() if isinstance(value, (str, int, float)) and value != ""},
-        "outcome": {key: str(outcome.get(key) or "") for key in ("status", "reason", "traceback")},
-        "exploration_time": replay_data.optional_number(section(record, "team"), "exploration_time", "team"),
+        "trial": {name: value for name, value in asked.settings.items() if isinstance(value, (str, int, float))},
+        "outcome": {"status": outcome.status, "reason": outcome.reason, "traceback": outcome.traceback},
+        "exploration_time": record.team.exploration_time,
     }
 
 
@@ -148,7 +133,7 @@ def _footprint(name: str, surroundings: Surroundings | None) -> list[list[list[f
 def bounds(data: Mapping[str, Any]) -> list[float]:
     """Left, bottom, right, top (m, world frame) of the true walls and all poses and goals, or of the maps if there are
     no walls."""
-    points = [[robot["start"][:2] for robot in data["robots"] if robot["start"] is not None]]
+    points = [[robot["start"][:2] for robot in data["robots"]]]
     for robot in data["robots"]:
         points.append([[goal["x"], goal["y"]] for goal in robot["goals"]])
         points.append(list(zip(robot["series"].get("x", ()), robot["series"].get("y", ()), strict=True)))
@@ -188,7 +173,7 @@ class _Maps:
 
     def __init__(
         self,
-        record: Record,
+        record: MissionRecord,
         robots: Sequence[Mapping[str, Any]],
         merges: Sequence[Mapping[str, Any]],
         surroundings: Surroundings | None,
@@ -219,15 +204,13 @@ class _Maps:
         return {"layers": self._layers, "snapshots": snapshots, "views": views, "step": self._step, "notes": notes}
 
     def _decode(self) -> dict[tuple[int, str], Picture]:
-        """Final maps by robot and kind, of the robots whose start is known."""
-        maps = section(self._record, "maps")
+        """Final maps by robot and kind."""
         result = {}
         for index, robot in enumerate(self._robots):
-            kinds = section(maps, robot["name"], "maps")
-            for kind in ("global", "local"):
-                where = f"maps.{robot['name']}.{kind}"
-                if kinds.get(kind) is not None and robot["start"] is not None:
-                    result[index, kind] = decode_map(section(kinds, kind, f"maps.{robot['name']}"), where)
+            maps = self._record.maps.get(robot["name"], RobotMaps())
+            for kind, stored in (("global", maps.merged), ("local", maps.local)):
+                if stored is not None:
+                    result[index, kind] = decode_map(stored, f"maps.{robot['name']}.{kind}")
         return result
 
     def _start(self, index: int) -> Pose:
@@ -298,10 +281,11 @@ class _Maps:
         """Frames per robot in the order of time, the final map last, and a note when some had to be left out."""
         numbers = {robot["name"]: index for index, robot in enumerate(self._robots)}
         frames: list[list[dict[str, Any]]] = [[] for _ in self._robots]
-        for position, entry in enumerate(entries(self._record, "snapshots", "")):
-            index = numbers.get(str(entry.get("robot")))
-            if index is not None and self._robots[index]["start"] is not None:
-                frames[index].append(snapshot_frame(entry, self._start(index), f"snapshots[{position}]"))
+        for position, entry in enumerate(self._record.snapshots):
+            index = numbers.get(entry.robot)
+            if index is not None:
+                where = f"snapshots[{position}]"
+                frames[index].append(snapshot_frame(entry.time, entry.picture, self._start(index), where))
         for index, of_robot in enumerate(frames):
             of_robot.sort(key=lambda frame: frame["time"])
             if of_robot and (index, "global") in self._pictures and of_robot[-1]["time"] < self._end:
@@ -315,8 +299,9 @@ class _Maps:
 
     def _final_frame(self, index: int) -> dict[str, Any]:
         name = self._robots[index]["name"]
-        entry = {**self._record["maps"][name]["global"], "time": self._end}
-        return snapshot_frame(entry, self._start(index), f"maps.{name}.global")
+        stored = self._record.maps[name].merged
+        assert stored is not None
+        return snapshot_frame(self._end, stored, self._start(index), f"maps.{name}.global")
 
 
 def thinned(frames: Sequence[dict[str, Any]], every: int) -> list[dict[str, Any]]:

@@ -21,8 +21,9 @@ import cv2
 import numpy as np
 from scipy import ndimage
 
-from mr_experiments.replay.replay_data import Record, ReplayError, number
+from mr_experiments.replay.replay_data import ReplayError
 from mr_grid import IDENTITY, Pose
+from mr_measures.map_picture import Picture as StoredPicture
 from mr_sim import _world
 from mr_sim.raster import Grid, rasterise
 from mr_sim.world_file import WorldFileError
@@ -91,37 +92,30 @@ def _eye(robot: RobotDescription) -> Eye:
     return Eye() if farthest is None else Eye(farthest.mount, farthest.range_max, farthest.field_of_view)
 
 
-def decode_map(entry: Record, where: str) -> Picture:
+def decode_map(stored: StoredPicture, where: str) -> Picture:
     """The picture of a map of the record, cut to what is known. Raises ReplayError for one that cannot be read."""
-    data = png_bytes(entry, where)
+    data = png_bytes(stored, where)
     gray = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
     if gray is None:
         raise ReplayError(f'"{where}.png" is no picture: the record is damaged, run the trial again')
     classes = np.full(gray.shape, UNKNOWN, dtype=np.uint8)
     classes[gray < 100] = OCCUPIED
     classes[gray > 230] = FREE
-    resolution, origin = _lattice_of(entry, where)
-    return coarser(cropped(Picture(np.ascontiguousarray(np.flipud(classes)), resolution, origin)), MAX_CELLS)
+    if not stored.resolution > 0.0:
+        raise ReplayError(f'"{where}" lacks a resolution: the record is damaged, run the trial again')
+    picture = Picture(np.ascontiguousarray(np.flipud(classes)), stored.resolution, stored.origin)
+    return coarser(cropped(picture), MAX_CELLS)
 
 
-def png_bytes(entry: Record, where: str) -> bytes:
+def png_bytes(stored: StoredPicture, where: str) -> bytes:
     """The PNG file of a map of the record. Raises ReplayError when it is none."""
     try:
-        data = base64.b64decode(entry.get("png") or "", validate=True)
-    except (binascii.Error, TypeError, ValueError):
+        data = base64.b64decode(stored.png, validate=True)
+    except (binascii.Error, ValueError):
         data = b""
     if not data.startswith(PNG_SIGNATURE) or len(data) < 24:
         raise ReplayError(f'"{where}.png" is no picture: the record is damaged, run the trial again')
     return data
-
-
-def _lattice_of(entry: Record, where: str) -> tuple[float, tuple[float, float]]:
-    resolution = number(entry, "resolution", where)
-    origin = entry.get("origin")
-    numbers = origin if isinstance(origin, list) and len(origin) >= 2 else [None]
-    if not resolution > 0.0 or not all(isinstance(v, (int, float)) and math.isfinite(v) for v in numbers):
-        raise ReplayError(f'"{where}" lacks a resolution or an origin: the record is damaged, run the trial again')
-    return resolution, (float(numbers[0]), float(numbers[1]))
 
 
 def cropped(picture: Picture) -> Picture:
@@ -338,10 +332,9 @@ def _encode(pixels: np.ndarray) -> bytes:
     return data.tobytes()
 
 
-def snapshot_frame(entry: Record, start: Pose, where: str) -> dict[str, Any]:
-    """A snapshot of the record as "time", "png" (data URI) and "matrix" (see `picture_to_world`)."""
-    data = png_bytes(entry, where)
+def snapshot_frame(time: float, stored: StoredPicture, start: Pose, where: str) -> dict[str, Any]:
+    """A global map at `time` (s) as "time", "png" (data URI) and "matrix" (see `picture_to_world`)."""
+    data = png_bytes(stored, where)
     rows = struct.unpack(">I", data[20:24])[0]
-    resolution, origin = _lattice_of(entry, where)
-    matrix = picture_to_world(start, resolution, origin, rows)
-    return {"time": round(number(entry, "time", where), 2), "png": data_uri(data), "matrix": matrix}
+    matrix = picture_to_world(start, stored.resolution, stored.origin, rows)
+    return {"time": round(time, 2), "png": data_uri(data), "matrix": matrix}

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
-from mr_experiments.replay.replay import make_page, read_record
+from mr_experiments.replay.replay import load_record, make_page
 from mr_experiments.replay.replay_data import ReplayError
 
 
@@ -17,7 +17,11 @@ def make_parser() -> argparse.ArgumentParser:
         epilog="Maps grow as they did if the trial was run with --snapshots; otherwise their growth is reconstructed. "
         "Exit code: 0 written, 2 bad call or bad record.",
     )
-    parser.add_argument("record", metavar="RECORD", help="record (JSON) that `rosrun mr_experiments run` wrote")
+    parser.add_argument(
+        "record",
+        metavar="RECORD",
+        help="record (JSON) that `run` or `rosrun mr_launch team` wrote",
+    )
     parser.add_argument("--out", default="", metavar="FILE", help="HTML file to write (default: beside the record)")
     return parser
 
@@ -27,7 +31,7 @@ def main(arguments: Sequence[str]) -> int:
     try:
         options = make_parser().parse_args(arguments)
         path = Path(options.record)
-        record = read_record(path)
+        record = load_record(path)
         out = Path(options.out) if options.out else path.with_suffix(".html")
         check_output(out, path)
         write_page(out, make_page(record))

@@ -14,8 +14,9 @@ from matplotlib.figure import Figure
 
 from mr_experiments.common.statistics import Ratio, mean_ratio, median_ratio
 from mr_experiments.report.figure_style import INK, STYLE, team_colour, write_png
-from mr_experiments.report.record_set import FINISHED, RecordError, read_document
 from mr_experiments.report.stack_missions import Attempt, read_attempts
+from mr_measures.record.files import RecordError, read_record
+from mr_measures.record.mission_record import FINISHED, MissionRecord
 from mr_sim.worlds import label_of
 
 LOW, HIGH = 0.85, 1.15  # of the ratio of exploration times: nearer than this is as good as equal
@@ -80,15 +81,12 @@ def stack_runs(folder: Path) -> dict[int, Runs]:
 def virtual_runs(folder: Path) -> dict[int, Runs]:
     """By team size, from records of one world, scenario and strategy. Raises RecordError."""
     found: dict[int, list[Attempt]] = {}
-    kinds: set[tuple[Any, ...]] = set()
+    kinds: set[tuple[str, str, int]] = set()
     for path in sorted(folder.glob("*.json")):
-        record = read_document(path)
-        try:
-            kinds.add(tuple(record["trial"][key] for key in ("world", "scenario", "strategy")))
-            attempt = _attempt_of(path.stem, record)
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise RecordError(f"{path} is no record of a trial: {error!r}") from None
-        found.setdefault(int(record["trial"]["robots"]), []).append(attempt)
+        record = read_record(path)
+        asked = record.asked
+        kinds.add((asked.world, asked.scenario, asked.strategy))
+        found.setdefault(asked.robots, []).append(_attempt_of(path.stem, record))
     if not found:
         raise RecordError(f"{folder} holds no records")
     if len(kinds) > 1:
@@ -96,13 +94,11 @@ def virtual_runs(folder: Path) -> dict[int, Runs]:
     return {robots: Runs(tuple(attempts)) for robots, attempts in sorted(found.items())}
 
 
-def _attempt_of(name: str, record: Mapping[str, Any]) -> Attempt:
-    trial, outcome = record["trial"], record["outcome"]
-    errors = [robot["map"].get("error") for robot in record["robots"].values()]
+def _attempt_of(name: str, record: MissionRecord) -> Attempt:
+    asked = record.asked
     return Attempt(
-        name, label_of(trial["world"]), int(trial["robots"]), int(trial["seed"]), str(outcome["status"]),
-        record["team"]["exploration_time"], tuple(error for error in errors if error is not None),
-        str(record.get("versions", {}).get("code", "")),
+        name, label_of(asked.world), asked.robots, asked.seed, record.outcome.status, record.team.exploration_time,
+        record.map_errors, record.code,
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from typing import Sequence
 
 from mr_experiments.common.command_line import BAD_CALL, CallError, Parser
 from mr_experiments.report.agreement import agreements, notes_of, rows_of, stack_runs, virtual_runs, write_agreement
-from mr_experiments.report.record_set import RecordError
+from mr_measures.record.files import RecordError
 
 
 def make_parser() -> argparse.ArgumentParser:

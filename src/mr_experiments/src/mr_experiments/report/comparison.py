@@ -7,8 +7,10 @@ from typing import Callable, Iterator, Sequence, Tuple
 
 from mr_experiments.common.statistics import MINIMUM_PAIRS, Difference, compare_pairs
 from mr_experiments.report.derived import mean, moving_share
-from mr_experiments.report.record_set import Record, RecordError, RecordSet
+from mr_experiments.report.record_set import Group, RecordSet
 from mr_experiments.report.table import SIGNIFICANT, Cell, Column, Table
+from mr_measures.record.files import RecordError
+from mr_measures.record.mission_record import MissionRecord
 
 KEYS = ("world", "scenario", "strategy", "robots")  # of a group; trials of a group are paired by seed
 ACROSS = ("world", "scenario", "strategy")  # keys that may differ between the two sets
@@ -21,12 +23,12 @@ class Metric:
     name: str
     label: str
     lower_is_better: bool
-    value: Callable[[Record], float | None]
+    value: Callable[[MissionRecord], float | None]
 
 
 METRICS = (
     Metric("finished", "finished, share", False, lambda record: float(record.finished)),
-    Metric("exploration_time_s", "exploration time T in s", True, lambda record: record.exploration_time),
+    Metric("exploration_time_s", "exploration time T in s", True, lambda record: record.team.exploration_time),
     Metric("distance_m", "distance in m", True, lambda record: record.distance),
     Metric("abs_map_error_percent", "|map error e| in %", True, lambda record: _map_error(record)),
     Metric("coverage", "coverage at the end", False, lambda record: record.final_coverage),
@@ -36,16 +38,16 @@ METRICS = (
 )
 
 
-def _map_error(record: Record) -> float | None:
+def _map_error(record: MissionRecord) -> float | None:
     return mean(abs(error) for error in record.map_errors)
 
 
-def _kilobytes(record: Record) -> float | None:
-    return sum(robot.bytes_sent for robot in record.robots) / 1000.0
+def _kilobytes(record: MissionRecord) -> float | None:
+    return sum(robot.sent("bytes_sent") for robot in record.robots.values()) / 1000.0
 
 
-def _overlap(record: Record) -> float | None:
-    return record.overlap if record.group.robots > 1 else None
+def _overlap(record: MissionRecord) -> float | None:
+    return record.team.overlap if record.asked.robots > 1 else None
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ def compare_sets(candidate: RecordSet, baseline: RecordSet, across: Sequence[str
         raise RecordError(
             f"no trial of {candidate.folder} has a partner in {baseline.folder} with equal {', '.join(keys)} and seed"
         )
-    groups: dict[GroupKey, list[tuple[Record, Record]]] = {}
+    groups: dict[GroupKey, list[tuple[MissionRecord, MissionRecord]]] = {}
     for key in common:
         groups.setdefault(key[:-1], []).append((first[key], second[key]))
     rows = [_compare(group, metric, pairs) for group, pairs in groups.items() for metric in METRICS]
@@ -103,29 +105,29 @@ def compare_sets(candidate: RecordSet, baseline: RecordSet, across: Sequence[str
     )
 
 
-def _unequal_settings(pairs: Sequence[tuple[Record, Record]], across: Sequence[str]) -> Iterator[str]:
+def _unequal_settings(pairs: Sequence[tuple[MissionRecord, MissionRecord]], across: Sequence[str]) -> Iterator[str]:
     """Sentences on settings that differ between the trials of pairs, beside those that come with `across`."""
     if "scenario" in across:  # which is a name for settings
         return
     wanted = {"seed", *across, *(("starts",) if "world" in across else ())}
-    names = sorted({name for pair in pairs for record in pair for name in record.settings} - wanted)
+    names = sorted({name for pair in pairs for record in pair for name in record.asked.settings} - wanted)
     for name in names:
-        unequal = sum(first.settings.get(name) != second.settings.get(name) for first, second in pairs)
+        unequal = sum(first.asked.settings.get(name) != second.asked.settings.get(name) for first, second in pairs)
         if unequal:
             yield f"Comparison: setting {name} differs between the two trials of {unequal} of {len(pairs)} pairs"
 
 
-def _by_key(records: RecordSet, keys: Sequence[str]) -> dict[GroupKey, Record]:
-    found: dict[GroupKey, Record] = {}
+def _by_key(records: RecordSet, keys: Sequence[str]) -> dict[GroupKey, MissionRecord]:
+    found: dict[GroupKey, MissionRecord] = {}
     for record in records.records:
-        key = (*(getattr(record.group, name) for name in keys), record.seed)
+        key = (*(getattr(Group.of(record), name) for name in keys), record.asked.seed)
         if key in found:
-            raise RecordError(f"{record.path} and {found[key].path.name} would both be paired with the same trial")
+            raise RecordError(f"two records of {records.folder} would both be paired with one of seed {key[-1]}")
         found[key] = record
     return found
 
 
-def _compare(group: GroupKey, metric: Metric, pairs: Sequence[tuple[Record, Record]]) -> Row:
+def _compare(group: GroupKey, metric: Metric, pairs: Sequence[tuple[MissionRecord, MissionRecord]]) -> Row:
     values = []
     for first, second in pairs:
         # A crash says nothing about a metric but that the mission did not finish.

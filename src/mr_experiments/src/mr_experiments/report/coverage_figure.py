@@ -16,9 +16,9 @@ from mr_experiments.report import figure_style as style
 from mr_experiments.report.derived import mean
 from mr_experiments.report.figure_style import plt
 from mr_experiments.report.figures import SAMPLES
-from mr_experiments.report.record_set import Record
 from mr_experiments.report.scope import Scope
 from mr_measures.lower_bound import LowerBound
+from mr_measures.record.mission_record import MissionRecord
 
 PANEL = (4.2, 3.1)  # inches
 SINGLE = 6.0  # inches, width of a panel alone
@@ -36,9 +36,9 @@ class TeamBound:
     completion: float
 
 
-def team_bound(bound: LowerBound, trials: Sequence[Record], times: np.ndarray) -> TeamBound | None:
+def team_bound(bound: LowerBound, trials: Sequence[MissionRecord], times: np.ndarray) -> TeamBound | None:
     """Of trials whose robots may start at different places; None without any robot."""
-    teams = [tuple(robot.start for robot in trial.robots) for trial in trials if trial.robots]
+    teams = [tuple(robot.start for robot in trial.robots.values()) for trial in trials if trial.robots]
     if not teams:
         return None
     different = {team: (bound.coverage(team, times), bound.completion_time(team)) for team in set(teams)}
@@ -71,25 +71,27 @@ def coverage_figure(scope: Scope, bound: LowerBound | None) -> Figure | None:
     return figure
 
 
-def _with_coverage(trials: Sequence[Record]) -> list[Record]:
-    return [trial for trial in trials if trial.progress.time.size]
+def _with_coverage(trials: Sequence[MissionRecord]) -> list[MissionRecord]:
+    return [trial for trial in trials if trial.team.series.time]
 
 
-def _last_time(teams: Mapping[int, Sequence[Record]]) -> float:
+def _last_time(teams: Mapping[int, Sequence[MissionRecord]]) -> float:
     """When the last finished mission ends; missions that never finish would hide the others."""
     trials = [trial for members in teams.values() for trial in members]
-    ends = [trial.exploration_time for trial in trials if trial.exploration_time is not None]
-    return max(ends or [trial.time for trial in trials]) or 1.0
+    ends = [trial.team.exploration_time for trial in trials if trial.team.exploration_time is not None]
+    return max(ends or [trial.outcome.time for trial in trials]) or 1.0
 
 
-def _draw_team(axes: Axes, robots: int, trials: Sequence[Record], times: np.ndarray, bound: TeamBound | None) -> None:
+def _draw_team(
+    axes: Axes, robots: int, trials: Sequence[MissionRecord], times: np.ndarray, bound: TeamBound | None
+) -> None:
     colour = style.team_colour(robots)
-    curves = [np.interp(times, trial.progress.time, trial.progress.coverage) for trial in trials]
+    curves = [np.interp(times, trial.team.series.time, trial.team.series.coverage) for trial in trials]
     low, high = np.quantile(curves, (0.05, 0.95), axis=0)
     axes.fill_between(times, low, high, color=colour, alpha=0.25, linewidth=0)
     axes.plot(times, np.mean(curves, axis=0), color=colour)
     title = [f"R = {robots}"]
-    end = mean(trial.exploration_time for trial in trials)
+    end = mean(trial.team.exploration_time for trial in trials)
     if end is not None:
         axes.axvline(end, color=colour, linewidth=1.3)
         title.append(f"mean T {end:.0f} s")

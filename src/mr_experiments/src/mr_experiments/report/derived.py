@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
+from itertools import permutations
 from typing import Iterable
 
-from mr_experiments.report.record_set import Merge, Record
+from mr_measures.record.mission_record import MissionRecord
+from mr_measures.record.robot_record import Merge
 
 
-def balance(record: Record) -> float | None:
+def balance(record: MissionRecord) -> float | None:
     """Longest distance of a robot over the mean of its team: 1 when all drive equally far. None when nobody drives."""
-    distances = [robot.distance for robot in record.robots]
+    distances = [robot.distance for robot in record.robots.values()]
     mean = sum(distances) / len(distances) if distances else 0.0
     return max(distances) / mean if mean > 0.0 else None
 
 
-def moving_share(record: Record) -> float | None:
+def moving_share(record: MissionRecord) -> float | None:
     """Mean over the robots."""
-    return mean(robot.moving for robot in record.robots)
+    return mean(robot.moving for robot in record.robots.values())
 
 
-def all_merged_at(record: Record) -> float | None:
+def all_merged_at(record: MissionRecord) -> float | None:
     """Time at which for the first time every robot holds a transform to every other one. None if that never happens."""
-    wanted = {(a.name, b.name) for a in record.robots for b in record.robots if a is not b}
-    events = [(robot.name, merge) for robot in record.robots for merge in robot.merges]
+    wanted = set(permutations(record.robots, 2))
+    events = [(name, merge) for name, robot in record.robots.items() for merge in robot.merges or ()]
     held: set[tuple[str, str]] = set()
     for robot, merge in sorted(events, key=lambda event: event[1].at):
         (held.add if merge.accepted else held.discard)((robot, merge.partner))
@@ -31,11 +33,15 @@ def all_merged_at(record: Record) -> float | None:
     return None
 
 
-def merges_at_end(record: Record) -> tuple[int, int]:
+def merges_at_end(record: MissionRecord) -> tuple[int, int]:
     """Transforms that are right and that are wrong when the mission ends."""
-    last = {(robot.name, merge.partner): merge for robot in record.robots for merge in sorted(robot.merges, key=_time)}
-    right = sum(merge.accepted and merge.right for merge in last.values())
-    wrong = sum(merge.accepted and not merge.right for merge in last.values())
+    last = {
+        (name, merge.partner): merge
+        for name, robot in record.robots.items()
+        for merge in sorted(robot.merges or (), key=_time)
+    }
+    right = sum(merge.accepted and merge.right is True for merge in last.values())
+    wrong = sum(merge.accepted and merge.right is False for merge in last.values())
     return right, wrong
 
 

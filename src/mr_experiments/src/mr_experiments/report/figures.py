@@ -13,9 +13,9 @@ from mr_experiments.report import figure_style as style
 from mr_experiments.report import paper
 from mr_experiments.report.derived import mean
 from mr_experiments.report.figure_style import plt
-from mr_experiments.report.record_set import Record
 from mr_experiments.report.scope import Scope
 from mr_experiments.report.time_axis import TimeAxis
+from mr_measures.record.mission_record import MissionRecord
 
 Curve = Tuple[np.ndarray, np.ndarray]  # times (N,) in s, values (N,)
 
@@ -23,33 +23,33 @@ SIZE = (8.4, 4.6)  # inches
 SAMPLES = 250  # of a curve
 
 
-def common_times(trials: Sequence[Record]) -> np.ndarray:
+def common_times(trials: Sequence[MissionRecord]) -> np.ndarray:
     """Times (N,) from 0 to the end of the longest mission that has a series."""
-    return np.linspace(0.0, max(float(trial.progress.time[-1]) for trial in trials), SAMPLES)
+    return np.linspace(0.0, max(trial.team.series.time[-1] for trial in trials), SAMPLES)
 
 
 def reference_area(scope: Scope) -> float | None:
     """Median final explored area (m^2) of the missions of one robot, or of all if there are none of one robot."""
     trials = scope.results(1) if 1 in scope.teams else []
     trials = trials or [trial for robots in scope.teams for trial in scope.results(robots)]
-    areas = [float(trial.progress.explored[-1]) for trial in trials if trial.progress.explored.size]
+    areas = [trial.team.series.explored[-1] for trial in trials if trial.team.series.explored]
     return float(np.median(areas)) if areas else None
 
 
-def mean_progress(trials: Sequence[Record], area: float) -> Curve | None:
+def mean_progress(trials: Sequence[MissionRecord], area: float) -> Curve | None:
     """Explored area over `area` (m^2), mean over the missions; None without any."""
-    trials = [trial for trial in trials if trial.progress.time.size]
+    trials = [trial for trial in trials if trial.team.series.time]
     if not trials:
         return None
     times = common_times(trials)
     # Beyond its end a mission keeps its last value.
-    shares = [np.interp(times, trial.progress.time, trial.progress.explored) / area for trial in trials]
+    shares = [np.interp(times, trial.team.series.time, trial.team.series.explored) / area for trial in trials]
     return times, np.mean(shares, axis=0)
 
 
-def finishing_curve(records: Sequence[Record], robots: int) -> Curve:
+def finishing_curve(records: Sequence[MissionRecord], robots: int) -> Curve:
     """Share of the robots that have finished by each time; those that never do keep it below 1."""
-    members = [robot for record in records for robot in record.robots]
+    members = [robot for record in records for robot in record.robots.values()]
     times = np.sort([robot.finished_at for robot in members if robot.finished_at is not None])
     share = np.arange(1, len(times) + 1) / (robots * len(records))
     return np.concatenate([[0.0], times]), np.concatenate([[0.0], share])
@@ -91,7 +91,7 @@ def _team_figure(
             colour, dash = style.team_colour(robots), style.team_dash(robots)
             times, values = np.append(times, axis.end), np.append(values, values[-1])
             axes.plot(times, values, color=colour, linestyle=dash, drawstyle="steps-post" if steps else "default")
-            _vertical(axes, mean(record.exploration_time for record in scope.teams[robots]), colour, "-")
+            _vertical(axes, mean(record.team.exploration_time for record in scope.teams[robots]), colour, "-")
             _vertical(axes, published[robots].mean if robots in published else None, colour, ":")
         for mark in marks:
             axes.plot(mark.time, mark.value, "o", color=style.team_colour(mark.robots), mfc="none", mew=1.8, ms=7)
@@ -105,7 +105,7 @@ def _team_figure(
 
 def _time_axis(scope: Scope, curves: dict[int, Curve], published: Sequence[float]) -> TimeAxis:
     """Missions that finish are shown in detail; unfinished ones and the paper's numbers may lie far behind them."""
-    ends = [record.exploration_time for records in scope.teams.values() for record in records]
+    ends = [record.team.exploration_time for records in scope.teams.values() for record in records]
     last = max((float(times[-1]) for times, _ in curves.values()), default=0.0)
     detail = max((end for end in ends if end is not None), default=last) or 1.0
     return TimeAxis.showing(1.04 * detail, 1.04 * max([last, detail, *published]))

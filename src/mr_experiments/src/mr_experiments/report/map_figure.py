@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 from dataclasses import dataclass
-from typing import Any, Mapping, Sequence
+from typing import Mapping, Sequence
 
 import cv2
 import numpy as np
@@ -14,9 +14,11 @@ from matplotlib.figure import Figure
 
 from mr_experiments.report import figure_style as style
 from mr_experiments.report.figure_style import plt
-from mr_experiments.report.record_set import Record, RecordError, read_document
 from mr_experiments.report.scope import Scope
 from mr_grid import GridInfo, Pose, values_at
+from mr_measures.map_picture import Picture
+from mr_measures.record.files import RecordError
+from mr_measures.record.mission_record import MissionRecord
 
 UNKNOWN, FREE, OCCUPIED = 205, 254, 0  # grey values of a stored map
 ROBOT_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#7F7F7F")
@@ -61,35 +63,30 @@ class Maps:
     colours: Mapping[str, np.ndarray]  # RGB (3,) in [0, 1] by robot
 
 
-def load_maps(record: Record) -> Maps | None:
+def load_maps(record: MissionRecord) -> Maps | None:
     """The global map of the first robot that has one and all local maps; None without a global map."""
-    entries: Mapping[str, Any] = read_document(record.path).get("maps") or {}
-    starts = {robot.name: robot.start for robot in record.robots}
-    owner = next((name for name in starts if entries.get(name, {}).get("global")), None)
-    if owner is None:
+    starts = {name: robot.start for name, robot in record.robots.items()}
+    maps = {name: record.maps[name] for name in starts if name in record.maps}
+    owner, merged = next(((name, entry.merged) for name, entry in maps.items() if entry.merged), (None, None))
+    if owner is None or merged is None:
         return None
     try:
-        local = {
-            name: decode_map(entries[name]["local"], starts[name])
-            for name in starts
-            if entries.get(name, {}).get("local")
-        }
-        return Maps(owner, decode_map(entries[owner]["global"], starts[owner]), local, robot_colours(list(starts)))
-    except (KeyError, TypeError, ValueError) as error:
-        raise RecordError(f"{record.path}: maps holds an entry that is not understood ({error!r})") from None
+        local = {name: decode_map(entry.local, starts[name]) for name, entry in maps.items() if entry.local}
+        return Maps(owner, decode_map(merged, starts[owner]), local, robot_colours(list(starts)))
+    except ValueError as error:
+        asked = record.asked
+        what = f"record of {asked.world}, {asked.scenario}, R = {asked.robots}, seed {asked.seed}"
+        raise RecordError(f"{what}: maps holds an entry that is not understood ({error!r})") from None
 
 
-def decode_map(entry: Mapping[str, Any], pose: Pose) -> StoredMap:
+def decode_map(picture: Picture, pose: Pose) -> StoredMap:
     """A map of a record; `pose`: true start pose of its robot."""
-    data = np.frombuffer(base64.b64decode(entry["png"]), np.uint8)
-    pixels = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE)
+    data = np.frombuffer(base64.b64decode(picture.png), np.uint8)
+    pixels = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE) if data.size else None
     if pixels is None:
         raise ValueError("the PNG of a map cannot be read")
-    x, y = entry["origin"]
     rows, columns = pixels.shape
-    return StoredMap(
-        np.flipud(pixels), GridInfo(columns, rows, float(entry["resolution"]), Pose(float(x), float(y))), pose
-    )
+    return StoredMap(np.flipud(pixels), GridInfo(columns, rows, picture.resolution, Pose(*picture.origin)), pose)
 
 
 def overlay(maps: Maps) -> tuple[np.ndarray, tuple[float, float, float, float]]:
@@ -123,7 +120,7 @@ def robot_colours(names: Sequence[str]) -> dict[str, np.ndarray]:
     return {name: np.array(to_rgb(ROBOT_COLOURS[i % len(ROBOT_COLOURS)])) for i, name in enumerate(names)}
 
 
-def typical_record(records: Sequence[Record]) -> Record | None:
+def typical_record(records: Sequence[MissionRecord]) -> MissionRecord | None:
     """The mission whose largest map error is the median; finished missions first. None when all have failed."""
     finished = [record for record in records if record.finished]
     others = [record for record in records if not record.failed]
@@ -131,7 +128,7 @@ def typical_record(records: Sequence[Record]) -> Record | None:
     return ordered[(len(ordered) - 1) // 2] if ordered else None
 
 
-def _worst_error(record: Record) -> float:
+def _worst_error(record: MissionRecord) -> float:
     return max((abs(error) for error in record.map_errors), default=0.0)
 
 
@@ -161,12 +158,12 @@ def map_figure(scope: Scope) -> Figure | None:
 
 
 def _draw_panel(
-    axes: Axes, record: Record, maps: Maps, picture: np.ndarray, extent: tuple[float, float, float, float]
+    axes: Axes, record: MissionRecord, maps: Maps, picture: np.ndarray, extent: tuple[float, float, float, float]
 ) -> None:
     axes.imshow(picture, origin="lower", extent=extent, interpolation="none")
-    owner = next(robot for robot in record.robots if robot.name == maps.owner)
-    error = "" if owner.map_error is None else f", e = {owner.map_error:+.2f} %"
-    axes.set_title(f"R = {record.group.robots}, seed {record.seed}: map of {maps.owner}{error}", loc="left")
+    owner = record.robots[maps.owner].map
+    error = "" if owner.error is None else f", e = {owner.error:+.2f} %"
+    axes.set_title(f"R = {record.asked.robots}, seed {record.asked.seed}: map of {maps.owner}{error}", loc="left")
     for name in maps.local:
         start = maps.local[name].pose
         axes.plot(

@@ -7,9 +7,10 @@ from typing import Callable, Mapping
 from mr_experiments.common.statistics import Interval, Summary, mean_interval, summarise
 from mr_experiments.report import paper
 from mr_experiments.report.derived import present
-from mr_experiments.report.record_set import FAILED, FINISHED, UNFINISHED, Record, count_outcomes
+from mr_experiments.report.record_set import count_outcomes
 from mr_experiments.report.scope import ROBOTS, Scope
 from mr_experiments.report.table import Cell, Column, Table
+from mr_measures.record.mission_record import FAILED, FINISHED, UNFINISHED, MissionRecord
 
 
 def map_error_table(scope: Scope) -> Table:
@@ -72,7 +73,7 @@ def exploration_time_table(scope: Scope) -> Table:
         "From the start of the mission until the last robot has declared its exploration finished. Unfinished "
         "missions have no T: they are counted here and make the true mean larger than the one shown.",
         "exploration_time_s",
-        lambda record: record.exploration_time,
+        lambda record: record.team.exploration_time,
         paper.EXPLORATION_TIME,
     )
 
@@ -83,7 +84,7 @@ def _mission_table(
     title: str,
     explanation: str,
     quantity: str,
-    value: Callable[[Record], float | None],
+    value: Callable[[MissionRecord], float | None],
     published: Mapping[int, paper.Spread],
 ) -> Table:
     """Spread of one value per mission."""

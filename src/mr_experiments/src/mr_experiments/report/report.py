@@ -238,7 +238,7 @@ def _coverage(scope: Scope, making: _Making, with_bound: bool) -> Figure | None:
 
 def _origin_section(records: RecordSet, notes: Sequence[str]) -> str:
     versions = sorted({f"{name} {value}" for record in records.records for name, value in record.versions.items()})
-    hosts = sorted({str(record.measured["host"]) for record in records.records if record.measured.get("host")})
+    hosts = sorted({record.measured.host for record in records.records} - {""})
     sentences = [*notes, f"Versions: {', '.join(versions) or 'not recorded'}."]
     if hosts:
         sentences.append(f"Computed on: {', '.join(hosts)}.")

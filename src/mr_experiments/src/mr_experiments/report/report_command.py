@@ -18,11 +18,11 @@ from rich.table import Table as RichTable
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.report.comparison import ACROSS, Comparison, comparison_table, explanation
 from mr_experiments.report.paper_tables import distance_table, exploration_time_table, map_error_table
-from mr_experiments.report.record_set import RecordError
 from mr_experiments.report.report import FIGURES, TABLES, Report, make_report
 from mr_experiments.report.scope import scopes
 from mr_experiments.report.table import Table, shown
 from mr_experiments.report.tables import outcome_table, trouble_table
+from mr_measures.record.files import RecordError
 
 NARROWEST = 110  # characters of a line when the output goes to a file
 VERDICT_STYLES = {"better": "green", "worse": "yellow"}

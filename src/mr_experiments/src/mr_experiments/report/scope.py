@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Mapping, Sequence
 
 from mr_experiments.report import paper
-from mr_experiments.report.record_set import Chapter, Record, RecordSet
+from mr_experiments.report.record_set import Chapter, RecordSet
 from mr_experiments.report.table import Column
+from mr_measures.record.mission_record import MissionRecord
 
 ROBOTS = Column("robots", "R")
 
@@ -18,7 +19,7 @@ class Scope:
     """The part of a record set that a table shows: team sizes of one chapter."""
 
     chapter: Chapter
-    teams: Mapping[int, Sequence[Record]]
+    teams: Mapping[int, Sequence[MissionRecord]]
 
     @property
     def beside_paper(self) -> bool:
@@ -29,7 +30,7 @@ class Scope:
     def merges_recorded(self) -> bool:
         return any(record.merges_recorded for records in self.teams.values() for record in records)
 
-    def results(self, robots: int) -> list[Record]:
+    def results(self, robots: int) -> list[MissionRecord]:
         """Trials that came to a result, finished or not."""
         return [record for record in self.teams[robots] if not record.failed]
 

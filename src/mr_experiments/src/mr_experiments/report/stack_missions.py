@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Mapping
 
-from mr_experiments.report.record_set import FINISHED, UNFINISHED, RecordError
+from mr_measures.record.files import RecordError
+from mr_measures.record.mission_record import FINISHED, UNFINISHED
 from mr_sim.worlds import label_of
 
 ATTEMPTS = "attempts.jsonl"

@@ -9,10 +9,11 @@ from __future__ import annotations
 import statistics
 
 from mr_experiments.report.paper_tables import distance_table, exploration_time_table, map_error_table
-from mr_experiments.report.record_set import FAILED, FINISHED, UNFINISHED, Group, Record, RecordSet, count_outcomes
+from mr_experiments.report.record_set import Group, RecordSet, count_outcomes
 from mr_experiments.report.scope import Scope
 from mr_experiments.report.table import Cell, Column, Table
 from mr_experiments.report.team_tables import computing_table, merging_table, radio_table, team_table
+from mr_measures.record.mission_record import FAILED, FINISHED, UNFINISHED, MissionRecord
 
 
 def chapter_tables(scope: Scope) -> list[Table]:
@@ -54,8 +55,8 @@ def outcome_table(records: RecordSet) -> Table:
 def trouble_table(records: RecordSet) -> Table:
     """Every trial that did not finish, with its seed and reason."""
     rows = [
-        (*_group_cells(record.group), record.seed, record.status, record.time, record.reason)
-        for record in records.records
+        (*_group_cells(Group.of(record)), record.asked.seed, outcome.status, outcome.time, outcome.reason)
+        for record, outcome in ((record, record.outcome) for record in records.records)
         if not record.finished
     ]
     return Table(
@@ -97,21 +98,21 @@ def trials_table(records: RecordSet) -> Table:
     )
 
 
-def _trial_row(record: Record) -> tuple[Cell, ...]:
-    errors = [robot.map_error for robot in record.robots if robot.map_error is not None]
-    merges = [merge for robot in record.robots for merge in robot.merges if merge.accepted]
+def _trial_row(record: MissionRecord) -> tuple[Cell, ...]:
+    errors = record.map_errors
+    merges = [merge for robot in record.robots.values() for merge in robot.merges or () if merge.accepted]
     return (
-        *_group_cells(record.group),
-        record.seed,
-        record.status,
-        record.exploration_time,
-        sum(robot.distance for robot in record.robots),
+        *_group_cells(Group.of(record)),
+        record.asked.seed,
+        record.outcome.status,
+        record.team.exploration_time,
+        sum(robot.distance for robot in record.robots.values()),
         statistics.mean(errors) if errors else None,
-        record.overlap,
-        sum(sum(robot.collisions) for robot in record.robots),
+        record.team.overlap,
+        sum(robot.collisions.total for robot in record.robots.values()),
         len(merges) if record.merges_recorded else None,
-        sum(not merge.right for merge in merges) if record.merges_recorded else None,
-        sum(robot.bytes_sent for robot in record.robots),
+        sum(merge.right is False for merge in merges) if record.merges_recorded else None,
+        sum(robot.sent("bytes_sent") for robot in record.robots.values()),
     )
 
 

@@ -6,9 +6,9 @@ from typing import Iterable, Sequence
 
 from mr_experiments.common.statistics import summarise
 from mr_experiments.report.derived import all_merged_at, balance, mean, merges_at_end, moving_share, present
-from mr_experiments.report.record_set import Record
 from mr_experiments.report.scope import ROBOTS, Scope
 from mr_experiments.report.table import Cell, Column, Table
+from mr_measures.record.mission_record import MissionRecord
 
 
 def team_table(scope: Scope) -> Table:
@@ -20,10 +20,11 @@ def team_table(scope: Scope) -> Table:
             (
                 robots,
                 mean(trial.final_coverage for trial in trials),
-                mean(trial.overlap for trial in trials) if robots > 1 else None,
+                mean(trial.team.overlap for trial in trials) if robots > 1 else None,
                 mean(balance(trial) for trial in trials) if robots > 1 else None,
                 *((moving.mean, moving.low) if moving else (None, None)),
-                *(mean(_sum(robot.collisions[kind] for robot in trial.robots) for trial in trials) for kind in (0, 1)),
+                mean(_sum(robot.collisions.walls for robot in trial.robots.values()) for trial in trials),
+                mean(_sum(robot.collisions.robots for robot in trial.robots.values()) for trial in trials),
             )
         )
     return Table(
@@ -55,7 +56,7 @@ def merging_table(scope: Scope) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for robots in scope.teams:
         trials = scope.results(robots)
-        merges = [merge for trial in trials for robot in trial.robots for merge in robot.merges]
+        merges = [merge for trial in trials for robot in trial.robots.values() for merge in robot.merges or ()]
         accepted = [merge for merge in merges if merge.accepted]
         ends = [merges_at_end(trial) for trial in trials]
         times = present(all_merged_at(trial) for trial in trials) if robots > 1 else []
@@ -63,8 +64,8 @@ def merging_table(scope: Scope) -> Table:
         rows.append(
             (
                 robots,
-                sum(merge.right for merge in accepted),
-                sum(not merge.right for merge in accepted),
+                sum(merge.right is True for merge in accepted),
+                sum(merge.right is False for merge in accepted),
                 len(merges) - len(accepted),
                 sum(right for right, _ in ends),
                 sum(wrong for _, wrong in ends),
@@ -100,17 +101,17 @@ def radio_table(scope: Scope) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for robots in scope.teams:
         trials = scope.results(robots)
-        members = [(robot, trial.time) for trial in trials for robot in trial.robots]
-        volume = summarise([robot.bytes_sent / 1000.0 for robot, _ in members])
-        sent = sum(robot.packets_sent for robot, _ in members)
+        members = [(robot, trial.outcome.time) for trial in trials for robot in trial.robots.values()]
+        volume = summarise([robot.sent("bytes_sent") / 1000.0 for robot, _ in members])
+        sent = sum(robot.sent("packets_sent") for robot, _ in members)
         rows.append(
             (
                 robots,
                 *((volume.mean, volume.high) if volume else (None, None)),
-                mean(robot.bytes_sent / 1000.0 / time if time > 0 else None for robot, time in members),
-                mean(float(robot.frames_sent) for robot, _ in members),
+                mean(robot.sent("bytes_sent") / 1000.0 / time if time > 0 else None for robot, time in members),
+                mean(float(robot.sent("frames_sent")) for robot, _ in members),
                 sent,
-                sum(robot.packets_failed for robot, _ in members),
+                sum(robot.sent("packets_failed") for robot, _ in members),
             )
         )
     return Table(
@@ -138,12 +139,12 @@ def computing_table(scope: Scope) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for robots in scope.teams:
         trials = scope.results(robots)
-        factors = summarise(present(_measured(trial, "real_time_factor") for trial in trials))
+        factors = summarise(present(trial.measured.real_time_factor for trial in trials))
         rows.append(
             (
                 robots,
                 *((factors.median, factors.low) if factors else (None, None)),
-                mean(_measured(trial, "cpu") for trial in trials),
+                mean(trial.measured.cpu for trial in trials),
                 *(shares[robots].get(name) for name in components),
             )
         )
@@ -163,16 +164,11 @@ def computing_table(scope: Scope) -> Table:
     )
 
 
-def _component_shares(trials: Sequence[Record]) -> dict[str, float]:
+def _component_shares(trials: Sequence[MissionRecord]) -> dict[str, float]:
     """CPU time by component in ms per second of virtual time."""
-    total = sum(trial.time for trial in trials)
+    total = sum(trial.outcome.time for trial in trials)
     used: dict[str, float] = {}
     for trial in trials:
-        for name, seconds in trial.measured.get("cpu_by_component", {}).items():
-            used[name] = used.get(name, 0.0) + float(seconds)
+        for name, seconds in trial.measured.cpu_by_component.items():
+            used[name] = used.get(name, 0.0) + seconds
     return {name: 1000.0 * seconds / total for name, seconds in used.items()} if total > 0 else {}
-
-
-def _measured(record: Record, name: str) -> float | None:
-    value = record.measured.get(name)
-    return None if value is None else float(value)

@@ -14,7 +14,6 @@ import urllib.parse
 from pathlib import Path
 from typing import Any, Callable, Iterator, Sequence, Tuple
 
-from mr_experiments.sweep.record import write_record
 from mr_experiments.sweep.sweep import TELL_PERIOD, Done, Tell
 from mr_experiments.sweep.trial_process import (
     PATIENCE,
@@ -25,6 +24,8 @@ from mr_experiments.sweep.trial_process import (
     record_path,
 )
 from mr_experiments.trial.trial import Trial, TrialError
+from mr_measures.record.files import record_of_document, write_record
+from mr_measures.record.mission_record import MissionRecord
 
 ANSWER_PATIENCE = 10.0  # s of real time for an answer of a Dask scheduler
 RECORD_PATIENCE = 600.0  # s of real time for a record to come from a worker
@@ -143,7 +144,7 @@ class DaskCluster:
         threads = self.threads
         return min(waiting, threads), "" if threads else f"{self._scheduler} has no workers: waiting for one"
 
-    def _record_of(self, future: Any, trial: Trial) -> dict[str, Any]:
+    def _record_of(self, future: Any, trial: Trial) -> MissionRecord:
         try:
             if future.status in ("cancelled", "lost"):
                 raise ConnectionError("the connection broke")
@@ -158,15 +159,14 @@ class DaskCluster:
             return failed_record(trial, f"several workers died of it: {error}")
         raise self._unfit(f"{type(error).__name__}: {error}")
 
-    def _record_from(self, answer: Answer, trial: Trial) -> dict[str, Any]:
+    def _record_from(self, answer: Answer, trial: Trial) -> MissionRecord:
         host, code, written, told, clock = answer
         if code == UNFIT:
             raise self._unfit(f"{host}: {told.decode(errors='replace').strip()}")
         if not written:
             text = crash_text(told)
             return failed_record(trial, how_it_ended(code, text, self._patience), text, read_clock(clock))
-        record: dict[str, Any] = json.loads(written)
-        return record
+        return record_of_document(json.loads(written))
 
     def _unfit(self, why: str) -> ClusterLostError:
         return ClusterLostError(f"a worker of {self._scheduler} cannot run trials ({why})")

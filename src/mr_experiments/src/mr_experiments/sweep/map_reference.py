@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tempfile
 from pathlib import Path
 from typing import Callable, Sequence
@@ -12,6 +11,8 @@ from mr_experiments.sweep.record import SLAM
 from mr_experiments.sweep.sweep import LocalPool
 from mr_experiments.sweep.trial_process import record_path
 from mr_experiments.trial.trial import Trial, TrialError
+from mr_measures.record.files import read_record
+from mr_measures.record.mission_record import FINISHED
 from mr_measures.reference import VIRTUAL_TIME, MapReferenceError, Reference, load_reference
 
 RESOLUTION = 0.05  # m, of the maps of SLAM
@@ -30,10 +31,10 @@ def make_reference(
     cells: dict[int, int] = {}
     with tempfile.TemporaryDirectory() as folder:
         for done in LocalPool(jobs).run(trials, Path(folder)):
-            if done.status != "finished":
+            if done.status != FINISHED:
                 raise TrialError(f"{world}, seed {done.trial.seed}: {done.reason}")
-            record = json.loads(record_path(Path(folder), done.trial).read_text(encoding="utf-8"))
-            cells[done.trial.seed] = record["robots"]["robot_0"]["map"]["free_cells"]
+            (robot,) = read_record(record_path(Path(folder), done.trial)).robots.values()
+            cells[done.trial.seed] = robot.map.free_cells or 0
             progress(done.trial.seed, cells[done.trial.seed], done.exploration_time or 0.0)
     return Reference(Path(world).stem, RESOLUTION, SLAM, VIRTUAL_TIME, code_version(), dict(sorted(cells.items())))
 

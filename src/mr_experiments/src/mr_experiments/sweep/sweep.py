@@ -12,13 +12,12 @@ import tempfile
 from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import IO, Any, Callable, Iterable, Iterator, Protocol, Sequence
+from typing import IO, Any, Callable, Iterable, Iterator, Mapping, Protocol, Sequence
 
 import cv2
 
 from mr_experiments.common.code_version import code_version
 from mr_experiments.host.recorder import truth_for
-from mr_experiments.sweep.record import FORMAT, write_record
 from mr_experiments.sweep.trial_process import (
     PATIENCE,
     crash_text,
@@ -30,6 +29,8 @@ from mr_experiments.sweep.trial_process import (
 )
 from mr_experiments.trial.trial import Trial, TrialError
 from mr_experiments.trial.trial_world import world_of
+from mr_measures.record.files import RecordError, read_record, write_record
+from mr_measures.record.mission_record import FAILED, MissionRecord
 
 TELL_PERIOD = 0.5  # s of real time between two words on how it goes
 
@@ -50,13 +51,10 @@ class Done:
     code: str  # that made it (code_version); "" if it does not say
 
     @classmethod
-    def of(cls, trial: Trial, record: dict[str, Any]) -> Done:
-        """Raises KeyError, TypeError or AttributeError if it is no record."""
-        errors = [robot["map"].get("error") for robot in record["robots"].values()]
+    def of(cls, trial: Trial, record: MissionRecord) -> Done:
         return cls(
-            trial, record["outcome"]["status"], record["outcome"]["reason"], record["team"]["exploration_time"],
-            tuple(error for error in errors if error is not None), record.get("measured", {}).get("real_time_factor"),
-            record.get("versions", {}).get("code", ""),
+            trial, record.outcome.status, record.outcome.reason, record.team.exploration_time, record.map_errors,
+            record.measured.real_time_factor, record.code,
         )  # fmt: skip
 
 
@@ -68,7 +66,7 @@ def split_done(trials: Iterable[Trial], folder: Path, retry_failed: bool = False
     for trial in trials:
         path = record_path(folder, trial)
         entry = _read_done(trial, path) if path.exists() else None
-        if entry is None or (retry_failed and entry.status == "failed"):
+        if entry is None or (retry_failed and entry.status == FAILED):
             left.append(trial)
         else:
             done.append(entry)
@@ -86,24 +84,18 @@ def left_for_this_code(trials: Sequence[Trial], folder: Path) -> list[Trial]:
 
 def _read_done(trial: Trial, path: Path) -> Done:
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-        recorded, number, entry = record["trial"], record["format"], Done.of(trial, record)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        told = f"{error} is missing" if isinstance(error, KeyError) else str(error)
-        raise TrialError(f"{path} is no record ({told}); remove it to run the trial again") from None
-    if number != FORMAT:
-        raise TrialError(f"{path} is a record of format {number}, not {FORMAT}; choose another --out or remove it")
-    asked = json.loads(json.dumps(trial.to_json()))
+        record = read_record(path)
+    except RecordError as error:
+        raise TrialError(f"{error}; choose another --out or remove it to run the trial again") from None
+    recorded, asked = record.asked.settings, json.loads(json.dumps(trial.to_json()))
     if recorded != asked:
         raise TrialError(
             f"{path} is the record of another trial ({_difference(recorded, asked)}); choose another --out or remove it"
         )
-    return entry
+    return Done.of(trial, record)
 
 
-def _difference(recorded: Any, asked: dict[str, Any]) -> str:
-    if not isinstance(recorded, dict):
-        return "its configuration cannot be read"
+def _difference(recorded: Mapping[str, Any], asked: Mapping[str, Any]) -> str:
     key = next(key for key in {**asked, **recorded} if asked.get(key) != recorded.get(key))
     return f"{key}: {recorded.get(key)!r}, not {asked.get(key)!r}"
 
@@ -172,7 +164,7 @@ class LocalPool:
             write_record(failed_record(entry.trial, reason, told, clock), path)
         entry.crash.close()
         entry.clock.close()
-        return Done.of(entry.trial, json.loads(path.read_text(encoding="utf-8")))
+        return Done.of(entry.trial, read_record(path))
 
 
 def default_jobs() -> int:

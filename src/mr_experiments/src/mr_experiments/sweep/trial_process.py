@@ -11,10 +11,12 @@ import threading
 import time
 import traceback
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
-from mr_experiments.sweep.record import FORMAT, run_trial, versions, write_record
+from mr_experiments.sweep.record import run_trial, versions
 from mr_experiments.trial.trial import Trial
+from mr_measures.record.files import write_record
+from mr_measures.record.mission_record import FAILED, Asked, MissionRecord, Outcome
 
 PATIENCE = 600.0  # s of real time that a trial may stand still
 
@@ -23,22 +25,10 @@ def record_path(folder: Path, trial: Trial) -> Path:
     return folder / f"{trial.key}.json"
 
 
-def failed_record(trial: Trial, reason: str, trace: str = "", time: float = 0.0) -> dict[str, Any]:
+def failed_record(trial: Trial, reason: str, trace: str = "", time: float = 0.0) -> MissionRecord:
     """Of a trial that left none itself and ended at this virtual time in s."""
-    outcome = {"status": "failed", "reason": reason, "time": round(time, 3)}
-    if trace:
-        outcome["traceback"] = trace
-    return {
-        "format": FORMAT,
-        "trial": trial.to_json(),
-        "versions": versions(),
-        "outcome": outcome,
-        "team": {"exploration_time": None, "series": {"time": [], "explored": [], "coverage": []}},
-        "robots": {},
-        "maps": {},
-        "snapshots": [],
-        "notes": [],
-    }
+    outcome = Outcome(FAILED, round(time, 3), reason, trace)
+    return MissionRecord(Asked(trial.to_json()), outcome, versions=versions())
 
 
 class ClockFile:
