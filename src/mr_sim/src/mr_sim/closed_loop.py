@@ -1,4 +1,5 @@
-"""World, SLAM and navigation engines closed to a loop in one process and in virtual time."""
+"""World, SLAM and navigation engines closed to a loop in one process and in virtual time, for goals that a test or a
+benchmark sets. Teams that explore run in `mr_experiments.host.mission`."""
 
 import math
 import time
@@ -26,12 +27,10 @@ class Robot:
     navigator: Navigator
     drift: List[float] = field(default_factory=list)
     turn_drift: List[float] = field(default_factory=list)
-    distance: float = 0.0
     contacts: int = 0
-    touched: List[Tuple[float, Pose, str]] = field(default_factory=list)
     command: Optional[Command] = None
     results: List[Tuple[float, str]] = field(default_factory=list)
-    cpu: Dict[str, float] = field(default_factory=lambda: {"slam": 0.0, "navigation": 0.0})
+    navigation_cpu: float = 0.0  # s
     map_at: float = -math.inf
     grid: Optional[OccupancyGrid] = None
 
@@ -63,16 +62,7 @@ class ClosedLoop:
             self.world.step()
             states = self.world.states()
             for robot, state in zip(self.robots, states):
-                robot.distance += math.hypot(state["velocity_x"], state["velocity_y"]) * self.world.interval
-                if state["contact"]:
-                    robot.contacts += 1
-                    robot.touched.append(
-                        (
-                            self.world.time,
-                            robot.local(Pose(state["x"], state["y"], state["yaw"])),
-                            robot.navigator.mode.value,
-                        )
-                    )
+                robot.contacts += bool(state["contact"])
             for scan in self.world.due_scans():
                 if scan.ranger == self.world.robots[scan.robot].main_ranger:
                     self._control(self.robots[scan.robot], states[scan.robot], scan.ranges)
@@ -82,13 +72,11 @@ class ClosedLoop:
         ranger = description.rangers[description.main_ranger]
         now = self.world.time
         odometry = Pose(float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
-        begun = time.process_time()
         geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, ranger.mount)
         pose = robot.slam.process(LaserScan(ranges, *geometry), odometry, now).pose
         if now - robot.map_at >= MAP_PERIOD:
             robot.map_at = now
             robot.grid = robot.slam.map()
-        robot.cpu["slam"] += time.process_time() - begun
         truth = robot.local(Pose(float(state["x"]), float(state["y"]), float(state["yaw"])))
         robot.drift.append(math.dist(pose[:2], truth[:2]))
         robot.turn_drift.append(abs(normalized(pose[2] - truth[2])))
@@ -101,7 +89,7 @@ class ClosedLoop:
             if self.share_positions:
                 robot.navigator.set_others(self._positions(robot), now)
         robot.command = robot.navigator.step(now, pose, make_scan(ranges, *geometry))
-        robot.cpu["navigation"] += time.process_time() - begun
+        robot.navigation_cpu += time.process_time() - begun
         if robot.command.status in (Status.SUCCEEDED, Status.ABORTED):
             robot.results.append((now, robot.command.text or "succeeded"))
         self.world.command(robot.index, robot.command.linear, robot.command.angular)

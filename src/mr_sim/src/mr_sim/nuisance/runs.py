@@ -105,8 +105,8 @@ def run(scene: Scene, options: NavigationOptions | None = None) -> SceneRun:
     def count(robot: Robot, _: Pose) -> None:
         nonlocal commands, slowest
         commands += 1
-        slowest = max(slowest, robot.cpu["navigation"] - spent[robot.index])
-        spent[robot.index] = robot.cpu["navigation"]
+        slowest = max(slowest, robot.navigation_cpu - spent[robot.index])
+        spent[robot.index] = robot.navigation_cpu
 
     loop.on_scan = count
     loop.run(SETTLED)
@@ -121,5 +121,5 @@ def run(scene: Scene, options: NavigationOptions | None = None) -> SceneRun:
     return SceneRun(
         scene.kind, scene.seed, tuple(goal for errand in errands for goal in errand.runs),
         sum(robot.contacts for robot in loop.robots), commands,
-        sum(robot.cpu["navigation"] for robot in loop.robots), slowest,
+        sum(robot.navigation_cpu for robot in loop.robots), slowest,
     )  # fmt: skip
