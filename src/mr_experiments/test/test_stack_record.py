@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mr_experiments.replay.replay import make_page
+from mr_experiments.replay.replay import make_page, page_data
 from mr_experiments.report.record_set import load_record, load_records
 from mr_experiments.report.report import make_report
 from mr_grid import OccupancyGrid, Pose
@@ -14,7 +14,7 @@ from mr_launch.mission import Outcome
 from mr_launch.record import mission_record
 from mr_launch.truth import Track
 from mr_measures.record.files import RecordError, read_record, write_record
-from mr_measures.record.robot_record import MapFigures
+from mr_measures.record.robot_record import MapFigures, Merge
 
 START = 5.0  # s of simulation time
 
@@ -52,7 +52,9 @@ def record(time=20.0, seed=1, reason=""):
     outcome = Outcome(START, START + 30.0, reason, ["robot_1 was late"])
     truth = SimpleNamespace(tracks={robot.name: driven(30.0) for robot in robots})
     plan, figures = SimpleNamespace(options=options, robots=robots), {robot.name: FIGURES for robot in robots}
-    return mission_record(plan, summary, outcome, truth, {"robot_0": grid}, figures)
+    merges = {"robot_0": (Merge("robot_1", 4.0, Pose(1.0, 0.0, 0.0)),), "robot_1": None}
+    known = {"robot_0": np.array([START, START + 8.0, np.inf]), "robot_1": np.array([np.inf, np.inf, START + 12.0])}
+    return mission_record(plan, summary, outcome, truth, {"robot_0": grid}, figures, merges, known)
 
 
 @pytest.fixture
@@ -80,10 +82,18 @@ def test_a_mission_without_an_end_is_unfinished(tmp_path):
     )
 
 
+def test_what_the_team_knew_together_is_told_over_time(missions):
+    found = load_record(missions / "mission-1" / "record.json")
+    series = found.team.series
+    assert series.time == (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0)
+    assert series.coverage[:4] == pytest.approx((1 / 3, 1 / 3, 2 / 3, 1.0), abs=1e-5)
+    assert found.final_coverage == 1.0 and found.team.overlap == 0.0
+
+
 def test_missions_of_the_stack_make_a_report_without_what_they_do_not_know(missions, tmp_path):
     records = load_records(missions)
     assert [each.asked.seed for each in records.records] == [1, 2] and not any(
-        each.merges_recorded for each in records.records
+        each.merges_judged for each in records.records
     )
     report = make_report(missions, tmp_path / "report")
     text = (tmp_path / "report" / "report.html").read_text()
@@ -96,6 +106,8 @@ def test_a_mission_of_the_stack_is_replayed(missions):
     assert series.time[:3] == pytest.approx((0.0, 1.0, 2.0)) and series.x[:3] == pytest.approx((1.0, 2.0, 3.0))
     assert math.isclose(series.distance[-1], 30.0, abs_tol=0.1)
     assert "robot_0" in make_page(found)
+    (merge,) = page_data(found)["merges"]
+    assert (merge["at"], merge["kind"], merge["name"]) == (4, "unknown", "robot_1")
 
 
 def test_two_missions_of_one_seed_are_refused(missions):

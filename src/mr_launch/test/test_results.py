@@ -1,6 +1,7 @@
 """Trace, maps, summary and what roslaunch says about nodes."""
 
 import json
+import pickle
 
 import cv2
 import numpy as np
@@ -15,14 +16,18 @@ from mr_launch.monitor import Digest
 from mr_launch.nodes import NodeWatch, parse_ends
 from mr_launch.pictures import bounds, draw_mission
 from mr_launch.plan import Plan, RobotPlan
+from mr_launch.record import merges_of
 from mr_launch.reports import RobotReport
 from mr_launch.results import exploration_end, last_finish
 from mr_launch.summary import cpu_shares, mission_summary, packets_by_hops, process_name, robot_summary, team_summary
 from mr_launch.truth import Truth
 from mr_launch.view import Picture, RobotRow, plain_lines
+from mr_launch.world import Meter, load_known
+from mr_measures import truth as measures
 from mr_measures.figures import collisions, distance_driven
 from mr_measures.motion import read_trace
-from mr_measures.record.robot_record import MapFigures
+from mr_measures.record.robot_record import MapFigures, Merge
+from mr_measures.truth import KnowableArea
 
 HEADER = "# mr_sim trace 1 seed 1 real_time_factor 1 world w\ntime,wall,robot,x,y,yaw,v,w,stalled,collision\n"
 
@@ -247,6 +252,37 @@ def test_digest_keeps_the_first_merge_of_each_robot():
     result = digest.report(10.0)
     assert result["merged"] == ["b", "c"] and result["merge_times"] == {"b": 5.0, "c": 9.0}
     assert "map" not in result["missing"] and "explorer" in result["missing"]
+
+
+def test_digest_tells_what_has_changed_in_transforms():
+    digest, near = Digest("a"), Pose(1.0, 2.0, 0.5)
+    digest.believes({"b": near}, 5.0)
+    digest.believes({"b": Pose(1.01, 2.0, 0.5)}, 6.0)
+    digest.believes({}, 7.0)
+    entries = json.loads(json.dumps(digest.report(9.0)))["merges"]
+    assert entries == [
+        {"with": "b", "at": 5.0, "transform": [1.0, 2.0, 0.5]}, {"with": "b", "at": 7.0, "transform": None},
+    ]  # fmt: skip
+    merges = merges_of(report(merges=entries), 6.0, ["a", "b"])
+    assert merges == (Merge("b", 0.0, near), Merge("b", 1.0, None))
+    assert merges_of(report(merges=entries), 6.0, ["a"]) == () and merges_of(report(), 6.0, ["a"]) is None
+
+
+def test_what_a_map_knew_goes_to_the_runner(tmp_path):
+    walls = OccupancyGrid.of(np.zeros((40, 40), np.int8), 0.05)
+    everything = KnowableArea(np.zeros((1, 2)), np.ones((40, 40), dtype=bool))
+    truth = measures.Truth(walls, (), (), 0.0, lambda *_: np.empty(0), everything)
+    meter = Meter(str(tmp_path / "truth"), Pose(1.0, 1.0))
+    left = OccupancyGrid.of(np.zeros((40, 20), np.int8), 0.05, Pose(-1.0, -1.0))
+    meter.look(left, 3.0)
+    meter.save(tmp_path / "a.npz")
+    assert meter.is_due(3.0) and load_known({"a": tmp_path / "a.npz"}) == {}, "there is no reference yet"
+    (tmp_path / "truth").write_bytes(pickle.dumps(truth))
+    meter.look(left, 4.0)
+    assert not meter.is_due(8.9) and meter.is_due(9.0)
+    meter.save(tmp_path / "a.npz")
+    since = load_known({"a": tmp_path / "a.npz", "b": tmp_path / "b.npz"})["a"]
+    assert since.size == 1600 and (np.isfinite(since) == (truth.reference[:, 0] < 1.0)).all() and since.min() == 4.0
 
 
 def test_plain_lines_say_it_all():

@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 import select
 import socket
-from typing import Any, Iterable
+from typing import Any, Iterable, Mapping
+
+from mr_grid import Pose
+from mr_measures.record.beliefs import Beliefs
 
 PARTS = ("adhoc_communication", "map", "map_merger", "explorer", "move_base")
 
@@ -18,6 +21,8 @@ class Digest:
         self._values: dict[str, Any] = {}
         self._missing = set(PARTS)
         self._merge_times: dict[str, float] = {}
+        self._beliefs = Beliefs()
+        self._merges: list[dict[str, Any]] = []
 
     def seen(self, part: str) -> None:
         """This part of the robot is up."""
@@ -36,6 +41,13 @@ class Digest:
         for name in names:
             self._merge_times.setdefault(name, now)
         self._values["merged"] = names
+
+    def believes(self, transforms: Mapping[str, Pose], now: float) -> None:
+        """All transforms to other robots' maps that are believed at simulation time ``now`` (s)."""
+        for name, transform in self._beliefs.changes(transforms):
+            place = None if transform is None else [round(value, 5) for value in transform]
+            self._merges.append({"with": name, "at": now, "transform": place})
+        self._values["merges"] = self._merges
 
     def report(self, now: float) -> dict[str, Any]:
         return {

@@ -1,17 +1,19 @@
 """record.json: a mission of the ROS stack as `mr_measures.record` has it, so that reports, replays and comparisons take
-it like one in virtual time. What the runner does not know is absent: goals, auctions, transforms, what the team knew
-over time."""
+it like one in virtual time. What the runner does not know is absent: goals, auctions, whether transforms are
+right."""
 
 from __future__ import annotations
 
-from typing import Any, Mapping
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
 from mr_launch.mission import Outcome
 from mr_launch.plan import Plan, RobotPlan
+from mr_launch.reports import RobotReport
 from mr_launch.truth import Track, Truth
+from mr_measures.knowledge import overlap_of, team_series
 from mr_measures.map_picture import picture_of
 from mr_measures.record import mission_record as schema
 from mr_measures.record.mission_record import (
@@ -25,7 +27,7 @@ from mr_measures.record.mission_record import (
     Team,
 )
 from mr_measures.record.parts import motion_of
-from mr_measures.record.robot_record import MapFigures, RobotRecord
+from mr_measures.record.robot_record import MapFigures, Merge, RobotRecord
 from mr_measures.record.series import RobotSeries
 
 SCENARIO = "ros_stack"
@@ -39,23 +41,54 @@ def mission_record(
     truth: Truth,
     grids: Mapping[str, OccupancyGrid],
     figures: Mapping[str, MapFigures],
+    merges: Mapping[str, tuple[Merge, ...] | None],
+    known: Mapping[str, np.ndarray],
 ) -> MissionRecord:
-    """`summary`: as in summary.json; `grids`, `figures`: of the robots' global maps."""
+    """`summary`: as in summary.json; `grids`, `figures`: of the robots' global maps; `known`: since when each own map
+    has known each reference cell, s of simulation time."""
     team = summary["team"]
     status = UNFINISHED if team["exploration_time"] is None else FINISHED
     return MissionRecord(
         Asked(_asked(plan)),
         schema.Outcome(status, round(max(0.0, outcome.end - outcome.start), 3), outcome.reason),
-        Team(team["exploration_time"]),
+        _team(team["exploration_time"], known, plan, outcome),
         {
             robot.name: _robot(
-                robot, summary["robots"][robot.name], outcome, truth.tracks[robot.name], figures[robot.name]
+                robot,
+                summary["robots"][robot.name],
+                outcome,
+                truth.tracks[robot.name],
+                figures[robot.name],
+                merges[robot.name],
             )
             for robot in plan.robots
         },
         maps={name: RobotMaps(picture_of(grid)) for name, grid in grids.items()},
         notes=tuple(Note(0.0, "", note, True) for note in outcome.notes),
         measured=_measured(team, outcome.end - outcome.start),
+    )
+
+
+def _team(time: float | None, known: Mapping[str, np.ndarray], plan: Plan, outcome: Outcome) -> Team:
+    """`time`: T. Without what one of the robots knew nothing is said of what they knew together."""
+    if any(robot.name not in known for robot in plan.robots):
+        return Team(time)
+    since = [known[robot.name] for robot in plan.robots]
+    return Team(time, overlap_of(since, outcome.end), team_series(since, outcome.start, outcome.end))
+
+
+def merges_of(report: RobotReport, start: float, robots: Sequence[str]) -> tuple[Merge, ...] | None:
+    """Transforms to robots of the team; `start`: of the mission, s of simulation time."""
+    if report.merges is None:
+        return None
+    return tuple(
+        Merge(
+            entry["with"],
+            round(max(0.0, entry["at"] - start), 3),
+            None if entry["transform"] is None else Pose(*entry["transform"]),
+        )
+        for entry in report.merges
+        if entry["with"] in robots
     )
 
 
@@ -90,7 +123,12 @@ def _asked(plan: Plan) -> dict[str, Any]:
 
 
 def _robot(
-    robot: RobotPlan, summary: Mapping[str, Any], outcome: Outcome, track: Track, figures: MapFigures
+    robot: RobotPlan,
+    summary: Mapping[str, Any],
+    outcome: Outcome,
+    track: Track,
+    figures: MapFigures,
+    merges: tuple[Merge, ...] | None,
 ) -> RobotRecord:
     records = track.records(outcome.start, outcome.end).copy()
     records["time"] -= outcome.start
@@ -107,6 +145,7 @@ def _robot(
         map=figures,
         radio={name: value for name, value in summary["radio"].items() if isinstance(value, int)},
         counters={"goals_reached": summary["goals_reached"], "auctions_completed": summary["auctions"]},
+        merges=merges,
         series=_series(records),
     )
 

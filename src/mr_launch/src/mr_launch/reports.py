@@ -38,6 +38,7 @@ class RobotReport:
     neighbors: list[str] = field(default_factory=list)
     merged: list[str] = field(default_factory=list)
     merge_times: dict[str, float] = field(default_factory=dict)
+    merges: list[dict[str, Any]] | None = None  # with, at, transform (None: revoked); None: nobody has told
     start_time: float = 0.0
     radio: dict[str, Any] = field(default_factory=dict)
     saved: str = ""

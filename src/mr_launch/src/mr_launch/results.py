@@ -19,7 +19,7 @@ from mr_launch.reports import RobotReport
 from mr_launch.summary import mission_summary, robot_summary, team_summary
 from mr_launch.truth import Truth
 from mr_launch.view import percent
-from mr_launch.world import Measures
+from mr_launch.world import Measures, load_known
 from mr_measures.record.robot_record import MapFigures
 
 
@@ -27,7 +27,7 @@ def write_results(
     plan: Plan, outcome: Outcome, reports: list[RobotReport], truth: Truth, cpu: dict[str, dict[str, float]]
 ) -> dict[str, Any]:
     """Write everything that the mission gave, however it ended, and return the summary."""
-    from mr_launch.record import mission_record  # what it needs is slow to import
+    from mr_launch.record import merges_of, mission_record  # what it needs is slow to import
     from mr_measures.record.files import write_record
 
     measures = Measures(plan.world, plan.options.slam, Path(plan.socket(TRUTH_FILE)))
@@ -44,7 +44,11 @@ def write_results(
     summary = mission_summary(plan, robots, team, outcome.reason, outcome.notes)
     draw(plan, outcome, grids, robots, truth)
     (Path(plan.out) / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
-    write_record(mission_record(plan, summary, outcome, truth, grids, figures), Path(plan.out) / "record.json")
+    names = [robot.name for robot in plan.robots]
+    merges = {report.robot: merges_of(report, outcome.start, names) for report in reports}
+    known = load_known({name: raw_map_file(plan, name) for name in names})
+    record = mission_record(plan, summary, outcome, truth, grids, figures, merges, known)
+    write_record(record, Path(plan.out) / "record.json")
     return summary
 
 
@@ -58,10 +62,15 @@ def exploration_end(report: RobotReport, outcome: Outcome) -> float:
     return report.start_time + report.exploration_time if report.exploration_finished else outcome.end
 
 
+def raw_map_file(plan: Plan, robot: str) -> Path:
+    """Where a robot's monitor puts its final map."""
+    return Path(plan.socket(f"{robot}.npz"))
+
+
 def save_maps(plan: Plan, outcome: Outcome) -> dict[str, OccupancyGrid]:
     grids = {}
     for robot in plan.robots:
-        raw = Path(plan.socket(f"{robot.name}.npz"))
+        raw = raw_map_file(plan, robot.name)
         if not raw.exists():
             if outcome.start > 0.0:
                 outcome.notes.append(f"{robot.name} gave no global map")

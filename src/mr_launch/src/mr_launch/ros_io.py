@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from mr_grid import Pose
+
 
 def state_values(message: Any) -> dict[str, Any]:
     """explorer/ExplorationState to fields of RobotReport."""
@@ -18,6 +20,12 @@ def state_values(message: Any) -> dict[str, Any]:
         "goals_reached": message.goals_reached,
         "auctions": message.auctions_completed,
     }
+
+
+def transforms_of(message: Any) -> dict[str, Pose]:
+    """map_merger/MergerStatus: where the maps of other robots lie in the own one."""
+    placed = [other for other in message.robots if other.placed and other.robot != message.robot]
+    return {other.robot: Pose(other.x, other.y, other.yaw) for other in placed}
 
 
 def radio_values(message: Any) -> dict[str, Any]:

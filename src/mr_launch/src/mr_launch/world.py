@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 import shutil
 import sys
 from pathlib import Path
-from typing import Any, Sequence
+from typing import Any, Mapping, Sequence
 
+import numpy as np
 import yaml  # type: ignore[import-untyped]
 
 from mr_grid import OccupancyGrid, Pose
@@ -136,20 +138,55 @@ def load_truth(path: Path) -> Any | None:
         return None
 
 
-class CoverageMeter:
-    """Explored share of one robot's map while the team runs."""
+class Meter:
+    """What one robot's maps know while the team runs. Until the reference has been computed there is nothing to say."""
 
     def __init__(self, truth_file: str, start: Pose) -> None:
+        """`start`: true, world frame."""
         self._file = Path(truth_file)
         self._start = start
         self._truth: Any | None = None
+        self._knowledge: Any | None = None
+        self._looked_at = -math.inf
 
     def coverage(self, grid: OccupancyGrid) -> float | None:
-        """Share of the reference cells that the map knows; None until the reference has been computed."""
+        """Share of the reference cells that the map knows."""
         from mr_measures.figures import coverage
 
         self._truth = self._truth or load_truth(self._file)
         return None if self._truth is None else coverage(self._truth, grid, self._start)
+
+    def look(self, own: OccupancyGrid, now: float) -> None:
+        """Notes what the robot's own map knows at simulation time ``now`` (s)."""
+        from mr_measures.knowledge import Knowledge
+
+        self._truth = self._truth or load_truth(self._file)
+        if self._truth is not None:
+            self._knowledge = self._knowledge or Knowledge(self._truth, self._start)
+            self._knowledge.look(own, now)
+            self._looked_at = now
+
+    def is_due(self, now: float) -> bool:
+        """Whether it is time for another look."""
+        from mr_measures.knowledge import PERIOD
+
+        return now - self._looked_at >= PERIOD
+
+    def save(self, path: Path) -> None:
+        """Since when the own map has known each reference cell, s of simulation time, for the runner."""
+        if self._knowledge is not None:
+            np.save(known_file(path), self._knowledge.since)
+
+
+def known_file(map_file: Path) -> Path:
+    """Beside the file of a robot's final map."""
+    return map_file.with_suffix(".known.npy")
+
+
+def load_known(map_files: Mapping[str, Path]) -> dict[str, np.ndarray]:
+    """What each robot's meter has saved; none where it has not."""
+    files = {name: known_file(path) for name, path in map_files.items()}
+    return {name: np.load(path) for name, path in files.items() if path.exists()}
 
 
 class Measures:

@@ -17,6 +17,7 @@ from mr_measures.true_world import Polygon, RayCaster, TrueWorld
 WALL_MARGIN = 0.1  # m: free cells nearer to a wall than this are no reference cells
 
 _REFERENCE_RESOLUTION = 0.05  # m, lattice of the reference cells
+CELL_AREA = _REFERENCE_RESOLUTION**2  # m^2
 _HEADINGS = 16  # headings in which the footprint is tried
 _VIEWPOINT_SPACING = 0.3  # m between the poses looked from
 _BEAMS = 720
@@ -57,7 +58,7 @@ class Truth:
             known = KnowableArea(self.viewpoints, self._reference_cells(walls, range_max, cast))
         self.viewpoints, self.knowable = known.viewpoints, known.cells
         self.reference = _centres_of(known.cells, walls)
-        self.cell_area = _REFERENCE_RESOLUTION**2  # m^2
+        self.cell_area = CELL_AREA
 
     @classmethod
     def of_world(cls, world: TrueWorld, known: Optional[KnowableArea] = None) -> "Truth":

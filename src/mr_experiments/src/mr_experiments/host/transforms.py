@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Sequence
 
 import numpy as np
@@ -13,6 +12,7 @@ from mr_experiments.host.robot import Robot
 from mr_grid import Pose
 from mr_measures.drift import FEWEST_POINTS, Track, best_rigid_fit, overlap
 from mr_measures.occupancy import occupancy_of
+from mr_measures.record.beliefs import Beliefs
 from mr_measures.record.robot_record import Merge
 
 
@@ -22,7 +22,7 @@ class MergeLog:
     def __init__(self, starts: Sequence[Pose], names: Sequence[str]) -> None:
         self._starts = dict(zip(names, starts))
         self._tracks = {name: Track() for name in names}
-        self._believed: dict[str, dict[str, Pose]] = {name: {} for name in names}
+        self._beliefs = {name: Beliefs() for name in names}
         self.entries: dict[str, list[Merge]] = {name: [] for name in names}
 
     def follow(self, robot: Robot, true: Pose) -> None:
@@ -33,15 +33,11 @@ class MergeLog:
     def look(self, robot: Robot, team: Sequence[Robot], now: float) -> None:
         """Notes what has changed in the transforms of a robot's merger; later refinements count only for the error."""
         partners = {one.name: one for one in team}
-        before = self._believed[robot.name]
         present = {name: transform for name, transform in robot.merger.transforms().items() if name in partners}
-        for other in sorted(before.keys() - present.keys()):
-            self.entries[robot.name].append(Merge(other, round(now, 3), None))
-        for other, transform in present.items():
-            if other not in before or _apart(before[other], transform):
-                self.entries[robot.name].append(self._entry(robot, partners[other], transform, now))
-                before = {**before, other: transform}
-        self._believed[robot.name] = {name: before[name] for name in present}
+        for other, transform in self._beliefs[robot.name].changes(present):
+            lost = Merge(other, round(now, 3), None)
+            entry = lost if transform is None else self._entry(robot, partners[other], transform, now)
+            self.entries[robot.name].append(entry)
 
     def _entry(self, robot: Robot, other: Robot, transform: Pose, now: float) -> Merge:
         true, points = self._truth(robot, other)
@@ -70,8 +66,3 @@ class MergeLog:
             return best_rigid_fit(target_points, source_points), source_points
         places = source.info.centres_of(np.argwhere(source.cells >= 0))
         return start, places if len(places) else np.zeros((1, 2))
-
-
-def _apart(first: Pose, second: Pose) -> bool:
-    moved = math.hypot(first.x - second.x, first.y - second.y)
-    return moved > 0.05 or rotation_between(first, second) > 0.01

@@ -27,8 +27,8 @@ class Scope:
         return Path(self.chapter.world).stem == paper.WORLD and self.chapter.scenario == paper.SCENARIO
 
     @property
-    def merges_recorded(self) -> bool:
-        return any(record.merges_recorded for records in self.teams.values() for record in records)
+    def merges_judged(self) -> bool:
+        return any(record.merges_judged for records in self.teams.values() for record in records)
 
     def results(self, robots: int) -> list[MissionRecord]:
         """Trials that came to a result, finished or not."""

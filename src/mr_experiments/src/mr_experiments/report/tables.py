@@ -23,7 +23,7 @@ def chapter_tables(scope: Scope) -> list[Table]:
         distance_table(scope),
         exploration_time_table(scope),
         team_table(scope),
-        *([merging_table(scope)] if scope.merges_recorded else []),
+        *([merging_table(scope)] if scope.merges_judged else []),
         radio_table(scope),
         computing_table(scope),
     ]
@@ -110,8 +110,8 @@ def _trial_row(record: MissionRecord) -> tuple[Cell, ...]:
         statistics.mean(errors) if errors else None,
         record.team.overlap,
         sum(robot.collisions.total for robot in record.robots.values()),
-        len(merges) if record.merges_recorded else None,
-        sum(merge.right is False for merge in merges) if record.merges_recorded else None,
+        len(merges) if record.merges_judged else None,
+        sum(merge.right is False for merge in merges) if record.merges_judged else None,
         sum(robot.sent("bytes_sent") for robot in record.robots.values()),
     )
 

@@ -191,6 +191,12 @@ class MissionRecord:
         return not self.robots or any(robot.merges is not None for robot in self.robots.values())
 
     @property
+    def merges_judged(self) -> bool:
+        """Whether it is known which of them were right."""
+        entries = [merge for robot in self.robots.values() for merge in robot.merges or () if merge.accepted]
+        return self.merges_recorded and all(merge.right is not None for merge in entries)
+
+    @property
     def map_errors(self) -> tuple[float, ...]:
         """Percent, of every robot's map that has a reference."""
         return tuple(robot.map.error for robot in self.robots.values() if robot.map.error is not None)
