@@ -37,9 +37,23 @@ def _between(low: float, high: float) -> Dict[str, Any]:
     }
 
 
+def _strategy_numbers() -> Dict[str, Any]:
+    own = strategies.BUILT_IN
+    outside = [str(number) for number in STRATEGIES if number not in own]
+    return {
+        "range_text": ", ".join([f"{own[0]} to {own[-1]}", *outside]),
+        "accepts": lambda value: value in STRATEGIES,
+    }
+
+
 PARAMETERS: Tuple[Parameter, ...] = (
-    Parameter("frontier_selection", int, 1, "strategy, see Strategies", **_between(0, 7)),
-    Parameter("strategy", str, "", "name of a strategy, in place of frontier_selection; empty: that one counts"),
+    Parameter("frontier_selection", int, 1, "strategy, see Strategies", **_strategy_numbers()),
+    Parameter(
+        "strategy",
+        str,
+        "",
+        "name or place (module:Class, FILE.py:Class) of a strategy, in place of frontier_selection",
+    ),
     Parameter("robot_prefix", str, "", "empty: real robot; else simulation with one master, such as /robot_0"),
     Parameter("move_base_frame", str, "map", "frame of goals; in simulation it carries the number: /robot_0/map"),
     Parameter("wait_for_planner_result", int, 3, "seconds in which move_base must accept a goal", **_between(1, 600)),
@@ -158,8 +172,9 @@ def load(given: Mapping[str, Any], robots_in_simulation: Any = 1, host_name: Opt
 
 def summary(options: Options) -> str:
     """The line at the start of the node."""
+    title = strategies.strategy_of(options.frontier_selection).title
     return (
-        f"robot {options.robot_name}, strategy {options.frontier_selection}: {STRATEGIES[options.frontier_selection]};"
+        f"robot {options.robot_name}, strategy {options.frontier_selection}: {title};"
         f" robots in simulation: {options.robots_in_simulation}"
     )
 
@@ -208,7 +223,7 @@ def _checked(parameter: Parameter, value: Any) -> Any:
 
 
 def _selected(name: str, number: int) -> int:
-    """Number of the strategy of that name, or `number` without a name."""
+    """Number of the strategy of that name or place, or `number` without a name."""
     if not name:
         return number
     try:

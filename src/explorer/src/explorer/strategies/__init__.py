@@ -1,4 +1,5 @@
-"""The strategies by number and name. A new one is registered by importing its module here."""
+"""The strategies by number and name. A new one is registered by importing its module here, or from outside by its place
+(`outside.strategy_at`): as the parameter `strategy`, or in the environment variable EXPLORER_STRATEGIES."""
 
 from typing import Dict, Type, Union
 
@@ -11,13 +12,18 @@ from explorer.strategies import (  # noqa: F401
     paper_auction,
     random_frontier,
 )
+from explorer.strategies.outside import is_place_of_strategy, strategies_of_environment, strategy_at
 from explorer.strategies.strategy import REGISTRY, Strategy
 
+BUILT_IN = tuple(sorted(REGISTRY))
+strategies_of_environment()
 TITLES: Dict[int, str] = {number: REGISTRY[number].title for number in sorted(REGISTRY)}
 
 
 def strategy_of(key: Union[int, str]) -> Type[Strategy]:
-    """By number or name. KeyError tells what there is."""
+    """By number, name or place. KeyError tells what there is, or what is wrong at that place."""
+    if isinstance(key, str) and is_place_of_strategy(key):
+        return strategy_at(key)
     for strategy in REGISTRY.values():
         if key in (strategy.number, strategy.name):
             return strategy
