@@ -1,0 +1,52 @@
+"""Changelogs, Dockerfiles and the workflow name what is there."""
+
+import re
+
+import pytest
+import yaml
+from pages import REPOSITORY
+
+PACKAGES = sorted(path.parent for path in REPOSITORY.glob("src/*/package.xml"))
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
+def test_every_package_has_a_changelog(package):
+    lines = (package / "CHANGELOG.rst").read_text(encoding="utf-8").splitlines()
+    assert lines[1] == f"Changelog for package {package.name}" and set(lines[0]) == set(lines[2]) == {"^"}
+    version = re.search(r"<version>(.*)</version>", (package / "package.xml").read_text(encoding="utf-8"))
+    assert lines[4] == "Forthcoming" or lines[4].startswith(version.group(1))
+    assert set(lines[5]) == {"-"} and len(lines[5]) == len(lines[4])
+    assert all(line.startswith(("* ", "  ")) and len(line) <= 120 for line in lines[6:] if line)
+
+
+@pytest.mark.parametrize("file", sorted((REPOSITORY / "docker").glob("Dockerfile.*")), ids=lambda file: file.name)
+def test_dockerfiles_copy_what_is_there(file):
+    text = file.read_text(encoding="utf-8")
+    for source in re.findall(r"^COPY (\S+) ", text, re.MULTILINE):
+        assert (REPOSITORY / source).exists(), source
+    makefile = (REPOSITORY / "Makefile").read_text(encoding="utf-8")
+    for target in re.findall(r"\bmake ([a-z][\w-]*)", text):
+        assert re.search(rf"^{target}:", makefile, re.MULTILINE), target
+
+
+def test_noetic_gets_all_packages_that_the_core_needs():
+    copied = set(
+        re.findall(r"^COPY src/(\w+) ", (REPOSITORY / "docker" / "Dockerfile.noetic").read_text(), re.MULTILINE)
+    )
+    own = {package.name for package in PACKAGES}
+    for name in copied:
+        text = (REPOSITORY / "src" / name / "package.xml").read_text(encoding="utf-8")
+        needed = set(re.findall(r"<(?:build_|exec_)?depend>(\w+)<", text)) & own
+        assert needed <= copied, f"{name} needs {needed - copied}"
+
+
+def test_workflow_and_citation_can_be_read():
+    workflow = yaml.safe_load((REPOSITORY / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8"))
+    assert workflow["jobs"]["debian12"]["container"]["image"] == "debian:bookworm"
+    commands = [step.get("run", "") for step in workflow["jobs"]["debian12"]["steps"]]
+    assert "make test" in commands and "make lint" in commands
+    for step in workflow["jobs"]["noetic"]["steps"]:
+        for file in re.findall(r"-f (\S+)", step.get("run", "")):
+            assert (REPOSITORY / file).is_file()
+    citation = yaml.safe_load((REPOSITORY / "CITATION.cff").read_text(encoding="utf-8"))
+    assert citation["cff-version"] == "1.2.0" and citation["license"] == "BSD-3-Clause"
