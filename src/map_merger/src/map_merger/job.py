@@ -8,11 +8,12 @@ import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
 
-from . import features, registration
+from . import registration
 from .covariance import covariance_at_origin, covariance_of
 from .evidence import compare
 from .global_map import merged
 from .meetings import Sightings, confirmed, hypotheses_of
+from .methods import method_of
 from .presence import is_refuted, presence_of
 from .registration import (
     DEFAULT_CRITERIA,
@@ -195,8 +196,7 @@ class Job:
         if 0.0 < min(target.surface.length, source.surface.length) < criteria.matched:
             # As every transform would be; most searches at the start are of such maps.
             return Registration(Verdict.TOO_LITTLE_SHARED_WALL)
-        method = features.register if self.method == "features" else registration.register
-        result = method(target, source, criteria, self.limits, self.prior)
+        result = method_of(self.method)(target, source, criteria, self.limits, self.prior)
         if result.rivals:
             result = self._chosen_by_meeting(target, source, result)
         return _with_covariance(target, source, result)

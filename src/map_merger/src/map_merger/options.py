@@ -5,7 +5,9 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from mr_grid import Pose, pose_of
+from mr_grid.by_place import PlaceError, names_a_place
 
+from .methods import METHODS, method_of
 from .robot_size import RobotSize
 
 
@@ -48,7 +50,7 @@ PARAMETERS: Dict[str, Parameter] = {
     "max_rotation_robots": Parameter(float, -1.0, least=0.0, also=-1.0),
     "debug": Parameter(bool, True),
     "log_path": Parameter(str, ""),
-    "registration": Parameter(str, "correlation", choices=("correlation", "features")),
+    "registration": Parameter(str, "correlation", choices=tuple(METHODS)),
     "initial_poses": Parameter(dict, {}),
     "scan_topic": Parameter(str, ""),
     "body_radius": Parameter(float, 0.2, least=0.02, most=2.0),
@@ -177,7 +179,9 @@ def _checked(name: str, value: Any) -> Any:
         raise OptionError(f"parameter {name} must be of type {expected.__name__}, not {value!r}")
     if name in NOT_EMPTY and not value:
         raise OptionError(f"parameter {name} must not be empty")
-    if parameter.choices and value not in parameter.choices:
+    if name == "registration" and names_a_place(value):
+        _check_method(value)
+    elif parameter.choices and value not in parameter.choices:
         raise OptionError(f"parameter {name} must be one of {', '.join(parameter.choices)}, not {value!r}")
     if parameter.least is not None and not (value >= parameter.least or value == parameter.also):
         also = "" if parameter.also is None else f" or {parameter.also:g} for unlimited"
@@ -189,6 +193,13 @@ def _checked(name: str, value: Any) -> Any:
     if parameter.kind is float and not math.isfinite(value):
         raise OptionError(f"parameter {name} must be finite, not {value!r}")
     return value
+
+
+def _check_method(place: str) -> None:
+    try:
+        method_of(place)
+    except PlaceError as error:
+        raise OptionError(f"parameter registration: {error}") from error
 
 
 def _poses(given: Mapping[str, Any]) -> Dict[str, Pose]:

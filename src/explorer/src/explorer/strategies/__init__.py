@@ -12,8 +12,9 @@ from explorer.strategies import (  # noqa: F401
     paper_auction,
     random_frontier,
 )
-from explorer.strategies.outside import is_place_of_strategy, strategies_of_environment, strategy_at
+from explorer.strategies.outside import strategies_of_environment, strategy_at
 from explorer.strategies.strategy import REGISTRY, Strategy
+from mr_grid.by_place import names_a_place
 
 BUILT_IN = tuple(sorted(REGISTRY))
 strategies_of_environment()
@@ -22,7 +23,7 @@ TITLES: Dict[int, str] = {number: REGISTRY[number].title for number in sorted(RE
 
 def strategy_of(key: Union[int, str]) -> Type[Strategy]:
     """By number, name or place. KeyError tells what there is, or what is wrong at that place."""
-    if isinstance(key, str) and is_place_of_strategy(key):
+    if isinstance(key, str) and names_a_place(key):
         return strategy_at(key)
     for strategy in REGISTRY.values():
         if key in (strategy.number, strategy.name):
