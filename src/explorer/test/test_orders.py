@@ -5,9 +5,12 @@ from typing import Any, Callable, List
 import pytest
 from test_agent import Bench, corridor, reply
 
+from explorer.agent import ExplorerAgent
 from explorer.messages import Auction, CancelGoal, Note, SendAuction, SetGoal, WriteLog
+from explorer.options import Options
 from explorer.orders import Answer
 from explorer.status import State
+from mr_grid import Pose
 
 
 def of_kind(kind: type, effects: List[Any]) -> List[Any]:
@@ -202,3 +205,17 @@ def test_a_clock_that_is_set_back_does_not_make_a_halted_robot_drive(what: str, 
     bench.run(1.0)
     bench.now = 5.0
     assert not of_kind(SetGoal, bench.run(10.0)) and bench.agent.state == state
+
+
+@pytest.mark.parametrize("autostart, last", [(True, "waits for move_base"), (False, "waits for the start")])
+def test_a_robot_that_has_not_begun_tells_what_it_waits_for(autostart: bool, last: str) -> None:
+    """It said "waits for the start" also where only its map was missing."""
+    agent = ExplorerAgent(Options(robot_name="robot_0", autostart=autostart))
+    agent.tick(0.0)
+    assert agent.text == "waits for the map"
+    agent.on_global_map(corridor(), 1.0)
+    agent.tick(1.0)
+    assert agent.text == "waits for the robot's pose"
+    agent.on_pose(Pose(0.5, 0.0, 0.0), 2.0)
+    agent.tick(2.0)
+    assert agent.text == last

@@ -50,9 +50,10 @@ class Exploration:
         name = options.robot_name
         self._name, self.strategy, self._emit = name, strategy, emit
         self._senses, self._perception, self._foreign = senses, perception, foreign
-        self.state, self.text = State.STARTING, "waits for the start"
+        self.state, self.text = State.STARTING, "waits for the map"
         self.started_at: Optional[float] = None
         self.finished_at: Optional[float] = None
+        self._autostart = options.autostart
         self.orders = Orders(options)
         self.team = Team(name, options.claim_timeout)
         self._departure = Departure(name, options.field_of_view, self.team)
@@ -187,10 +188,8 @@ class Exploration:
             self._reopen()
         if self.state == State.FINISHED:
             return
-        if self.started_at is None:
-            self._be(State.STARTING, "waits for the start")
-        elif self._senses.map is None or self._senses.pose is None:
-            self._be(State.STARTING, "waits for " + ("the map" if self._senses.map is None else "the robot's pose"))
+        if self.started_at is None or self._senses.map is None or self._senses.pose is None:
+            self._be(State.STARTING, f"waits for {self._awaited}")
         elif self.orders.paused:
             self._stand(now)
         elif self.finished_at is not None:
@@ -199,6 +198,15 @@ class Exploration:
             self._explore(now)
         if self.started_at is not None and self.finished_at is None and self._journal.due(now):
             self._journal.write(self.counters, self.unreachable_count(), self._senses.map, now)
+
+    @property
+    def _awaited(self) -> str:
+        """What there is to be before the robot begins."""
+        if self._senses.map is None:
+            return "the map"
+        if self._senses.pose is None:
+            return "the robot's pose"
+        return "move_base" if self._autostart else "the start"
 
     @property
     def _stage(self) -> Stage:
