@@ -75,13 +75,13 @@ bench-explore-cpu: build
 bench-slam: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_slam --out out/bench/slam.json
 
-# Where robots get stuck: two hundred scenes drawn from seeds, a minute.
 # The same beside MRPT's ICP and RBPF, which take some minutes a log. SLAM: options of bench_slam.
 bench-slam-peers: build
 	@tools/build_slam_peers
 	@mkdir -p out/bench && $(ENVIRONMENT) PYTHONPATH=build/slam_peers:$$PYTHONPATH \
 	  rosrun mr_experiments bench_slam --peers --out out/bench/slam_peers.json $(SLAM)
 
+# Where robots get stuck: two hundred scenes drawn from seeds, a minute.
 bench-navigation: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_sim bench_navigation --seeds 200 --jobs 2 --out out/bench/navigation.json
 

@@ -1,12 +1,18 @@
 # The protocol engine: a static library without ROS, and its tests. Included by CMakeLists.txt.
 option(ADHOC_SANITIZE "Build the protocol engine with AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
 
-find_path(ZSTD_INCLUDE_DIR zstd.h REQUIRED)
-find_library(ZSTD_LIBRARY zstd REQUIRED)
-find_path(ISAL_INCLUDE_DIR isa-l/erasure_code.h REQUIRED)
-find_library(ISAL_LIBRARY isal REQUIRED)
-find_path(SODIUM_INCLUDE_DIR sodium.h REQUIRED)
-find_library(SODIUM_LIBRARY sodium REQUIRED)
+find_path(ZSTD_INCLUDE_DIR zstd.h)
+find_library(ZSTD_LIBRARY zstd)
+find_path(ISAL_INCLUDE_DIR isa-l/erasure_code.h)
+find_library(ISAL_LIBRARY isal)
+find_path(SODIUM_INCLUDE_DIR sodium.h)
+find_library(SODIUM_LIBRARY sodium)
+# find_path and find_library know REQUIRED from CMake 3.18 on only.
+foreach(needed ZSTD ISAL SODIUM)
+  if(NOT ${needed}_INCLUDE_DIR OR NOT ${needed}_LIBRARY)
+    message(FATAL_ERROR "Not found: ${needed}. On Debian: apt install libzstd-dev libisal-dev libsodium-dev")
+  endif()
+endforeach()
 
 set(ADHOC_ENGINE_DIR ${CMAKE_CURRENT_LIST_DIR})
 file(GLOB ADHOC_ENGINE_SOURCES CONFIGURE_DEPENDS
