@@ -6,8 +6,8 @@ from typing import Sequence
 from explorer.team import Team
 
 NARROW = math.pi  # rad; robots that see less may drive into what stands beside them
-APART = 6.0  # s from one robot to the next
-LONGEST = 18.0  # s that the last one waits
+APART = 10.0  # s from one robot to the next
+LONGEST = 25.0  # s that the last one waits
 
 
 class Departure:

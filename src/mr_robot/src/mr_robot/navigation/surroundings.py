@@ -14,6 +14,7 @@ from mr_robot.navigation.planner import CostMap
 from mr_robot.navigation.yielding import Point, nearest_blocker
 
 WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
+NARROW = math.pi / 2.0  # rad to each side; a robot that sees less has not much but the map beside it
 POINT_SPACING = 0.03  # m, finer detail of obstacles does not matter
 BUMPED = 0.03  # m before the side that ran into what the laser does not see, where it is taken to be
 
@@ -24,9 +25,6 @@ class Surroundings:
         self._memory = ObstacleMemory(options.obstacle_memory)
         self._hits = np.empty((0, 2))  # of the latest scan, robot's frame
         self._near = options.reach_in(_navigation.Horizon().duration)
-        self._margins = _navigation.Margins(
-            WALL_MARGIN, options.obstacle_margin, options.moving_margin, options.moving_reaction_time
-        )
 
     def see(self, scan: Scan, pose: Pose, costs: CostMap, now: float) -> None:
         self._hits = scan.points
@@ -42,8 +40,13 @@ class Surroundings:
 
     def obstacles(self, costs: CostMap, pose: Pose, scan: Scan) -> np.ndarray:
         """What the next motion must not touch: rows (x, y, margin, reaction time) in the map frame."""
+        options = self._options
+        wall_margin = WALL_MARGIN if scan.half_view >= NARROW else options.obstacle_margin
+        margins = _navigation.Margins(
+            wall_margin, options.obstacle_margin, options.moving_margin, options.moving_reaction_time
+        )
         return _navigation.surroundings(
-            scan.points, pose, self._memory.rows, costs.walls, self._margins, KNOWN_WITHIN, self._near, POINT_SPACING,
+            scan.points, pose, self._memory.rows, costs.walls, margins, KNOWN_WITHIN, self._near, POINT_SPACING,
             scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
         )  # fmt: skip
 
