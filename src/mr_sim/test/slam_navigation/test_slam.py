@@ -390,19 +390,6 @@ def test_what_wheels_slipped_is_no_way_between_keyframes() -> None:
     assert math.dist(estimate[:2], pose[:2]) < 0.06
 
 
-@pytest.mark.parametrize("turns", [False, True])
-def test_a_robot_too_near_to_see_knows_whether_it_turns(turns: bool) -> None:
-    """A Turtlebot that touched a wall which filled half of its view turned 160 degrees by its wheels alone."""
-    angles = np.linspace(-0.5, 0.5, 320)
-    slam, heading = Slam(), 0.0
-    for step in range(20):
-        seen = np.where(angles + heading < 0.1, 0.3, np.inf)  # too near, and nothing there
-        scan = LaserScan(seen.astype(np.float32), -0.5, 1.0 / 319, 0.45, 4.0, Pose(0.0, 0.0, 0.0))
-        pose = slam.process(scan, Pose(0.0, 0.0, 0.02 * step), 0.1 * step).pose
-        heading += 0.02 if turns else 0.0
-    assert pose[2] == pytest.approx(0.38 if turns else 0.0, abs=0.05)
-
-
 @pytest.mark.parametrize("radius", [0.17, 0.4])
 def test_the_ground_under_the_robot_is_free_as_far_as_it_reaches(radius: float) -> None:
     slam = Slam(SlamOptions(free_radius=radius))

@@ -11,7 +11,6 @@ constexpr int kLeastBeams = 20;       // that are compared
 constexpr double kSame = 0.55;        // of them that see what they saw, where the robot stands among others that move,
 constexpr double kClearly = 0.25;     // and so many more than see what they would if it had moved
 constexpr double kSeen = 0.1;         // so many more of them see that it moved
-constexpr double kSameKind = 0.9;     // of the beams whose kind a turn would change have the kind they had
 constexpr double kMostWay = 0.5;      // m, and
 constexpr double kMostAngle = 0.6;    // rad by odometry that are waited for a verdict
 
@@ -19,28 +18,6 @@ bool equal(double a, double b) { return std::abs(a - b) < kTolerance + kShare * 
 
 bool is_hit(float range, const LaserGeometry& geometry) {
   return range >= geometry.range_min && range < geometry.range_max - 1e-3;
-}
-
-// Of a beam where nothing was hit that the sensor can measure.
-enum class Kind { kHit, kFar, kNear };
-
-Kind kind_of(float range, const LaserGeometry& geometry) {
-  if (is_hit(range, geometry)) return Kind::kHit;
-  return range >= geometry.range_max - 1e-3 ? Kind::kFar : Kind::kNear;
-}
-
-// Whether what a turn would change stays as it was: all that tells of rest where what is near hides the walls.
-bool kinds_stay(const std::vector<float>& before, const float* now, double turn, const LaserGeometry& geometry) {
-  const long size = static_cast<long>(before.size()), shift = std::lround(turn / geometry.angle_increment);
-  int compared = 0, same = 0;
-  for (long beam = 0; beam < size; ++beam) {
-    if (beam + shift < 0 || beam + shift >= size) continue;
-    const Kind was = kind_of(before[beam], geometry), turned = kind_of(before[beam + shift], geometry);
-    if (was == turned) continue;
-    ++compared;
-    same += kind_of(now[beam], geometry) == was;
-  }
-  return compared >= kLeastBeams && same >= kSameKind * compared;
 }
 
 }  // namespace
@@ -74,9 +51,7 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
     same += is_hit(now, geometry) && equal(now, ranges_[beam.index]);
     moved += is_hit(there, geometry) && equal(there, std::hypot(end.x, end.y));
   }
-  const bool stands = compared >= kLeastBeams ? same >= kSame * compared && same - moved >= kClearly * compared
-                                              : kinds_stay(ranges_, ranges, motion.yaw, geometry);
-  if (stands) {
+  if (compared >= kLeastBeams && same >= kSame * compared && same - moved >= kClearly * compared) {
     odometry_ = odometry;
     return Verdict::kStands;
   }
