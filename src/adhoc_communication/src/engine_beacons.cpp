@@ -92,6 +92,7 @@ void Engine::Implementation::maintain(Time now) {
   for (const auto& [neighbor, link] : links_.all()) neighbors_.set_loss(neighbor, link.sender.loss(now));
   for (const MacAddress& neighbor : neighbors_.doubtful(now)) probe(neighbor, now);
   directory_.expire(now);
+  runs_.expire(now);
   router_.expire(now);
   broadcast_receiver_.expire(now);
   for (const auto& [source, receiver] : receivers_.all()) receiver->expire(now);

@@ -49,9 +49,9 @@ void Engine::Implementation::receive(const Frame& frame, Time now) {
   if (!opened) return;
   const wire::FrameHeader& header = opened->header;
   const wire::BootTag boot = wire::boot_tag(header.boot_id);
-  if (directory_.is_former(header.sender, boot)) return;
   if (lost_artificially(header.type)) return;
   if (!guard_.proven(header) && !proves_itself(*opened, now)) return;
+  if (!runs_.heard(header.sender, boot, header.counter, now)) return;
   if (!hear(header, now)) return;
 
   if (header.next_hop != wire::kEverybody && (header.flags & wire::kWantsAcknowledgment) != 0) {
@@ -156,6 +156,7 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
       return with(wire::read_flood(body), [&](auto flood) { on_flood(flood, now); });
     case FrameType::kGroupActivation:
       return with(wire::read_group_activation(body), [&](auto activation) {
+        if (activation.root != self_.address && !runs_.told(activation.root, activation.root_boot, now)) return;
         distributor_.on_activation(from, activation, takes_part(activation.root), now);
       });
     case FrameType::kGroupRefusal:

@@ -204,6 +204,7 @@ class Engine::Implementation : private Outbox {
   security::FrameGuard guard_;
   Random random_;
   routing::Neighbors neighbors_;
+  routing::LivingRuns runs_;
   routing::RobotDirectory directory_;
   routing::Router router_;
   std::size_t segment_size_;

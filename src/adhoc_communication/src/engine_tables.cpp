@@ -14,6 +14,7 @@ std::vector<TableFill> Engine::Implementation::tables() const {
       {"neighbours", neighbors_.all().size(), routing::Neighbors::kMostNeighbors},
       {"links", links_.size(), routing::Neighbors::kMostNeighbors},
       {"runs not proven", neighbors_.candidates(), routing::Neighbors::kMostNeighbors},
+      {"robots with runs", runs_.size(), routing::LivingRuns::kMostRobots},
       {"robots", directory_.size(), routing::RobotDirectory::kMostRobots},
       {"routes", router_.table().size(), routing::RouteTable::kMostRoutes},
       {"precursors of a route", precursors, routing::RouteTable::kMostPrecursors},

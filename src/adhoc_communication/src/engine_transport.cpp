@@ -10,7 +10,7 @@ using transport::HopSender;
 using wire::FrameType;
 
 void Engine::Implementation::on_data(const MacAddress& from, wire::Data data, Time now) {
-  if (data.source == self_.address || directory_.is_former(data.source, data.source_boot)) return;
+  if (data.source == self_.address || !runs_.told(data.source, data.source_boot, now)) return;
   directory_.traffic(data.source, data.source_boot, now);
   router_.used(data.source, data.destination, from, now);
   if (data.destination == self_.address) return deliver_data(data, now);
@@ -21,7 +21,7 @@ void Engine::Implementation::on_data(const MacAddress& from, wire::Data data, Ti
 void Engine::Implementation::on_transport_acknowledgment(const MacAddress& from,
                                                          wire::TransportAcknowledgment acknowledgment, Time now) {
   if (acknowledgment.source == self_.address) return;
-  if (directory_.is_former(acknowledgment.source, acknowledgment.source_boot)) return;
+  if (!runs_.told(acknowledgment.source, acknowledgment.source_boot, now)) return;
   directory_.traffic(acknowledgment.source, acknowledgment.source_boot, now);
   router_.used(acknowledgment.source, acknowledgment.destination, from, now);
   if (acknowledgment.destination != self_.address) {
@@ -103,7 +103,7 @@ void Engine::Implementation::on_broadcast_data(const wire::FrameHeader& header, 
 }
 
 void Engine::Implementation::on_flood(const wire::Flood& flood, Time now) {
-  if (flood.source == self_.address || directory_.is_former(flood.source, flood.source_boot)) return;
+  if (flood.source == self_.address || !runs_.told(flood.source, flood.source_boot, now)) return;
   if (!flood_.take(flood, now)) return;
   deliver_packet(flood.source_name, flood.image, static_cast<std::uint8_t>(flood.hop_count + 1), now);
 }

@@ -8,10 +8,7 @@
 namespace adhoc_communication::routing {
 namespace {
 
-constexpr std::size_t kMostFormerRuns = 8;
-constexpr std::uint32_t kSecondsThatProveLife = 2;
-constexpr Time kHeardRecently = std::chrono::seconds(2);
-constexpr Time kForget = std::chrono::seconds(60);  ///< how long a lost robot's runs are remembered
+constexpr Time kForget = std::chrono::seconds(60);  ///< how long a lost robot is remembered
 
 }  // namespace
 
@@ -26,44 +23,22 @@ bool RobotDirectory::learn(const MacAddress& address, const std::string& name, w
 void RobotDirectory::life_sign(const MacAddress& address, const std::string& name, wire::BootTag boot,
                                std::uint32_t alive, std::uint8_t hops, Time now) {
   const Robot* known = find(address);
-  const bool same_run = known != nullptr && known->boot == boot;
-  if (hops > 1 && same_run && known->alive != 0 && !is_newer(alive, known->alive)) {
+  const std::uint32_t before = runs_.lives(address, boot) ? runs_.life_sign(address) : 0;
+  if (hops > 1 && known != nullptr && known->boot == boot && before != 0 && !is_newer(alive, before)) {
     // A nearer witness of the same life sign shortens the distance; it is no news of life.
-    if (alive == known->alive && hops < known->hops) robots_[address].hops = hops;
+    if (alive == before && hops < known->hops) robots_[address].hops = hops;
     return;
   }
-  // Hearsay of another run does not count against a robot that is heard directly.
-  const bool other_run = known != nullptr && !same_run;
-  const bool heard_lately = known != nullptr && now - known->last_news < kHeardRecently;
-  if (other_run && hops > 1 && heard_lately && known->hops == 1) return;
-  if (other_run && is_former(address, boot) && (heard_lately || !reinstate(robots_.at(address), boot, alive))) return;
+  if (!runs_.told_alive(address, boot, alive, now)) return;
   Robot* robot = admit(address, name, boot, now);
   if (robot == nullptr) return;
-  if (robot->alive != alive) robot->spreads_left = kSpreads;
-  robot->alive = alive;
+  if (runs_.life_sign(address) != before) robot->spreads_left = kSpreads;
   robot->hops = hops;
-}
-
-/// Runs have no order, so late hearsay of an ended run may have displaced the one that lives. That one goes on to count
-/// its seconds; an ended run does not.
-bool RobotDirectory::reinstate(Robot& robot, wire::BootTag boot, std::uint32_t alive) {
-  const auto run = std::find_if(robot.former_runs.begin(), robot.former_runs.end(),
-                                [boot](const FormerRun& former) { return former.boot == boot; });
-  if (!is_newer(alive, run->alive + kSecondsThatProveLife)) return false;
-  robot.former_runs.erase(run);
-  return true;
 }
 
 void RobotDirectory::traffic(const MacAddress& address, wire::BootTag boot, Time now) {
   const auto found = robots_.find(address);
   if (found != robots_.end() && found->second.boot == boot && found->second.announced) found->second.last_news = now;
-}
-
-bool RobotDirectory::is_former(const MacAddress& address, wire::BootTag boot) const {
-  const Robot* robot = find(address);
-  if (robot == nullptr) return false;
-  return std::any_of(robot->former_runs.begin(), robot->former_runs.end(),
-                     [boot](const FormerRun& former) { return former.boot == boot; });
 }
 
 const Robot* RobotDirectory::find(const MacAddress& address) const {
@@ -117,7 +92,7 @@ void RobotDirectory::forget_name(const Robot& robot, const MacAddress& address) 
 std::vector<DirectoryChange> RobotDirectory::take_changes() { return std::exchange(changes_, {}); }
 
 Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now) {
-  if (is_former(address, boot)) return nullptr;
+  if (!runs_.lives(address, boot)) return nullptr;
   auto found = robots_.find(address);
   if (found == robots_.end()) {
     if (robots_.size() >= kMostRobots) return nullptr;
@@ -130,13 +105,10 @@ Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name,
   if (robot.boot != boot || robot.name != name) {
     if (robot.announced) changes_.push_back({robot.name, address, robot.boot, false});
     robot.announced = false;
-    if (robot.boot != boot) robot.former_runs.push_back({robot.boot, robot.alive});
-    if (robot.former_runs.size() > kMostFormerRuns) robot.former_runs.erase(robot.former_runs.begin());
     forget_name(robot, address);
     by_name_[name].insert(address);
     robot.boot = boot;
     robot.name = name;
-    robot.alive = 0;
   }
   robot.last_news = now;
   if (!robot.announced) {

@@ -1,4 +1,4 @@
-// All robots known, near and far: name, address, run, distance. Says when one appears and when one is lost.
+// All robots known, near and far: name, address, distance. Says when one appears and when one is lost.
 #pragma once
 
 #include <map>
@@ -8,20 +8,14 @@
 #include <vector>
 
 #include "round_robin.hpp"
+#include "routing/living_runs.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::routing {
 
-struct FormerRun {
-  wire::BootTag boot = 0;
-  std::uint32_t alive = 0;  ///< greatest life sign heard
-};
-
 struct Robot {
   std::string name;
-  wire::BootTag boot = 0;
-  std::vector<FormerRun> former_runs;  ///< newest last; nothing of theirs is believed any more
-  std::uint32_t alive = 0;             ///< greatest life sign heard; it is raised by that robot alone, once a second
+  wire::BootTag boot = 0;  ///< the run that this is said of
   std::uint8_t hops = 1;
   Time last_news{0};
   bool announced = false;
@@ -40,11 +34,13 @@ struct DirectoryChange {
 /// not taken in until a robot is lost.
 class RobotDirectory {
  public:
-  static constexpr std::size_t kMostRobots = 1024;
+  static constexpr std::size_t kMostRobots = LivingRuns::kMostRobots;
   static constexpr int kSpreads = 3;  ///< beacons that repeat a life sign, against lost beacons
   static constexpr Time kSilence = std::chrono::seconds(5);
 
-  /// False when the robot belongs to a former run, or the directory is full.
+  explicit RobotDirectory(LivingRuns& runs) : runs_(runs) {}
+
+  /// False when another run of the robot lives, or the directory is full.
   bool learn(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint8_t hops, Time now);
   /// As learn(), with a life sign; takes only news.
   void life_sign(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint32_t alive,
@@ -52,7 +48,6 @@ class RobotDirectory {
   /// Data of the robot arrived, so it lives.
   void traffic(const MacAddress& address, wire::BootTag boot, Time now);
 
-  bool is_former(const MacAddress& address, wire::BootTag boot) const;
   const Robot* find(const MacAddress& address) const;
   std::optional<MacAddress> address_of(const std::string& name) const;
   std::vector<std::string> names() const;
@@ -67,12 +62,12 @@ class RobotDirectory {
   std::vector<DirectoryChange> take_changes();
 
  private:
-  static bool reinstate(Robot& robot, wire::BootTag boot, std::uint32_t alive);
   Robot* admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now);
   static Time patience(const Robot& robot) { return kSilence + (robot.hops - 1) * std::chrono::seconds(2); }
 
   void forget_name(const Robot& robot, const MacAddress& address);
 
+  LivingRuns& runs_;
   std::map<MacAddress, Robot> robots_;
   std::map<std::string, std::set<MacAddress>> by_name_;  ///< more than one if a robot has got another radio
   std::vector<DirectoryChange> changes_;
@@ -87,8 +82,8 @@ std::vector<wire::Rumor> RobotDirectory::take_rumors(std::size_t most, Predicate
     auto& [address, robot] = item;
     if (robot.spreads_left <= 0 || !robot.announced || robot.hops >= wire::kFarthestHop) return false;
     --robot.spreads_left;
-    if (!wanted(address, robot.boot)) return false;
-    rumors.push_back({address, robot.boot, robot.alive, robot.hops, robot.name});
+    if (!wanted(address, robot.boot) || !runs_.lives(address, robot.boot)) return false;
+    rumors.push_back({address, robot.boot, runs_.life_sign(address), robot.hops, robot.name});
     return rumors.size() == most;
   });
   if (!rumors.empty()) last_spread_ = rumors.back().address;

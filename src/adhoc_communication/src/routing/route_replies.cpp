@@ -15,11 +15,11 @@ void Router::on_reply(const MacAddress& from, wire::RouteReply reply, Time now) 
   hear_directly(from, std::nullopt, now);
   if (reply.acknowledgment_required) outbox_.unicast_once(from, wire::FrameType::kRouteReplyAcknowledgment, {});
   if (reply.destination == self_.address) return;  // no route to oneself
-  if (directory_.is_former(reply.destination, reply.destination_boot)) return;
   // Runs have no order: an answer from somebody's old table must not displace a run that is known to live.
   const Robot* robot = directory_.find(reply.destination);
-  const bool other_run = robot != nullptr && robot->announced && robot->boot != reply.destination_boot;
-  if (other_run && reply.destination != from) return;
+  const bool known = robot != nullptr && robot->announced;
+  if (known && !runs_.lives(reply.destination, reply.destination_boot)) return;
+  if (!runs_.told(reply.destination, reply.destination_boot, now)) return;
   ++reply.hop_count;
   reply.cost = sum(reply.cost, neighbors_.cost(from));
   if (reply.originator == self_.address && better_one_known(reply, now)) return;

@@ -32,7 +32,7 @@ void Router::on_request(const MacAddress& from, wire::RouteRequest request, Time
   hear_directly(from, std::nullopt, now);
   // Making routes of own requests can give loops (van Glabbeek et al., MSWiM 2013).
   if (request.originator == self_.address) return;
-  if (directory_.is_former(request.originator, request.originator_boot)) return;
+  if (!runs_.told(request.originator, request.originator_boot, now)) return;
   const bool first = flood_.first_time(request, from, now);
   ++request.hop_count;
   request.cost = sum(request.cost, neighbors_.cost(from));

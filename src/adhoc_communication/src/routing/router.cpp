@@ -4,11 +4,12 @@
 
 namespace adhoc_communication::routing {
 
-Router::Router(const Identity& self, const EngineOptions& options, Neighbors& neighbors, RobotDirectory& directory,
-               Outbox& outbox, Random& random, Time now)
+Router::Router(const Identity& self, const EngineOptions& options, Neighbors& neighbors, LivingRuns& runs,
+               RobotDirectory& directory, Outbox& outbox, Random& random, Time now)
     : self_(self),
       timings_(options.timings),
       neighbors_(neighbors),
+      runs_(runs),
       directory_(directory),
       outbox_(outbox),
       routes_(options.timings),

@@ -23,8 +23,8 @@ namespace adhoc_communication::routing {
 
 class Router {
  public:
-  Router(const Identity& self, const EngineOptions& options, Neighbors& neighbors, RobotDirectory& directory,
-         Outbox& outbox, Random& random, Time now);
+  Router(const Identity& self, const EngineOptions& options, Neighbors& neighbors, LivingRuns& runs,
+         RobotDirectory& directory, Outbox& outbox, Random& random, Time now);
 
   std::uint32_t own_sequence() const { return own_sequence_; }
   const RouteTable& table() const { return routes_; }
@@ -93,6 +93,7 @@ class Router {
   const Identity& self_;
   const Timings& timings_;
   Neighbors& neighbors_;
+  LivingRuns& runs_;
   RobotDirectory& directory_;
   Outbox& outbox_;
   RouteTable routes_;

@@ -1,0 +1,121 @@
+#include "routing/living_runs.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "routing/sequence_number.hpp"
+
+namespace adhoc_communication::routing {
+
+bool LivingRuns::heard(const MacAddress& robot, wire::BootTag boot, std::uint64_t counter, Time now) {
+  Runs& runs = runs_of(robot, boot, now);
+  if (runs.boot != boot) {
+    if (FormerRun* run = former(runs, boot)) {
+      if (counter <= run->counter) return false;
+      run->counter = counter;
+      if (++run->frames < kFramesThatProveLife && now - runs.heard < kHeardRecently) return false;
+    }
+    displace(runs, boot);
+  }
+  runs.heard = now;
+  runs.news = now;
+  runs.counter = std::max(runs.counter, counter);
+  return true;
+}
+
+bool LivingRuns::told(const MacAddress& robot, wire::BootTag boot, Time now) {
+  Runs& runs = runs_of(robot, boot, now);
+  if (runs.boot == boot) {
+    runs.news = now;
+    return true;
+  }
+  if (now - runs.heard < kHeardRecently || former(runs, boot) != nullptr) return false;
+  if (runs.reinstated && now - runs.signed_at < kHeardRecently) return false;
+  // Who was told of by requests only has no life sign, so a chain of such runs does not put off the one that lives.
+  if (runs.sign != 0) runs.signed_at = now;
+  displace(runs, boot);
+  runs.news = now;
+  return true;
+}
+
+bool LivingRuns::told_alive(const MacAddress& robot, wire::BootTag boot, std::uint32_t sign, Time now) {
+  const auto known = robots_.find(robot);
+  if (known != robots_.end() && known->second.boot != boot) {
+    Runs& runs = known->second;
+    const bool lives_elsewhere = now - runs.heard < kHeardRecently;
+    if (FormerRun* run = former(runs, boot)) {
+      const bool goes_on = is_newer(sign, run->sign + kSecondsThatProveLife);
+      if (lives_elsewhere || !goes_on || now - runs.signed_at < kHeardRecently) return false;
+      displace(runs, boot);
+      runs.reinstated = true;
+    }
+  }
+  if (!told(robot, boot, now)) return false;
+  Runs& runs = robots_.at(robot);
+  if (runs.sign == 0 || is_newer(sign, runs.sign)) {
+    runs.sign = sign;
+    runs.signed_at = now;
+  }
+  return true;
+}
+
+bool LivingRuns::lives(const MacAddress& robot, wire::BootTag boot) const {
+  const auto found = robots_.find(robot);
+  return found != robots_.end() && found->second.boot == boot;
+}
+
+std::uint32_t LivingRuns::life_sign(const MacAddress& robot) const {
+  const auto found = robots_.find(robot);
+  return found == robots_.end() ? 0 : found->second.sign;
+}
+
+void LivingRuns::expire(Time now) {
+  for (auto runs = robots_.begin(); runs != robots_.end();) {
+    runs = now - runs->second.news >= kForget ? robots_.erase(runs) : std::next(runs);
+  }
+}
+
+LivingRuns::Runs& LivingRuns::runs_of(const MacAddress& robot, wire::BootTag boot, Time now) {
+  if (const auto found = robots_.find(robot); found != robots_.end()) return found->second;
+  make_room(now);
+  Runs& runs = robots_[robot];
+  runs.boot = boot;
+  return runs;
+}
+
+void LivingRuns::make_room(Time now) {
+  if (robots_.size() < kMostRobots) return;
+  robots_.erase(std::min_element(robots_.begin(), robots_.end(), [now](const auto& a, const auto& b) {
+    const auto worth = [now](const Runs& runs) { return std::pair(now - runs.heard < kHeardRecently, runs.news); };
+    return worth(a.second) < worth(b.second);
+  }));
+}
+
+LivingRuns::FormerRun* LivingRuns::former(Runs& runs, wire::BootTag boot) {
+  const auto found =
+      std::find_if(runs.former.begin(), runs.former.end(), [boot](const FormerRun& run) { return run.boot == boot; });
+  return found == runs.former.end() ? nullptr : &*found;
+}
+
+/// Those of which nothing but a claim was heard go first: any number of them can be made up.
+void LivingRuns::forget_one(Runs& runs) {
+  const auto claim = std::find_if(runs.former.begin(), runs.former.end(),
+                                  [](const FormerRun& run) { return run.sign == 0 && run.counter == 0; });
+  runs.former.erase(claim == runs.former.end() ? runs.former.begin() : claim);
+}
+
+void LivingRuns::displace(Runs& runs, wire::BootTag boot) {
+  FormerRun next{boot, 0, 0, 0};
+  if (const FormerRun* known = former(runs, boot)) next = *known;
+  runs.former.erase(
+      std::remove_if(runs.former.begin(), runs.former.end(), [boot](const FormerRun& run) { return run.boot == boot; }),
+      runs.former.end());
+  runs.former.push_back({runs.boot, runs.sign, runs.counter, 0});
+  if (runs.former.size() > kMostFormerRuns) forget_one(runs);
+  runs.boot = boot;
+  runs.sign = next.sign;
+  runs.counter = next.counter;
+  runs.reinstated = false;
+}
+
+}  // namespace adhoc_communication::routing

@@ -1,0 +1,66 @@
+// Which run of each robot lives. Boot ids have no order, so this is decided by who was heard, and by life signs.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <vector>
+
+#include "wire/messages.hpp"
+
+namespace adhoc_communication::routing {
+
+/// What the robot itself says, in a frame that this robot has heard (of a sealed team: from a proven run), counts most:
+/// a run heard within kHeardRecently is not displaced by what others tell. Of runs only told of, the newer one counts,
+/// until the other one goes on to raise its life sign; such a run is then not displaced without need a second time.
+///
+/// At most kMostRobots; the one without news for longest makes room.
+class LivingRuns {
+ public:
+  static constexpr std::size_t kMostRobots = 1024;
+  static constexpr std::size_t kMostFormerRuns = 8;  ///< of one robot; mere claims, then the oldest, are forgotten
+  static constexpr Time kHeardRecently = std::chrono::seconds(2);
+  static constexpr Time kForget = std::chrono::seconds(60);
+  static constexpr int kFramesThatProveLife = 3;             ///< of a former run, while another one is heard
+  static constexpr std::uint32_t kSecondsThatProveLife = 2;  ///< by which its life sign has to have grown
+
+  /// A frame of the robot itself. False if it belongs to a former run and may be a late or recorded one.
+  bool heard(const MacAddress& robot, wire::BootTag boot, std::uint64_t counter, Time now);
+  /// Somebody says that this run of the robot did something. False if that is not to be believed.
+  bool told(const MacAddress& robot, wire::BootTag boot, Time now);
+  /// As told(), with a life sign.
+  bool told_alive(const MacAddress& robot, wire::BootTag boot, std::uint32_t sign, Time now);
+
+  bool lives(const MacAddress& robot, wire::BootTag boot) const;
+  /// The greatest life sign of the run that lives; 0 if none is known.
+  std::uint32_t life_sign(const MacAddress& robot) const;
+  void expire(Time now);
+  std::size_t size() const { return robots_.size(); }
+
+ private:
+  struct FormerRun {
+    wire::BootTag boot = 0;
+    std::uint32_t sign = 0;
+    std::uint64_t counter = 0;  ///< greatest one heard
+    int frames = 0;             ///< heard since it is a former one
+  };
+  struct Runs {
+    wire::BootTag boot = 0;  ///< the one that lives
+    std::uint32_t sign = 0;
+    std::uint64_t counter = 0;
+    Time heard = -kHeardRecently;  ///< itself
+    Time signed_at = -kHeardRecently;
+    bool reinstated = false;  ///< it was displaced wrongly before
+    Time news{0};
+    std::vector<FormerRun> former;  ///< newest last
+  };
+
+  Runs& runs_of(const MacAddress& robot, wire::BootTag boot, Time now);
+  void make_room(Time now);
+  static FormerRun* former(Runs& runs, wire::BootTag boot);
+  static void forget_one(Runs& runs);
+  static void displace(Runs& runs, wire::BootTag boot);
+
+  std::map<MacAddress, Runs> robots_;
+};
+
+}  // namespace adhoc_communication::routing

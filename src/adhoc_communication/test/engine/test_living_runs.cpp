@@ -1,0 +1,195 @@
+// Which run of a robot is believed to live, whatever is said of it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "host.hpp"
+#include "routing/living_runs.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+using routing::LivingRuns;
+
+const MacAddress kRobot = {0x02, 0, 0, 0, 0, 7};
+constexpr wire::BootTag kEnded = 1;
+constexpr wire::BootTag kLiving = 2;
+constexpr wire::BootTag kForged = 3;
+
+/// The living run was known by hearsay, then late hearsay of the ended one displaced it.
+struct Displaced {
+  Displaced() {
+    runs.told_alive(kRobot, kLiving, 1, 10s);
+    runs.told_alive(kRobot, kEnded, 30, 10s);
+  }
+  /// Second by second, the living run is told of.
+  void hear_of_it(std::uint32_t first, std::uint32_t last, Time begin) {
+    for (std::uint32_t sign = first; sign <= last; ++sign) {
+      runs.told_alive(kRobot, kLiving, sign, begin + (sign - first) * 1s);
+    }
+  }
+  LivingRuns runs;
+};
+
+TEST(LivingRuns, ARunThatGoesOnIsReinstated) {
+  Displaced displaced;
+  ASSERT_FALSE(displaced.runs.lives(kRobot, kLiving));
+  displaced.hear_of_it(2, 6, 11s);
+  EXPECT_TRUE(displaced.runs.lives(kRobot, kLiving));
+  EXPECT_FALSE(displaced.runs.told(kRobot, kEnded, 15s));
+}
+
+TEST(LivingRuns, AnEndedRunStaysEnded) {
+  LivingRuns runs;
+  runs.told_alive(kRobot, kEnded, 30, 10s);
+  runs.heard(kRobot, kLiving, 1, 11s);
+  runs.told_alive(kRobot, kEnded, 31, 11s);
+  runs.told_alive(kRobot, kEnded, 31, 16s);  // whose second 31 was told, never 33
+  EXPECT_TRUE(runs.lives(kRobot, kLiving));
+}
+
+TEST(LivingRuns, WhatLivesIsNotDisplacedWhileItIsHeardOf) {
+  Displaced displaced;
+  displaced.runs.told_alive(kRobot, kEnded, 31, 11s);
+  displaced.runs.told_alive(kRobot, kLiving, 9, 12s);
+  EXPECT_TRUE(displaced.runs.lives(kRobot, kEnded));
+}
+
+TEST(LivingRuns, HearsayDoesNotDisplaceARunHeardLately) {
+  LivingRuns runs;
+  ASSERT_TRUE(runs.heard(kRobot, kLiving, 1, 10s));
+  EXPECT_FALSE(runs.told(kRobot, kForged, 11999ms));
+  EXPECT_FALSE(runs.told_alive(kRobot, kForged, 99, 11999ms));
+  EXPECT_TRUE(runs.lives(kRobot, kLiving));
+  EXPECT_TRUE(runs.told(kRobot, kForged, 12s)) << "it may have started again out of reach";
+}
+
+TEST(LivingRuns, ARunHeardItselfIsReinstatedAtOnceWhereTheOtherIsNotHeard) {
+  LivingRuns runs;
+  runs.heard(kRobot, kLiving, 5, 10s);
+  runs.told(kRobot, kForged, 13s);
+  EXPECT_TRUE(runs.heard(kRobot, kLiving, 6, 13s));
+  EXPECT_TRUE(runs.lives(kRobot, kLiving));
+}
+
+TEST(LivingRuns, LateFramesOfAnEndedRunDoNotBringItBack) {
+  LivingRuns runs;
+  runs.heard(kRobot, kEnded, 100, 10s);
+  ASSERT_TRUE(runs.heard(kRobot, kLiving, 1, 11s)) << "a restart is believed at once";
+  EXPECT_FALSE(runs.heard(kRobot, kEnded, 101, 11s)) << "it was in the air";
+  for (std::uint64_t counter = 90; counter <= 101; ++counter) {
+    EXPECT_FALSE(runs.heard(kRobot, kEnded, counter, 20s)) << "recorded, " << counter;
+  }
+  EXPECT_TRUE(runs.lives(kRobot, kLiving));
+}
+
+TEST(LivingRuns, ARunThatGoesOnTransmittingOutlivesAForgedOne) {
+  LivingRuns runs;
+  runs.heard(kRobot, kLiving, 100, 10s);
+  runs.heard(kRobot, kForged, 1, 10s);
+  EXPECT_FALSE(runs.heard(kRobot, kLiving, 101, 10s));
+  EXPECT_FALSE(runs.heard(kRobot, kLiving, 102, 10s));
+  EXPECT_TRUE(runs.heard(kRobot, kLiving, 103, 10s));
+}
+
+/// Requests with ever new runs kept a far robot deaf.
+TEST(LivingRuns, AFarRobotIsDisplacedWronglyOnce) {
+  LivingRuns runs;
+  Time silent_until = 0s;
+  for (std::uint32_t second = 1; second <= 60; ++second) {
+    const Time now = second * 1s;
+    runs.told_alive(kRobot, kLiving, second, now);
+    for (int i = 0; i < 3; ++i) runs.told(kRobot, kForged + 3 * second + i, now + i * 300ms);
+    if (!runs.lives(kRobot, kLiving)) silent_until = now;
+  }
+  EXPECT_LE(silent_until, 5s);
+}
+
+TEST(LivingRuns, AreBoundedAndThoseHeardStay) {
+  LivingRuns runs;
+  runs.heard(kRobot, kLiving, 1, 10s);
+  for (std::uint32_t i = 0; i < 5000; ++i) {
+    const MacAddress stranger = {0x06, 0, 0, 0, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i)};
+    runs.told(stranger, 1, 10s + i * 100us);
+  }
+  EXPECT_EQ(runs.size(), LivingRuns::kMostRobots);
+  EXPECT_TRUE(runs.lives(kRobot, kLiving));
+  runs.expire(100s);
+  EXPECT_EQ(runs.size(), 0u);
+}
+
+/// A neighbour that is heard, and a liar who tells of another run of it.
+struct Lied : Stage {
+  Lied() : told(neighbor(0)), liar(neighbor(1)) {
+    run_for(1s);
+    forged = told;
+    forged.boot_id[3] = 0xee;
+    forged.sequence = 1000;
+  }
+  /// A packet of the robot told of arrives.
+  bool hears() {
+    const std::size_t before = team.received(0).size();
+    say(told, data_for(self(), told, ++packet));
+    run_for(1ms);
+    return team.received(0).size() > before;
+  }
+  Host& told;
+  Host& liar;
+  Host forged;
+  std::uint32_t packet = 0;
+};
+
+/// One such request made the live run a former one, here and wherever it was passed on, and its frames were dropped
+/// for a minute.
+TEST(LivingRuns, ARequestOfAnUnknownRunDoesNotDeafen) {
+  Lied stage;
+  ASSERT_TRUE(stage.hears());
+  stage.forget();
+  stage.say(stage.liar, request_for(make_host(9), stage.forged));
+  EXPECT_TRUE(stage.hears());
+  stage.run_for(100ms);
+  EXPECT_TRUE(stage.requests().empty()) << "nor is it passed on";
+  EXPECT_EQ(stage.team.presence(0).size(), 2u);
+}
+
+TEST(LivingRuns, AReplyAboutAnUnknownRunDoesNotDeafen) {
+  Lied stage;
+  stage.give_route(stage.liar, stage.forged);
+  EXPECT_TRUE(stage.hears());
+  EXPECT_EQ(stage.route(stage.told)->next_hop, stage.told.address);
+}
+
+/// It replaced the receiver of the live run, and with it what had arrived.
+TEST(LivingRuns, DataOfAnUnknownRunDoesNotDeafen) {
+  Lied stage;
+  ASSERT_TRUE(stage.hears());
+  stage.say(stage.liar, data_for(stage.self(), stage.forged, 1));
+  stage.run_for(1ms);
+  EXPECT_EQ(stage.team.received(0).size(), 1u);
+  EXPECT_TRUE(stage.hears());
+}
+
+TEST(LivingRuns, ARequestThatNamesAnotherRunOfItsTransmitterIsNotBelieved) {
+  Lied stage;
+  stage.say(stage.told, request_for(make_host(9), stage.forged));
+  EXPECT_TRUE(stage.hears());
+}
+
+TEST(LivingRuns, ARestartIsBelievedFromItsFirstFrame) {
+  Lied stage;
+  stage.forged.counter = 0;
+  stage.forged.sequence = 1;
+  stage.say(stage.forged, request_for(make_host(9), stage.forged));
+  stage.told.beacons = false;
+  const std::uint64_t counter = stage.told.counter++;
+  stage.say(stage.told, request_for(make_host(9), stage.told, 2));
+  stage.told.counter = counter;
+  stage.beacon(stage.forged);
+  stage.run_for(1ms);
+  EXPECT_EQ(stage.team.presence(0).back().second, "+" + stage.told.name);
+  EXPECT_EQ(stage.route(stage.told)->boot, stage.forged.boot());
+}
+
+}  // namespace
+}  // namespace adhoc_communication
