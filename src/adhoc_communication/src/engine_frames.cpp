@@ -61,6 +61,7 @@ void Engine::Implementation::receive(const Frame& frame, Time now) {
     if (!from.receiver->take(header.link_sequence, header.counter, at_once, now)) return;
   }
   dispatch(header, opened->body, now);
+  forget_evicted(now);
 }
 
 /// A run is believed to be alive now once a beacon of it names this robot's boot id; until then this robot only says

@@ -138,6 +138,7 @@ class Engine::Implementation : private Outbox {
   void on_transport_acknowledgment(const MacAddress& from, wire::TransportAcknowledgment acknowledgment, Time now);
   void on_broadcast_data(const wire::FrameHeader& header, const wire::BroadcastData& data, Time now);
   void on_flood(const wire::Flood& flood, Time now);
+  void forget_evicted(Time now);
   void deliver_packet(const std::string& source, const Bytes& image, std::uint8_t hops, Time now);
   transport::StreamReceiver* receiver_for(const wire::Data& data, Time now);
   template <typename Message>
@@ -210,7 +211,7 @@ class Engine::Implementation : private Outbox {
   std::size_t segment_size_;
   std::size_t broadcast_segment_size_;
   transport::AirClock air_;
-  transport::AssemblyBudget budget_;
+  transport::Reassembly reassembly_;
   BusyMap<MacAddress, Link> links_;
   BusyMap<StreamKey, Stream> streams_;
   BusyMap<MacAddress, std::unique_ptr<transport::StreamReceiver>> receivers_;

@@ -23,6 +23,7 @@ std::vector<TableFill> Engine::Implementation::tables() const {
       {"floods remembered", flood_.remembered(), transport::FloodRelay::kMostSeen},
       {"streams", streams_.size(), kMostStreams},
       {"sources", receivers_.size(), kMostReceivers},
+      {"octets put together", reassembly_.octets(), reassembly_.most()},
       {"broadcasts put together", broadcast_receiver_.packets(), transport::BroadcastReceiver::kMostPackets},
       {"sends", host_sends_, kMostSends},
       {"octets of sends", octets_waiting_, kMostSendOctets + options_.max_packet_size},

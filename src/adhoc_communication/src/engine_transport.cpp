@@ -74,9 +74,24 @@ transport::StreamReceiver* Engine::Implementation::receiver_for(const wire::Data
     receivers_.erase(MacAddress(idle_longest->first));
   }
   const auto& receiver = receivers_.use(data.source, [&] {
-    return std::make_unique<transport::StreamReceiver>(data.source_boot, options_.max_packet_size, budget_);
+    return std::make_unique<transport::StreamReceiver>(data.source, data.source_boot, options_.max_packet_size,
+                                                       reassembly_);
   });
   return receiver.get();
+}
+
+/// Whoever put the packets together that had to make room forgets them.
+void Engine::Implementation::forget_evicted(Time now) {
+  for (const transport::Reassembly::Key& key : reassembly_.take_evicted()) {
+    if (key.carrier >= transport::Reassembly::kGroup) {
+      distributor_.evicted(key);
+    } else if (key.carrier == transport::Reassembly::kBroadcast) {
+      broadcast_receiver_.evicted(key);
+    } else if (const auto* known = receivers_.find(key.source); known != nullptr && (*known)->boot() == key.boot) {
+      transport::StreamReceiver& receiver = *receivers_.use(key.source, [] { return nullptr; });
+      receiver.evicted(key.carrier, key.packet, now);
+    }
+  }
 }
 
 void Engine::Implementation::deliver_packet(const std::string& source, const Bytes& image, std::uint8_t hops,
@@ -152,8 +167,10 @@ void Engine::Implementation::serve_stream(const StreamKey& key, Stream& stream, 
     stream.next_hop = route->next_hop;
     stream.sender.route_changed(now);
   }
-  for (const auto& [id, elapsed] : stream.sender.expire(options_.num_e2e_retrans, now)) {
-    finish(id, false, key.first + " did not acknowledge within " + seconds_text(elapsed), now);
+  for (const auto& [id, elapsed, no_room] : stream.sender.expire(options_.num_e2e_retrans, now)) {
+    finish(id, false,
+           key.first + (no_room ? " had no room for it for " : " did not acknowledge within ") + seconds_text(elapsed),
+           now);
   }
 }
 

@@ -48,7 +48,7 @@ class Sample {
 
 wire::Data data_segment(std::uint32_t index, Bytes octets) {
   const auto size = static_cast<std::uint16_t>(image().size());
-  return {kAlice, 0xa1, kCarol, 1, true, 2, 9, 8, index, size * (index + 1u), size, std::move(octets)};
+  return {kAlice, 0xa1, kCarol, 1, true, 2, 9, 8, index, size * (index + 1u), size, 0, std::move(octets)};
 }
 
 wire::GroupData group_data(Bytes octets, std::uint8_t symbol) {
@@ -68,7 +68,8 @@ void write_samples(const std::string& path) {
   sample.add(FrameType::kData, data_segment(0, image()), wire::kWantsAcknowledgment | wire::kAcknowledgeNow);
   sample.add(FrameType::kData, data_segment(1, Bytes(image().size(), 1)));
   sample.add(FrameType::kTransportAcknowledgment,
-             wire::TransportAcknowledgment{kCarol, 0xc1, kAlice, 0xa1, 3, 1, 20, {{21, 4, {0x0f, 0x01}}, {22, 0, {}}}});
+             wire::TransportAcknowledgment{
+                 kCarol, 0xc1, kAlice, 0xa1, 3, 1, 20, {{21, 1, 4, {0x0f, 0x01}}, {22, 0, 0, {}}}, {{23, 2}}});
   sample.add(FrameType::kBroadcastData, wire::BroadcastData{3, 0, static_cast<std::uint32_t>(image().size()),
                                                             static_cast<std::uint16_t>(image().size()), image()});
   sample.add(FrameType::kFlood, wire::Flood{kAlice, 0xa1, 4, 1, 3, "alice", image()});

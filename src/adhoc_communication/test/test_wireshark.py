@@ -119,8 +119,8 @@ def test_data(frames):
 
 
 def test_transport_acknowledgment(frames):
-    expect(frames[7], type=7, stream="0x03", next_packet=20, partial_count=2, packet=[21, 22], first_missing=[4, 0])
-    expect(frames[7], bitmap_size=[2, 0], bitmap="0f:01")
+    expect(frames[7], type=7, stream="0x03", next_packet=20, partial_count=2, packet=[21, 22, 23], first_missing=[4, 0])
+    expect(frames[7], bitmap_size=[2, 0], bitmap="0f:01", refused_count=1, attempt=[1, 0, 2])
 
 
 def test_broadcast_data_and_flood(frames):

@@ -109,10 +109,11 @@ local f = {
   index = ProtoField.uint32("adhoc.index", "Segment"),
   total = ProtoField.uint32("adhoc.total", "Octets of the packet"),
   segment_size = ProtoField.uint16("adhoc.segment_size", "Segment size"),
-  reserved = ProtoField.uint8("adhoc.reserved", "Reserved"),
+  attempt = ProtoField.uint8("adhoc.attempt", "Attempt"),
   segment = ProtoField.bytes("adhoc.segment", "Octets of the segment"),
   next_packet = ProtoField.uint32("adhoc.next_packet", "Next packet"),
   partial_count = ProtoField.uint8("adhoc.partial_count", "Unfinished packets"),
+  refused_count = ProtoField.uint8("adhoc.refused_count", "Packets without room"),
   first_missing = ProtoField.uint32("adhoc.first_missing", "First missing segment"),
   bitmap_size = ProtoField.uint8("adhoc.bitmap_size", "Octets of the bitmap"),
   bitmap = ProtoField.bytes("adhoc.bitmap", "Received behind it (least significant bit first)"),
@@ -325,7 +326,7 @@ local function data(cursor, tree)
   local index = cursor:number(tree, f.index, 4)
   local total = cursor:number(tree, f.total, 4)
   cursor:add(tree, f.segment_size, 2)
-  cursor:add(tree, f.reserved, 1)
+  cursor:add(tree, f.attempt, 1)
   local topic = segment(cursor, tree, index, total)
   return string.format("packet %d, segment %d, hop %d %s", packet, index, hops, topic)
 end
@@ -341,11 +342,17 @@ local function transport_acknowledgment(cursor, tree)
   local count = cursor:number(tree, f.partial_count, 1)
   for _ = 1, count do
     local branch = tree:add(f.packet, cursor:take(4))
+    cursor:add(branch, f.attempt, 1)
     cursor:add(branch, f.first_missing, 4)
     local size = cursor:number(branch, f.bitmap_size, 1)
     cursor:add(branch, f.bitmap, size)
   end
-  return string.format("next packet %d, %d unfinished", next_packet, count)
+  local refused = cursor:number(tree, f.refused_count, 1)
+  for _ = 1, refused do
+    local branch = tree:add(f.packet, cursor:take(4))
+    cursor:add(branch, f.attempt, 1)
+  end
+  return string.format("next packet %d, %d unfinished, %d refused", next_packet, count, refused)
 end
 
 local function broadcast_data(cursor, tree)
@@ -471,7 +478,7 @@ end
 -- The version decides the layout of all that follows.
 local function frame(buffer, tree)
   local version = buffer:range(0, 1):uint()
-  if version ~= 1 then error("unknown version " .. version, 0) end
+  if version ~= 2 then error("unknown version " .. version, 0) end
   local kind, sealed = header(Cursor.new(buffer:range(0)), tree)
   if BODIES[kind] == nil then error("unknown type " .. kind, 0) end
   if buffer:len() < HEADER_SIZE + (sealed and TAG_SIZE or CHECKSUM_SIZE) then error("the frame ends too early", 0) end

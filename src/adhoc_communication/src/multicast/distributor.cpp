@@ -8,8 +8,6 @@
 namespace adhoc_communication::multicast {
 namespace {
 
-constexpr std::uint16_t kShortestSegment = 64;
-
 bool before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) < 0; }
 
 }  // namespace
@@ -17,14 +15,14 @@ bool before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>
 using wire::FrameType;
 
 Distributor::Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random,
-                         transport::AirClock& air, transport::AssemblyBudget& budget, std::size_t largest_packet,
+                         transport::AirClock& air, transport::Reassembly& reassembly, std::size_t largest_packet,
                          std::uint16_t segment_size)
     : self_(self),
       router_(router),
       outbox_(outbox),
       random_(random),
       air_(air),
-      budget_(budget),
+      reassembly_(reassembly),
       largest_packet_(largest_packet),
       segment_size_(segment_size),
       first_parity_(static_cast<std::uint8_t>(digest(self.address))) {}
@@ -101,8 +99,16 @@ void Distributor::remove_finished() {
 }
 
 void Distributor::erase_transfer(GroupStream& stream, std::map<std::uint32_t, Transfer>::iterator transfer) {
-  if (transfer->second.image == nullptr) budget_.give_back(transfer->second.packet->total());
+  if (transfer->second.room) reassembly_.release(*transfer->second.room);
   stream.transfers.erase(transfer);
+}
+
+void Distributor::evicted(const transport::Reassembly::Key& key) {
+  const Tree* tree = find_tree(key.source, key.boot);
+  if (tree == nullptr) return;
+  GroupStream& stream = branches_.at(key.source).streams[key.carrier - transport::Reassembly::kGroup];
+  const auto found = stream.transfers.find(key.packet);
+  if (found != stream.transfers.end()) erase_transfer(stream, found);
 }
 
 void Distributor::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Time now) {
@@ -129,12 +135,19 @@ void Distributor::on_data(const MacAddress& from, std::uint64_t counter, const w
   if (transfer == nullptr) return;
   transfer->last_news = now;
   if (!question && transfer->packet->take(data.block, data.symbol, data.octets)) {
+    made_progress(*transfer, data.octets.size(), now);
     deliver(data.root, branch.streams[data.stream]);
   }
   if (!from_upstream || !data.report) return;
   transfer->round = std::max(transfer->round, data.round);
   if (question) return report(data.root, *tree, data.stream, data.packet, *transfer, true);
   transfer->report_due = now + random_.delay(kReportJitter);
+}
+
+void Distributor::made_progress(const Transfer& transfer, std::size_t octets, Time now) {
+  if (!transfer.room) return;
+  reassembly_.progress(*transfer.room, octets, now);
+  if (transfer.packet->complete()) reassembly_.keep(*transfer.room);
 }
 
 Transfer* Distributor::transfer_for(const MacAddress& root, Tree& tree, const wire::GroupData& data, Time now) {
@@ -151,9 +164,12 @@ Transfer* Distributor::transfer_for(const MacAddress& root, Tree& tree, const wi
     const bool same = packet.total() == data.total && packet.segment_size() == data.segment_size;
     return same ? &found->second : nullptr;
   }
-  if (data.total > largest_packet_ || data.segment_size < kShortestSegment) return nullptr;
-  if (stream.transfers.size() >= kMostTransfers || !budget_.take(data.total)) return nullptr;
+  if (data.total > largest_packet_ || stream.transfers.size() >= kMostTransfers) return nullptr;
+  const auto carrier = static_cast<std::uint8_t>(transport::Reassembly::kGroup + data.stream);
+  const transport::Reassembly::Key room{root, tree.boot, carrier, data.packet};
+  if (!reassembly_.admit(room, data.total, data.packet == stream.next, now)) return nullptr;
   Transfer& transfer = stream.transfers[data.packet];
+  transfer.room = room;
   transfer.packet = std::make_unique<GroupPacket>(data.total, data.segment_size);
   transfer.to_children = std::make_unique<Distribution>(*transfer.packet, branch.round_trip, first_parity_);
   transfer.to_children->set_children(tree.coverages(), true, now);
@@ -210,7 +226,9 @@ void Distributor::take_copy(const MacAddress& root, wire::BootTag boot, std::uin
   if (before(number, stream.next)) return;
   arrived_.push_back({root, image, 1});
   const auto found = stream.transfers.find(number);
-  if (found != stream.transfers.end()) found->second.packet->fill(image);
+  if (found != stream.transfers.end() && found->second.packet->fill(image)) {
+    made_progress(found->second, image.size(), now);
+  }
   stream.next = number + 1;
   deliver(root, stream);
 }

@@ -17,7 +17,8 @@
 #include "random.hpp"
 #include "routing/router.hpp"
 #include "transport/air_clock.hpp"
-#include "transport/stream_receiver.hpp"
+#include "transport/hop_sender.hpp"
+#include "transport/reassembly.hpp"
 
 namespace adhoc_communication::multicast {
 
@@ -56,7 +57,7 @@ class Distributor {
   static constexpr std::size_t kFewFrames = 8;          ///< for which no way is looked for where the tree has failed
 
   Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random, transport::AirClock& air,
-              transport::AssemblyBudget& budget, std::size_t largest_packet, std::uint16_t segment_size);
+              transport::Reassembly& reassembly, std::size_t largest_packet, std::uint16_t segment_size);
   ~Distributor();
 
   // At the root.
@@ -76,6 +77,8 @@ class Distributor {
   void on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal, Time now);
   void on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Time now);
   void on_report(const MacAddress& from, const wire::GroupReport& report, Time now);
+  /// The packet had to make room.
+  void evicted(const transport::Reassembly::Key& key);
   /// A packet that came to this member by itself.
   void take_copy(const MacAddress& root, wire::BootTag boot, std::uint8_t stream, std::uint32_t number,
                  const Bytes& image, Time now);
@@ -148,6 +151,7 @@ class Distributor {
 
   // distributor.cpp
   Transfer* transfer_for(const MacAddress& root, Tree& tree, const wire::GroupData& data, Time now);
+  void made_progress(const Transfer& transfer, std::size_t octets, Time now);
   void erase_transfer(GroupStream& stream, std::map<std::uint32_t, Transfer>::iterator transfer);
   void pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base);
   void deliver(const MacAddress& root, GroupStream& stream);
@@ -174,7 +178,7 @@ class Distributor {
   Outbox& outbox_;
   Random& random_;
   transport::AirClock& air_;
-  transport::AssemblyBudget& budget_;
+  transport::Reassembly& reassembly_;
   std::size_t largest_packet_;
   std::uint16_t segment_size_;
   std::uint8_t first_parity_;

@@ -10,14 +10,16 @@
 
 #include "multicast/distribution.hpp"
 #include "transport/packet_image.hpp"
+#include "transport/reassembly.hpp"
 
 namespace adhoc_communication::multicast {
 
 struct Transfer {
   std::unique_ptr<GroupPacket> packet;
   std::unique_ptr<Distribution> to_children;
-  std::uint8_t hops = 1;    ///< from the root to this robot
-  std::uint16_t round = 0;  ///< greatest one heard from upstream
+  std::optional<transport::Reassembly::Key> room;  ///< not at the root, which holds the packet anyway
+  std::uint8_t hops = 1;                           ///< from the root to this robot
+  std::uint16_t round = 0;                         ///< greatest one heard from upstream
   std::optional<Time> report_due;
   std::optional<std::pair<std::uint32_t, std::uint32_t>> told;  ///< epoch and coverage of the last report "complete"
   Time last_news{0};

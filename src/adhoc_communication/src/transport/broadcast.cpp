@@ -26,51 +26,36 @@ std::pair<wire::BroadcastData, std::optional<SendId>> BroadcastSender::next_segm
 std::optional<Bytes> BroadcastReceiver::take(const MacAddress& sender, wire::BootTag boot,
                                              const wire::BroadcastData& data, Time now) {
   if (data.total > largest_packet_) return std::nullopt;
-  const Key key{sender, boot, data.packet};
-  auto found = assemblies_.find(key);
-  if (found == assemblies_.end()) {
-    if (assemblies_.size() >= kMostPackets) {
-      drop(std::min_element(assemblies_.begin(), assemblies_.end(), [](const auto& a, const auto& b) {
+  const Reassembly::Key key{sender, boot, Reassembly::kBroadcast, data.packet};
+  auto found = packets_.find(key);
+  if (found == packets_.end()) {
+    if (!reassembly_.admit(key, data.total, false, now)) return std::nullopt;
+    if (packets_.size() >= kMostPackets) {
+      drop(std::min_element(packets_.begin(), packets_.end(), [](const auto& a, const auto& b) {
         return a.second.last_segment < b.second.last_segment;
       }));
     }
-    Assembly assembly;
-    assembly.total = data.total;
-    assembly.segment_size = data.segment_size;
-    assembly.missing = (data.total + data.segment_size - 1) / data.segment_size;
-    found = assemblies_.emplace(key, std::move(assembly)).first;
+    found = packets_.emplace(key, Incoming{Assembly(data.total, data.segment_size), now}).first;
   }
-  Assembly& assembly = found->second;
-  if (assembly.total != data.total || assembly.segment_size != data.segment_size || assembly.missing == 0) {
-    return std::nullopt;
-  }
-  assembly.last_segment = now;
-  if (data.index < assembly.present.size() && assembly.present[data.index]) return std::nullopt;
-  // Segments go out in order: one far beyond those that arrived is forged, or the packet is lost anyway.
-  if (data.index > assembly.present.size() + StreamReceiver::kSegmentsAhead) return std::nullopt;
-  const std::size_t begin = std::size_t{data.index} * data.segment_size;
-  const std::size_t end = begin + data.octets.size();
-  if (end > assembly.octets.size()) {
-    if (!budget_.take(end - assembly.octets.size())) return std::nullopt;
-    assembly.octets.resize(end);
-  }
-  if (data.index >= assembly.present.size()) assembly.present.resize(data.index + 1);
-  assembly.present[data.index] = true;
-  std::copy(data.octets.begin(), data.octets.end(), assembly.octets.begin() + static_cast<std::ptrdiff_t>(begin));
-  if (--assembly.missing > 0) return std::nullopt;
-  budget_.give_back(assembly.octets.size());
-  return std::exchange(assembly.octets, {});
+  Incoming& packet = found->second;
+  if (!packet.assembly.matches(data.total, data.segment_size)) return std::nullopt;
+  packet.last_segment = now;
+  if (!packet.assembly.take(data.index, data.octets)) return std::nullopt;
+  reassembly_.progress(key, data.octets.size(), now);
+  if (!packet.assembly.complete()) return std::nullopt;
+  reassembly_.release(key);
+  return packet.assembly.take_image();
 }
 
-void BroadcastReceiver::drop(std::map<Key, Assembly>::iterator assembly) {
-  budget_.give_back(assembly->second.octets.size());
-  assemblies_.erase(assembly);
+void BroadcastReceiver::drop(std::map<Reassembly::Key, Incoming>::iterator packet) {
+  reassembly_.release(packet->first);
+  packets_.erase(packet);
 }
 
 void BroadcastReceiver::expire(Time now) {
-  for (auto iterator = assemblies_.begin(); iterator != assemblies_.end();) {
-    const auto assembly = iterator++;
-    if (now - assembly->second.last_segment >= kPatience) drop(assembly);
+  for (auto iterator = packets_.begin(); iterator != packets_.end();) {
+    const auto packet = iterator++;
+    if (now - packet->second.last_segment >= kPatience) drop(packet);
   }
 }
 

@@ -7,8 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "transport/assembly.hpp"
 #include "transport/packet_image.hpp"
-#include "transport/stream_receiver.hpp"
+#include "transport/reassembly.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::transport {
@@ -40,30 +41,27 @@ class BroadcastReceiver {
   static constexpr std::size_t kMostPackets = 64;
   static constexpr Time kPatience = std::chrono::seconds(2);
 
-  BroadcastReceiver(std::size_t largest_packet, AssemblyBudget& budget)
-      : largest_packet_(largest_packet), budget_(budget) {}
+  BroadcastReceiver(std::size_t largest_packet, Reassembly& reassembly)
+      : largest_packet_(largest_packet), reassembly_(reassembly) {}
 
   /// The packet that this segment completes.
   std::optional<Bytes> take(const MacAddress& sender, wire::BootTag boot, const wire::BroadcastData& data, Time now);
+  /// It had to make room.
+  void evicted(const Reassembly::Key& key) { packets_.erase(key); }
   void expire(Time now);
-  std::size_t packets() const { return assemblies_.size(); }
+  std::size_t packets() const { return packets_.size(); }
 
  private:
-  using Key = std::tuple<MacAddress, wire::BootTag, std::uint32_t>;
-  struct Assembly {
-    std::uint32_t total = 0;
-    std::uint16_t segment_size = 0;
-    std::size_t missing = 0;
-    std::vector<bool> present;
-    Bytes octets;
+  struct Incoming {
+    Assembly assembly;
     Time last_segment{0};
   };
 
-  void drop(std::map<Key, Assembly>::iterator assembly);
+  void drop(std::map<Reassembly::Key, Incoming>::iterator packet);
 
   std::size_t largest_packet_;
-  AssemblyBudget& budget_;
-  std::map<Key, Assembly> assemblies_;  ///< also complete ones for a while, without octets, to drop repetitions
+  Reassembly& reassembly_;
+  std::map<Reassembly::Key, Incoming> packets_;  ///< also complete ones for a while, to drop repetitions
 };
 
 }  // namespace adhoc_communication::transport

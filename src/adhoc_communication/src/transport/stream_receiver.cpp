@@ -7,15 +7,18 @@
 namespace adhoc_communication::transport {
 namespace {
 
-constexpr std::size_t kMostPartialOctets = 256;  ///< of an acknowledgment, so that it fits any link
+constexpr std::size_t kMostPartialOctets = 240;  ///< of an acknowledgment, so that it fits any link
 constexpr std::size_t kMostBitmapOctets = 128;   ///< 1024 segments beyond the first missing one
-constexpr std::size_t kPartialOctets = 9;        ///< of a partial packet besides its bitmap
+constexpr std::size_t kPartialOctets = 10;       ///< of a partial packet besides its bitmap
+constexpr std::size_t kMostRefused = 3;          ///< told in one acknowledgment
+
+bool is_newer_attempt(std::uint8_t attempt, std::uint8_t than) { return static_cast<std::int8_t>(attempt - than) > 0; }
 
 }  // namespace
 
 StreamReceiver::~StreamReceiver() {
-  for (Stream& stream : streams_) {
-    while (!stream.assemblies.empty()) drop(stream, stream.assemblies.begin());
+  for (std::size_t index = 0; index < streams_.size(); ++index) {
+    while (!streams_[index].packets.empty()) drop(index, streams_[index].packets.begin());
   }
 }
 
@@ -30,72 +33,91 @@ std::vector<StreamReceiver::Complete> StreamReceiver::take(const wire::Data& dat
   last_used_ = now;
   stream.last_segment = now;
   if (routing::is_newer(data.base, stream.next)) {
-    move_base(stream, data.base);
-    deliver(stream, complete);
+    move_base(data.stream, data.base);
+    deliver(data.stream, complete);
   }
-  const bool fresh = store(stream, data);
-  deliver(stream, complete);
-  if (fresh) ++stream.unacknowledged;
+  const Stored stored = store(data.stream, data, now);
+  deliver(data.stream, complete);
+  if (stored == Stored::kFresh) ++stream.unacknowledged;
+  // Of a packet refused a whole window may be under way, which need not be answered frame by frame.
+  const bool of_use = stored == Stored::kFresh || stored == Stored::kRefusedBefore;
   const bool now_due =
-      data.acknowledge_now || !fresh || !complete.empty() || stream.unacknowledged >= kSegmentsPerAcknowledgment;
+      data.acknowledge_now || !of_use || !complete.empty() || stream.unacknowledged >= kSegmentsPerAcknowledgment;
   stream.due = std::min(stream.due, now_due ? now : now + kLongestDelay);
   return complete;
 }
 
-bool StreamReceiver::store(Stream& stream, const wire::Data& data) {
-  if (data.packet - stream.next >= kPacketsAhead) return false;
-  auto found = stream.assemblies.find(data.packet);
-  if (found == stream.assemblies.end()) {
-    const std::uint32_t count = (data.total + data.segment_size - 1) / data.segment_size;
-    if (data.index >= kSegmentsAhead) return false;
-    Assembly assembly;
-    assembly.total = data.total;
-    assembly.segment_size = data.segment_size;
-    assembly.missing = count;
-    found = stream.assemblies.emplace(data.packet, std::move(assembly)).first;
-  }
-  Assembly& assembly = found->second;
-  if (assembly.total != data.total || assembly.segment_size != data.segment_size) return false;
-  if (data.index < assembly.present.size() && assembly.present[data.index]) return false;
-  if (data.index > assembly.first_missing && data.index - assembly.first_missing >= kSegmentsAhead) return false;
-  // Room grows with what arrives, so a single forged segment cannot claim the memory of a whole packet.
-  const std::size_t begin = std::size_t{data.index} * data.segment_size;
-  const std::size_t end = begin + data.octets.size();
-  if (end > assembly.octets.size()) {
-    if (!budget_.take(end - assembly.octets.size())) return false;
-    assembly.octets.resize(end);
-  }
-  if (data.index >= assembly.present.size()) assembly.present.resize(data.index + 1);
-  std::copy(data.octets.begin(), data.octets.end(), assembly.octets.begin() + static_cast<std::ptrdiff_t>(begin));
-  assembly.present[data.index] = true;
-  assembly.hops = std::max(assembly.hops, data.hops);
-  --assembly.missing;
-  while (assembly.first_missing < assembly.present.size() && assembly.present[assembly.first_missing]) {
-    ++assembly.first_missing;
-  }
-  return true;
+StreamReceiver::Stored StreamReceiver::store(std::size_t index, const wire::Data& data, Time now) {
+  Stream& stream = streams_[index];
+  if (data.packet - stream.next >= kPacketsAhead) return Stored::kRepeated;
+  const auto refused = stream.refused.find(data.packet);
+  if (refused != stream.refused.end() && refused->second == data.attempt) return Stored::kRefusedBefore;
+  Incoming* packet = packet_of(index, data, now);
+  if (packet == nullptr) return Stored::kRefused;
+  if (is_newer_attempt(data.attempt, packet->attempt)) packet->attempt = data.attempt;
+  if (!packet->assembly.take(data.index, data.octets)) return Stored::kRepeated;
+  reassembly_.progress(key(index, data.packet), data.octets.size(), now);
+  packet->hops = std::max(packet->hops, data.hops);
+  return Stored::kFresh;
 }
 
-void StreamReceiver::drop(Stream& stream, std::map<std::uint32_t, Assembly>::iterator assembly) {
-  budget_.give_back(assembly->second.octets.size());
-  stream.assemblies.erase(assembly);
+/// The packet that the segment belongs to, admitted now if it is the first one. Null when it is refused.
+StreamReceiver::Incoming* StreamReceiver::packet_of(std::size_t index, const wire::Data& data, Time now) {
+  Stream& stream = streams_[index];
+  const auto found = stream.packets.find(data.packet);
+  if (found != stream.packets.end()) {
+    if (found->second.assembly.matches(data.total, data.segment_size)) return &found->second;
+    // One of the two is forged. The one that goes on arriving is more likely not to be.
+    if (reassembly_.stalled(key(index, data.packet), now)) {
+      stream.refused[data.packet] = found->second.attempt;
+      drop(index, found);
+    }
+    return nullptr;
+  }
+  const bool next = data.packet == stream.next;
+  if (data.index >= Assembly::kSegmentsAhead) return nullptr;
+  if (!reassembly_.admit(key(index, data.packet), data.total, next, now)) {
+    stream.refused[data.packet] = data.attempt;
+    return nullptr;
+  }
+  stream.refused.erase(data.packet);
+  Incoming packet{Assembly(data.total, data.segment_size), data.attempt, 1};
+  return &stream.packets.emplace(data.packet, std::move(packet)).first->second;
+}
+
+void StreamReceiver::evicted(std::size_t index, std::uint32_t number, Time now) {
+  Stream& stream = streams_[index];
+  const auto packet = stream.packets.find(number);
+  if (packet == stream.packets.end()) return;
+  stream.refused[number] = packet->second.attempt;
+  stream.packets.erase(packet);
+  stream.due = now;
+}
+
+void StreamReceiver::drop(std::size_t index, Packets::iterator packet) {
+  reassembly_.release(key(index, packet->first));
+  streams_[index].packets.erase(packet);
 }
 
 /// The sender has given up what comes before `base`.
-void StreamReceiver::move_base(Stream& stream, std::uint32_t base) {
-  for (auto iterator = stream.assemblies.begin(); iterator != stream.assemblies.end();) {
-    const auto assembly = iterator++;
-    if (routing::is_newer(base, assembly->first)) drop(stream, assembly);
+void StreamReceiver::move_base(std::size_t index, std::uint32_t base) {
+  Stream& stream = streams_[index];
+  for (auto iterator = stream.packets.begin(); iterator != stream.packets.end();) {
+    const auto packet = iterator++;
+    if (routing::is_newer(base, packet->first)) drop(index, packet);
+  }
+  for (auto iterator = stream.refused.begin(); iterator != stream.refused.end();) {
+    iterator = routing::is_newer(base, iterator->first) ? stream.refused.erase(iterator) : std::next(iterator);
   }
   stream.next = base;
 }
 
-void StreamReceiver::deliver(Stream& stream, std::vector<Complete>& out) {
-  for (auto found = stream.assemblies.find(stream.next); found != stream.assemblies.end() && found->second.missing == 0;
-       found = stream.assemblies.find(stream.next)) {
-    budget_.give_back(found->second.octets.size());
-    out.push_back({std::move(found->second.octets), found->second.hops});
-    stream.assemblies.erase(found);
+void StreamReceiver::deliver(std::size_t index, std::vector<Complete>& out) {
+  Stream& stream = streams_[index];
+  for (auto found = stream.packets.find(stream.next);
+       found != stream.packets.end() && found->second.assembly.complete(); found = stream.packets.find(stream.next)) {
+    out.push_back({found->second.assembly.take_image(), found->second.hops});
+    drop(index, found);
     ++stream.next;
   }
 }
@@ -114,21 +136,17 @@ wire::TransportAcknowledgment StreamReceiver::acknowledge(std::size_t index) {
   acknowledgment.stream = static_cast<std::uint8_t>(index);
   acknowledgment.next = stream.next;
   std::vector<std::uint32_t> numbers;
-  for (const auto& [number, assembly] : stream.assemblies) numbers.push_back(number);
-  std::sort(numbers.begin(), numbers.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return a - stream.next < b - stream.next; });
-  std::size_t octets = 0;
-  for (const std::uint32_t number : numbers) {
-    const Assembly& assembly = stream.assemblies.at(number);
-    wire::PartialPacket partial{number, assembly.first_missing, {}};
-    const std::size_t beyond =
-        assembly.present.size() > assembly.first_missing + 1 ? assembly.present.size() - assembly.first_missing - 1 : 0;
-    partial.received.assign(std::min((beyond + 7) / 8, kMostBitmapOctets), 0);
-    for (std::size_t bit = 0; bit < std::min(beyond, 8 * partial.received.size()); ++bit) {
-      if (assembly.present[assembly.first_missing + 1 + bit]) {
-        partial.received[bit / 8] |= static_cast<std::uint8_t>(1 << bit % 8);
-      }
+  for (const auto& [number, attempt] : stream.refused) numbers.push_back(number);
+  for (const std::uint32_t number : in_order(stream, numbers)) {
+    if (acknowledgment.refused.size() < kMostRefused) {
+      acknowledgment.refused.push_back({number, stream.refused.at(number)});
     }
+  }
+  numbers.clear();
+  for (const auto& [number, packet] : stream.packets) numbers.push_back(number);
+  std::size_t octets = 0;
+  for (const std::uint32_t number : in_order(stream, numbers)) {
+    wire::PartialPacket partial = partial_of(number, stream.packets.at(number));
     octets += kPartialOctets + partial.received.size();
     if (octets > kMostPartialOctets) break;
     acknowledgment.partial.push_back(std::move(partial));
@@ -136,10 +154,32 @@ wire::TransportAcknowledgment StreamReceiver::acknowledge(std::size_t index) {
   return acknowledgment;
 }
 
+std::vector<std::uint32_t> StreamReceiver::in_order(const Stream& stream, const std::vector<std::uint32_t>& numbers) {
+  std::vector<std::uint32_t> sorted = numbers;
+  std::sort(sorted.begin(), sorted.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return a - stream.next < b - stream.next; });
+  return sorted;
+}
+
+wire::PartialPacket StreamReceiver::partial_of(std::uint32_t number, const Incoming& packet) {
+  const std::uint32_t first = packet.assembly.first_missing();
+  wire::PartialPacket partial{number, packet.attempt, first, {}};
+  const std::size_t beyond = packet.assembly.known() > first + 1 ? packet.assembly.known() - first - 1 : 0;
+  partial.received.assign(std::min((beyond + 7) / 8, kMostBitmapOctets), 0);
+  for (std::size_t bit = 0; bit < std::min(beyond, 8 * partial.received.size()); ++bit) {
+    if (packet.assembly.has(first + 1 + static_cast<std::uint32_t>(bit))) {
+      partial.received[bit / 8] |= static_cast<std::uint8_t>(1 << bit % 8);
+    }
+  }
+  return partial;
+}
+
 void StreamReceiver::expire(Time now) {
-  for (Stream& stream : streams_) {
+  for (std::size_t index = 0; index < streams_.size(); ++index) {
+    Stream& stream = streams_[index];
     if (now - stream.last_segment < kAbandoned) continue;
-    while (!stream.assemblies.empty()) drop(stream, stream.assemblies.begin());
+    while (!stream.packets.empty()) drop(index, stream.packets.begin());
+    stream.refused.clear();
   }
 }
 

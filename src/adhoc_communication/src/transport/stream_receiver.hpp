@@ -6,31 +6,16 @@
 #include <map>
 #include <vector>
 
+#include "transport/assembly.hpp"
 #include "transport/hop_sender.hpp"
+#include "transport/reassembly.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::transport {
 
-/// Octets of all unfinished packets together; segments beyond are not taken and will be sent again.
-class AssemblyBudget {
- public:
-  explicit AssemblyBudget(std::size_t octets) : left_(octets) {}
-  bool take(std::size_t octets) {
-    if (octets > left_) return false;
-    left_ -= octets;
-    return true;
-  }
-  void give_back(std::size_t octets) { left_ += octets; }
-  std::size_t left() const { return left_; }
-
- private:
-  std::size_t left_;
-};
-
 class StreamReceiver {
  public:
-  static constexpr std::uint32_t kPacketsAhead = 1024;   ///< taken beyond the next one to deliver
-  static constexpr std::uint32_t kSegmentsAhead = 4096;  ///< taken beyond the first missing one
+  static constexpr std::uint32_t kPacketsAhead = 1024;  ///< taken beyond the next one to deliver
   static constexpr int kSegmentsPerAcknowledgment = 64;
   static constexpr Time kLongestDelay = std::chrono::milliseconds(50);
   static constexpr Time kAbandoned = std::chrono::seconds(60);
@@ -40,8 +25,8 @@ class StreamReceiver {
     std::uint8_t hops;
   };
 
-  StreamReceiver(wire::BootTag boot, std::size_t largest_packet, AssemblyBudget& budget)
-      : boot_(boot), largest_packet_(largest_packet), budget_(budget) {}
+  StreamReceiver(const MacAddress& source, wire::BootTag boot, std::size_t largest_packet, Reassembly& reassembly)
+      : source_(source), boot_(boot), largest_packet_(largest_packet), reassembly_(reassembly) {}
   ~StreamReceiver();
   StreamReceiver(const StreamReceiver&) = delete;
   StreamReceiver& operator=(const StreamReceiver&) = delete;
@@ -56,37 +41,47 @@ class StreamReceiver {
   void forgo(std::size_t stream) { streams_[stream].due = Time::max(); }
   /// Source and destination are left to the caller.
   wire::TransportAcknowledgment acknowledge(std::size_t stream);
+  /// The packet had to make room: its sender is told to begin it anew.
+  void evicted(std::size_t stream, std::uint32_t packet, Time now);
   /// Drops unfinished packets whose sender went silent.
   void expire(Time now);
   Time last_used() const { return last_used_; }
 
  private:
-  struct Assembly {
-    std::uint32_t total = 0;
-    std::uint16_t segment_size = 0;
-    std::uint32_t missing = 0;
-    std::uint32_t first_missing = 0;
+  /// A packet that was dropped or not admitted is begun anew by its sender, and what it says of an attempt before does
+  /// not count.
+  struct Incoming {
+    Assembly assembly;
+    std::uint8_t attempt = 0;
     std::uint8_t hops = 1;
-    std::vector<bool> present;
-    Bytes octets;
   };
+  using Packets = std::map<std::uint32_t, Incoming>;
   struct Stream {
     bool started = false;
     std::uint32_t next = 0;
-    std::map<std::uint32_t, Assembly> assemblies;  ///< by distance from `next` at all times: keys are packet numbers
+    Packets packets;
+    std::map<std::uint32_t, std::uint8_t> refused;  ///< by packet: the attempt
     int unacknowledged = 0;
     Time due = Time::max();
     Time last_segment{0};
   };
+  enum class Stored { kFresh, kRepeated, kRefused, kRefusedBefore };
 
-  bool store(Stream& stream, const wire::Data& data);
-  void drop(Stream& stream, std::map<std::uint32_t, Assembly>::iterator assembly);
-  void move_base(Stream& stream, std::uint32_t base);
-  void deliver(Stream& stream, std::vector<Complete>& out);
+  Stored store(std::size_t index, const wire::Data& data, Time now);
+  Incoming* packet_of(std::size_t index, const wire::Data& data, Time now);
+  Reassembly::Key key(std::size_t stream, std::uint32_t packet) const {
+    return {source_, boot_, static_cast<std::uint8_t>(stream), packet};
+  }
+  void drop(std::size_t index, Packets::iterator packet);
+  void move_base(std::size_t index, std::uint32_t base);
+  void deliver(std::size_t index, std::vector<Complete>& out);
+  static wire::PartialPacket partial_of(std::uint32_t number, const Incoming& packet);
+  static std::vector<std::uint32_t> in_order(const Stream& stream, const std::vector<std::uint32_t>& numbers);
 
+  MacAddress source_;
   wire::BootTag boot_;
   std::size_t largest_packet_;
-  AssemblyBudget& budget_;
+  Reassembly& reassembly_;
   std::array<Stream, kPriorities> streams_;
   Time last_used_{0};
 };

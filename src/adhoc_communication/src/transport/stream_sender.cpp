@@ -7,14 +7,15 @@ namespace adhoc_communication::transport {
 void StreamSender::add(SendId id, Image image, std::uint16_t segment_size, Time now) {
   if (packets_.empty()) waiting_since_ = now;
   const std::size_t count = (image->size() + segment_size - 1) / segment_size;
-  packets_.push_back({id, next_number_++, std::move(image), segment_size, now, std::vector<Segment>(count), 0, 0});
+  packets_.push_back(
+      {id, next_number_++, std::move(image), segment_size, now, std::vector<Segment>(count), 0, 0, 0, {}});
+  unstarted_ += count;
 }
 
 bool StreamSender::has_segment() const {
   if (!lost_.empty()) return true;
-  if (on_the_way_ >= window_) return false;
-  // Packets are begun in order, so only the last one can have segments not yet sent once.
-  return !packets_.empty() && packets_.back().started < packets_.back().segments.size();
+  if (on_the_way_ >= window_ || unstarted_ == 0 || paused_until_) return false;
+  return unstarted()->may_start();
 }
 
 wire::Data StreamSender::next_segment(Time now) {
@@ -26,14 +27,16 @@ wire::Data StreamSender::next_segment(Time now) {
     packet.segments[index].repeated = true;
     return segment(packet, index, now);
   }
-  Outgoing& packet = *unstarted();
+  Outgoing& packet = const_cast<Outgoing&>(*unstarted());
+  --unstarted_;
   return segment(packet, packet.started++, now);
 }
 
-StreamSender::Outgoing* StreamSender::unstarted() {
+/// Packets are begun in order. unstarted_ is not 0.
+const StreamSender::Outgoing* StreamSender::unstarted() const {
   const auto found = std::find_if(packets_.begin(), packets_.end(),
                                   [](const Outgoing& packet) { return packet.started < packet.segments.size(); });
-  return found == packets_.end() ? nullptr : &*found;
+  return &*found;
 }
 
 wire::Data StreamSender::segment(Outgoing& packet, std::uint32_t index, Time now) {
@@ -47,11 +50,13 @@ wire::Data StreamSender::segment(Outgoing& packet, std::uint32_t index, Time now
   data.index = index;
   data.total = static_cast<std::uint32_t>(packet.image->size());
   data.segment_size = packet.segment_size;
+  data.attempt = packet.attempt;
   const std::size_t begin = std::size_t{index} * packet.segment_size;
   const std::size_t end = std::min(begin + packet.segment_size, packet.image->size());
   data.octets.assign(packet.image->begin() + static_cast<std::ptrdiff_t>(begin),
                      packet.image->begin() + static_cast<std::ptrdiff_t>(end));
-  data.acknowledge_now = probing_ || index + 1 == packet.segments.size() || on_the_way_ >= window_;
+  data.acknowledge_now =
+      probing_ || packet.refused_since || index + 1 == packet.segments.size() || on_the_way_ >= window_;
   probing_ = false;
   return data;
 }
@@ -65,10 +70,15 @@ std::vector<SendId> StreamSender::acknowledged(const wire::TransportAcknowledgme
     Outgoing& packet = packets_.front();
     for (std::uint32_t index = packet.first_open; index < packet.segments.size(); ++index) take_one(packet, index, now);
     finished.push_back(packet.id);
-    packets_.pop_front();
+    pop_front();
   }
   for (const wire::PartialPacket& partial : acknowledgment.partial) {
-    if (Outgoing* packet = find(partial.packet)) take(*packet, partial, now);
+    Outgoing* packet = find(partial.packet);
+    if (packet != nullptr && packet->attempt == partial.attempt) take(*packet, partial, now);
+  }
+  for (const wire::RefusedPacket& refused : acknowledgment.refused) {
+    Outgoing* packet = find(refused.packet);
+    if (packet != nullptr && packet->attempt == refused.attempt && packet->started > 0) begin_anew(*packet, now);
   }
   if (progress_) {
     resends_ = 0;
@@ -78,8 +88,37 @@ std::vector<SendId> StreamSender::acknowledged(const wire::TransportAcknowledgme
   return finished;
 }
 
+/// The receiver lives and has no room: that is no silence, and nothing of what it has acknowledged counts.
+void StreamSender::begin_anew(Outgoing& packet, Time now) {
+  forget_sent(packet);
+  unstarted_ += packet.started;
+  packet.segments.assign(packet.segments.size(), Segment{});
+  packet.started = 0;
+  packet.first_open = 0;
+  ++packet.attempt;
+  if (!packet.refused_since) packet.refused_since = now;
+  paused_until_ = now + kRoomRetry;
+  resends_ = 0;
+  waiting_since_ = now;
+}
+
+/// Takes its segments from those on the way and those lost.
+void StreamSender::forget_sent(Outgoing& packet) {
+  for (std::uint32_t index = 0; index < packet.started; ++index) {
+    if (!packet.segments[index].acknowledged && !packet.segments[index].lost) --on_the_way_;
+  }
+  lost_.erase(lost_.lower_bound({packet.number, 0}), lost_.upper_bound({packet.number, UINT32_MAX}));
+}
+
+void StreamSender::pop_front() {
+  unstarted_ -= packets_.front().segments.size() - packets_.front().started;
+  packets_.pop_front();
+  if (unstarted_ == 0) paused_until_.reset();
+}
+
 void StreamSender::take(Outgoing& packet, const wire::PartialPacket& partial, Time now) {
   const auto count = static_cast<std::uint32_t>(packet.segments.size());
+  packet.refused_since.reset();
   for (std::uint32_t index = packet.first_open; index < std::min(partial.first_missing, count); ++index) {
     take_one(packet, index, now);
   }
@@ -137,7 +176,6 @@ void StreamSender::mark_overtaken() {
         mark_lost(packet, index);
       }
     }
-    if (packet.started < packet.segments.size()) break;
   }
 }
 
@@ -153,7 +191,11 @@ void StreamSender::receiver_restarted() {
     packet.segments.assign(packet.segments.size(), Segment{});
     packet.started = 0;
     packet.first_open = 0;
+    packet.refused_since.reset();
   }
+  unstarted_ = 0;
+  for (const Outgoing& packet : packets_) unstarted_ += packet.segments.size();
+  paused_until_.reset();
   lost_.clear();
   on_the_way_ = 0;
   newest_acknowledged_ = Time(-1);
@@ -178,9 +220,10 @@ void StreamSender::probe() {
   }
 }
 
-std::vector<std::pair<SendId, Time>> StreamSender::expire(int most_resends, Time now) {
-  std::vector<std::pair<SendId, Time>> given_up;
-  if (next_deadline() > now) return given_up;
+std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time now) {
+  if (paused_until_ && *paused_until_ <= now) paused_until_.reset();
+  std::vector<GivenUp> given_up = give_up_refused(now);
+  if (on_the_way_ == 0 || waiting_since_ + timeout() > now) return given_up;
   // First copies would have been followed by others: it was the repetition that arrived.
   newest_acknowledged_ = std::max(newest_acknowledged_, std::exchange(newest_doubtful_, Time(-1)));
   mark_overtaken();
@@ -192,16 +235,24 @@ std::vector<std::pair<SendId, Time>> StreamSender::expire(int most_resends, Time
     return given_up;
   }
   while (!packets_.empty() && packets_.front().started > 0) {
-    Outgoing& packet = packets_.front();
-    for (std::uint32_t index = 0; index < packet.started; ++index) {
-      if (!packet.segments[index].acknowledged && !packet.segments[index].lost) --on_the_way_;
-    }
-    lost_.erase(lost_.lower_bound({packet.number, 0}), lost_.lower_bound({packet.number + 1, 0}));
-    given_up.emplace_back(packet.id, now - packet.added);
-    packets_.pop_front();
+    forget_sent(packets_.front());
+    given_up.push_back({packets_.front().id, now - packets_.front().added, false});
+    pop_front();
   }
   resends_ = 0;
   waiting_since_ = now;
+  return given_up;
+}
+
+std::vector<StreamSender::GivenUp> StreamSender::give_up_refused(Time now) {
+  std::vector<GivenUp> given_up;
+  while (!packets_.empty() && packets_.front().refused_since) {
+    const Outgoing& packet = packets_.front();
+    if (now - *packet.refused_since < kRoomPatience) break;
+    forget_sent(packets_.front());
+    given_up.push_back({packet.id, now - packet.added, true});
+    pop_front();
+  }
   return given_up;
 }
 
@@ -211,13 +262,18 @@ std::vector<SendId> StreamSender::abandon() {
   packets_.clear();
   lost_.clear();
   on_the_way_ = 0;
+  unstarted_ = 0;
+  paused_until_.reset();
   resends_ = 0;
   return ids;
 }
 
 Time StreamSender::timeout() const { return std::min(round_trip_.timeout() * (2 + resends_) / 2, kLongestBackoff); }
 
-Time StreamSender::next_deadline() const { return on_the_way_ == 0 ? Time::max() : waiting_since_ + timeout(); }
+Time StreamSender::next_deadline() const {
+  const Time silence = on_the_way_ == 0 ? Time::max() : waiting_since_ + timeout();
+  return std::min(silence, paused_until_.value_or(Time::max()));
+}
 
 StreamSender::Outgoing* StreamSender::find(std::uint32_t number) {
   if (packets_.empty()) return nullptr;

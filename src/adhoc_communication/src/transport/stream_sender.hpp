@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -20,6 +21,15 @@ class StreamSender {
   static constexpr Time kReordering = std::chrono::milliseconds(50);
   static constexpr Time kMostReordering = std::chrono::seconds(1);
   static constexpr Time kLongestBackoff = std::chrono::seconds(1);
+  /// Until a packet that the receiver had no room for is offered again, and until it is given up.
+  static constexpr Time kRoomRetry = std::chrono::milliseconds(100);
+  static constexpr Time kRoomPatience = std::chrono::seconds(60);
+
+  struct GivenUp {
+    SendId id;
+    Time elapsed;
+    bool no_room;  ///< at the receiver; otherwise it did not answer
+  };
 
   /// `first_number` has to be beyond every packet number sent to this robot before.
   StreamSender(std::uint8_t stream, std::uint32_t first_number, std::size_t window)
@@ -39,8 +49,9 @@ class StreamSender {
   /// While there is no route nothing is expected and no timer runs.
   void route_missing(Time now) { waiting_since_ = now; }
 
-  /// Sends the probe that is due. Returns the packets given up after `most_resends` of them without progress.
-  std::vector<std::pair<SendId, Time>> expire(int most_resends, Time now);
+  /// Sends the probe that is due. Returns the packets given up: after `most_resends` of them without progress, or for
+  /// want of room.
+  std::vector<GivenUp> expire(int most_resends, Time now);
   /// Gives up everything, for a reason the caller knows.
   std::vector<SendId> abandon();
   Time next_deadline() const;
@@ -61,10 +72,18 @@ class StreamSender {
     std::vector<Segment> segments;
     std::uint32_t started = 0;     ///< segments sent at least once
     std::uint32_t first_open = 0;  ///< every segment before is acknowledged
+    std::uint8_t attempt = 0;
+    std::optional<Time> refused_since{};  ///< the receiver has no room; one segment at a time asks for it
+
+    bool may_start() const { return started < segments.size() && (!refused_since || started == 0); }
   };
   using Place = std::pair<std::uint32_t, std::uint32_t>;  ///< packet number, segment index
 
   Outgoing* find(std::uint32_t number);
+  void begin_anew(Outgoing& packet, Time now);
+  void forget_sent(Outgoing& packet);
+  void pop_front();
+  std::vector<GivenUp> give_up_refused(Time now);
   wire::Data segment(Outgoing& packet, std::uint32_t index, Time now);
   void take(Outgoing& packet, const wire::PartialPacket& partial, Time now);
   void take_one(Outgoing& packet, std::uint32_t index, Time now);
@@ -75,14 +94,16 @@ class StreamSender {
   void receiver_restarted();
   void probe();
   Time timeout() const;
-  Outgoing* unstarted();
+  const Outgoing* unstarted() const;
 
   std::uint8_t stream_;
   std::size_t window_;
   std::uint32_t next_number_;
   std::deque<Outgoing> packets_;
   std::set<Place> lost_;
-  std::size_t on_the_way_ = 0;  ///< segments sent, neither acknowledged nor lost
+  std::size_t on_the_way_ = 0;        ///< segments sent, neither acknowledged nor lost
+  std::size_t unstarted_ = 0;         ///< segments never sent
+  std::optional<Time> paused_until_;  ///< a packet waits for room, and those behind it with it
   wire::BootTag receiver_boot_ = 0;
   Time newest_acknowledged_{-1};  ///< when the latest of the acknowledged segments was sent
   Time newest_doubtful_{-1};      ///< the same of repeated segments of which perhaps only the first copy has arrived

@@ -7,7 +7,7 @@
 
 namespace adhoc_communication::wire {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kVersion = 2;
 constexpr std::size_t kHeaderSize = 43;
 constexpr std::size_t kTagSize = 16;      ///< room kept free behind the body for an authentication tag
 constexpr std::size_t kChecksumSize = 4;  ///< what stands there in an open frame: CRC-32 of all before

@@ -78,7 +78,8 @@ std::optional<GroupData> read_group_data(Reader reader) {
   data.symbol = reader.u8();
   data.octets = reader.rest();
   if (!reader.ok() || (stream & ~(kStreamMask | kReportFlag | kFollowsFlag)) != 0) return std::nullopt;
-  if (data.hops == 0 || data.hops > kFarthestHop || data.total == 0 || data.segment_size == 0) return std::nullopt;
+  if (data.hops == 0 || data.hops > kFarthestHop || data.total == 0) return std::nullopt;
+  if (data.segment_size < kShortestSegment || data.segment_size > kLongestSegment) return std::nullopt;
   if (data.octets.size() > data.segment_size || (data.octets.empty() && !data.report)) return std::nullopt;
   return data;
 }

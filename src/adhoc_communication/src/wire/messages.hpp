@@ -119,17 +119,27 @@ constexpr std::size_t kDataHeaderSize = 41;
 
 /// Which segments of one unfinished packet have arrived.
 struct PartialPacket {
+  std::uint8_t attempt = 0;        ///< raised when the packet is begun anew
   std::uint32_t packet = 0;
   std::uint32_t first_missing = 0;
   Bytes received;  ///< bit i (least significant first): segment first_missing + 1 + i
+constexpr std::uint16_t kLongestSegment = 2304;  ///< no link carries longer frames
+constexpr std::uint16_t kShortestSegment = 64;   ///< of a packet that takes several
 };
 
 /// State of one stream at its receiver.
 struct TransportAcknowledgment {
+  std::uint8_t attempt = 0;  ///< that of its newest segment
   MacAddress source{};  ///< the acknowledging robot
   BootTag source_boot = 0;
   MacAddress destination{};  ///< the robot whose packets these are
   BootTag destination_boot = 0;
+/// A packet for which the receiver has no room; of what has arrived of it nothing is left.
+struct RefusedPacket {
+  std::uint32_t packet = 0;
+  std::uint8_t attempt = 0;  ///< a later one may be taken
+};
+
   std::uint8_t stream = 0;
   std::uint8_t hops = 1;
   std::uint32_t next = 0;  ///< every packet before this one has been delivered or given up
@@ -140,6 +150,7 @@ struct TransportAcknowledgment {
 struct BroadcastData {
   std::uint32_t packet = 0;
   std::uint32_t index = 0;
+  std::vector<RefusedPacket> refused;
   std::uint32_t total = 0;
   std::uint16_t segment_size = 0;
   Bytes octets;

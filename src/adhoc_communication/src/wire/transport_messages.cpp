@@ -9,7 +9,8 @@ constexpr std::uint8_t kAcknowledgeNowFlag = 0x80;
 
 /// A segment must be of the length that its index, the segment size and the total say.
 bool segment_fits(std::uint32_t index, std::uint32_t total, std::uint16_t segment_size, std::size_t octets) {
-  if (segment_size == 0 || total == 0) return false;
+  if (segment_size == 0 || segment_size > kLongestSegment || total == 0) return false;
+  if (segment_size < kShortestSegment && total > segment_size) return false;
   const std::uint64_t begin = std::uint64_t{index} * segment_size;
   if (begin >= total) return false;
   return octets == std::min<std::uint64_t>(segment_size, total - begin);
@@ -43,7 +44,7 @@ void write(Writer& writer, const Data& data) {
   writer.u32(data.index);
   writer.u32(data.total);
   writer.u16(data.segment_size);
-  writer.u8(0);  // reserved
+  writer.u8(data.attempt);
   writer.octets(data.octets);
 }
 
@@ -61,7 +62,7 @@ std::optional<Data> read_data(Reader reader) {
   data.index = reader.u32();
   data.total = reader.u32();
   data.segment_size = reader.u16();
-  reader.u8();
+  data.attempt = reader.u8();
   data.octets = reader.rest();
   if (!reader.ok() || (stream & ~(kStreamMask | kAcknowledgeNowFlag)) != 0) return std::nullopt;
   if (data.hops == 0 || data.hops > kFarthestHop) return std::nullopt;
@@ -80,9 +81,15 @@ void write(Writer& writer, const TransportAcknowledgment& acknowledgment) {
   writer.u8(static_cast<std::uint8_t>(acknowledgment.partial.size()));
   for (const PartialPacket& partial : acknowledgment.partial) {
     writer.u32(partial.packet);
+    writer.u8(partial.attempt);
     writer.u32(partial.first_missing);
     writer.u8(static_cast<std::uint8_t>(partial.received.size()));
     writer.octets(partial.received);
+  }
+  writer.u8(static_cast<std::uint8_t>(acknowledgment.refused.size()));
+  for (const RefusedPacket& refused : acknowledgment.refused) {
+    writer.u32(refused.packet);
+    writer.u8(refused.attempt);
   }
 }
 
@@ -96,10 +103,13 @@ std::optional<TransportAcknowledgment> read_transport_acknowledgment(Reader read
   acknowledgment.hops = reader.u8();
   acknowledgment.next = reader.u32();
   for (int left = reader.u8(); left > 0 && reader.ok(); --left) {
-    PartialPacket partial{reader.u32(), reader.u32(), {}};
+    PartialPacket partial{reader.u32(), reader.u8(), reader.u32(), {}};
     const std::size_t size = reader.u8();
     for (std::size_t i = 0; i < size; ++i) partial.received.push_back(reader.u8());
     acknowledgment.partial.push_back(std::move(partial));
+  }
+  for (int left = reader.u8(); left > 0 && reader.ok(); --left) {
+    acknowledgment.refused.push_back({reader.u32(), reader.u8()});
   }
   if (!reader.at_end() || acknowledgment.stream > kStreamMask) return std::nullopt;
   if (acknowledgment.hops == 0 || acknowledgment.hops > kFarthestHop) return std::nullopt;

@@ -39,7 +39,7 @@ struct Stream {
     for (std::uint32_t index = begin; index < end; ++index) received.insert(index);
   }
   void acknowledge(Time now) {
-    wire::PartialPacket partial{1, 0, {}};
+    wire::PartialPacket partial{1, 0, 0, {}};
     while (received.count(partial.first_missing) != 0) ++partial.first_missing;
     partial.received.assign(kSegments / 8, 0);
     for (const std::uint32_t index : received) {

@@ -82,7 +82,7 @@ TEST(Wire, TruncatedMessagesAreRefused) {
   Beacon beacon{1, 2, 3, "robot_1", 4, {{5, 6}}, {{kB, 6, 7, 2, "robot_2"}}, 0};
   const Bytes bytes = to_bytes(beacon);
   for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(read_beacon(Reader(bytes.data(), size))) << size;
-  TransportAcknowledgment acknowledgment{kA, 1, kB, 2, 3, 1, 9, {{9, 4, {0x0f, 0x80}}}};
+  TransportAcknowledgment acknowledgment{kA, 1, kB, 2, 3, 1, 9, {{9, 1, 4, {0x0f, 0x80}}}, {{10, 3}}};
   refuses_every_prefix(acknowledgment, read_transport_acknowledgment);
 }
 

@@ -1,0 +1,255 @@
+// Who gets room for packets that are put together, and what becomes of those that do not.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "host.hpp"
+#include "transport/reassembly.hpp"
+#include "transport/stream_receiver.hpp"
+#include "transport/stream_sender.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+using transport::Reassembly;
+
+constexpr std::size_t kLargest = 100'000;
+
+Reassembly::Key key(std::uint8_t source, std::uint32_t packet, std::uint8_t carrier = 2) {
+  return {{2, 0, 0, 0, 0, source}, 1, carrier, packet};
+}
+
+std::vector<std::uint32_t> evicted(Reassembly& reassembly) {
+  std::vector<std::uint32_t> packets;
+  for (const Reassembly::Key& key : reassembly.take_evicted()) packets.push_back(key.packet);
+  return packets;
+}
+
+TEST(Reassembly, WhatWasAdmittedIsFinishedBeforeOthersBegin) {
+  Reassembly reassembly(kLargest);
+  for (std::uint8_t source = 1; source <= 4; ++source)
+    EXPECT_TRUE(reassembly.admit(key(source, 1), kLargest, true, 0s));
+  for (Time now = 0s; now < 5s; now += 100ms) {
+    for (std::uint8_t source = 1; source <= 4; ++source) reassembly.progress(key(source, 1), 1400, now);
+    EXPECT_FALSE(reassembly.admit(key(5, 1), kLargest, true, now));
+  }
+  reassembly.release(key(2, 1));
+  EXPECT_TRUE(reassembly.admit(key(5, 1), kLargest, true, 5s));
+  EXPECT_TRUE(evicted(reassembly).empty());
+}
+
+TEST(Reassembly, ASourceTakesHalfAtMost) {
+  Reassembly reassembly(kLargest);
+  EXPECT_TRUE(reassembly.admit(key(1, 1), kLargest, true, 0s));
+  EXPECT_TRUE(reassembly.admit(key(1, 1, Reassembly::kGroup), kLargest, true, 0s));
+  EXPECT_FALSE(reassembly.admit(key(1, 1, Reassembly::kBroadcast), 100, true, 0s));
+  EXPECT_TRUE(reassembly.admit(key(2, 1), kLargest, true, 0s));
+  reassembly.keep(key(1, 1, Reassembly::kGroup));
+  EXPECT_TRUE(reassembly.admit(key(1, 2, Reassembly::kGroup), 1000, true, 0s)) << "the one before is complete";
+}
+
+/// Later packets of a stream that had taken all the room waited for the first one, and that one for room.
+TEST(Reassembly, LaterPacketsMakeRoomForTheOneTheyWaitFor) {
+  Reassembly reassembly(kLargest);
+  EXPECT_TRUE(reassembly.admit(key(1, 2), kLargest, false, 0s));
+  EXPECT_TRUE(reassembly.admit(key(1, 3), kLargest, false, 0s));
+  EXPECT_FALSE(reassembly.admit(key(1, 4), kLargest, false, 0s));
+  EXPECT_TRUE(reassembly.admit(key(1, 1), kLargest, true, 0s));
+  EXPECT_EQ(evicted(reassembly), (std::vector<std::uint32_t>{3}));
+}
+
+TEST(Reassembly, TheYoungestOfTheStalledMakesRoom) {
+  Reassembly reassembly(kLargest);
+  for (std::uint8_t source = 1; source <= 4; ++source) reassembly.admit(key(source, source), kLargest, true, 0s);
+  reassembly.progress(key(4, 4), 50'000, 1s);
+  EXPECT_TRUE(reassembly.admit(key(5, 5), 1000, true, 2s));
+  EXPECT_EQ(evicted(reassembly), (std::vector<std::uint32_t>{3}));
+  EXPECT_FALSE(reassembly.stalled(key(4, 4), 2s));
+}
+
+TEST(Reassembly, ATrickleDoesNotHoldRoom) {
+  Reassembly reassembly(kLargest);
+  for (std::uint8_t source = 1; source <= 4; ++source) reassembly.admit(key(source, source), kLargest, true, 0s);
+  for (Time now = 0s; now <= 10s; now += 500ms) {
+    for (std::uint8_t source = 1; source <= 4; ++source) reassembly.progress(key(source, source), 64, now);
+  }
+  EXPECT_TRUE(reassembly.admit(key(5, 5), kLargest, true, 10s));
+}
+
+/// A first segment that claims to be of a packet of the largest size.
+wire::Data forged_segment(const Host& destination, const Host& source) {
+  wire::Data data = data_for(destination, source);
+  data.total = kLargest;
+  data.segment_size = 100;
+  data.octets.assign(100, 0);
+  return data;
+}
+
+EngineOptions small() {
+  EngineOptions options;
+  options.max_packet_size = kLargest;
+  return options;
+}
+
+/// Four such frames held all the room for a minute.
+TEST(Reassembly, FourForgedFramesDoNotHoldIt) {
+  Stage stage(small());
+  for (std::size_t i = 0; i < 4; ++i) stage.say(stage.neighbor(i), forged_segment(stage.self(), stage.neighbor(i)));
+  Host& honest = stage.neighbor(9);
+  stage.run_for(2500ms);
+  wire::Data data = forged_segment(stage.self(), honest);
+  for (data.index = 0; data.index < kLargest / 100; ++data.index) stage.say(honest, data);
+  stage.run_for(10ms);
+  EXPECT_GE(stage.team.engine(0).statistics().frames_dropped.malformed, 1u) << "the image is zeros, but it is complete";
+}
+
+TEST(Reassembly, SegmentsNoLinkCarriesAreMalformed) {
+  Stage stage(small());
+  Host& forger = stage.neighbor(0);
+  wire::Data data = forged_segment(stage.self(), forger);
+  data.segment_size = 65'000;
+  data.index = 1;
+  data.octets.assign(35'000, 0);
+  stage.say(forger, data);
+  data.segment_size = 1;
+  data.octets.assign(1, 0);
+  stage.say(forger, data);
+  EXPECT_EQ(stage.malformed(), 2u);
+}
+
+TEST(Reassembly, WantOfRoomIsToldOnce) {
+  Stage stage(small());
+  for (std::size_t i = 0; i < 4; ++i) stage.say(stage.neighbor(i), forged_segment(stage.self(), stage.neighbor(i)));
+  Host& honest = stage.neighbor(9);
+  stage.run_for(100ms);
+  stage.forget();
+  wire::Data data = forged_segment(stage.self(), honest);
+  for (data.index = 0; data.index < 40; ++data.index) {
+    stage.say(honest, data);
+    stage.run_for(100us);
+  }
+  stage.run_for(10ms);
+  std::vector<wire::RefusedPacket> refused;
+  for (const auto& [at, frame] : stage.frames()) {
+    if (frame.bytes[1] != static_cast<std::uint8_t>(wire::FrameType::kTransportAcknowledgment)) continue;
+    const auto acknowledgment = wire::read_transport_acknowledgment(wire::open_body(frame.bytes).value()).value();
+    if (acknowledgment.destination != honest.address) continue;
+    refused.insert(refused.end(), acknowledgment.refused.begin(), acknowledgment.refused.end());
+  }
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0].packet, data.packet);
+}
+
+/// Six packets for one base with room for four.
+TEST(Reassembly, SixRobotsSendAMegabyteEachToOneBaseAtOnce) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    MediumOptions lossy;
+    lossy.loss = 0.1;
+    Team team(lossy, seed);
+    EngineOptions options = without_groups();
+    options.max_packet_size = 1'000'000;
+    for (int robot = 0; robot <= 6; ++robot) team.add(options, robot * 0.5);
+    team.run_for(2s);
+    std::vector<Bytes> payloads;
+    std::vector<SendId> ids;
+    for (std::size_t robot = 1; robot <= 6; ++robot) {
+      payloads.push_back(noise(999'900, seed * 10 + robot));
+      ids.push_back(team.send(robot, "robot_0", payloads.back(), Priority::kBulk));
+    }
+    team.run_until_done([&] { return team.received(0).size() == 6; }, 60s);
+    team.run_for(1s);
+    ASSERT_EQ(team.received(0).size(), 6u) << "seed " << seed;
+    for (std::size_t robot = 1; robot <= 6; ++robot) {
+      ASSERT_NE(team.finished(robot, ids[robot - 1]), nullptr);
+      EXPECT_TRUE(team.finished(robot, ids[robot - 1])->delivered) << team.finished(robot, ids[robot - 1])->reason;
+    }
+    for (const Team::Received& received : team.received(0)) {
+      const std::size_t robot = received.packet.source.back() - '0';
+      EXPECT_TRUE(received.packet.payload == payloads[robot - 1]) << "seed " << seed << ", robot " << robot;
+    }
+  }
+}
+
+/// One sender and one receiver, joined by hand.
+struct Joined {
+  Joined() { sender.add(1, image, 1000, 0s); }
+  /// The next `count` segments arrive; fewer if the sender has no more.
+  int pass(int count) {
+    int passed = 0;
+    for (; passed < count && sender.has_segment(); ++passed) {
+      for (auto& complete : receiver.take(sender.next_segment(now), now)) arrived.push_back(complete.image);
+    }
+    return passed;
+  }
+  void acknowledge() { sender.acknowledged(receiver.acknowledge(2), now); }
+  void later(Time by) {
+    now += by;
+    EXPECT_TRUE(sender.expire(10, now).empty());
+  }
+
+  const transport::Image image = std::make_shared<Bytes>(noise(90'000));
+  Reassembly reassembly{kLargest};
+  transport::StreamReceiver receiver{{2, 0, 0, 0, 0, 1}, 7, kLargest, reassembly};
+  transport::StreamSender sender{2, 1, transport::StreamSender::kWindow};
+  std::vector<Bytes> arrived;
+  Time now{0};
+};
+
+TEST(Reassembly, APacketThatHadToMakeRoomIsBegunAnew) {
+  Joined joined;
+  joined.pass(40);
+  joined.acknowledge();
+  const wire::TransportAcknowledgment stale = joined.receiver.acknowledge(2);
+  joined.receiver.evicted(2, 1, joined.now);
+  EXPECT_EQ(joined.receiver.due(2), joined.now) << "the sender has to be told";
+  joined.pass(5);
+  joined.acknowledge();
+  EXPECT_EQ(joined.pass(1), 0) << "not at once";
+  joined.later(transport::StreamSender::kRoomRetry);
+  EXPECT_EQ(joined.pass(100), 1) << "one segment asks";
+  joined.sender.acknowledged(stale, joined.now);
+  joined.acknowledge();
+  EXPECT_EQ(joined.pass(100), 89);
+  ASSERT_EQ(joined.arrived.size(), 1u);
+  EXPECT_TRUE(joined.arrived[0] == *joined.image);
+  joined.acknowledge();
+  EXPECT_TRUE(joined.sender.idle());
+}
+
+TEST(Reassembly, ALostRefusalIsToldAgain) {
+  Joined joined;
+  joined.pass(40);
+  joined.acknowledge();
+  joined.receiver.evicted(2, 1, joined.now);
+  joined.receiver.acknowledge(2);  // lost
+  joined.pass(50);
+  EXPECT_TRUE(joined.arrived.empty()) << "without the first segments there is no packet";
+  joined.acknowledge();
+  joined.later(transport::StreamSender::kRoomRetry);
+  joined.pass(1);
+  joined.acknowledge();
+  joined.pass(100);
+  ASSERT_EQ(joined.arrived.size(), 1u);
+  EXPECT_TRUE(joined.arrived[0] == *joined.image);
+}
+
+TEST(Reassembly, ASendWithoutRoomFailsAfterAMinute) {
+  Joined joined;
+  std::vector<transport::StreamSender::GivenUp> given_up;
+  while (given_up.empty() && joined.now < 100s) {
+    wire::TransportAcknowledgment acknowledgment;
+    if (joined.sender.has_segment()) acknowledgment.refused = {{1, joined.sender.next_segment(joined.now).attempt}};
+    joined.sender.acknowledged(acknowledgment, joined.now);
+    joined.now = std::max(joined.now + 1ms, joined.sender.next_deadline());
+    given_up = joined.sender.expire(10, joined.now);
+  }
+  ASSERT_EQ(given_up.size(), 1u);
+  EXPECT_TRUE(given_up[0].no_room);
+  EXPECT_GE(joined.now, transport::StreamSender::kRoomPatience);
+  EXPECT_LT(joined.now, transport::StreamSender::kRoomPatience + 1s);
+  EXPECT_TRUE(joined.sender.idle());
+}
+
+}  // namespace
+}  // namespace adhoc_communication
