@@ -44,7 +44,9 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       beacon_due_(now),
       beacon_spacing_(options_.beacon_interval),
       last_happened_(now),
-      started_(now) {}
+      started_(now) {
+  security::wipe(options_.keys);
+}
 
 std::vector<Frame> Engine::Implementation::poll(Time now) {
   now_ = now;

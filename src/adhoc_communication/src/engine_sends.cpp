@@ -47,6 +47,7 @@ SendId Engine::Implementation::send(SendRequest request, Time now) {
   packet.payload_type = request.payload_type;
   packet.topic = std::move(request.topic);
   packet.payload = std::move(request.payload);
+  packet.latched = request.latched;
   if (to_group) packet.group = request.destination;
   const Image image = transport::encode(packet);
   Sending sending{Purpose::kHost, request.destination, {}, 0, image->size(), {}};
@@ -77,8 +78,8 @@ SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
   flood.id = next_flood_id_++;
   flood.hop_limit = std::max<std::uint8_t>(1, request.hop_limit);
   flood.source_name = self_.name;
-  flood.image =
-      *transport::encode({transport::PacketKind::kUser, request.payload_type, {}, request.topic, request.payload});
+  flood.image = *transport::encode(
+      {transport::PacketKind::kUser, request.payload_type, {}, request.topic, request.payload, request.latched});
   Bytes body = to_bytes(flood);
   const std::size_t most = segment_size_ + wire::kDataHeaderSize;
   if (body.size() > most) {

@@ -106,7 +106,8 @@ void Engine::Implementation::deliver_packet(const std::string& source, const Byt
   auto& by_hops = statistics_.packets_received_by_hops;
   if (by_hops.size() < hops) by_hops.resize(hops);
   ++by_hops[hops - 1];
-  report(PacketReceived{source, packet->group, packet->topic, packet->payload_type, std::move(packet->payload), hops});
+  report(PacketReceived{source, packet->group, packet->topic, packet->payload_type, std::move(packet->payload), hops,
+                        packet->latched});
 }
 
 void Engine::Implementation::on_broadcast_data(const wire::FrameHeader& header, const wire::BroadcastData& data,

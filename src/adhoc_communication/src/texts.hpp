@@ -24,4 +24,15 @@ inline std::string size_text(std::size_t octets) {
   return text;
 }
 
+/// Words from the air for a log or a terminal: what is not visible ASCII or a blank is shown as its number.
+inline std::string escaped(const std::string& words) {
+  std::string text;
+  for (const char character : words) {
+    char number[8];
+    std::snprintf(number, sizeof number, "\\x%02x", static_cast<unsigned char>(character));
+    text += character >= ' ' && character <= '~' && character != '\\' ? std::string(1, character) : number;
+  }
+  return text;
+}
+
 }  // namespace adhoc_communication

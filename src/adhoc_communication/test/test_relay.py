@@ -143,14 +143,14 @@ class NewRobot(unittest.TestCase):
             at_carol.wait_for(lambda messages: messages and messages[-1].point.x == 4.0)
 
     def test_latched_message_and_definition_go_to_a_robot_that_restarts(self):
-        relay("alice", action=srv.RelayRequest.ADD, topic="/alice/goal", destination="carol", latched=True,
-              remote_topic="/carol/goal")  # fmt: skip
-        goal = publisher("/alice/goal", PointStamped)
-        goal.publish(PointStamped())
+        relay("alice", action=srv.RelayRequest.ADD, topic="/alice/target", destination="carol", latched=True,
+              remote_topic="/carol/target")  # fmt: skip
+        target = publisher("/alice/target", PointStamped)
+        target.publish(PointStamped())
         for _ in range(2):
-            with Listener("/carol/goal", PointStamped) as listener, Carol():
+            with Listener("/carol/target", PointStamped) as listener, Carol():
                 listener.wait_for(lambda messages: len(messages) >= 1)
-        relay("alice", action=srv.RelayRequest.REMOVE, topic="/alice/goal", destination="carol")
+        relay("alice", action=srv.RelayRequest.REMOVE, topic="/alice/target", destination="carol")
 
 
 class Service(unittest.TestCase):

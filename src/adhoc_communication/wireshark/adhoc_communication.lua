@@ -136,6 +136,7 @@ local f = {
 
   image_flags = ProtoField.uint8("adhoc.image.flags", "Flags", base.HEX),
   image_compressed = ProtoField.bool("adhoc.image.compressed", "Compressed (zstd)", 8, YES_NO, 0x01),
+  image_latched = ProtoField.bool("adhoc.image.latched", "Latched", 8, YES_NO, 0x02),
   image_kind = ProtoField.uint8("adhoc.image.kind", "Kind", base.DEC, PACKET_KINDS),
   image_payload_type = ProtoField.uint8("adhoc.image.payload_type", "Payload type", base.HEX, PAYLOAD_TYPES),
   image_group = ProtoField.string("adhoc.image.group", "Group"),
@@ -213,7 +214,7 @@ end
 local function image(cursor, tree, whole)
   local start = cursor.at
   local branch = tree:add(adhoc, cursor.range:range(start), "Packet image")
-  cursor:flags(branch, f.image_flags, { f.image_compressed })
+  cursor:flags(branch, f.image_flags, { f.image_compressed, f.image_latched })
   cursor:add(branch, f.image_kind, 1)
   cursor:add(branch, f.image_payload_type, 1)
   cursor:text(branch, f.image_group, 1)

@@ -118,7 +118,12 @@ def test_robot_gets_its_interface(kind, interface):
     assert arguments["interface"] == interface
     assert arguments["autostart"] == "false"
     assert key_command(plan(kind)) == ["/bin/team_key", "create", arguments["key_file"]]
+    assert arguments["key_file"] == "/o/team.key"
     assert arguments["bag"] == "/o/robot_0/robot_0.bag"
+
+
+def test_an_open_team_has_no_key():
+    assert launch_arguments(launch_command(plan(isolation.HUB, "--open"), ROBOTS[0]))["key_file"] == ""
 
 
 def test_robot_is_told_the_topic_of_the_laser_by_which_it_finds_its_way(tmp_path):

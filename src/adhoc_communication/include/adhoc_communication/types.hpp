@@ -57,6 +57,7 @@ struct SendRequest {
   std::uint8_t payload_type = 0;  ///< contract: 'A' string, 'M' map, ...; 'X' any message type
   Bytes payload;
   Priority priority = Priority::kNormal;
+  bool latched = true;  ///< who subscribes late at the receiver is given the packet, too
 };
 
 /// A packet flooded over at most `hop_limit` hops (0 means 1), one frame, unacknowledged.
@@ -65,6 +66,7 @@ struct BroadcastRequest {
   std::uint8_t payload_type = 0;
   Bytes payload;
   std::uint8_t hop_limit = 1;
+  bool latched = true;
 };
 
 struct PacketReceived {
@@ -74,6 +76,7 @@ struct PacketReceived {
   std::uint8_t payload_type = 0;
   Bytes payload;
   std::uint8_t hops = 1;
+  bool latched = true;
 };
 
 /// End of a send; exactly one per accepted SendRequest. `reason` is a sentence for people, empty when delivered.

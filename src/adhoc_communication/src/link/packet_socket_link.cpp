@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "link/capability.hpp"
 #include "link/ethernet.hpp"
 #include "link/mac_address.hpp"
 
@@ -29,6 +30,7 @@ std::string existing_interfaces() {
 }
 
 FileDescriptor open_socket(const std::string& interface) {
+  const RaisedCapabilities raised;
   FileDescriptor descriptor(
       socket(AF_PACKET, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));  // protocol 0: nothing is heard before bind()
   if (descriptor.is_open()) return descriptor;

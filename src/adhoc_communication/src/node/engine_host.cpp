@@ -11,6 +11,7 @@
 
 #include "link/mac_address.hpp"
 #include "link/steady_now.hpp"
+#include "security/cipher.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -52,6 +53,19 @@ void EngineHost::stop() {
 }
 
 void EngineHost::run() {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    if (callbacks_.on_failure) callbacks_.on_failure("the engine has ended: " + std::string(error.what()));
+  }
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  fail_all_waiters();
+}
+
+void EngineHost::work() {
   for (;;) {
     const bool link_has_something = wait_for_work();
     const Time woken = steady_now();
@@ -64,7 +78,6 @@ void EngineHost::run() {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (stopping_) break;
   }
-  fail_all_waiters();
 }
 
 /// True when the link has something.
@@ -246,8 +259,15 @@ Snapshot EngineHost::snapshot() {
 }
 
 void EngineHost::set_keys(std::vector<TeamKey> keys) {
-  ask<bool>([this, keys = std::move(keys)] {
-    engine_.set_keys(keys);
+  const auto shared = std::make_shared<std::vector<TeamKey>>(std::move(keys));  // questions can be copied
+  ask<bool>([this, shared] {
+    try {
+      engine_.set_keys(*shared);
+    } catch (...) {
+      security::wipe(*shared);
+      throw;
+    }
+    security::wipe(*shared);
     return true;
   });
 }

@@ -32,6 +32,7 @@ struct HostCallbacks {
   std::function<void(const std::string& robot)> on_robot_appeared;
   std::function<void(const std::string& robot)> on_robot_lost;
   std::function<void(const std::string& text)> on_warning;
+  std::function<void(const std::string& text)> on_failure{};  ///< the host is of no use any more
 };
 
 /// Is told once how something ended, by the thread of the engine unless the host has stopped; returns at once.
@@ -83,6 +84,7 @@ class EngineHost {
   using Command = std::function<void(Time now)>;
 
   void run();
+  void work();
   bool wait_for_work();
   void receive_frames();
   void run_commands(Time now);

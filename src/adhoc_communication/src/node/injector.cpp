@@ -1,5 +1,6 @@
 #include "node/injector.hpp"
 
+#include <geometry_msgs/Twist.h>
 #include <ros/console.h>
 #include <ros/master.h>
 #include <ros/names.h>
@@ -10,6 +11,8 @@
 #include <utility>
 
 #include "link/steady_now.hpp"
+#include "node/definition_md5.hpp"
+#include "texts.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -22,22 +25,28 @@ constexpr std::uint32_t kPublisherQueue = 100;
 constexpr std::chrono::milliseconds kConnectionPeriod{5};
 constexpr std::chrono::seconds kLongestConnection{1};
 
-/// Nodes that subscribe to a topic, as the master knows them.
-std::uint32_t subscribers_of(const std::string& topic) {
+enum class Role { kPublisher = 0, kSubscriber = 1 };
+
+/// Other nodes that publish a topic, or subscribe to it, as the master knows them.
+std::uint32_t others(const std::string& topic, Role role) {
   XmlRpc::XmlRpcValue request, response, state;
   request[0] = ros::this_node::getName();
   if (!ros::master::execute("getSystemState", request, response, state, false)) return 0;
-  XmlRpc::XmlRpcValue& topics = state[1];
+  XmlRpc::XmlRpcValue& topics = state[static_cast<int>(role)];
+  std::uint32_t count = 0;
   for (int i = 0; i < topics.size(); ++i) {
-    if (static_cast<std::string>(topics[i][0]) == topic) return static_cast<std::uint32_t>(topics[i][1].size());
+    if (static_cast<std::string>(topics[i][0]) != topic) continue;
+    for (int node = 0; node < topics[i][1].size(); ++node) {
+      if (static_cast<std::string>(topics[i][1][node]) != ros::this_node::getName()) ++count;
+    }
   }
-  return 0;
+  return count;
 }
 
 /// Subscribers take some time to connect to a new topic, and what is published before is lost to them.
 void wait_for_subscribers(const ros::Publisher& publisher) {
   const auto deadline = std::chrono::steady_clock::now() + kLongestConnection;
-  const std::uint32_t expected = subscribers_of(publisher.getTopic());
+  const std::uint32_t expected = others(publisher.getTopic(), Role::kSubscriber);
   while (publisher.getNumSubscribers() < expected && std::chrono::steady_clock::now() < deadline) {
     std::this_thread::sleep_for(kConnectionPeriod);
   }
@@ -48,11 +57,11 @@ void wait_for_subscribers(const ros::Publisher& publisher) {
 std::string local_topic(const std::string& prefix, const std::string& topic) {
   std::string error;
   if (topic.empty() || topic[0] == '~' || !ros::names::validate(topic, error)) {
-    throw PayloadError("topic '" + topic + "' is not a valid topic name");
+    throw PayloadError("topic '" + escaped(topic) + "' is not a valid topic name");
   }
-  if (prefix.empty()) return topic;
   const auto first = topic.find_first_not_of('/');
-  return first == std::string::npos ? prefix : prefix + topic.substr(first);
+  if (first == std::string::npos) throw PayloadError("topic '" + topic + "' has no name");
+  return ros::names::clean(prefix.empty() ? topic : prefix + topic.substr(first));
 }
 
 Injector::Injector(ros::NodeHandle node, std::string prefix, TopicFilter filter, AskForDefinition ask_for_definition)
@@ -78,7 +87,7 @@ void Injector::inject(PacketReceived packet) {
     ++dropped_;
     lock.unlock();
     ROS_ERROR_THROTTLE(5.0, "Packets arrive faster than they can be published; one for topic '%s' was dropped",
-                       packet.topic.c_str());
+                       escaped(packet.topic).c_str());
     return;
   }
   queued_octets_ += packet.payload.size();
@@ -112,27 +121,39 @@ void Injector::run() {
 void Injector::take(const PacketReceived& packet) {
   definitions_.expire(steady_now());
   const bool is_definition = packet.payload_type == static_cast<std::uint8_t>(PayloadType::kDefinition);
-  if (!is_definition) check_topic(packet.topic);
+  if (!is_definition) check_topic(full_name(packet.topic));
   SerializedMessage message = decode(packet);
   // Unasked definitions are not kept: nobody can fill the memory with them.
   if (is_definition && definitions_.awaits({message.type, message.md5sum})) learn_definition(message);
-  if (!is_definition && complete(message, packet)) publish(packet.topic, message);
+  if (!is_definition && complete(message, packet)) publish(packet, message);
   count_dropped(definitions_.take_dropped());
 }
 
+/// As the rules and the tables of this class have it: one topic has one name.
+std::string Injector::full_name(const std::string& topic) const {
+  return node_.resolveName(local_topic(prefix_, topic));
+}
+
 void Injector::check_topic(const std::string& topic) const {
-  const std::string full_name = node_.resolveName(local_topic(prefix_, topic));
-  if (!filter_.admits(full_name)) {
-    throw PayloadError("other robots may not publish '" + full_name + "' here (parameters inject_allow, inject_deny)");
+  if (!filter_.admits(topic)) {
+    throw PayloadError("other robots may not publish '" + topic + "' here (parameters inject_allow, inject_deny)");
+  }
+  if (topics_.count(topic) != 0 || filter_.names(topic)) return;
+  if (others(topic, Role::kPublisher) != 0) {
+    throw PayloadError("nodes of this robot publish '" + topic + "', so others may not, unless inject_allow names it");
   }
 }
 
+/// The MD5 sum is what subscribers and other senders go by, so it has to be that of the definition.
 void Injector::learn_definition(const SerializedMessage& message) {
+  if (md5_of_definition(message.type, message.definition) != message.md5sum) {
+    throw PayloadError("the definition of " + message.type + " does not have the MD5 sum " + message.md5sum);
+  }
   for (const PacketReceived& waited : definitions_.learn({message.type, message.md5sum}, message.definition)) {
     try {
       SerializedMessage complete = decode(waited);
       complete.definition = message.definition;
-      publish(waited.topic, complete);
+      publish(waited, complete);
     } catch (const std::exception& error) {
       drop(waited, error.what());
     }
@@ -142,7 +163,9 @@ void Injector::learn_definition(const SerializedMessage& message) {
 bool Injector::complete(SerializedMessage& message, const PacketReceived& packet) {
   const TypeName type{message.type, message.md5sum};
   if (packet.payload_type == static_cast<std::uint8_t>(PayloadType::kAnyMessage)) {
-    if (!message.definition.empty()) learn_definition(message);
+    const std::string* known = definitions_.find(type);
+    if (known == nullptr && !message.definition.empty()) learn_definition(message);
+    if (known != nullptr) message.definition = *known;
     return true;
   }
   if (packet.payload_type != static_cast<std::uint8_t>(PayloadType::kMessageByType)) return true;
@@ -154,8 +177,8 @@ bool Injector::complete(SerializedMessage& message, const PacketReceived& packet
   return false;
 }
 
-void Injector::publish(const std::string& topic_name, const SerializedMessage& message) {
-  const Topic& topic = topic_for(local_topic(prefix_, topic_name), message);
+void Injector::publish(const PacketReceived& packet, const SerializedMessage& message) {
+  const Topic& topic = topic_for(full_name(packet.topic), message, packet.latched);
   topic_tools::ShapeShifter shape;
   shape.morph(message.md5sum, message.type, message.definition, "1");
   ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),  // an input stream only reads
@@ -164,7 +187,7 @@ void Injector::publish(const std::string& topic_name, const SerializedMessage& m
   topic.publisher.publish(shape);
 }
 
-Injector::Topic& Injector::topic_for(const std::string& name, const SerializedMessage& message) {
+Injector::Topic& Injector::topic_for(const std::string& name, const SerializedMessage& message, bool latched) {
   const auto known = topics_.find(name);
   if (known != topics_.end()) {
     if (known->second.md5sum == message.md5sum && known->second.type == message.type) return known->second;
@@ -176,7 +199,8 @@ Injector::Topic& Injector::topic_for(const std::string& name, const SerializedMe
                        "th received topic, more than this node publishes");
   }
   ros::AdvertiseOptions options(name, kPublisherQueue, message.md5sum, message.type, message.definition);
-  options.latch = true;
+  // Who comes late must not drive on an old command.
+  options.latch = latched && message.type != ros::message_traits::datatype<geometry_msgs::Twist>();
   const ros::Publisher publisher = node_.advertise(options);
   if (!publisher) throw PayloadError("topic '" + name + "' cannot be advertised as " + message.type);
   wait_for_subscribers(publisher);
@@ -192,7 +216,7 @@ void Injector::drop(const PacketReceived& packet, const std::string& reason) {
   count_dropped(1);
   if (reported_topics_.size() >= kMaxReportedTopics || !reported_topics_.insert(packet.topic).second) return;
   ROS_ERROR("A packet of %zu octets from %s for topic '%s' is not published: %s (reported once per topic)",
-            packet.payload.size(), packet.source.c_str(), packet.topic.c_str(), reason.c_str());
+            packet.payload.size(), packet.source.c_str(), escaped(packet.topic).c_str(), reason.c_str());
 }
 
 }  // namespace adhoc_communication

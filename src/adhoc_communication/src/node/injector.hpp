@@ -22,8 +22,8 @@
 namespace adhoc_communication {
 
 /// Publishes in a thread of its own, because advertising asks the ROS master and must not hold up the engine.
-/// Topics are latched. A message whose definition is not known yet waits for it. What cannot be published is counted
-/// and reported once per topic.
+/// A topic is latched where its first message says so. A message whose definition is not known yet waits for it. What
+/// cannot be published is counted and reported once per topic.
 class Injector {
  public:
   /// Asks a robot for the definition of a type, without waiting.
@@ -52,12 +52,13 @@ class Injector {
 
   void run();
   void take(const PacketReceived& packet);
-  void check_topic(const std::string& topic) const;
+  std::string full_name(const std::string& topic) const;
+  void check_topic(const std::string& full_name) const;
   void learn_definition(const SerializedMessage& message);
   /// False when the message has to wait for its definition.
   bool complete(SerializedMessage& message, const PacketReceived& packet);
-  void publish(const std::string& topic, const SerializedMessage& message);
-  Topic& topic_for(const std::string& name, const SerializedMessage& message);
+  void publish(const PacketReceived& packet, const SerializedMessage& message);
+  Topic& topic_for(const std::string& name, const SerializedMessage& message, bool latched);
   void drop(const PacketReceived& packet, const std::string& reason);
   void count_dropped(std::uint64_t packets);
 
@@ -78,7 +79,7 @@ class Injector {
   std::thread thread_;
 };
 
-/// The local name of a topic from the air. Throws PayloadError when it is no valid ROS name.
+/// The local name of a topic from the air, without needless slashes. Throws PayloadError when it is no valid ROS name.
 std::string local_topic(const std::string& prefix, const std::string& topic);
 
 }  // namespace adhoc_communication

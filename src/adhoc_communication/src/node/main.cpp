@@ -8,6 +8,7 @@
 #include <iostream>
 #include <stdexcept>
 
+#include "link/capability.hpp"
 #include "link/link.hpp"
 #include "node/node.hpp"
 #include "node/options.hpp"
@@ -54,6 +55,7 @@ int list_parameters() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  adhoc_communication::lower_capabilities();  // before the first thread, which would keep them
   if (argc > 1 && std::strcmp(argv[1], "--list-parameters") == 0) return list_parameters();
   ros::init(argc, argv, "adhoc_communication");
   end_on_sigterm();

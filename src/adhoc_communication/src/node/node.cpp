@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "link/mac_address.hpp"
+#include "security/cipher.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -31,7 +32,9 @@ std::unique_ptr<Link> open_link_for(NodeOptions& options) {
 
 void read_keys_for(NodeOptions& options) {
   if (options.key_file.empty()) {
-    ROS_WARN("Frames are neither encrypted nor authenticated: parameter ~key_file is not set");
+    ROS_WARN(
+        "Frames are neither encrypted nor authenticated, so everybody in range may listen and talk: make a key with "
+        "\"rosrun adhoc_communication team_key create FILE\" and set parameter ~key_file");
     return;
   }
   options.engine.keys = read_key_file(options.key_file);
@@ -61,6 +64,7 @@ Node::Node(const NodeOptions& options)
                        options_.simulation_mode ? &positions_ : nullptr);
   if (options_.simulation_mode) follow_ground_truth();
   host_ = std::make_unique<EngineHost>(options_.engine, std::move(link), std::move(filter), callbacks());
+  security::wipe(options_.engine.keys);
   carry_relays();
   services_ = std::make_unique<Services>(node_, service_prefix_, *host_, *relay_, log_, [this] { shut_down(); });
   status_publisher_ = node_.advertise<Status>(service_prefix_ + "status", 1, true);
@@ -108,13 +112,17 @@ HostCallbacks Node::callbacks() {
             discovery_->announce_loss(robot);
             relay_->robot_lost(robot);
           },
-          [this](const std::string& text) { ROS_WARN("Interface %s: %s", options_.interface.c_str(), text.c_str()); }};
+          [this](const std::string& text) { ROS_WARN("Interface %s: %s", options_.interface.c_str(), text.c_str()); },
+          [](const std::string& text) {
+            ROS_FATAL("The node ends: %s", text.c_str());
+            ros::requestShutdown();
+          }};
 }
 
 /// What this node publishes itself, other robots may not.
 TopicFilter Node::topic_filter() const {
   TopicFilter filter(options_.inject_allow, options_.inject_deny);
-  filter.deny(node_.resolveName(name_prefix_ + "adhoc_communication") + "/*");
+  filter.never(node_.resolveName(name_prefix_ + "adhoc_communication") + "/*");
   return filter;
 }
 
@@ -146,7 +154,7 @@ NodeState Node::state() const {
   state.robot_name = options_.engine.robot_name;
   state.interface = options_.interface;
   state.address = address_;
-  state.sealed = !options_.engine.keys.empty();
+  state.sealed = key_file_.has_value();
   state.relays = relay_->reports();
   state.injector = injector_->report();
   state.log_rows_lost = log_.rows_lost() + network_logs_.rows_lost();

@@ -33,7 +33,9 @@ struct NodeOptions {
   std::string key_file;
   bool require_key = false;
   std::string inject_allow = "*";
-  std::string inject_deny = "/rosout /rosout_agg /clock /tf /tf_static";
+  /// What moves a robot, or misleads it or who watches it.
+  std::string inject_deny =
+      "/rosout /rosout_agg /clock /tf /tf_static */diagnostics */diagnostics_agg *cmd_vel *goal *initialpose";
   std::vector<RelayEntry> relays;
 };
 

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "node/checked_stream.hpp"
+#include "texts.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -128,10 +129,10 @@ void check_type(const std::string& type, const std::string& md5sum) {
   static const std::regex md5sum_pattern("[0-9a-f]{32}");
   constexpr std::size_t kLongestType = 256;
   if (type.size() > kLongestType || !std::regex_match(type, type_pattern)) {
-    throw PayloadError("type '" + type.substr(0, kLongestType) + "' is not of the form package/Name");
+    throw PayloadError("type '" + escaped(type.substr(0, kLongestType)) + "' is not of the form package/Name");
   }
   if (md5sum.size() > kLongestType || !std::regex_match(md5sum, md5sum_pattern)) {
-    throw PayloadError("md5sum '" + md5sum.substr(0, kLongestType) + "' is not 32 hexadecimal digits");
+    throw PayloadError("md5sum '" + escaped(md5sum.substr(0, kLongestType)) + "' is not 32 hexadecimal digits");
   }
 }
 

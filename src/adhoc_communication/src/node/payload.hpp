@@ -45,6 +45,7 @@ struct SerializedMessage {
   std::string md5sum;
   std::string definition;  ///< full text, as in bag files
   Bytes bytes;             ///< ROS serialisation
+  bool latched = false;    ///< the topic it comes from is
 };
 
 class PayloadError : public std::runtime_error {

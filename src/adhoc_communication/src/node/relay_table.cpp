@@ -224,6 +224,7 @@ RelayTable::Transfer RelayTable::start(Id id, Relay& relay, Time now) {
   request.payload_type = static_cast<std::uint8_t>(type);
   request.payload = knows ? encode_message_by_type(*waiting.message) : encode_any_message(*waiting.message);
   request.priority = relay.entry.priority;
+  request.latched = relay.entry.latched || waiting.message->latched;
   in_flight_.emplace(number, InFlight{id, std::move(waiting), teaches});
   return {number, std::move(request)};
 }

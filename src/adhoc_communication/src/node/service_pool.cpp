@@ -1,6 +1,9 @@
 #include "node/service_pool.hpp"
 
+#include <ros/console.h>
+
 #include <algorithm>
+#include <exception>
 
 namespace adhoc_communication {
 
@@ -42,7 +45,11 @@ void ServicePool::work() {
     const auto callback = std::move(calls_.front().callback);
     calls_.pop_front();
     lock.unlock();
-    callback->call();
+    try {
+      callback->call();
+    } catch (const std::exception& error) {
+      ROS_ERROR("A call has ended with: %s", error.what());
+    }
     lock.lock();
   }
 }

@@ -32,10 +32,15 @@ bool matches_any(const std::vector<std::string>& patterns, const std::string& to
 TopicFilter::TopicFilter(const std::string& allowed, const std::string& denied)
     : allowed_(patterns_of(allowed)), denied_(patterns_of(denied)) {}
 
-void TopicFilter::deny(const std::string& pattern) { denied_.push_back(absolute(pattern)); }
+void TopicFilter::never(const std::string& pattern) { never_.push_back(absolute(pattern)); }
+
+bool TopicFilter::names(const std::string& topic) const {
+  return std::find(allowed_.begin(), allowed_.end(), topic) != allowed_.end();
+}
 
 bool TopicFilter::admits(const std::string& topic) const {
-  return !matches_any(denied_, topic) && matches_any(allowed_, topic);
+  if (matches_any(never_, topic)) return false;
+  return names(topic) || (!matches_any(denied_, topic) && matches_any(allowed_, topic));
 }
 
 }  // namespace adhoc_communication

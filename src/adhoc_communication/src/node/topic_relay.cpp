@@ -1,5 +1,7 @@
 #include "node/topic_relay.hpp"
 
+#include <ros/console.h>
+#include <ros/init.h>
 #include <ros/this_node.h>
 #include <topic_tools/shape_shifter.h>
 
@@ -85,9 +87,11 @@ std::vector<RelayReport> TopicRelay::reports() const {
 
 void TopicRelay::take(RelayTable::Id id, const ros::MessageEvent<topic_tools::ShapeShifter const>& event) {
   if (event.getPublisherName() == ros::this_node::getName()) return;
-  auto message = std::make_shared<const SerializedMessage>(serialized(*event.getConstMessage()));
+  SerializedMessage message = serialized(*event.getConstMessage());
+  const auto latching = event.getConnectionHeader().find("latching");
+  message.latched = latching != event.getConnectionHeader().end() && latching->second == "1";
   const std::lock_guard<std::mutex> lock(mutex_);
-  table_.offer(id, std::move(message), steady_now());
+  table_.offer(id, std::make_shared<const SerializedMessage>(std::move(message)), steady_now());
   changed_.notify_one();
 }
 
@@ -114,7 +118,7 @@ void TopicRelay::ask(const std::string& robot, const TypeName& type) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (stopping_ || !send_) return;
   }
-  const SerializedMessage request{type.type, type.md5sum, {}, {}};
+  const SerializedMessage request{type.type, type.md5sum, {}, {}, false};
   send_({robot, kDefinitionTopic, static_cast<std::uint8_t>(PayloadType::kDefinitionRequest),
          encode_message_by_type(request), Priority::kNormal},
         [](const Outcome&) {});
@@ -150,6 +154,15 @@ void TopicRelay::send(RelayTable::Transfer transfer) {
 }
 
 void TopicRelay::run() {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    ROS_FATAL("The node ends: relaying has ended: %s", error.what());
+    ros::requestShutdown();
+  }
+}
+
+void TopicRelay::work() {
   std::unique_lock<std::mutex> lock(mutex_);
   while (!stopping_) {
     if (auto transfer = table_.next(steady_now())) {

@@ -54,6 +54,7 @@ class TopicRelay {
 
  private:
   void run();
+  void work();
   void take(RelayTable::Id id, const ros::MessageEvent<topic_tools::ShapeShifter const>& event);
   void send(RelayTable::Transfer transfer);
 

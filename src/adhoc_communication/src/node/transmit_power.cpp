@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "link/capability.hpp"
 #include "link/file_descriptor.hpp"
 #include "node/node.hpp"
 
@@ -19,6 +20,7 @@ std::string set_transmit_power(const std::string& interface, int dbm) {
   request.u.txpower.value = dbm;
   request.u.txpower.fixed = 1;
   request.u.txpower.flags = IW_TXPOW_DBM;
+  const RaisedCapabilities raised;
   if (ioctl(socket.get(), SIOCSIWTXPOW, &request) == 0) return "";
   return "the transmit power of interface " + interface + " cannot be set to " + std::to_string(dbm) + " dBm (" +
          std::strerror(errno) + "); set it with \"sudo iw dev " + interface + " set txpower fixed " +

@@ -29,6 +29,11 @@ SessionKey derive_session_key(const TeamKey& team_key, const MacAddress& sender,
   return key;
 }
 
+void wipe(std::vector<TeamKey>& keys) {
+  for (TeamKey& key : keys) sodium_memzero(key.data(), key.size());
+  keys.clear();
+}
+
 Bytes seal(const SessionKey& key, const wire::FrameHeader& header, const Bytes& body) {
   Bytes frame;
   frame.reserve(wire::kHeaderSize + body.size() + wire::kTagSize);

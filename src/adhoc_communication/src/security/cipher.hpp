@@ -15,6 +15,9 @@ using SessionKey = std::array<std::uint8_t, 32>;
 /// BLAKE2b of sender and boot id, keyed with the team key.
 SessionKey derive_session_key(const TeamKey& team_key, const MacAddress& sender, const BootId& boot_id);
 
+/// Nothing of them is left in memory.
+void wipe(std::vector<TeamKey>& keys);
+
 /// header | encrypted body | tag. The header stays readable and is authenticated.
 Bytes seal(const SessionKey& key, const wire::FrameHeader& header, const Bytes& body);
 

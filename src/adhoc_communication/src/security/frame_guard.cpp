@@ -12,11 +12,22 @@ FrameGuard::FrameGuard(const Identity& self, std::vector<TeamKey> keys, FramesDr
   set_keys(std::move(keys));
 }
 
+FrameGuard::~FrameGuard() {
+  wipe(keys_);
+  sodium_memzero(own_key_.data(), own_key_.size());
+}
+
+void FrameGuard::Session::forget_key() {
+  if (key) sodium_memzero(key->data(), key->size());
+  key.reset();
+}
+
 void FrameGuard::set_keys(std::vector<TeamKey> keys) {
   if (!keys.empty() && sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
+  wipe(keys_);
   keys_ = std::move(keys);
   if (seals()) own_key_ = derive_session_key(keys_.front(), self_.address, self_.boot_id);
-  for (auto& [run, session] : sessions_) session.key.reset();
+  for (auto& [run, session] : sessions_) session.forget_key();
 }
 
 Bytes FrameGuard::close(wire::FrameHeader header, const Bytes& body) const {

@@ -32,6 +32,9 @@ class FrameGuard {
   static constexpr std::size_t kMostSessions = 1024;
 
   FrameGuard(const Identity& self, std::vector<TeamKey> keys, FramesDropped& dropped);
+  ~FrameGuard();
+  FrameGuard(const FrameGuard&) = delete;
+  FrameGuard& operator=(const FrameGuard&) = delete;
 
   bool seals() const { return !keys_.empty(); }
   void set_keys(std::vector<TeamKey> keys);
@@ -48,6 +51,10 @@ class FrameGuard {
  private:
   using RunOfRobot = std::pair<MacAddress, BootId>;
   struct Session {
+    Session() = default;
+    ~Session() { forget_key(); }
+    void forget_key();
+
     std::optional<SessionKey> key;  ///< that opened its last frame
     ReplayWindow window;
     bool proven = false;

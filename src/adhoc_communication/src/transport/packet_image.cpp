@@ -8,6 +8,7 @@ namespace adhoc_communication::transport {
 namespace {
 
 constexpr std::uint8_t kCompressed = 0x01;
+constexpr std::uint8_t kLatched = 0x02;
 constexpr std::size_t kFixedSize = 3 + 1 + 2 + 4;  ///< flags, kind, type; lengths of group and topic; payload size
 constexpr std::size_t kWorthCompressing = 128;
 constexpr int kLevel = 1;
@@ -42,7 +43,7 @@ Image encode(const Packet& packet) {
   auto image = std::make_shared<Bytes>();
   image->reserve(image_size(packet.group, packet.topic, body.size()));
   wire::Writer writer(*image);
-  writer.u8(compressed ? kCompressed : 0);
+  writer.u8(static_cast<std::uint8_t>((compressed ? kCompressed : 0) | (packet.latched ? kLatched : 0)));
   writer.u8(static_cast<std::uint8_t>(packet.kind));
   writer.u8(packet.payload_type);
   writer.text8(packet.group);
@@ -62,9 +63,10 @@ std::optional<Packet> decode(const Bytes& image, std::size_t largest) {
   packet.topic = reader.text16();
   const std::size_t size = reader.u32();
   Bytes body = reader.rest();
-  if (!reader.ok() || (flags & ~kCompressed) != 0 || size > largest) return std::nullopt;
+  if (!reader.ok() || (flags & ~(kCompressed | kLatched)) != 0 || size > largest) return std::nullopt;
   if (kind > static_cast<std::uint8_t>(PacketKind::kGroupCopy)) return std::nullopt;
   packet.kind = static_cast<PacketKind>(kind);
+  packet.latched = (flags & kLatched) != 0;
   if ((flags & kCompressed) != 0) {
     std::optional<Bytes> payload = decompress(body, size);
     if (!payload) return std::nullopt;

@@ -24,6 +24,7 @@ struct Packet {
   std::string group;
   std::string topic;
   Bytes payload;
+  bool latched = false;
 };
 
 using Image = std::shared_ptr<const Bytes>;

@@ -44,6 +44,7 @@ class Options:
     isolation: str
     topology: str
     odometry: str
+    open: bool = False
 
     def to_dict(self) -> dict[str, Any]:
         return asdict(self)
@@ -111,6 +112,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add("--odometry", choices=("bias", "random_walk"), default="bias", help="how it errs: by one share for the whole "
         "mission, or anew at each step (default: %(default)s)")  # fmt: skip
+    add("--open", action="store_true", help="open frames; else the team gets a key, in team.key of --out")
     add("--quiet", action="store_true", help="print only notices, errors and the final table")
     add(
         "--isolation",

@@ -164,7 +164,8 @@ def key_command(plan: Plan) -> list[str]:
 
 
 def key_file(plan: Plan) -> str:
-    return plan.socket("team.key")
+    """Kept with the results, so that a robot can be added and captured frames be read; empty for open frames."""
+    return "" if plan.options.open else str(Path(plan.out) / "team.key")
 
 
 def initial_poses(plan: Plan) -> str:

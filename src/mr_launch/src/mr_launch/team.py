@@ -19,6 +19,7 @@ from mr_launch.plan import (
     Plan,
     base_position,
     key_command,
+    key_file,
     launch_command,
     namespace_prefix,
     radio_command,
@@ -67,6 +68,9 @@ class Team:
         self._write_state()
 
     def _make_key(self) -> None:
+        if self.plan.options.open:
+            return
+        Path(key_file(self.plan)).unlink(missing_ok=True)  # of a mission before in this folder
         made = subprocess.run(key_command(self.plan), capture_output=True, text=True, check=False)
         if made.returncode != 0:
             raise TeamFailure(f"no team key: {made.stderr.strip()}")
