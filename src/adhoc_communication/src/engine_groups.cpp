@@ -206,7 +206,7 @@ bool Engine::Implementation::takes_part(const MacAddress& root) const {
 void Engine::Implementation::take_group_packets(Time now) {
   for (const multicast::Arrived& arrived : distributor_.take_arrived()) {
     if (!takes_part(arrived.root)) continue;
-    deliver_packet(std::string(directory_.find(arrived.root)->name), arrived.image, arrived.hops, now);
+    deliver_packet(Carrier::kGroup, std::string(directory_.find(arrived.root)->name), arrived.image, arrived.hops, now);
   }
 }
 

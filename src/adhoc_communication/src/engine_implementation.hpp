@@ -21,6 +21,7 @@
 #include "security/frame_guard.hpp"
 #include "transport/air_clock.hpp"
 #include "transport/broadcast.hpp"
+#include "transport/fair_share.hpp"
 #include "transport/flood.hpp"
 #include "transport/hop_receiver.hpp"
 #include "transport/hop_sender.hpp"
@@ -39,6 +40,8 @@ class Engine::Implementation : private Outbox {
       1024;  ///< robots whose packets are put together; the one idle longest makes room
   static constexpr std::size_t kMostHeld = 512;     ///< frames of others that wait for a repair; further ones are lost
   static constexpr std::size_t kMostEvents = 4096;  ///< the oldest received packet is dropped beyond
+  static constexpr std::size_t kMostEventOctets = 32'000'000;  ///< of received packets, if it is more than one
+  static constexpr std::size_t kMostFloodOctets = 64'000;      ///< of one, unpacked
 
   Implementation(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now);
 
@@ -139,7 +142,9 @@ class Engine::Implementation : private Outbox {
   void on_broadcast_data(const wire::FrameHeader& header, const wire::BroadcastData& data, Time now);
   void on_flood(const wire::Flood& flood, Time now);
   void forget_evicted(Time now);
-  void deliver_packet(const std::string& source, const Bytes& image, std::uint8_t hops, Time now);
+  enum class Carrier { kStream, kBroadcast, kGroup };
+  bool admits(Carrier carrier, const std::string& source, const transport::Packet& packet) const;
+  void deliver_packet(Carrier carrier, const std::string& source, const Bytes& image, std::uint8_t hops, Time now);
   transport::StreamReceiver* receiver_for(const wire::Data& data, Time now);
   template <typename Message>
   void forward(const MacAddress& from, Message message, wire::FrameType type, std::uint8_t priority, Time now);
@@ -149,8 +154,10 @@ class Engine::Implementation : private Outbox {
   void fail_unreachable(Time now);
   void pump(Time now);
   bool pump_priority(std::uint8_t priority, Time now);
-  bool pump_links(std::uint8_t priority, Time now);
-  bool pump_link(const MacAddress& neighbor, Link& link, std::uint8_t priority, Time now);
+  bool pump_kind(transport::FairShare::Kind kind, std::uint8_t priority, Time now);
+  bool pump_links(std::uint8_t priority, bool repetitions_only, Time now);
+  bool pump_link(const MacAddress& neighbor, Link& link, std::uint8_t priority, bool repetitions_only, Time now);
+  bool pump_broadcasts(std::uint8_t priority, Time now);
   bool pump_groups(std::uint8_t priority, Time now);
   bool pump_streams(std::uint8_t priority, Time now);
   bool pump_stream(const StreamKey& key, Stream& stream, Time now);
@@ -173,6 +180,7 @@ class Engine::Implementation : private Outbox {
   void finish_fan_out_part(SendId parent, const std::string& member, bool delivered, const std::string& reason,
                            Time now);
   void report(Event event);
+  void drop_oldest_packet();
 
   // engine_groups.cpp: membership.
   bool takes_part(const MacAddress& root) const;
@@ -241,10 +249,12 @@ class Engine::Implementation : private Outbox {
   Time started_{0};
   Time expected_poll_ = Time::max();
   bool touched_ = true;  ///< something came in since the last poll
+  std::array<transport::FairShare, transport::kPriorities> shares_;
   MacAddress last_link_served_{};
   StreamKey last_stream_served_;
   std::vector<Frame> out_;
   std::deque<Event> events_;
+  std::size_t event_octets_ = 0;  ///< payloads of the packets among them
 };
 
 }  // namespace adhoc_communication

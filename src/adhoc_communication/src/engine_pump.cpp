@@ -27,26 +27,47 @@ void Engine::Implementation::pump(Time now) {
 }
 
 bool Engine::Implementation::pump_priority(std::uint8_t priority, Time now) {
-  if (pump_links(priority, now)) return true;
-  transport::BroadcastSender& broadcasts = broadcasts_[priority];
-  if (broadcasts.has_segment() && air_.ready_at() <= now) {
-    auto [data, finished] = broadcasts.next_segment();
-    broadcast(FrameType::kBroadcastData, to_bytes(data));
-    if (finished) finish(*finished, true, {}, now);
+  if (pump_links(priority, true, now)) return true;
+  for (const transport::FairShare::Kind kind : shares_[priority].order()) {
+    const std::uint64_t before = statistics_.bytes_sent;
+    if (!pump_kind(kind, priority, now)) continue;
+    shares_[priority].charge(kind, statistics_.bytes_sent - before);
     return true;
   }
-  return pump_groups(priority, now) || pump_streams(priority, now);
+  return false;
+}
+
+bool Engine::Implementation::pump_kind(transport::FairShare::Kind kind, std::uint8_t priority, Time now) {
+  switch (kind) {
+    case transport::FairShare::kTransit:
+      return pump_links(priority, false, now);
+    case transport::FairShare::kGroups:
+      return pump_groups(priority, now);
+    default:
+      return pump_broadcasts(priority, now) || pump_streams(priority, now);
+  }
+}
+
+bool Engine::Implementation::pump_broadcasts(std::uint8_t priority, Time now) {
+  transport::BroadcastSender& broadcasts = broadcasts_[priority];
+  if (!broadcasts.has_segment() || air_.ready_at() > now) return false;
+  auto [data, finished] = broadcasts.next_segment();
+  broadcast(FrameType::kBroadcastData, to_bytes(data));
+  if (finished) finish(*finished, true, {}, now);
+  return true;
 }
 
 /// Repetitions and frames of others, one neighbour after the other.
-bool Engine::Implementation::pump_links(std::uint8_t priority, Time now) {
-  return visit_after(links_.busy(), last_link_served_,
-                     [&](const auto& item) { return pump_link(item.first, *item.second, priority, now); });
+bool Engine::Implementation::pump_links(std::uint8_t priority, bool repetitions_only, Time now) {
+  return visit_after(links_.busy(), last_link_served_, [&](const auto& item) {
+    return pump_link(item.first, *item.second, priority, repetitions_only, now);
+  });
 }
 
-bool Engine::Implementation::pump_link(const MacAddress& neighbor, Link& link, std::uint8_t priority, Time now) {
+bool Engine::Implementation::pump_link(const MacAddress& neighbor, Link& link, std::uint8_t priority,
+                                       bool repetitions_only, Time now) {
   const bool again = link.sender.has_resend(priority) && link.sender.may_resend();
-  const bool anew = link.sender.has_waiting(priority) && link.sender.may_start();
+  const bool anew = !repetitions_only && link.sender.has_waiting(priority) && link.sender.may_start();
   if (!(again || anew) || !air_allows(link, now)) return false;
   last_link_served_ = neighbor;
   if (!again && options_.num_link_retrans == 0) {

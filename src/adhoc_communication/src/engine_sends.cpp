@@ -200,19 +200,28 @@ void Engine::Implementation::finish_fan_out_part(SendId parent, const std::strin
 }
 
 void Engine::Implementation::report(Event event) {
-  if (events_.size() >= kMostEvents) {
-    // Ends of sends and changes of the team are few and must not be lost.
-    const auto oldest = std::find_if(events_.begin(), events_.end(),
-                                     [](const Event& kept) { return std::holds_alternative<PacketReceived>(kept); });
-    if (oldest != events_.end()) events_.erase(oldest);
-  }
+  const auto* packet = std::get_if<PacketReceived>(&event);
+  const std::size_t octets = packet == nullptr ? 0 : packet->payload.size();
+  if (events_.size() >= kMostEvents) drop_oldest_packet();
+  while (event_octets_ > 0 && event_octets_ + octets > kMostEventOctets) drop_oldest_packet();
+  event_octets_ += octets;
   events_.push_back(std::move(event));
+}
+
+/// Ends of sends and changes of the team are few and must not be lost.
+void Engine::Implementation::drop_oldest_packet() {
+  const auto oldest = std::find_if(events_.begin(), events_.end(),
+                                   [](const Event& kept) { return std::holds_alternative<PacketReceived>(kept); });
+  if (oldest == events_.end()) return;
+  event_octets_ -= std::get<PacketReceived>(*oldest).payload.size();
+  events_.erase(oldest);
 }
 
 std::optional<Event> Engine::Implementation::next_event() {
   if (events_.empty()) return std::nullopt;
   Event event = std::move(events_.front());
   events_.pop_front();
+  if (const auto* packet = std::get_if<PacketReceived>(&event)) event_octets_ -= packet->payload.size();
   return event;
 }
 

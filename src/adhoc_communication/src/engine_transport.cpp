@@ -57,7 +57,9 @@ void Engine::Implementation::deliver_data(const wire::Data& data, Time now) {
   if (robot == nullptr) return router_.search({data.source, {}}, now);  // who is that?
   transport::StreamReceiver* receiver = receiver_for(data, now);
   const std::string source = robot->name;
-  for (const auto& complete : receiver->take(data, now)) deliver_packet(source, complete.image, complete.hops, now);
+  for (const auto& complete : receiver->take(data, now)) {
+    deliver_packet(Carrier::kStream, source, complete.image, complete.hops, now);
+  }
 }
 
 transport::StreamReceiver* Engine::Implementation::receiver_for(const wire::Data& data, Time) {
@@ -94,10 +96,19 @@ void Engine::Implementation::forget_evicted(Time now) {
   }
 }
 
-void Engine::Implementation::deliver_packet(const std::string& source, const Bytes& image, std::uint8_t hops,
-                                            Time now) {
-  std::optional<transport::Packet> packet = transport::decode(image, options_.max_packet_size);
-  if (!packet) return malformed();
+/// What is said to a group's root, or by it, comes by a stream, which tells who says it as far as anything does.
+bool Engine::Implementation::admits(Carrier carrier, const std::string& source, const transport::Packet& packet) const {
+  if (carrier == Carrier::kStream) return true;
+  const std::string group = carrier == Carrier::kGroup ? multicast::group_of(source) : "";
+  return packet.kind == transport::PacketKind::kUser && packet.group == group;
+}
+
+void Engine::Implementation::deliver_packet(Carrier carrier, const std::string& source, const Bytes& image,
+                                            std::uint8_t hops, Time now) {
+  // A flood is one frame, which may claim to be any number of zeros.
+  const std::size_t most = carrier == Carrier::kBroadcast ? std::max(kMostFloodOctets, 2 * image.size()) : SIZE_MAX;
+  std::optional<transport::Packet> packet = transport::decode(image, std::min(options_.max_packet_size, most));
+  if (!packet || !admits(carrier, source, *packet)) return malformed();
   if (packet->kind != transport::PacketKind::kUser) return on_group_packet(source, *packet, now);
   if (const auto left = groups_.memberships.find(packet->group);
       left != groups_.memberships.end() && !left->second.wanted) {
@@ -115,13 +126,16 @@ void Engine::Implementation::on_broadcast_data(const wire::FrameHeader& header, 
   const routing::Robot* robot = directory_.find(header.sender);
   if (robot == nullptr) return;
   const auto image = broadcast_receiver_.take(header.sender, wire::boot_tag(header.boot_id), data, now);
-  if (image) deliver_packet(robot->name, *image, 1, now);
+  if (image) deliver_packet(Carrier::kBroadcast, robot->name, *image, 1, now);
 }
 
 void Engine::Implementation::on_flood(const wire::Flood& flood, Time now) {
   if (flood.source == self_.address || !runs_.told(flood.source, flood.source_boot, now)) return;
+  const routing::Robot* robot = directory_.find(flood.source);
+  if (robot != nullptr && robot->name != flood.source_name) return malformed();
   if (!flood_.take(flood, now)) return;
-  deliver_packet(flood.source_name, flood.image, static_cast<std::uint8_t>(flood.hop_count + 1), now);
+  deliver_packet(Carrier::kBroadcast, flood.source_name, flood.image, static_cast<std::uint8_t>(flood.hop_count + 1),
+                 now);
 }
 
 void Engine::Implementation::acknowledge_streams(Time now) {

@@ -59,9 +59,9 @@ void check_timings(const Timings& timings, Time beacon_interval) {
 }  // namespace
 
 void validate(const EngineOptions& options) {
-  if (options.robot_name.empty() || options.robot_name.size() > wire::kLongestName) {
+  if (!wire::is_name(options.robot_name)) {
     refuse("robot_name", "'" + options.robot_name + "'",
-           "a text of 1 to " + std::to_string(wire::kLongestName) + " octets");
+           "a text of 1 to " + std::to_string(wire::kLongestName) + " visible ASCII characters");
   }
   check("num_link_retrans", options.num_link_retrans, 0, 1000);
   check("num_e2e_retrans", options.num_e2e_retrans, 0, 1000);

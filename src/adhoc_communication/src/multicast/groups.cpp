@@ -52,7 +52,7 @@ std::optional<std::vector<std::string>> decode_members(const Bytes& payload) {
   std::vector<std::string> members;
   for (std::size_t left = reader.u16(); left > 0 && reader.ok(); --left) {
     members.push_back(reader.text8());
-    if (members.back().empty() || members.back().size() > wire::kLongestName) return std::nullopt;
+    if (!wire::is_name(members.back())) return std::nullopt;
   }
   if (!reader.at_end()) return std::nullopt;
   return members;

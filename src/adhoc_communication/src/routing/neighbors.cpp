@@ -9,17 +9,52 @@ constexpr int kBeaconsThatMatter = 16;  ///< for the loss of a link
 constexpr int kBeaconsInDoubt = 2;
 constexpr Time kSilenceInDoubt = std::chrono::seconds(1);
 constexpr double kHopeless = 0.6;  ///< loss of a link over which silence is no surprise
+constexpr Time kShortestInterval = std::chrono::milliseconds(50);
 constexpr Time kLongestInterval = std::chrono::seconds(10);
-constexpr int kMostMissed = 64;  ///< a greater gap says nothing about the link
+constexpr int kLongestPause = 6;  ///< 64 intervals between two times that a candidate is named
+constexpr int kMostMissed = 64;   ///< a greater gap says nothing about the link
 
 }  // namespace
 
 bool Neighbors::candidate(const MacAddress& address, wire::BootTag boot, Time now) {
   const std::pair key(address, boot);
-  const bool known = candidates_.count(key) != 0;
-  if (!known && candidates_.size() >= kMostNeighbors) return false;
-  candidates_[key] = now;
-  return !known;
+  const auto known = candidates_.find(key);
+  if (known != candidates_.end()) {
+    known->second.heard = now;
+    return false;
+  }
+  if (candidates_.size() >= kMostNeighbors) {
+    candidates_.erase(std::max_element(candidates_.begin(), candidates_.end(), [](const auto& a, const auto& b) {
+      return std::pair(a.second.times, b.second.heard) < std::pair(b.second.times, a.second.heard);
+    }));
+  }
+  candidates_[key] = {boot, now, now, 0};
+  return true;
+}
+
+bool Neighbors::waits(const Candidate& candidate, Time now) const {
+  if (now - candidate.heard >= timings_.allowed_hello_loss * own_interval_) return false;
+  const Time pause = candidate.times == 0 ? Time(0) : own_interval_ * (1 << std::min(candidate.times, kLongestPause));
+  return now - candidate.named >= pause;
+}
+
+/// Those named least often come first.
+std::vector<wire::HeardNeighbor> Neighbors::next_candidates(std::size_t most, Time now) {
+  std::vector<Candidate*> waiting;
+  for (auto& [run, candidate] : candidates_) {
+    if (waits(candidate, now)) waiting.push_back(&candidate);
+  }
+  std::stable_sort(waiting.begin(), waiting.end(), [](const Candidate* a, const Candidate* b) {
+    return std::pair(a->times, a->named) < std::pair(b->times, b->named);
+  });
+  if (waiting.size() > most) waiting.resize(most);
+  std::vector<wire::HeardNeighbor> result;
+  for (Candidate* candidate : waiting) {
+    candidate->named = now;
+    ++candidate->times;
+    result.push_back({wire::neighbor_tag(candidate->boot), 0});
+  }
+  return result;
 }
 
 Neighbor* Neighbors::heard(const MacAddress& address, wire::BootTag boot, Time now) {
@@ -46,11 +81,12 @@ void Neighbors::beacon(const MacAddress& address, const wire::Beacon& beacon, wi
   const auto found = neighbors_.find(address);
   if (found == neighbors_.end()) return;
   Neighbor& neighbor = found->second;
-  neighbor.interval = beacon.interval_ms == 0
-                          ? own_interval_
-                          : std::min<Time>(std::chrono::milliseconds(beacon.interval_ms), kLongestInterval);
+  neighbor.interval = beacon.interval_ms == 0 ? own_interval_
+                                              : std::clamp<Time>(std::chrono::milliseconds(beacon.interval_ms),
+                                                                 kShortestInterval, kLongestInterval);
   if (beacon.heard_count != 0 && !beacon.heard.empty()) {
-    neighbor.beacons_per_list = static_cast<int>((beacon.heard_count + beacon.heard.size() - 1) / beacon.heard.size());
+    const std::size_t beacons = (beacon.heard_count + beacon.heard.size() - 1) / beacon.heard.size();
+    neighbor.beacons_per_list = static_cast<int>(std::min<std::size_t>(beacons, kLongestList));
   }
   count_beacon(neighbor, beacon.number);
   if (neighbor.hears.size() > kMostNeighbors) neighbor.hears.clear();
@@ -136,8 +172,7 @@ Time Neighbors::patience(const MacAddress& address) const {
 }
 
 std::vector<wire::HeardNeighbor> Neighbors::next_heard(std::size_t most, Time now) {
-  std::vector<wire::HeardNeighbor> result;
-  for (const auto& [run, last_heard] : candidates_) result.push_back({wire::neighbor_tag(run.second), 0});
+  std::vector<wire::HeardNeighbor> result = next_candidates(most / 4, now);
   std::vector<Neighbor*> waiting;
   for (auto& [address, neighbor] : neighbors_) {
     if (now - neighbor.last_heard < patience(neighbor)) waiting.push_back(&neighbor);
@@ -149,13 +184,12 @@ std::vector<wire::HeardNeighbor> Neighbors::next_heard(std::size_t most, Time no
     neighbor->named = now;
     result.push_back({wire::neighbor_tag(neighbor->boot), static_cast<std::uint8_t>(neighbor->loss_from * 255)});
   }
-  if (result.size() > most) result.resize(most);
   return result;
 }
 
 std::size_t Neighbors::heard_count(Time now) const {
   const auto counts = [&](const auto& item) { return now - item.second.last_heard < patience(item.second); };
-  return candidates_.size() + static_cast<std::size_t>(std::count_if(neighbors_.begin(), neighbors_.end(), counts));
+  return static_cast<std::size_t>(std::count_if(neighbors_.begin(), neighbors_.end(), counts));
 }
 
 bool Neighbors::all_hear(const MacAddress& robot, wire::BootTag boot, Time now) const {
@@ -191,8 +225,8 @@ std::vector<MacAddress> Neighbors::doubtful(Time now) const {
 
 std::vector<MacAddress> Neighbors::remove_silent(Time timeout, Time now) {
   for (auto iterator = candidates_.begin(); iterator != candidates_.end();) {
-    const bool waits = now - iterator->second < timings_.allowed_hello_loss * own_interval_;
-    iterator = waits ? std::next(iterator) : candidates_.erase(iterator);
+    const bool remembered = now - iterator->second.heard < kCandidateMemory;
+    iterator = remembered ? std::next(iterator) : candidates_.erase(iterator);
   }
   std::vector<MacAddress> removed;
   for (auto iterator = neighbors_.begin(); iterator != neighbors_.end();) {

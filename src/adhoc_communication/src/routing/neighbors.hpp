@@ -41,8 +41,11 @@ class Neighbors {
 
   Neighbors(const Timings& timings, Time own_interval) : timings_(timings), own_interval_(own_interval) {}
 
+  static constexpr int kLongestList = 11;  ///< beacons that name kMostNeighbors
+  static constexpr Time kCandidateMemory = std::chrono::seconds(60);
+
   /// A robot heard that has not proved yet that it is alive now: it is only named in beacons. False when it was known
-  /// already, or there is no room.
+  /// already.
   bool candidate(const MacAddress& address, wire::BootTag boot, Time now);
   /// Any frame. Null when the table is full.
   Neighbor* heard(const MacAddress& address, wire::BootTag boot, Time now);
@@ -96,7 +99,20 @@ class Neighbors {
   const Timings& timings_;
   Time own_interval_;
   std::map<MacAddress, Neighbor> neighbors_;
-  std::map<std::pair<MacAddress, wire::BootTag>, Time> candidates_;  ///< when they were heard last
+  /// A recorded run never proves anything, so each is named ever more rarely, and newcomers come first. The one named
+  /// most often makes room.
+  struct Candidate {
+    wire::BootTag boot = 0;
+    Time heard{0};
+    Time named{0};
+    int times = 0;  ///< named
+  };
+  using Candidates = std::map<std::pair<MacAddress, wire::BootTag>, Candidate>;
+
+  bool waits(const Candidate& candidate, Time now) const;
+  std::vector<wire::HeardNeighbor> next_candidates(std::size_t most, Time now);
+
+  Candidates candidates_;
 };
 
 }  // namespace adhoc_communication::routing

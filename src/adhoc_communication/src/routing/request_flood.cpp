@@ -6,14 +6,14 @@
 namespace adhoc_communication::routing {
 
 bool RequestFlood::first_time(const wire::RouteRequest& request, const MacAddress& from, Time now) {
-  const Key key{request.originator, request.id};
-  auto found = seen_.find(key);
+  const Key identity = key(request);
+  auto found = seen_.find(identity);
   const bool fresh = found == seen_.end() || found->second.forgotten <= now;
   if (fresh) {
     make_room(now);
-    seen_[key] = Seen{now + timings_.path_discovery_time(), 0, {}};
-    found = seen_.find(key);
-    order_.emplace_back(found->second.forgotten, key);
+    seen_[identity] = Seen{now + timings_.path_discovery_time(), 0, {}};
+    found = seen_.find(identity);
+    order_.emplace_back(found->second.forgotten, identity);
   }
   found->second.holders.insert(from);
   return fresh;
@@ -34,14 +34,13 @@ void RequestFlood::originate(const wire::RouteRequest& request, const MacAddress
 
 void RequestFlood::forward(const wire::RouteRequest& request, Cost link, Time now) {
   const auto waiting = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& pending) {
-    return !pending.broadcast_done && pending.request.originator == request.originator &&
-           pending.request.id == request.id;
+    return !pending.broadcast_done && key(pending.request) == key(request);
   });
   if (waiting != pending_.end()) {
     waiting->request = request;
     return;
   }
-  const auto seen = seen_.find({request.originator, request.id});
+  const auto seen = seen_.find(key(request));
   if (seen == seen_.end() || seen->second.forwards >= kMostForwards || pending_.size() >= kMostPending) return;
   ++seen->second.forwards;
   const Time penalty = kPenalty * (link - kPerfectHop) / kPerfectHop;
@@ -68,7 +67,7 @@ void RequestFlood::poll(const Neighbors& neighbors, Time now) {
 }
 
 void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) {
-  const auto seen = seen_.find({request.originator, request.id});
+  const auto seen = seen_.find(key(request));
   if (seen == seen_.end()) return;  // it had to make room
   const std::vector<MacAddress> needy = in_need(request, seen->second, neighbors, now);
   const std::size_t copies = std::min(needy.size(), kMostConfirmations);
@@ -79,7 +78,7 @@ void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& n
 
 /// In a crowd: others have broadcast the request to all who need it.
 bool RequestFlood::needless(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) const {
-  const auto seen = seen_.find({request.originator, request.id});
+  const auto seen = seen_.find(key(request));
   if (request.hop_count == 0 || seen == seen_.end() || seen->second.holders.size() < kFewestHolders) return false;
   return in_need(request, seen->second, neighbors, now).empty();
 }

@@ -9,6 +9,7 @@
 #include <deque>
 #include <map>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -50,7 +51,10 @@ class RequestFlood {
   std::size_t remembered() const { return seen_.size(); }
 
  private:
-  using Key = std::pair<MacAddress, std::uint32_t>;
+  using Key = std::tuple<MacAddress, wire::BootTag, std::uint32_t>;  ///< originator, its run, which counts from 0, id
+  static Key key(const wire::RouteRequest& request) {
+    return {request.originator, request.originator_boot, request.id};
+  }
   struct Seen {
     Time forgotten{0};
     int forwards = 0;

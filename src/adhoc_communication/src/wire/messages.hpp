@@ -13,6 +13,12 @@ namespace adhoc_communication::wire {
 constexpr std::size_t kLongestName = 64;   ///< octets of a robot name
 constexpr std::uint8_t kFarthestHop = 35;  ///< RFC 3561 section 10, NET_DIAMETER
 
+/// Names go to logs, files and terminals, so no octet of theirs does anything there.
+inline bool is_name(const std::string& name) {
+  return !name.empty() && name.size() <= kLongestName &&
+         std::all_of(name.begin(), name.end(), [](char character) { return character > ' ' && character <= '~'; });
+}
+
 /// The first 6 octets of the boot id of a neighbour: who it is, and that it lives now.
 using NeighborTag = std::uint64_t;
 constexpr NeighborTag neighbor_tag(BootTag boot) { return boot >> 16; }
@@ -113,44 +119,44 @@ struct Data {
   std::uint32_t index = 0;         ///< of the segment
   std::uint32_t total = 0;         ///< octets of the whole packet image
   std::uint16_t segment_size = 0;  ///< octets of every segment but the last
+  std::uint8_t attempt = 0;        ///< raised when the packet is begun anew
   Bytes octets;
 };
 constexpr std::size_t kDataHeaderSize = 41;
+constexpr std::uint16_t kLongestSegment = 2304;  ///< no link carries longer frames
+constexpr std::uint16_t kShortestSegment = 64;   ///< of a packet that takes several
 
 /// Which segments of one unfinished packet have arrived.
 struct PartialPacket {
-  std::uint8_t attempt = 0;        ///< raised when the packet is begun anew
   std::uint32_t packet = 0;
+  std::uint8_t attempt = 0;  ///< that of its newest segment
   std::uint32_t first_missing = 0;
   Bytes received;  ///< bit i (least significant first): segment first_missing + 1 + i
-constexpr std::uint16_t kLongestSegment = 2304;  ///< no link carries longer frames
-constexpr std::uint16_t kShortestSegment = 64;   ///< of a packet that takes several
 };
 
-/// State of one stream at its receiver.
-struct TransportAcknowledgment {
-  std::uint8_t attempt = 0;  ///< that of its newest segment
-  MacAddress source{};  ///< the acknowledging robot
-  BootTag source_boot = 0;
-  MacAddress destination{};  ///< the robot whose packets these are
-  BootTag destination_boot = 0;
 /// A packet for which the receiver has no room; of what has arrived of it nothing is left.
 struct RefusedPacket {
   std::uint32_t packet = 0;
   std::uint8_t attempt = 0;  ///< a later one may be taken
 };
 
+/// State of one stream at its receiver.
+struct TransportAcknowledgment {
+  MacAddress source{};  ///< the acknowledging robot
+  BootTag source_boot = 0;
+  MacAddress destination{};  ///< the robot whose packets these are
+  BootTag destination_boot = 0;
   std::uint8_t stream = 0;
   std::uint8_t hops = 1;
   std::uint32_t next = 0;  ///< every packet before this one has been delivered or given up
   std::vector<PartialPacket> partial;
+  std::vector<RefusedPacket> refused;
 };
 
 /// One segment of a packet for everybody in range.
 struct BroadcastData {
   std::uint32_t packet = 0;
   std::uint32_t index = 0;
-  std::vector<RefusedPacket> refused;
   std::uint32_t total = 0;
   std::uint16_t segment_size = 0;
   Bytes octets;

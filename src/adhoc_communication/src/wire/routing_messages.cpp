@@ -4,8 +4,6 @@
 namespace adhoc_communication::wire {
 namespace {
 
-bool is_name(const std::string& name) { return !name.empty() && name.size() <= kLongestName; }
-
 constexpr std::uint8_t kHelloInterval = 1;  ///< RFC 3561 section 9.1
 
 /// RFC 3561 section 9: extensions of types 1 to 127 are skipped when unknown, others discard the message.
@@ -115,7 +113,8 @@ std::optional<RouteRequest> read_route_request(Reader reader) {
   request.destination_name = reader.text8();
   request.originator_name = reader.text8();
   if (!skip_extensions(reader)) return std::nullopt;
-  if (request.destination_name.size() > kLongestName || !is_name(request.originator_name)) return std::nullopt;
+  if (!request.destination_name.empty() && !is_name(request.destination_name)) return std::nullopt;
+  if (!is_name(request.originator_name)) return std::nullopt;
   if (request.destination == MacAddress{} && request.destination_name.empty()) return std::nullopt;
   if (request.hop_limit == 0 || request.hop_count >= kFarthestHop) return std::nullopt;
   return request;

@@ -152,7 +152,7 @@ std::optional<Flood> read_flood(Reader reader) {
   flood.hop_limit = reader.u8();
   flood.source_name = reader.text8();
   flood.image = reader.rest();
-  if (!reader.ok() || flood.source_name.empty() || flood.source_name.size() > kLongestName) return std::nullopt;
+  if (!reader.ok() || !is_name(flood.source_name)) return std::nullopt;
   if (flood.hop_limit == 0 || flood.hop_count == 255) return std::nullopt;
   return flood;
 }
