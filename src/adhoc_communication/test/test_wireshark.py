@@ -70,7 +70,7 @@ ALICE, BOB, CAROL = (f"02:00:00:00:00:0{number}" for number in (1, 2, 3))
 def test_every_frame_has_header_and_right_checksum(frames):
     assert {int(values(frame, "adhoc.type")[0]) for frame in frames} == set(range(1, 15))
     for number, frame in enumerate(frames, start=1):
-        expect(frame, version=1, sender=ALICE, counter=number, next_hop=BOB, link_sequence=77, checksum_good=1)
+        expect(frame, version=2, sender=ALICE, counter=number, next_hop=BOB, link_sequence=77, checksum_good=1)
         assert "adhoc.malformed" not in json.dumps(frame)
 
 

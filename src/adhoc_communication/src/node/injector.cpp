@@ -7,8 +7,11 @@
 #include <ros/this_node.h>
 #include <topic_tools/shape_shifter.h>
 
+#include <algorithm>
 #include <chrono>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "link/steady_now.hpp"
 #include "node/definition_md5.hpp"
@@ -27,26 +30,30 @@ constexpr std::chrono::seconds kLongestConnection{1};
 
 enum class Role { kPublisher = 0, kSubscriber = 1 };
 
-/// Other nodes that publish a topic, or subscribe to it, as the master knows them.
-std::uint32_t others(const std::string& topic, Role role) {
+/// Nodes that publish a topic, or subscribe to it, as the master knows them.
+std::vector<std::string> nodes_of(const std::string& topic, Role role) {
   XmlRpc::XmlRpcValue request, response, state;
   request[0] = ros::this_node::getName();
-  if (!ros::master::execute("getSystemState", request, response, state, false)) return 0;
+  if (!ros::master::execute("getSystemState", request, response, state, false)) return {};
   XmlRpc::XmlRpcValue& topics = state[static_cast<int>(role)];
-  std::uint32_t count = 0;
+  std::vector<std::string> names;
   for (int i = 0; i < topics.size(); ++i) {
     if (static_cast<std::string>(topics[i][0]) != topic) continue;
-    for (int node = 0; node < topics[i][1].size(); ++node) {
-      if (static_cast<std::string>(topics[i][1][node]) != ros::this_node::getName()) ++count;
-    }
+    for (int node = 0; node < topics[i][1].size(); ++node) names.push_back(topics[i][1][node]);
   }
-  return count;
+  return names;
+}
+
+bool others_publish(const std::string& topic) {
+  const std::vector<std::string> names = nodes_of(topic, Role::kPublisher);
+  return std::any_of(names.begin(), names.end(), [](const auto& name) { return name != ros::this_node::getName(); });
 }
 
 /// Subscribers take some time to connect to a new topic, and what is published before is lost to them.
 void wait_for_subscribers(const ros::Publisher& publisher) {
   const auto deadline = std::chrono::steady_clock::now() + kLongestConnection;
-  const std::uint32_t expected = others(publisher.getTopic(), Role::kSubscriber);
+  // A relay of this node to other robots is one of them, too.
+  const std::size_t expected = nodes_of(publisher.getTopic(), Role::kSubscriber).size();
   while (publisher.getNumSubscribers() < expected && std::chrono::steady_clock::now() < deadline) {
     std::this_thread::sleep_for(kConnectionPeriod);
   }
@@ -139,7 +146,7 @@ void Injector::check_topic(const std::string& topic) const {
     throw PayloadError("other robots may not publish '" + topic + "' here (parameters inject_allow, inject_deny)");
   }
   if (topics_.count(topic) != 0 || filter_.names(topic)) return;
-  if (others(topic, Role::kPublisher) != 0) {
+  if (others_publish(topic)) {
     throw PayloadError("nodes of this robot publish '" + topic + "', so others may not, unless inject_allow names it");
   }
 }

@@ -9,15 +9,13 @@ constexpr int kRestLimit = 3;
 constexpr int kStays = 2;                   // matches in a row for which the wheels have slipped
 constexpr int kSayTheSame = 8;              // matches that bring the robot elsewhere
 constexpr Pose kSlipped{0.03, 0.03, 0.03};  // m and rad, deviations from where the robot stood when its wheels slipped
-constexpr double kSlipDistance = 0.02;      // m and rad off odometry in one step, from which
-constexpr double kSlipAngle = 0.02;         // its wheels have slipped
 constexpr double kSameDistance = 0.1;       // m within which they say the same
 constexpr double kSameAngle = 0.05;         // rad
 constexpr double kOtherDistance = 0.4;      // m from the first to the last
 constexpr double kOtherAngle = 0.7;         // rad
 
-bool within(const Pose& a, const Pose& b, double distance, double angle) {
-  return slam::distance(a, b) < distance && std::abs(normalized(a.yaw - b.yaw)) < angle;
+bool near(const Pose& a, const Pose& b) {
+  return slam::distance(a, b) < kSameDistance && std::abs(normalized(a.yaw - b.yaw)) < kSameAngle;
 }
 
 }  // namespace
@@ -30,7 +28,7 @@ bool Elsewhere::far_from_first(const Pose& odometry) const {
 bool Elsewhere::add(const Match& match, const Pose& odometry) {
   stays_ = match.elsewhere && match.stays ? stays_ + 1 : 0;
   if (!match.elsewhere) return false;
-  const bool same = count_ > 0 && within(*match.elsewhere, correction_ * odometry, kSameDistance, kSameAngle);
+  const bool same = count_ > 0 && near(*match.elsewhere, correction_ * odometry);
   if (!same) first_ = odometry;
   count_ = same ? count_ + 1 : 1;
   correction_ = *match.elsewhere * between(odometry, Pose{});
@@ -120,8 +118,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   const Pose motion = between(odometry_, odometry);
   way_.distance += std::hypot(motion.x, motion.y);
   way_.turn += std::abs(motion.yaw);
-  const Pose expected = pose_at(odometry);
-  Match match = match_scan(map_, scan, expected, model_.deviation(motion), confirmed_, options_.match);
+  Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), confirmed_, options_.match);
   left_confirmed_ |= verdict == Standing::Verdict::kMoved;
   if (match.stays && left_confirmed_) match.elsewhere.reset();
   const bool doubtful = verdict == Standing::Verdict::kSeemsToStand;
@@ -130,8 +127,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   } else {
     model_.interrupt();
   }
-  const bool rolled = within(match.pose, expected, kSlipDistance, kSlipAngle);
-  driven_ = driven_ * (rolled ? motion : between(pose_, match.pose));
+  driven_ = doubtful ? stood_driven_ * between(stood_, match.pose) : driven_ * motion;
   pose_ = match.pose;
   odometry_ = odometry;
   contradicted_ = match.outcome == Outcome::kContradicts;
