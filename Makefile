@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-sim experiments clean
+.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-navigation-peers bench-sim experiments clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -75,15 +75,22 @@ bench-explore-cpu: build
 bench-slam: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_slam --out out/bench/slam.json
 
-# The same beside MRPT's ICP and RBPF, which take some minutes a log. SLAM: options of bench_slam.
+# The same beside MRPT's ICP and RBPF, which take a minute a log. SLAM: options of bench_slam; REAL_LOGS=DIR: also the
+# CARMEN logs in that folder.
 bench-slam-peers: build
 	@tools/build_slam_peers
 	@mkdir -p out/bench && $(ENVIRONMENT) PYTHONPATH=build/slam_peers:$$PYTHONPATH \
-	  rosrun mr_experiments bench_slam --peers --out out/bench/slam_peers.json $(SLAM)
+	  rosrun mr_experiments bench_slam --peers --out out/bench/slam_peers.json $(if $(REAL_LOGS),--real-logs $(REAL_LOGS)) $(SLAM)
 
 # Where robots get stuck: two hundred scenes drawn from seeds, a minute.
 bench-navigation: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_sim bench_navigation --seeds 200 --jobs 2 --out out/bench/navigation.json
+
+# The same beside planners of OMPL and MRPT's reactive navigator: a quarter of an hour. NAVIGATION: options.
+bench-navigation-peers: build
+	@tools/build_navigation_peers
+	@mkdir -p out/bench && $(ENVIRONMENT) PYTHONPATH=build/navigation_peers:$$PYTHONPATH \
+	  rosrun mr_sim bench_navigation_peers --jobs 2 --out out/bench/navigation_peers.json $(NAVIGATION)
 
 bench-sim: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_experiments --out out/bench/sim.json

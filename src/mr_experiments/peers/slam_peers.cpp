@@ -29,11 +29,15 @@ namespace {
 
 constexpr char kSection[] = "MappingApplication";
 constexpr double kEpoch = 1.0;  // s: MRPT takes time 0 for none
+// A scan of less is passed over: nothing to align.
+constexpr std::size_t kFewestHits = 20;
 
 using PoseTuple = std::tuple<double, double, double>;
 using Ranges = py::array_t<float, py::array::c_style | py::array::forcecast>;
 
 CPose2D to_pose(const PoseTuple& pose) { return {std::get<0>(pose), std::get<1>(pose), std::get<2>(pose)}; }
+
+PoseTuple to_tuple(const CPose2D& pose) { return {pose.x(), pose.y(), pose.phi()}; }
 
 CObservation2DRangeScan::Ptr to_scan(const Ranges& ranges, const PoseTuple& mount, double angle_min, double increment,
                                      double range_min, double range_max) {
@@ -56,6 +60,12 @@ CObservation2DRangeScan::Ptr to_scan(const Ranges& ranges, const PoseTuple& moun
   return scan;
 }
 
+std::size_t hits(const CObservation2DRangeScan& scan) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < scan.getScanSize(); ++i) count += scan.getScanRangeValidity(i) ? 1 : 0;
+  return count;
+}
+
 class Peer {
  public:
   explicit Peer(std::unique_ptr<CMetricMapBuilder> builder) : builder_(std::move(builder)) { builder_->initialize(); }
@@ -67,6 +77,7 @@ class Peer {
     auto scan = to_scan(ranges, mount, angle_min, angle_increment, range_min, range_max);
     scan->timestamp = moment;
     const CPose2D now = to_pose(odometry);
+    if (odometry_ && hits(*scan) < kFewestHits) return to_tuple(pose() + (now - *odometry_));
     CActionRobotMovement2D movement;
     movement.computeFromOdometry(now - odometry_.value_or(now), {});
     movement.timestamp = moment;
@@ -76,8 +87,7 @@ class Peer {
     mrpt::obs::CSensoryFrame observations;
     observations.insert(scan);
     builder_->processActionObservation(actions, observations);
-    const auto pose = builder_->getCurrentPoseEstimation()->getMeanVal();
-    return {pose.x(), pose.y(), pose.yaw()};
+    return to_tuple(pose());
   }
 
   // Cells int8 (rows, columns), 0 free to 100 occupied, -1 unknown; the lower left corner in m; m per cell.
@@ -95,6 +105,8 @@ class Peer {
   }
 
  private:
+  CPose2D pose() const { return CPose2D(builder_->getCurrentPoseEstimation()->getMeanVal()); }
+
   std::unique_ptr<CMetricMapBuilder> builder_;
   std::optional<CPose2D> odometry_;  // at the last scan
 };

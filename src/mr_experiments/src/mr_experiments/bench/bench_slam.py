@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from mr_experiments.bench.real_logs import judge, scan_logs
+from mr_experiments.bench.real_logs import measures_of as measures_of_path
 from mr_experiments.bench.slam_comparison import (
     OURS,
     Engines,
@@ -60,8 +62,9 @@ def make_parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("--first-seed", type=int, default=1, metavar="N", help="of the missions (default: %(default)s)")
     add("--missions", type=int, default=5, metavar="N", help="of each kind (default: %(default)s)")
-    add("--kinds", nargs="+", choices=KINDS, default=KINDS, help="(default: all)")
+    add("--kinds", nargs="*", choices=KINDS, default=KINDS, help="none or some (default: all)")
     add("--peers", action="store_true", help="also run MRPT's ICP and RBPF (built by `make bench-slam-peers`)")
+    add("--real-logs", metavar="DIR", help="folder of CARMEN logs, to run SLAM over them as well")
     add("--logs", default="out/bench/scans", metavar="DIR", help="folder of the logs (default: %(default)s)")
     add("--out", default="out/bench/slam.json", metavar="FILE", help="rows (default: %(default)s)")
     return parser
@@ -173,9 +176,28 @@ def run(given: argparse.Namespace) -> list[dict[str, Any]]:
             rows += rows_of(kind, odometry, found[OURS])
             spent += [each.milliseconds for each in found[OURS]]
             settings[kind, odometry] = {name: measures_of(results) for name, results in found.items()}
-    rows.append(_row("SLAM per scan, mean", PER_SCAN[0], float(np.mean([mean for mean, _ in spent])), "ms", ""))
-    rows.append(_row("SLAM per scan, worst", PER_SCAN[1], max(worst for _, worst in spent), "ms", ""))
+    if spent:
+        rows.append(_row("SLAM per scan, mean", PER_SCAN[0], float(np.mean([mean for mean, _ in spent])), "ms", ""))
+        rows.append(_row("SLAM per scan, worst", PER_SCAN[1], max(worst for _, worst in spent), "ms", ""))
+    if given.real_logs:
+        settings |= real_settings(Path(given.real_logs), given.first_seed, factories)
     return rows + (compared(settings) if given.peers and settings else [])
+
+
+def real_settings(folder: Path, seed: int, factories: Factories) -> dict[Setting, Engines]:
+    """Each log of the folder is a setting of its own."""
+    settings: dict[Setting, Engines] = {}
+    try:
+        logs = list(scan_logs(folder, seed))
+    except ValueError as error:
+        raise CallError(f"--real-logs: {error}") from None
+    for log in logs:
+        errors = {name: judge(log, make(log)) for name, make in factories.items()}
+        for name, each in errors.items():
+            print(f"{log.world}, {name}: position error {each.position:.3f} m, relations {each.relation:.3f} m, "
+                  f"{math.degrees(each.turn):.2f} deg", flush=True)  # fmt: skip
+        settings[log.world, WALK] = {name: measures_of_path(each) for name, each in errors.items()}
+    return settings
 
 
 def compared(settings: Mapping[Setting, Engines]) -> list[dict[str, Any]]:

@@ -1,0 +1,59 @@
+#include "body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace navigation_peers {
+namespace {
+
+constexpr double kCell = 0.05;  // m
+
+}  // namespace
+
+Body::Body(const Pose& place, double reach, const std::vector<Obstacle>& obstacles, const Footprint& footprint)
+    : footprint_(footprint),
+      all_(obstacles),
+      circle_(std::hypot(footprint.half_length, footprint.half_width)),
+      left_(place.x - reach),
+      bottom_(place.y - reach),
+      side_(static_cast<int>(std::ceil(2.0 * reach / kCell)) + 1),
+      cells_(static_cast<std::size_t>(side_) * side_) {}
+
+double Body::clearance(const Pose& pose) {
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  double least = kMost;
+  for (const Obstacle& point : near(pose)) {
+    const double dx = point.x - pose.x, dy = point.y - pose.y;
+    const double ahead = std::abs(c * dx + s * dy) - footprint_.half_length;
+    const double beside = std::abs(-s * dx + c * dy) - footprint_.half_width;
+    const double inside = std::max(ahead, beside) - point.margin;
+    if (inside >= least) continue;
+    least = std::min(least, ahead > 0.0 && beside > 0.0 ? std::hypot(ahead, beside) - point.margin : inside);
+  }
+  return least;
+}
+
+bool Body::roomy(const Pose& pose) {
+  for (const Obstacle& point : near(pose)) {
+    if (std::hypot(point.x - pose.x, point.y - pose.y) - point.margin < circle_ + kTurningRoom) return false;
+  }
+  return true;
+}
+
+const std::vector<Obstacle>& Body::near(const Pose& pose) {
+  const int column = std::clamp(static_cast<int>((pose.x - left_) / kCell), 0, side_ - 1);
+  const int row = std::clamp(static_cast<int>((pose.y - bottom_) / kCell), 0, side_ - 1);
+  Cell& cell = cells_[static_cast<std::size_t>(row) * side_ + column];
+  if (!cell.known) {
+    cell.known = true;
+    const double x = left_ + (column + 0.5) * kCell, y = bottom_ + (row + 0.5) * kCell;
+    for (const Obstacle& point : all_) {
+      if (std::hypot(point.x - x, point.y - y) < circle_ + kMost + kCell + point.margin) {
+        cell.obstacles.push_back(point);
+      }
+    }
+  }
+  return cell.obstacles;
+}
+
+}  // namespace navigation_peers

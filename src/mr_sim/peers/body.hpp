@@ -1,0 +1,43 @@
+// Distances of a rectangular body from obstacle points, looked up in cells around a place.
+#pragma once
+
+#include <vector>
+
+#include "rollout.hpp"
+
+namespace navigation_peers {
+
+using mr_robot::navigation::Footprint;
+using mr_robot::navigation::Obstacle;
+using mr_robot::navigation::Pose;
+
+class Body {
+ public:
+  // `reach`: m around the place within which poses are asked about.
+  Body(const Pose& place, double reach, const std::vector<Obstacle>& obstacles, const Footprint& footprint);
+
+  // m, less the margins of the obstacles; `kMost` where nothing is near.
+  double clearance(const Pose& pose);
+
+  // Whether the body can turn there.
+  bool roomy(const Pose& pose);
+
+  static constexpr double kMost = 0.09;         // m
+  static constexpr double kTurningRoom = 0.03;  // m around a body that can turn
+
+ private:
+  struct Cell {
+    bool known = false;
+    std::vector<Obstacle> obstacles;
+  };
+
+  const std::vector<Obstacle>& near(const Pose& pose);
+
+  Footprint footprint_;
+  std::vector<Obstacle> all_;
+  double circle_, left_, bottom_;
+  int side_;
+  std::vector<Cell> cells_;
+};
+
+}  // namespace navigation_peers

@@ -1,0 +1,55 @@
+"""Navigation beside other libraries: the seam, the rows, and what is said where they are not built."""
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mr_robot import _navigation
+from mr_robot.navigation.options import NavigationOptions
+from mr_sim import bench_navigation_peers
+from mr_sim.bench_navigation_peers import EngineRun, rows
+from mr_sim.nuisance.mrpt_follower import settings
+from mr_sim.nuisance.planners import OURS, planning_with
+from mr_sim.nuisance.runs import GoalRun, SceneRun, run_seed
+
+
+def test_another_planner_plans_the_manoeuvres_and_ours_is_back_afterwards() -> None:
+    asked = []
+
+    def none(*arguments: object) -> np.ndarray:
+        asked.append(arguments)
+        return np.empty((0, 5))
+
+    with planning_with(none) as spent:
+        run_seed(6)
+    assert len(asked) == len(spent) > 0
+    assert _navigation.manoeuvre is OURS
+
+
+def test_each_engine_has_its_rows() -> None:
+    reached = GoalRun(0, (1.0, 1.0), True, 12.0, 8.0, "")
+    scene = SceneRun("jamb", 1, (reached, replace(reached, reached=False)), 2, 100, 0.1, 0.01)
+    table = rows(
+        {"ours": [EngineRun(replace(scene, goals=(reached,), contacts=0), ())], "X": [EngineRun(scene, (0.05, 0.15))]}
+    )
+    values = {row.what: (row.value, row.holds) for row in table}
+    assert values["stuck per 100 goals, ours"] == (0.0, True) and values["stuck per 100 goals, X"] == (50.0, False)
+    assert values["steps in contact, X"] == (2, False)
+    assert values["time over the ideal, X"] == (1.5, True)
+    assert values["processor time of a plan, X"] == (100.0, True)
+    assert "jamb 1" in table[4].detail and "longest 150.0 ms" in table[7].detail
+
+
+def test_the_robot_is_in_the_settings_of_mrpt() -> None:
+    text = settings(NavigationOptions(footprint_length=0.6), "folder")
+    assert "RobotModel_shape2D_xs = -0.32 0.32 0.32 -0.32" in text and "PTG_COUNT = 4" in text and "{a}" not in text
+
+
+def test_peers_that_are_not_built_are_named(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "_ompl_peer", None)
+    assert bench_navigation_peers.main(["--seeds", "1", "--engines", "OMPL RRT-Connect 10 ms"]) == 1
+    assert "make bench-navigation-peers" in capsys.readouterr().err
