@@ -56,7 +56,7 @@ class Exploration:
         self._autostart = options.autostart
         self.orders = Orders(options)
         self.team = Team(name, options.claim_timeout)
-        self._departure = Departure(name, options.field_of_view, self.team)
+        self._departure = Departure(name, options.field_of_view, options.largest_robot_radius, self.team)
         self.verdicts = Verdicts()
         self.claim = OwnClaim(name)
         self.driver = Driver(options, emit, last_goal)
@@ -262,7 +262,8 @@ class Exploration:
         if self.ending.reached(scene, self._senses.fresh(now)):
             self._finish(DONE, now)
             return
-        awaited = self._departure.awaited(self.exploration_time(now), now)
+        assert self.started_at is not None
+        awaited = self._departure.awaited(self.started_at, here, self._senses.map, now)
         self._allocate(scene, now, not awaited)
         self.sharing.share(now)
         if awaited:
