@@ -1,6 +1,7 @@
 """The SLAM engine on the world engine: drift, slipping wheels, moving robots, the lattice of the map."""
 
 import math
+from dataclasses import replace
 from typing import Callable, List, Tuple
 
 import numpy as np
@@ -375,6 +376,30 @@ def corridor(pose: Pose) -> LaserScan:
     with np.errstate(divide="ignore"):
         ranges = np.where(slope > 0.0, (1.0 - pose.y) / slope, (1.0 + pose.y) / -slope)
     return LaserScan(ranges.astype(np.float32), -0.5, 1.0 / 319, 0.45, 4.0, Pose(0.0, 0.0, 0.0))
+
+
+def with_robot(scan: LaserScan, x: float, y: float) -> LaserScan:
+    """Seen beside the rest: another robot of 0.35 m at a place in m before this one."""
+    angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+    bearing, distance = math.atan2(y, x), math.hypot(x, y)
+    beside = distance * np.abs(np.sin(angles - bearing))
+    near = distance * np.cos(angles - bearing) - np.sqrt(np.maximum(0.0, 0.175**2 - beside**2))
+    ranges = np.where(beside < 0.175, np.minimum(near, scan.ranges), scan.ranges)
+    return replace(scan, ranges=ranges.astype(np.float32))
+
+
+def test_a_robot_that_comes_out_of_a_door_does_not_make_this_one_stand() -> None:
+    """A Turtlebot drove along a wall, and another one came before that wall at the edge of its view: what it saw looked
+    more like what it had seen than like what it would have, and it lost 0.3 m."""
+    slam, pose = Slam(), Pose(0.0, 0.6, 0.0)
+    for step in range(60):
+        scan = corridor(pose)
+        if step >= 40:
+            scan = with_robot(scan, 0.85, 0.62 - 0.02 * (step - 40))
+        odometry = Pose(0.05 * step, 0.0, 0.0)
+        estimate = slam.process(scan, odometry, 0.1 * step).pose
+        assert estimate.x == pytest.approx(0.05 * step, abs=0.05)
+        pose = Pose(pose.x + 0.05, pose.y, 0.0)
 
 
 def test_what_wheels_slipped_is_no_way_between_keyframes() -> None:

@@ -20,6 +20,12 @@ bool is_hit(float range, const LaserGeometry& geometry) {
   return range >= geometry.range_min && range < geometry.range_max - 1e-3;
 }
 
+std::vector<bool> readings_of_small_objects(const Scan& scan, std::size_t size) {
+  std::vector<bool> found(size, false);
+  for (const Beam& beam : scan.beams) found[beam.index] = beam.on_small_object;
+  return found;
+}
+
 }  // namespace
 
 void Standing::keep(const float* ranges, std::size_t size, const Scan& scan, const Pose& odometry) {
@@ -38,6 +44,7 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
   if (std::hypot(motion.x, motion.y) < kLeastWay && std::abs(motion.yaw) < kLeastAngle) return Verdict::kUndecided;
   const Frame to_laser(between(geometry.mount, Pose{}) * between(motion, Pose{}));
   const double middle = geometry.angle_min + 0.5 * static_cast<double>(size - 1) * geometry.angle_increment;
+  const std::vector<bool> hidden = readings_of_small_objects(scan, size);
   int compared = 0, same = 0, moved = 0;
   for (const Beam& beam : beams_) {
     // A robot that drives ahead, or around one that turns, looks as if one stood.
@@ -46,6 +53,8 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
     const double off = normalized(std::atan2(end.y, end.x) - middle) / geometry.angle_increment;
     const auto other = std::lround(off + 0.5 * static_cast<double>(size - 1));
     if (other < 0 || other >= static_cast<long>(size)) continue;
+    // One that comes into the view hides what would be seen after that motion.
+    if (hidden[other] || hidden[beam.index]) continue;
     ++compared;
     const float now = ranges[beam.index], there = ranges[other];
     same += is_hit(now, geometry) && equal(now, ranges_[beam.index]);
