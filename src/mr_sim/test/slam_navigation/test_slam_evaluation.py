@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from test_slam import ROUND, Drives, follow
 
+from mr_grid import Pose
 from mr_measures.truth import Truth
 from mr_robot._slam import PoseGraph
 from mr_robot.slam.engine import LaserScan, Slam, SlamError
@@ -61,6 +62,21 @@ def test_odometry_that_counts_wrong_is_learned() -> None:
     assert learned == pytest.approx(ratio, abs=0.01)
 
 
+@pytest.mark.parametrize("seed", [3, 4])
+def test_where_walls_tell_nothing_odometry_does_not_confirm_itself(seed: int) -> None:
+    """A Turtlebot that drove 2.5 % farther than it counted had learned half of that after 90 m, for most of them in
+    corridors; what it had drawn before stayed too short."""
+    log = driven("office26x15_turtlebots", seed, 240.0)
+    slam = Slam()
+    for index, (moment, odometry) in enumerate(zip(log.times.tolist(), log.odometry.tolist())):
+        slam.process(log.scan(index), tuple(odometry), moment)
+    x, y, yaw = log.odometry[-1].tolist()
+    driven_way, counted = (np.hypot(*np.diff(way[:, :2], axis=0).T).sum() for way in (log.truth, log.odometry))
+    learned = math.dist(slam.pose_at((x + math.cos(yaw), y + math.sin(yaw), yaw))[:2], slam.pose_at((x, y, yaw))[:2])
+    assert abs(driven_way / counted - 1.0) > 0.02, "the odometry of this robot has to err"
+    assert learned == pytest.approx(driven_way / counted, abs=0.005)
+
+
 def test_wheels_that_err_anew_at_each_step_bend_no_map() -> None:
     """What they err by grows with the root of the way. Taken for a share of it, every single step of 2 degrees, which
     errs by half a degree, was believed."""
@@ -72,10 +88,14 @@ def test_wheels_that_err_anew_at_each_step_bend_no_map() -> None:
 def test_the_map_is_drawn_anew_when_the_way_turns_out_to_be_another() -> None:
     """A Turtlebot in a corridor has nothing but wheels to go by, and these count by 2.5 % wrong: 23 % of the walls were
     wrong when it came back."""
-    drives = Recorder("office26x15_turtlebots", 3)
-    drives.run(240.0, follow(ROUND, 0.4))
-    evaluation = evaluate(drives.log(), Truth.of_world(true_world_of(drives.world)))
-    assert evaluation.wrong_walls < 0.03 and evaluation.end_error < 0.15
+    evaluations = []
+    for seed in (3, 4, 5):
+        drives = Recorder("office26x15_turtlebots", seed)
+        drives.run(240.0, follow(ROUND, 0.4))
+        evaluations.append(evaluate(drives.log(), Truth.of_world(true_world_of(drives.world))))
+    walls = [each.wrong_walls for each in evaluations]
+    assert np.mean(walls) < 0.03 and max(walls) < 0.08
+    assert max(each.end_error for each in evaluations) < 0.15
 
 
 def test_a_loop_is_closed_farther_off_than_a_scan_is_matched(draw_world: Callable[..., str]) -> None:
@@ -84,8 +104,13 @@ def test_a_loop_is_closed_farther_off_than_a_scan_is_matched(draw_world: Callabl
     drives = Recorder(draw_world((24, 16), [(2.0, 2.0, 20.0, 12.0)], [(1.0, 1.0, 0.0)]), 0)
     corners = [(23.0, 1.0), (23.0, 15.0), (1.0, 15.0), (1.0, 1.0)]
     drives.run(260.0, follow(corners + corners[:1], 0.4))
-    evaluation = evaluate(with_random_walk(drives.log(), 0.1, 0.02, 7), Truth.of_world(true_world_of(drives.world)))
-    assert evaluation.end_error < 0.2 and evaluation.wrong_walls < 0.05
+    log, slam = with_random_walk(drives.log(), 0.1, 0.02, 7), Slam()
+    truth = Truth.of_world(true_world_of(drives.world))
+    assert evaluate(log, truth, slam).end_error < 0.2
+    walls = slam.map().info.centres_of(np.argwhere(slam.map().cells == 100))
+    start = Pose(*log.truth[0].tolist())
+    doubled = truth.wall_distance(start.apply(walls[np.hypot(*walls.T) < 2.0])) > 0.15
+    assert doubled.mean() < 0.03
 
 
 def test_a_loop_that_closes_tells_how_odometry_counts() -> None:

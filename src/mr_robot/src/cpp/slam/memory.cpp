@@ -76,8 +76,7 @@ void Memory::open(const Pose& pose, const Pose& odometry, const Way& way, const 
   const Keyframe& last = keyframes_.back();
   const Pose motion = between(last.odometry, odometry);
   graph_.add(graph_.pose(next - 1) * between(last.drawn, pose));
-  graph_.link_odometry(next, motion,
-                       model.deviation_of_way({way.distance - last.way.distance, way.turn - last.way.turn}));
+  graph_.link_odometry(next, motion, model.deviation_of_way(way - last.way));
   link_by_scan(next, pose, match, kFloor);
   keyframes_.push_back({pose, odometry, way, {}});
 }
@@ -110,7 +109,10 @@ void Memory::close_loop(const GridMap& map, const Scan& scan, const OdometryMode
   solved_ = 0;
 }
 
-void Memory::solve() {
+void Memory::solve(const OdometryModel& model) {
+  for (std::size_t i = 1; i < keyframes_.size(); ++i) {
+    graph_.weigh_odometry(i, model.deviation_of_way(keyframes_[i].way - keyframes_[i - 1].way));
+  }
   graph_.solve();
   solved_ = keyframes_.size();
   bool moved = false;
@@ -131,10 +133,10 @@ Pose Memory::target(std::size_t keyframe) const {
   return poses[last] * between(keyframes_[last].drawn, keyframes_[keyframe].drawn);
 }
 
-std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map) {
+std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryModel& model) {
   if (scans_ == kMostScans) return std::nullopt;
   if (!redrawing_) {
-    if (keyframes_.size() >= solved_ + kSolveEvery) solve();
+    if (keyframes_.size() >= solved_ + kSolveEvery) solve(model);
     return std::nullopt;
   }
   Redrawing& redrawing = *redrawing_;

@@ -29,7 +29,7 @@ class Memory {
   void close_loop(const GridMap& map, const Scan& scan, const OdometryModel& model, const MatchOptions& options);
   // A part of the work that is left. When the map has been drawn anew it is moved to `map`; how the robot's pose on the
   // former map is to be taken to it.
-  std::optional<std::pair<Pose, Pose>> work(GridMap* map);
+  std::optional<std::pair<Pose, Pose>> work(GridMap* map, const OdometryModel& model);
 
  private:
   struct Kept {
@@ -53,7 +53,7 @@ class Memory {
   void link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor);
   bool due(const Pose& pose) const;
   Scan scan_of(const Kept& kept) const;
-  void solve();
+  void solve(const OdometryModel& model);
   Pose target(std::size_t keyframe) const;
 
   GridOptions grid_;

@@ -15,6 +15,8 @@ class PoseGraph {
   // Odometry counted `motion` from one pose to the next one, `next`, with these standard deviations besides the factors
   // by which it counts all distances and turns wrong.
   void link_odometry(std::size_t next, const Pose& motion, const Pose& deviation);
+  // What the standard deviations of the motion to `next` have turned out to be.
+  void weigh_odometry(std::size_t next, const Pose& deviation) { odometry_[next - 1].deviation = deviation; }
   // Scans say that `to` lies at `relative` seen from `from`. `information`: of that, inverse of its covariance.
   void link(std::size_t from, std::size_t to, const Pose& relative, const Eigen::Matrix3d& information);
 

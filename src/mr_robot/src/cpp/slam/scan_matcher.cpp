@@ -253,6 +253,16 @@ bool agree(const Pose& a, const Pose& b, const Pose& deviation) {
 // Of all hits, those on surfaces.
 double share_on(const Fit& fit) { return fit.share * fit.known; }
 
+// Share of the scan, beside a prior of that standard deviation, in what is known of the position along the heading.
+double share_along(const Fit& fit, double deviation) {
+  const Eigen::Vector2d heading(std::cos(fit.pose.yaw), std::sin(fit.pose.yaw));
+  double information = 0.0;
+  for (const auto& [origin, support] : fit.origins) {
+    information += heading.dot(support.information.topLeftCorner<2, 2>() * heading);
+  }
+  return information / (information + 1.0 / (deviation * deviation));
+}
+
 bool better(const Fit& fit, const Fit& than) { return fit.share > than.share + 0.05; }
 
 }  // namespace
@@ -289,6 +299,7 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
   if (joint.share < options.poor_share) return {expected, joint.share, Outcome::kContradicts};
   Match match{joint.pose, joint.share, Outcome::kMatched};
   match.known = joint.known;
+  match.along = share_along(joint, trusted.x);
   match.origins = joint.origins;
   return match;
 }

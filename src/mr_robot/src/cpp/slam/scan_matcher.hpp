@@ -41,6 +41,7 @@ struct Match {
   std::optional<Pose> elsewhere = std::nullopt;
   bool stays = false;  // that is where it was: its wheels slip
   double known = 0.0;  // share of the hits that lie in known parts
+  double along = 0.0;  // share of the scan, beside odometry, in what is known of the position along the heading
   std::map<int, Support> origins{};
 };
 

@@ -123,7 +123,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   if (match.stays && left_confirmed_) match.elsewhere.reset();
   const bool doubtful = verdict == Standing::Verdict::kSeemsToStand;
   if (match.outcome == Outcome::kMatched && !doubtful && !match.elsewhere && match.share > options_.match.good_share) {
-    model_.learn(motion, between(pose_, match.pose));
+    model_.learn(motion, between(pose_, match.pose), match.along);
   } else {
     model_.interrupt();
   }
@@ -152,7 +152,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
     stood_ = pose_;
     stood_driven_ = driven_;
   }
-  update.inserted |= follow(memory_.work(&map_));
+  update.inserted |= follow(memory_.work(&map_, model_));
   update.pose = pose_;
   update.matched = !contradicted_;
   update.share = share_ = match.share;
