@@ -1,0 +1,123 @@
+"""How a robot is set up, from the parameters on its master. Knows names of parameters, and no ROS."""
+
+from __future__ import annotations
+
+import difflib
+import socket
+from dataclasses import fields
+from typing import Any, Callable, Iterable, Iterator, Mapping
+
+from explorer import options as explorer_options
+from explorer.errors import ExplorerError
+from map_merger import options as merger_options
+from mr_launch.doctor.facts import SetUp, Topic
+from mr_robot.navigation.options import NavigationError, NavigationOptions
+
+Parameters = Mapping[str, Any]
+NODES = ("adhoc_communication", "map_merger", "explorer", "slam", "move_base", "robot")
+"""Of robot.launch; `robot` is the body of a simulated one."""
+
+
+def set_up_of(given: Parameters) -> SetUp:
+    """`given`: all parameters of the robot's namespace, nested."""
+    nodes = tuple(node for node in NODES if _is_node(node, given.get(node)))
+    merger, explorer, slam, navigation = (
+        given.get(node, {}) for node in ("map_merger", "explorer", "slam", "move_base")
+    )
+    named = [node for node in nodes if "robot_name" in given[node]]
+    faults = {node: tuple(check(given[node])) for node, check in _CHECKS.items() if node in nodes}
+    return SetUp(
+        nodes,
+        {node: str(given[node]["robot_name"]) for node in named},
+        {node: found for node, found in faults.items() if found},
+        map_frame=_first([merger.get("local_map_frame_id")], "map"),
+        odom_frame=_first([slam.get("odom_frame"), navigation.get("odom_frame")], "odom"),
+        base_frame=_first(
+            [slam.get("base_frame"), navigation.get("base_frame"), explorer.get("base_link")], "base_link"
+        ),
+        has_body=merger.get("has_local_map") is not False,
+    )
+
+
+def _is_node(name: str, given: Any) -> bool:
+    """A node of another launch file may have the name `robot`."""
+    return isinstance(given, dict) and (name != "robot" or "socket" in given)
+
+
+def _first(values: Iterable[Any], default: str) -> str:
+    return next((str(value).strip("/") for value in values if value), default)
+
+
+def topics_of(given: Parameters) -> dict[str, Topic]:
+    """The topics that the robot lives on, by what they are for, with names as the nodes have them."""
+    merger, slam, navigation = (given.get(node, {}) for node in ("map_merger", "slam", "move_base"))
+    names = {
+        "scan": slam.get("scan_topic") or merger.get("scan_topic") or "base_scan",
+        "odometry": slam.get("odometry_topic") or merger.get("position_local_robot_topic") or "odom",
+        "velocity": navigation.get("velocity_topic") or "cmd_vel",
+        "map": merger.get("local_map_topic") or "map",
+    }
+    return {purpose: Topic(str(name), WANTED[purpose]) for purpose, name in names.items()}
+
+
+WANTED = {
+    "scan": "sensor_msgs/LaserScan",
+    "odometry": "nav_msgs/Odometry",
+    "velocity": "geometry_msgs/Twist",
+    "map": "nav_msgs/OccupancyGrid",
+}
+
+
+def folders_of(given: Parameters) -> list[str]:
+    """Those that nodes write to."""
+    nodes = [given[node] for node in NODES if isinstance(given.get(node), dict)]
+    folders = [node.get(word) for node in nodes for word in ("log_path", "scene_path")]
+    folders += [node.get("capture_file") for node in nodes]
+    return [str(folder) for folder in folders if folder]
+
+
+# ---- faults of parameters -----------------------------------------------------------------------------------------
+
+
+def _explorer_faults(given: Parameters) -> Iterator[str]:
+    known = {parameter.name.split("/")[0] for parameter in explorer_options.PARAMETERS}
+    yield from _unknown(given, known | set(explorer_options.WITHOUT_EFFECT))
+    try:
+        explorer_options.load(given)
+    except ExplorerError as error:
+        yield str(error)
+
+
+def _merger_faults(given: Parameters) -> Iterator[str]:
+    known = set(merger_options.PARAMETERS)
+    yield from _unknown(given, known)
+    values = {name: value for name, value in given.items() if name in known}
+    if values.get("initial_poses") == "":
+        del values["initial_poses"]
+    try:
+        merger_options.options_of(values, socket.gethostname())
+    except merger_options.OptionError as error:
+        yield str(error)
+
+
+def _navigation_faults(given: Parameters) -> Iterator[str]:
+    """Of our node; that of ROS has its own parameters."""
+    if "footprint_length" not in given:
+        return
+    try:
+        NavigationOptions(**{each.name: given[each.name] for each in fields(NavigationOptions) if each.name in given})
+    except (NavigationError, TypeError) as error:
+        yield str(error)
+
+
+def _unknown(given: Parameters, known: Iterable[str]) -> Iterator[str]:
+    for name in sorted(set(given) - set(known)):
+        near = difflib.get_close_matches(name, known, 1)
+        yield f"parameter {name} is unknown" + (f", is {near[0]} meant?" if near else "")
+
+
+_CHECKS: dict[str, Callable[[Parameters], Iterator[str]]] = {
+    "explorer": _explorer_faults,
+    "map_merger": _merger_faults,
+    "move_base": _navigation_faults,
+}
