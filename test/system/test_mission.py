@@ -1,19 +1,28 @@
 """Whole missions over raw sockets in network namespaces, one of each topology: two robots, 10 % frame loss, the small
-world."""
+world. In the distributed one the doctor looks at a robot; explorer, map_merger and adhoc_communication are killed."""
 
 import json
 import os
+import signal
 import subprocess
+import time
 from pathlib import Path
-from typing import Dict, Tuple
+from typing import Dict, List, NamedTuple
 
 import pytest
 
 LIMIT_S = 400
-
-
 TOPOLOGIES = ("distributed", "centralized")
-Mission = Tuple[int, str, Path]
+KILLED = {"robot_0": ("explorer", "adhoc_communication"), "robot_1": ("map_merger",)}
+
+
+class Mission(NamedTuple):
+    """`visit`: exit code and output of the doctor."""
+
+    code: int
+    output: str
+    out: Path
+    visit: tuple = ()
 
 
 @pytest.fixture(scope="module")
@@ -27,34 +36,86 @@ def mission(missions: Dict[str, Mission], request: pytest.FixtureRequest) -> Mis
 
 
 def run_of(topology: str, out: Path) -> Mission:
-    """Exit code, output and folder of a mission."""
     command = ["rosrun", "mr_launch", "team", "--world", "small8x8", "--robots", "2", "--loss", "0.1", "--seed", "3"]
-    run = subprocess.run(
-        [*command, "--topology", topology, "--duration", "300", "--out", str(out)],
+    disturbed = topology == "distributed"
+    run = subprocess.Popen(
+        [*command, "--topology", topology, "--duration", "300", "--out", str(out), *["--respawn"] * disturbed],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        timeout=LIMIT_S,
     )
-    return run.returncode, run.stdout, out
+    try:
+        visit = disturb(out, run) if disturbed else ()
+        output, _ = run.communicate(timeout=LIMIT_S)
+    finally:
+        run.terminate()
+    return Mission(run.returncode, output, out, visit)
+
+
+def disturb(out: Path, run: "subprocess.Popen[str]") -> tuple:
+    """The doctor's visit to robot_1, while robot_0 loses its explorer; then the other nodes are killed."""
+    while "state: 1" not in enter(out, "robot_0", "timeout", "5", "rostopic", "echo", "-n1", "/explorer/state").stdout:
+        assert run.poll() is None, run.stdout and run.stdout.read()
+        time.sleep(0.3)
+    kill(out, "robot_0", "explorer")
+    visit = enter(out, "robot_1", "rosrun", "mr_launch", "doctor", "--peers", "robot_0", "--seconds", "2")
+    kill(out, "robot_1", "map_merger")
+    kill(out, "robot_0", "adhoc_communication")
+    return visit.returncode, visit.stdout + visit.stderr
+
+
+def enter(out: Path, robot: str, *command: str) -> "subprocess.CompletedProcess[str]":
+    words = ["rosrun", "mr_launch", "enter", "--team", str(out), robot, *command]
+    return subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
+
+
+def kill(out: Path, robot: str, node: str) -> None:
+    (pid,) = processes_of(f"{out}/logs/{robot}/nodes/{node}-")
+    os.kill(pid, signal.SIGKILL)
+
+
+def processes_of(words: str) -> List[int]:
+    """Processes with these words in their command line."""
+    found = []
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            command = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace")
+        except OSError:
+            continue
+        if words in command:
+            found.append(int(pid))
+    return found
 
 
 def test_every_robot_finishes(mission: Mission) -> None:
-    code, output, out = mission
+    code, output, out, _ = mission
     assert code == 0, output
     summary = json.loads((out / "summary.json").read_text())
     assert summary["finished"] and all(robot["finished"] for robot in summary["robots"].values()), output
 
 
 def test_it_really_ran_in_namespaces_over_raw_sockets(mission: Mission) -> None:
-    summary = json.loads((mission[2] / "summary.json").read_text())
+    summary = json.loads((mission.out / "summary.json").read_text())
     assert summary["isolation"] != "hub"
     assert summary["team"]["packets_by_hops"]["1"] > 0
 
 
+def test_the_doctor_finds_nothing_wrong_with_a_healthy_robot(missions: Dict[str, Mission]) -> None:
+    assert missions["distributed"].visit == (0, "")
+
+
+def test_the_mission_goes_on_without_nodes_that_are_killed_and_they_come_back(missions: Dict[str, Mission]) -> None:
+    summary = json.loads((missions["distributed"].out / "summary.json").read_text())
+    assert summary["restarts"] == {robot: dict.fromkeys(nodes, 1) for robot, nodes in KILLED.items()}
+    for robot in KILLED:
+        log = missions["distributed"].out / "logs" / robot / "nodes"
+        again = any("goes on with its mission" in path.read_text() for path in log.glob("explorer-*.log"))
+        assert again == (robot == "robot_0")
+
+
 def test_maps_are_complete_and_right(mission: Mission) -> None:
-    summary = json.loads((mission[2] / "summary.json").read_text())
+    summary = json.loads((mission.out / "summary.json").read_text())
     for name, robot in summary["robots"].items():
         assert robot["coverage"] >= 0.95, name
         assert robot["wrong_walls"] <= 0.05, name
@@ -64,24 +125,18 @@ def test_maps_are_complete_and_right(mission: Mission) -> None:
 
 def test_both_topologies_end_with_the_same_map(missions: Dict[str, Mission]) -> None:
     areas = []
-    for _, _, out in missions.values():
-        summary = json.loads((out / "summary.json").read_text())
+    for mission in missions.values():
+        summary = json.loads((mission.out / "summary.json").read_text())
         areas += [robot["free_cells"] for robot in summary["robots"].values()]
     assert max(areas) <= 1.02 * min(areas), areas
 
 
 def test_output_folder_has_what_people_look_at(mission: Mission) -> None:
-    out = mission[2]
+    out = mission.out
     names = {path.name for path in out.rglob("*") if path.is_file() and path.stat().st_size > 0}
     assert {"summary.json", "map.png", "map.pgm", "map.yaml"} <= names, sorted(names)
     assert any(name.endswith(".bag") for name in names)
 
 
 def test_no_process_of_the_mission_is_left(mission: Mission) -> None:
-    out = str(mission[2])
-    for pid in filter(str.isdigit, os.listdir("/proc")):
-        try:
-            command = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace")
-        except OSError:
-            continue
-        assert out not in command, command
+    assert not processes_of(str(mission.out))

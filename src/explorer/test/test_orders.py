@@ -168,6 +168,39 @@ def test_a_mission_that_finds_its_end_is_complete() -> None:
     assert any(note.text.startswith("exploration finished after") for note in of_kind(Note, bench.effects))
 
 
+def test_a_robot_that_is_called_back_drives_home_and_goes_on_when_told() -> None:
+    bench = driving(return_home=False)
+    bench.place(3.0, 0.0)
+    assert order(bench, bench.agent.return_now) == Answer(True, "drives home")
+    effects = bench.run(1.0)
+    assert [goal.pose for goal in of_kind(SetGoal, effects)] == [bench.agent.home]
+    assert bench.agent.state == State.RETURNING and bench.agent.text == "is called back, drives home"
+    assert order(bench, bench.agent.return_now) == Answer(False, "is called back already")
+    bench.place(0.5, 0.0)
+    effects = bench.run(60.0)
+    assert bench.agent.state == State.WAITING and bench.agent.text == "is called back, at home"
+    assert bench.agent.finished_at is None and not of_kind(SetGoal, effects)
+    assert order(bench, bench.agent.resume).done
+    assert of_kind(SetGoal, bench.run(2.0)) and bench.agent.state == State.EXPLORING
+
+
+def test_a_robot_on_its_way_back_can_be_paused_sent_on_or_stopped() -> None:
+    for then, state in (("pause", State.WAITING), ("resume", State.EXPLORING), ("stop", State.FINISHED)):
+        bench = driving()
+        bench.place(3.0, 0.0)
+        order(bench, bench.agent.return_now)
+        bench.run(1.0)
+        assert getattr(bench.agent, then)(bench.now).done
+        bench.run(3.0)
+        assert bench.agent.state == state, then
+
+
+def test_a_robot_that_has_ended_is_not_called_back() -> None:
+    bench = driving()
+    order(bench, bench.agent.stop)
+    assert order(bench, bench.agent.return_now) == Answer(False, "has ended: stopped")
+
+
 def test_refusals_say_why() -> None:
     waiting = Bench(7)
     waiting.run(1.0)

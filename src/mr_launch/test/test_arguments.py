@@ -38,7 +38,7 @@ def test_defaults():
         (["--robots", "0"], "--robots 0: a team has at least one robot"),
         (["--robots", "two"], "argument --robots: invalid int value: 'two'"),
         (["--strategy", "8"], "--strategy 8 is unknown"),
-        (["--slam", "hector"], "argument --slam: invalid choice: 'hector'"),
+        (["--slam", "karto"], "argument --slam: invalid choice: 'karto'"),
         (["--wrold", "x"], "unrecognized arguments: --wrold x"),
     ],
 )

@@ -1,16 +1,22 @@
 """Every launch file and every parameter file loads; robot.launch explains its arguments."""
 
+import os
 import subprocess
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
 import yaml
+from roslaunch.config import ROSLaunchConfig
+from roslaunch.xmlloader import XmlLoader
+
+from mr_launch.nodes import RESPAWNED
 
 PACKAGE = Path(__file__).resolve().parents[1]
 LAUNCH_FILES = sorted((PACKAGE / "launch").glob("*.launch"))
 NEEDED = {  # arguments without a default
     "robot.launch": [],
+    "recorder.launch": ["output:=--output-name=/x"],
     "simulated_robot.launch": ["robot_name:=robot_0", "world_socket:=/x"],
     "team_robot.launch": [
         "robot_name:=robot_0",
@@ -24,9 +30,12 @@ NEEDED = {  # arguments without a default
 }
 
 
-def roslaunch(option, name, *arguments):
+def roslaunch(option, name, *arguments, packages=""):
+    """`packages`: folder with further packages."""
     command = ["roslaunch", option, "mr_launch", name, *NEEDED.get(name, []), *arguments]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    path = os.pathsep.join(filter(None, [str(packages), os.environ["ROS_PACKAGE_PATH"]]))
+    environment = {**os.environ, "ROS_PACKAGE_PATH": path}
+    result = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     assert result.returncode == 0 and "Exception" not in result.stderr, result.stderr
     return result.stdout
 
@@ -40,14 +49,76 @@ def test_loads(path):
     ("arguments", "more"),
     [
         ([], {"/slam", "/move_base"}),
-        (["slam:=gmapping", "navigation:=move_base"], {"/slam", "/move_base"}),
+        (["record:=true", "record_path:={tmp}/new/records"], {"/slam", "/move_base", "/bag"}),
         (["slam:=none", "navigation:=none"], set()),
         (["simulated:=true"], {"/slam", "/move_base", "/robot"}),
     ],
 )
-def test_nodes_of_a_robot(arguments, more):
+def test_nodes_of_a_robot(arguments, more, tmp_path):
+    arguments = [argument.format(tmp=tmp_path) for argument in arguments]
     nodes = set(roslaunch("--nodes", "robot.launch", *arguments).split())
     assert nodes == {"/adhoc_communication", "/map_merger", "/explorer"} | more
+
+
+@pytest.fixture
+def packages(tmp_path):
+    """A folder with empty packages under the names of those of others."""
+    for name in ("gmapping", "slam_toolbox", "hector_mapping", "move_base", "mbf_costmap_nav"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "package.xml").write_text(
+            f"<package><name>{name}</name><version>1.0.0</version><description>x</description>"
+            "<maintainer email='a@b.c'>x</maintainer><license>x</license></package>"
+        )
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("arguments", "nodes", "words"),
+    [
+        (["slam:=gmapping", "navigation:=move_base"], set(), {"/slam/maxRange": 4.0, "/slam/delta": 0.05}),
+        (["slam:=slam_toolbox"], set(), {"/slam/scan_topic": "scan", "/slam/max_laser_range": 4.0}),
+        (["slam:=hector"], set(), {"/slam/laser_max_dist": 3.9, "/slam/map_resolution": 0.05}),
+        (
+            ["navigation:=move_base_flex"], {"/move_base_flex"},
+            {
+                "/move_base_flex/TrajectoryPlannerROS/max_vel_x": 0.5,
+                "/move_base_flex/global_costmap/global_frame": "map",
+            },
+        ),
+    ],
+)  # fmt: skip
+def test_slam_and_navigation_of_others(arguments, nodes, words, packages):
+    others = [*arguments, "robot:=turtlebot", "scan_topic:=scan", "velocity_topic:=mobile_base/commands/velocity"]
+    found = set(roslaunch("--nodes", "robot.launch", *others, packages=packages).split())
+    assert found == {"/adhoc_communication", "/map_merger", "/explorer", "/slam", "/move_base"} | nodes
+    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", *others, packages=packages))
+    assert {name: parameters[name] for name in words} == words
+
+
+def test_a_base_station_has_no_body():
+    nodes = set(roslaunch("--nodes", "robot.launch", "has_local_map:=false").split())
+    assert nodes == {"/adhoc_communication", "/map_merger"}
+    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", "has_local_map:=false"))
+    assert parameters["/map_merger/has_local_map"] is False and parameters["/map_merger/topology"] == "distributed"
+
+
+def test_every_node_with_logs_is_told_where_they_go(tmp_path):
+    for name in ("robot.launch", "base_station.launch"):
+        parameters = yaml.safe_load(roslaunch("--dump-params", name, "log_path:=/logs", "record:=true"))
+        told = {key for key, value in parameters.items() if value == "/logs"}
+        assert told >= {"/adhoc_communication/log_path", "/map_merger/log_path"}, name
+        assert ("/explorer/log_path" in told) == (name == "robot.launch")
+        assert parameters["/adhoc_communication/capture_file"].endswith("/radio.pcap")
+
+
+def test_nodes_are_started_again_but_for_slam():
+    config = ROSLaunchConfig()
+    XmlLoader().load(str(PACKAGE / "launch" / "robot.launch"), config, argv=["simulated:=true"], verbose=False)
+    again = {node.name for node in config.nodes if node.respawn}
+    assert again == {"adhoc_communication", "map_merger", "explorer", "move_base"} == set(RESPAWNED)
+    config = ROSLaunchConfig()
+    XmlLoader().load(str(PACKAGE / "launch" / "robot.launch"), config, argv=["respawn:=false"], verbose=False)
+    assert not any(node.respawn for node in config.nodes)
 
 
 def test_a_turtlebot_is_configured_as_one():
@@ -102,6 +173,9 @@ def test_an_own_robot(tmp_path):
     [
         (["robot:=tank"], "robot_parameters: no robot 'tank': there are pioneer, turtlebot"),
         (["robot:=turtlebot", "slam:=gmapping"], "add the argument scan_topic:=scan"),
+        (["slam:=hector"], "slam:=hector needs the package hector_mapping, which is not installed"),
+        (["navigation:=move_base_flex"], "navigation:=move_base_flex needs the package mbf_costmap_nav"),
+        (["slam:=karto"], "slam:=karto is unknown; there are ours, gmapping, slam_toolbox, hector, none"),
     ],
 )
 def test_what_cannot_be_is_refused_before_anything_starts(arguments, part):

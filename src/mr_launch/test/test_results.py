@@ -13,7 +13,7 @@ from mr_launch.arguments import parse_arguments
 from mr_launch.maps import load_raw, save_map, save_raw
 from mr_launch.mission import Outcome
 from mr_launch.monitor import Digest
-from mr_launch.nodes import NodeWatch, parse_ends
+from mr_launch.nodes import MOST_RESTARTS, NodeWatch, parse_ends
 from mr_launch.pictures import bounds, draw_mission
 from mr_launch.plan import Plan, RobotPlan
 from mr_launch.record import merges_of
@@ -173,7 +173,10 @@ def test_team_with_an_unfinished_robot_has_no_time():
     assert team["finished"] is False and team["exploration_time"] is None
     options = parse_arguments(["--out", "/o"])
     plan = Plan(options, "w", [RobotPlan("a", 0, 1, Pose(0.0, 0.0, 0.0))], "/o", "hub")
-    summary = mission_summary(plan, robots, team, "limit of 900 s of simulation time reached", [])
+    summary = mission_summary(
+        plan, robots, team, "limit of 900 s of simulation time reached", [], {"a": {"explorer": 1}, "b": {}}
+    )
+    assert summary["restarts"] == {"a": {"explorer": 1}}
     assert summary["finished"] is False
     json.dumps(summary)
 
@@ -228,6 +231,20 @@ def test_ends_of_nodes_in_the_output_of_roslaunch():
 def test_end_of_the_recorder_counts_only_if_it_died():
     assert parse_ends("[bag-8] process has finished cleanly\n") == []
     assert len(parse_ends("[bag-8] process has died [pid 1, exit code 1, cmd x].\n")) == 1
+
+
+def test_ends_that_are_followed_by_a_new_start_are_counted_while_they_are_few(tmp_path):
+    """Coloured, as roslaunch writes them."""
+    watch = NodeWatch(tmp_path / "robot_0.log", respawns=True)
+    died = "\x1b[31m[explorer-4] process has died [pid 7, exit code -9, cmd x].\nlog file: /x*.log\x1b[0m\n"
+    died += "[explorer-4] restarting process\n"
+    (tmp_path / "robot_0.log").write_text(2 * died)
+    assert watch.failures() == [] and watch.restarts == {"explorer": 2}
+    (tmp_path / "robot_0.log").write_text(2 * died + died.replace("explorer", "slam"))
+    assert [end.name for end in watch.failures()] == ["slam"]
+    (tmp_path / "robot_0.log").write_text((MOST_RESTARTS + 1) * died)
+    assert {end.name for end in watch.failures()} == {"explorer"}
+    assert [end.name for end in NodeWatch(tmp_path / "robot_0.log").failures()][:1] == ["explorer"]
 
 
 def test_node_that_could_not_be_started():

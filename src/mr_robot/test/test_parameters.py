@@ -9,11 +9,18 @@ import pytest
 import yaml
 
 from mr_robot.navigation.options import NavigationOptions
+from mr_robot.platforms import files
+from mr_robot.platforms.alternatives import check_alternative
 from mr_robot.platforms.files import main, parameters_of
 from mr_robot.platforms.parameters import explorer_parameters, merger_parameters, navigation_parameters, slam_parameters
-from mr_robot.platforms.platform import Footprint
+from mr_robot.platforms.platform import Footprint, PlatformError
 from mr_robot.platforms.preset import load_platform
-from mr_robot.platforms.ros_stack import gmapping_parameters, move_base_parameters
+from mr_robot.platforms.ros_stack import (
+    gmapping_parameters,
+    hector_parameters,
+    move_base_parameters,
+    slam_toolbox_parameters,
+)
 from mr_robot.slam.engine import SlamOptions
 
 PIONEER, TURTLEBOT = load_platform("pioneer"), load_platform("turtlebot")
@@ -79,6 +86,10 @@ def test_parameters_for_nodes_of_other_packages():
     assert gmapping_parameters(TURTLEBOT) == {
         "base_frame": "base_footprint", "odom_frame": "odom", "maxUrange": 3.9, "maxRange": 4.0,
     }  # fmt: skip
+    assert slam_toolbox_parameters(TURTLEBOT) == {
+        "base_frame": "base_footprint", "odom_frame": "odom", "scan_topic": "scan", "max_laser_range": 4.0,
+    }  # fmt: skip
+    assert hector_parameters(TURTLEBOT)["laser_min_dist"] == 0.45
     given = move_base_parameters(TURTLEBOT, (TURTLEBOT,))
     assert given["local_costmap"]["footprint"][2] == [0.177, 0.177]
     assert given["global_costmap"]["obstacle_layer"]["scan"]["topic"] == "scan"
@@ -122,7 +133,17 @@ def test_a_bad_call_gives_one_line(arguments, part, capsys):
     assert part in text and text.count("\n") == 1 and text.startswith("robot_parameters: ")
 
 
-def test_topics_that_are_renamed_by_the_launch_file_are_accepted():
+def test_packages_of_others_have_to_be_installed():
+    check_alternative("slam", "hector", {"hector_mapping": "/x"}.get)
+    check_alternative("slam", "none", {}.get)
+    with pytest.raises(PlatformError, match="navigation:=move_base needs the package move_base, which is not"):
+        check_alternative("navigation", "move_base", {}.get)
+    with pytest.raises(PlatformError, match=r"slam:=karto is unknown; there are ours, gmapping, .*, none"):
+        check_alternative("slam", "karto", {}.get)
+
+
+def test_topics_that_are_renamed_by_the_launch_file_are_accepted(monkeypatch):
+    monkeypatch.setattr(files, "find_package", lambda name: "/x")
     assert main(["--robot", "turtlebot", "--slam", "gmapping", "--scan-topic", "scan"]) == 0
 
 

@@ -13,6 +13,7 @@ from explorer.edge import Edge
 from explorer.foreign import Element, ForeignFrontiers
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
+from explorer.memory import Memory
 from explorer.messages import Auction, Effect, Note
 from explorer.missions import Missions, OnDecision
 from explorer.options import Options
@@ -59,6 +60,10 @@ class ExplorerAgent:
         """The robot stays where it is and claims nothing until it is to `resume`."""
         return self.mission.pause(now)
 
+    def return_now(self, now: float) -> Answer:
+        """The robot drives home at once and waits there until it is to `resume`."""
+        return self.mission.return_now(now)
+
     def resume(self, now: float) -> Answer:
         return self.mission.resume()
 
@@ -69,6 +74,10 @@ class ExplorerAgent:
     def go_home(self, now: float) -> Answer:
         """Ends the exploration and drives home."""
         return self.mission.go_home(now)
+
+    def recall(self, memory: Memory, now: float) -> None:
+        """Goes on with a mission after the node was started anew; before the first tick."""
+        self.mission.recall(memory, now)
 
     def on_global_map(self, occupancy: OccupancyMap, now: float) -> None:
         self._senses.take_map(occupancy, now)
@@ -158,6 +167,11 @@ class ExplorerAgent:
     @property
     def home(self) -> Optional[Pose]:
         return self._senses.home
+
+    @property
+    def memory(self) -> Memory:
+        """What is to be kept, so that the mission can go on after a crash: see `recall`."""
+        return self.mission.memory
 
     @property
     def state(self) -> State:

@@ -13,9 +13,10 @@ from explorer.foreign import ForeignFrontiers
 from explorer.hearing import Hearing
 from explorer.journal import Journal
 from explorer.leftovers import sentence
+from explorer.memory import Memory
 from explorer.messages import FAILED, REACHED, Auction, Emit, Note
 from explorer.options import Options
-from explorer.orders import DONE, SENT_HOME, STOPPED, Answer, Orders
+from explorer.orders import CALLED, DONE, PAUSED, SENT_HOME, STOPPED, Answer, Orders
 from explorer.outcomes import Outcomes
 from explorer.perception import Perception
 from explorer.reopening import Reopening
@@ -29,6 +30,7 @@ from explorer.status import Counters, State
 from explorer.strategies.strategy import Strategy
 from explorer.team import Team
 from explorer.verdicts import Verdicts
+from mr_grid import Pose
 
 MAXIMUM_CLAIMED = 5000  # elements of one claim that are read
 
@@ -107,7 +109,7 @@ class Exploration:
 
     def _answer(self, auction: Auction, now: float) -> None:
         self.auctions.take_start(auction, now)
-        at_rest = self.finished_at is not None or self.orders.paused
+        at_rest = self.finished_at is not None or self.orders.halt
         if at_rest or self._senses.pose is None or not comparable(auction, self._foreign, self._name):
             self.auctions.refuse(auction)
         elif self._perception.ways is None:
@@ -136,17 +138,33 @@ class Exploration:
             return Answer(False, f"has not begun to explore: {self.text}")
         if self.orders.paused or self.state == State.FINISHED:
             return Answer(False, "is paused already" if self.orders.paused else f"has ended: {self.text}")
-        self.orders.paused = True
+        self._halt(PAUSED, now)
+        self._be(State.WAITING, PAUSED)
+        return Answer(True, "paused")
+
+    def return_now(self, now: float) -> Answer:
+        """The robot drives home at once and claims nothing until `resume`: the exploration has not ended."""
+        if not self._begun:
+            return Answer(False, f"has not begun to explore: {self.text}")
+        if self.finished_at is not None or self.orders.halt == CALLED:
+            return Answer(False, "is called back already" if self.orders.halt else f"has ended: {self.text}")
+        self._halt(CALLED, now)
+        self.driver.begin_home()
+        self._be(State.RETURNING, f"{CALLED}, drives home")
+        return Answer(True, "drives home")
+
+    def _halt(self, how: str, now: float) -> None:
+        self.orders.halt = how
         self.driver.drop()
         if self.finished_at is None:
             self._give_up_claim(now)
-        self._be(State.WAITING, "is paused")
-        return Answer(True, "paused")
 
     def resume(self) -> Answer:
-        if not self.orders.paused:
+        """The robot goes on after `pause` or `return_now`."""
+        if not self.orders.halt:
             return Answer(False, "is not paused")
-        self.orders.paused = False
+        self.driver.drop()
+        self.orders.halt = ""
         self.ending.look_again()
         return Answer(True, "goes on")
 
@@ -154,7 +172,7 @@ class Exploration:
         """Ends the mission where the robot is."""
         if self.state == State.FINISHED:
             return Answer(False, f"has ended already: {self.text}")
-        self.orders.paused = self.orders.homeward = False
+        self.orders.halt, self.orders.homeward = "", False
         self.driver.drop()
         if self.finished_at is None:
             self._end(STOPPED, now)
@@ -168,7 +186,7 @@ class Exploration:
             return Answer(False, f"has not begun to explore: {self.text}")
         if self.state == State.RETURNING or (self.state == State.FINISHED and at_home(here, home)):
             return Answer(False, "is at home" if self.state == State.FINISHED else "is on its way home already")
-        self.orders.paused, self.orders.homeward = False, True
+        self.orders.halt, self.orders.homeward = "", True
         if self.finished_at is None:
             self._end(SENT_HOME, now)
         self.driver.begin_home()
@@ -192,6 +210,8 @@ class Exploration:
             self._be(State.STARTING, f"waits for {self._awaited}")
         elif self.orders.paused:
             self._stand(now)
+        elif self.orders.halt:
+            self._come_back(now)
         elif self.finished_at is not None:
             self._drive_home(now)
         else:
@@ -212,13 +232,15 @@ class Exploration:
     def _stage(self) -> Stage:
         if self.finished_at is not None:
             return Stage.ENDED if self.orders.complete else Stage.QUIT
-        if self.orders.paused:
+        if self.orders.halt:
             return Stage.QUIT
         return Stage.NOTHING_LEFT if self.ending.nothing_left else Stage.EXPLORING
 
     def _reopens(self, now: float) -> bool:
         """True if a map shows something new that counts, after the robot has ended because nothing was left."""
-        if not self.orders.complete or self.orders.paused or not self._reopening.due(now):
+        if not self.orders.complete or self.orders.halt or not self._reopening.due(now):
+            return False
+        if self._senses.map is None or self._senses.pose is None:
             return False
         self._perception.touch()
         self._perceive(now)
@@ -243,9 +265,22 @@ class Exploration:
 
     def _stand(self, now: float) -> None:
         """What a paused robot does: the others may need what it sees."""
+        self._be(State.WAITING, PAUSED)
         if self.finished_at is None:
             self._perceive(now)
             self.sharing.share(now)
+
+    def _come_back(self, now: float) -> None:
+        self._perceive(now)
+        self.sharing.share(now)
+        here, home = self._senses.pose, self._senses.home
+        assert here is not None and home is not None
+        if self.driver.home_is_over(here, home):
+            self.driver.drop()
+            self._be(State.WAITING, f"{CALLED}, {_whereabouts(here, home)}")
+        else:
+            self._be(State.RETURNING, f"{CALLED}, drives home")
+            self._head_home(here, home, now)
 
     def _explore(self, now: float) -> None:
         here = self._senses.pose
@@ -320,11 +355,16 @@ class Exploration:
         here, home = self._senses.pose, self._senses.home
         assert here is not None and home is not None
         ended_by = self.orders.ended_by
+        if self._perception.ways is None:
+            self._perceive(now)  # after a crash
         if not self.orders.homeward or self.driver.home_is_over(here, home):
             self.driver.drop()
-            self._be(State.FINISHED, f"{ended_by}, {'at home' if at_home(here, home) else 'away from home'}")
+            self._be(State.FINISHED, f"{ended_by}, {_whereabouts(here, home)}")
             return
         self._be(State.RETURNING, f"{ended_by}, drives home")
+        self._head_home(here, home, now)
+
+    def _head_home(self, here: Pose, home: Pose, now: float) -> None:
         event = self.driver.watch(here, now, self._perception.rest_of_way)
         if event is not None:
             self._take_event(event, now)
@@ -334,6 +374,35 @@ class Exploration:
 
     def _be(self, state: State, text: str) -> None:
         self.state, self.text = state, text
+
+    # ---- memory ---------------------------------------------------------------------------------------------------
+
+    @property
+    def memory(self) -> Memory:
+        """What is to be kept of this mission."""
+        orders = self.orders
+        return Memory(
+            self._senses.home, self.started_at, self.finished_at, orders.ended_by or "", orders.homeward, orders.halt,
+            float(round(self._senses.distance)),
+        )  # fmt: skip
+
+    def recall(self, memory: Memory, now: float) -> None:
+        """Goes on with a mission of which only this was kept. Times that lie in the future are of another clock: such a
+        mission starts anew, as when the clock is set back."""
+        if memory.home is not None and self._senses.home is None:
+            self._senses.home = memory.home
+        if memory.started_at is None:
+            return
+        same_clock = memory.started_at <= now
+        self.started_at = memory.started_at if same_clock else now
+        self._journal.start(self.started_at)
+        self._senses.distance = memory.distance if same_clock else 0.0
+        self.orders.halt = memory.halt
+        if memory.ended_by and (same_clock or memory.ended_by == STOPPED):
+            self.orders.ended_by, self.orders.homeward = memory.ended_by, memory.homeward
+            self.finished_at = memory.finished_at if same_clock else now
+        if memory.ended_by == STOPPED and not memory.homeward:
+            self._be(State.FINISHED, STOPPED)
 
     # ---- figures --------------------------------------------------------------------------------------------------
 
@@ -363,3 +432,7 @@ class Exploration:
     def unreachable_count(self) -> int:
         """Frontiers that are given up, or that no reachable place sees."""
         return self._perception.unreachable(self.verdicts)
+
+
+def _whereabouts(here: Pose, home: Pose) -> str:
+    return "at home" if at_home(here, home) else "away from home"

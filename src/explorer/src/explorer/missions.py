@@ -51,8 +51,8 @@ class Missions:
         self._see_again(now)
         if old.started_at is not None:
             mission.start(now)
-        if old.orders.paused:
-            mission.pause(now)
+        if old.orders.halt:
+            mission.orders.halt = old.orders.halt
         elif old.orders.ended_by == STOPPED:
             mission.stop(now)
         return mission

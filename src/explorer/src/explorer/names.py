@@ -54,7 +54,7 @@ def names_for(options: Options) -> Names:
             "transform_point": f"{prefix}map_merger/transformPoint",
             "log_output": f"{prefix}map_merger/logOutput",
         },
-        offered={order: f"~{order}" for order in ("start", "pause", "resume", "stop", "go_home")},
+        offered={order: f"~{order}" for order in ("start", "pause", "resume", "return_now", "stop", "go_home")},
         action="move_base",
     )
 

@@ -82,6 +82,7 @@ PARAMETERS: Tuple[Parameter, ...] = (
     Parameter("distance_limit", float, 0.0, "m driven after which it ends; 0: none", **_between(0.0, 1e6)),
     Parameter("return_home", bool, True, "drive to the home pose at the end"),
     Parameter("home_pose", list, [], "x, y, yaw in m and rad; empty: the pose at the start"),
+    Parameter("memory", str, "", "set: the node keeps there what it needs to go on with its mission after a crash"),
     Parameter("seed", int, 0, "of the random choices of strategies 4 and 6", **_between(0, 2**31 - 1)),
 )
 
@@ -131,6 +132,7 @@ class Options:
     distance_limit: float = 0.0
     return_home: bool = True
     home_pose: Tuple[float, ...] = field(default_factory=tuple)
+    memory: str = ""
     seed: int = 0
     robots_in_simulation: int = 1
 

@@ -1,4 +1,4 @@
-"""What people and limits order: pause, stop, go home."""
+"""What people and limits order: pause, return, stop, go home."""
 
 from typing import NamedTuple, Optional
 
@@ -7,6 +7,8 @@ from explorer.options import Options
 DONE = "finished"  # how a mission ends by itself
 STOPPED = "stopped"
 SENT_HOME = "sent home"
+PAUSED = "is paused"  # what holds a robot, in words
+CALLED = "is called back"
 
 
 class Answer(NamedTuple):
@@ -17,14 +19,19 @@ class Answer(NamedTuple):
 
 
 class Orders:
-    """Those that hold in one mission. `ended_by`: how the exploration ended, in words, None while it has not;
+    """Those that hold in one mission. `halt`: what holds the robot until it is to go on, `PAUSED` where it is or
+    `CALLED` to its home, empty for nothing; `ended_by`: how the exploration ended, in words, None while it has not;
     `homeward`: the robot is to drive home after it."""
 
     def __init__(self, options: Options) -> None:
         self._time_limit, self._distance_limit = options.time_limit, options.distance_limit
-        self.paused = False
+        self.halt = ""
         self.homeward = options.return_home
         self.ended_by: Optional[str] = None
+
+    @property
+    def paused(self) -> bool:
+        return self.halt == PAUSED
 
     @property
     def complete(self) -> bool:

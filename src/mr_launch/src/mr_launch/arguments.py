@@ -10,6 +10,7 @@ from typing import Any, NoReturn, Sequence
 
 from explorer.options import STRATEGIES
 from mr_launch.errors import UserError
+from mr_launch.programs import NAVIGATION, SLAM
 
 LIMITS = {  # option: (lowest, highest, unit)
     "range": (0.1, 10000.0, "m"),
@@ -45,6 +46,7 @@ class Options:
     topology: str
     odometry: str
     open: bool = False
+    respawn: bool = False
 
     def to_dict(self) -> dict[str, Any]:
         return asdict(self)
@@ -99,8 +101,8 @@ def make_parser() -> argparse.ArgumentParser:
     )
     strategies = "; ".join(f"{number}: {text}" for number, text in STRATEGIES.items())
     add("--strategy", type=int, default=7, metavar="N", help=f"frontier selection: {strategies} (default: 7)")
-    add("--slam", choices=("ours", "gmapping"), default="ours", help="local SLAM (default: %(default)s)")
-    add("--navigation", choices=("ours", "move_base"), default="ours", help="navigation (default: %(default)s)")
+    add("--slam", choices=tuple(SLAM), default="ours", help="local SLAM (default: %(default)s)")
+    add("--navigation", choices=tuple(NAVIGATION), default="ours", help="navigation (default: %(default)s)")
     add("--no-bag", dest="bag", action="store_false", help="record no bags")
     add("--initial-poses", action="store_true", help="tell the robots each other's start poses")
     add(
@@ -113,6 +115,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--odometry", choices=("bias", "random_walk"), default="bias", help="how it errs: by one share for the whole "
         "mission, or anew at each step (default: %(default)s)")  # fmt: skip
     add("--open", action="store_true", help="open frames; else the team gets a key, in team.key of --out")
+    add("--respawn", action="store_true", help="a node that ends is started again; else the mission ends with it")
     add("--quiet", action="store_true", help="print only notices, errors and the final table")
     add(
         "--isolation",

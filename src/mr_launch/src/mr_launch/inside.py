@@ -102,6 +102,7 @@ class Run:
         cpu = self._cpu_shares()
         if self.outcome.start > 0.0:
             self.mission.collect_maps()
+        self.outcome.restarts = self.team.restarts
         self.team.stop_robots()
         self.team.stop_rest()
         self.server.close()

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
 _ENDED = re.compile(
-    r"\[(?P<name>[^\]\s]+?)-\d+\] process has (?P<how>died|finished cleanly)(?: \[(?P<detail>[^\]]*)\])?"
+    r"\[(?P<name>[^\[\]\s]+?)-\d+\] process has (?P<how>died|finished cleanly)(?: \[(?P<detail>[^\]]*)\])?"
 )
 _NOT_STARTED = re.compile(r"ERROR: cannot launch node of type \[(?P<type>[^\]]+)\]: (?P<reason>[^\n\x1b]*)")
 _LOG = re.compile(r"log file: (?P<pattern>\S+)")
 _EXIT = re.compile(r"exit code (-?\d+)")
 MAY_FINISH = ("bag",)  # the recorder ends by itself when its bag is full
+RESPAWNED = ("adhoc_communication", "map_merger", "explorer", "move_base")  # by robot.launch with respawn:=true
+MOST_RESTARTS = 20  # of one node in a mission
 
 
 @dataclass(frozen=True)
@@ -56,13 +59,25 @@ def parse_ends(output: str) -> list[NodeEnd]:
 
 
 class NodeWatch:
-    """Follows the output file of one roslaunch."""
+    """Follows the output file of one roslaunch. `respawns`: it starts the nodes of `RESPAWNED` again."""
 
-    def __init__(self, output: Path) -> None:
+    def __init__(self, output: Path, respawns: bool = False) -> None:
         self._output = output
         self._seen = 0
+        self._respawns = respawns
+        self.restarts: dict[str, int] = {}
+
+    def failures(self) -> list[NodeEnd]:
+        """Ends that the mission does not survive. The others are counted in `restarts`."""
+        ends = self.new_ends()
+        if not self._respawns or not ends:
+            return ends
+        counts = Counter(end.name for end in ends if end.name in RESPAWNED and not end.reason)
+        self.restarts = dict(counts)
+        return [end for end in ends if end.reason or not 0 < counts[end.name] <= MOST_RESTARTS]
 
     def new_ends(self) -> list[NodeEnd]:
+        """All ends so far if there are new ones, else none."""
         try:
             size = self._output.stat().st_size
         except OSError:

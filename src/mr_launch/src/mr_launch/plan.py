@@ -198,6 +198,7 @@ def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
         "start_pose": " ".join(f"{value:g}" for value in robot.start),
         "truth_file": plan.socket(TRUTH_FILE),
         "seed": str(options.seed + robot.index),
+        "respawn": _word(options.respawn),
         "bag": str(plan.robot_folder(robot) / f"{robot.name}.bag") if options.bag else "",
     }
     return _roslaunch(plan, robot, "team_robot.launch", arguments)
@@ -211,8 +212,14 @@ def _base_command(plan: Plan, base: RobotPlan) -> list[str]:
         "team": plan.team,
         "initial_poses": initial_poses(plan) if plan.options.initial_poses else "{}",
         "log_path": str(plan.log_folder(base)),
+        "respawn": _word(plan.options.respawn),
     }
     return _roslaunch(plan, base, "base_station.launch", arguments)
+
+
+def _word(value: bool) -> str:
+    """As a launch file reads it."""
+    return "true" if value else "false"
 
 
 def _interface(plan: Plan) -> str:

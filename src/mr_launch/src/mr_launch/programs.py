@@ -21,8 +21,17 @@ NODES = (
     ("mr_launch", "monitor"),
     ("rosbag", "record"),
 )
-SLAM = {"ours": ("mr_robot", "slam"), "gmapping": ("gmapping", "slam_gmapping")}
-NAVIGATION = {"ours": ("mr_robot", "move_base"), "move_base": ("move_base", "move_base")}
+SLAM = {  # value of --slam: (package, executable)
+    "ours": ("mr_robot", "slam"),
+    "gmapping": ("gmapping", "slam_gmapping"),
+    "slam_toolbox": ("slam_toolbox", "async_slam_toolbox_node"),
+    "hector": ("hector_mapping", "hector_mapping"),
+}
+NAVIGATION = {
+    "ours": ("mr_robot", "move_base"),
+    "move_base": ("move_base", "move_base"),
+    "move_base_flex": ("mbf_costmap_nav", "mbf_costmap_nav"),
+}
 # packages of this repository
 OWN = ("adhoc_communication", "explorer", "map_merger", "mr_launch", "mr_robot", "mr_sim")
 SYSTEM = ("roslaunch", "ip", "unshare", "nsenter", "setpriv")

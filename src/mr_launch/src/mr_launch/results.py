@@ -41,7 +41,7 @@ def write_results(
         robots[robot.name] = robot_summary(report, outcome.start, movement, figures[robot.name])
     team = team_summary(robots, truth.real_time_factor(outcome.start, finish), radio_statistics(plan))
     team["cpu"] = cpu
-    summary = mission_summary(plan, robots, team, outcome.reason, outcome.notes)
+    summary = mission_summary(plan, robots, team, outcome.reason, outcome.notes, outcome.restarts)
     draw(plan, outcome, grids, robots, truth)
     (Path(plan.out) / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
     names = [robot.name for robot in plan.robots]

@@ -76,7 +76,12 @@ def team_summary(
 
 
 def mission_summary(
-    plan: Plan, robots: dict[str, dict[str, Any]], team: dict[str, Any], reason: str, notes: list[str]
+    plan: Plan,
+    robots: dict[str, dict[str, Any]],
+    team: dict[str, Any],
+    reason: str,
+    notes: list[str],
+    restarts: Mapping[str, Mapping[str, int]],
 ) -> dict[str, Any]:
     """Everything, with the options that make the mission repeatable."""
     return {
@@ -86,6 +91,7 @@ def mission_summary(
         "finished": team["finished"] and not reason,
         "reason": reason,
         "notes": notes,
+        "restarts": {name: dict(counts) for name, counts in restarts.items() if counts},
         "team": team,
         "robots": robots,
     }

@@ -64,7 +64,7 @@ class Team:
             command = [*prefix, *launch_command(self.plan, robot)]
             child = self._start(robot.name, command, robot_environment(self.plan, robot))
             self.launches[robot.name] = child
-            self._watches[robot.name] = NodeWatch(child.log)
+            self._watches[robot.name] = NodeWatch(child.log, self.plan.options.respawn)
         self._write_state()
 
     def _make_key(self) -> None:
@@ -79,9 +79,14 @@ class Team:
         """What ended although it should run: one line each, with the log file."""
         lines = [child.describe_end() for child in self.children.failed()]
         for name, watch in self._watches.items():
-            lines += [end.describe(name) for end in watch.new_ends()]
+            lines += [end.describe(name) for end in watch.failures()]
         self.children.reap_orphans()
         return lines
+
+    @property
+    def restarts(self) -> dict[str, dict[str, int]]:
+        """How often which node of which robot was started again."""
+        return {name: dict(watch.restarts) for name, watch in self._watches.items()}
 
     def stop_robots(self) -> None:
         """End all nodes in order, so that bags are closed and logs are complete."""

@@ -9,6 +9,7 @@ from typing import Dict, NoReturn, Optional, Sequence
 
 import yaml  # type: ignore[import-untyped]
 
+from mr_robot.platforms.alternatives import ALTERNATIVES, NAVIGATION, NONE, OURS, check_alternative, find_package
 from mr_robot.platforms.parameters import (
     Parameters,
     explorer_parameters,
@@ -19,7 +20,7 @@ from mr_robot.platforms.parameters import (
 )
 from mr_robot.platforms.platform import Frames, Platform, PlatformError, Topics
 from mr_robot.platforms.preset import load_platform
-from mr_robot.platforms.ros_stack import gmapping_parameters, move_base_parameters
+from mr_robot.platforms.ros_stack import SLAM_PARAMETERS, move_base_parameters
 
 BAD_CALL = 2
 _OVERRIDES = {
@@ -52,8 +53,8 @@ def argument_parser() -> argparse.ArgumentParser:
     )
     for option in _OVERRIDES:
         add(f"--{option.replace('_', '-')}", default="", help="instead of the preset's")
-    add("--slam", default="ours", help="ours, gmapping or none (default: %(default)s)")
-    add("--navigation", default="ours", help="ours, move_base or none (default: %(default)s)")
+    for argument, packages in ALTERNATIVES.items():
+        add(f"--{argument}", default=OURS, help=f"{OURS}, {', '.join(packages)} or {NONE} (default: %(default)s)")
     add("--out", default="", metavar="FOLDER", help="write NODE.yaml for each node there, too (default: no files)")
     return parser
 
@@ -63,10 +64,11 @@ def parameters_of(
 ) -> Dict[str, Parameters]:
     """The parameters of each node by its name."""
     team = kinds_of([platform, *team])
-    ours = navigation != "move_base"
+    of_others = SLAM_PARAMETERS.get(slam)
+    navigates = move_base_parameters if navigation in NAVIGATION else navigation_parameters
     return {
-        "slam": gmapping_parameters(platform) if slam == "gmapping" else slam_parameters(platform, team),
-        "move_base": navigation_parameters(platform, team) if ours else move_base_parameters(platform, team),
+        "slam": slam_parameters(platform, team) if of_others is None else of_others(platform),
+        "move_base": navigates(platform, team),
         "explorer": explorer_parameters(platform, team),
         "map_merger": merger_parameters(platform, team),
     }
@@ -85,6 +87,8 @@ def described(given: argparse.Namespace) -> Platform:
         if value:
             platform = replace(platform, **{section: replace(getattr(platform, section), **{word: value})})
     _check_remappings(platform, given)
+    for argument in ALTERNATIVES:
+        check_alternative(argument, getattr(given, argument), find_package)
     return platform
 
 
@@ -92,7 +96,7 @@ def _check_remappings(platform: Platform, given: argparse.Namespace) -> None:
     """Nodes of other packages have no parameters for their topics: the launch file has to rename these."""
     topics = platform.topics
     renamed = [("slam", "gmapping", "scan_topic", topics.scan, Topics.scan)]
-    renamed += [("navigation", "move_base", "velocity_topic", topics.velocity, Topics.velocity)]
+    renamed += [("navigation", node, "velocity_topic", topics.velocity, Topics.velocity) for node in NAVIGATION]
     for role, node, option, topic, usual in renamed:
         if getattr(given, role) == node and topic not in (usual, getattr(given, option)):
             raise PlatformError(

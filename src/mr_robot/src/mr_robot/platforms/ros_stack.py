@@ -1,6 +1,7 @@
-"""Parameters of nodes of other packages that may stand in for ours: `slam_gmapping`, and `move_base` of ROS."""
+"""Parameters of nodes of other packages that may stand in for ours: SLAM of three of them, `move_base` of ROS and of
+Move Base Flex."""
 
-from typing import List, Sequence
+from typing import Callable, Dict, List, Sequence
 
 from mr_robot.platforms.parameters import Parameters, navigation_parameters
 from mr_robot.platforms.platform import Platform
@@ -17,8 +18,36 @@ def gmapping_parameters(platform: Platform) -> Parameters:
     }
 
 
+def slam_toolbox_parameters(platform: Platform) -> Parameters:
+    """Of `slam_toolbox async_slam_toolbox_node`."""
+    return {
+        "base_frame": platform.frames.base,
+        "odom_frame": platform.frames.odom,
+        "scan_topic": platform.topics.scan,
+        "max_laser_range": platform.sensor.range_max,
+    }
+
+
+def hector_parameters(platform: Platform) -> Parameters:
+    """Of `hector_mapping hector_mapping`."""
+    return {
+        "base_frame": platform.frames.base,
+        "odom_frame": platform.frames.odom,
+        "scan_topic": platform.topics.scan,
+        "laser_min_dist": platform.sensor.range_min,
+        "laser_max_dist": round(platform.sensor.range_max - 0.1, 3),
+    }
+
+
+SLAM_PARAMETERS: Dict[str, Callable[[Platform], Parameters]] = {
+    "gmapping": gmapping_parameters,
+    "slam_toolbox": slam_toolbox_parameters,
+    "hector": hector_parameters,
+}
+
+
 def move_base_parameters(platform: Platform, team: Sequence[Platform]) -> Parameters:
-    """Of `move_base move_base`."""
+    """Of `move_base move_base`, and of `mbf_costmap_nav`, which loads the same planner under the same name."""
     known = navigation_parameters(platform, team)
     inflation: float = known["inflation_radius"]
     planner = {

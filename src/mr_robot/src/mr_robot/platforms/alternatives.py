@@ -1,0 +1,39 @@
+"""Which SLAM and which navigation a robot may run, and which package each comes from."""
+
+from typing import Callable, Dict, Optional
+
+from mr_robot.platforms.platform import PlatformError
+
+OURS, NONE = "ours", "none"
+SLAM = {"gmapping": "gmapping", "slam_toolbox": "slam_toolbox", "hector": "hector_mapping"}
+NAVIGATION = {"move_base": "move_base", "move_base_flex": "mbf_costmap_nav"}
+ALTERNATIVES: Dict[str, Dict[str, str]] = {"slam": SLAM, "navigation": NAVIGATION}
+"""{argument: {value beside ours and none: package}}."""
+
+
+def check_alternative(argument: str, value: str, find: Callable[[str], Optional[str]]) -> None:
+    """Raises PlatformError for a value that is unknown, or whose package is not installed. `find` gives the folder of a
+    package, None if there is none."""
+    packages = ALTERNATIVES[argument]
+    if value in (OURS, NONE):
+        return
+    if value not in packages:
+        raise PlatformError(f"{argument}:={value} is unknown; there are {OURS}, {', '.join(packages)}, {NONE}")
+    package = packages[value]
+    if find(package) is None:
+        raise PlatformError(
+            f"{argument}:={value} needs the package {package}, which is not installed: install it and source its "
+            f"workspace, or leave {argument} at {OURS}"
+        )
+
+
+def find_package(name: str) -> Optional[str]:
+    """Folder of a ROS package; None where there is none, or no ROS."""
+    try:
+        import rospkg  # of ROS, and needed only for the packages of others
+    except ImportError:
+        return None
+    try:
+        return str(rospkg.RosPack().get_path(name))
+    except rospkg.ResourceNotFound:
+        return None
