@@ -1,5 +1,6 @@
 """Whole missions over raw sockets in network namespaces, one of each topology: two robots, 10 % frame loss, the small
-world. In the distributed one the doctor looks at a robot; explorer, map_merger and adhoc_communication are killed."""
+world. In the distributed one the doctor looks at a robot; explorer, map_merger, adhoc_communication are killed. In the
+centralized one the base pauses the team and lets it go on."""
 
 import json
 import os
@@ -13,16 +14,18 @@ import pytest
 
 LIMIT_S = 400
 TOPOLOGIES = ("distributed", "centralized")
+LOOK = ("timeout", "5", "rostopic", "echo", "-n1")
 KILLED = {"robot_0": ("explorer", "adhoc_communication"), "robot_1": ("map_merger",)}
 
 
 class Mission(NamedTuple):
-    """`visit`: exit code and output of the doctor."""
+    """`visit`: exit code and output of the doctor; `orders`: answers of the base's mission control."""
 
     code: int
     output: str
     out: Path
     visit: tuple = ()
+    orders: str = ""
 
 
 @pytest.fixture(scope="module")
@@ -46,18 +49,28 @@ def run_of(topology: str, out: Path) -> Mission:
         text=True,
     )
     try:
-        visit = disturb(out, run) if disturbed else ()
+        while "state: 1" not in enter(out, "robot_0", *LOOK, "/explorer/state").stdout:
+            assert run.poll() is None, run.stdout and run.stdout.read()
+            time.sleep(0.3)
+        visit, orders = (disturb(out), "") if disturbed else ((), order(out))
         output, _ = run.communicate(timeout=LIMIT_S)
     finally:
         run.terminate()
-    return Mission(run.returncode, output, out, visit)
+    return Mission(run.returncode, output, out, visit, orders)
 
 
-def disturb(out: Path, run: "subprocess.Popen[str]") -> tuple:
+def order(out: Path) -> str:
+    """The base pauses both robots, sees that they are paused, and lets them go on."""
+    answers = enter(out, "base", "rosservice", "call", "/mission_control/pause").stdout
+    for _ in range(20):
+        team = enter(out, "base", *LOOK, "/mission_control/team").stdout
+        if team.count('text: "is paused"') == 2:
+            break
+    return answers + team + enter(out, "base", "rosservice", "call", "/mission_control/resume").stdout
+
+
+def disturb(out: Path) -> tuple:
     """The doctor's visit to robot_1, while robot_0 loses its explorer; then the other nodes are killed."""
-    while "state: 1" not in enter(out, "robot_0", "timeout", "5", "rostopic", "echo", "-n1", "/explorer/state").stdout:
-        assert run.poll() is None, run.stdout and run.stdout.read()
-        time.sleep(0.3)
     kill(out, "robot_0", "explorer")
     visit = enter(out, "robot_1", "rosrun", "mr_launch", "doctor", "--peers", "robot_0", "--seconds", "2")
     kill(out, "robot_1", "map_merger")
@@ -89,7 +102,7 @@ def processes_of(words: str) -> List[int]:
 
 
 def test_every_robot_finishes(mission: Mission) -> None:
-    code, output, out, _ = mission
+    code, output, out = mission[:3]
     assert code == 0, output
     summary = json.loads((out / "summary.json").read_text())
     assert summary["finished"] and all(robot["finished"] for robot in summary["robots"].values()), output
@@ -112,6 +125,13 @@ def test_the_mission_goes_on_without_nodes_that_are_killed_and_they_come_back(mi
         log = missions["distributed"].out / "logs" / robot / "nodes"
         again = any("goes on with its mission" in path.read_text() for path in log.glob("explorer-*.log"))
         assert again == (robot == "robot_0")
+
+
+def test_the_base_sees_how_the_robots_are_and_orders_them_about(missions: Dict[str, Mission]) -> None:
+    orders = missions["centralized"].orders
+    assert "pause: sent to robot_0, robot_1" in orders and "resume: sent to robot_0, robot_1" in orders, orders
+    assert orders.count('text: "is paused"') == orders.count('order_answer: "paused"') == 2, orders
+    assert orders.count("placed") >= 2, orders  # what map_merger says of each robot
 
 
 def test_maps_are_complete_and_right(mission: Mission) -> None:

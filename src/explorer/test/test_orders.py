@@ -6,9 +6,9 @@ import pytest
 from test_agent import Bench, corridor, reply
 
 from explorer.agent import ExplorerAgent
+from explorer.answer import Answer
 from explorer.messages import Auction, CancelGoal, Note, SendAuction, SetGoal, WriteLog
 from explorer.options import Options
-from explorer.orders import Answer
 from explorer.status import State
 from mr_grid import Pose
 

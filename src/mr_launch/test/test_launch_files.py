@@ -97,7 +97,7 @@ def test_slam_and_navigation_of_others(arguments, nodes, words, packages):
 
 def test_a_base_station_has_no_body():
     nodes = set(roslaunch("--nodes", "robot.launch", "has_local_map:=false").split())
-    assert nodes == {"/adhoc_communication", "/map_merger"}
+    assert nodes == {"/adhoc_communication", "/map_merger", "/mission_control"}
     parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", "has_local_map:=false"))
     assert parameters["/map_merger/has_local_map"] is False and parameters["/map_merger/topology"] == "distributed"
 
@@ -113,9 +113,14 @@ def test_every_node_with_logs_is_told_where_they_go(tmp_path):
 
 def test_nodes_are_started_again_but_for_slam():
     config = ROSLaunchConfig()
-    XmlLoader().load(str(PACKAGE / "launch" / "robot.launch"), config, argv=["simulated:=true"], verbose=False)
+    XmlLoader().load(
+        str(PACKAGE / "launch" / "robot.launch"),
+        config,
+        argv=["simulated:=true", "mission_control:=true"],
+        verbose=False,
+    )
     again = {node.name for node in config.nodes if node.respawn}
-    assert again == {"adhoc_communication", "map_merger", "explorer", "move_base"} == set(RESPAWNED)
+    assert again == set(RESPAWNED) and "slam" not in again
     config = ROSLaunchConfig()
     XmlLoader().load(str(PACKAGE / "launch" / "robot.launch"), config, argv=["respawn:=false"], verbose=False)
     assert not any(node.respawn for node in config.nodes)
@@ -253,7 +258,8 @@ def test_parameter_files_hold_known_parameters(name, known):
 
 
 def test_nodes_of_a_base_station():
-    assert set(roslaunch("--nodes", "base_station.launch").split()) == {"/adhoc_communication", "/map_merger"}
+    nodes = set(roslaunch("--nodes", "base_station.launch").split())
+    assert nodes == {"/adhoc_communication", "/map_merger", "/mission_control"}
     parameters = yaml.safe_load(roslaunch("--dump-params", "base_station.launch", "name:=7"))
     assert parameters["/map_merger/has_local_map"] is False
     assert {parameters[f"/map_merger/{key}"] for key in ("robot_name", "base_station")} == {"7"}

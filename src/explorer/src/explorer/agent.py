@@ -8,6 +8,7 @@ from typing import List, Mapping, Optional, Sequence
 
 import numpy as np
 
+from explorer.answer import Answer
 from explorer.driver import Goal
 from explorer.edge import Edge
 from explorer.foreign import Element, ForeignFrontiers
@@ -17,13 +18,14 @@ from explorer.memory import Memory
 from explorer.messages import Auction, Effect, Note
 from explorer.missions import Missions, OnDecision
 from explorer.options import Options
-from explorer.orders import Answer
 from explorer.perception import Perception
 from explorer.pictures import picture_of, status_of
 from explorer.report import Report, report_of
 from explorer.senses import Senses
 from explorer.statement import Statement
 from explorer.status import Counters, Picture, State, Status
+from explorer.team_orders import TeamOrders
+from explorer.team_state import TeamOrder, TeamState
 from mr_grid import Pose
 
 CLOCK_TOLERANCE = 1.0  # s by which the clock may be set back without consequences
@@ -49,6 +51,9 @@ class ExplorerAgent:
         emit = self._outbox.append
         self._missions = Missions(options, self._senses, self.perception, self.foreign, emit, on_decision)
         self.mission = self._missions.first()
+        orders = {"pause": self.pause, "resume": self.resume, "return_now": self.return_now}
+        orders.update({"start": self._start, "stop": self.stop, "go_home": self.go_home})
+        self._team_orders = TeamOrders(orders, emit)
 
     # ---- input ----------------------------------------------------------------------------------------------------
 
@@ -133,6 +138,10 @@ class ExplorerAgent:
         if self._edge.accepts_statement(statement):
             self.mission.hearing.take_statement(statement, now)
 
+    def on_order(self, order: TeamOrder, now: float) -> None:
+        """A mission control of the team has sent it."""
+        self._team_orders.take(order, now)
+
     def on_goal_accepted(self, goal_id: int, now: float) -> None:
         self.mission.driver.take_accepted(goal_id, now)
 
@@ -150,9 +159,22 @@ class ExplorerAgent:
             self.mission = self._missions.anew(self.mission, now)
         self._ticked = now
         self.mission.step(now)
+        self._tell_controls(now)
         effects = list(self._outbox)
         self._outbox.clear()
         return effects
+
+    def _tell_controls(self, now: float) -> None:
+        ended_by = self.mission.orders.ended_by or ""
+        if not self._team_orders.due((self.state, self.mission.orders.halt, ended_by), now):
+            return
+        area = 0.0 if self.map is None else self.map.known_area
+        time = self.exploration_time(now)
+        self._team_orders.tell(TeamState(self.name, int(self.state), self.text, "", ended_by, time, area))
+
+    def _start(self, now: float) -> Answer:
+        started = self.start(now)
+        return Answer(started, "exploration started" if started else "exploration was started or stopped before")
 
     # ---- what is told of the robot --------------------------------------------------------------------------------
 

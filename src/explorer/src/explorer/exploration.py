@@ -4,6 +4,7 @@ from typing import Optional
 
 from explorer.agreement import Agreement
 from explorer.announcing import Announcing
+from explorer.answer import Answer
 from explorer.auctions import Auctions, comparable
 from explorer.claim import OwnClaim
 from explorer.departure import Departure
@@ -16,7 +17,7 @@ from explorer.leftovers import sentence
 from explorer.memory import Memory
 from explorer.messages import FAILED, REACHED, Auction, Emit, Note
 from explorer.options import Options
-from explorer.orders import CALLED, DONE, PAUSED, SENT_HOME, STOPPED, Answer, Orders
+from explorer.orders import CALLED, DONE, PAUSED, SENT_HOME, STOPPED, Orders
 from explorer.outcomes import Outcomes
 from explorer.perception import Perception
 from explorer.reopening import Reopening

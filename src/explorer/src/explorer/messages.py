@@ -5,6 +5,7 @@ from typing import Callable, Tuple, Union
 
 from explorer.foreign import Element, Key
 from explorer.statement import Statement
+from explorer.team_state import TeamState
 from mr_grid import Pose
 
 PAPER_UNIT = 1
@@ -103,7 +104,17 @@ class Note:
     warning: bool = False
 
 
-Effect = Union[SendFrontiers, SendAuction, SendStatement, SetGoal, CancelGoal, AskTransform, LogOutput, WriteLog, Note]
+@dataclass(frozen=True)
+class SendState:
+    """Tell the mission control on robot `to` how this robot is: a `team_orders.TeamState`."""
+
+    to: str
+    state: TeamState
+
+
+Effect = Union[
+    SendFrontiers, SendAuction, SendStatement, SendState, SetGoal, CancelGoal, AskTransform, LogOutput, WriteLog, Note,
+]  # fmt: skip
 
 Emit = Callable[[Effect], None]
 """Takes an effect; they are carried out in the order given."""

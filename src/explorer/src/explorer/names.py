@@ -39,6 +39,8 @@ def names_for(options: Options) -> Names:
             "negotiation_list": f"{prefix}negotiation_list",
             "auction": f"{prefix}auction",
             "verdicts": f"{prefix}explorer/verdicts",
+            "orders": f"{prefix}explorer/orders",
+            "merger_status": f"{prefix}map_merger/status",
             "all_positions": f"{prefix}all_positions",
             "map": _placed(prefix, options.map_topic),
             "map_metadata": _placed(prefix, options.local_map_metadata_topic),

@@ -1,6 +1,6 @@
 """What people and limits order: pause, return, stop, go home."""
 
-from typing import NamedTuple, Optional
+from typing import Optional
 
 from explorer.options import Options
 
@@ -9,13 +9,6 @@ STOPPED = "stopped"
 SENT_HOME = "sent home"
 PAUSED = "is paused"  # what holds a robot, in words
 CALLED = "is called back"
-
-
-class Answer(NamedTuple):
-    """To an order. `text` says what was done, or why not."""
-
-    done: bool
-    text: str
 
 
 class Orders:

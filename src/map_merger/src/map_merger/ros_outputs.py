@@ -97,6 +97,7 @@ def status_message(state: status.MergerStatus, frame: str, stamp: rospy.Time) ->
     robots = [placement_message(each) for each in sorted(state.robots, key=lambda each: each.robot)]
     message = MergerStatus(robot=state.robot, topology=state.topology, base_station=state.base_station, robots=robots)
     message.wants_to_meet = sorted(state.wants_to_meet)
+    message.text = status.summary_of(state)
     message.header.frame_id, message.header.stamp = frame, stamp
     return message
 

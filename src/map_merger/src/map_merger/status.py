@@ -46,10 +46,19 @@ class MergerStatus:
     robots: Tuple[RobotPlacement, ...]
     wants_to_meet: Tuple[str, ...] = ()
     """Robots that have been in hearing for long without being placed: a request to those who choose goals."""
+    awaited: str = ""
+    """The map without which nothing is merged, in words; empty when it is there."""
 
 
 def summary_of(status: MergerStatus) -> str:
-    """One line for logs: how many are placed, and why the others are not."""
+    """One line for people: what it waits for, or how many robots are placed, and why the others are not."""
+    if status.awaited:
+        return f"waits for {status.awaited}"
+    heard = {each.robot for each in status.robots}
+    if status.topology == "centralized" and status.base_station not in heard | {status.robot}:
+        return f"waits for the base station {status.base_station}, which was not heard of"
+    if not heard:
+        return "no other robot was heard of"
     missing = [f"{each.robot}: {each.why}" for each in status.robots if not each.placed]
     placed = len(status.robots) - len(missing)
     return "; ".join([f"{placed} of {len(status.robots)} robots placed", *missing])

@@ -101,7 +101,14 @@ class TeamView:
             if robot not in placed and self._hearing.known_for(robot, now) >= MEETING_WANTED_S
         )
         options = self._options
-        return MergerStatus(options.robot_name, options.topology, options.base_station, robots, missed)
+        return MergerStatus(options.robot_name, options.topology, options.base_station, robots, missed, self._awaited())
+
+    def _awaited(self) -> str:
+        if self._reference.grid is not None:
+            return ""
+        if self._options.has_local_map:
+            return f"the robot's own map on {self._options.local_map_topic}"
+        return "the first map of a robot"
 
     def markers(self) -> Tuple[RobotMarker, ...]:
         """The placed robots and the outlines of their maps, for people; takes some milliseconds."""

@@ -86,6 +86,26 @@ def test_the_summary_names_who_is_missing_and_why():
     )
 
 
+@pytest.mark.parametrize(
+    ("state", "text"),
+    [
+        (
+            MergerStatus("r", "distributed", "", (), awaited="the robot's own map on map"),
+            "waits for the robot's own map on map",
+        ),
+        (MergerStatus("r", "distributed", "", ()), "no other robot was heard of"),
+        (MergerStatus("r", "centralized", "base", ()), "waits for the base station base, which was not heard of"),
+        (MergerStatus("base", "centralized", "base", ()), "no other robot was heard of"),
+        (
+            MergerStatus("r", "centralized", "base", (RobotPlacement("base", "told by base", Pose()),)),
+            "1 of 1 robots placed",
+        ),
+    ],
+)
+def test_the_summary_says_why_nothing_happens(state, text):
+    assert summary_of(state) == text
+
+
 def test_a_map_is_saved_where_it_was_asked_for_and_the_answer_says_where(tmp_path, monkeypatch):
     known = grid(slice(5, 30), slice(10, 50))
     monkeypatch.chdir(tmp_path)

@@ -55,6 +55,7 @@ def test_the_status_carries_every_figure_and_robots_by_name():
     received = over_the_wire(message, MergerStatusMessage)
     assert (received.robot, received.topology, received.base_station) == ("r", "centralized", "base")
     assert received.header.frame_id == "map" and received.header.stamp == STAMP
+    assert received.text == "waits for the base station base, which was not heard of"
     first, second = received.robots
     assert (first.robot, first.placed, first.why) == ("a", False, "shared wall 7.0 m of 14 m")
     assert (first.x, first.y, first.yaw, first.age_s, first.shared_wall_m) == (0.0, 0.0, 0.0, -1.0, 7.0)

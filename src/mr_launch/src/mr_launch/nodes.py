@@ -14,7 +14,13 @@ _NOT_STARTED = re.compile(r"ERROR: cannot launch node of type \[(?P<type>[^\]]+)
 _LOG = re.compile(r"log file: (?P<pattern>\S+)")
 _EXIT = re.compile(r"exit code (-?\d+)")
 MAY_FINISH = ("bag",)  # the recorder ends by itself when its bag is full
-RESPAWNED = ("adhoc_communication", "map_merger", "explorer", "move_base")  # by robot.launch with respawn:=true
+RESPAWNED = (
+    "adhoc_communication",
+    "map_merger",
+    "explorer",
+    "move_base",
+    "mission_control",
+)  # by robot.launch with respawn:=true
 MOST_RESTARTS = 20  # of one node in a mission
 
 

@@ -14,7 +14,7 @@ from mr_launch.doctor.facts import SetUp, Topic
 from mr_robot.navigation.options import NavigationError, NavigationOptions
 
 Parameters = Mapping[str, Any]
-NODES = ("adhoc_communication", "map_merger", "explorer", "slam", "move_base", "robot")
+NODES = ("adhoc_communication", "map_merger", "explorer", "slam", "move_base", "mission_control", "robot")
 """Of robot.launch; `robot` is the body of a simulated one."""
 
 

@@ -1,0 +1,152 @@
+"""A mission control: knows how each robot of the team is, and gets orders to them, also when they are out of reach.
+
+Pure as the agent is: every call takes `now` in seconds, `tick` returns what is to be sent."""
+
+from dataclasses import dataclass
+from typing import Dict, List, NamedTuple, Optional, Sequence
+
+from explorer.answer import Answer
+from explorer.status import State
+from explorer.team_state import ORDERS, ROLL_CALL, TeamOrder, TeamState
+
+ROLL_CALL_PERIOD = 5.0  # s
+REPEAT_PERIOD = 2.0  # s after which an order that was not answered is sent again
+MOST_ROBOTS = 100  # further ones are not watched
+NEVER = -1.0  # age of a state that was not told
+
+
+class SendOrder(NamedTuple):
+    """To one robot."""
+
+    robot: str
+    order: TeamOrder
+
+
+@dataclass
+class _Watched:
+    """`order`: the last one for this robot; `sent`: when."""
+
+    in_reach: bool = False
+    state: Optional[TeamState] = None
+    told: float = 0.0
+    order: Optional[TeamOrder] = None
+    answered: bool = True
+    sent: float = float("-inf")
+    called: float = float("-inf")
+
+
+@dataclass(frozen=True)
+class Member:
+    """One robot: what it has told last, `age` s ago (`NEVER`), and the last order from here."""
+
+    robot: str
+    in_reach: bool
+    state: Optional[TeamState]
+    age: float
+    order: str
+    answered: bool
+
+
+class MissionControl:
+    """Owner of what is known of the team. A robot that is ordered something while it is out of reach gets it when it is
+    back, and so does one that was never heard of, if all were ordered; of several orders only the last."""
+
+    def __init__(self, name: str, first_number: int) -> None:
+        """`name` of this robot or base station; `first_number`: of its orders, another one after each start."""
+        self._name, self._number = name, first_number
+        self._robots: Dict[str, _Watched] = {}
+        self._for_all: Optional[TeamOrder] = None
+
+    def order(self, order: str, robots: Sequence[str] = ()) -> Answer:
+        """Takes an order to these robots, or to all."""
+        if order not in ORDERS:
+            return Answer(False, f"unknown order {order!r}; there are {', '.join(ORDERS)}")
+        strange = [robot for robot in robots if robot not in self._robots]
+        if strange:
+            known = ", ".join(sorted(self._robots)) or "none yet"
+            return Answer(False, f"no robot {', '.join(strange)} was heard of; there are {known}")
+        self._number += 1
+        new = TeamOrder(self._name, self._number, order)
+        if not robots:
+            self._for_all = new
+        for robot in robots or self._robots:
+            self._give(self._robots[robot], new)
+        return self._answer(order, sorted(robots or self._robots))
+
+    @staticmethod
+    def _give(watched: _Watched, order: TeamOrder) -> None:
+        watched.order, watched.answered, watched.sent = order, False, float("-inf")
+
+    def _answer(self, order: str, robots: Sequence[str]) -> Answer:
+        there = [robot for robot in robots if self._robots[robot].in_reach]
+        away = [robot for robot in robots if robot not in there]
+        parts = [f"{order}: sent to {', '.join(there)}"] if there else [f"{order}: no robot is in reach"]
+        if away:
+            parts.append(f"{', '.join(away)} get it when they are back")
+        return Answer(bool(there), "; ".join(parts))
+
+    def on_robots(self, names: Sequence[str]) -> None:
+        """All robots that the radio reaches now."""
+        for name in names:
+            if name not in self._robots and len(self._robots) < MOST_ROBOTS:
+                self._robots[name] = _Watched()
+                if self._for_all is not None:
+                    self._give(self._robots[name], self._for_all)
+        for name, watched in self._robots.items():
+            watched.in_reach = name in names
+
+    def on_state(self, state: TeamState, now: float) -> None:
+        """A robot tells how it is. What is told by robots that the radio does not know is not believed."""
+        watched = self._robots.get(state.robot)
+        if watched is None:
+            return
+        watched.state, watched.told = state, now
+        if watched.order is not None and state.order == (watched.order.sender, watched.order.number):
+            watched.answered = True
+
+    def tick(self, now: float) -> List[SendOrder]:
+        """What is to be sent now; call it about twice a second."""
+        sent = []
+        for name, watched in self._robots.items():
+            if not watched.in_reach:
+                watched.called = float("-inf")
+                continue
+            if not watched.answered and watched.order is not None and abs(now - watched.sent) >= REPEAT_PERIOD:
+                watched.sent = watched.called = now
+                sent.append(SendOrder(name, watched.order))
+            elif abs(now - watched.called) >= ROLL_CALL_PERIOD:
+                watched.called = now
+                sent.append(SendOrder(name, TeamOrder(self._name, 0, ROLL_CALL)))
+        return sent
+
+    def members(self, now: float) -> List[Member]:
+        """All robots heard of, by name."""
+        return [
+            Member(
+                name,
+                watched.in_reach,
+                watched.state,
+                NEVER if watched.state is None else max(0.0, now - watched.told),
+                "" if watched.order is None else watched.order.order,
+                watched.answered,
+            )
+            for name, watched in sorted(self._robots.items())
+        ]
+
+
+def summary_of(members: Sequence[Member]) -> str:
+    """One line for people."""
+    if not members:
+        return "no robot was heard of"
+    return "; ".join(f"{member.robot}: {_words(member)}" for member in members)
+
+
+def _words(member: Member) -> str:
+    if member.state is None:
+        said = "has told nothing"
+    else:
+        known = member.state.state in set(State)
+        said = f"{State(member.state.state).name.lower() if known else 'unknown'}, {member.state.text}"
+    waits = "" if member.answered else f", has not answered to {member.order}"
+    away = "" if member.in_reach else f", out of reach for {member.age:.0f} s" if member.age >= 0 else ", out of reach"
+    return f"{said}{waits}{away}"
