@@ -17,6 +17,7 @@ LAUNCH_FILES = sorted((PACKAGE / "launch").glob("*.launch"))
 NEEDED = {  # arguments without a default
     "robot.launch": [],
     "recorder.launch": ["output:=--output-name=/x"],
+    "robot_under_one_master.launch": ["number:=0", "robots:=2"],
     "simulated_robot.launch": ["robot_name:=robot_0", "world_socket:=/x"],
     "team_robot.launch": [
         "robot_name:=robot_0",
@@ -40,6 +41,22 @@ def roslaunch(option, name, *arguments, packages=""):
     return result.stdout
 
 
+def loaded(name, *arguments):
+    """The launch file as roslaunch reads it, without the time that a process of its own takes."""
+    config = ROSLaunchConfig()
+    path = str(PACKAGE / "launch" / name)
+    XmlLoader().load(path, config, argv=[*NEEDED.get(name, []), *arguments], verbose=False)
+    return config
+
+
+def nodes_of(name, *arguments):
+    return {node.namespace + node.name for node in loaded(name, *arguments).nodes}
+
+
+def parameters_of(name, *arguments):
+    return {key: parameter.value for key, parameter in loaded(name, *arguments).params.items()}
+
+
 @pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
 def test_loads(path):
     assert "/" in roslaunch("--nodes", path.name)
@@ -56,7 +73,7 @@ def test_loads(path):
 )
 def test_nodes_of_a_robot(arguments, more, tmp_path):
     arguments = [argument.format(tmp=tmp_path) for argument in arguments]
-    nodes = set(roslaunch("--nodes", "robot.launch", *arguments).split())
+    nodes = nodes_of("robot.launch", *arguments)
     assert nodes == {"/adhoc_communication", "/map_merger", "/explorer"} | more
 
 
@@ -96,42 +113,64 @@ def test_slam_and_navigation_of_others(arguments, nodes, words, packages):
 
 
 def test_a_base_station_has_no_body():
-    nodes = set(roslaunch("--nodes", "robot.launch", "has_local_map:=false").split())
+    nodes = nodes_of("robot.launch", "has_local_map:=false")
     assert nodes == {"/adhoc_communication", "/map_merger", "/mission_control"}
-    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", "has_local_map:=false"))
+    parameters = parameters_of("robot.launch", "has_local_map:=false")
     assert parameters["/map_merger/has_local_map"] is False and parameters["/map_merger/topology"] == "distributed"
 
 
 def test_every_node_with_logs_is_told_where_they_go(tmp_path):
     for name in ("robot.launch", "base_station.launch"):
-        parameters = yaml.safe_load(roslaunch("--dump-params", name, "log_path:=/logs", "record:=true"))
+        parameters = parameters_of(name, "log_path:=/logs", "record:=true")
         told = {key for key, value in parameters.items() if value == "/logs"}
         assert told >= {"/adhoc_communication/log_path", "/map_merger/log_path"}, name
         assert ("/explorer/log_path" in told) == (name == "robot.launch")
         assert parameters["/adhoc_communication/capture_file"].endswith("/radio.pcap")
 
 
+@pytest.mark.parametrize("count", [2, 5])
+def test_robots_under_one_master_have_their_own_names_and_frames(count):
+    name = f"simulation_{count}.launch"
+    nodes = nodes_of(name)
+    assert len(nodes) == 1 + 5 * count and "/stageros" in nodes
+    parameters = parameters_of(name, "p_tx:=1")
+    assert parameters["/stageros/robots"] == count
+    for number in range(count):
+        robot = f"robot_{number}"
+        words = {
+            "adhoc_communication": {
+                "simulation_mode": True,
+                "robots_in_simulation": count,
+                "robot_name": robot,
+                "p_tx": 1,
+            },
+            "map_merger": {"robot_prefix": f"/{robot}", "local_map_frame_id": f"{robot}/map"},
+            "explorer": {"move_base_frame": f"/{robot}/map", "base_link": f"{robot}/base_footprint"},
+            "slam": {
+                "map_frame": f"{robot}/map",
+                "odom_frame": f"{robot}/odom",
+                "base_frame": f"{robot}/base_footprint",
+            },
+            "move_base": {"map_frame": f"{robot}/map", "robot_name": robot},
+        }
+        for node, values in words.items():
+            assert {key: parameters[f"/{robot}/{node}/{key}"] for key in values} == values
+
+
 def test_nodes_are_started_again_but_for_slam():
-    config = ROSLaunchConfig()
-    XmlLoader().load(
-        str(PACKAGE / "launch" / "robot.launch"),
-        config,
-        argv=["simulated:=true", "mission_control:=true"],
-        verbose=False,
-    )
-    again = {node.name for node in config.nodes if node.respawn}
+    again = {
+        node.name for node in loaded("robot.launch", "simulated:=true", "mission_control:=true").nodes if node.respawn
+    }
     assert again == set(RESPAWNED) and "slam" not in again
-    config = ROSLaunchConfig()
-    XmlLoader().load(str(PACKAGE / "launch" / "robot.launch"), config, argv=["respawn:=false"], verbose=False)
-    assert not any(node.respawn for node in config.nodes)
+    assert not any(node.respawn for node in loaded("robot.launch", "respawn:=false").nodes)
 
 
 def test_a_turtlebot_is_configured_as_one():
-    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", "robot:=turtlebot"))
+    parameters = parameters_of("robot.launch", "robot:=turtlebot")
     assert parameters["/explorer/field_of_view"] == 0.99 and parameters["/move_base/yaw_goal_tolerance"] == 0.25
     assert parameters["/move_base/velocity_topic"] == "cmd_vel_mux/input/navi"
     assert parameters["/map_merger/largest_robot_radius"] == 0.18
-    team = yaml.safe_load(roslaunch("--dump-params", "robot.launch", "robot:=turtlebot", "team:=pioneer,turtlebot"))
+    team = parameters_of("robot.launch", "robot:=turtlebot", "team:=pioneer,turtlebot")
     assert team["/map_merger/largest_robot_radius"] == team["/explorer/largest_robot_radius"] == 0.29
 
 
@@ -140,7 +179,7 @@ def test_arguments_go_before_the_preset():
         "base_frame": "base", "odom_frame": "wheels", "scan_topic": "laser", "odometry_topic": "ways",
         "velocity_topic": "drive",
     }  # fmt: skip
-    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", *(f"{k}:={v}" for k, v in words.items())))
+    parameters = parameters_of("robot.launch", *(f"{k}:={v}" for k, v in words.items()))
     assert {parameters[f"/{node}/base_frame"] for node in ("slam", "move_base")} == {"base"}
     assert {parameters[f"/{node}/odom_frame"] for node in ("slam", "move_base")} == {"wheels"}
     assert parameters["/explorer/base_link"] == "base"
@@ -158,7 +197,7 @@ def test_configuration_files_go_before_the_preset(tmp_path):
         "navigation": "footprint_width: 1",
     }.items():
         (tmp_path / f"{node}.yaml").write_text(words + "\n")
-    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", f"config:={tmp_path}"))
+    parameters = parameters_of("robot.launch", f"config:={tmp_path}")
     assert parameters["/explorer/view_distance"] == 0.9 and parameters["/slam/free_radius"] == 0.1
     assert parameters["/move_base/footprint_width"] == 1
 
@@ -169,7 +208,7 @@ def test_an_own_robot(tmp_path):
     ).stdout.strip()
     own = tmp_path / "my robot.yaml"
     own.write_text((Path(template) / "robots" / "template.yaml").read_text().replace("width: 0.40", "width: 0.50"))
-    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", f"robot:={own}"))
+    parameters = parameters_of("robot.launch", f"robot:={own}")
     assert parameters["/explorer/inflation_radius"] == 0.31
 
 
@@ -197,29 +236,28 @@ def test_the_arguments_stand_in_the_readme():
 
 
 def test_every_node_knows_the_robots_name():
-    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", "robot_name:=anna", "simulated:=true"))
+    parameters = parameters_of("robot.launch", "robot_name:=anna", "simulated:=true")
     for node in ("adhoc_communication", "map_merger", "explorer", "move_base", "robot"):
         assert parameters[f"/{node}/robot_name"] == "anna", node
 
 
 def test_without_a_name_each_node_takes_the_computers():
-    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch"))
+    parameters = parameters_of("robot.launch")
     assert {parameters.get(f"/{node}/robot_name", "") for node in ("adhoc_communication", "explorer", "move_base")} == {
         ""
     }
 
 
 def test_recorder_is_there_only_with_a_file():
-    assert "/bag" not in roslaunch("--nodes", "team_robot.launch").split()
-    assert "/bag" in roslaunch("--nodes", "team_robot.launch", "bag:=/tmp/x.bag").split()
+    assert "/bag" not in nodes_of("team_robot.launch")
+    assert "/bag" in nodes_of("team_robot.launch", "bag:=/tmp/x.bag")
 
 
 def test_arguments_reach_the_nodes():
-    text = roslaunch(
-        "--dump-params", "robot.launch", "robot_name:=anna", "interface:=wlan7", "frontier_selection:=3",
+    parameters = parameters_of(
+        "robot.launch", "robot_name:=anna", "interface:=wlan7", "frontier_selection:=3",
         "autostart:=false", "initial_poses:={anna: [1.0, 2.0, 0.5]}", "topology:=centralized", "base_station:=7",
     )  # fmt: skip
-    parameters = yaml.safe_load(text)
     assert {parameters[f"/{node}/robot_name"] for node in ("adhoc_communication", "map_merger", "explorer")} == {"anna"}
     assert parameters["/adhoc_communication/interface"] == "wlan7"
     assert parameters["/explorer/frontier_selection"] == 3
@@ -258,9 +296,9 @@ def test_parameter_files_hold_known_parameters(name, known):
 
 
 def test_nodes_of_a_base_station():
-    nodes = set(roslaunch("--nodes", "base_station.launch").split())
+    nodes = nodes_of("base_station.launch")
     assert nodes == {"/adhoc_communication", "/map_merger", "/mission_control"}
-    parameters = yaml.safe_load(roslaunch("--dump-params", "base_station.launch", "name:=7"))
+    parameters = parameters_of("base_station.launch", "name:=7")
     assert parameters["/map_merger/has_local_map"] is False
     assert {parameters[f"/map_merger/{key}"] for key in ("robot_name", "base_station")} == {"7"}
     assert parameters["/map_merger/topology"] == "centralized"

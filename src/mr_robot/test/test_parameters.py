@@ -115,6 +115,14 @@ def test_files_hold_what_is_printed(tmp_path, capsys):
     assert {path.stem: yaml.safe_load(path.read_text()) for path in (tmp_path / "new").iterdir()} == printed
 
 
+def test_frames_below_a_prefix(capsys):
+    assert main(["--robot", "pioneer", "--prefix", "/robot_3"]) == 0
+    printed = yaml.safe_load(capsys.readouterr().out)
+    assert (
+        printed["slam"]["odom_frame"] == "robot_3/odom" and printed["explorer"]["base_link"] == "robot_3/base_footprint"
+    )
+
+
 @pytest.mark.parametrize(
     ("arguments", "part"),
     [

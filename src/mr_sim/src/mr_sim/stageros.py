@@ -31,10 +31,24 @@ def prefixes(names: tuple[str, ...], use_model_names: bool) -> list[str]:
     return [""] if len(names) == 1 else [f"robot_{index}/" for index in range(len(names))]
 
 
-def _run(world: World, use_model_names: bool, folder: str) -> None:
-    server = WorldServer(
-        world, listen(f"{folder}/world"), world.description.speedup, world.description.quit_time, say=rospy.loginfo
-    )
+def whole_number(name: str, default: int) -> int:
+    """A private parameter."""
+    value = rospy.get_param(f"~{name}", default)
+    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+        raise ParameterError(f"~{name} must be a whole number >= 0, not {value!r}")
+    return value
+
+
+def real_time_factor(default: float) -> float:
+    """The parameter ~rtf, or that of the world file."""
+    value = rospy.get_param("~rtf", default)
+    if not isinstance(value, (int, float)) or isinstance(value, bool) or not 0.0 <= value <= 100.0:
+        raise ParameterError(f"~rtf must be a number from 0 to 100, not {value!r}")
+    return float(value)
+
+
+def _run(world: World, use_model_names: bool, factor: float, folder: str) -> None:
+    server = WorldServer(world, listen(f"{folder}/world"), factor, world.description.quit_time, say=rospy.loginfo)
     threads = [threading.Thread(target=server.run)]
     threads[0].start()
     rospy.on_shutdown(server.stop)
@@ -62,12 +76,10 @@ def main() -> int:
         if warning:
             rospy.logwarn(warning)
         rospy.set_param("/use_sim_time", True)
-        seed = rospy.get_param("~seed", 0)
-        if not isinstance(seed, int) or seed < 0:
-            raise ParameterError(f"~seed must be a whole number >= 0, not {seed!r}")
-        world = World(description, seed=seed, odometry=rospy.get_param("~odometry", BIAS))
+        robots = whole_number("robots", 0) or None
+        world = World(description, robots, whole_number("seed", 0), odometry=rospy.get_param("~odometry", BIAS))
         with tempfile.TemporaryDirectory(prefix="mr_sim") as folder:
-            _run(world, arguments.u, folder)
+            _run(world, arguments.u, real_time_factor(description.speedup), folder)
     except ValueError as error:
         print(f"stageros: {error}", file=sys.stderr)
         return 1

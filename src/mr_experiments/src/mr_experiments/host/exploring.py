@@ -8,9 +8,9 @@ from io import BytesIO
 from typing import Any, Callable, Protocol
 
 from adhoc_communication.msg import ExpAuction, ExpFrontier
-from explorer.msg import TeamVerdicts
+from explorer.msg import TeamOrder, TeamVerdicts
 
-from explorer import messages, ros_io, ros_verdicts
+from explorer import messages, ros_io, ros_team, ros_verdicts
 from explorer.agent import ExplorerAgent
 from explorer.call_queue import CALLS, HANDOVER, CallQueue
 from explorer.grid import OccupancyMap
@@ -149,9 +149,12 @@ class Explorer:
             "visited_frontiers": self.agent.on_visited_frontiers,
             "negotiation_list": self.agent.on_negotiation_list,
         }.get(topic)
-        if take is None and topic not in ("auction", ros_verdicts.TOPIC):
+        if take is None and topic not in ("auction", ros_verdicts.TOPIC, ros_team.ORDERS_TOPIC):
             return False
         now = self._clock()
+        if topic == ros_team.ORDERS_TOPIC:
+            self.agent.on_order(ros_team.order_from(_parsed(TeamOrder, octets)), now)
+            return True
         if topic == ros_verdicts.TOPIC:
             statement = ros_verdicts.statement_from(_parsed(TeamVerdicts, octets))
             if statement is not None:
@@ -190,6 +193,9 @@ class Explorer:
             self._calls.put(
                 lambda ended: self._radio.send_typed(group, ros_verdicts.TOPIC, message, lambda *_: ended())
             )
+        elif isinstance(effect, messages.SendState):
+            told, to = ros_team.state_to(effect.state), effect.to
+            self._calls.put(lambda ended: self._radio.send_typed(to, ros_team.STATES_TOPIC, told, lambda *_: ended()))
         elif isinstance(effect, messages.AskTransform):
             robot = effect.robot
             self._agenda.at(now + SERVICE_TIME, lambda _: self._answer_transform(robot))

@@ -51,6 +51,7 @@ def argument_parser() -> argparse.ArgumentParser:
     add(
         "--simulated", choices=("true", "false"), default="false", help="true: frames and topics of the simulated robot"
     )
+    add("--prefix", default="", help="put before the frames, for several robots under one master: robot_0")
     for option in _OVERRIDES:
         add(f"--{option.replace('_', '-')}", default="", help="instead of the preset's")
     for argument, packages in ALTERNATIVES.items():
@@ -86,10 +87,16 @@ def described(given: argparse.Namespace) -> Platform:
         value = getattr(given, option)
         if value:
             platform = replace(platform, **{section: replace(getattr(platform, section), **{word: value})})
+    platform = replace(platform, frames=_below(given.prefix, platform.frames))
     _check_remappings(platform, given)
     for argument in ALTERNATIVES:
         check_alternative(argument, getattr(given, argument), find_package)
     return platform
+
+
+def _below(prefix: str, frames: Frames) -> Frames:
+    prefix = prefix.strip("/")
+    return Frames(f"{prefix}/{frames.base}", f"{prefix}/{frames.odom}") if prefix else frames
 
 
 def _check_remappings(platform: Platform, given: argparse.Namespace) -> None:
