@@ -297,6 +297,8 @@ def test_topics_and_frames_are_those_of_the_parameters():
         "cmd_vel",
         "map",
     ]
+    given = {"move_base": {"velocity_topic": "navigation/cmd_vel"}, "velocity_override": {"velocity_topic": "base"}}
+    assert topics_of(given)["velocity"].name == "base", "where a person may take over, that is what the base gets"
     assert folders_of({"explorer": {"log_path": "/logs", "scene_path": ""}}) == ["/logs"]
 
 

@@ -119,6 +119,29 @@ def test_a_base_station_has_no_body():
     assert parameters["/map_merger/has_local_map"] is False and parameters["/map_merger/topology"] == "distributed"
 
 
+def test_a_person_can_take_over():
+    assert "/velocity_override" not in nodes_of("robot.launch")
+    parameters = parameters_of("robot.launch", "robot:=turtlebot", "teleop:=true")
+    assert parameters["/move_base/velocity_topic"] == "navigation/cmd_vel"
+    assert parameters["/velocity_override/velocity_topic"] == "cmd_vel_mux/input/navi"
+    parameters = parameters_of("robot.launch", "teleop:=true", "velocity_topic:=drive")
+    assert parameters["/velocity_override/velocity_topic"] == "drive"
+
+
+@pytest.mark.parametrize(
+    ("robot", "frame", "shape"),
+    [("pioneer", "base_laser_link", "box"), ("turtlebot", "camera_depth_frame", "cylinder")],
+)
+def test_the_description_connects_the_base_with_the_sensor(robot, frame, shape):
+    arguments = (f"robot:={robot}", "description:=true")
+    assert "/robot_state_publisher" in nodes_of("robot.launch", *arguments)
+    assert "/robot_state_publisher" not in nodes_of("robot.launch", *arguments, "simulated:=true")
+    urdf = ElementTree.fromstring(parameters_of("robot.launch", *arguments)["/robot_description"])
+    joints = {each.find("child").get("link"): each.find("parent").get("link") for each in urdf.findall("joint")}
+    assert joints == {"base_link": "base_footprint", frame: "base_link"}
+    assert urdf.find(f"link[@name='base_link']/visual/geometry/{shape}") is not None
+
+
 def test_every_node_with_logs_is_told_where_they_go(tmp_path):
     for name in ("robot.launch", "base_station.launch"):
         parameters = parameters_of(name, "log_path:=/logs", "record:=true")
@@ -158,9 +181,8 @@ def test_robots_under_one_master_have_their_own_names_and_frames(count):
 
 
 def test_nodes_are_started_again_but_for_slam():
-    again = {
-        node.name for node in loaded("robot.launch", "simulated:=true", "mission_control:=true").nodes if node.respawn
-    }
+    everything = ("simulated:=true", "mission_control:=true", "teleop:=true")
+    again = {node.name for node in loaded("robot.launch", *everything).nodes if node.respawn}
     assert again == set(RESPAWNED) and "slam" not in again
     assert not any(node.respawn for node in loaded("robot.launch", "respawn:=false").nodes)
 

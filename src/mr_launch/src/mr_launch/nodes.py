@@ -20,6 +20,7 @@ RESPAWNED = (
     "explorer",
     "move_base",
     "mission_control",
+    "velocity_override",
 )  # by robot.launch with respawn:=true
 MOST_RESTARTS = 20  # of one node in a mission
 

@@ -2,7 +2,7 @@
 
 import math
 
-from mr_robot.platforms.platform import Drive, Footprint, Platform, PlatformError, RangeSensor, Topics
+from mr_robot.platforms.platform import Drive, Footprint, Mount, Platform, PlatformError, RangeSensor, Topics
 from mr_sim.world_model import RangerDescription, RobotDescription
 
 
@@ -20,7 +20,14 @@ def platform_of(robot: RobotDescription) -> Platform:
         _sensor(robot.rangers[robot.main_ranger]),
         Drive(linear, _rounded_down(angular)),
         topics=Topics(scan),
+        mount=_mount(robot),
     )
+
+
+def _mount(robot: RobotDescription) -> Mount:
+    frame = Mount.frame if len(robot.rangers) == 1 else f"{Mount.frame}_{robot.main_ranger}"
+    x, y, yaw = (round(value, 4) for value in robot.rangers[robot.main_ranger].mount)
+    return Mount(frame, x, y, yaw=yaw)
 
 
 def _footprint(robot: RobotDescription) -> Footprint:

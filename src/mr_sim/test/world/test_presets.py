@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 import yaml
 
-from mr_robot.platforms.platform import Footprint, Frames, PlatformError, Topics
+from mr_robot.platforms.platform import Footprint, Frames, Mount, PlatformError, Topics
 from mr_robot.platforms.preset import (
     TEMPLATE,
     WORDS,
@@ -49,7 +49,8 @@ def changed(word, value):
 def test_presets_are_what_the_models_of_the_worlds_say(preset, world):
     modelled = {platform_of(robot) for robot in load_world(find_world(world)).robots}
     described = load_platform(preset)
-    assert modelled == {replace(described, frames=Frames(), topics=Topics())}
+    mount = replace(described.mount, frame=Mount.frame, z=Mount.z)  # the worlds are flat
+    assert modelled == {replace(described, frames=Frames(), topics=Topics(), mount=mount)}
 
 
 def test_every_preset_of_the_package_loads():
@@ -87,6 +88,8 @@ def test_the_template_explains_every_word():
         ("drive", NOTHING, ["drive is missing"]),
         ("drive", [1.0], ["drive must hold max_linear_velocity", "[1.0]"]),
         ("wheels", {}, ["wheels is unknown", "footprint, sensor, drive"]),
+        ("mount", {"x": 50}, ["mount/x must be a number from -3 to 3 m", "50 mm are 0.05 m"]),
+        ("mount", {"roll": 0.1}, ["mount/roll is unknown"]),
     ],
 )
 def test_a_bad_preset_gives_one_message(word, value, parts):

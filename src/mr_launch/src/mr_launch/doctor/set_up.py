@@ -14,7 +14,16 @@ from mr_launch.doctor.facts import SetUp, Topic
 from mr_robot.navigation.options import NavigationError, NavigationOptions
 
 Parameters = Mapping[str, Any]
-NODES = ("adhoc_communication", "map_merger", "explorer", "slam", "move_base", "mission_control", "robot")
+NODES = (
+    "adhoc_communication",
+    "map_merger",
+    "explorer",
+    "slam",
+    "move_base",
+    "mission_control",
+    "velocity_override",
+    "robot",
+)
 """Of robot.launch; `robot` is the body of a simulated one."""
 
 
@@ -51,10 +60,11 @@ def _first(values: Iterable[Any], default: str) -> str:
 def topics_of(given: Parameters) -> dict[str, Topic]:
     """The topics that the robot lives on, by what they are for, with names as the nodes have them."""
     merger, slam, navigation = (given.get(node, {}) for node in ("map_merger", "slam", "move_base"))
+    override = given.get("velocity_override", {})
     names = {
         "scan": slam.get("scan_topic") or merger.get("scan_topic") or "base_scan",
         "odometry": slam.get("odometry_topic") or merger.get("position_local_robot_topic") or "odom",
-        "velocity": navigation.get("velocity_topic") or "cmd_vel",
+        "velocity": override.get("velocity_topic") or navigation.get("velocity_topic") or "cmd_vel",
         "map": merger.get("local_map_topic") or "map",
     }
     return {purpose: Topic(str(name), WANTED[purpose]) for purpose, name in names.items()}

@@ -18,9 +18,10 @@ from mr_robot.platforms.parameters import (
     navigation_parameters,
     slam_parameters,
 )
-from mr_robot.platforms.platform import Frames, Platform, PlatformError, Topics
+from mr_robot.platforms.platform import Frames, Mount, Platform, PlatformError, Topics
 from mr_robot.platforms.preset import load_platform
 from mr_robot.platforms.ros_stack import SLAM_PARAMETERS, move_base_parameters
+from mr_robot.platforms.urdf import urdf_of
 
 BAD_CALL = 2
 _OVERRIDES = {
@@ -56,6 +57,7 @@ def argument_parser() -> argparse.ArgumentParser:
         add(f"--{option.replace('_', '-')}", default="", help="instead of the preset's")
     for argument, packages in ALTERNATIVES.items():
         add(f"--{argument}", default=OURS, help=f"{OURS}, {', '.join(packages)} or {NONE} (default: %(default)s)")
+    add("--urdf", action="store_true", help="print the robot as URDF instead of the parameters")
     add("--out", default="", metavar="FOLDER", help="write NODE.yaml for each node there, too (default: no files)")
     return parser
 
@@ -72,6 +74,7 @@ def parameters_of(
         "move_base": navigates(platform, team),
         "explorer": explorer_parameters(platform, team),
         "map_merger": merger_parameters(platform, team),
+        "velocity_override": {"velocity_topic": platform.topics.velocity},
     }
 
 
@@ -82,7 +85,8 @@ def described(given: argparse.Namespace) -> Platform:
         raise PlatformError("give the kind of robot: --robot pioneer, for example")
     platform = load_platform(name)
     if given.simulated == "true":
-        platform = replace(platform, frames=Frames(), topics=Topics())
+        mount = replace(platform.mount, frame=Mount.frame)
+        platform = replace(platform, frames=Frames(), topics=Topics(), mount=mount)
     for option, (section, word) in _OVERRIDES.items():
         value = getattr(given, option)
         if value:
@@ -131,5 +135,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     except (PlatformError, OSError) as error:
         print(f"robot_parameters: {error}", file=sys.stderr)
         return BAD_CALL
+    if given.urdf:
+        print(urdf_of(platform), end="")
+        return 0
     print(yaml.safe_dump({"robot": asdict(platform), **parameters}, sort_keys=False), end="")
     return 0

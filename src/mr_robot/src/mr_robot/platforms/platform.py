@@ -75,6 +75,17 @@ class Topics:
 
 
 @dataclass(frozen=True)
+class Mount:
+    """Where the sensor is on the robot: x, y, z in m and yaw in rad from the base, and its frame."""
+
+    frame: str = "base_laser_link"
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.3
+    yaw: float = 0.0
+
+
+@dataclass(frozen=True)
 class Platform:
     """One kind of robot."""
 
@@ -83,3 +94,4 @@ class Platform:
     drive: Drive
     frames: Frames = field(default_factory=Frames)
     topics: Topics = field(default_factory=Topics)
+    mount: Mount = field(default_factory=Mount)

@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Union
 
 import yaml  # type: ignore[import-untyped]
 
-from mr_robot.platforms.platform import Drive, Footprint, Frames, Platform, PlatformError, RangeSensor, Topics
+from mr_robot.platforms.platform import Drive, Footprint, Frames, Mount, Platform, PlatformError, RangeSensor, Topics
 
 TEMPLATE = "template"
 
@@ -22,10 +22,14 @@ class _Number(NamedTuple):
     default: Optional[float] = None
 
 
-_NAME = "a name"
-"""Of a frame or a topic."""
+class _Name(NamedTuple):
+    """Of a frame or a topic; without a default it has to be given."""
 
-_Word = Union[_Number, str]
+    default: Optional[str] = None
+
+
+_NAME = _Name()
+_Word = Union[_Number, _Name]
 WORDS: Dict[str, Dict[str, _Word]] = {
     "footprint": {
         "length": _Number(0.05, 3.0, "m", 0.0),
@@ -48,8 +52,16 @@ WORDS: Dict[str, Dict[str, _Word]] = {
     },
     "frames": {"base": _NAME, "odom": _NAME},
     "topics": {"scan": _NAME, "odometry": _NAME, "velocity": _NAME},
+    "mount": {
+        "frame": _Name(Mount.frame),
+        "x": _Number(-3.0, 3.0, "m", Mount.x),
+        "y": _Number(-3.0, 3.0, "m", Mount.y),
+        "z": _Number(0.0, 3.0, "m", Mount.z),
+        "yaw": _Number(-3.1416, 3.1416, "rad", Mount.yaw),
+    },
 }
-"""Of a preset, by section. All sections and all words are needed but those with a default."""
+"""Of a preset, by section. All sections and all words are needed but those with a default and these:"""
+OPTIONAL_SECTIONS = ("mount",)
 
 _OTHER_UNIT = {"m": (0.001, "mm"), "rad": (math.pi / 180.0, "degrees"), "rad/s": (math.pi / 180.0, "degrees/s")}
 
@@ -94,7 +106,7 @@ def load_platform(name: str) -> Platform:
 def platform_from(given: Any) -> Platform:
     """From what a preset file says. Raises PlatformError for the first word that is missing, unknown or wrong."""
     sections = _mapping(given, WORDS, "")
-    values = {name: _section(name, sections[name]) for name in WORDS}
+    values = {name: _section(name, sections.get(name, {})) for name in WORDS}
     sensor = RangeSensor(**values["sensor"])
     if sensor.range_min >= sensor.range_max:
         raise PlatformError(f"sensor/range_min must be less than sensor/range_max, {sensor.range_max:g} m")
@@ -104,6 +116,7 @@ def platform_from(given: Any) -> Platform:
         Drive(**values["drive"]),
         Frames(**values["frames"]),
         Topics(**values["topics"]),
+        Mount(**values["mount"]),
     )
 
 
@@ -133,22 +146,26 @@ def _mapping(given: Any, known: Mapping[str, Any], prefix: str) -> Mapping[str, 
         if word not in known:
             raise PlatformError(f"{prefix}{word} is unknown; {where} {', '.join(known)}")
     for word, rule in known.items():
-        if word not in given and getattr(rule, "default", None) is None:
+        needed = prefix + word not in OPTIONAL_SECTIONS and getattr(rule, "default", None) is None
+        if needed and word not in given:
             raise PlatformError(f"{prefix}{word} is missing; robots/{TEMPLATE}.yaml explains it")
     return given
 
 
 def _value(word: str, rule: _Word, found: Mapping[str, Any]) -> Any:
     value = found.get(word.split("/")[1])
+    if value is None and rule.default is not None:
+        return rule.default
     if isinstance(rule, _Number):
-        return rule.default if value is None and rule.default is not None else _number(word, rule, value)
+        return _number(word, rule, value)
     if not isinstance(value, str) or not value.strip("/") or " " in value:
-        raise PlatformError(f"{word} must be {rule}, such as {_EXAMPLES[word]}, not {value!r}")
+        raise PlatformError(f"{word} must be a name, such as {_EXAMPLES[word]}, not {value!r}")
     return value
 
 
 _EXAMPLES = {
     "frames/base": Frames.base, "frames/odom": Frames.odom,
+    "mount/frame": Mount.frame,
     "topics/scan": Topics.scan, "topics/odometry": Topics.odometry, "topics/velocity": Topics.velocity,
 }  # fmt: skip
 

@@ -1,0 +1,1 @@
+"""A person drives the robot: velocities that go before those of navigation."""
