@@ -36,7 +36,7 @@ def test_a_world_of_ones_own_holds_two_robots_that_can_move(monkeypatch):
 def test_a_preset_of_ones_own_gives_the_parameters_of_all_nodes():
     platform = load_platform(str(EXAMPLES / "my_robot.yaml"))
     parameters = parameters_of(platform, [platform])
-    assert set(parameters) == {"slam", "move_base", "explorer", "map_merger", "velocity_override"}
+    assert set(parameters) == {"slam", "move_base", "explorer", "map_merger", "velocity_override", "bag"}
     assert parameters["slam"]["scan_topic"] == "scan" and parameters["explorer"]["base_link"] == "base_link"
 
 

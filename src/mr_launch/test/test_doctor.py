@@ -199,7 +199,7 @@ BROKEN = {  # cause: facts, words of the finding, words of the remedy
     ),
     "silent laser": (with_topic("scan", rate=0.0), "/scan is silent, though /laser offers it", "cable"),
     "slow laser": (with_topic("scan", rate=0.5), "comes at 0.5 Hz", "raise the rate"),
-    "covered laser": (with_topic("scan", valid=0.0), "no beam of /scan measures", "covered"),
+    "covered laser": (with_topic("scan", valid=0.0), "all beams of /scan are blind", "covered"),
     "no odometry": (
         with_topic("odometry", publishers=(), kind="", rate=0.0),
         "nobody publishes /odom",

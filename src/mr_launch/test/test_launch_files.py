@@ -11,6 +11,7 @@ from roslaunch.config import ROSLaunchConfig
 from roslaunch.xmlloader import XmlLoader
 
 from mr_launch.nodes import RESPAWNED
+from mr_launch.recorder import record_command
 
 PACKAGE = Path(__file__).resolve().parents[1]
 LAUNCH_FILES = sorted((PACKAGE / "launch").glob("*.launch"))
@@ -148,7 +149,8 @@ def test_every_node_with_logs_is_told_where_they_go(tmp_path):
         told = {key for key, value in parameters.items() if value == "/logs"}
         assert told >= {"/adhoc_communication/log_path", "/map_merger/log_path"}, name
         assert ("/explorer/log_path" in told) == (name == "robot.launch")
-        assert parameters["/adhoc_communication/capture_file"].endswith("/radio.pcap")
+        capture = Path(parameters["/adhoc_communication/capture_file"])
+        assert capture.name.startswith("radio_") and capture.suffix == ".pcap"
 
 
 @pytest.mark.parametrize("count", [2, 5])
@@ -178,6 +180,17 @@ def test_robots_under_one_master_have_their_own_names_and_frames(count):
         }
         for node, values in words.items():
             assert {key: parameters[f"/{robot}/{node}/{key}"] for key in values} == values
+
+
+def test_the_bag_holds_the_topics_of_the_robots_own_drivers(tmp_path):
+    arguments = ("robot:=turtlebot", "odometry_topic:=wheels", "record:=true", f"record_path:={tmp_path}")
+    given = parameters_of("robot.launch", *arguments)
+    given = {key.split("/")[-1]: value for key, value in given.items() if key.startswith("/bag/")}
+    command = record_command("/record", given, ["__name:=bag"])
+    assert command[0] == "/record" and command[-1] == "__name:=bag" and f"--output-prefix={tmp_path}/topics" in command
+    assert {"scan", "wheels", "cmd_vel_mux/input/navi", "/tf_static", "map", "auction"} <= set(command)
+    assert {"base_scan", "odom", "cmd_vel"} & set(command) == set()
+    assert "base_scan" in record_command("/record", {"output": "--output-name=/x"}, [])
 
 
 def test_nodes_are_started_again_but_for_slam():

@@ -19,6 +19,7 @@ NODES = (
     ("explorer", "explorer"),
     ("mr_sim", "robot"),
     ("mr_launch", "monitor"),
+    ("mr_launch", "record"),
     ("rosbag", "record"),
 )
 SLAM = {  # value of --slam: (package, executable)

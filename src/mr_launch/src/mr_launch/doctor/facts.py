@@ -95,7 +95,7 @@ class Topic:
     age: float = 0.0
     frame: str = ""
     stamped: bool = True
-    valid: float = 1.0  # share of the beams of a scan that measure something
+    valid: float = 1.0  # share of the beams of a scan that are not nearer than the sensor can measure
 
     @property
     def heard(self) -> bool:

@@ -40,8 +40,9 @@ class DriverTopic:
         self._frame = message.header.frame_id.strip("/")
         ranges = getattr(message, "ranges", None)
         if ranges is not None:
-            measured = np.isfinite(ranges) & (ranges > message.range_min)
-            self._valid = float(np.mean(measured)) if len(ranges) else 0.0
+            # Infinity or no number is what some drivers say of nothing in reach, which is no fault.
+            covered = ranges < message.range_min
+            self._valid = 1.0 - float(np.mean(covered)) if len(ranges) else 0.0
 
     def fill(self, topic: Topic, seconds: float) -> Topic:
         """The same topic with what was heard within `seconds`."""

@@ -118,7 +118,7 @@ def _driver_findings(topic: Topic, device: str, argument: str, least: float) -> 
         yield Finding("topics", what, f"raise the rate of the driver of the {device}")
     elif topic.valid < LEAST_VALID:
         yield Finding(
-            "topics", f"no beam of {topic.name} measures anything", f"is the {device} covered or not turning?"
+            "topics", f"all beams of {topic.name} are blind", f"is the {device} covered, or does it not turn?"
         )
 
 

@@ -75,6 +75,7 @@ def parameters_of(
         "explorer": explorer_parameters(platform, team),
         "map_merger": merger_parameters(platform, team),
         "velocity_override": {"velocity_topic": platform.topics.velocity},
+        "bag": {f"{name}_topic": topic for name, topic in asdict(platform.topics).items()},
     }
 
 
