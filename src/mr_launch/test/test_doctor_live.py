@@ -10,7 +10,7 @@ from live_master import LiveMaster
 from mr_launch.programs import find_executable
 
 HERE = Path(__file__).resolve().parent
-DOCTOR = [sys.executable, str(HERE.parent / "nodes" / "doctor"), "--seconds", "2.5"]
+DOCTOR = [sys.executable, str(HERE.parent / "nodes" / "doctor"), "--seconds", "1.5"]
 
 
 class LiveRobot(LiveMaster):

@@ -15,6 +15,7 @@ import psutil
 
 from mr_launch.doctor.facts import HUB, Computer, Hub, Interface, KeyFile
 from mr_launch.programs import find_executable
+from mr_launch.summary import process_name
 
 CAP_NET_RAW = 13  # number of the capability, linux/capability.h
 SIOCGIWMODE = 0x8B07  # linux/wireless.h
@@ -137,12 +138,15 @@ def _file_capability(program: str) -> bool:
 
 def _load(seconds: float) -> tuple[float, str]:
     """Busy share of all cores within `seconds`, and the process with the largest share."""
-    processes = list(psutil.process_iter(["name"]))
+    processes = list(psutil.process_iter(["cmdline"]))
     for process in processes:
         _share(process)
     busy = psutil.cpu_percent(seconds) / 100.0
-    shares = [(_share(process), process.info["name"] or "") for process in processes]
-    return busy, max(shares, default=(0.0, ""))[1]
+    shares = [(_share(process), index) for index, process in enumerate(processes)]
+    if not shares:
+        return busy, ""
+    command = processes[max(shares)[1]].info["cmdline"] or []
+    return busy, process_name(" ".join(command))
 
 
 def _share(process: psutil.Process) -> float:
