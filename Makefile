@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-navigation-peers bench-sim experiments clean
+.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-navigation-peers bench-sim bench-page experiments clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -8,6 +8,7 @@ demo: build
 	@$(ENVIRONMENT) rosrun mr_launch team --world office26x15 --robots 3 --range 10 --loss 0.05 $(DEMO_ARGUMENTS)
 
 test: build
+	@tools/install_dependencies browser
 	@$(ENVIRONMENT) tools/test
 
 build: dependencies
@@ -18,7 +19,7 @@ dependencies:
 	@tools/install_dependencies
 
 # Each prints its table and writes rows of JSON below out/bench.
-bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim
+bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim bench-page
 
 bench-adhoc: build
 	@tools/build --target adhoc_communication_benchmarks
@@ -94,6 +95,11 @@ bench-navigation-peers: build
 
 bench-sim: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_experiments --out out/bench/sim.json
+
+# The status page of eight robots in a headless Chromium: two minutes.
+bench-page: build
+	@tools/install_dependencies browser
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_page bench_page --out out/bench/page.json
 
 lint: dependencies
 	@$(ENVIRONMENT) tools/lint

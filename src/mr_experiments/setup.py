@@ -18,6 +18,5 @@ setup(
     **generate_distutils_setup(
         packages=["mr_experiments", *(f"mr_experiments.{folder}" for folder in FOLDERS)],
         package_dir={"": "src"},
-        package_data={"mr_experiments.replay": ["replay_page.*"]},
     )
 )

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from mr_launch.arguments import parse_arguments
-from mr_launch.commands import make_output_folder
+from mr_launch.commands import make_output_folder, page_listener
 from mr_launch.outside import run_team
 from mr_launch.plan import Plan, RobotPlan
 
@@ -29,7 +29,9 @@ def main():
     tools.mkdir(exist_ok=True)
     os.environ["DUMMY_ROBOTS"] = json.dumps(names)
     plan = Plan(
-        options=parse_arguments(["--out", str(out), "--duration", "86400"]),
+        options=parse_arguments(
+            ["--out", str(out), "--duration", "86400", "--page", os.environ.get("DUMMY_PAGE", "0")]
+        ),
         world=str(HERE.parents[2] / "worlds" / "small8x8.world"),
         robots=[RobotPlan(name, index, 11461 + index, (1.0, 1.0 + index, 0.0)) for index, name in enumerate(names)],
         out=str(out),
@@ -37,7 +39,7 @@ def main():
         programs={name: program(tools, name) for name in ("radio", "team_key", "world", "roslaunch")},
     )
     make_output_folder(plan)
-    return run_team(plan)
+    return run_team(plan, page_listener(plan.options.page))
 
 
 if __name__ == "__main__":

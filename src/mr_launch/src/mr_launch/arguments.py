@@ -11,6 +11,7 @@ from typing import Any, NoReturn, Sequence
 from explorer.options import STRATEGIES
 from mr_launch.errors import UserError
 from mr_launch.programs import NAVIGATION, SLAM
+from mr_page.server import PORT as PAGE_PORT
 
 LIMITS = {  # option: (lowest, highest, unit)
     "range": (0.1, 10000.0, "m"),
@@ -19,6 +20,7 @@ LIMITS = {  # option: (lowest, highest, unit)
     "rtf": (0.0, 100.0, ""),
     "duration": (1.0, 86400.0, "s"),
     "seed": (0, 2**31 - 1, ""),
+    "page": (0, 65535, ""),
 }
 
 
@@ -46,6 +48,7 @@ class Options:
     topology: str
     odometry: str
     open: bool = False
+    page: int = 0  # port of the status page; 0: there is none
     respawn: bool = False
 
     def to_dict(self) -> dict[str, Any]:
@@ -115,6 +118,15 @@ def make_parser() -> argparse.ArgumentParser:
     add("--odometry", choices=("bias", "random_walk"), default="bias", help="how it errs: by one share for the whole "
         "mission, or anew at each step (default: %(default)s)")  # fmt: skip
     add("--open", action="store_true", help="open frames; else the team gets a key, in team.key of --out")
+    add(
+        "--page",
+        type=int,
+        nargs="?",
+        default=0,
+        const=PAGE_PORT,
+        metavar="PORT",
+        help=f"serve a status page at http://localhost:PORT (default of PORT: {PAGE_PORT})",
+    )
     add("--respawn", action="store_true", help="a node that ends is started again; else the mission ends with it")
     add("--quiet", action="store_true", help="print only notices, errors and the final table")
     add(

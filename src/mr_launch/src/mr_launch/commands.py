@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import socket
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +17,7 @@ from mr_launch.outside import run_team
 from mr_launch.plan import BASE, FIRST_PORT, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
 from mr_launch.world import check_start, find_world, keep_generated, presets_of, robots_of, warning_of
+from mr_page.server import listening_sockets
 
 BAD_CALL = 2
 INTERRUPTED = 130
@@ -25,6 +27,7 @@ def team(arguments: Sequence[str]) -> int:
     """``rosrun mr_launch team``; returns the exit code."""
     try:
         plan = make_plan(parse_arguments(arguments))
+        page = page_listener(plan.options.page)
         make_output_folder(plan)
         plan = replace(plan, world=keep_generated(plan.world, Path(plan.out) / "world"))
     except UserError as error:
@@ -33,7 +36,19 @@ def team(arguments: Sequence[str]) -> int:
     except KeyboardInterrupt:
         print("team: interrupted, nothing was started", file=sys.stderr)
         return INTERRUPTED
-    return run_team(plan)
+    if page is not None:
+        print(f"team: status page at http://localhost:{plan.options.page}", file=sys.stderr)
+    return run_team(plan, page)
+
+
+def page_listener(port: int) -> socket.socket | None:
+    """For viewers on this computer; None without a port. Raises UserError if others have the port."""
+    if not port:
+        return None
+    try:
+        return listening_sockets(port, "127.0.0.1")[0]
+    except OSError as error:
+        raise UserError(f"{error} with --page") from None
 
 
 def make_plan(options: Options) -> Plan:

@@ -1,4 +1,5 @@
-"""First process of a running team. ``python3 -m mr_launch.inside LIFELINE PLAN`` is started by mr_launch.outside.
+"""First process of a running team. ``python3 -m mr_launch.inside LIFELINE PLAN [PAGE]`` is started by
+mr_launch.outside.
 
 In namespaces it is PID 1: whatever ends it, the kernel ends the rest.
 """
@@ -54,11 +55,11 @@ def end_at_once(plan: Plan) -> None:
 class Run:
     """One mission from the first process to the last file."""
 
-    def __init__(self, plan: Plan, lifeline: Lifeline) -> None:
+    def __init__(self, plan: Plan, lifeline: Lifeline, page: int | None) -> None:
         self.plan = plan
         self.lifeline = lifeline
         self.view = View(plan.options.quiet)
-        self.team = Team(plan, lifeline.wait_for_init(5.0))
+        self.team = Team(plan, lifeline.wait_for_init(5.0), page)
         self.truth = Truth(Path(plan.out) / "truth.csv", [robot.name for robot in plan.robots])
         self.outcome = Outcome()
         self._cpu: dict[int, tuple[str, float, int]] = {}
@@ -120,13 +121,14 @@ class Run:
 
 def main() -> int:
     plan = Plan.from_json(sys.argv[2])
+    page = int(sys.argv[3]) if sys.argv[3:] else None
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: lifeline.stop.set())
     if plan.isolation == isolation.HUB:
         become_subreaper()
     lifeline = Lifeline(int(sys.argv[1]), lambda: end_at_once(plan))
     try:
-        return Run(plan, lifeline).run()
+        return Run(plan, lifeline, page).run()
     except TeamFailure as failure:
         print(f"team: {failure}", file=sys.stderr)
         return NOT_FINISHED

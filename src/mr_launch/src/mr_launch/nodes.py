@@ -14,6 +14,7 @@ _NOT_STARTED = re.compile(r"ERROR: cannot launch node of type \[(?P<type>[^\]]+)
 _LOG = re.compile(r"log file: (?P<pattern>\S+)")
 _EXIT = re.compile(r"exit code (-?\d+)")
 MAY_FINISH = ("bag",)  # the recorder ends by itself when its bag is full
+NOT_NEEDED = ("page",)  # it is started again
 RESPAWNED = (
     "adhoc_communication",
     "map_merger",
@@ -49,7 +50,7 @@ def parse_ends(output: str) -> list[NodeEnd]:
         for found in _NOT_STARTED.finditer(output)
     ]
     for found in _ENDED.finditer(output):
-        if found["name"] in MAY_FINISH and found["how"] != "died":
+        if found["name"] in NOT_NEEDED or (found["name"] in MAY_FINISH and found["how"] != "died"):
             continue
         following = output[found.end() :].split("process has", 1)[0]
         code = _EXIT.search(found["detail"] or "")

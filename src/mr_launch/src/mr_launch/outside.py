@@ -11,6 +11,7 @@ import ctypes
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -29,8 +30,9 @@ def become_subreaper() -> None:
     ctypes.CDLL(None, use_errno=True).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
-def run_team(plan: Plan) -> int:
-    """Run the checked plan to its end and return the exit code."""
+def run_team(plan: Plan, listener: socket.socket | None = None) -> int:
+    """Run the checked plan to its end and return the exit code. ``listener``: for viewers of the status page, in the
+    network of the machine, which the team leaves."""
     hub = plan.isolation == isolation.HUB
     private = tempfile.mkdtemp(prefix="mr_launch-") if hub else isolation.PRIVATE_MOUNT
     plan = Plan.from_json(replace(plan, private=private).to_json())
@@ -38,16 +40,18 @@ def run_team(plan: Plan) -> int:
     environment = {**os.environ, "PATH": isolation.search_path(os.environ.get("PATH", ""))}
     if hub:
         become_subreaper()
-    command = [sys.executable, "-m", "mr_launch.inside", str(reader), plan.to_json()]
+    page = [listener.detach()] if listener else []
+    command = [sys.executable, "-m", "mr_launch.inside", str(reader), plan.to_json(), *map(str, page)]
     try:
         process = subprocess.Popen(
             [*isolation.enter_command(plan.isolation), *command],
             stdin=subprocess.DEVNULL,
-            pass_fds=(reader,),
+            pass_fds=(reader, *page),
             start_new_session=True,
             env=environment,
         )
-        os.close(reader)
+        for descriptor in (reader, *page):
+            os.close(descriptor)
         hand_on_signals(writer)
         send(writer, f"init {first_process(process, hub)}")
         code = process.wait()

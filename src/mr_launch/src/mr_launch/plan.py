@@ -158,6 +158,18 @@ def truth_command(plan: Plan) -> list[str]:
     return ["nice", *python, plan.world, str(len(plan.robots)), plan.socket(TRUTH_FILE)]
 
 
+def page_socket(plan: Plan) -> str:
+    """To which the robots tell what the team's page shows; empty without one."""
+    return plan.socket("page") if plan.options.page else ""
+
+
+def page_command(plan: Plan, descriptor: int) -> list[str]:
+    """The server of the team's page, on a listening socket of the machine's own network."""
+    command = [sys.executable, "-m", "mr_page.team_page", "--descriptor", str(descriptor)]
+    title = f"{plan.options.world}, {len(plan.robots)} robot{'s' if len(plan.robots) > 1 else ''}"
+    return [*command, "--feeds", page_socket(plan), "--radio", plan.socket("radio"), "--title", title]
+
+
 def key_command(plan: Plan) -> list[str]:
     """Makes the key with which the robots of this team seal their frames."""
     return [plan.programs["team_key"], "create", key_file(plan)]
@@ -198,6 +210,7 @@ def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
         "start_pose": " ".join(f"{value:g}" for value in robot.start),
         "truth_file": plan.socket(TRUTH_FILE),
         "seed": str(options.seed + robot.index),
+        "page_team": page_socket(plan),
         "respawn": _word(options.respawn),
         "bag": str(plan.robot_folder(robot) / f"{robot.name}.bag") if options.bag else "",
     }
@@ -212,6 +225,7 @@ def _base_command(plan: Plan, base: RobotPlan) -> list[str]:
         "team": plan.team,
         "initial_poses": initial_poses(plan) if plan.options.initial_poses else "{}",
         "log_path": str(plan.log_folder(base)),
+        "page_team": page_socket(plan),
         "respawn": _word(plan.options.respawn),
     }
     return _roslaunch(plan, base, "base_station.launch", arguments)

@@ -11,19 +11,23 @@ from typing import Mapping, Sequence
 
 
 class Child:
-    """One started program. Its output goes to ``log``; with ``may_finish`` a good end is no failure."""
+    """One started program. Its output goes to ``log``; with ``may_finish`` a good end is no failure, and no end is of
+    one that is not ``needed``."""
 
-    def __init__(self, name: str, process: subprocess.Popen[bytes], log: Path, may_finish: bool) -> None:
+    def __init__(
+        self, name: str, process: subprocess.Popen[bytes], log: Path, may_finish: bool, needed: bool = True
+    ) -> None:
         self.name = name
         self.process = process
         self.log = log
         self.may_finish = may_finish
+        self.needed = needed
 
     @property
     def failed(self) -> bool:
         """It ended although the mission needs it."""
         code = self.process.poll()
-        return code is not None and not (self.may_finish and code == 0)
+        return self.needed and code is not None and not (self.may_finish and code == 0)
 
     def describe_end(self) -> str:
         code = self.process.returncode
@@ -47,9 +51,17 @@ class Children:
         self._children: list[Child] = []
 
     def start(
-        self, name: str, command: Sequence[str], log: Path, environment: Mapping[str, str], may_finish: bool = False
+        self,
+        name: str,
+        command: Sequence[str],
+        log: Path,
+        environment: Mapping[str, str],
+        may_finish: bool = False,
+        needed: bool = True,
+        descriptors: Sequence[int] = (),
     ) -> Child:
-        """Start ``command`` in a session of its own, so that Ctrl-C reaches only the team's first process."""
+        """Start ``command`` in a session of its own, so that Ctrl-C reaches only the team's first process. It inherits
+        ``descriptors``."""
         log.parent.mkdir(parents=True, exist_ok=True)
         with log.open("ab") as output:
             process = subprocess.Popen(
@@ -59,8 +71,9 @@ class Children:
                 stderr=subprocess.STDOUT,
                 env=dict(environment),
                 start_new_session=True,
+                pass_fds=descriptors,
             )
-        child = Child(name, process, log, may_finish)
+        child = Child(name, process, log, may_finish, needed)
         self._children.append(child)
         return child
 

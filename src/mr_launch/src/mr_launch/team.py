@@ -22,6 +22,7 @@ from mr_launch.plan import (
     key_file,
     launch_command,
     namespace_prefix,
+    page_command,
     radio_command,
     robot_environment,
     truth_command,
@@ -35,13 +36,14 @@ FEW_THREADS = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS",
 
 
 class Team:
-    """Starts everything, tells what broke, stops everything."""
+    """Starts everything, tells what broke, stops everything. ``page``: listening socket for the status page."""
 
-    def __init__(self, plan: Plan, init: int | None) -> None:
+    def __init__(self, plan: Plan, init: int | None, page: int | None = None) -> None:
         self.plan = plan
         self.children = Children()
         self.launches: dict[str, Child] = {}
         self._init = init
+        self._page = page
         self._holders: dict[str, int] = {}
         self._watches: dict[str, NodeWatch] = {}
         self._own_namespaces = plan.isolation != isolation.HUB
@@ -57,6 +59,7 @@ class Team:
         self._make_network()
         self._make_key()
         self._start_radio(stopped)
+        self._start_page()
         self._start("reference", truth_command(self.plan), {}, may_finish=True)
         self._start("world", world_command(self.plan), {})
         for robot in self.plan.hosts:
@@ -96,6 +99,14 @@ class Team:
         """End radio (it writes its statistics now) and world, then whatever is left."""
         self.children.stop_all(5.0)
         (Path(self.plan.out) / "team.json").unlink(missing_ok=True)
+
+    def _start_page(self) -> None:
+        if self._page is None:
+            return
+        command = [*self._died_with_parent, *page_command(self.plan, self._page)]
+        log = self.plan.log_folder() / "page.log"
+        self.children.start("page", command, log, self._environment, needed=False, descriptors=[self._page])
+        os.close(self._page)
 
     def _start(self, name: str, command: list[str], extra: dict[str, str], may_finish: bool = False) -> Child:
         log = self.plan.log_folder() / f"{name}.log"

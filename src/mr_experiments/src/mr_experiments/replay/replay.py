@@ -1,13 +1,10 @@
 """A replay of a recorded mission: one HTML file without any external resource.
 
-Everything that needs geometry happens here and in `replay_data` and `replay_maps`; the page only draws. Its parts lie
-beside this module: `replay_page.html`, `replay_page.css`, `replay_page.js`.
+Everything that needs geometry happens here and in `replay_data` and `replay_maps`; the page only draws, with the
+renderer of the status page (`mr_page`).
 """
 
-import html
-import json
 import math
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -36,6 +33,7 @@ from mr_experiments.replay.replay_maps import (
 from mr_grid import Pose
 from mr_measures.record.files import RecordError, read_record
 from mr_measures.record.mission_record import MissionRecord, RobotMaps
+from mr_page.document import self_contained
 from mr_sim.raster import Grid
 
 MAX_SNAPSHOT_CHARACTERS = 16_000_000  # in one page; with more, snapshots are left out evenly
@@ -62,18 +60,7 @@ def load_record(path: Path) -> MissionRecord:
 def make_page(record: MissionRecord) -> str:
     """The HTML page of a record with robots. Raises ReplayError for maps that cannot be read."""
     data = page_data(record)
-    text = json.dumps(data, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
-    parts = {
-        "title": html.escape(data["title"]),
-        "style": _part("css"),
-        "data": text.replace("<", "\\u003c"),  # so that no name or text can end the script element
-        "script": _part("js"),
-    }
-    return re.sub(r"@@(title|style|data|script)@@", lambda match: parts[match.group(1)], _part("html"))
-
-
-def _part(suffix: str) -> str:
-    return (Path(__file__).parent / f"replay_page.{suffix}").read_text(encoding="utf-8")
+    return self_contained("replay", data["title"], data)
 
 
 def page_data(record: MissionRecord) -> dict[str, Any]:

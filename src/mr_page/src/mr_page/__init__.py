@@ -1,0 +1,1 @@
+"""What a status page shows, its server, and the renderer that replays share with it."""

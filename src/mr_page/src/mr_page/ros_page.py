@@ -1,0 +1,126 @@
+"""The node `page`: the page of one robot, served here or, in a team with a page of its own, told to that."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+import threading
+import time
+from typing import Any
+
+import rospy
+import yaml  # type: ignore[import-untyped]
+
+from mr_grid import Pose
+from mr_page.commands import Answer
+from mr_page.feeds import FeedLink
+from mr_page.ros_feed import RobotFeed
+from mr_page.server import ADDRESS, PORT, PageServer, listening_sockets, quiet_logs
+from mr_page.state import PageState
+from mr_page.update import encoded
+from mr_page.viewer import PERIOD, Viewer
+
+RETRY = 2.0  # s until a feed looks for its team's page again
+
+
+def main() -> int:
+    rospy.init_node("page")
+    quiet_logs()
+    try:
+        given = Parameters()
+        feed = RobotFeed(given.robot, given.start, given.base, given.base_frame)
+        if given.team_socket:
+            feed_team(feed, given.robot, given.team_socket)
+        else:
+            serve(feed, given)
+    except (ValueError, OSError) as error:
+        rospy.logfatal("page: %s", error)
+        return 1
+    return 0
+
+
+class Parameters:
+    """Of the node. ValueError names the culprit."""
+
+    def __init__(self) -> None:
+        self.robot = str(rospy.get_param("~robot_name", "")).strip("/") or socket.gethostname()
+        self.port = _checked("port", PORT, int)
+        if not 1 <= self.port <= 65535:
+            raise ValueError(f"parameter ~port = {self.port} is no port: 1 to 65535")
+        self.address = _checked("address", ADDRESS, str)
+        self.base = _checked("base_station", False, bool)
+        self.base_frame = _checked("base_frame", "", str) or described_base_frame()
+        self.team_socket = _checked("team_socket", "", str)
+        start = _checked("start_pose", "", str).split()
+        try:
+            x, y, yaw = map(float, start or ("nan",) * 3)
+            self.start = Pose(x, y, yaw) if start else None
+        except ValueError:
+            raise ValueError(f"parameter ~start_pose = {' '.join(start)!r} is not x m, y m, yaw rad") from None
+
+
+def described_base_frame() -> str:
+    """Of the description that robot.launch leaves at the parameter server."""
+    with contextlib.suppress(yaml.YAMLError, KeyError, TypeError):
+        return str(yaml.safe_load(rospy.get_param("description"))["robot"]["frames"]["base"])
+    return "base_link"
+
+
+def _checked(name: str, default: Any, kind: type) -> Any:
+    value = rospy.get_param(f"~{name}", default)
+    if not isinstance(value, kind):
+        raise ValueError(f"parameter ~{name} = {value!r} is not of type {kind.__name__}")
+    return value
+
+
+def feed_team(feed: RobotFeed, robot: str, path: str) -> None:
+    """Tell the team's page everything until the node ends; look for it again when it is gone."""
+    while not rospy.is_shutdown():
+        with contextlib.suppress(OSError), contextlib.closing(FeedLink(path, robot)) as link:
+            _feed(feed, link)
+        time.sleep(RETRY)
+
+
+def _feed(feed: RobotFeed, link: FeedLink) -> None:
+    viewer = Viewer(feed.state)
+    while not rospy.is_shutdown():
+        for command in link.commands(PERIOD):
+            link.answer(feed.command(command))
+        feed.tick()
+        with feed.lock:
+            update = viewer.update(time.monotonic())
+            message = encoded(update) if update else b""
+        if message:
+            link.send(message)
+
+
+def serve(feed: RobotFeed, given: Parameters) -> None:
+    """The page of this robot alone, until the node ends."""
+    sockets = listening_sockets(given.port, given.address)
+    asyncio.run(_serve(feed, given.robot, sockets))
+
+
+async def _serve(feed: RobotFeed, robot: str, sockets: list[socket.socket]) -> None:
+    async def command(_robot: str, name: str) -> Answer:
+        return await asyncio.to_thread(feed.command, name)
+
+    shown = PageState()
+    server = PageServer(shown, robot, command)
+    server.add_sockets(sockets)
+    viewer = Viewer(feed.state)
+    gathering = threading.Thread(target=_gather, args=(feed,), daemon=True)
+    gathering.start()
+    while not rospy.is_shutdown():
+        with feed.lock:
+            update = viewer.update(time.monotonic())
+        if update is not None:
+            shown.apply(update)
+        await asyncio.sleep(PERIOD / 3.0)
+    server.close()
+
+
+def _gather(feed: RobotFeed) -> None:
+    while not rospy.is_shutdown():
+        feed.tick()
+        time.sleep(PERIOD)

@@ -1,0 +1,61 @@
+"""The status page of a simulated team, started by its runner: ``python3 -m mr_page.team_page --help``."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import signal
+import socket
+import sys
+
+from mr_page.feeds import FeedServer
+from mr_page.radio_switch import RadioSwitch
+from mr_page.server import ADDRESS, PORT, PageServer, listening_sockets, quiet_logs
+from mr_page.state import PageState
+
+
+def make_parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="team_page", description="Serves the status page of a team.")
+    parser.add_argument("--feeds", required=True, metavar="PATH", help="Unix socket for the robots' feeds")
+    parser.add_argument("--radio", default="", metavar="PATH", help="control socket of the radio daemon")
+    parser.add_argument("--title", default="Team", help="of the page")
+    parser.add_argument("--descriptor", type=int, help="listening socket to serve, in place of address and port")
+    parser.add_argument("--address", default=ADDRESS, help="to listen at (default: %(default)s)")
+    parser.add_argument("--port", type=int, default=PORT, help="default: %(default)s")
+    return parser
+
+
+async def serve(options: argparse.Namespace) -> None:
+    """Until SIGTERM or SIGINT."""
+    state = PageState()
+    radio = RadioSwitch(options.radio) if options.radio else None
+    feeds = FeedServer(state, options.feeds, radio)
+    server = PageServer(state, options.title, feeds.command)
+    if options.descriptor is not None:
+        given = socket.socket(fileno=options.descriptor)
+        given.setblocking(False)
+        server.add_sockets([given])
+    else:
+        server.add_sockets(listening_sockets(options.port, options.address))
+    end = asyncio.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        asyncio.get_running_loop().add_signal_handler(number, end.set)
+    await end.wait()
+    server.close()
+    feeds.close()
+
+
+def main() -> int:
+    quiet_logs()
+    try:
+        with contextlib.suppress(KeyboardInterrupt):
+            asyncio.run(serve(make_parser().parse_args()))
+    except OSError as error:
+        print(f"team_page: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

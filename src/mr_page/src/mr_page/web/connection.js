@@ -1,0 +1,57 @@
+// The web socket of a page: what the server tells (mr_page.update), and what is asked of it.
+
+const TILE_OCTETS = 1024;
+const RETRY = 1500; // ms
+
+/** {anew, robots, maps, tiles: [{robot, kind, row, column, octets}], rest} of a message. */
+export function decoded(buffer) {
+  const length = new DataView(buffer).getUint32(0);
+  const document = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  document.tiles = document.tiles.map(([robot, kind, row, column], i) => ({
+    robot, kind, row, column, octets: new Uint8Array(buffer, 4 + length + i * TILE_OCTETS, TILE_OCTETS),
+  }));
+  return document;
+}
+
+export class Connection {
+  /** `took(update)`; `answered({robot, command, done, text})`; `changed(connected)`. */
+  constructor({ took, answered, changed }) {
+    this._took = took;
+    this._answered = answered;
+    this._changed = changed;
+    this._socket = null;
+    this._maps = "[]";
+    this._open();
+  }
+
+  /** The maps that are looked at, [[robot, kind]]. */
+  lookAt(maps) {
+    const text = JSON.stringify(maps);
+    if (text === this._maps) return;
+    this._maps = text;
+    this._send(`{"maps":${text}}`);
+  }
+
+  order(robot, command) {
+    this._send(JSON.stringify({ robot, command }));
+  }
+
+  _send(text) {
+    if (this._socket.readyState === WebSocket.OPEN) this._socket.send(text);
+  }
+
+  _open() {
+    const place = window.location, socket = new WebSocket(`${place.protocol === "https:" ? "wss" : "ws"}://${place.host}/live`);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      this._changed(true);
+      this._send(`{"maps":${this._maps}}`);
+    };
+    socket.onmessage = ({ data }) => (typeof data === "string" ? this._answered(JSON.parse(data)) : this._took(decoded(data)));
+    socket.onclose = () => {
+      this._changed(false);
+      setTimeout(() => this._open(), RETRY);
+    };
+    this._socket = socket;
+  }
+}

@@ -1,0 +1,232 @@
+// What a running team tells, as a source of scenes. Values and streams are described in mr_page.watch and stream.
+
+import { placed } from "./layers.js";
+import { TiledMap } from "./tiled_map.js";
+
+export const TEAM = -1; // the view in which all maps lie where they are in the world
+const KEPT = { trail: 6000 }; // items of a stream; of the others
+const KEPT_OTHERS = 2500;
+const FLASH = 5; // s for which something that happens is to be seen
+const HERE = { x: 0, y: 0, yaw: 0 };
+
+/** One robot. `told`: it has a feed, so that more is known of it than others say. */
+class LiveRobot {
+  constructor(name, told) {
+    this.name = name;
+    this.told = told;
+    this.values = {};
+    this.streams = {};
+    this.maps = { local: new TiledMap(), global: new TiledMap() };
+    this.path = { x: [], y: [], run: 0 };
+  }
+
+  stream(name) {
+    return this.streams[name] ?? [];
+  }
+
+  take({ values = {}, streams = {} }) {
+    Object.assign(this.values, values);
+    for (const [name, [, items]] of Object.entries(streams)) {
+      const kept = (this.streams[name] ??= []), most = KEPT[name] ?? KEPT_OTHERS;
+      kept.push(...items);
+      if (kept.length > 1.2 * most) kept.splice(0, kept.length - most);
+      if (name === "trail") this._extendPath(items, kept);
+    }
+  }
+
+  _extendPath(items, kept) {
+    const { path } = this;
+    for (const [x, y] of items) {
+      path.x.push(x);
+      path.y.push(y);
+    }
+    if (path.x.length > kept.length) {
+      Object.assign(path, { x: kept.map((point) => point[0]), y: kept.map((point) => point[1]), run: path.run + 1 });
+    }
+  }
+
+  get stage() {
+    const { lost, decision, state } = this.values;
+    if (!this.told) return "–";
+    if (lost) return "no news";
+    return decision?.paused ? "paused" : state?.state ?? "–";
+  }
+
+  /** Whether it has a body; a base station has none. */
+  get hasBody() {
+    return !this.values.about?.base;
+  }
+
+  /** Pose in its own map frame, null while it is not known. */
+  get pose() {
+    const { pose, lost } = this.values;
+    return pose ? { x: pose[0], y: pose[1], yaw: pose[2], silent: Boolean(lost) } : null;
+  }
+
+  /** Where it believes that the map frame of another robot lies in its own. */
+  placeOf(other) {
+    if (other === this.name) return HERE;
+    const found = this.values.merger?.robots.find(({ robot, placed: known }) => robot === other && known);
+    return found ? pose(found.pose) : null;
+  }
+}
+
+const pose = ([x, y, yaw]) => ({ x, y, yaw });
+
+export class Live {
+  constructor(theme) {
+    this.robots = []; // by name
+    this._theme = theme;
+    this._version = 0;
+  }
+
+  apply(update) {
+    for (const name of update.anew) this.robots = this.robots.filter((robot) => robot.name !== name);
+    for (const name of update.anew) this._add(name, true);
+    for (const [name, changes] of Object.entries(update.robots)) this._find(name).take(changes);
+    for (const [name, kind, ...lattice] of update.maps) this._find(name).maps[kind].restart(...lattice);
+    for (const { robot, kind, row, column, octets } of update.tiles) this._find(robot).maps[kind].set(row, column, octets);
+    this._addPeers();
+    this._version++;
+  }
+
+  /** Whether it is known where the maps of all lie in the world. */
+  get hasTeamView() {
+    return this.robots.some((robot) => robot.values.about?.start);
+  }
+
+  get now() {
+    return Math.max(0, ...this.robots.map((robot) => robot.values.time ?? 0));
+  }
+
+  /** When it began, s. */
+  get begin() {
+    const times = this.robots.map((robot) => robot.values.begin).filter((time) => time !== undefined);
+    return times.length ? Math.min(...times) : 0;
+  }
+
+  number(name) {
+    return this.robots.findIndex((robot) => robot.name === name);
+  }
+
+  /** [robot, kind] of the maps that a view shows. */
+  mapsOf(view) {
+    const told = this.robots.filter((robot) => robot.told);
+    if (view === TEAM) return told.map(({ name }) => [name, "local"]);
+    const shown = this.robots[view];
+    return shown?.told ? [[shown.name, "global"], ...told.map(({ name }) => [name, "local"])] : [];
+  }
+
+  /** `show`: {merged, own}: which maps. */
+  scene(view, show) {
+    const places = this.robots.map((robot) => this._place(view, robot)), now = this.now;
+    return {
+      view,
+      bounds: this._bounds(view, places),
+      walls: null,
+      maps: () => this._maps(view, places, show),
+      mapsKey: JSON.stringify([view, show, places, this.robots.map(({ maps }) => [maps.local.version, maps.global.version])]),
+      robots: this.robots.map((robot, i) => this._robot(robot, places[i], view, now)),
+      links: this.links(),
+      merges: this._merges(now),
+    };
+  }
+
+  /** Radio links {a, b, both, loss: the worse of both directions}, a < b by their numbers. */
+  links() {
+    const found = new Map();
+    this.robots.forEach((robot, from) => {
+      for (const link of robot.values.lost ? [] : robot.values.network?.links ?? []) {
+        const to = this.number(link.robot), pair = `${Math.min(from, to)} ${Math.max(from, to)}`, other = found.get(pair);
+        if (to < 0) continue;
+        const loss = Math.max(link.loss, other?.loss ?? 0);
+        found.set(pair, { a: Math.min(from, to), b: Math.max(from, to), both: link.two_way || Boolean(other?.both), loss });
+      }
+    });
+    return [...found.values()];
+  }
+
+  _find(name) {
+    return this.robots.find((robot) => robot.name === name) ?? this._add(name, true);
+  }
+
+  _add(name, told) {
+    const before = this.robots.find((robot) => robot.name === name);
+    if (before) return Object.assign(before, { told: before.told || told });
+    const robot = new LiveRobot(name, told);
+    this.robots.push(robot);
+    this.robots.sort((a, b) => a.name.localeCompare(b.name, "en", { numeric: true }));
+    return robot;
+  }
+
+  /** Robots of which only others tell. */
+  _addPeers() {
+    for (const { values } of [...this.robots]) {
+      for (const { robot } of values.merger?.robots ?? []) this._add(robot, false);
+      for (const name of values.network?.robots ?? []) this._add(name, false);
+    }
+  }
+
+  /** The map frame of a robot in the frame of a view, null where it is not known. */
+  _place(view, robot) {
+    if (view !== TEAM) return this.robots[view]?.placeOf(robot.name) ?? null;
+    const start = robot.values.about?.start;
+    return start ? pose(start) : null;
+  }
+
+  _robot(robot, place, view, now) {
+    const own = robot.pose, peer = this.robots[view]?.values.peers?.[robot.name];
+    const entry = { name: robot.name, pose: null, path: null, goal: null, radioOff: Boolean(robot.values.radio_off) };
+    if (!robot.told || !place) return peer ? { ...entry, pose: { x: peer[0], y: peer[1], yaw: null, silent: false } } : entry;
+    const at = ([x, y]) => placed(place, x, y), { decision, plan, frontiers, clusters } = robot.values;
+    const key = [robot.path.run, place.x, place.y, place.yaw].join(" "), goal = decision?.goal ? at(decision.goal) : null;
+    const [x, y] = own ? at([own.x, own.y]) : [];
+    return {
+      ...entry,
+      pose: own && { x, y, yaw: place.yaw + own.yaw, silent: own.silent },
+      path: { x: robot.path.x, y: robot.path.y, count: robot.path.x.length, place, key },
+      goal: goal && { x: goal[0], y: goal[1] },
+      plan: goal && plan?.map(at),
+      frontiers: frontiers?.map(at),
+      clusters: clusters?.map((cluster) => cluster.map(at)),
+      auctions: robot.stream("choices").slice(-3)
+        .map(([time]) => ({ age: (now - time) / FLASH, text: "" })).filter(({ age }) => age >= 0 && age <= 1),
+    };
+  }
+
+  _merges(now) {
+    return this.robots.flatMap((robot, a) => robot.stream("events").slice(-20)
+      .filter(([time, kind]) => now - time <= FLASH && now >= time && (kind === "placed" || kind === "revoked"))
+      .map(([time, kind, , other]) => ({ a, b: this.number(other), kind, age: (now - time) / FLASH })));
+  }
+
+  _maps(view, places, show) {
+    const found = [], add = (i, kind, tinted) => {
+      const picture = this.robots[i].maps[kind].picture(this._theme.mapColours(i, tinted), places[i]);
+      if (picture) found.push(picture);
+    };
+    if (view !== TEAM && show.merged && places[view]) add(view, "global", false);
+    if (show.own) this.robots.forEach((robot, i) => robot.told && places[i] && add(i, "local", true));
+    return found;
+  }
+
+  /** Of all that is known in a view, with a margin. */
+  _bounds(view, places) {
+    const points = [];
+    this.robots.forEach((robot, i) => {
+      if (!places[i]) return;
+      for (const map of [robot.maps.local, ...(i === view ? [robot.maps.global] : [])]) points.push(...corners(map, places[i]));
+      if (robot.pose) points.push(placed(places[i], robot.pose.x, robot.pose.y));
+    });
+    if (!points.length) return [-5, -5, 5, 5];
+    const margin = 0.6, x = points.map((point) => point[0]), y = points.map((point) => point[1]);
+    return [Math.min(...x) - margin, Math.min(...y) - margin, Math.max(...x) + margin, Math.max(...y) + margin];
+  }
+}
+
+function corners(map, place) {
+  const { box } = map;
+  if (!box) return [];
+  const corner = map.corner(place), [left, bottom, right, top] = box;
+  return [[left, bottom], [right, bottom], [right, top], [left, top]].map(([x, y]) => placed(corner, x, y));
+}

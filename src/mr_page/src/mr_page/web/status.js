@@ -1,0 +1,142 @@
+// The page of a running robot or team.
+
+import { CommandBar } from "./commands.js";
+import { Connection } from "./connection.js";
+import { byId, bytes, clock, setName, setText } from "./dom.js";
+import { Live, TEAM } from "./live.js";
+import { MapView } from "./map_view.js";
+import { AreaPanel, ChoicePanel, LogPanel, PlacePanel, RadioPanel, Tabs } from "./panels.js";
+import { RobotTable } from "./robot_table.js";
+import { Theme } from "./theme.js";
+import { TimeLine } from "./time_line.js";
+
+const LAYERS = {
+  merged: "merged map", own: "robots' own maps", paths: "paths", frontiers: "frontiers", clusters: "clusters",
+  goals: "goals", links: "radio links", names: "names",
+};
+const COLUMNS = [
+  { title: "State" }, { title: "Driven" }, { title: "Knows", hint: "Area in its global map" },
+  { title: "Left", hint: "Frontiers and clusters" }, { title: "Sent" }, { title: "Links", hint: "Radio neighbours" },
+  { title: "Placed", hint: "Robots whose maps it has placed, of those that it has heard of" },
+];
+
+// For measurements: updates that came, and when (ms) the maps in view were there for the first time.
+window.page = { updates: 0, mapsAt: null };
+
+let view = null; // number of the robot whose map is shown, TEAM, or null until there is one
+let chosen = null; // name of that robot, empty for the team; null until somebody has chosen
+let connected = false;
+const theme = new Theme(() => redraw());
+const live = new Live(theme);
+const map = new MapView(theme, LAYERS, () => redraw());
+const marks = new TimeLine(theme, null);
+const table = new RobotTable(theme, COLUMNS, (index) => choose(view === index && live.hasTeamView ? "" : live.robots[index].name));
+const log = new LogPanel();
+const tabs = new Tabs([new AreaPanel(theme), new ChoicePanel(theme), new PlacePanel(theme), new RadioPanel(theme), log]);
+const connection = new Connection({
+  took: (update) => {
+    live.apply(update);
+    window.page.updates++;
+    if (update.tiles.length && !update.rest) window.page.mapsAt ??= performance.now();
+    redraw();
+  },
+  answered: (answer) => commands.answered(answer),
+  changed: (now) => { connected = now; redraw(); },
+});
+const commands = new CommandBar((robot, command) => connection.order(robot, command));
+
+/** The robots that can be looked at as the options of the list of views, and the view that is chosen. */
+function findView() {
+  const names = live.robots.filter((robot) => robot.told).map((robot) => robot.name);
+  const options = [...(live.hasTeamView ? [["the team", ""]] : []), ...names.map((name) => [name, name])];
+  const select = byId("view"), key = JSON.stringify(options);
+  if (select.dataset.key !== key) {
+    select.dataset.key = key;
+    select.replaceChildren(...options.map(([text, value]) => new Option(text, value)));
+  }
+  const wanted = options.find(([, value]) => value === chosen) ?? options[0];
+  view = !wanted ? null : wanted[1] === "" ? TEAM : live.number(wanted[1]);
+  if (wanted) select.value = wanted[1];
+}
+
+function choose(name) {
+  chosen = name;
+  commands.choose(name);
+  redraw();
+}
+
+let waiting = false;
+function redraw() {
+  if (waiting) return;
+  waiting = true;
+  requestAnimationFrame(() => { waiting = false; frame(); });
+}
+
+function frame() {
+  findView();
+  fillHead();
+  if (view === null) return;
+  connection.lookAt(live.mapsOf(view));
+  describeMaps();
+  map.draw(live.scene(view, map.show));
+  fillTable();
+  tabs.fill(live, view);
+  const span = { begin: live.begin, end: Math.max(live.now, live.begin + 10), now: live.now };
+  marks.draw(span, log.events, live.robots.map((robot) => robot.stream("choices").map(([time]) => time)));
+  commands.fill(live.robots);
+}
+
+function fillHead() {
+  const told = live.robots.filter((robot) => robot.told && robot.hasBody), stages = told.map((robot) => robot.stage);
+  const finished = told.filter(({ values }) => values.state?.finished).length;
+  const badge = !connected ? "no connection" : !told.length ? "waiting for robots" : finished === told.length ? "finished" : "";
+  const stage = badge || ["exploring", "returning", "waiting", "paused", "starting"].find((one) => stages.includes(one)) || "–";
+  setText(byId("status"), stage);
+  setName(byId("status"), `badge ${connected ? { finished: "finished", exploring: "exploring" }[stage] ?? "" : "failed"}`);
+  setText(byId("clock"), clock(live.now - live.begin));
+  const texts = told.length === 1 ? [told[0].values.state?.text, told[0].values.decision?.ended_by] : [];
+  const rest = Math.max(...told.map(({ values }) => values.decision?.rest ?? -1));
+  setText(byId("reason"), [...texts, rest > 0 ? `about ${clock(rest)} left` : ""].filter(Boolean).join(" · "));
+  setText(byId("summary"), told.length > 1 ? `${finished} of ${told.length} finished` : "");
+}
+
+function describeMaps() {
+  map.offer("merged", view !== TEAM);
+  const shown = live.robots[view], lost = view === TEAM ? [] : live.robots.filter(({ name }) => !shown.placeOf(name));
+  const missing = lost.length ? `; not placed: ${lost.map(({ name }) => name).join(", ")}` : "";
+  const text = view === TEAM ? "The robots' own maps, each where it began" : `The map of ${shown.name}, and what each robot saw of it`;
+  setText(byId("source"), text + missing);
+}
+
+function fillTable() {
+  const links = live.links();
+  table.fill(live.robots.map((robot, index) => {
+    const { values } = robot, others = values.merger?.robots.filter((other) => other.robot !== robot.name);
+    const linked = links.filter(({ a, b }) => a === index || b === index).length;
+    return {
+      name: robot.name,
+      texts: [
+        robot.stage,
+        values.driven === undefined ? "–" : `${values.driven.toFixed(0)} m`,
+        values.decision?.area === undefined ? "–" : `${values.decision.area.toFixed(0)} m²`,
+        values.state ? `${values.state.frontiers}/${values.state.clusters}` : "–",
+        values.network ? bytes(values.network.bytes_sent) : "–",
+        String(linked),
+        others ? `${others.filter(({ placed }) => placed).length}/${others.length}` : "–",
+      ],
+      hint: values.state?.text ?? `${robot.name} is known from others`,
+      pale: !robot.told || Boolean(values.lost),
+    };
+  }), view);
+}
+
+const KEYS = { "+": () => map.camera.zoom(1.4), "-": () => map.camera.zoom(1 / 1.4), "0": () => map.camera.showAll() };
+
+document.addEventListener("keydown", (event) => {
+  const busy = event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === "SELECT";
+  if (!busy && KEYS[event.key]) KEYS[event.key]();
+});
+byId("view").addEventListener("change", (event) => choose(event.target.value));
+byId("theme").addEventListener("click", () => theme.apply(!theme.dark));
+new ResizeObserver(() => redraw()).observe(document.body);
+redraw();

@@ -1,0 +1,109 @@
+"""The page of eight robots on 2000 x 2000 cells in a real browser: it is clicked through."""
+
+import asyncio
+import os
+
+import pytest
+
+from mr_page.browser import browser, program
+from mr_page.played_team import played_team
+
+if program() is None and not os.environ.get("REQUIRE_BROWSER"):
+    pytest.skip("no headless Chromium: run tools/install_dependencies browser", allow_module_level=True)
+
+# Share of the map's canvas on which something is drawn.
+DRAWN = """(() => { const c = document.getElementById('map'); let drawn = 0;
+  const data = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+  for (let i = 3; i < data.length; i += 4) if (data[i]) drawn++;
+  return 4 * drawn / data.length; })()"""
+
+
+@pytest.fixture(scope="module")
+def team():
+    with played_team(explored=300.0) as played:
+        yield played
+
+
+def text(selector):
+    return f"document.querySelector('{selector}').textContent"
+
+
+def test_the_page_is_clicked_through(team):
+    async def run():
+        async with browser() as one:
+            tab = await one.open(f"http://localhost:{team.port}/", 1300, 850)
+            await tab.wait_for("window.page.mapsAt && document.querySelectorAll('#robots tr').length === 8")
+            assert await tab.run("performance.getEntriesByName('first-contentful-paint')[0].startTime") < 1000
+            assert await tab.run(DRAWN) > 0.3
+            assert await tab.run(text("#status")) == "exploring"
+            await views(tab)
+            await panels(tab)
+            await orders(tab)
+            await looks(tab)
+            assert tab.errors == []
+
+    asyncio.run(run())
+
+
+async def views(tab):
+    await tab.click("#robots tr:nth-child(3)")
+    await tab.wait_for(f"{text('#source')}.startsWith('The map of robot_2')")
+    assert "not placed: robot_7" in await tab.run(text("#source"))
+    await tab.click("#robots tr:nth-child(3)")
+    await tab.wait_for(f"{text('#source')}.includes('own maps')")
+
+
+async def panels(tab):
+    shown = "[...document.querySelectorAll('#panels > *')].find((e) => !e.hidden).textContent"
+    for name, part in (
+        ("choices", "the lowest of 4 clusters"), ("places", "not placed: no wall in common yet"),
+        ("radio", "mc_robot_3"), ("log", "robot_0 placed robot_1"), ("area", "Known area"),
+    ):  # fmt: skip
+        await tab.click(f"#tab-{name}")
+        await tab.wait_for(f"({shown}).includes('{part}')")
+
+
+async def orders(tab):
+    await tab.click("#robots tr:nth-child(1)")
+    await tab.wait_for("document.querySelector('#commands select').value === 'robot_0'")
+    await tab.click("#command-go_home")  # synthetic robot_0 has no such service
+    assert await tab.run(text("#answer")) == "robot_0 offers no service explorer/go_home"
+    await tab.click("#command-start")
+    assert await tab.run(text("#answer")) == "robot_0 has begun already"
+    await tab.click("#command-pause")
+    await tab.wait_for(f"{text('#answer')} === 'robot_0: paused'")
+    await tab.wait_for(f"{text('#robots tr:nth-child(1) td:nth-child(2)')} === 'paused'")
+    await tab.click("#command-radio_off")  # there is no radio daemon here
+    await tab.wait_for(f"{text('#answer')}.includes('radio daemon does not answer')")
+    await tab.click("#command-resume")
+    await tab.wait_for(f"{text('#robots tr:nth-child(1) td:nth-child(2)')} === 'exploring'")
+
+
+async def looks(tab):
+    """Layers, zoom and theme change the picture."""
+    await tab.click("#theme")
+    assert await tab.run("document.documentElement.dataset.theme") == "dark"
+    before = await tab.run(text("#scale"))
+    for _ in range(3):
+        await tab.click("#closer")
+    await tab.wait_for(f"{text('#scale')} !== '{before}'")
+    await tab.click("#fit")
+    await tab.wait_for(f"{text('#scale')} === '{before}'")
+    for box in await tab.run("[...document.querySelectorAll('#layers label:not([hidden])')].map((e, i) => i)"):
+        await tab.run(f"document.querySelectorAll('#layers label:not([hidden]) input')[{box}].click()")
+    await tab.wait_for(f"{DRAWN} < 0.05")
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_a_phone_shows_everything_in_its_width(team, dark):
+    async def run():
+        async with browser() as one:
+            tab = await one.open(f"http://localhost:{team.port}/", 390, 844, dark=dark, mobile=True)
+            await tab.wait_for("window.page.mapsAt && document.querySelectorAll('#robots tr').length === 8")
+            for name in ("area", "choices", "places", "radio", "log"):
+                await tab.click(f"#tab-{name}")
+                assert await tab.run("document.documentElement.scrollWidth") <= 390, name
+            assert await tab.run("document.documentElement.dataset.theme") == ("dark" if dark else "light")
+            assert tab.errors == []
+
+    asyncio.run(run())

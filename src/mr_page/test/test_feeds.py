@@ -1,0 +1,140 @@
+"""Feeds of a team: updates go up, commands go down, robots come and go; radios are switched."""
+
+import asyncio
+import socket
+import threading
+
+import numpy as np
+import pytest
+
+from mr_grid import OccupancyGrid
+from mr_page.commands import Answer
+from mr_page.feeds import FeedLink, FeedServer
+from mr_page.radio_switch import RadioSwitch
+from mr_page.state import PageState
+from mr_page.update import Update, encoded
+from mr_page.viewer import Viewer
+
+PATIENCE = 5.0  # s
+
+
+async def until(condition):
+    end = asyncio.get_running_loop().time() + PATIENCE
+    while not condition():
+        assert asyncio.get_running_loop().time() < end, "it does not come"
+        await asyncio.sleep(0.005)
+
+
+def told(state):
+    update = Viewer(state).update(0.0)
+    assert update is not None
+    return encoded(update)
+
+
+def robot_state(name, **values):
+    state = PageState()
+    for key, value in values.items():
+        state.put(name, key, value)
+    return state
+
+
+def test_what_feeds_tell_is_there(tmp_path):
+    async def run():
+        state = PageState()
+        server = FeedServer(state, str(tmp_path / "feeds"))
+        mine = robot_state("a", pose=[1.0, 2.0, 0.0])
+        mine.map("a", "local").take(OccupancyGrid.of(np.zeros((70, 70), dtype=np.int8), 0.05))
+        link = FeedLink(str(tmp_path / "feeds"), "a")
+        link.send(told(mine))
+        await until(lambda: state.get("a", "pose") and len(state.map("a", "local")) == 4)
+        assert state.get("a", "lost") is False
+        link.close()
+        await until(lambda: state.get("a", "lost"))
+        again = FeedLink(str(tmp_path / "feeds"), "a")
+        again.send(told(robot_state("a", x=1)))
+        await until(lambda: state.get("a", "x") == 1)
+        assert state.get("a", "pose") is None and state.get("a", "lost") is False
+        again.close()
+        server.close()
+
+    asyncio.run(run())
+
+
+def test_commands_reach_the_robot_and_answers_come_back(tmp_path):
+    async def run():
+        server = FeedServer(PageState(), str(tmp_path / "feeds"))
+        assert "does not feed this page" in (await server.command("a", "pause")).text
+        link = FeedLink(str(tmp_path / "feeds"), "a")
+
+        def robot():
+            got = []
+            while len(got) < 2:
+                for command in link.commands(PATIENCE):
+                    got.append(command)
+                    link.answer(Answer(command == "pause", f"{command} it is"))
+
+        thread = threading.Thread(target=robot)
+        thread.start()
+        await until(lambda: server._feeds)
+        answers = await asyncio.gather(server.command("a", "pause"), server.command("a", "stop"))
+        assert answers == [(True, "pause it is"), (False, "stop it is")]
+        await asyncio.to_thread(thread.join)
+        waiting = asyncio.ensure_future(server.command("a", "pause"))
+        await asyncio.sleep(0)
+        link.close()
+        assert "gone" in (await waiting).text
+        server.close()
+
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize("message", [b"nonsense", b"{", encoded(Update()), told(robot_state("b", x=1))])
+def test_a_feed_that_tells_nonsense_or_of_others_is_closed(tmp_path, message):
+    async def run():
+        state = PageState()
+        server = FeedServer(state, str(tmp_path / "feeds"))
+        link = FeedLink(str(tmp_path / "feeds"), "a")
+        link.send(message)
+        if message == encoded(Update()):  # nothing new is no nonsense
+            link.send(told(robot_state("a", x=1)))
+            await until(lambda: state.get("a", "x") == 1)
+        else:
+            await until(lambda: state.get("a", "lost"))
+        assert "b" not in state.robots
+        server.close()
+
+    asyncio.run(run())
+
+
+def test_radios_are_switched(tmp_path):
+    path = str(tmp_path / "radio")
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as daemon:
+        daemon.bind(path)
+        daemon.listen()
+
+        async def run():
+            state = PageState()
+            server = FeedServer(state, str(tmp_path / "feeds"), RadioSwitch(path))
+            link = FeedLink(str(tmp_path / "feeds"), "robot_1")
+            await until(lambda: state.get("robot_1", "switchable"))
+            answer = await server.command("robot_1", "radio_off")
+            assert answer == (True, "radio of robot_1 off") and state.get("robot_1", "radio_off") is True
+            link.close()
+            server.close()
+
+        asyncio.run(run())
+        connection, _ = daemon.accept()
+        with connection:
+            assert connection.recv(100) == b"down robot_1\n"
+
+
+def test_radios_that_cannot_be_switched(tmp_path):
+    assert not RadioSwitch(str(tmp_path / "none")).switch("robot_1", "radio_off").done
+    assert "no name of a robot" in RadioSwitch("x").switch("robot_1\nrange 3", "radio_off").text
+
+    async def run():
+        server = FeedServer(PageState(), str(tmp_path / "feeds"))
+        assert "only radios of simulated robots" in (await server.command("a", "radio_off")).text
+        server.close()
+
+    asyncio.run(run())

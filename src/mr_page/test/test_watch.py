@@ -1,0 +1,91 @@
+"""What becomes of what a robot tells."""
+
+import pytest
+from made_messages import decision, exploration, merger, network
+
+from mr_grid import Pose
+from mr_page.state import PageState
+from mr_page.watch import LOG_LINES, POINTS, RobotWatch
+
+
+@pytest.fixture
+def state():
+    return PageState()
+
+
+@pytest.fixture
+def watch(state):
+    return RobotWatch(state, "robot_0")
+
+
+def items(state, stream):
+    return state.stream("robot_0", stream).since(0)[1]
+
+
+def test_trail_and_way(state, watch):
+    for step in range(11):
+        watch.pose(Pose(0.04 * step, 0.0, 1.0))
+    assert items(state, "trail") == [[0.0, 0.0], [0.12, 0.0], [0.24, 0.0], [0.36, 0.0]]
+    assert state.get("robot_0", "driven") == pytest.approx(0.4, abs=0.05)
+    watch.pose(None)
+    assert state.get("robot_0", "pose") is None
+
+
+def test_a_choice_is_a_goal_that_is_another(state, watch):
+    watch.decision(decision(goal=[3.0, 4.0]), 1.0)
+    watch.decision(decision(goal=[3.2, 4.0]), 2.0)  # follows its frontier
+    watch.decision(decision(goal=[9.0, 4.0], reason="near"), 3.0)
+    watch.decision(decision(goal=None), 4.0)
+    watch.decision(decision(goal=[9.0, 4.0]), 5.0)
+    assert [(item[0], item[1], item[3]) for item in items(state, "choices")] == [
+        (1.0, 3.0, "bid 7.2 m, the lowest of 4 clusters"), (3.0, 9.0, "near"),
+        (5.0, 9.0, "bid 7.2 m, the lowest of 4 clusters"),
+    ]  # fmt: skip
+
+
+def test_places_found_and_given_up_are_events(state, watch):
+    watch.merger(merger(robot_0=True, robot_1=False), 1.0)
+    watch.merger(merger(robot_0=True, robot_1=True), 2.0)
+    watch.merger(merger(robot_0=True, robot_1=True), 3.0)
+    watch.merger(merger(robot_0=True, robot_1=False), 4.0)
+    assert items(state, "events") == [
+        [2.0, "placed", "robot_0 placed robot_1: because of robot_1", "robot_1"],
+        [4.0, "revoked", "robot_0 gave up the place of robot_1: because of robot_1", "robot_1"],
+    ]
+
+
+def test_traffic_is_per_second_and_survives_a_radio_that_begins_anew(state, watch):
+    watch.network(network(1000, 500), 1.0)
+    watch.network(network(3000, 500), 2.0)
+    watch.network(network(10, 20), 4.0)
+    assert items(state, "traffic") == [[2.0, 2000, 0], [4.0, 0, 0]]
+
+
+def test_links_that_come_and_go_are_events(state, watch):
+    for now, links in ((1.0, ["b"]), (2.0, ["b", "c"]), (3.0, ["c"])):
+        watch.network(network(links=links), now)
+    assert [item[2] for item in items(state, "events")] == ["robot_0 hears c", "robot_0 does not hear b any more"]
+
+
+def test_the_mission_begins_when_the_robot_does(state, watch):
+    watch.time(5.0)
+    watch.exploration(exploration("starting"), 50.0)
+    watch.exploration(exploration("exploring"), 51.0)
+    watch.exploration(exploration("exploring"), 52.0)
+    assert state.get("robot_0", "begin") == 50.0
+    assert items(state, "events") == [[51.0, "exploring", "robot_0: exploring", ""]]
+
+
+def test_logs_are_held_back(state, watch):
+    for number in range(100):
+        watch.log("warning", "/slam", f"line {number}", 3.0)
+    assert len(items(state, "log")) == LOG_LINES
+    for number in range(100):
+        watch.log("error", "/slam", "again and again", 10.0 + 0.1 * number)
+    assert len(items(state, "log")) == LOG_LINES + 1
+
+
+def test_points_are_thinned(state, watch):
+    watch.points("frontiers", [(0.1 * i, 0.0) for i in range(5000)])
+    watch.points("plan", [])
+    assert 0.5 * POINTS < len(state.get("robot_0", "frontiers")) <= POINTS and state.get("robot_0", "plan") == []
