@@ -19,8 +19,6 @@ from adhoc_communication.msg import (
 from geometry_msgs.msg import Point, PointStamped, Quaternion
 from move_base_msgs.msg import MoveBaseGoal
 from nav_msgs.msg import GridCells, OccupancyGrid
-from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker, MarkerArray
 
 from explorer.errors import MapError
 from explorer.foreign import Element, Key, rigid_transform
@@ -40,7 +38,6 @@ from explorer.status import Picture, Status
 from mr_grid import GridError, Pose
 from mr_grid.ros import grid_value
 
-COLOURS: Sequence[Tuple[float, float, float]] = ((0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1))
 CLUSTER_CELL = 0.5
 MOST_UNITS = 1000  # larger numbers of a unit are no units
 
@@ -233,29 +230,6 @@ def status_to(report: Report, frame: str) -> ExplorationStatus:
     )
     message.header.frame_id = frame
     return message
-
-
-def frontier_markers(picture: Picture, frame: str, stamp: rospy.Time, visited: bool) -> MarkerArray:
-    """Spheres of 0.2 m in namespace my_namespace, one list per robot: own red, the others by number."""
-    lists = [(0, (1.0, 0.0, 0.0), picture.visited if visited else picture.own)]
-    if not visited:
-        for number, (robot, places) in enumerate(picture.others.items()):
-            lists.append((number + 1, COLOURS[number_of(robot) % len(COLOURS) - 1], places))
-    return MarkerArray([_spheres(number, colour, points, frame, stamp) for number, colour, points in lists])
-
-
-def _spheres(
-    number: int, colour: Sequence[float], points: Sequence[Tuple[float, float]], frame: str, stamp: rospy.Time
-) -> Marker:
-    marker = Marker(ns="my_namespace", id=number, type=Marker.SPHERE_LIST, action=Marker.ADD)
-    marker.header.frame_id, marker.header.stamp = frame, stamp
-    marker.pose.orientation.w = 1.0
-    marker.scale.x = marker.scale.y = marker.scale.z = 0.2
-    marker.color = ColorRGBA(colour[0], colour[1], colour[2], 1.0)
-    marker.points = [Point(x, y, 0.0) for x, y in points]
-    if not points:
-        marker.action = Marker.DELETE
-    return marker
 
 
 def cluster_grids(picture: Picture, count: int, frame: str, stamp: rospy.Time) -> List[GridCells]:

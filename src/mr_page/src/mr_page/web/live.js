@@ -6,6 +6,7 @@ import { TiledMap } from "./tiled_map.js";
 export const TEAM = -1; // the view in which all maps lie where they are in the world
 const KEPT = { trail: 6000 }; // items of a stream; of the others
 const KEPT_OTHERS = 2500;
+const OTHER_CLOCK = 3600; // s between two clocks that are not the same
 const FLASH = 5; // s for which something that happens is to be seen
 const HERE = { x: 0, y: 0, yaw: 0 };
 
@@ -15,19 +16,38 @@ class LiveRobot {
     this.name = name;
     this.told = told;
     this.values = {};
-    this.streams = {};
+    this.shift = 0; // s that its clock is ahead of the team's
+    this._streams = {};
+    this._ends = {}; // number of the next item of each
     this.maps = { local: new TiledMap(), global: new TiledMap() };
     this.path = { x: [], y: [], run: 0 };
   }
 
+  /** Newest last; their times are those of the team's clock. */
   stream(name) {
-    return this.streams[name] ?? [];
+    const items = this._streams[name] ?? [];
+    return this.shift && name !== "trail" ? items.map(([time, ...rest]) => [time - this.shift, ...rest]) : items;
+  }
+
+  /** The items behind number `from` that are still there, and the number for the next call. */
+  since(name, from) {
+    const end = this._ends[name] ?? 0;
+    return { items: end > from ? this.stream(name).slice(from - end) : [], end };
+  }
+
+  get time() {
+    return this.values.time === undefined ? undefined : this.values.time - this.shift;
+  }
+
+  get begin() {
+    return this.values.begin === undefined ? undefined : this.values.begin - this.shift;
   }
 
   take({ values = {}, streams = {} }) {
     Object.assign(this.values, values);
-    for (const [name, [, items]] of Object.entries(streams)) {
-      const kept = (this.streams[name] ??= []), most = KEPT[name] ?? KEPT_OTHERS;
+    for (const [name, [first, items]] of Object.entries(streams)) {
+      this._ends[name] = first + items.length;
+      const kept = (this._streams[name] ??= []), most = KEPT[name] ?? KEPT_OTHERS;
       kept.push(...items);
       if (kept.length > 1.2 * most) kept.splice(0, kept.length - most);
       if (name === "trail") this._extendPath(items, kept);
@@ -77,7 +97,6 @@ export class Live {
   constructor(theme) {
     this.robots = []; // by name
     this._theme = theme;
-    this._version = 0;
   }
 
   apply(update) {
@@ -87,7 +106,7 @@ export class Live {
     for (const [name, kind, ...lattice] of update.maps) this._find(name).maps[kind].restart(...lattice);
     for (const { robot, kind, row, column, octets } of update.tiles) this._find(robot).maps[kind].set(row, column, octets);
     this._addPeers();
-    this._version++;
+    this._findShifts();
   }
 
   /** Whether it is known where the maps of all lie in the world. */
@@ -96,12 +115,12 @@ export class Live {
   }
 
   get now() {
-    return Math.max(0, ...this.robots.map((robot) => robot.values.time ?? 0));
+    return Math.max(0, ...this.robots.map((robot) => robot.time ?? 0));
   }
 
   /** When it began, s. */
   get begin() {
-    const times = this.robots.map((robot) => robot.values.begin).filter((time) => time !== undefined);
+    const times = this.robots.map((robot) => robot.begin).filter((time) => time !== undefined);
     return times.length ? Math.min(...times) : 0;
   }
 
@@ -147,7 +166,7 @@ export class Live {
   }
 
   _find(name) {
-    return this.robots.find((robot) => robot.name === name) ?? this._add(name, true);
+    return this._add(name, true);
   }
 
   _add(name, told) {
@@ -164,6 +183,15 @@ export class Live {
     for (const { values } of [...this.robots]) {
       for (const { robot } of values.merger?.robots ?? []) this._add(robot, false);
       for (const name of values.network?.robots ?? []) this._add(name, false);
+    }
+  }
+
+  /** A base station of a simulated team has no simulated time, for example. */
+  _findShifts() {
+    const time = this.robots.find((robot) => robot.hasBody && robot.values.time !== undefined)?.values.time;
+    for (const robot of this.robots) {
+      const ahead = (robot.values.time ?? time) - time;
+      robot.shift = Math.abs(ahead) > OTHER_CLOCK ? ahead : 0;
     }
   }
 

@@ -252,18 +252,14 @@ export class LogPanel {
     list.scrollTop = list.scrollHeight;
   }
 
-  /** What a robot has told since the last time; streams only grow at their end. */
+  /** What a robot has told since the last time. */
   _fresh(live, robot) {
-    const index = live.number(robot.name), last = this._seen.get(robot) ?? { events: null, log: null };
-    const since = (name) => {
-      const items = robot.stream(name), from = last[name] ? items.lastIndexOf(last[name]) + 1 : 0;
-      last[name] = items.at(-1) ?? last[name];
-      return items.slice(from);
-    };
-    this._seen.set(robot, last);
+    const index = live.number(robot.name), last = this._seen.get(robot) ?? { events: 0, log: 0 };
+    const events = robot.since("events", last.events), log = robot.since("log", last.log);
+    this._seen.set(robot, { events: events.end, log: log.end });
     return [
-      ...since("events").map(([at, kind, text]) => ({ at, robot: index, kind, text })),
-      ...since("log").map(([at, kind, node, text]) => ({ at, robot: index, kind, text: `${robot.name} ${node}: ${text}` })),
+      ...events.items.map(([at, kind, text]) => ({ at, robot: index, kind, text })),
+      ...log.items.map(([at, kind, node, text]) => ({ at, robot: index, kind, text: `${robot.name} ${node}: ${text}` })),
     ];
   }
 }

@@ -121,7 +121,7 @@ function fillTable() {
         values.decision?.area === undefined ? "–" : `${values.decision.area.toFixed(0)} m²`,
         values.state ? `${values.state.frontiers}/${values.state.clusters}` : "–",
         values.network ? bytes(values.network.bytes_sent) : "–",
-        String(linked),
+        robot.told ? String(linked) : "–",
         others ? `${others.filter(({ placed }) => placed).length}/${others.length}` : "–",
       ],
       hint: values.state?.text ?? `${robot.name} is known from others`,

@@ -1,0 +1,89 @@
+"""What the page makes of updates: places, links, clocks, bounds. Needs node."""
+
+import json
+
+from test_document import node
+
+SCRIPT = """
+globalThis.document = { createElement: () => ({ getContext: () => ({}) }) };
+const { Live } = await import("./live.js");
+const live = new Live({});
+const updates = %s;
+for (const update of updates) live.apply({ anew: [], robots: {}, maps: [], tiles: [], ...update });
+console.log(JSON.stringify(%s));
+"""
+
+
+def played(updates, expression):
+    return node(SCRIPT % (json.dumps(updates), expression))
+
+
+def told(name, **values):
+    return {"robots": {name: {"values": values}}}
+
+
+def merger(**poses):
+    """{robot: its pose or None}."""
+    entries = [{"robot": name, "placed": bool(pose), "why": "", "via": "", "pose": pose or [0, 0, 0], "confidence": 1}
+               for name, pose in poses.items()]  # fmt: skip
+    return {"robots": entries, "wants_to_meet": []}
+
+
+def test_robots_stand_where_their_maps_are_placed():
+    updates = [
+        told(
+            "robot_0",
+            pose=[1, 0, 0],
+            merger=merger(robot_1=[5, 0, 1.5707963], robot_2=None),
+            about={"start": [9, 9, 0]},
+        ),
+        told("robot_1", pose=[2, 0, 0], about={"start": [4, 0, 0]}),
+        told("robot_2", pose=[3, 0, 0]),
+    ]
+    poses = "live.scene(0, {}).robots.map((r) => r.pose && [r.pose.x, r.pose.y].map((v) => Math.round(100 * v) / 100))"
+    assert played(updates, poses) == [[1, 0], [5, 2], None]
+    assert played(updates, poses.replace("scene(0", "scene(-1")) == [[10, 9], [6, 0], None]
+
+
+def test_robots_of_which_only_others_tell_have_a_place():
+    updates = [told("robot_1", pose=[0, 0, 0], merger=merger(robot_10=[1, 1, 0]), peers={"robot_10": [3, 4]})]
+    assert played(updates, "live.robots.map((r) => [r.name, r.told])") == [["robot_1", True], ["robot_10", False]]
+    assert played(updates, "live.scene(0, {}).robots[1].pose") == {"x": 3, "y": 4, "yaw": None, "silent": False}
+
+
+def test_a_link_has_the_worse_loss_of_both_directions():
+    def links(**losses):
+        return {
+            "robots": [],
+            "links": [{"robot": name, "two_way": True, "loss": loss} for name, loss in losses.items()],
+        }
+
+    updates = [told("a", network=links(b=0.1)), told("b", network=links(a=0.3, stranger=0.9))]
+    assert played(updates, "live.links()") == [{"a": 0, "b": 1, "both": True, "loss": 0.3}]
+    assert played([*updates, told("b", lost=True)], "live.links()") == [{"a": 0, "b": 1, "both": True, "loss": 0.1}]
+
+
+def test_other_clocks_are_set():
+    updates = [
+        told("base", time=1700000050.0, begin=1700000000.0, about={"base": True}),
+        told("robot_0", time=60.0, begin=12.0),
+        {"robots": {"base": {"streams": {"events": [0, [[1700000020.0, "link", "hears", ""]]]}}}},
+    ]
+    assert played(updates, "[live.begin, live.now, live.robots[0].stream('events')[0][0]]") == [10, 60, 30]
+
+
+def test_streams_are_told_on_where_they_stopped():
+    def events(first, count):
+        return {
+            "robots": {
+                "a": {"streams": {"log": [first, [[i, "error", "n", "t"] for i in range(first, first + count)]]}}
+            }
+        }
+
+    found = played([events(0, 3), events(3, 2)], "[live.robots[0].since('log', 3), live.robots[0].since('log', 5)]")
+    assert [item[0] for item in found[0]["items"]] == [3, 4] and found[1] == {"items": [], "end": 5}
+
+
+def test_a_run_that_begins_anew_forgets_the_former():
+    updates = [told("a", x=1), {"anew": ["a"], "robots": {"a": {"values": {"y": 2}}}}]
+    assert played(updates, "live.robots.map((r) => r.values)") == [{"y": 2}]
