@@ -3,6 +3,6 @@ from setuptools import setup
 
 setup(
     **generate_distutils_setup(
-        packages=["mr_page"], package_dir={"": "src"}, package_data={"mr_page": ["web/*", "web/*/*"]}
+        packages=["mr_page"], package_dir={"": "src"}, package_data={"mr_page": ["web/*"]}
     )
 )

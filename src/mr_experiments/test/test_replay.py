@@ -1,10 +1,12 @@
 """The replay: what the page holds, where things lie, and what happens with records that lack something."""
 
+import asyncio
 import base64
 import copy
 import html.parser
 import json
 import math
+import os
 import re
 import shutil
 import subprocess
@@ -44,6 +46,7 @@ from mr_measures import map_picture
 from mr_measures.record.files import document_of, record_of_document
 from mr_measures.record.robot_record import Goal, Merge
 from mr_measures.record.series import RobotSeries
+from mr_page.browser import browser, program
 from mr_sim.raster import Grid
 
 
@@ -145,6 +148,28 @@ def test_script_is_valid(tmp_path, page):
     script = tmp_path / "page.js"
     script.write_text(re.findall(r"<script>(.*?)</script>", page, re.DOTALL)[0])
     subprocess.run(["node", "--check", str(script)], check=True)
+
+
+def test_page_plays_in_a_browser(tmp_path, page):
+    if program() is None and not os.environ.get("REQUIRE_BROWSER"):
+        pytest.skip("no headless Chromium: run tools/install_dependencies browser")
+    path = tmp_path / "page.html"
+    path.write_text(page, encoding="utf-8")
+
+    async def run():
+        async with browser() as one:
+            tab = await one.open(f"{path.as_uri()}#t=15")
+            await tab.wait_for("document.getElementById('clock').textContent === '0:15 / 1:00'")
+            assert await tab.run("document.querySelectorAll('#robots tr').length") == 2
+            await tab.click("#robots tr:nth-child(2)")
+            assert await tab.run("document.getElementById('view').value") == "1"
+            await tab.click("#play")
+            await tab.wait_for("document.getElementById('clock').textContent === '1:00 / 1:00'")
+            await tab.click("#events li:nth-child(3)")
+            await tab.wait_for("document.getElementById('clock').textContent === '0:25 / 1:00'")
+            assert tab.errors == []
+
+    asyncio.run(run())
 
 
 # Places

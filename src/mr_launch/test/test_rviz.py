@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+
 from explorer.names import names_for
 from explorer.options import Options
 

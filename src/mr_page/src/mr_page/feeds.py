@@ -69,7 +69,7 @@ class FeedServer:
             self._enter(name, _Feed(stream))
             while True:
                 self._take(name, await read_message(stream))
-        except (StreamClosedError, ValueError, KeyError):
+        except (StreamClosedError, ValueError, KeyError, TypeError):  # gone, or what it tells is no update
             stream.close()
         finally:
             self._leave(name, stream)
@@ -78,10 +78,10 @@ class FeedServer:
         before = self._feeds.get(name)
         if before is not None:
             before.stream.close()
-        self._feeds[name] = feed
         self._state.forget(name)
         self._state.put(name, "lost", False)
         self._state.put(name, "switchable", self._radio is not None)
+        self._feeds[name] = feed
 
     def _leave(self, name: str, stream: IOStream) -> None:
         feed = self._feeds.get(name)
@@ -153,7 +153,7 @@ class FeedLink:
         self._socket.settimeout(seconds)
         try:
             data = self._socket.recv(65536)
-        except (TimeoutError, socket.timeout):
+        except TimeoutError:
             return []
         finally:
             self._socket.settimeout(None)
