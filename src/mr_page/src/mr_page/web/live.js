@@ -7,6 +7,8 @@ export const TEAM = -1; // the view in which all maps lie where they are in the 
 const KEPT = { trail: 6000 }; // items of a stream; of the others
 const KEPT_OTHERS = 2500;
 const OTHER_CLOCK = 3600; // s between two clocks that are not the same
+const MARGIN = 0.6; // m around everything
+const LEAST = 8; // m that are shown
 const FLASH = 5; // s for which something that happens is to be seen
 const HERE = { x: 0, y: 0, yaw: 0 };
 
@@ -246,10 +248,17 @@ export class Live {
       for (const map of [robot.maps.local, ...(i === view ? [robot.maps.global] : [])]) points.push(...corners(map, places[i]));
       if (robot.pose) points.push(placed(places[i], robot.pose.x, robot.pose.y));
     });
-    if (!points.length) return [-5, -5, 5, 5];
-    const margin = 0.6, x = points.map((point) => point[0]), y = points.map((point) => point[1]);
-    return [Math.min(...x) - margin, Math.min(...y) - margin, Math.max(...x) + margin, Math.max(...y) + margin];
+    const [left, right] = range(points.map((point) => point[0])), [bottom, top] = range(points.map((point) => point[1]));
+    return [left, bottom, right, top];
   }
+}
+
+/** Least and greatest value with a margin, at least LEAST apart. */
+function range(values) {
+  if (!values.length) return [-LEAST / 2, LEAST / 2];
+  const least = Math.min(...values), greatest = Math.max(...values);
+  const margin = Math.max(MARGIN, (LEAST - (greatest - least)) / 2);
+  return [least - margin, greatest + margin];
 }
 
 function corners(map, place) {

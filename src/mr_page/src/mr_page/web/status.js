@@ -11,7 +11,7 @@ import { Theme } from "./theme.js";
 import { TimeLine } from "./time_line.js";
 
 const LAYERS = {
-  merged: "merged map", own: "robots' own maps", paths: "paths", frontiers: "frontiers", clusters: "clusters",
+  merged: "merged map", own: "own maps", paths: "paths", frontiers: "frontiers", clusters: "clusters",
   goals: "goals", links: "radio links", names: "names",
 };
 const COLUMNS = [
