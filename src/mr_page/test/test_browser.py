@@ -75,6 +75,16 @@ async def orders(tab):
     await tab.wait_for(f"{text('#robots tr:nth-child(1) td:nth-child(2)')} === 'paused'")
     await tab.click("#command-radio_off")  # there is no radio daemon here
     await tab.wait_for(f"{text('#answer')}.includes('radio daemon does not answer')")
+    await tab.run(  # synthetic robot_0 passes orders on, but only to pause
+        "(() => { const s = document.querySelector('#commands select'); s.value = 'team_robot_0';"
+        " s.dispatchEvent(new Event('change')); })()"
+    )
+    await tab.click("#command-resume")
+    assert await tab.run(text("#answer")) == "robot_0 offers no service mission_control/resume"
+    await tab.click("#command-pause")
+    await tab.wait_for(f"{text('#answer')} === 'robot_0: team_pause is not made up'")
+    await tab.click("#robots tr:nth-child(1)")
+    await tab.click("#robots tr:nth-child(1)")
     await tab.click("#command-resume")
     await tab.wait_for(f"{text('#robots tr:nth-child(1) td:nth-child(2)')} === 'exploring'")
 

@@ -110,9 +110,13 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
     transform.transform.translation, transform.transform.rotation = Vector3(1.5, -2.5, 0.0), Quaternion(0, 0, 0, 1)
     broadcaster = tf2_ros.StaticTransformBroadcaster()
     broadcaster.sendTransform(transform)
-    service = rospy.Service("explorer/pause", Trigger, lambda _: TriggerResponse(True, "paused"))
+    services = [
+        rospy.Service("explorer/pause", Trigger, lambda _: TriggerResponse(True, "paused")),
+        rospy.Service("mission_control/pause", Trigger, lambda _: TriggerResponse(True, "all paused")),
+    ]
     seen = asyncio.run(look(page))
-    service.shutdown()
+    for service in services:
+        service.shutdown()
     assert seen["pose"] == [1.5, -2.5, 0.0]
     assert seen["merger"]["robots"][0]["why"] == "too far" and seen["peers"] == {"robot_1": [3.0, 4.0]}
     assert seen["state"]["state"] == "exploring" and seen["state"]["frontiers"] == 7
@@ -121,8 +125,8 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
     )  # fmt: skip
     assert seen["frontiers"] == [[5.0, 6.0]] and seen["clusters"] == [[], [], [], [[1.0, 1.0]]]
     assert seen["network"]["links"] == [{"robot": "robot_1", "two_way": True, "loss": 0.25, "waiting": 0}]
-    assert seen["services"] == {"start": False, "pause": True, "resume": False, "stop": False, "go_home": False}
-    assert seen["answers"] == ["paused", "the service explorer/stop does not answer"]
+    assert [command for command, there in seen["services"].items() if there] == ["pause", "team_pause"]
+    assert seen["answers"] == ["paused", "all paused", "the service explorer/stop does not answer"]
     assert {kind: len(tiles) for kind, tiles in seen["tiles"].items()} == {"local": 2, "global": 2}
     assert len(publishers) == 9
 
@@ -138,7 +142,7 @@ async def look(page):
     end = time.monotonic() + PATIENCE
 
     def complete():
-        whole = seen.keys() >= WANTED and len(seen["clusters"]) == 4 and seen["pose"] and seen["services"]["pause"]
+        whole = seen.keys() >= WANTED and len(seen["clusters"]) == 4 and seen["pose"] and seen["services"]["team_pause"]
         return whole and all(len(found) == 2 for found in tiles.values())
 
     while not complete():
@@ -151,7 +155,7 @@ async def look(page):
             tiles[kind].add(place)
             assert np.frombuffer(cells, dtype=np.uint8)[0] == 0b01010101
     answers = []
-    for command in ("pause", "stop"):
+    for command in ("pause", "team_pause", "stop"):
         await guest.say(robot="robot_0", command=command)
         answers.append((await guest.hear_answer())["text"].partition(":")[0])
     return {**seen, "tiles": tiles, "answers": answers}

@@ -28,14 +28,12 @@ class PlayedTeam:
     """`port`: of the page; `server`: process id of its server."""
 
     def __init__(self, team: SyntheticTeam, folder: Path) -> None:
-        listener = listening_sockets(0, "127.0.0.1")[0]
-        self.port = int(listener.getsockname()[1])
+        self._listener = listening_sockets(0, "127.0.0.1")[0]
+        self.port = int(self._listener.getsockname()[1])
         feeds = str(folder / "feeds")
+        given = self._listener.fileno()
         command = [sys.executable, "-m", "mr_page.team_page", "--feeds", feeds, "--radio", str(folder / "radio")]
-        self._process = subprocess.Popen(
-            [*command, "--descriptor", str(listener.fileno()), "--title", TITLE], pass_fds=[listener.fileno()]
-        )
-        listener.close()
+        self._process = subprocess.Popen([*command, "--descriptor", str(given), "--title", TITLE], pass_fds=[given])
         self.server = self._process.pid
         self._team = team
         self._stop = threading.Event()
@@ -48,6 +46,7 @@ class PlayedTeam:
         self._thread.join()
         self._process.terminate()
         self._process.wait()
+        self._listener.close()
 
     def server_seconds(self) -> float:
         """Processor time of the server so far, s."""

@@ -21,7 +21,7 @@ REACH = 40.0  # m of the radio
 SPEED = 0.5  # m/s
 STEP = 0.1  # s
 MAP_PERIOD = 2.0  # s
-COMMANDS = ("start", "pause", "resume", "stop", "go_home")
+COMMANDS = ("start", "pause", "resume", "stop", "go_home", "team_pause")
 
 
 def floor() -> np.ndarray:
@@ -62,7 +62,7 @@ class SyntheticRobot:
         self.map_due = 0.3 * number
         self._rng = rng
         self.watch.about(start=[round(value, 4) for value in self.place], base=False)
-        self.watch.services({command: True for command in COMMANDS if command != "go_home" or number})
+        self.watch.services({command: command != ("team_pause" if number else "go_home") for command in COMMANDS})
 
     @staticmethod
     def centre(room: tuple[int, int]) -> tuple[float, float]:

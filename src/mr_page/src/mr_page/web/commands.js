@@ -5,43 +5,68 @@ import { byId, button, make, setText } from "./dom.js";
 const ended = ({ state }) => (state?.state === "finished" ? "has come to rest already" : "");
 const begun = ({ state }) => (state && state.state !== "starting" ? "" : "has not begun");
 
-const COMMANDS = { // name: label, hint, and why a robot (its values) cannot do it now; empty: it can
+const ORDERS = { // name: label, hint, and why a robot (its values) cannot do it now; empty: it can
   start: { text: "Start", hint: "Begin to explore", not: (v) => (begun(v) ? "" : "has begun already") },
-  pause: { text: "Pause", hint: "Stand still until resumed", not: (v) => (v.decision?.paused ? "is paused already" : begun(v) || ended(v)) },
+  pause: {
+    text: "Pause", hint: "Stand still until resumed",
+    not: (v) => (v.decision?.paused ? "is paused already" : begun(v) || ended(v)),
+  },
   resume: { text: "Resume", hint: "Go on", not: (v) => (v.decision?.paused ? "" : "is not paused") },
+  return_now: { text: "Return now", hint: "Drive to the start at once and wait there", not: (v) => begun(v) || ended(v) },
   stop: { text: "Stop", hint: "End the exploration where the robot is", not: (v) => begun(v) || ended(v) },
-  go_home: { text: "Send home", hint: "End the exploration and drive to the start", not: (v) => begun(v) || (v.state?.state === "returning" ? "is on its way home" : "") },
+  go_home: {
+    text: "Send home", hint: "End the exploration and drive to the start",
+    not: (v) => begun(v) || (v.state?.state === "returning" ? "is on its way home" : ended(v)),
+  },
 };
 const RADIO = {
-  radio_off: { text: "Radio off", hint: "Kill the radio of a simulated robot", not: (v) => (v.radio_off ? "has no radio already" : "") },
+  radio_off: {
+    text: "Radio off", hint: "Kill the radio of a simulated robot",
+    not: (v) => (v.radio_off ? "has no radio already" : ""),
+  },
   radio_on: { text: "Radio on", hint: "Repair it", not: (v) => (v.radio_off ? "" : "has its radio") },
 };
+const COMMANDS = { ...ORDERS, ...RADIO };
+const TEAM = "team_"; // before the name of an order to all that a robot's radio reaches
 
 /** Why a robot cannot be asked for it, in words; empty if it can. */
 export function whyNot(robot, command) {
   const { values, name } = robot;
-  if (!robot.told) return `${name} does not feed this page`;
   if (values.lost) return `there is no news of ${name}`;
   if (command in RADIO) {
     const why = values.switchable ? RADIO[command].not(values) : "has no simulated radio";
     return why && `${name} ${why}`;
   }
-  if (!values.services?.[command]) return `${name} offers no service explorer/${command}`;
-  const why = COMMANDS[command].not(values);
+  const team = command.startsWith(TEAM), order = team ? command.slice(TEAM.length) : command;
+  if (!values.services?.[command]) return `${name} offers no service ${team ? "mission_control" : "explorer"}/${order}`;
+  const why = team ? "" : ORDERS[order].not(values);
   return why && `${name} ${why}`;
+}
+
+/** Whether a robot can pass orders on to the others. */
+const controls = ({ values }) => Object.keys(ORDERS).some((order) => values.services?.[TEAM + order]);
+
+/** Whom buttons can be for: [{key, text, robots, team: orders are for all that the robot's radio reaches}]. */
+function addressees(robots) {
+  const bodies = robots.filter((robot) => robot.hasBody), found = bodies.length > 1 ? [{ key: "", text: "all robots", robots: bodies }] : [];
+  found.push(...bodies.map((robot) => ({ key: robot.name, text: robot.name, robots: [robot] })));
+  const passing = robots.filter(controls);
+  return [...found, ...passing.map((robot) => ({
+    key: `${TEAM}${robot.name}`, text: `all that ${robot.name} reaches`, robots: [robot], team: true,
+  }))];
 }
 
 export class CommandBar {
   /** `order(robot, command)` sends one. */
   constructor(order) {
     this._order = order;
-    this._robots = [];
+    this._addressees = [];
     this._select = make("select");
     this._select.title = "Whom the buttons are for";
-    this._select.addEventListener("change", () => this.fill(this._robots));
+    this._select.addEventListener("change", () => this._show());
     this._buttons = {};
     byId("commands").append(this._select);
-    for (const [name, { text, hint }] of Object.entries({ ...COMMANDS, ...RADIO })) {
+    for (const [name, { text, hint }] of Object.entries(COMMANDS)) {
       this._buttons[name] = button(text, hint, () => this._press(name));
       this._buttons[name].id = `command-${name}`;
       byId("commands").append(this._buttons[name]);
@@ -50,39 +75,44 @@ export class CommandBar {
 
   /** The robots that there are now. */
   fill(robots) {
-    this._robots = robots.filter((robot) => robot.told && robot.hasBody);
+    this._simulated = robots.some(({ values }) => values.switchable);
+    this._addressees = addressees(robots.filter((robot) => robot.told));
     this._fillSelect();
-    const simulated = this._robots.some(({ values }) => values.switchable);
-    for (const [name, element] of Object.entries(this._buttons)) {
-      const reasons = this._reasons(name);
-      const able = reasons.some((reason) => !reason);
-      element.hidden = name in RADIO && !simulated;
-      element.setAttribute("aria-disabled", String(!able));
-      element.title = able ? { ...COMMANDS, ...RADIO }[name].hint : reasons[0] ?? "there is no robot";
-    }
+    this._show();
   }
 
   /** For the robot with this name; empty: for all. */
   choose(name) {
-    if ([...this._select.options].some((option) => option.value === name)) this._select.value = name;
-    this.fill(this._robots);
+    if (!this._addressees.some(({ key }) => key === name)) return;
+    this._select.value = name;
+    this._show();
   }
 
   answered({ robot, command, done, text }) {
     this._say(`${robot}: ${text || (done ? "done" : `${command} was refused`)}`, done);
   }
 
-  _press(name) {
-    const reasons = this._reasons(name), able = this._chosen().filter((_, i) => !reasons[i]);
-    if (!able.length) return this._say(this._buttons[name].title, false);
-    this._say(`${{ ...COMMANDS, ...RADIO }[name].text}: ${able.map((robot) => robot.name).join(", ")} …`, true);
-    for (const robot of able) this._order(robot.name, name);
+  _show() {
+    for (const [name, element] of Object.entries(this._buttons)) {
+      const reasons = this._reasons(name), able = reasons.includes("");
+      element.hidden = name in RADIO && !this._simulated;
+      element.setAttribute("aria-disabled", String(!able));
+      element.title = able ? COMMANDS[name].hint : reasons[0] ?? "there is no robot";
+    }
   }
 
-  /** Why each of the chosen robots cannot do it; empty where it can. */
+  _press(name) {
+    const reasons = this._reasons(name), { robots, team } = this._chosen(), able = robots.filter((_, i) => !reasons[i]);
+    if (!able.length) return this._say(this._buttons[name].title, false);
+    this._say(`${COMMANDS[name].text}: ${able.map((robot) => robot.name).join(", ")} …`, true);
+    for (const robot of able) this._order(robot.name, team && name in ORDERS ? TEAM + name : name);
+  }
+
+  /** Why each of those addressed cannot do it; empty where it can. */
   _reasons(name) {
-    const one = this._chosen().length === 1;
-    return this._chosen().map((robot) => (name in RADIO && !one ? "choose a robot first" : whyNot(robot, name)));
+    const { robots, team } = this._chosen();
+    if (name in RADIO && (team || robots.length !== 1)) return ["choose a robot first"];
+    return robots.map((robot) => whyNot(robot, team ? TEAM + name : name));
   }
 
   _say(text, good) {
@@ -91,16 +121,15 @@ export class CommandBar {
   }
 
   _chosen() {
-    return this._select.value ? this._robots.filter((robot) => robot.name === this._select.value) : this._robots;
+    return this._addressees.find(({ key }) => key === this._select.value) ?? { robots: [], team: false };
   }
 
   _fillSelect() {
-    const names = this._robots.map((robot) => robot.name), key = names.join(" ");
+    const key = JSON.stringify(this._addressees.map((one) => one.key)), before = this._select.value;
     if (key === this._key) return;
     this._key = key;
-    const before = this._select.value, all = names.length > 1 ? [new Option("all robots", "")] : [];
-    this._select.replaceChildren(...all, ...names.map((name) => new Option(name, name)));
-    this._select.hidden = names.length < 2;
-    if (names.includes(before)) this._select.value = before;
+    this._select.replaceChildren(...this._addressees.map((one) => new Option(one.text, one.key)));
+    this._select.hidden = this._addressees.length < 2;
+    if (this._addressees.some((one) => one.key === before)) this._select.value = before;
   }
 }

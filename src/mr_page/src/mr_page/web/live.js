@@ -101,6 +101,11 @@ export class Live {
     this._theme = theme;
   }
 
+  /** Forget everything: what comes next is told whole. */
+  reset() {
+    this.robots = [];
+  }
+
   apply(update) {
     for (const name of update.anew) this.robots = this.robots.filter((robot) => robot.name !== name);
     for (const name of update.anew) this._add(name, true);

@@ -233,7 +233,7 @@ export class LogPanel {
     this.events = []; // {at, robot, kind, text}, by time
     this.element = make("div");
     this.element.append(Object.assign(make("ol", undefined, "list"), { id: "events" }));
-    this._seen = new Map();
+    this._seen = new WeakMap();
   }
 
   fill(live) {
@@ -244,6 +244,11 @@ export class LogPanel {
     if (this.element.hidden) return;
     const count = this.events.filter(({ kind }) => kind === "error" || kind === "fatal").length;
     setText(this._count ??= this.element.appendChild(make("p", "", "hint")), count ? `${count} errors` : "");
+  }
+
+  reset() {
+    this.events = [];
+    this._list?.clear();
   }
 
   /** To the newest. */

@@ -23,10 +23,16 @@ const COLUMNS = [
 // For measurements: updates that came, and when (ms) the maps in view were there for the first time.
 window.page = { updates: 0, mapsAt: null };
 
+const PANELS_PERIOD = 250; // ms; nobody reads faster
+
 let view = null; // number of the robot whose map is shown, TEAM, or null until there is one
 let chosen = null; // name of that robot, empty for the team; null until somebody has chosen
 let connected = false;
-const theme = new Theme(() => redraw());
+let panelsAt = 0; // when tables and panels were filled, ms
+const theme = new Theme(() => {
+  panelsAt = 0;
+  redraw();
+});
 const live = new Live(theme);
 const map = new MapView(theme, LAYERS, () => redraw());
 const marks = new TimeLine(theme, null);
@@ -41,7 +47,14 @@ const connection = new Connection({
     redraw();
   },
   answered: (answer) => commands.answered(answer),
-  changed: (now) => { connected = now; redraw(); },
+  changed: (now) => {
+    connected = now;
+    if (now) {
+      live.reset();
+      log.reset();
+    }
+    redraw();
+  },
 });
 const commands = new CommandBar((robot, command) => connection.order(robot, command));
 
@@ -61,6 +74,7 @@ function findView() {
 
 function choose(name) {
   chosen = name;
+  panelsAt = 0;
   commands.choose(name);
   redraw();
 }
@@ -69,16 +83,18 @@ let waiting = false;
 function redraw() {
   if (waiting) return;
   waiting = true;
-  requestAnimationFrame(() => { waiting = false; frame(); });
+  requestAnimationFrame((now) => { waiting = false; frame(now); });
 }
 
-function frame() {
+function frame(now) {
   findView();
   fillHead();
   if (view === null) return;
   connection.lookAt(live.mapsOf(view));
   describeMaps();
   map.draw(live.scene(view, map.show));
+  if (now - panelsAt < PANELS_PERIOD) return;
+  panelsAt = now;
   fillTable();
   tabs.fill(live, view);
   const span = { begin: live.begin, end: Math.max(live.now, live.begin + 10), now: live.now };
@@ -138,5 +154,8 @@ document.addEventListener("keydown", (event) => {
 });
 byId("view").addEventListener("change", (event) => choose(event.target.value));
 byId("theme").addEventListener("click", () => theme.apply(!theme.dark));
-new ResizeObserver(() => redraw()).observe(document.body);
+new ResizeObserver(() => {
+  panelsAt = 0;
+  redraw();
+}).observe(document.body);
 redraw();
