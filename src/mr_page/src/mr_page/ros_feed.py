@@ -27,7 +27,6 @@ from mr_page.ros_values import LEVELS, decision_values, exploration_values, merg
 from mr_page.state import PageState
 from mr_page.watch import RobotWatch
 
-MAP_FRAME = "map"
 CLUSTER_GRIDS = 20
 NOWHERE = 900.0  # m; grids of clusters that are not used have a cell beyond
 LARGE = 1 << 24  # octets; receive buffer for maps
@@ -42,15 +41,16 @@ class RobotFeed:
     Args:
         start: true pose of its map frame in the world; None where that is not known.
         base: it is a base station without a body.
-        base_frame: of the robot.
+        map_frame, base_frame: of the robot.
     """
 
-    def __init__(self, robot: str, start: Pose | None, base: bool, base_frame: str) -> None:
+    def __init__(self, robot: str, start: Pose | None, base: bool, map_frame: str, base_frame: str) -> None:
         self.state = PageState()
         self.lock = threading.Lock()
         self._robot = robot
         self._watch = RobotWatch(self.state, robot)
         self._watch.about(start=None if start is None else [round(value, 4) for value in start], base=base)
+        self._map_frame = map_frame
         self._base_frame = base_frame
         self._has_body = not base
         self._services_at = -SERVICES_PERIOD
@@ -107,7 +107,7 @@ class RobotFeed:
 
     def _pose(self) -> Pose | None:
         try:
-            found = self._tf.lookup_transform(MAP_FRAME, self._base_frame, rospy.Time(0)).transform
+            found = self._tf.lookup_transform(self._map_frame, self._base_frame, rospy.Time(0)).transform
         except tf2_ros.TransformException:
             return None
         return Pose(found.translation.x, found.translation.y, yaw_of(found.rotation))

@@ -29,7 +29,7 @@ def main() -> int:
     quiet_logs()
     try:
         given = Parameters()
-        feed = RobotFeed(given.robot, given.start, given.base, given.base_frame)
+        feed = RobotFeed(given.robot, given.start, given.base, given.map_frame, given.base_frame)
         if given.team_socket:
             feed_team(feed, given.robot, given.team_socket)
         else:
@@ -50,6 +50,7 @@ class Parameters:
             raise ValueError(f"parameter ~port = {self.port} is no port: 1 to 65535")
         self.address = _checked("address", ADDRESS, str)
         self.base = _checked("base_station", False, bool)
+        self.map_frame = _checked("map_frame", "map", str)
         self.base_frame = _checked("base_frame", "", str) or described_base_frame()
         self.team_socket = _checked("team_socket", "", str)
         start = _checked("start_pose", "", str).split()
