@@ -110,7 +110,8 @@ function fillHead() {
   setText(byId("status"), stage);
   setName(byId("status"), `badge ${connected ? { finished: "finished", exploring: "exploring" }[stage] ?? "" : "failed"}`);
   setText(byId("clock"), clock(live.now - live.begin));
-  const texts = told.length === 1 ? [told[0].values.state?.text, told[0].values.decision?.ended_by] : [];
+  const one = told.length === 1 ? told[0] : live.robots[view];
+  const texts = one?.told ? [one.values.state?.text, one.values.decision?.ended_by] : [];
   const rest = Math.max(...told.map(({ values }) => values.decision?.rest ?? -1));
   setText(byId("reason"), [...texts, rest > 0 ? `about ${clock(rest)} left` : ""].filter(Boolean).join(" · "));
   setText(byId("summary"), told.length > 1 ? `${finished} of ${told.length} finished` : "");
