@@ -51,6 +51,12 @@ def test_robots_of_which_only_others_tell_have_a_place():
     assert played(updates, "live.scene(0, {}).robots[1].pose") == {"x": 3, "y": 4, "yaw": None, "silent": False}
 
 
+def test_what_others_have_told_over_the_radio_is_shown():
+    heard = {"state": "returning", "text": "drives home", "in_reach": True, "area": 90}
+    updates = [told("base", about={"base": True}, team={"text": "", "robots": {"robot_7": heard}})]
+    assert played(updates, "live.robots.map((r) => [r.name, r.told, r.stage])")[1] == ["robot_7", False, "returning"]
+
+
 def test_a_link_has_the_worse_loss_of_both_directions():
     def links(**losses):
         return {

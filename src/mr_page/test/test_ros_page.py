@@ -73,7 +73,14 @@ def latched(topic, message):
 
 def messages():
     from adhoc_communication.msg import MmListOfPoints, MmPoint, NetworkLink, NetworkState
-    from explorer.msg import ExplorationBid, ExplorationState, ExplorationStatus
+    from explorer.msg import (
+        ExplorationBid,
+        ExplorationState,
+        ExplorationStatus,
+        TeamMember,
+        TeamOverview,
+        TeamState,
+    )  # fmt: skip
     from geometry_msgs.msg import Point
     from map_merger.msg import MergerStatus, RobotPlacement
     from nav_msgs.msg import GridCells, MapMetaData, OccupancyGrid
@@ -89,6 +96,9 @@ def messages():
         "explorer/status": ExplorationStatus(
             has_goal=True, goal=Point(1.0, 2.0, 0.0), goal_reason="near", bids=[ExplorationBid("robot_0", 2.5)],
             expected_rest=float("nan"),
+        ),
+        "mission_control/team": TeamOverview(
+            robots=[TeamMember(state=TeamState(robot_name="robot_1", state=1, area_known=9.0), in_reach=True, age=3.0)]
         ),
         "frontierPoints": MarkerArray([Marker(points=[Point(5.0, 6.0, 0.0)])]),
         "cluster_grid_3": GridCells(cells=[Point(1.0, 1.0, 0.0), Point(1000.0, 1000.0, 1000.0)]),
@@ -123,15 +133,28 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
     assert (seen["decision"]["goal"], seen["decision"]["bids"], seen["decision"]["rest"]) == (
         [1.0, 2.0], {"robot_0": 2.5}, None,
     )  # fmt: skip
+    assert seen["team"]["robots"]["robot_1"]["state"] == "exploring" and seen["team"]["robots"]["robot_1"]["area"] == 9
     assert seen["frontiers"] == [[5.0, 6.0]] and seen["clusters"] == [[], [], [], [[1.0, 1.0]]]
     assert seen["network"]["links"] == [{"robot": "robot_1", "two_way": True, "loss": 0.25, "waiting": 0}]
     assert [command for command, there in seen["services"].items() if there] == ["pause", "team_pause"]
     assert seen["answers"] == ["paused", "all paused", "the service explorer/stop does not answer"]
     assert {kind: len(tiles) for kind, tiles in seen["tiles"].items()} == {"local": 2, "global": 2}
-    assert len(publishers) == 9
+    assert len(publishers) == 10
 
 
-WANTED = {"pose", "merger", "peers", "state", "decision", "frontiers", "clusters", "network", "services", "about"}
+WANTED = {
+    "pose",
+    "merger",
+    "peers",
+    "state",
+    "decision",
+    "frontiers",
+    "clusters",
+    "network",
+    "services",
+    "about",
+    "team",
+}
 
 
 async def look(page):

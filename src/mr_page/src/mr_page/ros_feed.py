@@ -11,7 +11,7 @@ import rosgraph
 import rospy
 import tf2_ros
 from adhoc_communication.msg import MmListOfPoints, NetworkState
-from explorer.msg import ExplorationState, ExplorationStatus
+from explorer.msg import ExplorationState, ExplorationStatus, TeamOverview
 from map_merger.msg import MergerStatus
 from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import GridCells, OccupancyGrid, Path
@@ -23,7 +23,14 @@ from visualization_msgs.msg import MarkerArray
 from mr_grid import GridError, Pose
 from mr_grid.ros import grid_value, yaw_of
 from mr_page.commands import SERVICES, Answer
-from mr_page.ros_values import LEVELS, decision_values, exploration_values, merger_values, network_values
+from mr_page.ros_values import (
+    LEVELS,
+    decision_values,
+    exploration_values,
+    merger_values,
+    network_values,
+    team_values,
+)
 from mr_page.state import PageState
 from mr_page.watch import RobotWatch
 
@@ -68,6 +75,7 @@ class RobotFeed:
             self._subscribe(f"cluster_grid_{index}", GridCells, self._on_cluster, index)
         self._subscribe("move_base/plan", Path, self._on_plan)
         self._subscribe("adhoc_communication/network_state", NetworkState, self._on_network)
+        self._subscribe("mission_control/team", TeamOverview, self._on_team)
         self._subscribe("/rosout_agg", Log, self._on_log)
 
     def _subscribe(self, topic: str, kind: Any, handler: Handler, *more: Any) -> None:
@@ -164,6 +172,9 @@ class RobotFeed:
 
     def _on_network(self, message: NetworkState) -> None:
         self._watch.network(network_values(message), rospy.get_time())
+
+    def _on_team(self, message: TeamOverview) -> None:
+        self._watch.team(team_values(message))
 
     def _on_log(self, message: Log) -> None:
         if message.level in LEVELS:

@@ -14,7 +14,7 @@ def exploration_values(message: Any) -> dict[str, Any]:
     """explorer/ExplorationState."""
     counters = ("frontiers", "clusters", "unreachable", "goals_reached", "auctions_completed", "auctions_uncompleted")
     return {
-        "state": STAGES[message.state] if message.state < len(STAGES) else str(message.state),
+        "state": stage_name(message.state),
         "text": message.text,
         "finished": message.exploration_finished,
         "time": round(message.exploration_time),
@@ -43,6 +43,29 @@ def decision_values(message: Any) -> dict[str, Any]:
         ],
         "team_finished": list(message.team_finished),
     }
+
+
+def team_values(message: Any) -> dict[str, Any]:
+    """explorer/TeamOverview. Ages in tens of seconds, so that they are no news all the time."""
+    robots = {}
+    for member in message.robots[:MOST]:
+        told = member.state
+        robots[told.robot_name] = {
+            "state": stage_name(told.state) if member.age >= 0.0 else "",
+            "text": told.text,
+            "merging": told.merging,
+            "area": number(told.area_known, 0),
+            "in_reach": member.in_reach,
+            "age": number(10.0 * math.floor(member.age / 10.0), 0) if member.age >= 0.0 else None,
+            "order": member.order,
+            "answered": member.answered,
+            "answer": told.order_answer,
+        }
+    return {"text": message.text, "robots": robots}
+
+
+def stage_name(state: int) -> str:
+    return STAGES[state] if state < len(STAGES) else str(state)
 
 
 def merger_values(message: Any) -> dict[str, Any]:

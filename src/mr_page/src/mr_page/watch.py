@@ -119,6 +119,10 @@ class RobotWatch:
         thinned = points[:: -(-len(points) // POINTS) or 1]
         self._state.put(self._robot, name, [[round(x, 2), round(y, 2)] for x, y in thinned])
 
+    def team(self, values: Values) -> None:
+        """Of explorer/TeamOverview: what the others have told over the radio."""
+        self._state.put(self._robot, "team", dict(values))
+
     def peers(self, places: Mapping[str, tuple[float, float]]) -> None:
         """Where other robots are."""
         self._state.put(self._robot, "peers", {name: [round(x, 2), round(y, 2)] for name, (x, y) in places.items()})

@@ -17,6 +17,7 @@ class LiveRobot {
   constructor(name, told) {
     this.name = name;
     this.told = told;
+    this.heard = null; // what it has told others over the radio, see mr_page.ros_values.team_values
     this.values = {};
     this.shift = 0; // s that its clock is ahead of the team's
     this._streams = {};
@@ -69,7 +70,7 @@ class LiveRobot {
 
   get stage() {
     const { lost, decision, state } = this.values;
-    if (!this.told) return "–";
+    if (!this.told) return this.heard ? (this.heard.in_reach ? this.heard.state || "–" : "out of reach") : "–";
     if (lost) return "no news";
     return decision?.paused ? "paused" : state?.state ?? "–";
   }
@@ -190,6 +191,7 @@ export class Live {
     for (const { values } of [...this.robots]) {
       for (const { robot } of values.merger?.robots ?? []) this._add(robot, false);
       for (const name of values.network?.robots ?? []) this._add(name, false);
+      for (const [name, heard] of Object.entries(values.team?.robots ?? {})) this._add(name, false).heard = heard;
     }
   }
 

@@ -105,13 +105,15 @@ function frame(now) {
 function fillHead() {
   const told = live.robots.filter((robot) => robot.told && robot.hasBody), stages = told.map((robot) => robot.stage);
   const finished = told.filter(({ values }) => values.state?.finished).length;
-  const badge = !connected ? "no connection" : !told.length ? "waiting for robots" : finished === told.length ? "finished" : "";
+  const base = live.robots.find((robot) => robot.told && !robot.hasBody);
+  const none = base ? "base station" : "waiting for robots";
+  const badge = !connected ? "no connection" : !told.length ? none : finished === told.length ? "finished" : "";
   const stage = badge || ["exploring", "returning", "waiting", "paused", "starting"].find((one) => stages.includes(one)) || "–";
   setText(byId("status"), stage);
   setName(byId("status"), `badge ${connected ? { finished: "finished", exploring: "exploring" }[stage] ?? "" : "failed"}`);
   setText(byId("clock"), clock(live.now - live.begin));
-  const one = told.length === 1 ? told[0] : live.robots[view];
-  const texts = one?.told ? [one.values.state?.text, one.values.decision?.ended_by] : [];
+  const one = told.length === 1 ? told[0] : live.robots[view] ?? base;
+  const texts = one?.told ? [one.values.state?.text, one.values.decision?.ended_by, one.values.team?.text] : [];
   const rest = Math.max(...told.map(({ values }) => values.decision?.rest ?? -1));
   setText(byId("reason"), [...texts, rest > 0 ? `about ${clock(rest)} left` : ""].filter(Boolean).join(" · "));
   setText(byId("summary"), told.length > 1 ? `${finished} of ${told.length} finished` : "");
@@ -128,23 +130,31 @@ function describeMaps() {
 function fillTable() {
   const links = live.links();
   table.fill(live.robots.map((robot, index) => {
-    const { values } = robot, others = values.merger?.robots.filter((other) => other.robot !== robot.name);
+    const { values } = robot, area = values.decision?.area ?? robot.heard?.area, others = values.merger?.robots.filter((other) => other.robot !== robot.name);
     const linked = links.filter(({ a, b }) => a === index || b === index).length;
     return {
       name: robot.name,
       texts: [
         robot.stage,
         values.driven === undefined ? "–" : `${values.driven.toFixed(0)} m`,
-        values.decision?.area === undefined ? "–" : `${values.decision.area.toFixed(0)} m²`,
+        area === undefined || area === null ? "–" : `${area.toFixed(0)} m²`,
         values.state ? `${values.state.frontiers}/${values.state.clusters}` : "–",
         values.network ? bytes(values.network.bytes_sent) : "–",
         robot.told ? String(linked) : "–",
         others ? `${others.filter(({ placed }) => placed).length}/${others.length}` : "–",
       ],
-      hint: values.state?.text ?? `${robot.name} is known from others`,
+      hint: values.state?.text ?? heardOf(robot),
       pale: !robot.told || Boolean(values.lost),
     };
   }), view);
+}
+
+/** In words, what a robot of which only others tell has said over the radio. */
+function heardOf({ name, heard }) {
+  if (!heard) return `${name} is known from others`;
+  const { text, merging, age, order, answered, answer } = heard;
+  const told = [text, merging, order && `${order}: ${answered ? answer : "no answer yet"}`].filter(Boolean).join(" · ");
+  return age === null ? `${name} has told nothing yet` : `${told || name}${age >= 10 ? `, ${age} s ago` : ""}`;
 }
 
 const KEYS = { "+": () => map.camera.zoom(1.4), "-": () => map.camera.zoom(1 / 1.4), "0": () => map.camera.showAll() };
