@@ -115,7 +115,9 @@ function fillHead() {
   const one = told.length === 1 ? told[0] : live.robots[view] ?? base;
   const texts = one?.told ? [one.values.state?.text, one.values.decision?.ended_by, one.values.team?.text] : [];
   const rest = Math.max(...told.map(({ values }) => values.decision?.rest ?? -1));
-  setText(byId("reason"), [...texts, rest > 0 ? `about ${clock(rest)} left` : ""].filter(Boolean).join(" · "));
+  const reason = [rest > 0 ? `about ${clock(rest)} left` : "", ...texts].filter(Boolean).join(" · ");
+  setText(byId("reason"), reason);
+  byId("reason").title = reason;
   setText(byId("summary"), told.length > 1 ? `${finished} of ${told.length} finished` : "");
 }
 
