@@ -9,6 +9,7 @@ import time
 import unittest
 from pathlib import Path
 
+import rosgraph
 import roslib.message
 import rospy
 import rosservice
@@ -249,6 +250,19 @@ class Delivery(unittest.TestCase):
             call("alice", "send_twist", dst_robot="bob", topic="fixed", twist=Twist())
             call("alice", "send_string", dst_robot="bob", topic="fixed", data="two")
             self.assertEqual([message.data for message in listener.wait_for(2)], ["one", "two"])
+
+    def test_a_subscriber_that_never_connects_holds_up_no_other_topic(self):
+        gone = rosgraph.Master("/gone")
+        with Listener("/bob/prompt", msg.RecvString) as listener:
+            call("alice", "send_string", dst_robot="bob", topic="prompt", data="first")
+            listener.wait_for()
+            for number in range(5):
+                gone.registerSubscriber(f"/bob/held_{number}", "adhoc_communication/RecvString", "http://127.0.0.1:1")
+                call("alice", "send_string", dst_robot="bob", topic=f"held_{number}", data="x")
+            begin = time.monotonic()
+            call("alice", "send_string", dst_robot="bob", topic="prompt", data="second")
+            listener.wait_for(2)
+            self.assertLess(time.monotonic() - begin, 1.0)
 
     def test_own_log_has_a_row_per_call(self):
         call("alice", "send_string", dst_robot="bob", topic="logged", data="12345")

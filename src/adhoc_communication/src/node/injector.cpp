@@ -20,13 +20,11 @@
 namespace adhoc_communication {
 namespace {
 
-constexpr std::size_t kMaxTopics = 256;
 constexpr std::size_t kMaxReportedTopics = 256;
 constexpr std::size_t kMaxQueuedPackets = 1000;
 constexpr std::size_t kMaxQueuedOctets = 100'000'000;
 constexpr std::uint32_t kPublisherQueue = 100;
-constexpr std::chrono::milliseconds kConnectionPeriod{5};
-constexpr std::chrono::seconds kLongestConnection{1};
+constexpr std::chrono::milliseconds kConnectionPeriod{5};  ///< in which it is looked whether subscribers have connected
 
 enum class Role { kPublisher = 0, kSubscriber = 1 };
 
@@ -49,14 +47,13 @@ bool others_publish(const std::string& topic) {
   return std::any_of(names.begin(), names.end(), [](const auto& name) { return name != ros::this_node::getName(); });
 }
 
-/// Subscribers take some time to connect to a new topic, and what is published before is lost to them.
-void wait_for_subscribers(const ros::Publisher& publisher) {
-  const auto deadline = std::chrono::steady_clock::now() + kLongestConnection;
-  // A relay of this node to other robots is one of them, too.
-  const std::size_t expected = nodes_of(publisher.getTopic(), Role::kSubscriber).size();
-  while (publisher.getNumSubscribers() < expected && std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::sleep_for(kConnectionPeriod);
-  }
+void publish_now(const TopicTable<ros::Publisher>::Topic& topic, const SerializedMessage& message) {
+  topic_tools::ShapeShifter shape;
+  shape.morph(message.md5sum, message.type, message.definition, "1");
+  ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),  // an input stream only reads
+                                     static_cast<std::uint32_t>(message.bytes.size()));
+  shape.read(stream);
+  topic.publisher.publish(shape);
 }
 
 }  // namespace
@@ -109,9 +106,7 @@ Injector::Report Injector::report() const {
 
 void Injector::run() {
   std::unique_lock<std::mutex> lock(mutex_);
-  for (;;) {
-    arrived_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
-    if (stopping_) return;
+  while (wait_for_packet(lock)) {
     const PacketReceived packet = std::move(queue_.front());
     queue_.pop_front();
     queued_octets_ -= packet.payload.size();
@@ -125,6 +120,20 @@ void Injector::run() {
   }
 }
 
+/// False when there will be none any more.
+bool Injector::wait_for_packet(std::unique_lock<std::mutex>& lock) {
+  const auto due = [this] { return stopping_ || !queue_.empty(); };
+  while (topics_.anything_waits()) {
+    const bool arrived = arrived_.wait_for(lock, kConnectionPeriod, due);
+    lock.unlock();
+    topics_.release_all(steady_now(), publish_now);
+    lock.lock();
+    if (arrived) return !stopping_;
+  }
+  arrived_.wait(lock, due);
+  return !stopping_;
+}
+
 void Injector::take(const PacketReceived& packet) {
   definitions_.expire(steady_now());
   const bool is_definition = packet.payload_type == static_cast<std::uint8_t>(PayloadType::kDefinition);
@@ -132,7 +141,7 @@ void Injector::take(const PacketReceived& packet) {
   SerializedMessage message = decode(packet);
   // Unasked definitions are not kept: nobody can fill the memory with them.
   if (is_definition && definitions_.awaits({message.type, message.md5sum})) learn_definition(message);
-  if (!is_definition && complete(message, packet)) publish(packet, message);
+  if (!is_definition && complete(message, packet)) publish(packet, std::move(message));
   count_dropped(definitions_.take_dropped());
 }
 
@@ -145,7 +154,7 @@ void Injector::check_topic(const std::string& topic) const {
   if (!filter_.admits(topic)) {
     throw PayloadError("other robots may not publish '" + topic + "' here (parameters inject_allow, inject_deny)");
   }
-  if (topics_.count(topic) != 0 || filter_.names(topic)) return;
+  if (topics_.knows(topic) || filter_.names(topic)) return;
   if (others_publish(topic)) {
     throw PayloadError("nodes of this robot publish '" + topic + "', so others may not, unless inject_allow names it");
   }
@@ -160,7 +169,7 @@ void Injector::learn_definition(const SerializedMessage& message) {
     try {
       SerializedMessage complete = decode(waited);
       complete.definition = message.definition;
-      publish(waited, complete);
+      publish(waited, std::move(complete));
     } catch (const std::exception& error) {
       drop(waited, error.what());
     }
@@ -184,34 +193,26 @@ bool Injector::complete(SerializedMessage& message, const PacketReceived& packet
   return false;
 }
 
-void Injector::publish(const PacketReceived& packet, const SerializedMessage& message) {
-  const Topic& topic = topic_for(full_name(packet.topic), message, packet.latched);
-  topic_tools::ShapeShifter shape;
-  shape.morph(message.md5sum, message.type, message.definition, "1");
-  ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),  // an input stream only reads
-                                     static_cast<std::uint32_t>(message.bytes.size()));
-  shape.read(stream);
-  topic.publisher.publish(shape);
+void Injector::publish(const PacketReceived& packet, SerializedMessage message) {
+  Topics::Topic& topic = topic_for(full_name(packet.topic), message, packet);
+  topics_.publish(topic, std::move(message), steady_now(), publish_now);
 }
 
-Injector::Topic& Injector::topic_for(const std::string& name, const SerializedMessage& message, bool latched) {
-  const auto known = topics_.find(name);
-  if (known != topics_.end()) {
-    if (known->second.md5sum == message.md5sum && known->second.type == message.type) return known->second;
-    throw PayloadError("topic '" + name + "' carries " + known->second.type + " here, so " + message.type +
+Injector::Topics::Topic& Injector::topic_for(const std::string& name, const SerializedMessage& message,
+                                             const PacketReceived& packet) {
+  if (Topics::Topic* known = topics_.find(name, steady_now())) {
+    if (known->md5sum == message.md5sum && known->type == message.type) return *known;
+    throw PayloadError("topic '" + name + "' carries " + known->type + " here, so " + message.type +
                        " cannot be published on it");
-  }
-  if (topics_.size() >= kMaxTopics) {
-    throw PayloadError("topic '" + name + "' would be the " + std::to_string(kMaxTopics + 1) +
-                       "th received topic, more than this node publishes");
   }
   ros::AdvertiseOptions options(name, kPublisherQueue, message.md5sum, message.type, message.definition);
   // Who comes late must not drive on an old command.
-  options.latch = latched && message.type != ros::message_traits::datatype<geometry_msgs::Twist>();
+  options.latch = packet.latched && message.type != ros::message_traits::datatype<geometry_msgs::Twist>();
   const ros::Publisher publisher = node_.advertise(options);
   if (!publisher) throw PayloadError("topic '" + name + "' cannot be advertised as " + message.type);
-  wait_for_subscribers(publisher);
-  return topics_.emplace(name, Topic{message.type, message.md5sum, publisher}).first->second;
+  // A relay of this node to other robots is one of the subscribers, too.
+  const std::size_t subscribers = nodes_of(name, Role::kSubscriber).size();
+  return topics_.add(name, {message.type, message.md5sum, packet.source, publisher, subscribers}, steady_now());
 }
 
 void Injector::count_dropped(std::uint64_t packets) {

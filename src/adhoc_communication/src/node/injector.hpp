@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <map>
 #include <mutex>
 #include <set>
 #include <string>
@@ -18,12 +17,14 @@
 #include "node/definitions.hpp"
 #include "node/payload.hpp"
 #include "node/topic_filter.hpp"
+#include "node/topic_table.hpp"
 
 namespace adhoc_communication {
 
 /// Publishes in a thread of its own, because advertising asks the ROS master and must not hold up the engine.
-/// A topic is latched where its first message says so. A message whose definition is not known yet waits for it. What
-/// cannot be published is counted and reported once per topic.
+/// A topic is latched where its first message says so. A message whose definition is not known yet waits for it, and
+/// one whose topic is new for subscribers to connect; others go on. What cannot be published is counted and reported
+/// once per topic.
 class Injector {
  public:
   /// Asks a robot for the definition of a type, without waiting.
@@ -44,21 +45,18 @@ class Injector {
   Report report() const;
 
  private:
-  struct Topic {
-    std::string type;
-    std::string md5sum;
-    ros::Publisher publisher;
-  };
+  using Topics = TopicTable<ros::Publisher>;
 
   void run();
+  bool wait_for_packet(std::unique_lock<std::mutex>& lock);
   void take(const PacketReceived& packet);
   std::string full_name(const std::string& topic) const;
   void check_topic(const std::string& full_name) const;
   void learn_definition(const SerializedMessage& message);
   /// False when the message has to wait for its definition.
   bool complete(SerializedMessage& message, const PacketReceived& packet);
-  void publish(const PacketReceived& packet, const SerializedMessage& message);
-  Topic& topic_for(const std::string& name, const SerializedMessage& message, bool latched);
+  void publish(const PacketReceived& packet, SerializedMessage message);
+  Topics::Topic& topic_for(const std::string& name, const SerializedMessage& message, const PacketReceived& packet);
   void drop(const PacketReceived& packet, const std::string& reason);
   void count_dropped(std::uint64_t packets);
 
@@ -67,7 +65,7 @@ class Injector {
   const TopicFilter filter_;
   const AskForDefinition ask_for_definition_;
   Definitions definitions_;
-  std::map<std::string, Topic> topics_;
+  Topics topics_;
   std::set<std::string> reported_topics_;
 
   mutable std::mutex mutex_;

@@ -1,0 +1,108 @@
+// Which topics are kept, and which messages wait for subscribers.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "node/topic_table.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// How many subscribers have connected to each topic.
+std::map<std::string, std::size_t> connected;
+
+struct FakePublisher {
+  std::string topic;
+  std::size_t getNumSubscribers() const { return connected[topic]; }
+};
+using Table = TopicTable<FakePublisher>;
+
+class TopicTableTest : public testing::Test {
+ protected:
+  void SetUp() override { connected.clear(); }
+
+  Table::Topic& add(const std::string& name, Time now, const std::string& source = "bob", std::size_t subscribers = 0) {
+    return table.add(name, {"pkg/Type", "", source, {name}, subscribers}, now);
+  }
+  void publish(const std::string& name, const std::string& octets, Time now) {
+    table.publish(*table.find(name, now), {"pkg/Type", "", "", Bytes(octets.begin(), octets.end()), false}, now, note);
+  }
+  void release(Time now) { table.release_all(now, note); }
+
+  Table table;
+  std::vector<std::string> published;
+  std::function<void(const Table::Topic&, const SerializedMessage&)> note = [this](const Table::Topic& topic,
+                                                                                   const SerializedMessage& message) {
+    published.push_back(topic.publisher.topic + " " + std::string(message.bytes.begin(), message.bytes.end()));
+  };
+};
+
+TEST_F(TopicTableTest, OneThatWaitsForSubscribersHoldsUpNoOther) {
+  add("/slow", 0s, "bob", 1);
+  add("/fast", 0s);
+  publish("/slow", "1", 0s);
+  publish("/fast", "1", 0s);
+  publish("/slow", "2", 0s);
+  EXPECT_EQ(published, std::vector<std::string>{"/fast 1"});
+  EXPECT_TRUE(table.anything_waits());
+  release(500ms);
+  EXPECT_EQ(published.size(), 1u);
+  connected["/slow"] = 1;
+  release(510ms);
+  publish("/slow", "3", 520ms);
+  EXPECT_EQ(published, (std::vector<std::string>{"/fast 1", "/slow 1", "/slow 2", "/slow 3"}));
+  EXPECT_FALSE(table.anything_waits());
+}
+
+TEST_F(TopicTableTest, SubscribersThatNeverConnectAreWaitedForASecond) {
+  add("/slow", 0s, "bob", 1);
+  publish("/slow", "1", 0s);
+  release(999ms);
+  EXPECT_TRUE(published.empty());
+  release(1s);
+  EXPECT_EQ(published.size(), 1u);
+}
+
+TEST_F(TopicTableTest, WhatWaitsIsBounded) {
+  add("/slow", 0s, "bob", 1);
+  for (std::size_t i = 0; i < Table::kMostWaiting; ++i) publish("/slow", "x", 0s);
+  EXPECT_EQ(published.size(), Table::kMostWaiting);
+  published.clear();
+  add("/large", 0s, "bob", 1);
+  publish("/large", std::string(Table::kMostWaitingOctets, 'x'), 0s);
+  EXPECT_EQ(published.size(), 1u);
+  EXPECT_FALSE(table.anything_waits());
+}
+
+TEST_F(TopicTableTest, ARobotLosesItsOwnTopicsBeyondItsShare) {
+  add("/honest", 0s, "alice");
+  for (std::size_t i = 0; i < 2 * Table::kMostTopics; ++i) add("/flood_" + std::to_string(i), 1s + i * 1ms, "mallory");
+  EXPECT_EQ(table.size(), 1 + Table::kMostOfASource);
+  EXPECT_TRUE(table.knows("/honest"));
+  EXPECT_FALSE(table.knows("/flood_0"));
+  EXPECT_TRUE(table.knows("/flood_" + std::to_string(2 * Table::kMostTopics - 1)));
+}
+
+TEST_F(TopicTableTest, TheLeastUsedMakesRoom) {
+  const std::size_t share = Table::kMostOfASource;
+  for (std::size_t i = 0; i < Table::kMostTopics; ++i) {
+    add("/topic_" + std::to_string(i), i * 1ms, "robot_" + std::to_string(i / share));
+  }
+  table.find("/topic_0", 10s);
+  add("/new", 11s, "robot_9");
+  EXPECT_EQ(table.size(), Table::kMostTopics);
+  EXPECT_TRUE(table.knows("/topic_0"));
+  EXPECT_FALSE(table.knows("/topic_1"));
+}
+
+TEST_F(TopicTableTest, AForgottenTopicTakesWhatWaitsWithIt) {
+  add("/slow", 0s, "bob", 1);
+  publish("/slow", "1", 0s);
+  for (std::size_t i = 0; i < Table::kMostOfASource; ++i) add("/topic_" + std::to_string(i), 1s);
+  EXPECT_FALSE(table.anything_waits());
+}
+
+}  // namespace
+}  // namespace adhoc_communication
