@@ -8,16 +8,10 @@ namespace adhoc_communication {
 
 using transport::PacketKind;
 
-namespace {
-
-const std::string kUnknown = "an unknown robot";
-
-}  // namespace
-
 SendId Engine::Implementation::send_control(const std::string& destination, PacketKind kind, const std::string& group,
                                             Bytes payload, Purpose purpose, Time now) {
   const transport::Image image = transport::encode({kind, 0, group, {}, std::move(payload)});
-  return start_unicast(destination, image, Priority::kControl, {purpose, destination, group, 0, 0, {}}, now);
+  return start_unicast(destination, image, Priority::kControl, {purpose, destination, group}, now);
 }
 
 void Engine::Implementation::join_group(const std::string& group, Time now) {
@@ -137,7 +131,8 @@ void Engine::Implementation::admit_member(const std::string& name, Time now) {
   if (known) return;
   const std::deque<multicast::HeldPacket> held = groups_.held;
   for (const multicast::HeldPacket& packet : held) {
-    if (now - packet.sent < multicast::Groups::kHeld) send_copy(name, packet, Purpose::kCatchUp, 0, now);
+    const bool of_use = now - packet.sent < multicast::Groups::kHeld && now < packet.until;
+    if (of_use) send_copy(name, packet, Purpose::kCatchUp, 0, now);
   }
 }
 
@@ -167,7 +162,8 @@ void Engine::Implementation::send_copy(const std::string& name, const multicast:
   const transport::Image image = transport::encode(
       {PacketKind::kGroupCopy, 0, multicast::group_of(self_.name), {}, multicast::encode_copy(packet)});
   distributor_.copy_started(packet.stream, packet.number);
-  Sending sending{purpose, name, {}, parent, 0, std::pair(packet.stream, packet.number)};
+  Sending sending{purpose, name, {}, parent};
+  sending.copy.emplace(packet.stream, packet.number);
   start_unicast(name, image, static_cast<Priority>(packet.stream), std::move(sending), now);
 }
 
@@ -188,7 +184,7 @@ void Engine::Implementation::on_copy(const std::string& source, const transport:
 void Engine::Implementation::finish_group_members(Time now) {
   for (const multicast::MemberEnd& end : distributor_.take_ends()) {
     const routing::Robot* robot = directory_.find(end.member);
-    const std::string name = name_of(end.member).value_or(kUnknown);
+    const std::string name = name_or_address(end.member);
     const auto fan_out = groups_.fan_outs.find(end.id);
     if (end.by_copy && robot != nullptr && fan_out != groups_.fan_outs.end()) {
       send_copy(name, multicast::HeldPacket(fan_out->second.packet), Purpose::kFanOut, end.id, now);
@@ -288,12 +284,11 @@ GroupState Engine::Implementation::group_state(const std::string& group) const {
   state.activated = state.connected = on_tree || (wanted && found->second.joined);
   const routing::Route* route = address ? router_.route_to(*address, now_) : nullptr;
   if (on_tree) {
-    for (const auto& [child, members] : tree->second.children)
-      state.downlinks.push_back(name_of(child).value_or(kUnknown));
+    for (const auto& [child, members] : tree->second.children) state.downlinks.push_back(name_or_address(child));
   }
   if (!on_tree && route == nullptr) return state;
   const std::string hops = std::to_string(route == nullptr ? 1 : route->hops);
-  state.route_uplink = "Next hop:" + name_of(on_tree ? *tree->second.upstream : route->next_hop).value_or(kUnknown) +
+  state.route_uplink = "Next hop:" + name_or_address(on_tree ? *tree->second.upstream : route->next_hop) +
                        " RD:" + hops + " HOBS:" + hops + " CH:" + hops;
   return state;
 }

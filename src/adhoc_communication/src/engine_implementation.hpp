@@ -26,6 +26,7 @@
 #include "transport/hop_receiver.hpp"
 #include "transport/hop_sender.hpp"
 #include "transport/packet_image.hpp"
+#include "transport/send_terms.hpp"
 #include "transport/stream_receiver.hpp"
 #include "transport/stream_sender.hpp"
 
@@ -69,6 +70,7 @@ class Engine::Implementation : private Outbox {
   QueueState queues() const;
   std::vector<std::string> groups() const;
   std::optional<std::string> name_of(const MacAddress& robot) const;
+  std::string name_or_address(const MacAddress& robot) const;
 
  private:
   /// The hop to one neighbour.
@@ -95,7 +97,9 @@ class Engine::Implementation : private Outbox {
     std::string group;  ///< that is joined or left
     SendId parent = 0;  ///< of kFanOut: the group send
     std::size_t octets = 0;
-    std::optional<std::pair<std::uint8_t, std::uint32_t>> copy;  ///< stream and number, of a copy of a group packet
+    std::optional<std::pair<std::uint8_t, std::uint32_t>> copy{};  ///< stream and number, of a copy of a group packet
+    Priority priority = Priority::kNormal;
+    Time lifetime{0};  ///< 0: none
   };
 
   void touch(Time now) {
@@ -170,17 +174,28 @@ class Engine::Implementation : private Outbox {
   // engine_sends.cpp: requests of the host and their ends.
   std::string refusal(const SendRequest& request) const;
   SendId refuse(std::string reason);
+  void start(SendId id, const std::string& destination, const transport::Image& image, Priority priority, Time now);
+  void add_to_stream(SendId id, const std::string& destination, transport::Image image, Priority priority, Time now);
   SendId start_unicast(const std::string& destination, transport::Image image, Priority priority, Sending sending,
                        Time now);
   void start_group_send(SendId id, const std::string& group, transport::Image image, Priority priority, Time now);
   void send_to_own_group(SendId id, const transport::Image& image, Priority priority, Time now);
   void fan_out(SendId id, const std::vector<std::string>& members, const transport::Image& image, Priority priority,
                Time now);
-  void finish(SendId id, bool delivered, const std::string& reason, Time now);
+  void finish(SendId id, bool delivered, const std::string& reason, Time now, bool superseded = false);
   void finish_fan_out_part(SendId parent, const std::string& member, bool delivered, const std::string& reason,
                            Time now);
   void report(Event event);
   void drop_oldest_packet();
+
+  // engine_terms.cpp: sends that end before they are delivered.
+  bool takes_place(SendId id, const transport::SendTerms::Subject& subject, const transport::Image& image, Time now);
+  bool replace(SendId former, SendId id, const transport::Image& image, Time now);
+  bool replace_in_own_group(SendId former, SendId id, const transport::Image& image, Time now);
+  void expire_sends(Time now);
+  void cancel(SendId id, Time now);
+  std::string cancel_group_send(SendId id, Time now);
+  void drop_from_stream(SendId id, const Sending& sending);
 
   // engine_groups.cpp: membership.
   bool takes_part(const MacAddress& root) const;
@@ -233,6 +248,7 @@ class Engine::Implementation : private Outbox {
   std::size_t held_frames_ = 0;
 
   std::map<SendId, Sending> sendings_;
+  transport::SendTerms terms_;
   std::size_t host_sends_ = 0;
   std::size_t octets_waiting_ = 0;
   SendId next_send_id_ = 1;

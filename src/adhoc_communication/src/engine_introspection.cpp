@@ -1,5 +1,6 @@
 // What hosts may look at, for status, diagnostics and tests. Nothing here changes the engine.
 #include "engine_implementation.hpp"
+#include "texts.hpp"
 
 namespace adhoc_communication {
 
@@ -52,6 +53,10 @@ std::optional<std::string> Engine::Implementation::name_of(const MacAddress& rob
   const routing::Robot* known = directory_.find(robot);
   if (known == nullptr) return std::nullopt;
   return known->name;
+}
+
+std::string Engine::Implementation::name_or_address(const MacAddress& robot) const {
+  return name_of(robot).value_or(address_text(robot));
 }
 
 }  // namespace adhoc_communication

@@ -59,6 +59,7 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
     send_beacon(now);
   }
   announce_changes(now);
+  expire_sends(now);
   for (const auto& [neighbor, link] : links_.busy()) {
     link->sender.expire(now);
     if (link->sender.dead(now)) link_lost(neighbor, now);
@@ -97,7 +98,8 @@ Time Engine::Implementation::acknowledgment_due(const transport::HopReceiver& re
 
 Time Engine::Implementation::next_deadline() const {
   if (touched_) return now_;
-  Time next = std::min({beacon_due_, router_.next_deadline(), flood_.next_deadline(), distributor_.next_deadline()});
+  Time next = std::min({beacon_due_, router_.next_deadline(), flood_.next_deadline(), distributor_.next_deadline(),
+                        terms_.next_deadline()});
   for (const auto& [neighbor, link] : links_.busy()) {
     next = std::min(next, link->sender.next_deadline());
     if (link->receiver) next = std::min(next, acknowledgment_due(*link->receiver));

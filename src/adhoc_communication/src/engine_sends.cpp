@@ -17,6 +17,7 @@ constexpr Time kLongestAirQueue = std::chrono::milliseconds(100);  ///< floods a
 std::string Engine::Implementation::refusal(const SendRequest& request) const {
   if (request.destination == self_.name) return "the destination " + request.destination + " is this robot itself";
   if (request.destination.size() > 255) return "the destination's name is longer than 255 octets";
+  if (request.lifetime < Time(0)) return "the lifetime is negative";
   if (request.topic.empty()) return "the topic is empty";
   if (request.topic.size() > 65535) return "the topic is longer than 65535 octets";
   std::size_t size = transport::image_size(request.destination, request.topic, request.payload.size());
@@ -35,36 +36,35 @@ std::string Engine::Implementation::refusal(const SendRequest& request) const {
 SendId Engine::Implementation::refuse(std::string reason) {
   const SendId id = next_send_id_++;
   ++statistics_.packets_failed;
-  report(SendFinished{id, false, std::move(reason)});
+  report(SendFinished{id, false, std::move(reason), false});
   return id;
 }
 
 SendId Engine::Implementation::send(SendRequest request, Time now) {
   touch(now);
   if (std::string reason = refusal(request); !reason.empty()) return refuse(std::move(reason));
-  const bool to_group = multicast::root_of(request.destination).has_value();
   transport::Packet packet;
   packet.payload_type = request.payload_type;
-  packet.topic = std::move(request.topic);
+  packet.topic = request.topic;
   packet.payload = std::move(request.payload);
   packet.latched = request.latched;
-  if (to_group) packet.group = request.destination;
+  if (multicast::root_of(request.destination)) packet.group = request.destination;
   const Image image = transport::encode(packet);
-  Sending sending{Purpose::kHost, request.destination, {}, 0, image->size(), {}};
+  const SendId id = next_send_id_++;
+  sendings_[id] = {Purpose::kHost, request.destination, {}, 0, image->size(), {}, request.priority, request.lifetime};
   ++host_sends_;
   octets_waiting_ += image->size();
-  if (!to_group && !request.destination.empty()) {
-    return start_unicast(request.destination, image, request.priority, std::move(sending), now);
-  }
-  const SendId id = next_send_id_++;
-  sendings_.emplace(id, std::move(sending));
-  if (to_group) {
-    start_group_send(id, request.destination, image, request.priority, now);
-  } else {
-    broadcasts_[static_cast<std::size_t>(request.priority)].add(id, image,
-                                                                static_cast<std::uint16_t>(broadcast_segment_size_));
-  }
+  if (request.lifetime > Time(0)) terms_.expire_at(id, now + request.lifetime);
+  if (request.newest_only && takes_place(id, {request.destination, request.topic}, image, now)) return id;
+  start(id, request.destination, image, request.priority, now);
   return id;
+}
+
+void Engine::Implementation::start(SendId id, const std::string& destination, const Image& image, Priority priority,
+                                   Time now) {
+  if (multicast::root_of(destination)) return start_group_send(id, destination, image, priority, now);
+  if (!destination.empty()) return add_to_stream(id, destination, image, priority, now);
+  broadcasts_[static_cast<std::size_t>(priority)].add(id, image, static_cast<std::uint16_t>(broadcast_segment_size_));
 }
 
 SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
@@ -89,15 +89,22 @@ SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
   broadcast(wire::FrameType::kFlood, std::move(body));
   ++statistics_.packets_sent;
   const SendId id = next_send_id_++;
-  report(SendFinished{id, true, {}});
+  report(SendFinished{id, true, {}, false});
   return id;
 }
 
 SendId Engine::Implementation::start_unicast(const std::string& destination, Image image, Priority priority,
                                              Sending sending, Time now) {
-  touch(now);
   const SendId id = next_send_id_++;
+  sending.priority = priority;
   sendings_.emplace(id, std::move(sending));
+  add_to_stream(id, destination, std::move(image), priority, now);
+  return id;
+}
+
+void Engine::Implementation::add_to_stream(SendId id, const std::string& destination, Image image, Priority priority,
+                                           Time now) {
+  touch(now);
   if (streams_.size() >= kMostStreams) {
     streams_.erase_if([this](const StreamKey& key, const Stream&) { return !streams_.is_busy(key); });
   }
@@ -109,7 +116,6 @@ SendId Engine::Implementation::start_unicast(const std::string& destination, Ima
     return Stream{transport::StreamSender(key.second, first_number, window), {}, {}};
   });
   stream.sender.add(id, std::move(image), static_cast<std::uint16_t>(segment_size_), now);
-  return id;
 }
 
 void Engine::Implementation::start_group_send(SendId id, const std::string& group, Image image, Priority priority,
@@ -140,7 +146,9 @@ void Engine::Implementation::send_to_own_group(SendId id, const Image& image, Pr
     }
   }
   const std::uint32_t number = distributor_.start(id, priority, image, on_tree, now);
-  const multicast::HeldPacket packet{static_cast<std::uint8_t>(priority), number, image, now};
+  const Time lifetime = sendings_.at(id).lifetime;
+  const Time until = lifetime > Time(0) ? now + lifetime : Time::max();
+  const multicast::HeldPacket packet{static_cast<std::uint8_t>(priority), number, image, now, until};
   multicast::hold(groups_.held, packet, now);
   if (groups_.members.empty()) return finish(id, true, {}, now);
   multicast::FanOut& fan_out = groups_.fan_outs[id];
@@ -154,21 +162,22 @@ void Engine::Implementation::fan_out(SendId id, const std::vector<std::string>& 
   if (members.empty()) return finish(id, true, {}, now);
   groups_.fan_outs[id].open = members.size();
   for (const std::string& member : members) {
-    start_unicast(member, image, priority, {Purpose::kFanOut, member, {}, id, 0, {}}, now);
+    start_unicast(member, image, priority, {Purpose::kFanOut, member, {}, id}, now);
   }
 }
 
-void Engine::Implementation::finish(SendId id, bool delivered, const std::string& reason, Time now) {
+void Engine::Implementation::finish(SendId id, bool delivered, const std::string& reason, Time now, bool superseded) {
   const auto found = sendings_.find(id);
   if (found == sendings_.end()) return;
   const Sending sending = std::move(found->second);
   sendings_.erase(found);
+  terms_.end(id);
   switch (sending.purpose) {
     case Purpose::kHost:
       --host_sends_;
       octets_waiting_ -= sending.octets;
-      ++(delivered ? statistics_.packets_sent : statistics_.packets_failed);
-      return report(SendFinished{id, delivered, reason});
+      if (!superseded) ++(delivered ? statistics_.packets_sent : statistics_.packets_failed);
+      return report(SendFinished{id, delivered, reason, superseded});
     case Purpose::kFanOut:
       copy_finished(sending);
       return finish_fan_out_part(sending.parent, sending.destination, delivered, reason, now);

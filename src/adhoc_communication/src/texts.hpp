@@ -24,6 +24,14 @@ inline std::string size_text(std::size_t octets) {
   return text;
 }
 
+/// As the contract writes the address of a robot without name.
+inline std::string address_text(const MacAddress& address) {
+  char text[18];
+  std::snprintf(text, sizeof text, "%02X-%02X-%02X-%02X-%02X-%02X", address[0], address[1], address[2], address[3],
+                address[4], address[5]);
+  return text;
+}
+
 /// Words from the air for a log or a terminal: what is not visible ASCII or a blank is shown as its number.
 inline std::string escaped(const std::string& words) {
   std::string text;

@@ -57,7 +57,9 @@ struct SendRequest {
   std::uint8_t payload_type = 0;  ///< contract: 'A' string, 'M' map, ...; 'X' any message type
   Bytes payload;
   Priority priority = Priority::kNormal;
-  bool latched = true;  ///< who subscribes late at the receiver is given the packet, too
+  bool latched = true;       ///< who subscribes late at the receiver is given the packet, too
+  Time lifetime{0};          ///< the send fails when it has not succeeded by then; 0: none
+  bool newest_only = false;  ///< takes the place of such a packet of the same destination and topic not begun yet
 };
 
 /// A packet flooded over at most `hop_limit` hops (0 means 1), one frame, unacknowledged.
@@ -84,6 +86,7 @@ struct SendFinished {
   SendId id = 0;
   bool delivered = false;
   std::string reason;
+  bool superseded = false;  ///< a newer packet has taken its place
 };
 
 struct RobotAppeared {

@@ -31,6 +31,10 @@ bool Distribution::done() const {
   return std::all_of(children_.begin(), children_.end(), [](const auto& item) { return item.second.done; });
 }
 
+bool Distribution::begun() const {
+  return std::any_of(sent_.begin(), sent_.end(), [](const Sent& sent) { return sent.frames.any(); });
+}
+
 std::optional<MacAddress> Distribution::only_open_child() const {
   std::optional<MacAddress> only;
   for (const auto& [address, child] : children_) {

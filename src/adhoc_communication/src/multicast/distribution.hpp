@@ -31,6 +31,8 @@ class Distribution {
   /// With each child the coverage of the members behind it; a child whose members have changed has to report anew.
   void set_children(const std::map<MacAddress, std::uint32_t>& children, bool anew, Time now);
   bool done() const;
+  /// Some of it was sent.
+  bool begun() const;
   /// The one child that still misses something, if it is one only.
   std::optional<MacAddress> only_open_child() const;
 

@@ -54,6 +54,13 @@ std::uint32_t Distributor::start(SendId id, Priority priority, transport::Image 
   children_changed(self_.address, false, now);
 
   Transfer& transfer = stream.transfers[number];
+  begin(transfer, id, std::move(image), tree, now);
+  transfer.open = members;
+  return number;
+}
+
+void Distributor::begin(Transfer& transfer, SendId id, transport::Image image, const Tree& tree, Time now) {
+  transfer.to_children.reset();  // before the packet that it refers to
   transfer.packet = std::make_unique<GroupPacket>(*image, segment_size_);
   transfer.to_children =
       std::make_unique<Distribution>(*transfer.packet, branches_[self_.address].round_trip, first_parity_);
@@ -61,9 +68,33 @@ std::uint32_t Distributor::start(SendId id, Priority priority, transport::Image 
   transfer.hops = 0;
   transfer.id = id;
   transfer.image = std::move(image);
-  transfer.open = members;
   transfer.last_news = now;
-  return number;
+}
+
+std::optional<std::uint32_t> Distributor::replace(SendId former, SendId id, const transport::Image& image, Time now) {
+  const auto own = trees_.find(self_.address);
+  if (own == trees_.end()) return std::nullopt;
+  for (GroupStream& stream : branches_[self_.address].streams) {
+    for (auto& [number, transfer] : stream.transfers) {
+      if (transfer.id != former) continue;
+      if (transfer.to_children->begun() || stream.copies.count(number) != 0) return std::nullopt;
+      begin(transfer, id, image, own->second, now);
+      branches_[self_.address].busy = true;
+      return number;
+    }
+  }
+  return std::nullopt;
+}
+
+std::set<MacAddress> Distributor::drop(SendId id) {
+  const auto own = branches_.find(self_.address);
+  if (own == branches_.end()) return {};
+  for (GroupStream& stream : own->second.streams) {
+    for (auto& [number, transfer] : stream.transfers) {
+      if (transfer.id == id) return std::exchange(transfer.open, {});
+    }
+  }
+  return {};
 }
 
 void Distributor::finish_member(Transfer& transfer, const MemberEnd& end) {

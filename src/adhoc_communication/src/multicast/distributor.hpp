@@ -64,6 +64,11 @@ class Distributor {
   /// Sends to `members` along the tree and returns the number of the packet; one MemberEnd follows for each.
   std::uint32_t start(SendId id, Priority priority, transport::Image image, const std::set<MacAddress>& members,
                       Time now);
+  /// Puts another packet in the place of one not begun yet, for the same members. Its number; nothing if it has begun,
+  /// or goes to members by itself as well.
+  std::optional<std::uint32_t> replace(SendId former, SendId id, const transport::Image& image, Time now);
+  /// Members are to pass the packet over. Returns those that it has not reached.
+  std::set<MacAddress> drop(SendId id);
   /// The member has left or is lost.
   void drop_member(const MacAddress& member, const std::string& reason, Time now);
   /// A packet goes to a member by itself: until that has ended, members are not told to pass it over.
@@ -167,6 +172,7 @@ class Distributor {
   wire::GroupData header(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
                          const Transfer& transfer) const;
   static std::uint32_t oldest_open(const GroupStream& stream);
+  void begin(Transfer& transfer, SendId id, transport::Image image, const Tree& tree, Time now);
   void finish_member(Transfer& transfer, const MemberEnd& end);
   void remove_finished();
   std::optional<GroupFrame> next_frame_of(const MacAddress& root, Branch& branch, std::uint8_t priority, bool follows,

@@ -46,6 +46,7 @@ struct HeldPacket {
   std::uint32_t number = 0;
   transport::Image image;
   Time sent{0};
+  Time until = Time::max();  ///< when it is of no use any more
 };
 
 /// A packet on its way to several members.
@@ -75,6 +76,10 @@ struct Groups {
   std::map<std::string, Membership> memberships;  ///< by group, of other robots' groups
   std::map<SendId, FanOut> fan_outs;
   std::map<std::string, std::vector<WaitingSend>> waiting;  ///< by group
+
+  /// Puts another packet in the place of one that waits. False if there is no such packet.
+  bool replace_waiting(const std::string& group, SendId former, SendId id, const transport::Image& image);
+  void drop_waiting(const std::string& group, SendId id);
 };
 
 /// Notes a packet, and forgets those that are too old or too many.

@@ -134,7 +134,7 @@ void EngineHost::report(const RobotLost& event) { callbacks_.on_robot_lost(event
 
 void EngineHost::report(const SendFinished& end) {
   const auto waiter = sends_.extract(end.id);
-  if (waiter) waiter.mapped()({end.delivered, end.reason});
+  if (waiter) waiter.mapped()({end.delivered, end.reason, end.superseded});
 }
 
 void EngineHost::report(const GroupChangeFinished& end) {

@@ -24,6 +24,7 @@ namespace adhoc_communication {
 struct Outcome {
   bool succeeded = false;
   std::string reason;
+  bool superseded = false;  ///< a newer packet has taken the place of this one
 };
 
 /// What the host tells the node, always from the thread of the engine: these must return at once.

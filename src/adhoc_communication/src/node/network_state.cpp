@@ -125,6 +125,8 @@ RelayedTopic relayed_topic_message(const RelayReport& report) {
   message.priority = to_text(report.entry.priority);
   message.rate = report.entry.rate;
   message.latched = report.entry.latched;
+  message.lifetime = report.entry.lifetime;
+  message.newest_only = report.entry.newest_only;
   message.type = report.type;
   message.waiting = static_cast<std::uint32_t>(report.waiting);
   message.octets_waiting = report.octets;

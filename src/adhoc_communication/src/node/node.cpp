@@ -30,6 +30,11 @@ std::unique_ptr<Link> open_link_for(NodeOptions& options) {
   return link;
 }
 
+Services::Terms send_terms(const NodeOptions& options) {
+  const std::chrono::duration<double> lifetime(options.send_lifetime);
+  return {std::chrono::duration_cast<Time>(lifetime), TopicFilter(options.newest_only, "")};
+}
+
 void read_keys_for(NodeOptions& options) {
   if (options.key_file.empty()) {
     ROS_WARN(
@@ -66,7 +71,8 @@ Node::Node(const NodeOptions& options)
   host_ = std::make_unique<EngineHost>(options_.engine, std::move(link), std::move(filter), callbacks());
   security::wipe(options_.engine.keys);
   carry_relays();
-  services_ = std::make_unique<Services>(node_, service_prefix_, *host_, *relay_, log_, [this] { shut_down(); });
+  services_ = std::make_unique<Services>(node_, service_prefix_, *host_, *relay_, log_, send_terms(options_),
+                                         [this] { shut_down(); });
   status_publisher_ = node_.advertise<Status>(service_prefix_ + "status", 1, true);
   network_state_publisher_ = node_.advertise<NetworkState>(service_prefix_ + "network_state", 1, true);
   diagnostics_publisher_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);

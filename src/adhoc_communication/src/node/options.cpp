@@ -115,6 +115,8 @@ bool is_topic_element(const std::string& name) {
   });
 }
 
+constexpr double kLongestLifetime = 86400.0;  ///< s
+
 [[noreturn]] void refuse(const std::string& name, const std::string& value, const std::string& why) {
   throw std::invalid_argument("parameter ~" + name + " = " + value + " " + why);
 }
@@ -149,6 +151,9 @@ void check(const NodeOptions& options) {
   require_range("n_model", options.channel.n_model, 0, 20);
   require_range("l_0_model", options.channel.l_0_model, 0, 200);
   require_range("capture_size", options.capture_size, 0, 1'000'000);
+  if (!(options.send_lifetime >= 0.0 && options.send_lifetime <= kLongestLifetime)) {
+    refuse("send_lifetime", to_default(options.send_lifetime), "is outside 0 .. 86400");
+  }
   if (!is_topic_element(options.topic_new_robot)) {
     refuse("topic_new_robot", "'" + options.topic_new_robot + "'", "is not a topic name");
   }
@@ -260,6 +265,10 @@ std::vector<Parameter> make_parameters() {
           "inject_allow", [](NodeOptions & o) -> auto& { return o.inject_allow; }),
       stored(
           "inject_deny", [](NodeOptions & o) -> auto& { return o.inject_deny; }),
+      stored(
+          "send_lifetime", [](NodeOptions & o) -> auto& { return o.send_lifetime; }),
+      stored(
+          "newest_only", [](NodeOptions & o) -> auto& { return o.newest_only; }),
       {"relay", "list", "[]", "", [](NodeOptions& o, const XmlRpcValue& value) { o.relays = parse_relays(value); }},
       stored(
           "capture_file", [](NodeOptions & o) -> auto& { return o.capture_file; }),

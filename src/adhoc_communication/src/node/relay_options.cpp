@@ -48,9 +48,14 @@ void set_field(RelayEntry& entry, const std::string& name, XmlRpcValue& value) {
     entry.rate = number_field(value, name);
   } else if (name == "latched") {
     entry.latched = flag_field(value, name);
+  } else if (name == "lifetime") {
+    entry.lifetime = number_field(value, name);
+  } else if (name == "newest_only") {
+    entry.newest_only = flag_field(value, name);
   } else {
-    throw std::invalid_argument("has the unknown field '" + name +
-                                "' (known: topic, destination, remote_topic, priority, rate, latched)");
+    throw std::invalid_argument(
+        "has the unknown field '" + name +
+        "' (known: topic, destination, remote_topic, priority, rate, latched, lifetime, newest_only)");
   }
 }
 

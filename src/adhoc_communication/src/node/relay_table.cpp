@@ -8,6 +8,9 @@ namespace adhoc_communication {
 namespace {
 
 constexpr double kHighestRate = 1000.0;
+constexpr double kLongestLifetime = 86400.0;  ///< s
+
+Time seconds(double count) { return std::chrono::duration_cast<Time>(std::chrono::duration<double>(count)); }
 
 std::string group_root(const std::string& destination) {
   constexpr char kPrefix[] = "mc_";
@@ -27,6 +30,9 @@ void RelayTable::check(const RelayEntry& entry) const {
   if (entry.destination == own_name_) throw std::invalid_argument(text + "goes to this robot itself");
   if (!std::isfinite(entry.rate) || entry.rate < 0.0 || entry.rate > kHighestRate) {
     throw std::invalid_argument(text + "has a rate outside 0 .. 1000 messages per second");
+  }
+  if (!std::isfinite(entry.lifetime) || entry.lifetime < 0.0 || entry.lifetime > kLongestLifetime) {
+    throw std::invalid_argument(text + "has a lifetime outside 0 .. 86400 s");
   }
   const bool exists = std::any_of(relays_.begin(), relays_.end(),
                                   [&entry](const auto& item) { return same_relay(item.second.entry, entry); });
@@ -85,23 +91,24 @@ bool RelayTable::present(const std::string& destination) const {
   return destination.empty() || root == own_name_ || robots_.count(root) != 0;
 }
 
-void RelayTable::offer(Id id, Message message, Time) {
+void RelayTable::offer(Id id, Message message, Time now) {
   const auto found = relays_.find(id);
   if (found == relays_.end()) return;
   Relay& relay = found->second;
   remember_last(relay, message);
+  relay.last_expires = relay.entry.lifetime > 0.0 ? now + seconds(relay.entry.lifetime) : Time::max();
+  relay.owed.clear();  // they belong to the destination by now
   if (!present(relay.entry.destination)) {
     if (!relay.entry.latched) ++relay.dropped;
     return;
   }
   // A relay with a rate carries the newest message when its time has come; those in between are meant to be left out.
-  const bool replaces =
-      relay.entry.rate > 0.0 && !relay.waiting.empty() && relay.waiting.back().destination == relay.entry.destination;
+  const bool replaces = (relay.entry.rate > 0.0 || relay.entry.newest_only) && !relay.waiting.empty();
   if (replaces) {
     octets_ -= relay.waiting.back().message->bytes.size();
     relay.waiting.pop_back();
   }
-  enqueue(relay, {std::move(message), relay.entry.destination});
+  enqueue(relay, {std::move(message), relay.entry.destination, relay.last_expires});
 }
 
 /// Only a latched message keeps its octets; of the others the type is kept, to answer who lacks the definition.
@@ -142,9 +149,13 @@ void RelayTable::enqueue(Relay& relay, Waiting message) {
 }
 
 void RelayTable::enqueue_last(Relay& relay, const std::string& destination, Time now) {
-  if (!relay.entry.latched || !relay.last || relay.last->bytes.empty()) return;
+  if (!relay.entry.latched || !relay.last || relay.last->bytes.empty() || relay.last_expires <= now) return;
   relay.due = std::min(relay.due, now);
-  enqueue(relay, {relay.last, destination});
+  if (destination == relay.entry.destination) {
+    enqueue(relay, {relay.last, destination, relay.last_expires});
+  } else {
+    relay.owed.insert(destination);
+  }
 }
 
 void RelayTable::robot_appeared(const std::string& robot, Time now) {
@@ -160,6 +171,7 @@ void RelayTable::robot_lost(const std::string& robot) {
   robots_.erase(robot);
   members_.erase(robot);
   for (auto& [id, relay] : relays_) {
+    relay.owed.erase(robot);
     if (group_root(relay.entry.destination) != robot) continue;
     while (!relay.waiting.empty()) drop_oldest(relay);
   }
@@ -177,26 +189,57 @@ void RelayTable::forget(const std::string& destination) {
 }
 
 void RelayTable::group_members(const std::vector<std::string>& members, Time now) {
-  for (const std::string& member : members) {
-    if (members_.count(member) != 0) continue;
-    for (auto& [id, relay] : relays_) {
-      if (relay.entry.destination == "mc_" + own_name_) enqueue_last(relay, member, now);
+  const std::set<std::string> present(members.begin(), members.end());
+  for (auto& [id, relay] : relays_) {
+    if (relay.entry.destination != "mc_" + own_name_) continue;
+    for (const std::string& member : members_) {
+      if (present.count(member) == 0) relay.owed.erase(member);
+    }
+    for (const std::string& member : present) {
+      if (members_.count(member) == 0) enqueue_last(relay, member, now);
     }
   }
-  members_ = {members.begin(), members.end()};
+  members_ = present;
 }
 
 /// Apart from its rate.
 bool RelayTable::ready(const Relay& relay) const {
-  if (relay.waiting.empty() || relay.in_flight >= kMostInFlight) return false;
-  const Waiting& first = relay.waiting.front();
-  return teaching_.count({first.destination, type_of(*first.message)}) == 0;
+  if (relay.in_flight >= kMostInFlight) return false;
+  if (!relay.waiting.empty()) return !teaches(relay.waiting.front().destination, relay.waiting.front().message);
+  return std::any_of(relay.owed.begin(), relay.owed.end(),
+                     [&](const std::string& destination) { return !teaches(destination, relay.last); });
+}
+
+/// A definition of that type is on its way there.
+bool RelayTable::teaches(const std::string& destination, const Message& message) const {
+  return teaching_.count({destination, type_of(*message)}) != 0;
+}
+
+void RelayTable::drop_expired(Relay& relay, Time now) {
+  while (!relay.waiting.empty() && relay.waiting.front().expires <= now) drop_oldest(relay);
+  if (relay.last_expires <= now) relay.owed.clear();
+}
+
+/// ready() holds.
+RelayTable::Waiting RelayTable::take_first(Relay& relay) {
+  if (relay.waiting.empty()) {
+    const auto owed = std::find_if(relay.owed.begin(), relay.owed.end(),
+                                   [&](const std::string& destination) { return !teaches(destination, relay.last); });
+    Waiting first{relay.last, *owed, relay.last_expires};
+    relay.owed.erase(owed);
+    return first;
+  }
+  Waiting first = std::move(relay.waiting.front());
+  relay.waiting.pop_front();
+  octets_ -= first.message->bytes.size();
+  return first;
 }
 
 std::optional<RelayTable::Transfer> RelayTable::next(Time now) {
   auto iterator = relays_.upper_bound(last_served_);
   for (std::size_t visited = 0; visited < relays_.size(); ++visited, ++iterator) {
     if (iterator == relays_.end()) iterator = relays_.begin();
+    drop_expired(iterator->second, now);
     if (!ready(iterator->second) || iterator->second.due > now) continue;
     last_served_ = iterator->first;
     return start(iterator->first, iterator->second, now);
@@ -205,12 +248,10 @@ std::optional<RelayTable::Transfer> RelayTable::next(Time now) {
 }
 
 RelayTable::Transfer RelayTable::start(Id id, Relay& relay, Time now) {
-  Waiting waiting = std::move(relay.waiting.front());
-  relay.waiting.pop_front();
-  octets_ -= waiting.message->bytes.size();
+  Waiting waiting = take_first(relay);
   ++relay.in_flight;
-  if (relay.entry.rate > 0.0) {
-    relay.due = now + std::chrono::duration_cast<Time>(std::chrono::duration<double>(1.0 / relay.entry.rate));
+  if (relay.entry.rate > 0.0 && waiting.destination == relay.entry.destination) {
+    relay.due = now + seconds(1.0 / relay.entry.rate);
   }
   const std::uint64_t number = next_number_++;
   const Lesson lesson(waiting.destination, type_of(*waiting.message));
@@ -225,14 +266,16 @@ RelayTable::Transfer RelayTable::start(Id id, Relay& relay, Time now) {
   request.payload = knows ? encode_message_by_type(*waiting.message) : encode_any_message(*waiting.message);
   request.priority = relay.entry.priority;
   request.latched = relay.entry.latched || waiting.message->latched;
+  request.newest_only = relay.entry.newest_only;
+  if (waiting.expires != Time::max()) request.lifetime = waiting.expires - now;
   in_flight_.emplace(number, InFlight{id, std::move(waiting), teaches});
   return {number, std::move(request)};
 }
 
-void RelayTable::finished(std::uint64_t number, bool delivered, const std::string& reason, Time now) {
+std::optional<RelayTable::InFlight> RelayTable::end_transfer(std::uint64_t number, bool delivered) {
   const auto found = in_flight_.find(number);
-  if (found == in_flight_.end()) return;
-  const InFlight transfer = std::move(found->second);
+  if (found == in_flight_.end()) return std::nullopt;
+  InFlight transfer = std::move(found->second);
   in_flight_.erase(found);
   const Lesson lesson(transfer.message.destination, type_of(*transfer.message.message));
   if (const auto teaching = teaching_.find(lesson); teaching != teaching_.end() && teaching->second == number) {
@@ -241,15 +284,25 @@ void RelayTable::finished(std::uint64_t number, bool delivered, const std::strin
     if (delivered) known_.insert(lesson);
   }
   const auto relay = relays_.find(transfer.relay);
-  if (relay == relays_.end()) return;
+  if (relay == relays_.end()) return std::nullopt;
   --relay->second.in_flight;
-  ++(delivered ? relay->second.delivered : relay->second.failed);
+  return transfer;
+}
+
+void RelayTable::superseded(std::uint64_t number) { end_transfer(number, false); }
+
+void RelayTable::finished(std::uint64_t number, bool delivered, const std::string& reason, Time now) {
+  const std::optional<InFlight> transfer = end_transfer(number, delivered);
+  if (!transfer) return;
+  Relay& relay = relays_.at(transfer->relay);
+  ++(delivered ? relay.delivered : relay.failed);
   if (delivered) return;
-  relay->second.last_failure = reason;
-  const bool still_the_last = relay->second.last == transfer.message.message;
-  if (!relay->second.entry.latched || !still_the_last || !present(transfer.message.destination)) return;
-  relay->second.due = std::max(relay->second.due, now + kRetry);
-  enqueue(relay->second, transfer.message);
+  relay.last_failure = reason;
+  const bool still_the_last = relay.last == transfer->message.message;
+  if (!still_the_last || !present(transfer->message.destination)) return;
+  const Time due = std::max(relay.due, now + kRetry);
+  enqueue_last(relay, transfer->message.destination, now);
+  relay.due = due;
 }
 
 Time RelayTable::next_deadline() const {

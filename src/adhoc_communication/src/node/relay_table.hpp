@@ -25,6 +25,8 @@ struct RelayEntry {
   double rate = 0.0;         ///< messages per second at most; 0: every message
   bool latched = false;      ///< the last message is sent to a destination that appears
   std::string remote_topic;  ///< as the receiver publishes it; empty: `topic`
+  double lifetime = 0.0;     ///< seconds after which a message is of no use any more; 0: none
+  bool newest_only = false;  ///< a newer message takes the place of one that is not on its way yet
 };
 
 /// A relay and what it has done.
@@ -41,7 +43,7 @@ struct RelayReport {
 
 /// A message's definition goes to each destination once; messages behind it name their type only. Who lacks the
 /// definition asks for it (answer()). Each relay keeps its own order and drops its oldest message when it is slower
-/// than its topic.
+/// than its topic. A message whose lifetime is over is dropped, and given to nobody who comes late.
 class RelayTable {
  public:
   using Id = std::uint64_t;
@@ -75,6 +77,8 @@ class RelayTable {
   /// The next message to send; each has to be reported with finished().
   std::optional<Transfer> next(Time now);
   void finished(std::uint64_t number, bool delivered, const std::string& reason, Time now);
+  /// Instead of finished(): a newer message has taken its place.
+  void superseded(std::uint64_t number);
   /// When next() may have something by the passing of time alone; Time::max() if never.
   Time next_deadline() const;
 
@@ -85,11 +89,14 @@ class RelayTable {
   struct Waiting {
     Message message;
     std::string destination;
+    Time expires = Time::max();
   };
   struct Relay {
     RelayEntry entry;
     std::deque<Waiting> waiting;
     Message last;
+    Time last_expires = Time::max();
+    std::set<std::string> owed;  ///< late members of the group, which are sent the last message by themselves
     std::size_t in_flight = 0;
     Time due{0};
     std::uint64_t delivered = 0;
@@ -107,6 +114,10 @@ class RelayTable {
   void check(const RelayEntry& entry) const;
   bool present(const std::string& destination) const;
   bool ready(const Relay& relay) const;
+  bool teaches(const std::string& destination, const Message& message) const;
+  void drop_expired(Relay& relay, Time now);
+  Waiting take_first(Relay& relay);
+  std::optional<InFlight> end_transfer(std::uint64_t number, bool delivered);
   bool make_room(Relay& relay, std::size_t octets);
   void drop_oldest(Relay& relay);
   void enqueue(Relay& relay, Waiting message);

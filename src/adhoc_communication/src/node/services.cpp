@@ -60,8 +60,14 @@ class WaitingCall {
 }  // namespace
 
 Services::Services(ros::NodeHandle& node, const std::string& prefix, EngineHost& host, TopicRelay& relay,
-                   ServiceLog& log, std::function<void()> shut_down)
-    : prefix_(prefix), host_(host), relay_(relay), log_(log), sends_(kMaxSendThreads), queries_(kMaxQueryThreads) {
+                   ServiceLog& log, Terms terms, std::function<void()> shut_down)
+    : prefix_(prefix),
+      host_(host),
+      relay_(relay),
+      log_(log),
+      terms_(std::move(terms)),
+      sends_(kMaxSendThreads),
+      queries_(kMaxQueryThreads) {
   advertise_sends(node);
   advertise_broadcasts(node);
   advertise_relay(node);
@@ -137,7 +143,7 @@ void Services::advertise_relay(ros::NodeHandle& node) {
   advertise<Relay>(node, queries_, "relay", [this](auto& request, auto& response) {
     if (request.action == Relay::Request::ADD) {
       relay_.add({request.topic, request.destination, parse_priority(request.priority), request.rate,
-                  request.latched != 0, request.remote_topic});
+                  request.latched != 0, request.remote_topic, request.lifetime, request.newest_only != 0});
     } else if (request.action == Relay::Request::REMOVE) {
       relay_.remove(request.topic, request.destination, request.remote_topic);
     } else if (request.action != Relay::Request::LIST) {
@@ -169,6 +175,8 @@ void Services::advertise_queries(ros::NodeHandle& node, std::function<void()> sh
 std::uint8_t Services::send(const std::string& service, SendRequest request) {
   local_topic("", request.topic);  // what the receiver could not publish is refused here
   const std::size_t octets = request.payload.size();
+  request.lifetime = terms_.lifetime;
+  request.newest_only = terms_.newest_only.admits(local_topic("/", request.topic));
   return finish(service, octets, [&] { return host_.send(std::move(request)); });
 }
 

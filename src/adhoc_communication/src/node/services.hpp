@@ -13,6 +13,7 @@
 #include "node/payload.hpp"
 #include "node/service_log.hpp"
 #include "node/service_pool.hpp"
+#include "node/topic_filter.hpp"
 #include "node/topic_relay.hpp"
 
 namespace adhoc_communication {
@@ -21,9 +22,15 @@ namespace adhoc_communication {
 /// carry none.
 class Services {
  public:
+  /// For everything that is sent.
+  struct Terms {
+    Time lifetime{0};         ///< 0: none
+    TopicFilter newest_only;  ///< topics of which a newer packet takes the place of one not begun yet
+  };
+
   /// `prefix` is what precedes the short names of the services.
   Services(ros::NodeHandle& node, const std::string& prefix, EngineHost& host, TopicRelay& relay, ServiceLog& log,
-           std::function<void()> shut_down);
+           Terms terms, std::function<void()> shut_down);
   ~Services();
 
   /// Waits for the calls under way; stop the host first, so that they end.
@@ -52,6 +59,7 @@ class Services {
   EngineHost& host_;
   TopicRelay& relay_;
   ServiceLog& log_;
+  const Terms terms_;
   std::atomic<int> waiting_calls_{0};
   ServicePool sends_;    ///< calls that wait for the radio
   ServicePool queries_;  ///< calls that are answered at once, however many sends wait

@@ -148,7 +148,11 @@ void TopicRelay::answer(const PacketReceived& request) {
 void TopicRelay::send(RelayTable::Transfer transfer) {
   send_(std::move(transfer.request), [this, number = transfer.number](const Outcome& outcome) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    table_.finished(number, outcome.succeeded, outcome.reason, steady_now());
+    if (outcome.superseded) {
+      table_.superseded(number);
+    } else {
+      table_.finished(number, outcome.succeeded, outcome.reason, steady_now());
+    }
     changed_.notify_one();
   });
 }

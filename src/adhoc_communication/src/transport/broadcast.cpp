@@ -4,6 +4,21 @@
 
 namespace adhoc_communication::transport {
 
+std::deque<BroadcastSender::Outgoing>::iterator BroadcastSender::find(SendId id) {
+  return std::find_if(queue_.begin(), queue_.end(), [id](const Outgoing& packet) { return packet.id == id; });
+}
+
+bool BroadcastSender::replace(SendId former, SendId id, const Image& image, std::uint16_t segment_size) {
+  const auto packet = find(former);
+  if (packet == queue_.end() || packet->next_index > 0) return false;
+  *packet = {id, static_cast<std::uint32_t>(id), image, segment_size, 0};
+  return true;
+}
+
+void BroadcastSender::drop(SendId id) {
+  if (const auto packet = find(id); packet != queue_.end()) queue_.erase(packet);
+}
+
 std::pair<wire::BroadcastData, std::optional<SendId>> BroadcastSender::next_segment() {
   Outgoing& packet = queue_.front();
   wire::BroadcastData data;

@@ -20,6 +20,9 @@ class BroadcastSender {
     // Receivers tell packets by their number alone, so it has to be unique among all priorities.
     queue_.push_back({id, static_cast<std::uint32_t>(id), std::move(image), segment_size, 0});
   }
+  /// Puts another packet in the place of one not begun yet. False if there is no such packet.
+  bool replace(SendId former, SendId id, const Image& image, std::uint16_t segment_size);
+  void drop(SendId id);
   bool has_segment() const { return !queue_.empty(); }
   /// The next segment, and the packet if this was its last one.
   std::pair<wire::BroadcastData, std::optional<SendId>> next_segment();
@@ -32,6 +35,8 @@ class BroadcastSender {
     std::uint16_t segment_size;
     std::uint32_t next_index;
   };
+  std::deque<Outgoing>::iterator find(SendId id);
+
   std::deque<Outgoing> queue_;
 };
 

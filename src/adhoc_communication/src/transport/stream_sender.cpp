@@ -1,15 +1,71 @@
 #include "transport/stream_sender.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace adhoc_communication::transport {
 
 void StreamSender::add(SendId id, Image image, std::uint16_t segment_size, Time now) {
   if (packets_.empty()) waiting_since_ = now;
   const std::size_t count = (image->size() + segment_size - 1) / segment_size;
-  packets_.push_back(
-      {id, next_number_++, std::move(image), segment_size, now, std::vector<Segment>(count), 0, 0, 0, {}});
+  packets_.push_back({id,
+                      next_number_++,
+                      std::move(image),
+                      segment_size,
+                      now,
+                      std::vector<Segment>(count),
+                      0,
+                      0,
+                      0,
+                      {},
+                      false,
+                      false});
   unstarted_ += count;
+}
+
+bool StreamSender::replace(SendId former, SendId id, const Image& image, std::uint16_t segment_size, Time now) {
+  const auto packet = find_id(former);
+  if (packet == packets_.end() || packet->begun) return false;
+  const std::size_t count = (image->size() + segment_size - 1) / segment_size;
+  unstarted_ += count - packet->segments.size();
+  packet->id = id;
+  packet->image = image;
+  packet->segment_size = segment_size;
+  packet->added = now;
+  packet->segments.assign(count, Segment{});
+  return true;
+}
+
+void StreamSender::drop(SendId id) {
+  const auto packet = find_id(id);
+  if (packet == packets_.end()) return;
+  forget_sent(*packet);
+  unstarted_ -= packet->segments.size() - packet->started;
+  packet->segments.clear();
+  packet->started = 0;
+  packet->first_open = 0;
+  packet->refused_since.reset();
+  packet->image.reset();
+  packet->dropped = true;
+  pass_over_dropped();
+}
+
+/// What is now the first packet may have arrived and wait for those before: a segment of it carries the new base.
+void StreamSender::pass_over_dropped() {
+  if (packets_.empty() || !packets_.front().dropped) return;
+  while (!packets_.empty() && packets_.front().dropped) pop_front();
+  if (packets_.empty() || packets_.front().started == 0) return;
+  Outgoing& first = packets_.front();
+  probing_ = true;
+  if (first.segments.front().lost) return;
+  if (std::exchange(first.segments.front().acknowledged, false)) ++on_the_way_;
+  first.first_open = 0;
+  mark_lost(first, 0);
+}
+
+std::deque<StreamSender::Outgoing>::iterator StreamSender::find_id(SendId id) {
+  return std::find_if(packets_.begin(), packets_.end(),
+                      [id](const Outgoing& packet) { return packet.id == id && !packet.dropped; });
 }
 
 bool StreamSender::has_segment() const {
@@ -41,6 +97,7 @@ const StreamSender::Outgoing* StreamSender::unstarted() const {
 
 wire::Data StreamSender::segment(Outgoing& packet, std::uint32_t index, Time now) {
   packet.segments[index].sent = now;
+  packet.begun = true;
   ++on_the_way_;
   waiting_since_ = now;
   wire::Data data;
@@ -80,6 +137,7 @@ std::vector<SendId> StreamSender::acknowledged(const wire::TransportAcknowledgme
     Outgoing* packet = find(refused.packet);
     if (packet != nullptr && packet->attempt == refused.attempt && packet->started > 0) begin_anew(*packet, now);
   }
+  pass_over_dropped();
   if (progress_) {
     resends_ = 0;
     waiting_since_ = now;
@@ -234,9 +292,9 @@ std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time n
     probe();
     return given_up;
   }
-  while (!packets_.empty() && packets_.front().started > 0) {
+  while (!packets_.empty() && (packets_.front().started > 0 || packets_.front().dropped)) {
     forget_sent(packets_.front());
-    given_up.push_back({packets_.front().id, now - packets_.front().added, false});
+    if (!packets_.front().dropped) given_up.push_back({packets_.front().id, now - packets_.front().added, false});
     pop_front();
   }
   resends_ = 0;
@@ -253,6 +311,7 @@ std::vector<StreamSender::GivenUp> StreamSender::give_up_refused(Time now) {
     given_up.push_back({packet.id, now - packet.added, true});
     pop_front();
   }
+  pass_over_dropped();
   return given_up;
 }
 

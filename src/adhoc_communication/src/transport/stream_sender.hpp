@@ -36,6 +36,10 @@ class StreamSender {
       : stream_(stream), window_(window), next_number_(first_number) {}
 
   void add(SendId id, Image image, std::uint16_t segment_size, Time now);
+  /// Puts another packet in the place of one of which nothing was ever sent. False if there is no such packet.
+  bool replace(SendId former, SendId id, const Image& image, std::uint16_t segment_size, Time now);
+  /// The receiver is to pass the packet over, however much of it has arrived.
+  void drop(SendId id);
   bool idle() const { return packets_.empty(); }
   bool has_segment() const;
   /// The next segment; source and destination are left to the caller. has_segment() holds.
@@ -74,6 +78,8 @@ class StreamSender {
     std::uint32_t first_open = 0;  ///< every segment before is acknowledged
     std::uint8_t attempt = 0;
     std::optional<Time> refused_since{};  ///< the receiver has no room; one segment at a time asks for it
+    bool begun = false;                   ///< some of it was sent, in whatever attempt
+    bool dropped = false;                 ///< keeps its number until those before are finished
 
     bool may_start() const { return started < segments.size() && (!refused_since || started == 0); }
   };
@@ -83,6 +89,8 @@ class StreamSender {
   void begin_anew(Outgoing& packet, Time now);
   void forget_sent(Outgoing& packet);
   void pop_front();
+  void pass_over_dropped();
+  std::deque<Outgoing>::iterator find_id(SendId id);
   std::vector<GivenUp> give_up_refused(Time now);
   wire::Data segment(Outgoing& packet, std::uint32_t index, Time now);
   void take(Outgoing& packet, const wire::PartialPacket& partial, Time now);

@@ -76,6 +76,8 @@ TEST(Options, EachParameterReachesItsOption) {
   EXPECT_EQ(read(with("num_link_retrans", 3)).engine.num_link_retrans, 3);
   EXPECT_EQ(read(with("num_e2e_retrans", 4)).engine.num_e2e_retrans, 4);
   EXPECT_EQ(read(with("num_rreq", 2)).engine.num_rreq, 2);
+  EXPECT_EQ(read(with("send_lifetime", 1.5)).send_lifetime, 1.5);
+  EXPECT_EQ(read(with("newest_only", "position scan*")).newest_only, "position scan*");
   EXPECT_EQ(read(with("max_frame_size", 1000)).engine.max_frame_size, 1000);
   EXPECT_EQ(read(with("hop_limit_increment", 2)).engine.hop_limit_increment, 2);
   EXPECT_EQ(read(with("beacon_interval", 100)).engine.beacon_interval, std::chrono::milliseconds(100));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 #include "node/relay_table.hpp"
@@ -306,6 +307,88 @@ TEST(RelayTable, LatchedMessageOfTheOwnGroupGoesToEachNewMemberAlone) {
   EXPECT_TRUE(table.next(4s)) << "a member that has been away";
 }
 
+/// Members that joined together pushed each other's message out of the queue.
+TEST(RelayTable, LatchedMessageReachesManyWhoJoinTogether) {
+  RelayTable table("self");
+  RelayEntry entry = to("mc_self");
+  entry.latched = true;
+  const auto id = table.add(entry);
+  table.offer(id, message("map"), 0s);
+  deliver_all(table, 0s);
+  std::vector<std::string> members;
+  for (std::size_t i = 0; i < 3 * RelayTable::kMostWaiting; ++i) members.push_back("robot_" + std::to_string(i));
+  for (const std::string& member : members) table.robot_appeared(member, 1s);
+  table.group_members(members, 1s);
+  std::set<std::string> reached;
+  for (Time now = 1s; now < 10s; now += RelayTable::kRetry) {
+    while (const auto transfer = table.next(now)) {
+      const bool arrives = now > 1s || reached.size() % 2 == 0;
+      if (arrives) reached.insert(transfer->request.destination);
+      table.finished(transfer->number, arrives, "no route", now);
+    }
+  }
+  EXPECT_EQ(reached, std::set<std::string>(members.begin(), members.end()));
+  EXPECT_EQ(only_report(table).dropped, 0u);
+}
+
+TEST(RelayTable, NewMessageToTheGroupReachesLateMembersWithIt) {
+  RelayTable table("self");
+  RelayEntry entry = to("mc_self");
+  entry.latched = true;
+  const auto id = table.add(entry);
+  table.offer(id, message("old"), 0s);
+  deliver_all(table, 0s);
+  table.group_members({"bob"}, 1s);
+  table.offer(id, message("new"), 1s);
+  const auto transfer = table.next(1s);
+  ASSERT_TRUE(transfer);
+  EXPECT_EQ(transfer->request.destination, "mc_self");
+  EXPECT_FALSE(table.next(1s));
+}
+
+TEST(RelayTable, MessageIsOfNoUseAfterItsLifetime) {
+  RelayTable table("self");
+  RelayEntry entry = to("bob");
+  entry.latched = true;
+  entry.lifetime = 0.5;
+  const auto id = table.add(entry);
+  table.robot_appeared("bob", 0s);
+  table.offer(id, message("1"), 0s);
+  const auto first = table.next(100ms);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->request.lifetime, 400ms);
+  table.offer(id, message("2"), 100ms);
+  table.finished(first->number, true, "", 700ms);
+  EXPECT_FALSE(table.next(700ms)) << "its lifetime is over";
+  EXPECT_EQ(only_report(table).dropped, 1u);
+  table.robot_lost("bob");
+  table.robot_appeared("bob", 800ms);
+  EXPECT_FALSE(table.next(800ms)) << "also for those who come late";
+}
+
+TEST(RelayTable, NewestOnlyWaits) {
+  RelayTable table("self");
+  RelayEntry entry = to("bob");
+  entry.newest_only = true;
+  const auto id = table.add(entry);
+  table.robot_appeared("bob", 0s);
+  table.offer(id, message("taught"), 0s);
+  deliver_all(table, 0s);
+  table.offer(id, message("1"), 0s);
+  const auto begun = table.next(0s);
+  ASSERT_TRUE(begun);
+  EXPECT_TRUE(begun->request.newest_only);
+  for (const char* octets : {"2", "3"}) table.offer(id, message(octets), 0s);
+  const auto newest = table.next(0s);
+  ASSERT_TRUE(newest);
+  EXPECT_EQ(octets(*newest), "3");
+  table.superseded(begun->number);
+  table.finished(newest->number, true, "", 0s);
+  const RelayReport report = only_report(table);
+  EXPECT_EQ(report.delivered, 2u);
+  EXPECT_EQ(report.failed + report.dropped, 0u);
+}
+
 TEST(RelayTable, RequestHasTopicPriorityAndDestinationOfItsEntry) {
   RelayTable table("self");
   RelayEntry entry = to("bob");
@@ -343,6 +426,9 @@ std::string refusal(RelayTable& table, const RelayEntry& entry) {
 
 TEST(RelayTable, RefusesWithASentence) {
   RelayTable table("self");
+  RelayEntry eternal = to("bob");
+  eternal.lifetime = -1.0;
+  EXPECT_EQ(refusal(table, eternal), "relay of 'scan' to 'bob' has a lifetime outside 0 .. 86400 s");
   EXPECT_EQ(refusal(table, to("self")), "relay of 'scan' to 'self' goes to this robot itself");
   RelayEntry fast = to("bob");
   for (const double rate : {-1.0, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
