@@ -158,11 +158,14 @@ class Engine::Implementation : private Outbox {
   void fail_unreachable(Time now);
   void pump(Time now);
   bool pump_priority(std::uint8_t priority, Time now);
-  bool pump_kind(transport::FairShare::Kind kind, std::uint8_t priority, Time now);
-  bool pump_links(std::uint8_t priority, bool repetitions_only, Time now);
-  bool pump_link(const MacAddress& neighbor, Link& link, std::uint8_t priority, bool repetitions_only, Time now);
+  std::vector<MacAddress> waiting_hops(std::uint8_t priority) const;
+  bool pump_hop(const MacAddress& previous_hop, std::uint8_t priority, Time now);
+  bool pump_frames(const MacAddress& previous_hop, std::uint8_t priority, Time now);
+  bool pump_repetitions(std::uint8_t priority, Time now);
+  bool pump_link(const MacAddress& neighbor, Link& link, std::uint8_t priority, const MacAddress& previous_hop,
+                 Time now);
   bool pump_broadcasts(std::uint8_t priority, Time now);
-  bool pump_groups(std::uint8_t priority, Time now);
+  bool pump_groups(const MacAddress& previous_hop, std::uint8_t priority, Time now);
   bool pump_streams(std::uint8_t priority, Time now);
   bool pump_stream(const StreamKey& key, Stream& stream, Time now);
   bool air_allows(const Link& link, Time now) const;
@@ -265,7 +268,10 @@ class Engine::Implementation : private Outbox {
   Time started_{0};
   Time expected_poll_ = Time::max();
   bool touched_ = true;  ///< something came in since the last poll
-  std::array<transport::FairShare, transport::kPriorities> shares_;
+  /// Between the robots that frames come from, this one (all zero) among them; for each, between group and other
+  /// frames.
+  std::array<transport::FairShare<MacAddress>, transport::kPriorities> shares_;
+  std::array<transport::FairShare<std::pair<MacAddress, bool>>, transport::kPriorities> group_shares_;
   MacAddress last_link_served_{};
   StreamKey last_stream_served_;
   std::vector<Frame> out_;

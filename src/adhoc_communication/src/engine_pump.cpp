@@ -27,25 +27,50 @@ void Engine::Implementation::pump(Time now) {
 }
 
 bool Engine::Implementation::pump_priority(std::uint8_t priority, Time now) {
-  if (pump_links(priority, true, now)) return true;
-  for (const transport::FairShare::Kind kind : shares_[priority].order()) {
+  if (pump_repetitions(priority, now)) return true;
+  std::vector<MacAddress> hops = waiting_hops(priority);
+  shares_[priority].sort(hops);
+  for (const MacAddress& hop : hops) {
     const std::uint64_t before = statistics_.bytes_sent;
-    if (!pump_kind(kind, priority, now)) continue;
-    shares_[priority].charge(kind, statistics_.bytes_sent - before);
+    if (!pump_hop(hop, priority, now)) continue;
+    shares_[priority].charge(hop, statistics_.bytes_sent - before);
     return true;
   }
   return false;
 }
 
-bool Engine::Implementation::pump_kind(transport::FairShare::Kind kind, std::uint8_t priority, Time now) {
-  switch (kind) {
-    case transport::FairShare::kTransit:
-      return pump_links(priority, false, now);
-    case transport::FairShare::kGroups:
-      return pump_groups(priority, now);
-    default:
-      return pump_broadcasts(priority, now) || pump_streams(priority, now);
+/// The robots whose frames wait, each once; all zero is this one.
+std::vector<MacAddress> Engine::Implementation::waiting_hops(std::uint8_t priority) const {
+  std::vector<MacAddress> hops;
+  for (const auto& [neighbor, link] : links_.busy()) link->sender.add_waiting_hops(priority, hops);
+  distributor_.add_waiting_hops(priority, hops);
+  hops.push_back({});
+  std::sort(hops.begin(), hops.end());
+  hops.erase(std::unique(hops.begin(), hops.end()), hops.end());
+  return hops;
+}
+
+bool Engine::Implementation::pump_hop(const MacAddress& previous_hop, std::uint8_t priority, Time now) {
+  if (!distributor_.has_frame(priority)) return pump_frames(previous_hop, priority, now);
+  std::vector<std::pair<MacAddress, bool>> kinds{{previous_hop, false}, {previous_hop, true}};
+  group_shares_[priority].sort(kinds);
+  for (const auto& kind : kinds) {
+    const std::uint64_t before = statistics_.bytes_sent;
+    const bool of_group = kind.second;
+    if (!(of_group ? pump_groups(previous_hop, priority, now) : pump_frames(previous_hop, priority, now))) continue;
+    group_shares_[priority].charge(kind, statistics_.bytes_sent - before);
+    return true;
   }
+  return false;
+}
+
+/// One neighbour after the other.
+bool Engine::Implementation::pump_frames(const MacAddress& previous_hop, std::uint8_t priority, Time now) {
+  const bool passed_on = visit_after(links_.busy(), last_link_served_, [&](const auto& item) {
+    return pump_link(item.first, *item.second, priority, previous_hop, now);
+  });
+  if (passed_on || previous_hop != MacAddress{}) return passed_on;
+  return pump_broadcasts(priority, now) || pump_streams(priority, now);
 }
 
 bool Engine::Implementation::pump_broadcasts(std::uint8_t priority, Time now) {
@@ -57,38 +82,42 @@ bool Engine::Implementation::pump_broadcasts(std::uint8_t priority, Time now) {
   return true;
 }
 
-/// Repetitions and frames of others, one neighbour after the other.
-bool Engine::Implementation::pump_links(std::uint8_t priority, bool repetitions_only, Time now) {
+bool Engine::Implementation::pump_repetitions(std::uint8_t priority, Time now) {
   return visit_after(links_.busy(), last_link_served_, [&](const auto& item) {
-    return pump_link(item.first, *item.second, priority, repetitions_only, now);
+    Link& link = *item.second;
+    if (!link.sender.has_resend(priority) || !link.sender.may_resend() || !air_allows(link, now)) return false;
+    last_link_served_ = item.first;
+    const std::uint64_t counter = next_counter_++;
+    send_on(item.first, link, link.sender.resend(priority, counter, now), counter, now);
+    return true;
   });
 }
 
 bool Engine::Implementation::pump_link(const MacAddress& neighbor, Link& link, std::uint8_t priority,
-                                       bool repetitions_only, Time now) {
-  const bool again = link.sender.has_resend(priority) && link.sender.may_resend();
-  const bool anew = !repetitions_only && link.sender.has_waiting(priority) && link.sender.may_start();
-  if (!(again || anew) || !air_allows(link, now)) return false;
+                                       const MacAddress& previous_hop, Time now) {
+  if (!link.sender.has_waiting(priority, previous_hop) || !link.sender.may_start() || !air_allows(link, now)) {
+    return false;
+  }
   last_link_served_ = neighbor;
-  if (!again && options_.num_link_retrans == 0) {
-    send_unacknowledged(neighbor, link.sender.take_waiting(priority), now);
+  transport::HopFrame frame = link.sender.take_waiting(priority, previous_hop);
+  if (options_.num_link_retrans == 0) {
+    send_unacknowledged(neighbor, frame, now);
     return true;
   }
   const std::uint64_t counter = next_counter_++;
-  const HopSender::Outgoing outgoing = again ? link.sender.resend(priority, counter, now)
-                                             : link.sender.start(link.sender.take_waiting(priority), counter, now);
-  send_on(neighbor, link, outgoing, counter, now);
+  send_on(neighbor, link, link.sender.start(std::move(frame), counter, now), counter, now);
   return true;
 }
 
 /// As on a link, of some frames a second follows the first without a gap, which measures the air.
-bool Engine::Implementation::pump_groups(std::uint8_t priority, Time now) {
+bool Engine::Implementation::pump_groups(const MacAddress& previous_hop, std::uint8_t priority, Time now) {
   const bool follows = next_counter_ == last_group_counter_ + 1 && group_pair_ == 1;
-  if ((air_.ready_at() > now && !follows) || !distributor_.has_frame(priority)) return false;
-  const multicast::GroupFrame frame = distributor_.next_frame(priority, follows, now);
+  if (air_.ready_at() > now && !follows) return false;
+  const auto frame = distributor_.next_frame(priority, previous_hop, follows, now);
+  if (!frame) return false;
   last_group_counter_ = next_counter_++;
   group_pair_ = (group_pair_ + 1) % (air_.calibrated() ? kPairInterval : 2);
-  transmit(FrameType::kGroupData, 0, frame.destination, 0, last_group_counter_, frame.body, now);
+  transmit(FrameType::kGroupData, 0, frame->destination, 0, last_group_counter_, frame->body, now);
   return true;
 }
 

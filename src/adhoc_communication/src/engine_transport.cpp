@@ -44,12 +44,12 @@ void Engine::Implementation::forward(const MacAddress& from, Message message, Fr
   ++message.hops;
   if (route == nullptr &&
       (router_.repairing(destination) || router_.repair_late(destination, message.source, from, now))) {
-    hold(destination, {type, to_bytes(message), priority});
+    hold(destination, {type, to_bytes(message), priority, from});
     return;
   }
   if (route == nullptr || route->next_hop == from) return router_.no_route_for(destination, from, now);
   // A full queue loses the frame; the source repeats it when the destination misses it.
-  link(route->next_hop).sender.enqueue({type, to_bytes(message), priority});
+  link(route->next_hop).sender.enqueue({type, to_bytes(message), priority, from});
 }
 
 void Engine::Implementation::deliver_data(const wire::Data& data, Time now) {

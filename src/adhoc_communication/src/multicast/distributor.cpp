@@ -129,7 +129,7 @@ void Distributor::remove_finished() {
   }
 }
 
-void Distributor::erase_transfer(GroupStream& stream, std::map<std::uint32_t, Transfer>::iterator transfer) {
+void Distributor::erase_transfer(GroupStream& stream, GroupStream::Transfers::iterator transfer) {
   if (transfer->second.room) reassembly_.release(*transfer->second.room);
   stream.transfers.erase(transfer);
 }
@@ -196,6 +196,7 @@ Transfer* Distributor::transfer_for(const MacAddress& root, Tree& tree, const wi
     return same ? &found->second : nullptr;
   }
   if (data.total > largest_packet_ || stream.transfers.size() >= kMostTransfers) return nullptr;
+  if (data.packet - stream.base >= kPacketsAhead) return nullptr;
   const auto carrier = static_cast<std::uint8_t>(transport::Reassembly::kGroup + data.stream);
   const transport::Reassembly::Key room{root, tree.boot, carrier, data.packet};
   if (!reassembly_.admit(room, data.total, data.packet == stream.next, now)) return nullptr;
@@ -418,22 +419,36 @@ void Distributor::copy_finished(std::uint8_t stream, std::uint32_t number) {
 }
 
 bool Distributor::has_frame(std::uint8_t priority) const {
-  return std::any_of(branches_.begin(), branches_.end(), [priority](const auto& branch) {
-    if (!branch.second.busy) return false;
-    const auto& transfers = branch.second.streams[priority].transfers;
-    return std::any_of(transfers.begin(), transfers.end(),
-                       [](const auto& transfer) { return transfer.second.to_children->has_frame(); });
-  });
+  return std::any_of(branches_.begin(), branches_.end(),
+                     [priority](const auto& item) { return has_frame(item.second, priority); });
 }
 
-GroupFrame Distributor::next_frame(std::uint8_t priority, bool follows, Time now) {
+bool Distributor::has_frame(const Branch& branch, std::uint8_t priority) {
+  if (!branch.busy) return false;
+  const auto& transfers = branch.streams[priority].transfers;
+  return std::any_of(transfers.begin(), transfers.end(),
+                     [](const auto& transfer) { return transfer.second.to_children->has_frame(); });
+}
+
+MacAddress Distributor::previous_hop(const MacAddress& root) const {
+  return trees_.at(root).upstream.value_or(MacAddress{});
+}
+
+void Distributor::add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const {
+  for (const auto& [root, branch] : branches_) {
+    if (has_frame(branch, priority)) hops.push_back(previous_hop(root));
+  }
+}
+
+std::optional<GroupFrame> Distributor::next_frame(std::uint8_t priority, const MacAddress& from, bool follows,
+                                                  Time now) {
   std::optional<GroupFrame> frame;
   visit_after(branches_, last_root_served_, [&](auto& item) {
-    if (item.second.busy) frame = next_frame_of(item.first, item.second, priority, follows, now);
+    if (!item.second.busy || previous_hop(item.first) != from) return false;
+    frame = next_frame_of(item.first, item.second, priority, follows, now);
     return frame.has_value();
   });
-  if (!frame) throw std::logic_error("next_frame() without has_frame()");
-  return *frame;
+  return frame;
 }
 
 std::optional<GroupFrame> Distributor::next_frame_of(const MacAddress& root, Branch& branch, std::uint8_t priority,

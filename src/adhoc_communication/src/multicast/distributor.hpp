@@ -5,7 +5,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,8 +45,9 @@ struct GroupFrame {
 
 class Distributor {
  public:
-  static constexpr std::size_t kMostTrees = 1024;     ///< the one idle longest makes room
-  static constexpr std::size_t kMostTransfers = 256;  ///< of one root and priority; further ones are not taken yet
+  static constexpr std::size_t kMostTrees = 1024;          ///< the one idle longest makes room
+  static constexpr std::size_t kMostTransfers = 256;       ///< of one root and priority; further ones are not taken yet
+  static constexpr std::uint32_t kPacketsAhead = 1 << 20;  ///< taken beyond what the root has finished
   static constexpr Time kIdleTree = std::chrono::seconds(60);
   static constexpr Time kIdleTransfer = std::chrono::seconds(20);
   static constexpr Time kReportJitter = std::chrono::milliseconds(1);
@@ -97,8 +97,10 @@ class Distributor {
   void poll(Time now);
   Time next_deadline() const;
   bool has_frame(std::uint8_t priority) const;
-  /// has_frame() holds.
-  GroupFrame next_frame(std::uint8_t priority, bool follows, Time now);
+  /// From whom the frames come that wait; all zero for those of the own group.
+  void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const;
+  /// Nothing if none waits that came from there.
+  std::optional<GroupFrame> next_frame(std::uint8_t priority, const MacAddress& previous_hop, bool follows, Time now);
   /// Forgets what has been idle.
   void expire(Time now);
 
@@ -157,7 +159,7 @@ class Distributor {
   // distributor.cpp
   Transfer* transfer_for(const MacAddress& root, Tree& tree, const wire::GroupData& data, Time now);
   void made_progress(const Transfer& transfer, std::size_t octets, Time now);
-  void erase_transfer(GroupStream& stream, std::map<std::uint32_t, Transfer>::iterator transfer);
+  void erase_transfer(GroupStream& stream, GroupStream::Transfers::iterator transfer);
   void pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base);
   void deliver(const MacAddress& root, GroupStream& stream);
   bool settled(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
@@ -178,6 +180,8 @@ class Distributor {
   std::optional<GroupFrame> next_frame_of(const MacAddress& root, Branch& branch, std::uint8_t priority, bool follows,
                                           Time now);
   static bool idle(const Branch& branch);
+  static bool has_frame(const Branch& branch, std::uint8_t priority);
+  MacAddress previous_hop(const MacAddress& root) const;
 
   const Identity& self_;
   routing::Router& router_;

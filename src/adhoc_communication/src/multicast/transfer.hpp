@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "multicast/distribution.hpp"
+#include "routing/sequence_number.hpp"
 #include "transport/packet_image.hpp"
 #include "transport/reassembly.hpp"
 
@@ -31,11 +32,13 @@ struct Transfer {
 
 /// Packets of one priority from one root. Delivered in order; a packet that the root has given up is passed over.
 struct GroupStream {
+  using Transfers = std::map<std::uint32_t, Transfer, routing::SequenceOrder>;
   bool started = false;
-  std::uint32_t next = 0;               ///< at the root: number of the next packet; elsewhere: next one to deliver
-  std::uint32_t base = 0;               ///< packets before are finished at the root
-  std::multiset<std::uint32_t> copies;  ///< at the root: numbers on their way to members by themselves
-  std::map<std::uint32_t, Transfer> transfers;
+  std::uint32_t next = 0;  ///< at the root: number of the next packet; elsewhere: next one to deliver
+  std::uint32_t base = 0;  ///< packets before are finished at the root
+  /// At the root: numbers on their way to members by themselves.
+  std::multiset<std::uint32_t, routing::SequenceOrder> copies;
+  Transfers transfers;
 };
 
 }  // namespace adhoc_communication::multicast

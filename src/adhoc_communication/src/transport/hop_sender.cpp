@@ -16,13 +16,6 @@ constexpr Time kOutcomesAge = std::chrono::seconds(10);
 
 }  // namespace
 
-bool HopSender::enqueue(HopFrame frame) {
-  auto& queue = waiting_[frame.priority];
-  if (queue.size() >= kMostWaiting) return false;
-  queue.push_back(std::move(frame));
-  return true;
-}
-
 std::size_t HopSender::waiting() const {
   std::size_t count = 0;
   for (const auto& queue : waiting_) count += queue.size();
@@ -54,12 +47,6 @@ HopSender::Outgoing HopSender::start(HopFrame frame, std::uint64_t counter, Time
   InFlight& flight = in_flight_[link_sequence];
   flight.frame = std::move(frame);
   return transmit(link_sequence, flight, counter, now);
-}
-
-HopFrame HopSender::take_waiting(std::uint8_t priority) {
-  HopFrame frame = std::move(waiting_[priority].front());
-  waiting_[priority].pop_front();
-  return frame;
 }
 
 HopSender::Outgoing HopSender::transmit(std::uint32_t link_sequence, InFlight& flight, std::uint64_t counter,
@@ -182,7 +169,7 @@ void HopSender::clear() {
 std::vector<HopFrame> HopSender::take_all() {
   std::vector<HopFrame> frames;
   for (auto& [link_sequence, flight] : in_flight_) frames.push_back(std::move(flight.frame));
-  for (auto& queue : waiting_) std::move(queue.begin(), queue.end(), std::back_inserter(frames));
+  for (FrameQueue& queue : waiting_) queue.move_all_to(frames);
   clear();
   return frames;
 }

@@ -8,26 +8,20 @@
 #include <optional>
 #include <vector>
 
+#include "routing/sequence_number.hpp"
+#include "transport/frame_queue.hpp"
 #include "transport/round_trip.hpp"
-#include "wire/frame_header.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::transport {
 
 constexpr std::size_t kPriorities = 4;
 
-struct HopFrame {
-  wire::FrameType type = wire::FrameType::kData;
-  Bytes body;
-  std::uint8_t priority = 0;
-};
-
 /// A frame is repeated as soon as a later transmission is acknowledged without it, or when its timer runs out; after
 /// `most_resends` repetitions it is given up and left to the end-to-end repetition. The link is dead when nothing at
 /// all was heard for kSilence while frames were outstanding, however few or many tries that were.
 class HopSender {
  public:
-  static constexpr std::size_t kMostWaiting = 2048;   ///< per priority; further frames are refused
   static constexpr std::uint32_t kSpan = 64;          ///< link sequences that one acknowledgment can cover
   static constexpr std::size_t kMostUnresolved = 32;  ///< transmissions whose fate is open
   static constexpr std::size_t kFewUnresolved = 16;   ///< the same while answers are slow, or none is known
@@ -47,12 +41,18 @@ class HopSender {
   HopSender(std::uint32_t first_link_sequence, int most_resends)
       : next_link_sequence_(first_link_sequence), most_resends_(most_resends) {}
 
-  /// False when the queue of that priority is full.
-  bool enqueue(HopFrame frame);
+  void enqueue(HopFrame frame) { waiting_[frame.priority].push(std::move(frame)); }
   std::size_t waiting() const;
 
   bool has_resend(std::uint8_t priority) const { return !lost_[priority].empty(); }
   bool has_waiting(std::uint8_t priority) const { return !waiting_[priority].empty(); }
+  bool has_waiting(std::uint8_t priority, const MacAddress& previous_hop) const {
+    return waiting_[priority].has(previous_hop);
+  }
+  /// From whom frames of that priority wait.
+  void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const {
+    waiting_[priority].add_hops(hops);
+  }
   bool idle() const { return in_flight_.empty() && waiting() == 0; }
   /// As idle(), and no transmission is waited for any more.
   bool settled() const { return idle() && unresolved_.empty(); }
@@ -67,7 +67,9 @@ class HopSender {
   Outgoing resend(std::uint8_t priority, std::uint64_t counter, Time now);
   /// Puts a new frame on its way; may_start() holds.
   Outgoing start(HopFrame frame, std::uint64_t counter, Time now);
-  HopFrame take_waiting(std::uint8_t priority);
+  HopFrame take_waiting(std::uint8_t priority, const MacAddress& previous_hop) {
+    return waiting_[priority].pop(previous_hop);
+  }
 
   /// True when the acknowledgment resolved something.
   bool acknowledged(const wire::HopAcknowledgment& acknowledgment, Time now);
@@ -79,7 +81,7 @@ class HopSender {
   bool dead(Time now) const;
   /// Drops everything.
   void clear();
-  /// As clear(); what was not acknowledged, in the order in which it came.
+  /// As clear(); what was not acknowledged, in the order in which it came from each previous hop.
   std::vector<HopFrame> take_all();
 
   Time next_deadline() const;
@@ -113,8 +115,8 @@ class HopSender {
 
   std::uint32_t next_link_sequence_;
   int most_resends_;
-  std::array<std::deque<HopFrame>, kPriorities> waiting_;
-  std::map<std::uint32_t, InFlight> in_flight_;
+  std::array<FrameQueue, kPriorities> waiting_;
+  std::map<std::uint32_t, InFlight, routing::SequenceOrder> in_flight_;
   std::array<std::deque<std::uint32_t>, kPriorities> lost_;
   std::deque<Transmission> unresolved_;
   std::deque<Transmission> late_;

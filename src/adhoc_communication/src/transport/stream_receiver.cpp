@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "routing/sequence_number.hpp"
-
 namespace adhoc_communication::transport {
 namespace {
 
@@ -135,30 +133,17 @@ wire::TransportAcknowledgment StreamReceiver::acknowledge(std::size_t index) {
   wire::TransportAcknowledgment acknowledgment;
   acknowledgment.stream = static_cast<std::uint8_t>(index);
   acknowledgment.next = stream.next;
-  std::vector<std::uint32_t> numbers;
-  for (const auto& [number, attempt] : stream.refused) numbers.push_back(number);
-  for (const std::uint32_t number : in_order(stream, numbers)) {
-    if (acknowledgment.refused.size() < kMostRefused) {
-      acknowledgment.refused.push_back({number, stream.refused.at(number)});
-    }
+  for (const auto& [number, attempt] : stream.refused) {
+    if (acknowledgment.refused.size() < kMostRefused) acknowledgment.refused.push_back({number, attempt});
   }
-  numbers.clear();
-  for (const auto& [number, packet] : stream.packets) numbers.push_back(number);
   std::size_t octets = 0;
-  for (const std::uint32_t number : in_order(stream, numbers)) {
-    wire::PartialPacket partial = partial_of(number, stream.packets.at(number));
+  for (const auto& [number, packet] : stream.packets) {
+    wire::PartialPacket partial = partial_of(number, packet);
     octets += kPartialOctets + partial.received.size();
     if (octets > kMostPartialOctets) break;
     acknowledgment.partial.push_back(std::move(partial));
   }
   return acknowledgment;
-}
-
-std::vector<std::uint32_t> StreamReceiver::in_order(const Stream& stream, const std::vector<std::uint32_t>& numbers) {
-  std::vector<std::uint32_t> sorted = numbers;
-  std::sort(sorted.begin(), sorted.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return a - stream.next < b - stream.next; });
-  return sorted;
 }
 
 wire::PartialPacket StreamReceiver::partial_of(std::uint32_t number, const Incoming& packet) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "routing/sequence_number.hpp"
 #include "transport/assembly.hpp"
 #include "transport/hop_sender.hpp"
 #include "transport/reassembly.hpp"
@@ -55,12 +56,12 @@ class StreamReceiver {
     std::uint8_t attempt = 0;
     std::uint8_t hops = 1;
   };
-  using Packets = std::map<std::uint32_t, Incoming>;
+  using Packets = std::map<std::uint32_t, Incoming, routing::SequenceOrder>;
   struct Stream {
     bool started = false;
     std::uint32_t next = 0;
     Packets packets;
-    std::map<std::uint32_t, std::uint8_t> refused;  ///< by packet: the attempt
+    std::map<std::uint32_t, std::uint8_t, routing::SequenceOrder> refused;  ///< by packet: the attempt
     int unacknowledged = 0;
     Time due = Time::max();
     Time last_segment{0};
@@ -76,7 +77,6 @@ class StreamReceiver {
   void move_base(std::size_t index, std::uint32_t base);
   void deliver(std::size_t index, std::vector<Complete>& out);
   static wire::PartialPacket partial_of(std::uint32_t number, const Incoming& packet);
-  static std::vector<std::uint32_t> in_order(const Stream& stream, const std::vector<std::uint32_t>& numbers);
 
   MacAddress source_;
   wire::BootTag boot_;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "routing/sequence_number.hpp"
 #include "transport/packet_image.hpp"
 #include "transport/round_trip.hpp"
 #include "wire/messages.hpp"
@@ -84,6 +85,11 @@ class StreamSender {
     bool may_start() const { return started < segments.size() && (!refused_since || started == 0); }
   };
   using Place = std::pair<std::uint32_t, std::uint32_t>;  ///< packet number, segment index
+  struct PlaceOrder {
+    bool operator()(const Place& a, const Place& b) const {
+      return a.first == b.first ? a.second < b.second : routing::is_newer(b.first, a.first);
+    }
+  };
 
   Outgoing* find(std::uint32_t number);
   void begin_anew(Outgoing& packet, Time now);
@@ -108,7 +114,7 @@ class StreamSender {
   std::size_t window_;
   std::uint32_t next_number_;
   std::deque<Outgoing> packets_;
-  std::set<Place> lost_;
+  std::set<Place, PlaceOrder> lost_;
   std::size_t on_the_way_ = 0;        ///< segments sent, neither acknowledged nor lost
   std::size_t unstarted_ = 0;         ///< segments never sent
   std::optional<Time> paused_until_;  ///< a packet waits for room, and those behind it with it

@@ -3,6 +3,7 @@
 
 #include "host.hpp"
 #include "transport/fair_share.hpp"
+#include "transport/frame_queue.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -10,41 +11,98 @@ namespace {
 using namespace std::chrono_literals;
 using transport::FairShare;
 
-TEST(FairShare, WhoHasSentLeastGoesFirst) {
-  FairShare share;
-  EXPECT_EQ(share.order()[0], FairShare::kTransit);
-  share.charge(FairShare::kTransit, 1500);
-  share.charge(FairShare::kGroups, 100);
-  EXPECT_EQ(share.order(), (std::array<FairShare::Kind, 3>{FairShare::kOwn, FairShare::kGroups, FairShare::kTransit}));
+using Names = std::vector<std::string>;
+
+Names sorted(const FairShare<std::string>& share, Names waiting) {
+  share.sort(waiting);
+  return waiting;
 }
 
-TEST(FairShare, SilenceEarnsLittle) {
-  FairShare share;
-  for (int i = 0; i < 1000; ++i) share.charge(FairShare::kTransit, 1500);
+TEST(FairShare, WhoHasSentLeastGoesFirst) {
+  FairShare<std::string> share;
+  EXPECT_EQ(sorted(share, {"a", "b", "c"}), (Names{"a", "b", "c"}));
+  share.charge("a", 1500);
+  share.charge("b", 100);
+  EXPECT_EQ(sorted(share, {"a", "b", "c"}), (Names{"c", "b", "a"}));
+}
+
+TEST(FairShare, SilenceEarnsLittleAndIsForgotten) {
+  FairShare<std::string> share;
+  for (int i = 0; i < 1000; ++i) share.charge("busy", 1500);
+  for (int i = 0; i < 1000; ++i) share.charge("passing " + std::to_string(i), 10);
+  EXPECT_LE(share.remembered(), FairShare<std::string>::kMostRemembered);
   std::size_t ahead = 0;
-  while (share.order()[0] != FairShare::kTransit) {
-    share.charge(share.order()[0], 1000);
+  while (sorted(share, {"busy", "silent"}).front() == "silent") {
+    share.charge("silent", 1000);
     ahead += 1000;
   }
-  EXPECT_LE(ahead, 2 * FairShare::kMostCredit);
+  EXPECT_LE(ahead, 2 * FairShare<std::string>::kMostCredit);
+}
+
+TEST(FrameQueue, WhoHasMostLosesWhenItIsFull) {
+  transport::FrameQueue queue;
+  const auto frame = [](std::uint8_t hop, std::uint8_t number) {
+    return transport::HopFrame{wire::FrameType::kData, {number}, 0, MacAddress{{hop}}};
+  };
+  for (std::size_t i = 0; i < transport::FrameQueue::kMostFrames; ++i) EXPECT_TRUE(queue.push(frame(1, 1)));
+  EXPECT_FALSE(queue.push(frame(1, 1)));
+  for (std::size_t i = 0; i < transport::FrameQueue::kMostFrames / 2; ++i) EXPECT_TRUE(queue.push(frame(2, 2)));
+  EXPECT_FALSE(queue.push(frame(2, 2)));
+  EXPECT_EQ(queue.size(), transport::FrameQueue::kMostFrames);
+}
+
+/// Two neighbours send through the node; the one that sends much filled the queue before the other.
+TEST(FairShare, EachPreviousHopHasItsShareOfARelay) {
+  Stage stage;
+  Host& greedy = stage.neighbor(1);
+  Host& modest = stage.neighbor(2);
+  Host& beyond = stage.neighbor(3);
+  stage.run_for(1s);
+  stage.forget();
+  const auto pass = [&](Host& from, std::uint32_t count) {
+    for (std::uint32_t packet = 1; packet <= count; ++packet) {
+      wire::Data data = data_for(beyond, from, packet);
+      data.octets = noise(1000);
+      data.total = 1000;
+      stage.say(from, data, stage.self().address);
+    }
+  };
+  pass(greedy, 300);
+  pass(modest, 30);
+  stage.run_for(2s);
+  std::size_t others = 0;
+  std::size_t own = 0;
+  for (const auto& [at, to, data] : stage.sent<wire::Data>()) {
+    if (own == 30) break;
+    ++(data.source == modest.address ? own : others);
+  }
+  EXPECT_EQ(own, 30u);
+  EXPECT_LE(others, 45u) << "its share is half";
 }
 
 /// Frames of others went first, so that under constant transit a relay's own packets waited for ever.
 TEST(FairShare, ARelaySendsBesideConstantTransit) {
-  const auto seconds = [](bool transit) {
+  const auto seconds = [](std::size_t sources) {
     Team team;
-    team.add_line(3, without_groups());
+    team.add(without_groups(), 0.0);
+    team.add(without_groups(), 8.0);
+    for (std::size_t i = 0; i < sources; ++i) team.add(without_groups(), -5.0, i % 2 == 0 ? 5.0 : -5.0);
     team.run_for(2s);
-    const SendId passing = transit ? team.send(0, "robot_2", noise(8'000'000), Priority::kBulk) : 0;
-    if (transit) team.run_for(200ms);
+    std::vector<SendId> passing;
+    for (std::size_t i = 0; i < sources; ++i) {
+      passing.push_back(team.send(2 + i, "robot_1", noise(8'000'000), Priority::kBulk));
+    }
+    team.run_for(500ms);
     const Time begin = team.now();
-    const SendId own = team.send(1, "robot_2", noise(500'000), Priority::kBulk);
-    EXPECT_TRUE(team.run_until_done([&] { return team.finished(1, own) != nullptr; }, 20s));
-    EXPECT_TRUE(team.finished(1, own) != nullptr && team.finished(1, own)->delivered);
-    if (transit) EXPECT_EQ(team.finished(0, passing), nullptr) << "there was no transit";
+    const SendId own = team.send(0, "robot_1", noise(500'000), Priority::kBulk);
+    EXPECT_TRUE(team.run_until_done([&] { return team.finished(0, own) != nullptr; }, 20s));
+    EXPECT_TRUE(team.finished(0, own) != nullptr && team.finished(0, own)->delivered);
+    for (std::size_t i = 0; i < sources; ++i) EXPECT_EQ(team.finished(2 + i, passing[i]), nullptr) << "no transit";
     return static_cast<double>((team.now() - begin).count()) * 1e-9;
   };
-  EXPECT_LE(seconds(true), 2 * 2 * seconds(false));
+  const double alone = seconds(0);
+  EXPECT_LE(seconds(1), 2 * 2 * alone);
+  EXPECT_LE(seconds(2), 2 * 3 * alone);
 }
 
 }  // namespace
