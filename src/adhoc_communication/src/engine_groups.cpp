@@ -26,6 +26,7 @@ void Engine::Implementation::join_group(const std::string& group, Time now) {
   }
   multicast::Membership& membership = groups_.memberships[group];
   membership.wanted = true;
+  membership.left = false;
   if (membership.joined) return report(GroupChangeFinished{group, true, true, {}});
   membership.asked_by_host = true;
   start_join(group, now);
@@ -60,8 +61,11 @@ void Engine::Implementation::start_join(const std::string& group, Time now) {
 
 /// Joins and leaves that have not reached the root are tried again while it is known.
 void Engine::Implementation::settle_memberships(Time now) {
+  std::vector<std::string> unconfirmed;
   for (auto& [group, membership] : groups_.memberships) {
-    const bool settled = membership.wanted ? membership.joined || membership.joining : membership.leaving;
+    if (membership.confirmed_by && *membership.confirmed_by <= now) unconfirmed.push_back(group);
+    const bool settled =
+        membership.wanted ? membership.joined || membership.joining : membership.leaving || membership.left;
     if (settled || membership.retry_at > now) continue;
     const auto address = directory_.address_of(*multicast::root_of(group));
     if (!address || !directory_.find(*address)->announced) continue;
@@ -70,6 +74,9 @@ void Engine::Implementation::settle_memberships(Time now) {
     } else {
       start_leave(group, now);
     }
+  }
+  for (const std::string& group : unconfirmed) {
+    end_join(group, "the root did not answer within " + seconds_text(multicast::Groups::kMembersPatience), now);
   }
 }
 
@@ -86,14 +93,46 @@ void Engine::Implementation::finish_membership(const Sending& sending, bool deli
   membership.retry_at = now + multicast::Groups::kRetry;
   if (sending.purpose == Purpose::kLeave) {
     membership.leaving = false;
-    if (delivered && !membership.wanted) groups_.memberships.erase(found);
+    membership.left = delivered && !membership.wanted;
+    if (membership.left && !options_.join_groups_automatically) groups_.memberships.erase(found);
     return;
   }
   membership.joining = false;
-  membership.joined = delivered && membership.wanted;
-  if (!std::exchange(membership.asked_by_host, false)) return;
-  report(GroupChangeFinished{sending.group, true, delivered,
-                             delivered ? "" : "cannot join " + sending.group + ": " + reason});
+  membership.joined = delivered && membership.wanted && !membership.turned_away;
+  if (std::exchange(membership.turned_away, false)) membership.retry_at = now + multicast::Groups::kFullRetry;
+  if (!membership.asked_by_host) return;
+  if (!delivered) return end_join(sending.group, reason, now);
+  membership.confirmed_by = now + multicast::Groups::kMembersPatience;
+  send_control(*multicast::root_of(sending.group), PacketKind::kGroupMembersRequest, sending.group, {},
+               Purpose::kConfirmation, now);
+}
+
+/// A join that the host has asked for has come to its end. When it has failed it is over, but for what happens by
+/// itself.
+void Engine::Implementation::end_join(const std::string& group, const std::string& failure, Time now) {
+  const auto found = groups_.memberships.find(group);
+  if (found == groups_.memberships.end() || !found->second.asked_by_host) return;
+  found->second.asked_by_host = false;
+  found->second.confirmed_by.reset();
+  if (failure.empty()) return report(GroupChangeFinished{group, true, true, {}});
+  const bool known = directory_.address_of(*multicast::root_of(group)).has_value();
+  found->second.joined = false;
+  found->second.retry_at = std::max(found->second.retry_at, now + multicast::Groups::kRetry);
+  if (!options_.join_groups_automatically || !known) groups_.memberships.erase(found);
+  report(GroupChangeFinished{group, true, false, "cannot join " + group + ": " + failure});
+}
+
+/// The root does not count this robot among its members.
+void Engine::Implementation::turned_away(const std::string& group, std::size_t members, Time now) {
+  const auto found = groups_.memberships.find(group);
+  if (found == groups_.memberships.end() || !found->second.wanted) return;
+  found->second.turned_away = found->second.joining;
+  if (found->second.joining) return;
+  const bool full = members >= most_members();
+  found->second.joined = false;
+  found->second.retry_at = now + (full ? multicast::Groups::kFullRetry : Time(0));
+  end_join(group,
+           full ? "it is full (" + std::to_string(members) + " members)" : "its root does not take this robot in", now);
 }
 
 void Engine::Implementation::on_group_packet(const std::string& source, const transport::Packet& packet, Time now) {
@@ -107,7 +146,7 @@ void Engine::Implementation::on_group_packet(const std::string& source, const tr
       if (own) remove_member(source, source + " has left the group", now);
       return;
     case PacketKind::kGroupMembersRequest:
-      if (own) answer_members_request(source, packet.group, now);
+      if (own) send_members(source, now);
       return;
     case PacketKind::kGroupMembers:
       if (multicast::group_of(source) != packet.group) return malformed();
@@ -121,11 +160,18 @@ void Engine::Implementation::on_group_packet(const std::string& source, const tr
   }
 }
 
+/// All of them fit one activation.
+std::size_t Engine::Implementation::most_members() const {
+  const std::size_t room =
+      static_cast<std::size_t>(options_.mtu) - wire::kHeaderSize - wire::kTagSize - wire::kActivationHeaderSize;
+  return std::min(multicast::Groups::kMostMembers, room / MacAddress{}.size());
+}
+
 /// A member that comes late or comes back is first sent what is still held, by itself; the tree takes it in once it
 /// has caught up, so that packets stay in order.
 void Engine::Implementation::admit_member(const std::string& name, Time now) {
   const bool known = groups_.members.count(name) != 0;
-  if (!known && groups_.members.size() >= multicast::Groups::kMostMembers) return;
+  if (!known && groups_.members.size() >= most_members()) return send_members(name, now);
   groups_.members[name];
   groups_.absent.erase(name);
   if (known) return;
@@ -196,7 +242,9 @@ void Engine::Implementation::finish_group_members(Time now) {
 
 bool Engine::Implementation::takes_part(const MacAddress& root) const {
   const routing::Robot* robot = directory_.find(root);
-  return robot != nullptr && groups_.memberships.count(multicast::group_of(robot->name)) != 0;
+  if (robot == nullptr) return false;
+  const auto found = groups_.memberships.find(multicast::group_of(robot->name));
+  return found != groups_.memberships.end() && !found->second.left;
 }
 
 void Engine::Implementation::take_group_packets(Time now) {
@@ -206,13 +254,20 @@ void Engine::Implementation::take_group_packets(Time now) {
   }
 }
 
-void Engine::Implementation::answer_members_request(const std::string& source, const std::string& group, Time now) {
+/// Who does not find its name there is none.
+void Engine::Implementation::send_members(const std::string& robot, Time now) {
   std::set<std::string> members{self_.name};
   for (const auto& [name, member] : groups_.members) members.insert(name);
-  send_control(source, PacketKind::kGroupMembers, group, multicast::encode_members(members), Purpose::kInternal, now);
+  send_control(robot, PacketKind::kGroupMembers, multicast::group_of(self_.name), multicast::encode_members(members),
+               Purpose::kInternal, now);
 }
 
 void Engine::Implementation::on_members(const std::string& group, const std::vector<std::string>& members, Time now) {
+  if (std::find(members.begin(), members.end(), self_.name) == members.end()) {
+    turned_away(group, members.empty() ? 0 : members.size() - 1, now);
+  } else {
+    end_join(group, {}, now);
+  }
   const auto found = groups_.waiting.find(group);
   if (found == groups_.waiting.end()) return;
   const std::vector<multicast::WaitingSend> waiting = std::move(found->second);
@@ -261,12 +316,27 @@ void Engine::Implementation::expire_waiting_sends(Time now) {
   for (const std::string& group : to_ask) request_members(group, now);
 }
 
+/// The children in the tree, and for members that no packet has made part of it yet the neighbours that will be.
+std::set<MacAddress> Engine::Implementation::ways_to_members() const {
+  const auto found = distributor_.trees().find(self_.address);
+  const multicast::Tree* tree = found == distributor_.trees().end() ? nullptr : &found->second;
+  std::set<MacAddress> ways;
+  for (const auto& [name, member] : groups_.members) {
+    const auto address = directory_.address_of(name);
+    if (!address || (tree != nullptr && tree->holds(*address))) continue;
+    if (const routing::Route* route = router_.route_to(*address, now_)) ways.insert(route->next_hop);
+  }
+  if (tree != nullptr) ways.merge(tree->child_addresses());
+  return ways;
+}
+
 GroupState Engine::Implementation::group_state(const std::string& group) const {
   GroupState state;
   const auto root = multicast::root_of(group);
   if (root && *root == self_.name) {
     state.known = state.member = state.activated = state.connected = state.root = true;
-    for (const auto& [name, member] : groups_.members) state.downlinks.push_back(name);
+    for (const auto& [name, member] : groups_.members) state.members.push_back(name);
+    for (const MacAddress& neighbor : ways_to_members()) state.downlinks.push_back(name_or_address(neighbor));
     return state;
   }
   if (!root) return state;

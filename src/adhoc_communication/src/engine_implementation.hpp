@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -89,7 +90,7 @@ class Engine::Implementation : private Outbox {
   };
   using StreamKey = std::pair<std::string, std::uint8_t>;
 
-  enum class Purpose { kHost, kFanOut, kCatchUp, kJoin, kLeave, kMembersRequest, kInternal };
+  enum class Purpose { kHost, kFanOut, kCatchUp, kJoin, kLeave, kMembersRequest, kConfirmation, kInternal };
   /// A packet not finished yet.
   struct Sending {
     Purpose purpose = Purpose::kHost;
@@ -203,13 +204,17 @@ class Engine::Implementation : private Outbox {
   // engine_groups.cpp: membership.
   bool takes_part(const MacAddress& root) const;
   void settle_memberships(Time now);
+  void end_join(const std::string& group, const std::string& failure, Time now);
+  void turned_away(const std::string& group, std::size_t members, Time now);
+  std::size_t most_members() const;
+  std::set<MacAddress> ways_to_members() const;
+  void send_members(const std::string& robot, Time now);
   void start_leave(const std::string& group, Time now);
   void member_lost(const std::string& member, wire::BootTag boot, Time now);
   void member_returned(const std::string& member, wire::BootTag boot, Time now);
   void start_join(const std::string& group, Time now);
   void finish_membership(const Sending& sending, bool delivered, const std::string& reason, Time now);
   void on_group_packet(const std::string& source, const transport::Packet& packet, Time now);
-  void answer_members_request(const std::string& source, const std::string& group, Time now);
   void on_members(const std::string& group, const std::vector<std::string>& members, Time now);
   void request_members(const std::string& group, Time now);
   void fail_waiting_sends(const std::string& group, const std::string& reason, Time now);

@@ -183,6 +183,9 @@ void Engine::Implementation::finish(SendId id, bool delivered, const std::string
       return finish_fan_out_part(sending.parent, sending.destination, delivered, reason, now);
     case Purpose::kCatchUp:
       return copy_finished(sending);
+    case Purpose::kConfirmation:
+      if (!delivered) end_join(sending.group, reason, now);
+      return;
     case Purpose::kMembersRequest:
       if (!delivered) fail_waiting_sends(sending.group, reason, now);
       return;

@@ -413,10 +413,11 @@ local function group_report(cursor, tree)
   cursor:add(tree, f.measured_counter, 8)
   cursor:add(tree, f.spacing, 4)
   cursor:add(tree, f.coverage, 4)
-  cursor:add(tree, f.first_block, 2)
+  local first_block = cursor:number(tree, f.first_block, 2)
   local open = cursor:left()
   for _ = 1, open do cursor:add(tree, f.missing, 1) end
   local state = bit.band(stream, 0x80) ~= 0 and "complete" or open .. " open blocks"
+  if first_block == 0xffff then state = "no room" end
   return string.format("packet %d, round %d, %s", packet, round, state)
 end
 

@@ -116,7 +116,8 @@ struct GroupState {
   bool root = false;
   bool joining = false;
   std::string route_uplink;
-  std::vector<std::string> downlinks;
+  std::vector<std::string> downlinks;  ///< neighbours through which members are reached, or their addresses
+  std::vector<std::string> members;    ///< at the root only
 };
 
 /// One entry of the routing table (RFC 3561 section 2).

@@ -1,6 +1,7 @@
 #include "multicast/distribution.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace adhoc_communication::multicast {
 
@@ -48,7 +49,7 @@ std::optional<MacAddress> Distribution::only_open_child() const {
 /// Whether a child still misses something of the block, as far as is known.
 bool Distribution::open(std::size_t block) const {
   return std::any_of(children_.begin(), children_.end(),
-                     [&](const auto& item) { return !item.second.done && item.second.missing[block] != 0; });
+                     [&](const auto& item) { return item.second.takes() && item.second.missing[block] != 0; });
 }
 
 std::size_t Distribution::window_end() const {
@@ -58,7 +59,9 @@ std::size_t Distribution::window_end() const {
 }
 
 std::optional<Distribution::Place> Distribution::next_unsent() const {
-  if (done()) return std::nullopt;
+  if (std::none_of(children_.begin(), children_.end(), [](const auto& item) { return item.second.takes(); })) {
+    return std::nullopt;
+  }
   const std::size_t end = window_end();
   for (std::size_t block = end > kWindow ? end - kWindow : 0; block < end; ++block) {
     if (sent_[block].all) continue;
@@ -117,6 +120,11 @@ bool Distribution::reported(const MacAddress& from, const wire::GroupReport& rep
   if (found == children_.end()) return false;
   Child& child = found->second;
   if (child.done) return true;
+  if (report.first_block == wire::kNoRoom) {
+    wait_for_room(child, now);
+    return false;
+  }
+  if (std::exchange(child.no_room_since, std::nullopt)) child.progress = now;
   if (report.round + 1 == round_) {
     if (timing_ && asked_) round_trip_.sample(now - *asked_);
     timing_ = false;
@@ -138,6 +146,15 @@ bool Distribution::reported(const MacAddress& from, const wire::GroupReport& rep
   return child.done;
 }
 
+/// Nothing that it has had counts any more.
+void Distribution::wait_for_room(Child& child, Time now) {
+  if (!child.no_room_since) child.no_room_since = now;
+  child.asked = now;
+  child.question_wait = kRoomRetry;
+  child.missing.assign(sent_.size(), kUnknown);
+  child.known_in.assign(sent_.size(), 0);
+}
+
 /// What it said counts everything that was sent of the block.
 bool Distribution::knows(const Child& child, std::size_t block) const {
   return child.missing[block] == 0 || (child.missing[block] != kUnknown && child.known_in[block] >= sent_[block].round);
@@ -149,7 +166,7 @@ void Distribution::plan_repairs(std::size_t block, bool overdue) {
   int most = 0;
   std::uint8_t bits = 0;
   for (const auto& [address, child] : children_) {
-    if (child.done) continue;
+    if (!child.takes()) continue;
     if (!knows(child, block)) {
       if (!overdue) return;
       continue;
@@ -194,7 +211,7 @@ std::vector<MacAddress> Distribution::poll(Time now) {
   for (auto& [address, child] : children_) {
     if (child.done || now < child.asked + child.question_wait) continue;
     child.asked = now;
-    child.question_wait = std::min<Time>(2 * child.question_wait, kSubtreePatience);
+    child.question_wait = child.no_room_since ? kRoomRetry : std::min<Time>(2 * child.question_wait, kSubtreePatience);
     to_ask.push_back(address);
   }
   return to_ask;
@@ -204,9 +221,12 @@ std::vector<MacAddress> Distribution::stuck(Time now) const {
   std::vector<MacAddress> result;
   if (!packet_.complete()) return result;
   for (const auto& [address, child] : children_) {
+    if (child.done) continue;
     const bool waits =
         std::all_of(child.missing.begin(), child.missing.end(), [](auto missing) { return missing == 0; });
-    if (!child.done && now - child.progress >= (waits ? kNoEnd : kNoProgress)) result.push_back(address);
+    const bool stuck = child.no_room_since ? now - *child.no_room_since >= kRoomPatience
+                                           : now - child.progress >= (waits ? kNoEnd : kNoProgress);
+    if (stuck) result.push_back(address);
   }
   return result;
 }

@@ -23,6 +23,9 @@ class Distribution {
   static constexpr Time kSubtreePatience = std::chrono::milliseconds(250);  ///< between questions to a child that waits
   static constexpr Time kNoProgress = std::chrono::seconds(10);
   static constexpr Time kNoEnd = std::chrono::seconds(30);
+  /// Until a child that had no room is asked again, and until it is given up.
+  static constexpr Time kRoomRetry = std::chrono::milliseconds(100);
+  static constexpr Time kRoomPatience = std::chrono::seconds(60);
 
   /// `first_parity`: where in the parity symbols to begin, so that neighbours that both send differ.
   Distribution(const GroupPacket& packet, transport::RoundTrip& round_trip, std::uint8_t first_parity);
@@ -52,7 +55,8 @@ class Distribution {
   bool reported(const MacAddress& child, const wire::GroupReport& report, bool covers_all, Time now);
   /// Plans repairs whose answers are in or overdue. Returns the children to ask by themselves.
   std::vector<MacAddress> poll(Time now);
-  /// Children without progress: for kNoProgress, or kNoEnd where only those behind them miss something.
+  /// Children without progress: for kNoProgress, kNoEnd where only those behind them miss something, or kRoomPatience
+  /// where they have no room.
   std::vector<MacAddress> stuck(Time now) const;
   Time next_deadline() const;
 
@@ -65,6 +69,10 @@ class Distribution {
     Time asked{0};
     Time progress{0};
     Time question_wait{0};  ///< until it is asked by itself
+    std::optional<Time> no_room_since{};
+
+    /// Frames are of use to it.
+    bool takes() const { return !done && !no_room_since; }
   };
   struct Sent {
     std::bitset<kMostFramesOfBlock> frames;
@@ -85,6 +93,7 @@ class Distribution {
   bool knows(const Child& child, std::size_t block) const;
   void close_round(Time now);
   bool nothing_to_come() const;
+  void wait_for_room(Child& child, Time now);
   void plan_repairs(std::size_t block, bool overdue);
   void repeat_frames(std::size_t block, std::uint8_t missing);
   void fresh_parity(std::size_t block, int count);

@@ -199,7 +199,10 @@ Transfer* Distributor::transfer_for(const MacAddress& root, Tree& tree, const wi
   if (data.packet - stream.base >= kPacketsAhead) return nullptr;
   const auto carrier = static_cast<std::uint8_t>(transport::Reassembly::kGroup + data.stream);
   const transport::Reassembly::Key room{root, tree.boot, carrier, data.packet};
-  if (!reassembly_.admit(room, data.total, data.packet == stream.next, now)) return nullptr;
+  if (!reassembly_.admit(room, data.total, data.packet == stream.next, now)) {
+    tell_no_room(tree, data, stream, now);
+    return nullptr;
+  }
   Transfer& transfer = stream.transfers[data.packet];
   transfer.room = room;
   transfer.packet = std::make_unique<GroupPacket>(data.total, data.segment_size);
@@ -210,6 +213,23 @@ Transfer* Distributor::transfer_for(const MacAddress& root, Tree& tree, const wi
     for (const MacAddress& member : members) router_.used(root, member, *tree.upstream, now);
   }
   return &transfer;
+}
+
+/// Until there is room, the upstream neighbour keeps its frames and asks now and then.
+void Distributor::tell_no_room(const Tree& tree, const wire::GroupData& data, GroupStream& stream, Time now) {
+  const bool question = data.octets.empty();
+  if (!question && now - stream.told_no_room < kNoRoomInterval) return;
+  stream.told_no_room = now;
+  wire::GroupReport report;
+  report.root = data.root;
+  report.root_boot = data.root_boot;
+  report.stream = data.stream;
+  report.packet = data.packet;
+  report.epoch = tree.epoch;
+  report.round = data.round;
+  report.coverage = tree.own_coverage(self_.address);
+  report.first_block = wire::kNoRoom;
+  outbox_.unicast(*tree.upstream, FrameType::kGroupReport, to_bytes(report));
 }
 
 /// The root has finished the packets before `base`: with what did not get here by then it has given up.

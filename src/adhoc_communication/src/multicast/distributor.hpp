@@ -52,6 +52,7 @@ class Distributor {
   static constexpr Time kIdleTransfer = std::chrono::seconds(20);
   static constexpr Time kReportJitter = std::chrono::milliseconds(1);
   static constexpr Time kActivationInterval = std::chrono::milliseconds(50);
+  static constexpr Time kNoRoomInterval = std::chrono::milliseconds(50);  ///< between two words about it
   static constexpr int kMostRefusals = 2;               ///< of a member, before it is served by itself
   static constexpr std::size_t kMostChildrenTried = 2;  ///< for one member in one epoch
   static constexpr std::size_t kFewFrames = 8;          ///< for which no way is looked for where the tree has failed
@@ -158,6 +159,7 @@ class Distributor {
 
   // distributor.cpp
   Transfer* transfer_for(const MacAddress& root, Tree& tree, const wire::GroupData& data, Time now);
+  void tell_no_room(const Tree& tree, const wire::GroupData& data, GroupStream& stream, Time now);
   void made_progress(const Transfer& transfer, std::size_t octets, Time now);
   void erase_transfer(GroupStream& stream, GroupStream::Transfers::iterator transfer);
   void pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base);

@@ -25,11 +25,14 @@ std::optional<std::string> root_of(const std::string& group);
 
 struct Membership {
   bool joined = false;
-  bool joining = false;        ///< a join is on its way to the root
-  bool asked_by_host = false;  ///< the end of the change has to be reported
-  bool leaving = false;        ///< a leave is on its way to the root
-  bool wanted = true;          ///< false once the host has left
-  Time retry_at{0};            ///< when to ask again after a failure
+  bool joining = false;              ///< a join is on its way to the root
+  bool asked_by_host = false;        ///< the end of the change has to be reported
+  std::optional<Time> confirmed_by;  ///< a join that the host has asked for: when the root has to have named this robot
+  bool leaving = false;              ///< a leave is on its way to the root
+  bool left = false;                 ///< the leave has arrived; remembered, so that nobody joins again by himself
+  bool turned_away = false;          ///< the root has said so before the join was acknowledged
+  bool wanted = true;                ///< false once the host has left
+  Time retry_at{0};                  ///< when to ask again after a failure
 };
 
 /// A packet waiting to learn to whom it goes.
@@ -68,6 +71,7 @@ struct Groups {
   static constexpr std::size_t kMostHeldOctets = 4'000'000;
   static constexpr std::size_t kMostHeld = 256;
   static constexpr Time kRetry = std::chrono::seconds(2);
+  static constexpr Time kFullRetry = std::chrono::seconds(30);  ///< after the root had no room for this robot
   static constexpr Time kMembersPatience = std::chrono::seconds(5);
 
   std::map<std::string, Member> members;        ///< of the own group, without this robot

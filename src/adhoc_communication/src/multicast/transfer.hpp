@@ -39,6 +39,7 @@ struct GroupStream {
   /// At the root: numbers on their way to members by themselves.
   std::multiset<std::uint32_t, routing::SequenceOrder> copies;
   Transfers transfers;
+  Time told_no_room{-1};  ///< last
 };
 
 }  // namespace adhoc_communication::multicast

@@ -48,6 +48,7 @@ NetworkGroup group_message(const std::string& name, const GroupState& group) {
   message.joining = group.joining;
   message.uplink = group.route_uplink;
   message.downlinks = group.downlinks;
+  message.members = group.members;
   return message;
 }
 

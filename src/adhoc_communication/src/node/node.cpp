@@ -177,7 +177,7 @@ void Node::tell_state(const ros::WallTimerEvent&) {
   diagnostics_publisher_.publish(diagnostics_.report(network));
   network_logs_.add(network, unix_milliseconds());
   const auto group = snapshot.groups.find("mc_" + options_.engine.robot_name);
-  if (group != snapshot.groups.end()) relay_->group_members(group->second.downlinks);
+  if (group != snapshot.groups.end()) relay_->group_members(group->second.members);
 }
 
 void Node::shut_down() {

@@ -182,6 +182,7 @@ struct GroupActivation {
   std::vector<MacAddress> members;  ///< to be reached through the receiver, itself perhaps among them; none: pruned
 };
 constexpr std::size_t kMostMembersOfActivation = 200;
+constexpr std::size_t kActivationHeaderSize = 19;
 
 /// Members that the sender cannot reach, told to its upstream neighbour.
 struct GroupRefusal {
@@ -226,6 +227,8 @@ struct GroupReport {
   Bytes missing;  ///< symbols missing of the blocks from there on, of blocks up to 3 frames as bits
 };
 constexpr std::size_t kMostBlocksOfReport = 16;
+/// As first_block: there is no room for the packet, and nothing of it is here. No packet has so many blocks.
+constexpr std::uint16_t kNoRoom = 0xffff;
 
 void write(Writer& writer, const Beacon& beacon);
 void write(Writer& writer, const RouteRequest& request);

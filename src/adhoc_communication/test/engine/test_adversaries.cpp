@@ -125,7 +125,7 @@ TEST(Adversary, AFloodSaysNothingOfGroups) {
   team.add();
   team.add();
   team.run_for(3s);
-  ASSERT_EQ(team.engine(0).group_state("mc_robot_0").downlinks.size(), 1u);
+  ASSERT_EQ(team.engine(0).group_state("mc_robot_0").members.size(), 1u);
   Host member = make_host(0);
   member.name = "robot_1";
   Host forger = make_host(5);
@@ -142,7 +142,7 @@ TEST(Adversary, AFloodSaysNothingOfGroups) {
                            team.now());
   }
   team.run_for(100ms);
-  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks.size(), 1u);
+  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").members.size(), 1u);
   EXPECT_EQ(team.engine(0).statistics().frames_dropped.malformed, 3u);
 }
 

@@ -13,13 +13,17 @@ bool finish(Team& team, std::size_t robot, SendId id, Time patience = 20s) {
   return team.run_until_done([&] { return team.finished(robot, id) != nullptr; }, patience);
 }
 
+std::vector<std::string> members_of(Team& team, std::size_t root) {
+  return team.engine(root).group_state("mc_" + Team::name(root)).members;
+}
+
 TEST(Groups, RobotsJoinByThemselvesAndEveryMemberReceives) {
   MediumOptions medium;
   medium.loss = 0.1;
   Team team(medium, 2);
   team.add_line(4);
   team.run_for(5s);
-  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks.size(), 3u);
+  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").members.size(), 3u);
   EXPECT_TRUE(team.engine(3).group_state("mc_robot_0").connected);
   const SendId id = team.send(0, "mc_robot_0", noise(20'000));
   ASSERT_TRUE(finish(team, 0, id));
@@ -80,10 +84,10 @@ TEST(Groups, HostJoinsAndLeaves) {
   team.run_for(1s);
   ASSERT_EQ(team.group_changes(1).size(), 1u);
   EXPECT_TRUE(team.group_changes(1)[0].succeeded) << team.group_changes(1)[0].reason;
-  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks, std::vector<std::string>{"robot_1"});
+  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").members, std::vector<std::string>{"robot_1"});
   team.engine(1).leave_group("mc_robot_0", team.now());
   team.run_for(1s);
-  EXPECT_TRUE(team.engine(0).group_state("mc_robot_0").downlinks.empty());
+  EXPECT_TRUE(team.engine(0).group_state("mc_robot_0").members.empty());
   team.engine(1).join_group("mc_robot_8", team.now());
   team.run_for(3s);
   EXPECT_FALSE(team.group_changes(1).back().succeeded);
@@ -96,7 +100,7 @@ TEST(Groups, B10_2_RestartedRootGetsItsMembersBack) {
   team.run_for(3s);
   team.restart(0);
   team.run_for(5s);
-  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks.size(), 2u);
+  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").members.size(), 2u);
 }
 
 /// The new run was taken for the former one, and then left packets out that the root had told as delivered.
@@ -108,10 +112,10 @@ TEST(Groups, B10_2_ARestartedMemberIsNoneUntilItJoins) {
   team.run_for(1s);
   team.engine(1).join_group("mc_robot_0", team.now());
   team.run_for(1s);
-  ASSERT_EQ(team.engine(0).group_state("mc_robot_0").downlinks, std::vector<std::string>{"robot_1"});
+  ASSERT_EQ(team.engine(0).group_state("mc_robot_0").members, std::vector<std::string>{"robot_1"});
   team.restart(1);
   team.run_for(2s);
-  EXPECT_TRUE(team.engine(0).group_state("mc_robot_0").downlinks.empty());
+  EXPECT_TRUE(team.engine(0).group_state("mc_robot_0").members.empty());
 }
 
 /// The root has lost the member, but the member has heard the root all the time and does not join anew.
@@ -121,10 +125,10 @@ TEST(Groups, AMemberLostByTheRootAloneStaysAMember) {
   team.run_for(3s);
   team.medium().set_one_way_loss(1, 0, 1.0);
   team.run_for(7s);
-  ASSERT_TRUE(team.engine(0).group_state("mc_robot_0").downlinks.empty());
+  ASSERT_TRUE(team.engine(0).group_state("mc_robot_0").members.empty());
   team.medium().set_one_way_loss(1, 0, std::nullopt);
   team.run_for(2s);
-  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks, std::vector<std::string>{"robot_1"});
+  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").members, std::vector<std::string>{"robot_1"});
   ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", text("again"))));
   EXPECT_EQ(team.received(1).size(), 1u);
 }
@@ -139,7 +143,7 @@ TEST(Groups, AnExplicitJoinOutlivesARestartOfTheRoot) {
   team.run_for(1s);
   team.restart(0);
   team.run_for(5s);
-  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").downlinks, std::vector<std::string>{"robot_1"});
+  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").members, std::vector<std::string>{"robot_1"});
 }
 
 TEST(Groups, ALeaveOutOfReachArrivesLater) {
@@ -151,7 +155,7 @@ TEST(Groups, ALeaveOutOfReachArrivesLater) {
   team.run_for(3s);
   team.medium().set_link_loss(0, 1, std::nullopt);
   team.run_for(5s);
-  EXPECT_TRUE(team.engine(0).group_state("mc_robot_0").downlinks.empty());
+  EXPECT_TRUE(team.engine(0).group_state("mc_robot_0").members.empty());
   ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", text("x"))));
   EXPECT_TRUE(team.received(1).empty());
 }
@@ -168,6 +172,72 @@ TEST(Groups, LeavingEndsAJoinThatIsStillWaiting) {
   EXPECT_TRUE(team.group_changes(0)[0].joined);
   EXPECT_FALSE(team.group_changes(0)[0].succeeded);
   EXPECT_TRUE(team.group_changes(0)[1].succeeded);
+}
+
+/// By itself the robot joined again as soon as it heard of the root anew.
+TEST(Groups, AnExplicitLeaveLasts) {
+  Team team;
+  team.add_line(2);
+  team.run_for(3s);
+  team.engine(1).leave_group("mc_robot_0", team.now());
+  team.run_for(1s);
+  for (int i = 0; i < 2; ++i) {
+    team.restart(0);
+    team.run_for(10s);
+    EXPECT_TRUE(members_of(team, 0).empty());
+    EXPECT_FALSE(team.engine(1).group_state("mc_robot_0").member);
+  }
+  team.engine(1).join_group("mc_robot_0", team.now());
+  team.run_for(1s);
+  EXPECT_TRUE(team.group_changes(1).back().succeeded);
+  EXPECT_EQ(members_of(team, 0), std::vector<std::string>{"robot_1"});
+}
+
+TEST(Groups, AnExplicitJoinThatFailsIsOver) {
+  EngineOptions options;
+  options.join_groups_automatically = false;
+  Team team;
+  team.add_line(2, options);
+  team.run_for(2s);
+  team.kill(0);
+  team.engine(1).join_group("mc_robot_0", team.now());
+  team.run_for(4s);
+  ASSERT_EQ(team.group_changes(1).size(), 1u);
+  EXPECT_FALSE(team.group_changes(1)[0].succeeded);
+  team.restart(0);
+  team.run_for(10s);
+  EXPECT_TRUE(members_of(team, 0).empty());
+}
+
+/// The one that is too many believed to be a member, and got nothing.
+TEST(Groups, OneMemberTooManyIsToldSo) {
+  EngineOptions options;
+  options.join_groups_automatically = false;
+  options.mtu = 400;
+  options.max_frame_size = 414;
+  Team team;
+  for (std::size_t i = 0; i < 55; ++i) team.add(options);
+  team.run_for(3s);
+  for (std::size_t i = 1; i < 55; ++i) {
+    team.engine(i).join_group("mc_robot_0", team.now());
+    team.run_for(100ms);
+  }
+  team.run_for(1s);
+  for (std::size_t i = 1; i < 54; ++i) {
+    ASSERT_EQ(team.group_changes(i).size(), 1u) << i;
+    EXPECT_TRUE(team.group_changes(i)[0].succeeded) << team.group_changes(i)[0].reason;
+  }
+  ASSERT_EQ(team.group_changes(54).size(), 1u);
+  EXPECT_EQ(team.group_changes(54)[0].reason, "cannot join mc_robot_0: it is full (53 members)");
+  EXPECT_FALSE(team.engine(54).group_state("mc_robot_0").member);
+  ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", text("to all"))));
+  for (std::size_t i = 1; i < 54; ++i) EXPECT_EQ(team.received(i).size(), 1u);
+  EXPECT_TRUE(team.received(54).empty());
+  team.engine(7).leave_group("mc_robot_0", team.now());
+  team.run_for(1s);
+  team.engine(54).join_group("mc_robot_0", team.now());
+  team.run_for(1s);
+  EXPECT_TRUE(team.group_changes(54).back().succeeded) << team.group_changes(54).back().reason;
 }
 
 TEST(Broadcast, OneHopIsSegmentedAndReportedAsSuccess) {
@@ -198,6 +268,20 @@ TEST(Flood, ReachesAsFarAsItsHopLimit) {
   const SendId large = team.engine(0).broadcast({"topic", 'A', noise(5000), 3}, team.now());
   team.run_for(1ms);
   EXPECT_FALSE(team.finished(0, large)->delivered);
+}
+
+TEST(Groups, StateTellsTreeNeighboursAndMembersApart) {
+  Team team;
+  team.add_line(4);
+  team.run_for(5s);
+  const auto state = [&](std::size_t robot) { return team.engine(robot).group_state("mc_robot_0"); };
+  EXPECT_EQ(state(0).members, (std::vector<std::string>{"robot_1", "robot_2", "robot_3"}));
+  EXPECT_EQ(state(0).downlinks, std::vector<std::string>{"robot_1"}) << "before the first packet";
+  ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", noise(20'000))));
+  EXPECT_EQ(state(0).downlinks, std::vector<std::string>{"robot_1"});
+  EXPECT_EQ(state(1).downlinks, std::vector<std::string>{"robot_2"});
+  EXPECT_TRUE(state(3).downlinks.empty());
+  EXPECT_TRUE(state(1).members.empty());
 }
 
 /// The first broadcasts of each priority carried the same number, and receivers took the second for a repetition.

@@ -204,7 +204,7 @@ TEST(Multicast, AMemberThatWasCutOffGetsWhatItMissed) {
   team.run_for(1s);
   team.medium().set_link_loss(0, 1, 1.0);
   team.run_for(6s);
-  ASSERT_TRUE(team.engine(0).group_state("mc_robot_0").downlinks.empty());
+  ASSERT_TRUE(team.engine(0).group_state("mc_robot_0").members.empty());
   for (int i = 1; i < 4; ++i) team.send(0, "mc_robot_0", text(std::to_string(i)));
   team.run_for(500ms);
   team.medium().set_link_loss(0, 1, std::nullopt);

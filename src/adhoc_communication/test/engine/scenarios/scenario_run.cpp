@@ -121,7 +121,7 @@ class Run {
 
   std::set<std::size_t> members_of(std::size_t root) {
     std::set<std::size_t> members;
-    for (const std::string& name : team_.engine(root).group_state("mc_" + Team::name(root)).downlinks) {
+    for (const std::string& name : team_.engine(root).group_state("mc_" + Team::name(root)).members) {
       members.insert(std::stoul(name.substr(name.find('_') + 1)));
     }
     return members;

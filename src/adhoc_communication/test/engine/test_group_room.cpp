@@ -1,0 +1,158 @@
+// Group packets for which there is no room, at the robot that lacks it and at the one above it in the tree.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "host.hpp"
+#include "multicast/distribution.hpp"
+#include "multicast/tree.hpp"
+#include "transport/packet_image.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t kLargest = 100'000;
+
+EngineOptions small() {
+  EngineOptions options;
+  options.max_packet_size = kLargest;
+  return options;
+}
+
+/// Packets of the largest size that never end but go on all the time.
+class Hoarders {
+ public:
+  explicit Hoarders(Stage& stage) : stage_(stage) {}
+  void go_on() {
+    for (std::size_t number = 11; number <= 14; ++number) {
+      Host& host = stage_.neighbor(number);
+      wire::Data data = data_for(stage_.self(), host);
+      data.total = kLargest;
+      data.segment_size = 1400;
+      data.index = index_;
+      data.octets.assign(1400, 0);
+      stage_.say(host, data);
+    }
+    ++index_;
+  }
+
+ private:
+  Stage& stage_;
+  std::uint32_t index_ = 0;
+};
+
+TEST(GroupRoom, WantOfItIsTold) {
+  Stage stage(small());
+  Host& root = stage.neighbor(1);
+  stage.run_for(100ms);
+  stage.node().join_group("mc_host_1", stage.now());
+  stage.say(root, wire::GroupActivation{root.address, root.boot(), 1, {stage.self().address}}, stage.self().address);
+  Hoarders hoarders(stage);
+  hoarders.go_on();
+  stage.run_for(10ms);
+  stage.forget();
+  wire::GroupData data;
+  data.root = root.address;
+  data.root_boot = root.boot();
+  data.total = kLargest;
+  data.segment_size = 1400;
+  data.report = true;
+  data.round = 7;
+  data.octets = noise(1400);
+  for (int i = 0; i < 40; ++i) {
+    stage.say(root, data);
+    if (i % 10 == 0) hoarders.go_on();
+    stage.run_for(10ms);
+  }
+  const auto reports = stage.sent<wire::GroupReport>();
+  ASSERT_FALSE(reports.empty());
+  EXPECT_LE(reports.size(), 9u) << "once in 50 ms is enough";
+  for (const auto& [at, to, report] : reports) {
+    EXPECT_EQ(to, root.address);
+    EXPECT_EQ(report.first_block, wire::kNoRoom);
+    EXPECT_EQ(report.round, 7u);
+    EXPECT_FALSE(report.complete);
+  }
+  stage.forget();
+  stage.run_for(3s);
+  stage.say(root, data);
+  stage.run_for(10ms);
+  ASSERT_FALSE(stage.sent<wire::GroupReport>().empty());
+  EXPECT_EQ(stage.sent<wire::GroupReport>().back().message.first_block, 0u) << "the others have stalled";
+}
+
+/// The node is the root, the host its only member, which has no room for 20 s.
+TEST(GroupRoom, IsWaitedForWithoutAFrame) {
+  Stage stage(small());
+  Host& member = stage.neighbor(1);
+  stage.run_for(100ms);
+  wire::Data join = data_for(stage.self(), member);
+  join.stream = 0;
+  join.octets = *transport::encode({transport::PacketKind::kGroupJoin, 0, "mc_robot_0", {}, {}});
+  join.total = static_cast<std::uint32_t>(join.octets.size());
+  stage.say(member, join, stage.self().address);
+  stage.run_for(100ms);
+  const SendId id = stage.team.send(0, "mc_robot_0", noise(50'000));
+  stage.run_for(10ms);
+  const auto answer = [&](std::uint16_t first_block, const Bytes& missing, bool complete) {
+    const auto frames = stage.sent<wire::GroupData>();
+    if (frames.empty()) return;
+    const wire::GroupData& asked = frames.back().message;
+    wire::GroupReport report;
+    report.root = asked.root;
+    report.root_boot = asked.root_boot;
+    report.stream = asked.stream;
+    report.packet = asked.packet;
+    report.epoch = 1;
+    report.round = asked.round;
+    report.coverage = multicast::digest(member.address);
+    report.first_block = first_block;
+    report.missing = missing;
+    report.complete = complete;
+    stage.say(member, report, stage.self().address);
+  };
+  const auto symbols = [&] {
+    const auto frames = stage.sent<wire::GroupData>();
+    return std::count_if(frames.begin(), frames.end(), [](const auto& frame) { return !frame.message.octets.empty(); });
+  };
+  answer(wire::kNoRoom, {}, false);
+  stage.run_for(50ms);
+  stage.forget();
+  for (int i = 0; i < 100; ++i) {
+    stage.run_for(200ms);
+    answer(wire::kNoRoom, {}, false);
+  }
+  EXPECT_EQ(symbols(), 0);
+  EXPECT_EQ(stage.team.finished(0, id), nullptr) << stage.team.finished(0, id)->reason;
+  answer(0, {36}, false);
+  stage.run_for(100ms);
+  EXPECT_GE(symbols(), 36);
+  answer(1, {}, true);
+  stage.run_for(10ms);
+  ASSERT_NE(stage.team.finished(0, id), nullptr);
+  EXPECT_TRUE(stage.team.finished(0, id)->delivered);
+}
+
+TEST(GroupRoom, IsGivenUpAfterAMinute) {
+  transport::RoundTrip round_trip(30ms, 10ms, 200ms);
+  const multicast::GroupPacket packet(noise(1000), 500);
+  multicast::Distribution distribution(packet, round_trip, 0);
+  const MacAddress child{{2}};
+  distribution.set_children({{child, 0}}, true, 0s);
+  while (distribution.has_frame()) distribution.next(0s);
+  wire::GroupReport report;
+  report.first_block = wire::kNoRoom;
+  int questions = 0;
+  Time now = 0s;
+  for (; distribution.stuck(now).empty() && now < 100s; now = distribution.next_deadline()) {
+    questions += static_cast<int>(distribution.poll(now).size());
+    distribution.reported(child, report, false, now);
+  }
+  EXPECT_NEAR(static_cast<double>(now.count()) * 1e-9, 60.0, 0.2);
+  EXPECT_NEAR(questions, 600, 10);
+}
+
+}  // namespace
+}  // namespace adhoc_communication
