@@ -22,6 +22,7 @@ class CaptureLink : public Link {
   MacAddress address() const override { return link_->address(); }
   int mtu() const override { return link_->mtu(); }
   std::uint64_t frames_not_sent() const override { return link_->frames_not_sent(); }
+  std::uint64_t frames_missed() const override { return link_->frames_missed(); }
 
  private:
   std::unique_ptr<Link> link_;

@@ -40,9 +40,11 @@ class Link {
   virtual void tend() = 0;
 
   virtual bool is_up() const = 0;
-  virtual MacAddress address() const = 0;
-  virtual int mtu() const = 0;                        ///< octets behind the Ethernet header
+  virtual MacAddress address() const = 0;             ///< tend() may find another one
+  virtual int mtu() const = 0;                        ///< octets behind the Ethernet header; the same
   virtual std::uint64_t frames_not_sent() const = 0;  ///< that the link did not take
+  /// That arrived while the link had no room for them.
+  virtual std::uint64_t frames_missed() const { return 0; }
 };
 
 /// `interface` is the name of a network interface, or hub:/path of a hub socket. `address` overrides that of the

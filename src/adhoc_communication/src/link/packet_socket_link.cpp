@@ -71,10 +71,11 @@ bool interface_is_up(int socket, const std::string& interface) {
 
 PacketSocketLink::PacketSocketLink(std::string interface, std::optional<MacAddress> address,
                                    const std::string& robot_name)
-    : interface_(std::move(interface)), arrived_(kLargestFrame, kMostAtOnce) {
+    : interface_(std::move(interface)),
+      given_address_(address),
+      robot_name_(robot_name),
+      arrived_(kLargestFrame, kMostAtOnce) {
   open();
-  address_ = address ? *address : hardware_address(socket_.get(), interface_);
-  if (is_zero(address_)) address_ = address_of_robot(robot_name);
 }
 
 void PacketSocketLink::open() {
@@ -95,9 +96,25 @@ void PacketSocketLink::open() {
   const int with_arrival = 1;
   setsockopt(descriptor.get(), SOL_SOCKET, SO_TIMESTAMPNS, &with_arrival, sizeof with_arrival);
   index_ = static_cast<int>(index);
-  mtu_ = interface_mtu(descriptor.get(), interface_);
-  up_ = interface_is_up(descriptor.get(), interface_);
   socket_ = std::move(descriptor);
+  read_interface();
+}
+
+/// Another radio may have taken the place of the one before, or somebody has set another address or size of frames.
+void PacketSocketLink::read_interface() {
+  up_ = interface_is_up(socket_.get(), interface_);
+  mtu_ = interface_mtu(socket_.get(), interface_);
+  address_ = given_address_ ? *given_address_ : hardware_address(socket_.get(), interface_);
+  if (is_zero(address_)) address_ = address_of_robot(robot_name_);
+}
+
+/// Reading the kernel's counter sets it to zero.
+void PacketSocketLink::count_missed() {
+  struct tpacket_stats statistics {};
+  socklen_t size = sizeof statistics;
+  if (getsockopt(socket_.get(), SOL_PACKET, PACKET_STATISTICS, &statistics, &size) == 0) {
+    missed_ += statistics.tp_drops;
+  }
 }
 
 bool PacketSocketLink::concerns_us(const Frame& frame) const {
@@ -147,7 +164,8 @@ void PacketSocketLink::tend() {
     }
     return;
   }
-  up_ = interface_is_up(socket_.get(), interface_);
+  read_interface();
+  count_missed();
 }
 
 }  // namespace adhoc_communication

@@ -22,15 +22,20 @@ class PacketSocketLink : public Link {
   MacAddress address() const override { return address_; }
   int mtu() const override { return mtu_; }
   std::uint64_t frames_not_sent() const override { return not_sent_; }
+  std::uint64_t frames_missed() const override { return missed_; }
 
   /// Every frame on the interface, whoever it is for; own frames are still left out. For the radio daemon.
   void hear_all() { hears_all_ = true; }
 
  private:
   void open();
+  void read_interface();
+  void count_missed();
   bool concerns_us(const Frame& frame) const;
 
   std::string interface_;
+  std::optional<MacAddress> given_address_;
+  std::string robot_name_;
   FileDescriptor socket_;
   MacAddress address_{};
   int index_ = 0;
@@ -38,6 +43,7 @@ class PacketSocketLink : public Link {
   bool up_ = false;
   bool hears_all_ = false;
   std::uint64_t not_sent_ = 0;
+  std::uint64_t missed_ = 0;
   ReceiveBatch arrived_;
   SendBatch to_send_;
   Frame frame_;  ///< the one handed over

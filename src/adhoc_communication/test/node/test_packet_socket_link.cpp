@@ -128,5 +128,32 @@ TEST_F(PacketSocketLinkTest, InterfaceThatIsMadeAnewIsFoundAgain) {
   wait_for_cable(near, far);
 }
 
+TEST_F(PacketSocketLinkTest, AnotherAddressAndMtuAreNoticed) {
+  PacketSocketLink near("near0", std::nullopt, "near");
+  const MacAddress given = {2, 0, 0, 0, 0, 5};
+  PacketSocketLink fixed("far0", given, "far");
+  run("ip link set near0 address 02:00:00:00:07:07 mtu 1200");
+  run("ip link set far0 address 02:00:00:00:08:08");
+  near.tend();
+  fixed.tend();
+  EXPECT_EQ(near.address(), (MacAddress{2, 0, 0, 0, 7, 7}));
+  EXPECT_EQ(near.mtu(), 1200);
+  EXPECT_EQ(fixed.address(), given) << "the one that was asked for stays";
+}
+
+TEST_F(PacketSocketLinkTest, FramesThatFindNoRoomAreCounted) {
+  PacketSocketLink near("near0", std::nullopt, "near"), far("far0", std::nullopt, "far");
+  wait_for_cable(near, far);
+  far.tend();
+  EXPECT_EQ(far.frames_missed(), 0u);
+  for (int i = 0; i < 200; ++i) {
+    std::vector<Frame> many = frames(near, kAll, 64);
+    for (Frame& frame : many) frame.bytes.resize(1400);
+    send(near, many);
+  }
+  far.tend();
+  EXPECT_GT(far.frames_missed(), 0u);
+}
+
 }  // namespace
 }  // namespace adhoc_communication
