@@ -22,6 +22,13 @@ void Engine::leave_group(const std::string& group, Time now) { implementation_->
 GroupState Engine::group_state(const std::string& group) const { return implementation_->group_state(group); }
 std::vector<std::string> Engine::neighbors() const { return implementation_->neighbors(); }
 std::vector<std::string> Engine::robots() const { return implementation_->robots(); }
+void Engine::restart(MacAddress address, int mtu, BootId boot_id, std::uint64_t seed, Time now) {
+  EngineOptions options = implementation_->options();
+  options.mtu = mtu;
+  auto next = std::make_unique<Implementation>(std::move(options), address, boot_id, seed, now);
+  next->succeed(*implementation_, now);
+  implementation_ = std::move(next);
+}
 const Statistics& Engine::statistics() const { return implementation_->statistics(); }
 const std::string& Engine::robot_name() const { return implementation_->robot_name(); }
 void Engine::set_keys(std::vector<TeamKey> keys) { implementation_->set_keys(std::move(keys)); }

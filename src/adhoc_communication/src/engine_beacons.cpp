@@ -102,6 +102,7 @@ void Engine::Implementation::maintain(Time now) {
 }
 
 void Engine::Implementation::announce_changes(Time now) {
+  for (const std::string& name : directory_.take_taken_names()) report(NameTaken{name});
   for (const routing::DirectoryChange& change : directory_.take_changes()) {
     happened(now);
     const std::string group = multicast::group_of(change.robot);

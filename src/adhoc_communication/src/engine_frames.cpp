@@ -35,6 +35,7 @@ void Engine::Implementation::transmit(FrameType type, std::uint8_t flags, const 
   Frame frame{next_hop, self_.address, guard_.close(header, body)};
   if (type != FrameType::kBeacon && type != FrameType::kHopAcknowledgment) happened(now);
   ++statistics_.frames_sent;
+  ++statistics_.frames_sent_by_type[static_cast<std::size_t>(type)];
   statistics_.bytes_sent += frame.bytes.size() + wire::kEthernetHeaderSize;
   air_.transmitted(counter, frame.bytes.size(), now);
   out_.push_back(std::move(frame));
@@ -50,6 +51,7 @@ void Engine::Implementation::receive(const Frame& frame, Time now) {
   const wire::FrameHeader& header = opened->header;
   const wire::BootTag boot = wire::boot_tag(header.boot_id);
   if (lost_artificially(header.type)) return;
+  ++statistics_.frames_received_by_type[static_cast<std::size_t>(header.type)];
   if (!guard_.proven(header) && !proves_itself(*opened, now)) return;
   if (!runs_.heard(header.sender, boot, header.counter, now)) return;
   if (!hear(header, now)) return;

@@ -205,7 +205,7 @@ void Engine::Implementation::remove_member(const std::string& name, const std::s
 void Engine::Implementation::send_copy(const std::string& name, const multicast::HeldPacket& packet, Purpose purpose,
                                        SendId parent, Time now) {
   if (const auto member = groups_.members.find(name); member != groups_.members.end()) ++member->second.copies;
-  const transport::Image image = transport::encode(
+  const transport::Image image = transport::image_of(  // what it carries is packed
       {PacketKind::kGroupCopy, 0, multicast::group_of(self_.name), {}, multicast::encode_copy(packet)});
   distributor_.copy_started(packet.stream, packet.number);
   Sending sending{purpose, name, {}, parent};

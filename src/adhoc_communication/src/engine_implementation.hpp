@@ -43,7 +43,7 @@ class Engine::Implementation : private Outbox {
   static constexpr std::size_t kMostHeld = 512;     ///< frames of others that wait for a repair; further ones are lost
   static constexpr std::size_t kMostEvents = 4096;  ///< the oldest received packet is dropped beyond
   static constexpr std::size_t kMostEventOctets = 32'000'000;  ///< of received packets, if it is more than one
-  static constexpr std::size_t kMostFloodOctets = 64'000;      ///< of one, unpacked
+  static constexpr std::size_t kMostFloodOctets = 64'000;      ///< of one, unpacked; of a robot's words on groups, too
 
   Implementation(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now);
 
@@ -64,6 +64,10 @@ class Engine::Implementation : private Outbox {
   const routing::Router& router() const { return router_; }
   void set_keys(std::vector<TeamKey> keys);
   std::vector<TableFill> tables() const;
+
+  // engine_restart.cpp: another run of the same host.
+  EngineOptions options() const;
+  void succeed(Implementation& former, Time now);
 
   // engine_introspection.cpp: what a host may look at.
   std::vector<TreeState> trees() const;
@@ -135,6 +139,9 @@ class Engine::Implementation : private Outbox {
   void maintain(Time now);
   void announce_changes(Time now);
 
+  // engine_restart.cpp
+  void end(const std::string& reason, Time now);
+
   // engine_repair.cpp: what was under way over a link that is lost.
   void link_lost(const MacAddress& neighbor, Time now);
   bool hold(const MacAddress& destination, transport::HopFrame frame);
@@ -146,6 +153,7 @@ class Engine::Implementation : private Outbox {
   void on_transport_acknowledgment(const MacAddress& from, wire::TransportAcknowledgment acknowledgment, Time now);
   void on_broadcast_data(const wire::FrameHeader& header, const wire::BroadcastData& data, Time now);
   void on_flood(const wire::Flood& flood, Time now);
+  void serve_floods(Time now);
   void forget_evicted(Time now);
   enum class Carrier { kStream, kBroadcast, kGroup };
   bool admits(Carrier carrier, const std::string& source, const transport::Packet& packet) const;

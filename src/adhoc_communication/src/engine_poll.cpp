@@ -30,7 +30,7 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       guard_(self_, options_.keys, statistics_.frames_dropped),
       random_(seed),
       neighbors_(options_.timings, options_.beacon_interval),
-      directory_(runs_),
+      directory_(runs_, self_.name),
       router_(self_, options_, neighbors_, runs_, directory_, *this, random_, now),
       segment_size_(room(options_, wire::kDataHeaderSize)),
       broadcast_segment_size_(room(options_, wire::kBroadcastDataHeaderSize)),
@@ -72,7 +72,7 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   distributor_.poll(now);
   finish_group_members(now);
   take_group_packets(now);
-  flood_.poll(now);
+  serve_floods(now);
   for (const auto& [neighbor, link] : links_.busy()) {
     if (!link->receiver || acknowledgment_due(*link->receiver) > now) continue;
     transmit(wire::FrameType::kHopAcknowledgment, 0, neighbor, 0, next_counter_++,

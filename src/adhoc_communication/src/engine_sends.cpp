@@ -8,19 +8,14 @@ namespace adhoc_communication {
 
 using transport::Image;
 
-namespace {
-
-constexpr Time kLongestAirQueue = std::chrono::milliseconds(100);  ///< floods are refused beyond
-
-}  // namespace
-
 std::string Engine::Implementation::refusal(const SendRequest& request) const {
   if (request.destination == self_.name) return "the destination " + request.destination + " is this robot itself";
   if (request.destination.size() > 255) return "the destination's name is longer than 255 octets";
   if (request.lifetime < Time(0)) return "the lifetime is negative";
   if (request.topic.empty()) return "the topic is empty";
   if (request.topic.size() > 65535) return "the topic is longer than 65535 octets";
-  std::size_t size = transport::image_size(request.destination, request.topic, request.payload.size());
+  const std::size_t payload = std::max<std::size_t>(request.payload.size(), request.unpacked_size);
+  std::size_t size = transport::image_size(request.destination, request.topic, payload);
   if (multicast::root_of(request.destination)) size += transport::image_size(request.destination, {}, 5);  // as a copy
   if (size > options_.max_packet_size) {
     return "packet of " + size_text(size) + " exceeds max_packet_size of " + size_text(options_.max_packet_size);
@@ -48,8 +43,9 @@ SendId Engine::Implementation::send(SendRequest request, Time now) {
   packet.topic = request.topic;
   packet.payload = std::move(request.payload);
   packet.latched = request.latched;
+  packet.unpacked_size = request.unpacked_size;
   if (multicast::root_of(request.destination)) packet.group = request.destination;
-  const Image image = transport::encode(packet);
+  const Image image = transport::image_of(packet);
   const SendId id = next_send_id_++;
   sendings_[id] = {Purpose::kHost, request.destination, {}, 0, image->size(), {}, request.priority, request.lifetime};
   ++host_sends_;
@@ -70,27 +66,39 @@ void Engine::Implementation::start(SendId id, const std::string& destination, co
 SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
   touch(now);
   if (request.topic.empty()) return refuse("the topic is empty");
-  if (air_.ready_at() > now + kLongestAirQueue)
-    return refuse("the radio is busy with earlier broadcasts; try again later");
   wire::Flood flood;
   flood.source = self_.address;
   flood.source_boot = self_.boot;
   flood.id = next_flood_id_++;
   flood.hop_limit = std::max<std::uint8_t>(1, request.hop_limit);
   flood.source_name = self_.name;
-  flood.image = *transport::encode(
-      {transport::PacketKind::kUser, request.payload_type, {}, request.topic, request.payload, request.latched});
+  flood.image = *transport::image_of({transport::PacketKind::kUser,
+                                      request.payload_type,
+                                      {},
+                                      request.topic,
+                                      std::move(request.payload),
+                                      request.latched,
+                                      request.unpacked_size});
   Bytes body = to_bytes(flood);
   const std::size_t most = segment_size_ + wire::kDataHeaderSize;
   if (body.size() > most) {
     return refuse("packet of " + std::to_string(body.size()) +
                   " octets does not fit the one frame of a flood, which takes " + std::to_string(most));
   }
-  broadcast(wire::FrameType::kFlood, std::move(body));
-  ++statistics_.packets_sent;
-  const SendId id = next_send_id_++;
-  report(SendFinished{id, true, {}, false});
+  const SendId id = next_send_id_;
+  if (!flood_.originate(id, std::move(body))) {
+    return refuse(std::to_string(transport::FloodRelay::kMostWaiting) + " broadcasts wait for the air already");
+  }
+  ++next_send_id_;
   return id;
+}
+
+void Engine::Implementation::serve_floods(Time now) {
+  flood_.poll(now);
+  for (const SendId id : flood_.take_sent()) {
+    ++statistics_.packets_sent;
+    report(SendFinished{id, true, {}, false});
+  }
 }
 
 SendId Engine::Implementation::start_unicast(const std::string& destination, Image image, Priority priority,

@@ -106,10 +106,15 @@ bool Engine::Implementation::admits(Carrier carrier, const std::string& source, 
 void Engine::Implementation::deliver_packet(Carrier carrier, const std::string& source, const Bytes& image,
                                             std::uint8_t hops, Time now) {
   // A flood is one frame, which may claim to be any number of zeros.
-  const std::size_t most = carrier == Carrier::kBroadcast ? std::max(kMostFloodOctets, 2 * image.size()) : SIZE_MAX;
-  std::optional<transport::Packet> packet = transport::decode(image, std::min(options_.max_packet_size, most));
+  const std::size_t little = std::max(kMostFloodOctets, 2 * image.size());
+  const std::size_t most = carrier == Carrier::kBroadcast ? little : SIZE_MAX;
+  std::optional<transport::Packet> packet = transport::parse(image, std::min(options_.max_packet_size, most));
   if (!packet || !admits(carrier, source, *packet)) return malformed();
-  if (packet->kind != transport::PacketKind::kUser) return on_group_packet(source, *packet, now);
+  if (packet->kind != transport::PacketKind::kUser) {
+    if (packet->unpacked_size > little || !transport::unpack(packet->payload, packet->unpacked_size))
+      return malformed();
+    return on_group_packet(source, *packet, now);
+  }
   if (const auto left = groups_.memberships.find(packet->group);
       left != groups_.memberships.end() && !left->second.wanted) {
     return;
@@ -118,7 +123,7 @@ void Engine::Implementation::deliver_packet(Carrier carrier, const std::string& 
   if (by_hops.size() < hops) by_hops.resize(hops);
   ++by_hops[hops - 1];
   report(PacketReceived{source, packet->group, packet->topic, packet->payload_type, std::move(packet->payload), hops,
-                        packet->latched});
+                        packet->latched, packet->unpacked_size});
 }
 
 void Engine::Implementation::on_broadcast_data(const wire::FrameHeader& header, const wire::BroadcastData& data,

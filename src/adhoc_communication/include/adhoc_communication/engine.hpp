@@ -42,6 +42,11 @@ class Engine {
   void leave_group(const std::string& group, Time now);
   GroupState group_state(const std::string& group) const;
 
+  /// The interface has another address, or carries frames of another size: a new run begins. What is under way fails,
+  /// all robots are lost, and groups that the host has joined or left are remembered. Throws std::invalid_argument, and
+  /// goes on as before, when frames of that size cannot be used.
+  void restart(MacAddress address, int mtu, BootId boot_id, std::uint64_t seed, Time now);
+
   /// Changes the keys while frames flow: the first one seals, all of them open. Throws std::invalid_argument when that
   /// would turn sealing on or off.
   void set_keys(std::vector<TeamKey> keys);

@@ -60,6 +60,7 @@ struct SendRequest {
   bool latched = true;       ///< who subscribes late at the receiver is given the packet, too
   Time lifetime{0};          ///< the send fails when it has not succeeded by then; 0: none
   bool newest_only = false;  ///< takes the place of such a packet of the same destination and topic not begun yet
+  std::uint32_t unpacked_size = 0;  ///< octets that the payload unpacks to; 0: it is not packed, see compression.hpp
 };
 
 /// A packet flooded over at most `hop_limit` hops (0 means 1), one frame, unacknowledged.
@@ -69,6 +70,7 @@ struct BroadcastRequest {
   Bytes payload;
   std::uint8_t hop_limit = 1;
   bool latched = true;
+  std::uint32_t unpacked_size = 0;  ///< as in SendRequest
 };
 
 struct PacketReceived {
@@ -79,6 +81,7 @@ struct PacketReceived {
   Bytes payload;
   std::uint8_t hops = 1;
   bool latched = true;
+  std::uint32_t unpacked_size = 0;  ///< as in SendRequest; unpack() gives the payload
 };
 
 /// End of a send; exactly one per accepted SendRequest. `reason` is a sentence for people, empty when delivered.
@@ -97,6 +100,11 @@ struct RobotLost {
   std::string robot;
 };
 
+/// Two robots have had this name for some time, perhaps this one is one of them.
+struct NameTaken {
+  std::string robot;
+};
+
 /// End of a group membership change asked for by the host.
 struct GroupChangeFinished {
   std::string group;
@@ -105,7 +113,7 @@ struct GroupChangeFinished {
   std::string reason;
 };
 
-using Event = std::variant<PacketReceived, SendFinished, RobotAppeared, RobotLost, GroupChangeFinished>;
+using Event = std::variant<PacketReceived, SendFinished, RobotAppeared, RobotLost, NameTaken, GroupChangeFinished>;
 
 /// Mirrors GetGroupState.srv.
 struct GroupState {
@@ -182,6 +190,11 @@ struct QueueState {
 };
 
 struct Statistics {
+  /// By frame type, see docs/protocol.md; index 0 is not used.
+  static constexpr std::size_t kFrameTypes = 15;
+
+  std::array<std::uint64_t, kFrameTypes> frames_sent_by_type{};
+  std::array<std::uint64_t, kFrameTypes> frames_received_by_type{};  ///< without those dropped
   std::uint64_t frames_sent = 0;
   std::uint64_t bytes_sent = 0;
   std::uint64_t frames_received = 0;

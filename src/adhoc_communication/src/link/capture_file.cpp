@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "link/ethernet.hpp"
+#include "run_guarded.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -66,7 +67,7 @@ void CaptureFile::add(const Frame& frame, std::chrono::nanoseconds at) {
   const Bytes octets = to_wire(frame);
   const std::uint64_t room = std::min(kMostBuffered, most_in_file_ - kFileHeaderSize);  // a batch fits an empty file
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (waiting_.octets.size() + kRecordHeaderSize + octets.size() > room) {
+  if (ended_ || waiting_.octets.size() + kRecordHeaderSize + octets.size() > room) {
     ++lost_;
     return;
   }
@@ -80,6 +81,16 @@ void CaptureFile::add(const Frame& frame, std::chrono::nanoseconds at) {
 }
 
 void CaptureFile::run() {
+  run_guarded(
+      "capturing to " + path_, [this] { work(); },
+      [this](const std::string& text) {
+        std::fprintf(stderr, "%s\n", text.c_str());
+        const std::lock_guard<std::mutex> lock(mutex_);
+        ended_ = true;
+      });
+}
+
+void CaptureFile::work() {
   std::unique_lock<std::mutex> lock(mutex_);
   for (;;) {
     arrived_.wait(lock, [this] { return stopping_ || waiting_.frames > 0; });

@@ -37,6 +37,7 @@ class CaptureFile {
   };
 
   void run();
+  void work();
   void write(const Batch& batch);
   bool begin_file();
   bool append(const Bytes& octets);
@@ -52,6 +53,7 @@ class CaptureFile {
   std::condition_variable arrived_;
   Batch waiting_;
   bool stopping_ = false;
+  bool ended_ = false;  ///< writing has; all further frames are lost
   std::thread thread_;
 };
 

@@ -101,10 +101,14 @@ DiagnosticStatus Diagnostics::interface(const NetworkState& state) {
   const bool refuses = grows("not sent", state.frames_not_sent);
   if (!state.interface_up) complain(status, DiagnosticStatus::ERROR, state.interface + " is down");
   if (refuses) complain(status, DiagnosticStatus::WARN, state.interface + " does not take all frames");
+  if (grows("missed", state.frames_missed)) {
+    complain(status, DiagnosticStatus::WARN, "frames came faster than this robot can take them");
+  }
   add(status, "frames sent", state.frames_sent);
   add(status, "octets sent", state.bytes_sent);
   add(status, "frames received", state.frames_received);
   add(status, "octets received", state.bytes_received);
+  add(status, "frames missed", state.frames_missed);
   add(status, "frames not sent", state.frames_not_sent);
   return status;
 }

@@ -9,8 +9,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "adhoc_communication/compression.hpp"
 #include "link/mac_address.hpp"
 #include "link/steady_now.hpp"
+#include "run_guarded.hpp"
 #include "security/cipher.hpp"
 
 namespace adhoc_communication {
@@ -35,8 +37,10 @@ EngineHost::EngineHost(const EngineOptions& options, std::unique_ptr<Link> link,
     : link_(std::move(link)),
       filter_(std::move(filter)),
       callbacks_(std::move(callbacks)),
+      address_(link_->address()),
+      mtu_(link_->mtu()),
       engine_time_(steady_now()),
-      engine_(options, link_->address(), drawn_from_system<BootId>(), drawn_from_system<std::uint64_t>(), engine_time_),
+      engine_(options, address_, drawn_from_system<BootId>(), drawn_from_system<std::uint64_t>(), engine_time_),
       wake_up_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   thread_ = std::thread([this] { run(); });
 }
@@ -53,11 +57,11 @@ void EngineHost::stop() {
 }
 
 void EngineHost::run() {
-  try {
-    work();
-  } catch (const std::exception& error) {
-    if (callbacks_.on_failure) callbacks_.on_failure("the engine has ended: " + std::string(error.what()));
-  }
+  run_guarded(
+      "the engine", [this] { work(); },
+      [this](const std::string& text) {
+        if (callbacks_.on_failure) callbacks_.on_failure(text);
+      });
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     stopping_ = true;
@@ -132,6 +136,10 @@ void EngineHost::report(const RobotAppeared& event) { callbacks_.on_robot_appear
 
 void EngineHost::report(const RobotLost& event) { callbacks_.on_robot_lost(event.robot); }
 
+void EngineHost::report(const NameTaken& event) {
+  if (callbacks_.on_name_taken) callbacks_.on_name_taken(event.robot);
+}
+
 void EngineHost::report(const SendFinished& end) {
   const auto waiter = sends_.extract(end.id);
   if (waiter) waiter.mapped()({end.delivered, end.reason, end.superseded});
@@ -147,9 +155,22 @@ void EngineHost::tend_link(Time now) {
   if (now < next_tending_) return;
   next_tending_ = now + kTendingInterval;
   link_->tend();
+  if (link_->is_up() && (link_->address() != address_ || link_->mtu() != mtu_)) restart_engine(now);
   if (link_->is_up() == link_was_up_) return;
   link_was_up_ = link_->is_up();
   callbacks_.on_warning(link_was_up_ ? "the interface is up again" : "the interface is down; waiting for its return");
+}
+
+void EngineHost::restart_engine(Time now) {
+  address_ = link_->address();
+  mtu_ = link_->mtu();
+  const std::string now_is = to_text(address_) + ", MTU " + std::to_string(mtu_);
+  try {
+    engine_.restart(address_, mtu_, drawn_from_system<BootId>(), drawn_from_system<std::uint64_t>(), now);
+    callbacks_.on_warning("the interface has changed, so this robot begins anew as " + now_is);
+  } catch (const std::invalid_argument& error) {
+    callbacks_.on_warning("the interface has changed to " + now_is + ", which cannot be used: " + error.what());
+  }
 }
 
 void EngineHost::fail_all_waiters() {
@@ -177,12 +198,14 @@ Outcome EngineHost::wait_for(const std::function<void(Time, Waiter)>& begin) {
 }
 
 Outcome EngineHost::send(SendRequest request) {
+  pack(request);
   return wait_for([this, &request](Time now, Waiter waiter) {
     sends_.emplace(engine_.send(std::move(request), now), std::move(waiter));
   });
 }
 
 void EngineHost::send(SendRequest request, Waiter waiter) {
+  pack(request);
   const auto shared = std::make_shared<SendRequest>(std::move(request));  // commands can be copied
   const bool posted =
       post([this, shared, waiter](Time now) { sends_.emplace(engine_.send(std::move(*shared), now), waiter); });
@@ -190,6 +213,7 @@ void EngineHost::send(SendRequest request, Waiter waiter) {
 }
 
 Outcome EngineHost::broadcast(BroadcastRequest request) {
+  pack(request);
   return wait_for([this, &request](Time now, Waiter waiter) {
     sends_.emplace(engine_.broadcast(std::move(request), now), std::move(waiter));
   });
@@ -249,6 +273,8 @@ Snapshot EngineHost::look() const {
   for (const std::string& group : engine_.groups()) snapshot.groups[group] = engine_.group_state(group);
   snapshot.queues = engine_.queues();
   snapshot.link_up = link_->is_up();
+  snapshot.address = address_;
+  snapshot.frames_missed = link_->frames_missed();
   snapshot.frames_not_sent = link_->frames_not_sent();
   snapshot.now = steady_now();
   return snapshot;

@@ -27,13 +27,15 @@ struct Outcome {
   bool superseded = false;  ///< a newer packet has taken the place of this one
 };
 
-/// What the host tells the node, always from the thread of the engine: these must return at once.
+/// What the host tells the node, always from the thread of the engine: these must return at once. Packets are as they
+/// came, packed.
 struct HostCallbacks {
   std::function<void(PacketReceived)> on_packet;
   std::function<void(const std::string& robot)> on_robot_appeared;
   std::function<void(const std::string& robot)> on_robot_lost;
   std::function<void(const std::string& text)> on_warning;
-  std::function<void(const std::string& text)> on_failure{};  ///< the host is of no use any more
+  std::function<void(const std::string& text)> on_failure{};      ///< the host is of no use any more
+  std::function<void(const std::string& robot)> on_name_taken{};  ///< by two robots
 };
 
 /// Is told once how something ended, by the thread of the engine unless the host has stopped; returns at once.
@@ -50,7 +52,9 @@ struct Snapshot {
   std::map<std::string, GroupState> groups;
   QueueState queues;
   bool link_up = false;
+  MacAddress address{};
   std::uint64_t frames_not_sent = 0;  ///< that the link did not take
+  std::uint64_t frames_missed = 0;    ///< that came while the link had no room for them
   Time now{0};
 };
 
@@ -70,7 +74,7 @@ class EngineHost {
   Outcome join_group(const std::string& group);
   Outcome leave_group(const std::string& group);
 
-  /// Does not wait; callable from any thread, also from that of the engine.
+  /// Does not wait, but packs the payload: not for the thread of the engine. Callable from any other.
   void send(SendRequest request, Waiter waiter);
 
   // Answered within one turn of the engine's loop.
@@ -92,10 +96,12 @@ class EngineHost {
   void transmit(Time now);
   void report_events();
   void tend_link(Time now);
+  void restart_engine(Time now);
   void report(PacketReceived& packet);
   void report(const SendFinished& end);
   void report(const RobotAppeared& event);
   void report(const RobotLost& event);
+  void report(const NameTaken& event);
   void report(const GroupChangeFinished& end);
   void fail_all_waiters();
   Snapshot look() const;
@@ -108,6 +114,8 @@ class EngineHost {
   std::unique_ptr<Link> link_;
   ReceiveFilter filter_;
   HostCallbacks callbacks_;
+  MacAddress address_;  ///< for which the engine runs, as mtu_
+  int mtu_;
   Time engine_time_;  ///< what the engine was told last; never goes back
   Engine engine_;
   FileDescriptor wake_up_;

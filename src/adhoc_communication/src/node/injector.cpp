@@ -13,8 +13,11 @@
 #include <utility>
 #include <vector>
 
+#include "adhoc_communication/compression.hpp"
 #include "link/steady_now.hpp"
 #include "node/definition_md5.hpp"
+#include "node/end_node.hpp"
+#include "run_guarded.hpp"
 #include "texts.hpp"
 
 namespace adhoc_communication {
@@ -68,11 +71,13 @@ std::string local_topic(const std::string& prefix, const std::string& topic) {
   return ros::names::clean(prefix.empty() ? topic : prefix + topic.substr(first));
 }
 
-Injector::Injector(ros::NodeHandle node, std::string prefix, TopicFilter filter, AskForDefinition ask_for_definition)
+Injector::Injector(ros::NodeHandle node, std::string prefix, TopicFilter filter, AskForDefinition ask_for_definition,
+                   AnswerRequest answer_request)
     : node_(std::move(node)),
       prefix_(std::move(prefix)),
       filter_(std::move(filter)),
-      ask_for_definition_(std::move(ask_for_definition)) {
+      ask_for_definition_(std::move(ask_for_definition)),
+      answer_request_(std::move(answer_request)) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -105,9 +110,14 @@ Injector::Report Injector::report() const {
 }
 
 void Injector::run() {
+  run_guarded(
+      "publishing", [this] { work(); }, end_node);
+}
+
+void Injector::work() {
   std::unique_lock<std::mutex> lock(mutex_);
   while (wait_for_packet(lock)) {
-    const PacketReceived packet = std::move(queue_.front());
+    PacketReceived packet = std::move(queue_.front());
     queue_.pop_front();
     queued_octets_ -= packet.payload.size();
     lock.unlock();
@@ -134,7 +144,9 @@ bool Injector::wait_for_packet(std::unique_lock<std::mutex>& lock) {
   return !stopping_;
 }
 
-void Injector::take(const PacketReceived& packet) {
+void Injector::take(PacketReceived& packet) {
+  if (!unpack(packet)) throw PayloadError("it is not what it says that it unpacks to");
+  if (packet.payload_type == static_cast<std::uint8_t>(PayloadType::kDefinitionRequest)) return answer_request_(packet);
   definitions_.expire(steady_now());
   const bool is_definition = packet.payload_type == static_cast<std::uint8_t>(PayloadType::kDefinition);
   if (!is_definition) check_topic(full_name(packet.topic));

@@ -21,7 +21,8 @@
 
 namespace adhoc_communication {
 
-/// Publishes in a thread of its own, because advertising asks the ROS master and must not hold up the engine.
+/// Unpacks and publishes in a thread of its own: large packets and the ROS master, which is asked when a topic is
+/// advertised, must not hold up the engine.
 /// A topic is latched where its first message says so. A message whose definition is not known yet waits for it, and
 /// one whose topic is new for subscribers to connect; others go on. What cannot be published is counted and reported
 /// once per topic.
@@ -29,9 +30,12 @@ class Injector {
  public:
   /// Asks a robot for the definition of a type, without waiting.
   using AskForDefinition = std::function<void(const std::string& robot, const TypeName& type)>;
+  /// Another robot asks for one.
+  using AnswerRequest = std::function<void(const PacketReceived& request)>;
 
   /// `prefix` is put before every topic: /<self>/ in simulation mode, else empty.
-  Injector(ros::NodeHandle node, std::string prefix, TopicFilter filter, AskForDefinition ask_for_definition);
+  Injector(ros::NodeHandle node, std::string prefix, TopicFilter filter, AskForDefinition ask_for_definition,
+           AnswerRequest answer_request);
   ~Injector();
 
   /// Takes over a packet without waiting. When the queue is full the packet is dropped, counted and reported.
@@ -48,8 +52,9 @@ class Injector {
   using Topics = TopicTable<ros::Publisher>;
 
   void run();
+  void work();
   bool wait_for_packet(std::unique_lock<std::mutex>& lock);
-  void take(const PacketReceived& packet);
+  void take(PacketReceived& packet);
   std::string full_name(const std::string& topic) const;
   void check_topic(const std::string& full_name) const;
   void learn_definition(const SerializedMessage& message);
@@ -64,6 +69,7 @@ class Injector {
   const std::string prefix_;
   const TopicFilter filter_;
   const AskForDefinition ask_for_definition_;
+  const AnswerRequest answer_request_;
   Definitions definitions_;
   Topics topics_;
   std::set<std::string> reported_topics_;

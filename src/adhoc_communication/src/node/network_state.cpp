@@ -115,6 +115,11 @@ NetworkState network_state_message(const Snapshot& snapshot, const NodeState& no
   message.log_rows_lost = node.log_rows_lost;
   message.frames_not_captured = node.frames_not_captured;
   message.frames_not_sent = snapshot.frames_not_sent;
+  message.frames_missed = snapshot.frames_missed;
+  const Statistics& statistics = snapshot.statistics;
+  message.frames_sent_by_type.assign(statistics.frames_sent_by_type.begin(), statistics.frames_sent_by_type.end());
+  message.frames_received_by_type.assign(statistics.frames_received_by_type.begin(),
+                                         statistics.frames_received_by_type.end());
   return message;
 }
 

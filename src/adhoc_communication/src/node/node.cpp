@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "link/mac_address.hpp"
+#include "node/end_node.hpp"
 #include "security/cipher.hpp"
 
 namespace adhoc_communication {
@@ -56,12 +57,12 @@ Node::Node(const NodeOptions& options)
   if (!options_.key_file.empty()) key_file_.emplace(options_.key_file);  // before reading: no change goes unnoticed
   read_keys_for(options_);
   auto link = captured(open_link_for(options_));
-  address_ = link->address();
   ROS_INFO("%s on interface %s with address %s", options_.engine.robot_name.c_str(), options_.interface.c_str(),
-           to_text(address_).c_str());
-  injector_ =
-      std::make_unique<Injector>(node_, name_prefix_, topic_filter(),
-                                 [this](const std::string& robot, const TypeName& type) { relay_->ask(robot, type); });
+           to_text(link->address()).c_str());
+  injector_ = std::make_unique<Injector>(
+      node_, name_prefix_, topic_filter(),
+      [this](const std::string& robot, const TypeName& type) { relay_->ask(robot, type); },
+      [this](const PacketReceived& request) { relay_->answer(request); });
   relay_ = std::make_unique<TopicRelay>(node_, name_prefix_, options_.engine.robot_name);
   discovery_ = std::make_unique<Discovery>(node_, service_prefix_ + options_.topic_new_robot,
                                            service_prefix_ + options_.topic_remove_robot);
@@ -100,16 +101,8 @@ void Node::carry_relays() {
   relay_->start([this](SendRequest request, Waiter waiter) { host_->send(std::move(request), std::move(waiter)); });
 }
 
-void Node::take(PacketReceived packet) {
-  if (packet.payload_type == static_cast<std::uint8_t>(PayloadType::kDefinitionRequest)) {
-    relay_->answer(packet);
-  } else {
-    injector_->inject(std::move(packet));
-  }
-}
-
 HostCallbacks Node::callbacks() {
-  return {[this](PacketReceived packet) { take(std::move(packet)); },
+  return {[this](PacketReceived packet) { injector_->inject(std::move(packet)); },
           [this](const std::string& robot) {
             discovery_->announce(robot);
             relay_->robot_appeared(robot);
@@ -119,9 +112,9 @@ HostCallbacks Node::callbacks() {
             relay_->robot_lost(robot);
           },
           [this](const std::string& text) { ROS_WARN("Interface %s: %s", options_.interface.c_str(), text.c_str()); },
-          [](const std::string& text) {
-            ROS_FATAL("The node ends: %s", text.c_str());
-            ros::requestShutdown();
+          end_node,
+          [](const std::string& robot) {
+            ROS_ERROR("Two robots are called %s: give each its own ~robot_name", robot.c_str());
           }};
 }
 
@@ -154,12 +147,12 @@ void Node::follow_ground_truth() {
   }
 }
 
-NodeState Node::state() const {
+NodeState Node::state(const Snapshot& snapshot) const {
   NodeState state;
   state.stamp = ros::Time::now();
   state.robot_name = options_.engine.robot_name;
   state.interface = options_.interface;
-  state.address = address_;
+  state.address = snapshot.address;
   state.sealed = key_file_.has_value();
   state.relays = relay_->reports();
   state.injector = injector_->report();
@@ -170,7 +163,7 @@ NodeState Node::state() const {
 
 void Node::tell_state(const ros::WallTimerEvent&) {
   const Snapshot snapshot = host_->snapshot();
-  const NodeState own = state();
+  const NodeState own = state(snapshot);
   const NetworkState network = network_state_message(snapshot, own);
   status_publisher_.publish(status_message(snapshot, own));
   network_state_publisher_.publish(network);

@@ -37,11 +37,10 @@ class Node {
  private:
   HostCallbacks callbacks();
   std::unique_ptr<Link> captured(std::unique_ptr<Link> link);
-  void take(PacketReceived packet);
   void follow_ground_truth();
   void carry_relays();
   void tell_state(const ros::WallTimerEvent&);
-  NodeState state() const;
+  NodeState state(const Snapshot& snapshot) const;
   void shut_down();
   TopicFilter topic_filter() const;
   void reread_keys(const ros::WallTimerEvent&);
@@ -54,7 +53,6 @@ class Node {
   ServiceLog log_;
   NetworkLogs network_logs_;
   Diagnostics diagnostics_;
-  MacAddress address_{};
   std::shared_ptr<CaptureFile> capture_;
   std::unique_ptr<Injector> injector_;
   std::unique_ptr<Discovery> discovery_;

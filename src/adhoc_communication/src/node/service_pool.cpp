@@ -3,7 +3,8 @@
 #include <ros/console.h>
 
 #include <algorithm>
-#include <exception>
+
+#include "run_guarded.hpp"
 
 namespace adhoc_communication {
 
@@ -45,11 +46,8 @@ void ServicePool::work() {
     const auto callback = std::move(calls_.front().callback);
     calls_.pop_front();
     lock.unlock();
-    try {
-      callback->call();
-    } catch (const std::exception& error) {
-      ROS_ERROR("A call has ended with: %s", error.what());
-    }
+    run_guarded(
+        "a call", [&] { callback->call(); }, [](const std::string& text) { ROS_ERROR("%s", text.c_str()); });
     lock.lock();
   }
 }

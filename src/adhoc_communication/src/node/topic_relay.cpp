@@ -1,7 +1,5 @@
 #include "node/topic_relay.hpp"
 
-#include <ros/console.h>
-#include <ros/init.h>
 #include <ros/this_node.h>
 #include <topic_tools/shape_shifter.h>
 
@@ -9,8 +7,10 @@
 #include <utility>
 
 #include "link/steady_now.hpp"
+#include "node/end_node.hpp"
 #include "node/injector.hpp"
 #include "node/relay_options.hpp"
+#include "run_guarded.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -158,12 +158,8 @@ void TopicRelay::send(RelayTable::Transfer transfer) {
 }
 
 void TopicRelay::run() {
-  try {
-    work();
-  } catch (const std::exception& error) {
-    ROS_FATAL("The node ends: relaying has ended: %s", error.what());
-    ros::requestShutdown();
-  }
+  run_guarded(
+      "relaying", [this] { work(); }, end_node);
 }
 
 void TopicRelay::work() {

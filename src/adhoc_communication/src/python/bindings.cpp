@@ -38,7 +38,9 @@ class PythonTeam {
  public:
   PythonTeam(const MediumOptions& medium, std::uint64_t seed) : team_(medium, seed) {
     team_.remembers = false;
-    team_.on_event = [this](std::size_t robot, const Event& event) { events_.emplace_back(robot, event); };
+    team_.on_event = [this](std::size_t robot, const Event& event) {
+      if (!std::holds_alternative<NameTaken>(event)) events_.emplace_back(robot, event);
+    };
   }
 
   std::size_t add(EngineOptions options, double x, double y) {
@@ -58,16 +60,17 @@ class PythonTeam {
   SendId send(std::size_t robot, const std::string& service, const std::string& destination, const std::string& topic,
               const py::bytes& message) {
     const MessageKind& kind = kind_of(service);
-    return engine(robot).send(
-        {destination, topic, static_cast<std::uint8_t>(kind.payload_type), bytes_of(message), kind.priority},
-        team_.now());
+    engine(robot);  // which may have been killed
+    return team_.send(
+        robot, {destination, topic, static_cast<std::uint8_t>(kind.payload_type), bytes_of(message), kind.priority});
   }
 
   SendId send_message(std::size_t robot, const std::string& destination, const std::string& topic,
                       const std::string& type, const std::string& md5sum, const std::string& definition,
                       const py::bytes& data) {
     const SerializedMessage message{type, md5sum, definition, bytes_of(data)};
-    return engine(robot).send(any_message_request(destination, topic, message), team_.now());
+    engine(robot);
+    return team_.send(robot, any_message_request(destination, topic, message));
   }
 
   void set_key(const py::bytes& key) {

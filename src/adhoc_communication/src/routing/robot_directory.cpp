@@ -81,6 +81,34 @@ void RobotDirectory::expire(Time now) {
       ++iterator;
     }
   }
+  look_for_taken_names();
+}
+
+void RobotDirectory::look_for_taken_names() {
+  for (auto name = reported_names_.begin(); name != reported_names_.end();) {
+    const auto bearers = by_name_.find(*name);
+    const bool still = bearers != by_name_.end() && is_taken(*name, bearers->second);
+    name = still ? std::next(name) : reported_names_.erase(name);
+  }
+  for (const auto& [name, bearers] : by_name_) {
+    if ((bearers.size() < 2 && name != own_name_) || !is_taken(name, bearers)) continue;
+    if (reported_names_.insert(name).second) taken_names_.push_back(name);
+  }
+}
+
+/// Of a robot that has got another radio, the former address falls silent.
+bool RobotDirectory::is_taken(const std::string& name, const std::set<MacAddress>& bearers) const {
+  std::vector<const Robot*> present;
+  Time latest{0};
+  for (const MacAddress& address : bearers) {
+    const Robot& robot = robots_.at(address);
+    if (!robot.announced) continue;
+    present.push_back(&robot);
+    latest = std::max(latest, robot.appeared);
+  }
+  const auto lasting = std::count_if(present.begin(), present.end(),
+                                     [&](const Robot* robot) { return robot->last_news - latest >= kSilence; });
+  return lasting + (name == own_name_ ? 1 : 0) >= 2;
 }
 
 void RobotDirectory::forget_name(const Robot& robot, const MacAddress& address) {
@@ -113,6 +141,7 @@ Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name,
   robot.last_news = now;
   if (!robot.announced) {
     robot.announced = true;
+    robot.appeared = now;
     robot.spreads_left = kSpreads;
     changes_.push_back({robot.name, address, robot.boot, true});
   }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "round_robin.hpp"
@@ -18,6 +19,7 @@ struct Robot {
   wire::BootTag boot = 0;  ///< the run that this is said of
   std::uint8_t hops = 1;
   Time last_news{0};
+  Time appeared{0};
   bool announced = false;
   int spreads_left = 0;  ///< beacons that still carry the latest life sign
 };
@@ -38,7 +40,7 @@ class RobotDirectory {
   static constexpr int kSpreads = 3;  ///< beacons that repeat a life sign, against lost beacons
   static constexpr Time kSilence = std::chrono::seconds(5);
 
-  explicit RobotDirectory(LivingRuns& runs) : runs_(runs) {}
+  RobotDirectory(LivingRuns& runs, std::string own_name) : runs_(runs), own_name_(std::move(own_name)) {}
 
   /// False when another run of the robot lives, or the directory is full.
   bool learn(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint8_t hops, Time now);
@@ -60,17 +62,24 @@ class RobotDirectory {
 
   void expire(Time now);
   std::vector<DirectoryChange> take_changes();
+  /// Names that two robots have had at the same time for kSilence, be it this one's own. Each once.
+  std::vector<std::string> take_taken_names() { return std::exchange(taken_names_, {}); }
 
  private:
   Robot* admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now);
   static Time patience(const Robot& robot) { return kSilence + (robot.hops - 1) * std::chrono::seconds(2); }
 
   void forget_name(const Robot& robot, const MacAddress& address);
+  void look_for_taken_names();
+  bool is_taken(const std::string& name, const std::set<MacAddress>& bearers) const;
 
   LivingRuns& runs_;
   std::map<MacAddress, Robot> robots_;
   std::map<std::string, std::set<MacAddress>> by_name_;  ///< more than one if a robot has got another radio
   std::vector<DirectoryChange> changes_;
+  const std::string own_name_;
+  std::set<std::string> reported_names_;
+  std::vector<std::string> taken_names_;
   MacAddress last_spread_{};
 };
 

@@ -38,6 +38,7 @@ class FrameGuard {
 
   bool seals() const { return !keys_.empty(); }
   void set_keys(std::vector<TeamKey> keys);
+  const std::vector<TeamKey>& keys() const { return keys_; }
 
   /// The frame as it goes on the air.
   Bytes close(wire::FrameHeader header, const Bytes& body) const;

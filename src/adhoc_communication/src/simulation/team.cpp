@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "adhoc_communication/compression.hpp"
+
 namespace adhoc_communication {
 
 std::size_t Team::add(EngineOptions options, std::optional<double> x, double y) {
@@ -56,7 +58,17 @@ void Team::set_keys(std::size_t robot, const std::vector<TeamKey>& keys) {
 
 SendId Team::send(std::size_t robot, const std::string& destination, Bytes payload, Priority priority,
                   const std::string& topic) {
-  return engine(robot).send({destination, topic, 'A', std::move(payload), priority}, now_);
+  return send(robot, {destination, topic, 'A', std::move(payload), priority});
+}
+
+SendId Team::send(std::size_t robot, SendRequest request) {
+  pack(request);
+  return engine(robot).send(std::move(request), now_);
+}
+
+SendId Team::broadcast(std::size_t robot, BroadcastRequest request) {
+  pack(request);
+  return engine(robot).broadcast(std::move(request), now_);
 }
 
 const SendFinished* Team::finished(std::size_t robot, SendId id) const {
@@ -120,12 +132,14 @@ void Team::serve(std::size_t robot) {
 void Team::take_events(std::size_t robot) {
   Robot& entry = robots_[robot];
   while (std::optional<Event> event = entry.engine->next_event()) {
+    if (auto* packet = std::get_if<PacketReceived>(&*event); packet != nullptr && !unpack(*packet)) continue;
     if (on_event) on_event(robot, *event);
     if (!remembers) continue;
     if (auto* received = std::get_if<PacketReceived>(&*event)) entry.received.push_back({std::move(*received), now_});
     if (auto* finished = std::get_if<SendFinished>(&*event)) entry.finished[finished->id] = {*finished, now_};
     if (auto* appeared = std::get_if<RobotAppeared>(&*event)) entry.presence.emplace_back(now_, "+" + appeared->robot);
     if (auto* lost = std::get_if<RobotLost>(&*event)) entry.presence.emplace_back(now_, "-" + lost->robot);
+    if (auto* taken = std::get_if<NameTaken>(&*event)) entry.presence.emplace_back(now_, "=" + taken->robot);
     if (auto* change = std::get_if<GroupChangeFinished>(&*event)) entry.group_changes.push_back(*change);
   }
 }

@@ -54,6 +54,9 @@ class Team {
   SendId send(std::size_t robot, const std::string& destination, Bytes payload, Priority priority = Priority::kNormal,
               const std::string& topic = "topic");
 
+  SendId send(std::size_t robot, SendRequest request);
+  SendId broadcast(std::size_t robot, BroadcastRequest request);
+
   struct Received {
     PacketReceived packet;
     Time at;

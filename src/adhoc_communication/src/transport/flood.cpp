@@ -22,7 +22,24 @@ bool FloodRelay::take(const wire::Flood& flood, Time now) {
   return true;
 }
 
+bool FloodRelay::originate(SendId id, Bytes body) {
+  if (waiting_.size() >= kMostWaiting) return false;
+  waiting_.emplace_back(id, std::move(body));
+  return true;
+}
+
+std::vector<SendId> FloodRelay::take_waiting() {
+  std::vector<SendId> ids;
+  for (const auto& [id, body] : std::exchange(waiting_, {})) ids.push_back(id);
+  return ids;
+}
+
 void FloodRelay::poll(Time now) {
+  while (!waiting_.empty() && outbox_.air_ready() <= now) {
+    outbox_.broadcast(wire::FrameType::kFlood, std::move(waiting_.front().second));
+    sent_.push_back(waiting_.front().first);
+    waiting_.pop_front();
+  }
   for (std::size_t i = 0; i < pending_.size();) {
     if (pending_[i].first > now) {
       ++i;
@@ -34,7 +51,7 @@ void FloodRelay::poll(Time now) {
 }
 
 Time FloodRelay::next_deadline() const {
-  Time next = Time::max();
+  Time next = waiting_.empty() ? Time::max() : outbox_.air_ready();
   for (const auto& [due, flood] : pending_) next = std::min(next, due);
   return next;
 }

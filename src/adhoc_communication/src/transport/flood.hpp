@@ -1,8 +1,10 @@
 // Packets in one frame for everybody within some hops: passed on once by each robot, after a short random delay.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "outbox.hpp"
@@ -16,11 +18,18 @@ class FloodRelay {
  public:
   static constexpr std::size_t kMostSeen = 1024;
   static constexpr std::size_t kMostPending = 256;  ///< further floods are not passed on
+  static constexpr std::size_t kMostWaiting = 64;   ///< own ones; further ones are refused
   static constexpr Time kRemembered = std::chrono::seconds(10);
   static constexpr Time kJitter = std::chrono::milliseconds(10);
 
   FloodRelay(Outbox& outbox, Random& random) : outbox_(outbox), random_(random) {}
 
+  /// An own flood, which waits until the radio has room for it. False when too many do.
+  bool originate(SendId id, Bytes body);
+  /// Those that have not gone out, and will not any more.
+  std::vector<SendId> take_waiting();
+  /// Those that went out.
+  std::vector<SendId> take_sent() { return std::exchange(sent_, {}); }
   /// True when the flood is new; it is then passed on if its hop limit allows.
   bool take(const wire::Flood& flood, Time now);
   void poll(Time now);
@@ -34,6 +43,8 @@ class FloodRelay {
   Random& random_;
   std::map<Key, Time> seen_;
   std::vector<std::pair<Time, wire::Flood>> pending_;
+  std::deque<std::pair<SendId, Bytes>> waiting_;
+  std::vector<SendId> sent_;
 };
 
 }  // namespace adhoc_communication::transport

@@ -2,6 +2,8 @@
 
 #include <zstd.h>
 
+#include <utility>
+
 #include "wire/octets.hpp"
 
 namespace adhoc_communication::transport {
@@ -13,22 +15,9 @@ constexpr std::size_t kFixedSize = 3 + 1 + 2 + 4;  ///< flags, kind, type; lengt
 constexpr std::size_t kWorthCompressing = 128;
 constexpr int kLevel = 1;
 
-std::optional<Bytes> compress(const Bytes& payload) {
-  if (payload.size() < kWorthCompressing) return std::nullopt;
-  Bytes compressed(ZSTD_compressBound(payload.size()));
-  const std::size_t size = ZSTD_compress(compressed.data(), compressed.size(), payload.data(), payload.size(), kLevel);
-  if (ZSTD_isError(size) || size >= payload.size()) return std::nullopt;
-  compressed.resize(size);
-  return compressed;
-}
-
-std::optional<Bytes> decompress(const Bytes& compressed, std::size_t size) {
-  // The frame must admit to exactly the announced size before anything is allocated for it.
-  if (ZSTD_getFrameContentSize(compressed.data(), compressed.size()) != size) return std::nullopt;
-  Bytes payload(size);
-  const std::size_t written = ZSTD_decompress(payload.data(), size, compressed.data(), compressed.size());
-  if (ZSTD_isError(written) || written != size) return std::nullopt;
-  return payload;
+/// The frame must admit to exactly the announced size before anything is allocated for it.
+bool admits_to(const Bytes& compressed, std::size_t size) {
+  return ZSTD_getFrameContentSize(compressed.data(), compressed.size()) == size;
 }
 
 }  // namespace
@@ -37,23 +26,44 @@ std::size_t image_size(const std::string& group, const std::string& topic, std::
   return kFixedSize + group.size() + topic.size() + payload;
 }
 
-Image encode(const Packet& packet) {
-  const std::optional<Bytes> compressed = compress(packet.payload);
-  const Bytes& body = compressed ? *compressed : packet.payload;
+void pack(Bytes& payload, std::uint32_t& unpacked_size) {
+  if (unpacked_size != 0 || payload.size() < kWorthCompressing) return;
+  Bytes compressed(ZSTD_compressBound(payload.size()));
+  const std::size_t size = ZSTD_compress(compressed.data(), compressed.size(), payload.data(), payload.size(), kLevel);
+  if (ZSTD_isError(size) || size >= payload.size()) return;
+  compressed.resize(size);
+  compressed.shrink_to_fit();
+  unpacked_size = static_cast<std::uint32_t>(payload.size());
+  payload = std::move(compressed);
+}
+
+bool unpack(Bytes& payload, std::uint32_t& unpacked_size) {
+  if (unpacked_size == 0) return true;
+  if (!admits_to(payload, unpacked_size)) return false;
+  Bytes unpacked(unpacked_size);
+  const std::size_t written = ZSTD_decompress(unpacked.data(), unpacked.size(), payload.data(), payload.size());
+  if (ZSTD_isError(written) || written != unpacked_size) return false;
+  payload = std::move(unpacked);
+  unpacked_size = 0;
+  return true;
+}
+
+Image image_of(const Packet& packet) {
   auto image = std::make_shared<Bytes>();
-  image->reserve(image_size(packet.group, packet.topic, body.size()));
+  image->reserve(image_size(packet.group, packet.topic, packet.payload.size()));
+  const bool packed = packet.unpacked_size != 0;
   wire::Writer writer(*image);
-  writer.u8(static_cast<std::uint8_t>((compressed ? kCompressed : 0) | (packet.latched ? kLatched : 0)));
+  writer.u8(static_cast<std::uint8_t>((packed ? kCompressed : 0) | (packet.latched ? kLatched : 0)));
   writer.u8(static_cast<std::uint8_t>(packet.kind));
   writer.u8(packet.payload_type);
   writer.text8(packet.group);
   writer.text16(packet.topic);
-  writer.u32(static_cast<std::uint32_t>(packet.payload.size()));
-  writer.octets(body);
+  writer.u32(packed ? packet.unpacked_size : static_cast<std::uint32_t>(packet.payload.size()));
+  writer.octets(packet.payload);
   return image;
 }
 
-std::optional<Packet> decode(const Bytes& image, std::size_t largest) {
+std::optional<Packet> parse(const Bytes& image, std::size_t largest) {
   wire::Reader reader(image);
   const std::uint8_t flags = reader.u8();
   const std::uint8_t kind = reader.u8();
@@ -61,20 +71,29 @@ std::optional<Packet> decode(const Bytes& image, std::size_t largest) {
   packet.payload_type = reader.u8();
   packet.group = reader.text8();
   packet.topic = reader.text16();
-  const std::size_t size = reader.u32();
-  Bytes body = reader.rest();
+  const std::uint32_t size = reader.u32();
+  packet.payload = reader.rest();
   if (!reader.ok() || (flags & ~(kCompressed | kLatched)) != 0 || size > largest) return std::nullopt;
   if (kind > static_cast<std::uint8_t>(PacketKind::kGroupCopy)) return std::nullopt;
   packet.kind = static_cast<PacketKind>(kind);
   packet.latched = (flags & kLatched) != 0;
   if ((flags & kCompressed) != 0) {
-    std::optional<Bytes> payload = decompress(body, size);
-    if (!payload) return std::nullopt;
-    packet.payload = std::move(*payload);
-  } else {
-    if (body.size() != size) return std::nullopt;
-    packet.payload = std::move(body);
+    if (size == 0 || !admits_to(packet.payload, size)) return std::nullopt;
+    packet.unpacked_size = size;
+  } else if (packet.payload.size() != size) {
+    return std::nullopt;
   }
+  return packet;
+}
+
+Image encode(Packet packet) {
+  pack(packet.payload, packet.unpacked_size);
+  return image_of(packet);
+}
+
+std::optional<Packet> decode(const Bytes& image, std::size_t largest) {
+  std::optional<Packet> packet = parse(image, largest);
+  if (packet && !unpack(packet->payload, packet->unpacked_size)) return std::nullopt;
   return packet;
 }
 

@@ -25,6 +25,7 @@ struct Packet {
   std::string topic;
   Bytes payload;
   bool latched = false;
+  std::uint32_t unpacked_size = 0;  ///< octets that the payload unpacks to; 0: it is not packed
 };
 
 using Image = std::shared_ptr<const Bytes>;
@@ -32,10 +33,19 @@ using Image = std::shared_ptr<const Bytes>;
 /// Octets of the packet before compression.
 std::size_t image_size(const std::string& group, const std::string& topic, std::size_t payload);
 
-/// The payload is compressed (zstd) where that makes it smaller.
-Image encode(const Packet& packet);
+/// Compresses the payload (zstd) where that makes it smaller, and notes its size. Leaves alone what is packed already.
+void pack(Bytes& payload, std::uint32_t& unpacked_size);
+/// False, and the payload as it was, if it does not unpack to that size.
+bool unpack(Bytes& payload, std::uint32_t& unpacked_size);
 
-/// Nothing if the image is malformed or unpacks to more than `largest` octets; never writes more than that.
+/// The payload as it is.
+Image image_of(const Packet& packet);
+/// Nothing if the image is malformed or says that it unpacks to more than `largest` octets. The payload stays packed.
+std::optional<Packet> parse(const Bytes& image, std::size_t largest);
+
+/// As image_of(), packed.
+Image encode(Packet packet);
+/// As parse(), unpacked. Never writes more than `largest` octets.
 std::optional<Packet> decode(const Bytes& image, std::size_t largest);
 
 }  // namespace adhoc_communication::transport

@@ -3,6 +3,7 @@
 
 #include "payloads.hpp"
 #include "simulation/team.hpp"
+#include "transport/flood.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -268,6 +269,27 @@ TEST(Flood, ReachesAsFarAsItsHopLimit) {
   const SendId large = team.engine(0).broadcast({"topic", 'A', noise(5000), 3}, team.now());
   team.run_for(1ms);
   EXPECT_FALSE(team.finished(0, large)->delivered);
+}
+
+/// Calls were refused while the radio was busy with those before.
+TEST(Flood, WaitsForTheAir) {
+  MediumOptions medium;
+  medium.bit_rate = 1e6;
+  Team team(medium);
+  team.add_line(2);
+  team.run_for(2s);
+  std::vector<SendId> ids;
+  for (std::size_t i = 0; i < transport::FloodRelay::kMostWaiting; ++i) {
+    ids.push_back(team.broadcast(0, {"topic", 'A', noise(1200), 1}));
+  }
+  const SendId refused = team.broadcast(0, {"topic", 'A', noise(1200), 1});
+  team.run_for(3s);
+  for (const SendId id : ids) {
+    ASSERT_NE(team.finished(0, id), nullptr);
+    EXPECT_TRUE(team.finished(0, id)->delivered) << team.finished(0, id)->reason;
+  }
+  EXPECT_EQ(team.finished(0, refused)->reason, "64 broadcasts wait for the air already");
+  EXPECT_EQ(team.received(1).size(), ids.size());
 }
 
 TEST(Groups, StateTellsTreeNeighboursAndMembersApart) {

@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 const MacAddress kRobot = {0x02, 0, 0, 0, 0, 7};
 TEST(RobotDirectory, OfSeveralRadiosOfANameTheLivingAndNearestCounts) {
   LivingRuns runs;
-  RobotDirectory directory(runs);
+  RobotDirectory directory(runs, "self");
   const MacAddress other = {0x02, 0, 0, 0, 0, 8};
   directory.life_sign(kRobot, "robot_7", 1, 1, 3, 1s);
   directory.life_sign(other, "robot_7", 2, 1, 2, 1s);

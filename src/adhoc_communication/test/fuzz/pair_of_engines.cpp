@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "adhoc_communication/compression.hpp"
 #include "wire/frame_header.hpp"
 
 namespace adhoc_communication::fuzz {
@@ -187,11 +188,12 @@ void PairOfEngines::poll(std::size_t robot) {
 }
 
 void PairOfEngines::take_events(Robot& robot) {
-  while (const std::optional<Event> event = robot.engine->next_event()) {
+  while (std::optional<Event> event = robot.engine->next_event()) {
     const auto* end = std::get_if<SendFinished>(&*event);
     if (end != nullptr && robot.open.erase(end->id) == 0) broken("a send ended that was not open");
-    const auto* packet = std::get_if<PacketReceived>(&*event);
-    if (packet != nullptr && packet->payload.size() > kLargestPacket) broken("a packet is larger than allowed");
+    auto* packet = std::get_if<PacketReceived>(&*event);
+    if (packet != nullptr && unpack(*packet) && packet->payload.size() > kLargestPacket)
+      broken("a packet is larger than allowed");
   }
 }
 

@@ -63,6 +63,14 @@ TEST(Diagnostics, InterfaceThatRefusesFramesWarns) {
   EXPECT_EQ(status.values.back().value, "3");
 }
 
+TEST(Diagnostics, MissedFramesAreAWarning) {
+  NetworkState state = healthy_state();
+  state.frames_missed = 2;
+  const DiagnosticStatus status = part(state, "interface");
+  EXPECT_EQ(int{status.level}, int{DiagnosticStatus::WARN});
+  EXPECT_EQ(status.message, "frames came faster than this robot can take them");
+}
+
 TEST(Diagnostics, LossOfEachLinkIsTold) {
   NetworkState state = healthy_state();
   state.links.resize(2);

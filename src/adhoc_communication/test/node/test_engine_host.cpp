@@ -52,5 +52,49 @@ TEST(EngineHost, FloodHoldsUpNeitherTimersNorCommands) {
   EXPECT_EQ(snapshot.frames_not_sent, 3u);
 }
 
+/// Becomes another one at its first look.
+class ReplacedLink : public FloodedLink {
+ public:
+  void tend() override { replaced_ = true; }
+  MacAddress address() const override { return {2, 0, 0, 0, 0, static_cast<std::uint8_t>(replaced_ ? 9 : 1)}; }
+  int mtu() const override { return replaced_ ? 900 : 1500; }
+  int receive(const FrameTaker&) override { return 0; }
+
+ private:
+  bool replaced_ = false;
+};
+
+TEST(EngineHost, BeginsAnewOnAnInterfaceThatHasChanged) {
+  EngineOptions options;
+  options.robot_name = "alice";
+  std::promise<std::string> warned;
+  HostCallbacks callbacks;
+  callbacks.on_warning = [&](const std::string& text) { warned.set_value(text); };
+  EngineHost host(options, std::make_unique<ReplacedLink>(), ReceiveFilter("alice", {}, {}, nullptr), callbacks);
+  std::future<std::string> warning = warned.get_future();
+  ASSERT_EQ(warning.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  EXPECT_EQ(warning.get(), "the interface has changed, so this robot begins anew as 02:00:00:00:00:09, MTU 900");
+  EXPECT_EQ(host.snapshot().address, (MacAddress{2, 0, 0, 0, 0, 9}));
+}
+
+/// Whatever its kind, an exception ended the whole process without a word.
+TEST(EngineHost, SaysWhatHasEndedIt) {
+  class ThrowingLink : public ReplacedLink {
+   public:
+    int receive(const FrameTaker&) override { throw 7; }
+  };
+  EngineOptions options;
+  options.robot_name = "alice";
+  std::promise<std::string> failed;
+  HostCallbacks callbacks;
+  callbacks.on_warning = [](const std::string&) {};
+  callbacks.on_failure = [&](const std::string& text) { failed.set_value(text); };
+  EngineHost host(options, std::make_unique<ThrowingLink>(), ReceiveFilter("alice", {}, {}, nullptr), callbacks);
+  std::future<std::string> failure = failed.get_future();
+  ASSERT_EQ(failure.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  EXPECT_EQ(failure.get(), "the engine has ended by an unknown exception");
+  EXPECT_EQ(host.send({"bob", "topic", 'A', Bytes{1}}).reason, "the node is shutting down");
+}
+
 }  // namespace
 }  // namespace adhoc_communication

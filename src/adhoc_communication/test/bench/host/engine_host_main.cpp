@@ -18,6 +18,7 @@
 #include <mutex>
 #include <sstream>
 
+#include "adhoc_communication/compression.hpp"
 #include "link/steady_now.hpp"
 #include "node/engine_host.hpp"
 #include "traffic.hpp"
@@ -159,7 +160,8 @@ class Robot {
         in_seconds(steady_now()));
   }
 
-  void take(const PacketReceived& packet) {
+  void take(PacketReceived packet) {
+    if (!unpack(packet)) return;
     ++received_;
     octets_ += packet.payload.size();
     if (!echo_) return;
