@@ -184,11 +184,8 @@ void Distributor::made_progress(const Transfer& transfer, std::size_t octets, Ti
 Transfer* Distributor::transfer_for(const MacAddress& root, Tree& tree, const wire::GroupData& data, Time now) {
   Branch& branch = branches_[root];
   GroupStream& stream = branch.streams[data.stream];
-  if (!stream.started) {
-    stream.started = true;
-    stream.base = data.base;
-    stream.next = data.base;
-  }
+  if (!stream.base) stream.base = data.base;
+  if (!std::exchange(stream.started, true)) stream.next = data.base;
   const auto found = stream.transfers.find(data.packet);
   if (found != stream.transfers.end()) {
     const GroupPacket& packet = *found->second.packet;
@@ -196,7 +193,7 @@ Transfer* Distributor::transfer_for(const MacAddress& root, Tree& tree, const wi
     return same ? &found->second : nullptr;
   }
   if (data.total > largest_packet_ || stream.transfers.size() >= kMostTransfers) return nullptr;
-  if (data.packet - stream.base >= kPacketsAhead) return nullptr;
+  if (data.packet - *stream.base >= kPacketsAhead) return nullptr;
   const auto carrier = static_cast<std::uint8_t>(transport::Reassembly::kGroup + data.stream);
   const transport::Reassembly::Key room{root, tree.boot, carrier, data.packet};
   if (!reassembly_.admit(room, data.total, data.packet == stream.next, now)) {
@@ -234,23 +231,28 @@ void Distributor::tell_no_room(const Tree& tree, const wire::GroupData& data, Gr
 
 /// The root has finished the packets before `base`: with what did not get here by then it has given up.
 void Distributor::pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base) {
-  if (!stream.started || !before(stream.base, base)) return;
+  if (!stream.started || (stream.base && !before(*stream.base, base))) return;
   stream.base = base;
-  while (before(stream.next, base)) {
-    const auto found = stream.transfers.find(stream.next);
-    if (found == stream.transfers.end() || !found->second.packet->complete()) {
-      // Nothing between two packets that are here: a long gap is not walked through.
-      const auto later = stream.transfers.upper_bound(stream.next);
-      stream.next = later == stream.transfers.end() || before(base, later->first) ? base : later->first;
-    } else {
-      deliver(root, stream);
-    }
-  }
+  skip_to(root, stream, base);
   for (auto transfer = stream.transfers.begin(); transfer != stream.transfers.end();) {
     const auto candidate = transfer++;
     if (before(candidate->first, base)) erase_transfer(stream, candidate);
   }
   deliver(root, stream);
+}
+
+/// What is missing before `number` will not come any more.
+void Distributor::skip_to(const MacAddress& root, GroupStream& stream, std::uint32_t number) {
+  while (before(stream.next, number)) {
+    const auto found = stream.transfers.find(stream.next);
+    if (found == stream.transfers.end() || !found->second.packet->complete()) {
+      // Nothing between two packets that are here: a long gap is not walked through.
+      const auto later = stream.transfers.upper_bound(stream.next);
+      stream.next = later == stream.transfers.end() || before(number, later->first) ? number : later->first;
+    } else {
+      deliver(root, stream);
+    }
+  }
 }
 
 void Distributor::deliver(const MacAddress& root, GroupStream& stream) {
@@ -267,14 +269,10 @@ void Distributor::take_copy(const MacAddress& root, wire::BootTag boot, std::uin
   Tree& tree = tree_of(root, boot, now);
   tree.last_used = now;
   GroupStream& stream = branches_[root].streams[stream_number];
-  if (!stream.started) {
-    stream.started = true;
-    stream.base = number;
-    stream.next = number;
-  }
+  if (!std::exchange(stream.started, true)) stream.next = number;
   if (before(number, stream.next)) return;
-  // Copies come in order: all before this one have come, or never will.
-  pass_over(root, stream, number);
+  // Copies come in order: all before this one have come, or never will. That says nothing of robots behind this one.
+  skip_to(root, stream, number);
   if (before(number, stream.next)) return;
   arrived_.push_back({root, image, 1});
   const auto found = stream.transfers.find(number);
@@ -415,7 +413,7 @@ wire::GroupData Distributor::header(const MacAddress& root, const Tree& tree, st
   data.hops = static_cast<std::uint8_t>(std::min<int>(transfer.hops + 1, wire::kFarthestHop));
   data.packet = number;
   const GroupStream& packets = branches_.at(root).streams[stream];
-  data.base = is_root(root) ? oldest_open(packets) : packets.base;
+  data.base = is_root(root) ? oldest_open(packets) : packets.base.value_or(number);
   data.total = transfer.packet->total();
   data.segment_size = transfer.packet->segment_size();
   return data;

@@ -163,6 +163,7 @@ class Distributor {
   void made_progress(const Transfer& transfer, std::size_t octets, Time now);
   void erase_transfer(GroupStream& stream, GroupStream::Transfers::iterator transfer);
   void pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base);
+  void skip_to(const MacAddress& root, GroupStream& stream, std::uint32_t number);
   void deliver(const MacAddress& root, GroupStream& stream);
   bool settled(const MacAddress& root, const Tree& tree, std::uint8_t stream, std::uint32_t number,
                const Transfer& transfer) const;

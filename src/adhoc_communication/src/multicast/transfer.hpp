@@ -34,8 +34,8 @@ struct Transfer {
 struct GroupStream {
   using Transfers = std::map<std::uint32_t, Transfer, routing::SequenceOrder>;
   bool started = false;
-  std::uint32_t next = 0;  ///< at the root: number of the next packet; elsewhere: next one to deliver
-  std::uint32_t base = 0;  ///< packets before are finished at the root
+  std::uint32_t next = 0;             ///< at the root: number of the next packet; elsewhere: next one to deliver
+  std::optional<std::uint32_t> base;  ///< packets before are finished at the root; not known from copies
   /// At the root: numbers on their way to members by themselves.
   std::multiset<std::uint32_t, routing::SequenceOrder> copies;
   Transfers transfers;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "host.hpp"
+#include "multicast/groups.hpp"
 #include "transport/packet_image.hpp"
 
 namespace adhoc_communication {
@@ -391,6 +392,46 @@ TEST(Trees, B7_3_B11_2_B11_3_AfterDetoursAndPartitionsTheTreeIsWhole) {
     team.run_for(12s);
     expect_whole_after_three_packets(team);
   }
+}
+
+/// A relay that was sent copies told those behind it to pass over packets that the root still had for them.
+TEST(Relay, CopiesForItSayNothingOfWhatThoseBehindItAwait) {
+  Stage stage;
+  Host& root = stage.neighbor(1);
+  Host& child = stage.neighbor(2);
+  stage.run_for(100ms);
+  stage.node().join_group("mc_host_1", stage.now());
+  const auto image = [](const std::string& words) {
+    return transport::encode({transport::PacketKind::kUser, 'A', "mc_host_1", "topic", text(words)});
+  };
+  for (std::uint32_t number = 3; number <= 4; ++number) {
+    const transport::Image copy = transport::image_of(
+        {transport::PacketKind::kGroupCopy, 0, "mc_host_1", {}, multicast::encode_copy({2, number, image("copy")})});
+    wire::Data data = data_for(stage.self(), root, number - 2);
+    data.octets = *copy;
+    data.total = static_cast<std::uint32_t>(copy->size());
+    stage.say(root, data, stage.self().address);
+    stage.run_for(10ms);
+  }
+  EXPECT_EQ(stage.team.received(0).size(), 2u);
+  stage.say(root, wire::GroupActivation{root.address, root.boot(), 1, {stage.self().address, child.address}},
+            stage.self().address);
+  wire::GroupData data;
+  data.root = root.address;
+  data.root_boot = root.boot();
+  data.stream = 2;
+  data.packet = 5;
+  data.base = 2;
+  data.octets = *image("tree");
+  data.total = static_cast<std::uint32_t>(data.octets.size());
+  data.segment_size = 1000;
+  stage.forget();
+  stage.say(root, data, stage.self().address);
+  stage.run_for(10ms);
+  EXPECT_EQ(stage.team.received(0).size(), 3u);
+  const auto passed_on = stage.sent<wire::GroupData>();
+  ASSERT_FALSE(passed_on.empty());
+  EXPECT_EQ(passed_on[0].message.base, 2u);
 }
 
 }  // namespace
