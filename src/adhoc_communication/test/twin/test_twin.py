@@ -1,0 +1,290 @@
+"""An implementation of docs/protocol.md in Python and the engine understand each other."""
+
+import json
+import random
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import frames
+from air import Air, address, capture, name
+from namespaces import program
+from robot import BEACON, DATA, HOP_ACKNOWLEDGMENT, REPLY, REQUEST
+
+VECTORS = json.loads((frames.DOCUMENT.parent / "protocol_vectors.json").read_text(encoding="utf-8"))
+KEY = bytes.fromhex(VECTORS["team_key"])
+KEYS = pytest.mark.parametrize("key", [None, KEY], ids=["open", "sealed"])
+
+
+def noise(size, seed=1):
+    return random.Random(seed).getrandbits(8 * size).to_bytes(size, "big")
+
+
+def as_json(value):
+    """Fields as the file has them: octets in hexadecimal digits."""
+    if isinstance(value, dict):
+        return {str(key): as_json(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [as_json(item) for item in value]
+    return value.hex() if isinstance(value, bytes) else value
+
+
+def octets_of(example, key):
+    return bytes.fromhex(example["open" if key is None else "sealed"])
+
+
+def by_name(examples, wanted):
+    return next(example for example in examples if example["name"] == wanted)
+
+
+# The examples.
+
+
+@KEYS
+@pytest.mark.parametrize("example", VECTORS["frames"], ids=lambda example: example["name"])
+def test_an_example_is_read_and_written(example, key):
+    header, fields = frames.open_frame(octets_of(example, key), key)
+    assert as_json(fields) == example["fields"]
+    header["flags"] &= ~frames.SEALED
+    assert as_json(header) == {"version": VECTORS["version"], **example["header"]}
+    assert frames.close(header, fields, key) == octets_of(example, key)
+
+
+def test_there_is_an_example_of_each_type():
+    assert {example["header"]["type"] for example in VECTORS["frames"]} == set(range(1, 15)) == set(frames.BODIES)
+
+
+@KEYS
+def test_what_is_cut_or_altered_is_refused(key):
+    for example in VECTORS["frames"]:
+        octets = octets_of(example, key)
+        altered = [octets[:i] + bytes([octets[i] ^ 4]) + octets[i + 1 :] for i in range(len(octets))]
+        for wrong in altered + [octets[:i] for i in range(len(octets))]:
+            with pytest.raises(frames.Malformed):
+                frames.open_frame(wrong, key)
+
+
+@pytest.mark.parametrize(
+    ("example", "field", "value"),
+    [
+        ("beacon", "name", "two words"),
+        ("beacon", "name", ""),
+        ("route request", "hop_limit", 0),
+        ("route request", "hop_count", 35),
+        ("route request", "extensions", {200: b""}),
+        ("route request by name", "destination_name", ""),
+        ("route reply", "originator", frames.EVERYBODY),
+        ("route error", "destinations", []),
+        ("data", "stream", 4),
+        ("data", "hops", 36),
+        ("data", "segment_size", 63),
+        ("data", "octets", bytes(65)),
+        ("data", "index", 3),
+        ("transport acknowledgment", "stream", 0x80),
+        ("broadcast data", "total", 0),
+        ("flood", "hop_limit", 0),
+        ("group refusal", "members", []),
+        ("group data", "segment_size", 2305),
+        ("group data", "octets", bytes(65)),
+        ("group data, question", "stream", 1),
+        ("group report", "missing", bytes(17)),
+    ],
+)
+def test_what_the_tables_do_not_allow_is_refused_by_both(example, field, value):
+    air = Air("et")
+    air.run(1.0)
+    octets = octets_of(by_name(VECTORS["frames"], example), None)
+    header, fields = frames.open_frame(octets)
+    header.update(sender=address(1), boot_id=air.twins[1].boot_id, flags=0, next_hop=frames.EVERYBODY)
+    air.bridge.transmit(air.stations[1], frames.EVERYBODY, frames.close({**header, "counter": 1000}, fields))
+    air.run(0.1)
+    assert air.bridge.dropped(0)["malformed"] == 0
+    wrong = frames.close({**header, "counter": 1001}, {**fields, field: value})
+    with pytest.raises(frames.Malformed):
+        frames.open_frame(wrong)
+    air.bridge.transmit(air.stations[1], frames.EVERYBODY, wrong)
+    air.run(0.1)
+    assert air.bridge.dropped(0)["malformed"] == 1
+
+
+@pytest.mark.parametrize("example", VECTORS["images"], ids=lambda example: example["name"])
+def test_a_packet_is_read_and_written(example):
+    image = frames.read_image(bytes.fromhex(example["octets"]))
+    assert as_json(image) == example["fields"]
+    if not image["flags"] & 1:
+        assert frames.write(frames.IMAGE, image).hex() == example["octets"]
+
+
+def test_payloads_of_groups():
+    members = frames.Reader(bytes.fromhex(by_name(VECTORS["images"], "group members")["fields"]["payload"]))
+    assert members.take(2) == b"\0\2"
+    assert [members.one("name", []), members.one("name", []), members.octets] == ["alice", "bob", b""]
+    copy = frames.Reader(bytes.fromhex(by_name(VECTORS["images"], "group copy")["fields"]["payload"]))
+    assert [copy.one("u8", []), copy.one("u32", [])] == [1, 31]
+    assert copy.octets.hex() == by_name(VECTORS["images"], "user")["octets"]
+
+
+def test_key_of_a_run():
+    header = VECTORS["frames"][0]["header"]
+    key = frames.session_key(KEY, bytes.fromhex(header["sender"]), bytes.fromhex(header["boot_id"]))
+    assert key.hex() == VECTORS["session_key"]
+
+
+# What the document says of packets in groups.
+
+
+def digest(member):
+    x = int.from_bytes(member, "big")
+    x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9 % 2**64
+    x = (x ^ x >> 27) * 0x94D049BB133111EB % 2**64
+    return (x ^ x >> 31) % 2**32
+
+
+def test_digests():
+    for example in VECTORS["digests"]:
+        assert digest(bytes.fromhex(example["address"])) == example["digest"]
+    report = by_name(VECTORS["frames"], "group report")
+    assert report["fields"]["coverage"] == digest(bytes.fromhex(report["header"]["sender"]))
+
+
+def frames_of_blocks(total, segment_size):
+    count = -(-total // min(segment_size, total))
+    blocks = -(-count // 128)
+    return [count // blocks + (1 if block < count % blocks else 0) for block in range(blocks)]
+
+
+def test_cut_into_blocks():
+    for example in VECTORS["blocks"]:
+        assert frames_of_blocks(example["total"], example["segment_size"]) == example["frames"]
+
+
+def product(a, b):
+    """In GF(256)."""
+    result = 0
+    while b:
+        result ^= a if b & 1 else 0
+        a = a << 1 ^ (0x11D if a & 0x80 else 0)
+        b >>= 1
+    return result
+
+
+def test_parity():
+    code = VECTORS["erasure_code"]
+    image, size = bytes.fromhex(code["image"]), code["segment_size"]
+    padded = [image[i : i + size].ljust(size, b"\0") for i in range(0, len(image), size)]
+    inverse = {a: next(b for b in range(256) if product(a, b) == 1) for a in range(1, 256)}
+    for parity in code["parity"]:
+        octets = bytearray(size)
+        for number, frame in enumerate(padded):
+            for i, octet in enumerate(frame):
+                octets[i] ^= product(octet, inverse[parity["symbol"] ^ number])
+        assert octets.hex() == parity["octets"]
+
+
+def test_a_capture_is_read(tmp_path):
+    path = tmp_path / "sample.pcap"
+    subprocess.run([program("sample_frames"), str(path)], check=True)
+    *whole, sealed, altered, cut = capture(path)
+    assert {frames.open_frame(frame.octets)[0]["type"] for frame in whole} == set(range(1, 15))
+    for odd in (sealed, altered, cut):
+        with pytest.raises(frames.Malformed):
+            frames.open_frame(odd.octets)
+
+
+# On the air.
+
+
+@KEYS
+@pytest.mark.parametrize("loss", [0.0, 0.1])
+@pytest.mark.parametrize("row", ["te", "tee", "ete", "tet", "teee"])
+def test_100_kB_go_both_ways(row, loss, key, tmp_path):
+    last = len(row) - 1
+    air = Air(row, key, loss, path=tmp_path / "air.pcap")
+    there, back = noise(100_000), noise(50_000, 2) + bytes(50_000)  # the engine compresses what gets shorter
+    air.run(1.0)
+    air.send(0, last, there)
+    air.send(last, 0, back)
+    assert air.run(10.0, air.finished)
+    air.run(1.0)
+    assert air.received(last) == [(name(0), "topic", there, last)]
+    assert air.received(0) == [(name(last), "topic", back, last)]
+    assert all(twin.malformed == 0 for twin in air.twins.values())
+    for engine in air.engines.values():
+        dropped = air.bridge.dropped(engine)
+        assert sum(dropped.values()) == dropped["unproven"]
+    kinds = {header["type"] for header, _ in air.frames(tmp_path / "air.pcap", key)}
+    assert {BEACON, HOP_ACKNOWLEDGMENT, DATA} <= kinds
+    assert last == 1 or {REQUEST, REPLY} <= kinds
+
+
+@KEYS
+@pytest.mark.parametrize(("row", "asks", "asked"), [("tqq", 0, 2), ("tqq", 2, 0), ("qtq", 0, 2)])
+def test_a_route_is_found_over_a_relay(row, asks, asked, key, tmp_path):
+    air = Air(row, key, path=tmp_path / "air.pcap")
+    air.run(1.0)
+    air.send(asks, asked, b"hello")
+    assert air.run(1.0, air.finished) and air.received(asked) == [(name(asks), "topic", b"hello", 2)]
+    requests, replies = [], []
+    for header, fields in air.frames(tmp_path / "air.pcap", key):
+        if header["type"] == REQUEST and fields["originator_name"] == name(asks):
+            requests.append(fields["hop_count"])
+        if header["type"] == REPLY and (fields["destination_name"], fields["hop_count"]) not in replies:
+            replies.append((fields["destination_name"], fields["hop_count"]))
+    assert set(requests) == {0, 1} and replies == [(name(asked), 0), (name(asked), 1)]
+
+
+@KEYS
+@pytest.mark.parametrize("restarts", ["engine", "twin"])
+def test_who_restarts_gets_the_packet_anew(restarts, key):
+    air = Air("te", key)
+    air.run(1.0)
+    sender, receiver = (0, 1) if restarts == "engine" else (1, 0)
+    air.send(sender, receiver, noise(100_000))
+    assert not air.run(0.01, air.finished)  # in the middle of it
+    if restarts == "engine":
+        air.bridge.restart(air.engines[1])
+    else:
+        air.add_twin(0, key, run=1)
+    assert air.run(10.0, air.finished)
+    assert air.received(receiver) == [(name(sender), "topic", noise(100_000), 1)]
+
+
+def test_robots_with_another_key_are_not_there():
+    air = Air("te", KEY)
+    air.add_twin(0, bytes(32))
+    air.run(2.0)
+    assert air.bridge.neighbors(air.engines[1]) == [] and air.twins[0].names == {}
+    assert air.bridge.dropped(air.engines[1])["forged"] > 0 and air.twins[0].malformed > 0
+
+
+def test_a_recorded_run_is_not_alive(tmp_path):
+    path = tmp_path / "air.pcap"
+    air = Air("te", KEY, path=path)
+    air.run(1.0)
+    air.send(1, 0, b"once")
+    assert air.run(1.0, air.finished)
+    twin, packets = air.twins[0], list(air.received(0))
+    air.frames(path, KEY)
+    recorded = [frame for frame in capture(path) if frame.source != address(0)]
+    for again in recorded:
+        twin.receive(*again, now=twin.now)
+    assert twin.packets == packets == [(name(1), "topic", b"once", 1)]
+    later = Air("t", KEY).add_twin(0, KEY, run=1)
+    for again in recorded:
+        later.receive(*again, now=later.now)
+    assert later.packets == [] and later.names == {} and not any(link.proven for link in later.links.values())
+
+
+def test_the_same_seed_gives_the_same_frames():
+    def trace(seed):
+        air = Air("ete", KEY, 0.1, seed)
+        air.run(0.5)
+        air.send(0, 2, noise(10_000))
+        assert air.run(5.0, air.finished)
+        return air.bridge.trace_hash
+
+    assert trace(1) == trace(1) != trace(2)
