@@ -21,7 +21,8 @@ class Link:
     """The hop to one run of a neighbour: frames on their way until acknowledged, and what has arrived from there."""
 
     def __init__(self, boot_id: bytes, first: int) -> None:
-        self.boot_id, self.proven, self.heard, self.listed, self.patience = boot_id, False, 0, -(10**18), 2000 * MS
+        self.boot_id, self.heard, self.listed, self.patience = boot_id, 0, -(10**18), 2000 * MS
+        self.first = 0  # counter of the frame that proved the run to be alive
         self.counters: Set[int] = set()  # taken
         self.waiting: List[Tuple[int, int, Fields]] = []  # priority, type, fields
         self.flight: Dict[int, List[Any]] = {}  # type, fields, transmissions, counter and end of the last one's timer
@@ -208,11 +209,13 @@ class Robot:
             link = self.links[header["sender"]] = Link(header["boot_id"], self.counter)
             self.beacon_due = min(self.beacon_due, self.now + self.random.randrange(10 * MS))
         if self.team_key is not None:
-            if header["counter"] in link.counters or header["counter"] <= max(link.counters, default=0) - 1024:
+            oldest = max(link.first, max(link.counters, default=0) - 1024)
+            if header["counter"] in link.counters or header["counter"] <= oldest:
                 return False
             link.counters.add(header["counter"])
-            link.proven = link.proven or any(heard["tag"] == self.boot_id[:6] for heard in fields.get("heard", []))
-            if not link.proven:
+            if not link.first and any(heard["tag"] == self.boot_id[:6] for heard in fields.get("heard", [])):
+                link.first = header["counter"]
+            if not link.first:
                 return False
         link.heard = self.now
         return not header["flags"] & frames.WANTS_ACKNOWLEDGMENT or link.take(header, self.now)
@@ -258,7 +261,7 @@ class Robot:
     # Presence.
 
     def send_beacon(self) -> None:
-        alive = [link for link in self.links.values() if not link.proven or self.now - link.heard < link.patience]
+        alive = [link for link in self.links.values() if not link.first or self.now - link.heard < link.patience]
         heard = [{"tag": link.boot_id[:6], "loss": 0} for link in alive[:24]]
         self.beacons += 1
         self.transmit(BEACON, {

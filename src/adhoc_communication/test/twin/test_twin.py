@@ -302,7 +302,22 @@ def test_a_recorded_run_is_not_alive(tmp_path):
     later = Air("t", KEY).add_twin(0, KEY, run=1)
     for again in recorded:
         later.receive(*again, now=later.now)
-    assert later.packets == [] and later.names == {} and not any(link.proven for link in later.links.values())
+    assert later.packets == [] and later.names == {} and not any(link.first for link in later.links.values())
+
+
+def test_a_restarted_twin_takes_nothing_from_before(tmp_path):
+    path = tmp_path / "air.pcap"
+    air = Air("te", KEY, path=path)
+    air.run(1.0)
+    air.send(1, 0, b"go")
+    assert air.run(1.0, air.finished)
+    twin = air.add_twin(0, KEY, run=1)
+    air.run(1.0)
+    assert twin.links[bytes([2, 0, 0, 0, 0, 0])].first > 0
+    air.frames(path, KEY)
+    for again in capture(path):
+        twin.receive(*again, now=twin.now)
+    assert twin.packets == []
 
 
 def test_the_same_seed_gives_the_same_frames():
