@@ -1,14 +1,14 @@
 """Robots in a row on the simulated radio, in virtual time: some with the engine, some with the one in Python."""
 
-import struct
 import sys
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, List, Optional, Tuple
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import frames
+from captures import capture
 from namespaces import program
 from robot import MS, Robot
 
@@ -17,24 +17,6 @@ sys.path.insert(0, str(Path(program("twin_bridge.so")).parent))
 import twin_bridge
 
 SPACING = 8.0  # m; each hears the next only
-
-
-class Captured(NamedTuple):
-    destination: bytes
-    source: bytes
-    octets: bytes
-
-
-def capture(path: Path) -> Iterator[Captured]:
-    """The frames of a capture in pcap format."""
-    octets = path.read_bytes()
-    at = 24
-    while at < len(octets):
-        (size,) = struct.unpack_from("=I", octets, at + 8)
-        frame = octets[at + 16 : at + 16 + size]
-        assert frame[12:14] == b"\x88\xb5"
-        yield Captured(frame[:6], frame[6:12], frame[14:])
-        at += 16 + size
 
 
 class Air:

@@ -11,7 +11,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import frames
-from air import Air, address, capture, name
+from air import Air, address, name
+from captures import capture
 from namespaces import program
 from robot import BEACON, DATA, HOP_ACKNOWLEDGMENT, REPLY, REQUEST
 
