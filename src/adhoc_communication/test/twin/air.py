@@ -2,13 +2,14 @@
 
 import sys
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, Optional, Tuple, Type
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import frames
 from captures import capture
+from group import GroupRobot
 from namespaces import program
 from robot import MS, Robot
 
@@ -20,7 +21,8 @@ SPACING = 8.0  # m; each hears the next only
 
 
 class Air:
-    """`row`: for each robot "e", the engine that joins all groups, "q", one that joins none, or "t", the twin."""
+    """`row` has for each robot "e", the engine, which joins all groups, "q", one that joins none, "t", the twin,
+    or "g", one that knows groups."""
 
     def __init__(
         self, row: str, key: Optional[bytes] = None, loss: float = 0.0, seed: int = 1, path: Optional[Path] = None
@@ -30,15 +32,15 @@ class Air:
         self.twins: Dict[int, Robot] = {}
         self.stations: Dict[int, int] = {}
         for place, kind in enumerate(row):
-            if kind == "t":
-                self.add_twin(place, key)
+            if kind in "tg":
+                self.add_twin(place, key, kind=Robot if kind == "t" else GroupRobot)
             else:
                 self.engines[place] = self.bridge.add_robot(name(place), SPACING * place, kind == "e")
         self.sent: List[Tuple[int, int]] = []
 
-    def add_twin(self, place: int, key: Optional[bytes], run: int = 0) -> Robot:
+    def add_twin(self, place: int, key: Optional[bytes], run: int = 0, kind: Type[Robot] = Robot) -> Robot:
         boot_id = bytes([run, place]) * 8
-        self.twins[place] = Robot(name(place), address(place), boot_id, self.bridge.now, key)
+        self.twins[place] = kind(name(place), address(place), boot_id, self.bridge.now, key)
         if place not in self.stations:
             self.stations[place] = self.bridge.add_station(name(place), address(place), SPACING * place)
         return self.twins[place]
@@ -57,17 +59,25 @@ class Air:
         return done()
 
     def send(self, place: int, to: int, payload: bytes) -> None:
-        if place in self.twins:
-            self.twins[place].send(name(to), "topic", payload)
+        self.send_to(place, name(to), payload)
+
+    def send_to(self, place: int, destination: str, payload: bytes) -> None:
+        """To a robot, or to the group of one."""
+        twin = self.twins.get(place)
+        if twin is None:
+            self.sent.append((place, self.bridge.send(self.engines[place], destination, payload)))
+        elif isinstance(twin, GroupRobot) and destination == twin.group:
+            twin.send_to_group("topic", payload)
         else:
-            self.sent.append((place, self.bridge.send(self.engines[place], name(to), payload)))
+            twin.send(destination, "topic", payload)
 
     def finished(self) -> bool:
         """Every packet has arrived, and its sender knows."""
         ends = [self.bridge.end_of(self.engines[place], number) for place, number in self.sent]
         assert all(end is None or end[0] for end in ends), ends
-        twins = [stream.packets for twin in self.twins.values() for stream in twin.streams.values()]
-        return None not in ends and not any(twins)
+        streams = any(stream.packets for twin in self.twins.values() for stream in twin.streams.values())
+        groups = any(twin.sending for twin in self.twins.values() if isinstance(twin, GroupRobot))
+        return None not in ends and not streams and not groups
 
     def received(self, place: int) -> List[Tuple[str, str, bytes, int]]:
         """Source, topic, payload and hops of each packet."""

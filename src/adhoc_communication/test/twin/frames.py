@@ -157,6 +157,12 @@ def open_frame(octets: bytes, team_key: Optional[bytes] = None) -> Tuple[Fields,
     return header, fields
 
 
+def write_image(kind: int, group: str, topic: str, payload: bytes, payload_type: int = 0) -> bytes:
+    """A packet, uncompressed."""
+    fields = {"flags": 0, "kind": kind, "payload_type": payload_type, "group": group, "topic": topic}
+    return write(IMAGE, {**fields, "payload_size": len(payload), "payload": payload})
+
+
 def read_image(octets: bytes, largest: int = 10_000_000) -> Fields:
     """A packet, its payload unpacked."""
     image = Reader(octets).fields(IMAGE)

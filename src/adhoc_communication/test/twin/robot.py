@@ -185,10 +185,11 @@ class Robot:
             ACKNOWLEDGMENT: self.on_acknowledgment})  # fmt: skip
 
     def send(self, destination: str, topic: str, payload: bytes, priority: int = 2) -> None:
+        self.send_image(destination, frames.write_image(0, "", topic, payload, ord("A")), priority)
+
+    def send_image(self, destination: str, image: bytes, priority: int) -> None:
         stream = self.streams.setdefault((destination, priority), Stream())
-        image = {"flags": 0, "kind": 0, "payload_type": ord("A"), "group": "", "topic": topic, "payload": payload}
-        octets = frames.write(frames.IMAGE, {**image, "payload_size": len(payload)})
-        stream.packets.append(Outgoing(stream.next, octets))
+        stream.packets.append(Outgoing(stream.next, image))
         stream.next, stream.since = stream.next + 1, self.now
 
     def receive(self, destination: bytes, source: bytes, octets: bytes, now: int) -> None:
@@ -392,9 +393,11 @@ class Robot:
         key = (fields["source"], fields["source_boot_tag"], fields["stream"] & 3)
         incoming = self.incoming.setdefault(key, Incoming(fields["base"]))
         for octets, hops in incoming.take(fields, self.now):
-            image = frames.read_image(octets)
-            if image["kind"] == 0:
-                self.packets.append((self.names[fields["source"]], image["topic"], image["payload"], hops))
+            self.on_packet(fields["source"], fields["source_boot_tag"], frames.read_image(octets), hops)
+
+    def on_packet(self, source: bytes, boot_tag: bytes, image: Fields, hops: int) -> None:
+        if image["kind"] == 0:
+            self.packets.append((self.names[source], image["topic"], image["payload"], hops))
 
     def on_acknowledgment(self, source: bytes, fields: Fields) -> None:
         if fields["destination"] != self.address:

@@ -13,6 +13,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import frames
 from air import Air, address, name
 from captures import capture
+from group import GroupPacket, digest
 from namespaces import program
 from robot import BEACON, DATA, HOP_ACKNOWLEDGMENT, REPLY, REQUEST
 
@@ -164,13 +165,6 @@ def test_key_of_a_run():
 # What the document says of packets in groups.
 
 
-def digest(member):
-    x = int.from_bytes(member, "big")
-    x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9 % 2**64
-    x = (x ^ x >> 27) * 0x94D049BB133111EB % 2**64
-    return (x ^ x >> 31) % 2**32
-
-
 def test_digests():
     for example in VECTORS["digests"]:
         assert digest(bytes.fromhex(example["address"])) == example["digest"]
@@ -178,38 +172,25 @@ def test_digests():
     assert report["fields"]["coverage"] == digest(bytes.fromhex(report["header"]["sender"]))
 
 
-def frames_of_blocks(total, segment_size):
-    count = -(-total // min(segment_size, total))
-    blocks = -(-count // 128)
-    return [count // blocks + (1 if block < count % blocks else 0) for block in range(blocks)]
-
-
 def test_cut_into_blocks():
     for example in VECTORS["blocks"]:
-        assert frames_of_blocks(example["total"], example["segment_size"]) == example["frames"]
-
-
-def product(a, b):
-    """In GF(256)."""
-    result = 0
-    while b:
-        result ^= a if b & 1 else 0
-        a = a << 1 ^ (0x11D if a & 0x80 else 0)
-        b >>= 1
-    return result
+        packet = GroupPacket(example["total"], example["segment_size"])
+        assert [block.size for block in packet.blocks] == example["frames"]
 
 
 def test_parity():
     code = VECTORS["erasure_code"]
-    image, size = bytes.fromhex(code["image"]), code["segment_size"]
-    padded = [image[i : i + size].ljust(size, b"\0") for i in range(0, len(image), size)]
-    inverse = {a: next(b for b in range(256) if product(a, b) == 1) for a in range(1, 256)}
+    image = bytes.fromhex(code["image"])
+    packet = GroupPacket(len(image), code["segment_size"], image)
     for parity in code["parity"]:
-        octets = bytearray(size)
-        for number, frame in enumerate(padded):
-            for i, octet in enumerate(frame):
-                octets[i] ^= product(octet, inverse[parity["symbol"] ^ number])
-        assert octets.hex() == parity["octets"]
+        assert packet.symbol(0, parity["symbol"]).hex() == parity["octets"]
+    received = GroupPacket(len(image), code["segment_size"])
+    received.blocks[0].take(4, packet.symbol(0, 4))
+    received.blocks[0].take(1, packet.symbol(0, 1))
+    for parity in code["parity"]:
+        assert not received.complete()
+        received.blocks[0].take(parity["symbol"], bytes.fromhex(parity["octets"]))
+    assert received.image() == image
 
 
 def test_a_capture_is_read(tmp_path):
@@ -319,6 +300,45 @@ def test_a_restarted_twin_takes_nothing_from_before(tmp_path):
     for again in capture(path):
         twin.receive(*again, now=twin.now)
     assert twin.packets == []
+
+
+@KEYS
+@pytest.mark.parametrize("loss", [0.0, 0.2])
+@pytest.mark.parametrize(("row", "root"), [("ge", 0), ("gee", 0), ("eg", 0), ("eeg", 0), ("ege", 1), ("gg", 0)])
+def test_packets_for_a_group(row, root, loss, key):
+    air = Air(row, key, loss)
+    air.run(1.0)
+    for place, twin in air.twins.items():
+        if place != root:
+            twin.join(name(root))
+    members = [place for place in range(len(row)) if place != root]
+    air.run(1.0)
+    payloads = [noise(100_000), b"little", noise(3000)]
+    for payload in payloads:
+        air.send_to(root, "mc_" + name(root), payload)
+        assert air.run(20.0, air.finished)
+    for member in members:
+        assert [packet[2] for packet in air.received(member)] == payloads
+
+
+def test_who_joins_late_gets_what_is_held():
+    air = Air("eg", KEY)
+    air.run(1.0)
+    air.send_to(0, "mc_robot_0", b"before")
+    air.run(0.1)
+    air.twins[1].join("robot_0")
+    air.run(0.5)
+    air.send_to(0, "mc_robot_0", b"after")
+    assert air.run(5.0, air.finished)
+    assert [packet[2] for packet in air.received(1)] == [b"before", b"after"]
+
+
+def test_a_member_asks_the_root_for_the_others():
+    air = Air("gee", KEY)
+    air.run(2.0)
+    air.send_to(1, "mc_robot_0", b"to all of us")
+    assert air.run(5.0, air.finished)
+    assert air.received(0) == [("robot_1", "topic", b"to all of us", 1)] == air.received(2)
 
 
 def test_the_same_seed_gives_the_same_frames():
