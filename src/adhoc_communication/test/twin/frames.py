@@ -166,11 +166,14 @@ def write_image(kind: int, group: str, topic: str, payload: bytes, payload_type:
 def read_image(octets: bytes, largest: int = 10_000_000) -> Fields:
     """A packet, its payload unpacked."""
     image = Reader(octets).fields(IMAGE)
-    try:
-        if image["flags"] & 1 and image["payload_size"] <= largest:
-            image["payload"] = zstandard.ZstdDecompressor().decompress(image["payload"], largest)
-    except zstandard.ZstdError as error:
-        raise Malformed("packet image") from error
+    if image["flags"] & 1 and image["payload_size"] <= largest:
+        unpacker = zstandard.ZstdDecompressor().decompressobj()
+        try:
+            image["payload"] = unpacker.decompress(image["payload"])
+        except zstandard.ZstdError as error:
+            raise Malformed("packet image") from error
+        if unpacker.unused_data:
+            raise Malformed("packet image")
     if len(image["payload"]) != image["payload_size"]:
         raise Malformed("packet image")
     return image
