@@ -113,9 +113,9 @@ class Stranger:
                   "counter": self.counter, "next_hop": frames.EVERYBODY, "link_sequence": 0}  # fmt: skip
         self.station.send(frames.EVERYBODY, self.address, frames.close(header, fields))
 
-    def beacon(self):
+    def beacon(self, rumors=()):
         self.say(BEACON, {"sequence": 1, "life_sign": 1, "number": self.counter, "name": self.name,
-                          "heard_count": 0, "heard": [], "rumors": [], "extensions": {}})  # fmt: skip
+                          "heard_count": 0, "heard": [], "rumors": list(rumors), "extensions": {}})  # fmt: skip
 
     def segment(self, destination, packet, total, octets, priority=2):
         self.say(DATA, {"source": self.address, "source_boot_tag": self.boot_id[:8], "destination": destination,
@@ -228,6 +228,22 @@ class Open(Pair):
                 stranger.segment(BOB, 1, LARGEST_PACKET - 100, bytes(1386), priority)
         self.check_exchange()
         self.assertLess(self.bob.resident(), MOST_RESIDENT)
+
+    def test_claims_of_other_runs_deafen_nobody(self):
+        stranger, runs = Stranger(Station("liar")), itertools.count(1)
+
+        def claim():
+            run = next(runs).to_bytes(8, "big")
+            stranger.beacon(
+                {"address": address, "boot_tag": run, "life_sign": 1_000_000, "hops": 1, "name": name}
+                for address, name in ((ALICE, "alice"), (BOB, "bob"))
+            )
+            time.sleep(0.002)
+
+        with Received("/bob/adhoc_communication/remove_robot", String) as lost, Background(claim):
+            for _ in range(10):
+                self.check_exchange(10_000)
+            self.assertNotIn("alice", lost.texts)
 
     def test_bombs_take_little_memory(self):
         stranger = Stranger(Station("bomber"))
