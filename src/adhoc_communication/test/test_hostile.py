@@ -275,25 +275,25 @@ class Open(Pair):
         self.meet()
 
     def test_a_robot_with_another_implementation(self):
-        station = Station("twin")
-        station.socket.setblocking(False)
+        station, using = Station("twin"), threading.Lock()
         twin = Robot("twin", TWIN, os.urandom(16), time.monotonic_ns())
 
         def live():
             ready, _, _ = select.select([station.socket], [], [], 0.001)
             octets = station.socket.recv(65536) if ready else b""
-            if octets:
-                twin.receive(octets[:6], octets[6:12], octets[14:], time.monotonic_ns())
-            for destination, frame in twin.poll(time.monotonic_ns()):
-                station.send(destination, TWIN, frame)
+            with using:
+                if octets:
+                    twin.receive(octets[:6], octets[6:12], octets[14:], time.monotonic_ns())
+                for destination, frame in twin.poll(time.monotonic_ns()):
+                    station.send(destination, TWIN, frame)
 
         with Background(live), Received("/from_twin") as received:
             wait_until(lambda: self.alice.hears("twin"), "the twin is not heard")
             self.assertEqual(self.alice.send("twin", "to the twin", "topic"), 1)
-            self.assertEqual([(p[0], p[1], p[2]) for p in twin.packets], [("alice", "topic", b"to the twin")])
-            twin.send("bob", "/from_twin", b"from the twin")
+            with using:
+                self.assertEqual([packet[:3] for packet in twin.packets], [("alice", "topic", b"to the twin")])
+                twin.send("bob", "/from_twin", b"from the twin")
             received.wait_for("from the twin")
-        station.socket.close()
 
 
 class Sealed(Pair):
