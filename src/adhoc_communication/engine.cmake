@@ -44,7 +44,7 @@ target_link_libraries(adhoc_simulation PUBLIC adhoc_engine)
 
 # What tests and benchmarks of the engine share.
 add_library(adhoc_engine_test_support STATIC EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/test/engine/host.cpp
-            ${ADHOC_ENGINE_DIR}/test/engine/payloads.cpp)
+            ${ADHOC_ENGINE_DIR}/test/engine/payloads.cpp ${ADHOC_ENGINE_DIR}/test/engine/protocol_vectors.cpp)
 target_include_directories(adhoc_engine_test_support PUBLIC ${ADHOC_ENGINE_DIR}/test/engine)
 target_link_libraries(adhoc_engine_test_support PUBLIC adhoc_simulation)
 
@@ -64,6 +64,8 @@ if(CATKIN_ENABLE_TESTING)
   catkin_add_gtest(${PROJECT_NAME}_engine_test ${ADHOC_ENGINE_TESTS} TIMEOUT 300)
   if(TARGET ${PROJECT_NAME}_engine_test)
     target_link_libraries(${PROJECT_NAME}_engine_test adhoc_engine_scenarios gtest_main)
+    set_property(SOURCE ${ADHOC_ENGINE_DIR}/test/engine/test_protocol_vectors.cpp APPEND PROPERTY
+      COMPILE_DEFINITIONS PROTOCOL_VECTORS="${ADHOC_ENGINE_DIR}/docs/protocol_vectors.json")
   endif()
 endif()
 

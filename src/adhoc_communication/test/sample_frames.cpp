@@ -46,14 +46,17 @@ class Sample {
   std::uint64_t at_ = 0;
 };
 
+constexpr std::uint16_t kSegmentSize = 64;
+
+/// The first of one, or the second of two.
 wire::Data data_segment(std::uint32_t index, Bytes octets) {
-  const auto size = static_cast<std::uint16_t>(image().size());
-  return {kAlice, 0xa1, kCarol, 1, true, 2, 9, 8, index, size * (index + 1u), size, 0, std::move(octets)};
+  const std::uint32_t total = index * kSegmentSize + static_cast<std::uint32_t>(octets.size());
+  return {kAlice, 0xa1, kCarol, 1, true, 2, 9, 8, index, total, kSegmentSize, 0, std::move(octets)};
 }
 
 wire::GroupData group_data(Bytes octets, std::uint8_t symbol) {
-  const auto size = static_cast<std::uint16_t>(image().size());
-  return {kAlice, 0xa1, 2, true, false, 1, 5, 31, 30, size, size, 0, symbol, std::move(octets)};
+  const auto total = static_cast<std::uint32_t>(image().size());
+  return {kAlice, 0xa1, 2, true, false, 1, 5, 31, 30, total, kSegmentSize, 0, symbol, std::move(octets)};
 }
 
 void write_samples(const std::string& path) {
@@ -66,7 +69,7 @@ void write_samples(const std::string& path) {
   sample.add(FrameType::kRouteError, wire::RouteError{false, true, {{kCarol, 13}, {kBob, 14}}});
   sample.add(FrameType::kHopAcknowledgment, wire::HopAcknowledgment{0xb1, 99, 1200, 800, 55, 0xff});
   sample.add(FrameType::kData, data_segment(0, image()), wire::kWantsAcknowledgment | wire::kAcknowledgeNow);
-  sample.add(FrameType::kData, data_segment(1, Bytes(image().size(), 1)));
+  sample.add(FrameType::kData, data_segment(1, Bytes(kSegmentSize, 1)));
   sample.add(FrameType::kTransportAcknowledgment,
              wire::TransportAcknowledgment{
                  kCarol, 0xc1, kAlice, 0xa1, 3, 1, 20, {{21, 1, 4, {0x0f, 0x01}}, {22, 0, 0, {}}}, {{23, 2}}});

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The node's interface on a master: services, texts of failures, injected topics, parameters, launch files."""
 
+import contextlib
 import io
 import os
 import subprocess
@@ -77,6 +78,31 @@ def call(robot, service, **fields):
     name = f"/{robot}/adhoc_communication/{service}"
     rospy.wait_for_service(name, timeout=20)
     return rospy.ServiceProxy(name, getattr(srv, SERVICES[service]))(**fields)
+
+
+def wait_for_state(robot, condition):
+    """Until what a robot says of itself, once a second, fulfils the condition."""
+    deadline = time.monotonic() + 20
+    while not condition(rospy.wait_for_message(f"/{robot}/adhoc_communication/network_state", msg.NetworkState, 20)):
+        assert time.monotonic() < deadline, robot
+        time.sleep(0.1)  # the message is latched
+
+
+@contextlib.contextmanager
+def own_node(name, timings):
+    """A further robot with these timings, its process; at the end, the others have noticed that it is gone."""
+    rospy.set_param(f"/{name}/adhoc_communication/timings", timings)
+    command = ["rosrun", "adhoc_communication", "adhoc_communication", f"__ns:={name}", f"_robot_name:={name}"]
+    node = subprocess.Popen([*command, f"_interface:=hub:{rospy.get_param('~hub')}"], stdout=subprocess.DEVNULL)
+    try:
+        yield node
+    finally:
+        node.terminate()
+        node.wait(timeout=20)
+    deadline = time.monotonic() + 20
+    while name in call("alice", "get_neighbors").neigbors:
+        assert time.monotonic() < deadline, f"{name} is still a neighbour"
+        time.sleep(0.1)
 
 
 def filled(message_class):
@@ -304,24 +330,28 @@ class Failures(unittest.TestCase):
         with self.assertRaisesRegex(rospy.ServiceException, "max_packet_size"):
             call("alice", "send_map", dst_robot="bob", topic="big", map=big)
 
-    def test_many_slow_sends_block_nothing(self):
+    def test_many_slow_sends_block_neither_calls_nor_the_end(self):
         failures = []
 
         def send():
             try:
-                call("alice", "send_string", dst_robot="nobody", topic="x", data="x")
+                call("patient", "send_string", dst_robot="nobody", topic="x", data="x")
             except rospy.ServiceException as error:
                 failures.append(str(error))
 
-        threads = [threading.Thread(target=send) for _ in range(40)]
-        for thread in threads:
-            thread.start()
-        begin = time.monotonic()
-        self.assertEqual(set(call("alice", "get_neighbors").neigbors), {"bob", "carol"})
-        self.assertEqual(call("alice", "send_string", dst_robot="bob", topic="quick", data="x").status, 1)
-        self.assertTrue(all(thread.is_alive() for thread in threads) or time.monotonic() - begin > 1.0)
-        for thread in threads:
-            thread.join()
+        with own_node("patient", {"route_request_wait": 2000}) as node:  # 30 s until there is no route
+            wait_for_state("patient", lambda state: {"bob", "carol"} <= set(state.robots))
+            threads = [threading.Thread(target=send) for _ in range(40)]
+            for thread in threads:
+                thread.start()
+            wait_for_state("patient", lambda state: state.packets_waiting >= 40)
+            self.assertLessEqual({"bob", "carol"}, set(call("patient", "get_neighbors").neigbors))
+            self.assertEqual(call("patient", "send_string", dst_robot="bob", topic="quick", data="x").status, 1)
+            self.assertEqual(failures, [])
+            node.terminate()
+            self.assertEqual(node.wait(timeout=10), 0)
+            for thread in threads:
+                thread.join()
         self.assertEqual(len(failures), 40)
 
     def test_start_is_refused_with_one_sentence(self):
@@ -349,21 +379,10 @@ class Failures(unittest.TestCase):
                 self.assertIn(expected, output)
 
     def test_timings_that_differ_from_their_preset(self):
-        hub = "hub:" + rospy.get_param("~hub")
-        rospy.set_param("/hasty/adhoc_communication/timings", {"route_request_wait": 20, "request_retries": 1})
-        command = ["rosrun", "adhoc_communication", "adhoc_communication", "__ns:=hasty", f"_interface:={hub}"]
-        node = subprocess.Popen([*command, "_robot_name:=hasty"], stdout=subprocess.DEVNULL)
-        try:
+        with own_node("hasty", {"route_request_wait": 20, "request_retries": 1}):
             with self.assertRaises(rospy.ServiceException) as raised:
                 call("hasty", "send_string", dst_robot="nobody", topic="t", data="x")
             self.assertIn("no route to nobody after 0.1 s", str(raised.exception))
-        finally:
-            node.terminate()
-            node.wait(timeout=20)
-        deadline = time.monotonic() + 20
-        while "hasty" in call("alice", "get_neighbors").neigbors:
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.1)
 
 
 class Documentation(unittest.TestCase):

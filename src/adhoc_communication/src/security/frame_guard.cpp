@@ -110,7 +110,9 @@ bool FrameGuard::proven(const wire::FrameHeader& header) const {
 
 void FrameGuard::prove(const wire::FrameHeader& header) {
   const auto session = sessions_.find({header.sender, header.boot_id});
-  if (session != sessions_.end()) session->second.proven = true;
+  if (session == sessions_.end()) return;
+  session->second.proven = true;
+  session->second.window.begin_behind(header.counter);
 }
 
 }  // namespace adhoc_communication::security

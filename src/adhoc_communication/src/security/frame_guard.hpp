@@ -46,6 +46,7 @@ class FrameGuard {
   std::optional<OpenedFrame> open(const Frame& frame, Time now);
 
   bool proven(const wire::FrameHeader& header) const;
+  /// By this frame. What the run sent before may have been recorded before this robot's start, and counts as seen.
   void prove(const wire::FrameHeader& header);
   std::size_t sessions() const { return sessions_.size(); }
 

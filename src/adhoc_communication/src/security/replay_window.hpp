@@ -12,7 +12,7 @@ class ReplayWindow {
   static constexpr std::uint64_t kSpan = 1024;
 
   bool seen(std::uint64_t counter) const {
-    if (counter == 0) return true;
+    if (counter <= oldest_) return true;
     if (counter > newest_) return false;
     return newest_ - counter >= kSpan || (words_[word(counter)] >> counter % 64 & 1) != 0;
   }
@@ -29,12 +29,15 @@ class ReplayWindow {
     }
     words_[word(counter)] |= std::uint64_t{1} << counter % 64;
   }
+  /// From now on, only greater ones than this are new.
+  void begin_behind(std::uint64_t counter) { oldest_ = counter; }
   std::uint64_t newest() const { return newest_; }
 
  private:
   static std::size_t word(std::uint64_t counter) { return counter / 64 % (kSpan / 64); }
   void clear(std::uint64_t counter) { words_[word(counter)] &= ~(std::uint64_t{1} << counter % 64); }
 
+  std::uint64_t oldest_ = 0;
   std::uint64_t newest_ = 0;
   std::array<std::uint64_t, kSpan / 64> words_{};
 };

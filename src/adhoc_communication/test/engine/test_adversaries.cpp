@@ -269,5 +269,28 @@ TEST(Adversary, PlaybackChangesNothingInASealedTeam) {
   for (std::size_t robot = 0; robot < 3; ++robot) EXPECT_TRUE(team.presence(robot).empty()) << robot;
 }
 
+/// What was sent to a robot before it restarted is genuine, and new to its present run.
+TEST(Adversary, ARestartedRobotTakesNothingFromBefore) {
+  Team team;
+  for (int robot = 0; robot < 2; ++robot) team.add(sealed());
+  team.run_for(2s);
+  std::vector<Frame> recorded;
+  team.on_transmission = [&](std::size_t, const Frame& frame) { recorded.push_back(frame); };
+  const SendId id = team.send(0, "robot_1", text("go"));
+  ASSERT_TRUE(team.run_until_done([&] { return team.finished(0, id) != nullptr; }, 1s));
+  team.on_transmission = nullptr;
+  ASSERT_EQ(team.received(1).size(), 1u);
+  team.restart(1);
+  team.run_for(1s);
+  ASSERT_EQ(team.engine(1).neighbors(), std::vector<std::string>{"robot_0"});
+  for (const Frame& frame : recorded) team.engine(1).receive(frame, team.now());
+  team.run_for(100ms);
+  EXPECT_EQ(team.received(1).size(), 1u);
+  EXPECT_GT(team.engine(1).statistics().frames_dropped.replayed, 0u);
+  const SendId later = team.send(0, "robot_1", text("on"));
+  ASSERT_TRUE(team.run_until_done([&] { return team.finished(0, later) != nullptr; }, 1s));
+  EXPECT_TRUE(team.finished(0, later)->delivered);
+}
+
 }  // namespace
 }  // namespace adhoc_communication
