@@ -37,6 +37,7 @@ from namespaces import die_with_parent, program
 from robot import BEACON, DATA, Robot
 
 FLOOD = 9
+COMPRESSED, LATCHED = 1, 2
 PATIENCE = 20.0  # s
 MOST_RESIDENT = 256  # MB: what may wait at most, of streams, of events and for publication, and the node itself
 LARGEST_PACKET = 10_000_000
@@ -127,10 +128,17 @@ class Stranger:
                          "hop_limit": 1, "source_name": self.name, "image": image})  # fmt: skip
 
 
-def bomb(topic, size):
+def bomb(topic, size, flags=0):
     """A text of so many octets in a packet of some hundred."""
     packed = zstandard.ZstdCompressor(level=19).compress(bytes(size))
-    image = {"flags": 1, "kind": 0, "payload_type": ord("A"), "group": "", "topic": topic, "payload_size": size}
+    image = {
+        "flags": COMPRESSED | flags,
+        "kind": 0,
+        "payload_type": ord("A"),
+        "group": "",
+        "topic": topic,
+        "payload_size": size,
+    }
     return frames.write(frames.IMAGE, {**image, "payload": packed})
 
 
@@ -250,10 +258,15 @@ class Open(Pair):
         stranger.beacon()
         image = bomb("bombed", 9_900_000)
         self.assertLess(len(image), 1386)
-        resident = []
         for number in range(100):
             stranger.flood(number, image)
             stranger.segment(BOB, number, len(image), image)
+        resident = [self.bob.resident()]
+        for number in range(100, 130):  # each on a topic of its own, which keeps it
+            topic = f"/bombed_{number}"
+            image = bomb(topic, 9_900_000, LATCHED)
+            stranger.segment(BOB, number, len(image), image)
+            wait_until(lambda name=topic: [name, RecvString._type] in rospy.get_published_topics(), topic)
             resident.append(self.bob.resident())
         self.check_exchange()
         self.assertLess(max([*resident, self.bob.resident()]), MOST_RESIDENT)

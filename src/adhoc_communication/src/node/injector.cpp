@@ -224,7 +224,8 @@ Injector::Topics::Topic& Injector::topic_for(const std::string& name, const Seri
   if (!publisher) throw PayloadError("topic '" + name + "' cannot be advertised as " + message.type);
   // A relay of this node to other robots is one of the subscribers, too.
   const std::size_t subscribers = nodes_of(name, Role::kSubscriber).size();
-  return topics_.add(name, {message.type, message.md5sum, packet.source, publisher, subscribers}, steady_now());
+  return topics_.add(name, {message.type, message.md5sum, packet.source, publisher, subscribers, options.latch},
+                     steady_now());
 }
 
 void Injector::count_dropped(std::uint64_t packets) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <deque>
 #include <map>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -14,12 +15,15 @@
 namespace adhoc_communication {
 
 /// `Publisher` gives a topic up when it is destroyed. When the table is full, or a robot has brought more topics than
-/// its share, the one used longest ago makes room: of all, or of that robot's.
+/// its share, the one used longest ago makes room: of all, or of that robot's. The same goes for the octets of the
+/// messages that latched topics keep.
 template <typename Publisher>
 class TopicTable {
  public:
   static constexpr std::size_t kMostTopics = 256;
   static constexpr std::size_t kMostOfASource = 64;
+  static constexpr std::size_t kMostKeptOctets = 64'000'000;     ///< latched
+  static constexpr std::size_t kMostKeptOfASource = 32'000'000;  ///< of these, if it is more than one message
   static constexpr std::size_t kMostWaiting = 100;               ///< messages of one topic
   static constexpr std::size_t kMostWaitingOctets = 32'000'000;  ///< of all
   static constexpr Time kLongestConnection = std::chrono::seconds(1);
@@ -30,6 +34,8 @@ class TopicTable {
     std::string source;  ///< the robot that brought it
     Publisher publisher;
     std::size_t subscribers = 0;  ///< that are to connect
+    bool latched = false;
+    std::size_t kept = 0;  ///< octets of the message that late subscribers get
     Time connects_until{0};
     Time used{0};
     std::deque<SerializedMessage> waiting{};  ///< until they have
@@ -65,7 +71,7 @@ class TopicTable {
       if (topic.waiting.size() >= kMostWaiting || waiting_octets_ >= kMostWaitingOctets) topic.connects_until = now;
       release(topic, now, publish);
     } else {
-      publish(topic, message);
+      put_out(topic, message, publish);
     }
   }
   /// Publishes what has waited for subscribers that have connected, or long enough.
@@ -85,9 +91,25 @@ class TopicTable {
     topic.connecting = false;
     for (const SerializedMessage& message : topic.waiting) {
       waiting_octets_ -= message.bytes.size() + kOverhead;
-      publish(topic, message);
+      put_out(topic, message, publish);
     }
     topic.waiting.clear();
+  }
+  template <typename Publish>
+  void put_out(Topic& topic, const SerializedMessage& message, Publish publish) {
+    publish(topic, message);
+    if (!topic.latched) return;
+    kept_octets_ += message.bytes.size() - topic.kept;
+    topic.kept = message.bytes.size();
+    const auto keeps = [&](const Topic& other) { return other.kept > 0 && &other != &topic; };
+    const auto of_source = [&](const Topic& other) { return keeps(other) && other.source == topic.source; };
+    while (kept_of(topic.source) > kMostKeptOfASource && count(of_source) > 0) forget_least_used(of_source);
+    while (kept_octets_ > kMostKeptOctets && count(keeps) > 0) forget_least_used(keeps);
+  }
+  std::size_t kept_of(const std::string& source) const {
+    return std::accumulate(topics_.begin(), topics_.end(), std::size_t{0}, [&](std::size_t sum, const auto& item) {
+      return sum + (item.second.source == source ? item.second.kept : 0);
+    });
   }
   template <typename Predicate>
   std::size_t count(Predicate counts) const {
@@ -104,11 +126,13 @@ class TopicTable {
     for (const SerializedMessage& message : oldest->second.waiting) {
       waiting_octets_ -= message.bytes.size() + kOverhead;
     }
+    kept_octets_ -= oldest->second.kept;
     topics_.erase(oldest);
   }
 
   std::map<std::string, Topic> topics_;
   std::size_t waiting_octets_ = 0;
+  std::size_t kept_octets_ = 0;
 };
 
 }  // namespace adhoc_communication

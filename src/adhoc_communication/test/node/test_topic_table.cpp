@@ -56,6 +56,24 @@ TEST_F(TopicTableTest, OneThatWaitsForSubscribersHoldsUpNoOther) {
   EXPECT_FALSE(table.anything_waits());
 }
 
+TEST_F(TopicTableTest, LatchedMessagesAreBoundedByTheirOctets) {
+  const SerializedMessage large{"pkg/Type", "", "", Bytes(10'000'000), false};
+  const auto ignore = [](const Table::Topic&, const SerializedMessage&) {};
+  const auto keep = [&](const std::string& name, const std::string& source, Time now) {
+    if (!table.knows(name)) add(name, now, source).latched = true;
+    table.publish(*table.find(name, now), large, now, ignore);
+  };
+  keep("/mine", "carol", 0s);
+  for (int i = 0; i < 8; ++i) keep("/bomb_" + std::to_string(i), "bob", 1s + i * 1ms);
+  EXPECT_EQ(table.size(), 4u);
+  EXPECT_TRUE(table.knows("/mine"));
+  EXPECT_TRUE(table.knows("/bomb_7"));
+  for (int i = 0; i < 8; ++i) keep("/other_" + std::to_string(i), "dave_" + std::to_string(i), 2s + i * 1ms);
+  EXPECT_EQ(table.size(), 6u);
+  for (int i = 0; i < 8; ++i) keep("/other_7", "dave_7", 3s + i * 1ms);
+  EXPECT_EQ(table.size(), 6u);
+}
+
 TEST_F(TopicTableTest, SubscribersThatNeverConnectAreWaitedForASecond) {
   add("/slow", 0s, "bob", 1);
   publish("/slow", "1", 0s);
