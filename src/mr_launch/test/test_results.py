@@ -307,5 +307,5 @@ def test_plain_lines_say_it_all():
     lines = plain_lines(Picture("exploring", 61.0, 900.0, 0.99, [row]))
     assert lines[0] == "exploring, 61 s of 900 s, real-time factor 0.99"
     assert lines[1].strip() == (
-        "robot_0: exploring, explored 50.0 %, 12.3 m, goal (1.0, 2.0), neighbours 1, merged with -"
+        "robot_0: exploring, explored 50.0 %, 12.3 m, goal (1.0, 2.0), neighbours robot_1, merged with nobody"
     )

@@ -49,6 +49,10 @@ def percent(share: float | None) -> str:
     return "-" if share is None else f"{100 * share:.1f} %"
 
 
+def listed(names: list[str]) -> str:
+    return ", ".join(names) or "nobody"
+
+
 def short(names: list[str]) -> str:
     return ", ".join(name.replace("robot_", "") for name in names) or "-"
 
@@ -64,7 +68,7 @@ def plain_lines(picture: Picture) -> list[str]:
         goal = "no goal" if row.goal is None else f"goal ({row.goal[0]:.1f}, {row.goal[1]:.1f})"
         lines.append(
             f"  {row.name}: {row.state}, explored {percent(row.coverage)}, {row.distance:.1f} m, {goal}, "
-            f"neighbours {short(row.neighbors)}, merged with {short(row.merged)}"
+            f"neighbours {listed(row.neighbors)}, merged with {listed(row.merged)}"
         )
     return lines
 
