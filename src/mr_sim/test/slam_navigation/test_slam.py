@@ -402,6 +402,26 @@ def test_a_robot_that_comes_out_of_a_door_does_not_make_this_one_stand() -> None
         pose = Pose(pose.x + 0.05, pose.y, 0.0)
 
 
+def test_wheels_that_slip_against_a_robot_that_hides_all_walls_turn_no_pose() -> None:
+    """A Turtlebot touched another one, which came before the last wall it saw, and its wheels turned on: it believed
+    them by 34 degrees, though it looked along a corridor where it would have seen through the walls."""
+    slam, pose = Slam(), Pose(0.0, 0.0, 0.0)
+    for step in range(60):
+        slam.process(corridor(pose), pose, 0.1 * step)
+        pose = Pose(pose.x + 0.05, 0.0, 0.9 * math.sin(0.2 * step))
+    pose = Pose(pose.x, 0.0, 0.3)
+    slam.process(corridor(pose), pose, 6.0)
+    odometry = pose
+    for step in range(8):
+        odometry = Pose(odometry.x + 0.03, odometry.y, odometry.yaw + 0.09)
+        scan = replace(with_robot(corridor(pose), 0.3, 0.22 - 0.03 * step), range_min=0.1)
+        slam.process(scan, odometry, 6.1 + 0.1 * step)
+    for step in range(10):
+        odometry, pose = (Pose(each.x, each.y, each.yaw + 0.09) for each in (odometry, pose))
+        estimate = slam.process(corridor(pose), odometry, 7.0 + 0.1 * step).pose
+    assert estimate.yaw == pytest.approx(pose.yaw, abs=0.03)
+
+
 def test_what_wheels_slipped_is_no_way_between_keyframes() -> None:
     """A Turtlebot that had been touched drew its map anew 0.15 m off: the graph took the slip for a way driven."""
     ahead, turn, pushes = Pose(0.05, 0.0, 0.0), Pose(0.0, 0.0, 0.08), Pose(0.05, 0.0, -0.07)

@@ -8,17 +8,19 @@ namespace mr_robot::slam {
 namespace {
 
 constexpr int kIterations = 12;
-constexpr double kSpacing = 0.04;     // m between the hits used, so that near walls do not outweigh far ones
-constexpr double kOnSurface = 0.05;   // m
-constexpr double kSure = 0.8;         // share on surfaces from which wheels are said to slip
-constexpr double kMostKnown = 0.5;    // of the hits that must be known for that
+constexpr double kSpacing = 0.04;    // m between the hits used, so that near walls do not outweigh far ones
+constexpr double kOnSurface = 0.05;  // m
+constexpr double kSure = 0.8;        // share on surfaces from which wheels are said to slip
+constexpr double kMostKnown = 0.5;   // of the hits that must be known for that
+constexpr double kThrough = 0.1;     // of the beams see through the map where the robot cannot be,
+constexpr double kSlip = 0.6;        // m and rad at most, by which wheels slip before that is seen
+constexpr std::size_t kFewBeams = 10;
 constexpr double kTangential = 0.08;  // m, a surface reaches this far beside its mean
 constexpr int kNeighbours = 2;        // cells around a surface that make up its line
 constexpr double kMatureHits = 20.0;  // of a line, for its full weight
 constexpr double kMatureScans = 5.0;  // same; what was hit in one scan only, such as a robot that drives, has no weight
 constexpr double kAgreement = 16.0;   // squared deviations within which scan and odometry agree
 constexpr std::size_t kLeastBeams = 30;  // to look for old surfaces with
-constexpr double kClosed = 0.7;          // of the hits lie on old surfaces: no loop is to be closed
 constexpr double kLeastOnOld = 0.5;      // that must do so elsewhere, and
 constexpr double kMoreOnOld = 0.2;       // so many more than where the robot seems to be
 constexpr Pose kTight{0.05, 0.05, 0.01};
@@ -263,23 +265,46 @@ double share_along(const Fit& fit, double deviation) {
   return information / (information + 1.0 / (deviation * deviation));
 }
 
+// Of all beams, those that pass a surface of the map.
+double share_through(const GridMap& map, const Scan& scan, const Pose& pose) {
+  const Frame frame(pose);
+  const Point eye = frame * scan.eye;
+  const auto passes = [&](const Beam& beam) { return map.blocked(eye, frame * beam.end); };
+  const auto count = std::count_if(scan.beams.begin(), scan.beams.end(), passes);
+  return scan.beams.empty() ? 0.0 : static_cast<double>(count) / static_cast<double>(scan.beams.size());
+}
+
+// What a scan says that shows nothing known: where it sees through walls the robot is not.
+Match without_surfaces(const GridMap& map, const Scan& scan, const Pose& expected, const std::optional<Pose>& previous,
+                       const Match& otherwise) {
+  if (!previous || distance(*previous, expected) > kSlip || std::abs(normalized(expected.yaw - previous->yaw)) > kSlip)
+    return otherwise;
+  if (share_through(map, scan, expected) < kThrough) return otherwise;
+  if (share_through(map, scan, *previous) >= 0.25 * kThrough) return otherwise;
+  return {expected, 0.0, Outcome::kContradicts, previous, true};
+}
+
 bool better(const Fit& fit, const Fit& than) { return fit.share > than.share + 0.05; }
 
 }  // namespace
 
 Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
-                 const Pose& previous, const MatchOptions& options) {
+                 const std::optional<Pose>& previous, const MatchOptions& options) {
   const std::vector<const Beam*> beams = choose_beams(scan);
-  if (beams.size() < 10) return {expected};
+  if (beams.size() < kFewBeams) {
+    return without_surfaces(map, scan, expected, previous, {expected, 0.0, Outcome::kNothingSeen});
+  }
   std::vector<Association> associations(beams.size());
   const auto fit = [&](const Pose& start) {
     return refine({map}, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations);
   };
   Fit best = fit(expected);
-  if (best.known < options.known_share) return {expected, best.share};
+  if (best.known < options.known_share) {
+    return without_surfaces(map, scan, expected, previous, {expected, best.share});
+  }
   if (best.share < options.good_share) {
     Match match{expected, best.share, Outcome::kContradicts};
-    Fit other = fit(previous);
+    Fit other = fit(previous.value_or(expected));
     match.stays = better(other, best) && other.share >= kSure && other.known >= kMostKnown;
     if (!match.stays && best.share < options.poor_share)
       other = fit(search({map}, beams, expected, {options.window, options.window, options.angular_window}));

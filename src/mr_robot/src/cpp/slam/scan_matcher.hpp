@@ -24,6 +24,7 @@ struct MatchOptions {
 enum class Outcome {
   kMatched,
   kNothingKnown,  // too little of what the scan shows has been seen before: it may enter the map at odometry's pose
+  kNothingSeen,   // same, for it shows too little: it neither confirms odometry nor its opposite
   kContradicts,   // the pose is odometry's, and wrong
 };
 
@@ -46,9 +47,9 @@ struct Match {
 };
 
 // `expected`: pose by odometry with its standard deviations, weak enough for the scan to overrule slipping wheels.
-// `previous`: pose at the last match that held, where the robot still is if its wheels slipped.
+// `previous`: pose at the last match that held, where the robot still is if its wheels slipped; none if it has left.
 Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
-                 const Pose& previous, const MatchOptions& options);
+                 const std::optional<Pose>& previous, const MatchOptions& options);
 
 // Of a robot that comes back to where it was long ago: where it must be for its scan to lie on the surfaces up to
 // origin `newest`, within `window` (m, rad) of `pose`. Nothing where they say no more than at `pose`.

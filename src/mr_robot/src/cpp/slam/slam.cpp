@@ -9,6 +9,7 @@ constexpr int kRestLimit = 3;
 constexpr int kStays = 2;                   // matches in a row for which the wheels have slipped
 constexpr int kSayTheSame = 8;              // matches that bring the robot elsewhere
 constexpr Pose kSlipped{0.03, 0.03, 0.03};  // m and rad, deviations from where the robot stood when its wheels slipped
+constexpr double kMostBlind = 0.6;          // m or rad without a scan that says anything, after which it has moved
 constexpr double kSameDistance = 0.1;       // m within which they say the same
 constexpr double kSameAngle = 0.05;         // rad
 constexpr double kOtherDistance = 0.4;      // m from the first to the last
@@ -118,9 +119,9 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   const Pose motion = between(odometry_, odometry);
   way_.distance += std::hypot(motion.x, motion.y);
   way_.turn += std::abs(motion.yaw);
-  Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), confirmed_, options_.match);
   left_confirmed_ |= verdict == Standing::Verdict::kMoved;
-  if (match.stays && left_confirmed_) match.elsewhere.reset();
+  const std::optional<Pose> previous = left_confirmed_ ? std::nullopt : std::optional(confirmed_);
+  const Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), previous, options_.match);
   const bool doubtful = verdict == Standing::Verdict::kSeemsToStand;
   if (match.outcome == Outcome::kMatched && !doubtful && !match.elsewhere && match.share > options_.match.good_share) {
     model_.learn(motion, between(pose_, match.pose), match.along);
@@ -137,7 +138,9 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
     contradicted_ = false;
     elsewhere_.clear();
   }
-  if (!contradicted_) {
+  const bool says = match.outcome != Outcome::kNothingSeen || verdict == Standing::Verdict::kMoved ||
+                    moved(confirmed_, pose_, kMostBlind, kMostBlind);
+  if (!contradicted_ && says) {
     confirmed_ = pose_;
     left_confirmed_ = false;
   }

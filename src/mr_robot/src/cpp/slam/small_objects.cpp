@@ -49,9 +49,11 @@ bool touches(const Scan& scan, const Segment& segment, double size) {
 
 void mark_small_objects(Scan& scan, double size) {
   const std::vector<Segment> segments = segments_of(scan);
+  // What touches hides walls behind it as often as robots.
   const auto stands_free = [&](std::size_t index) {
     const Segment& segment = segments[index];
-    return segment.before_left && segment.before_right && is_small(scan, segment, size);
+    return segment.before_left && segment.before_right && is_small(scan, segment, size) &&
+           !touches(scan, segment, size);
   };
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Segment& segment = segments[i];

@@ -11,6 +11,8 @@ constexpr int kLeastBeams = 20;       // that are compared
 constexpr double kSame = 0.55;        // of them that see what they saw, where the robot stands among others that move,
 constexpr double kClearly = 0.25;     // and so many more than see what they would if it had moved
 constexpr double kSeen = 0.1;         // so many more of them see that it moved
+constexpr double kTouching = 0.5;     // m, what is nearer may touch, and
+constexpr double kStep = 0.25;        // m nearer than what it hides
 constexpr double kMostWay = 0.5;      // m, and
 constexpr double kMostAngle = 0.6;    // rad by odometry that are waited for a verdict
 
@@ -44,7 +46,11 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
   if (std::hypot(motion.x, motion.y) < kLeastWay && std::abs(motion.yaw) < kLeastAngle) return Verdict::kUndecided;
   const Frame to_laser(between(geometry.mount, Pose{}) * between(motion, Pose{}));
   const double middle = geometry.angle_min + 0.5 * static_cast<double>(size - 1) * geometry.angle_increment;
-  const std::vector<bool> hidden = readings_of_small_objects(scan, size);
+  const std::vector<bool> small = readings_of_small_objects(scan, size);
+  // What comes into the view, and may touch, hides what would be seen.
+  const auto hidden = [&](long reading, double range) {
+    return small[reading] || (ranges[reading] < kTouching && ranges[reading] < range - kStep);
+  };
   int compared = 0, same = 0, moved = 0;
   for (const Beam& beam : beams_) {
     // A robot that drives ahead, or around one that turns, looks as if one stood.
@@ -53,19 +59,19 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
     const double off = normalized(std::atan2(end.y, end.x) - middle) / geometry.angle_increment;
     const auto other = std::lround(off + 0.5 * static_cast<double>(size - 1));
     if (other < 0 || other >= static_cast<long>(size)) continue;
-    // One that comes into the view hides what would be seen after that motion.
-    if (hidden[other] || hidden[beam.index]) continue;
+    const double then = ranges_[beam.index], expected = std::hypot(end.x, end.y);
+    if (hidden(static_cast<long>(beam.index), then) || hidden(other, expected)) continue;
     ++compared;
     const float now = ranges[beam.index], there = ranges[other];
-    same += is_hit(now, geometry) && equal(now, ranges_[beam.index]);
-    moved += is_hit(there, geometry) && equal(there, std::hypot(end.x, end.y));
+    same += is_hit(now, geometry) && equal(now, then);
+    moved += is_hit(there, geometry) && equal(there, expected);
   }
   if (compared >= kLeastBeams && same >= kSame * compared && same - moved >= kClearly * compared) {
     odometry_ = odometry;
     return Verdict::kStands;
   }
-  const bool far = std::hypot(motion.x, motion.y) >= kMostWay || std::abs(motion.yaw) >= kMostAngle;
-  const bool moves = moved - same >= kSeen * compared;
+  const bool far = compared == 0 || std::hypot(motion.x, motion.y) >= kMostWay || std::abs(motion.yaw) >= kMostAngle;
+  const bool moves = compared > 0 && moved - same >= kSeen * compared;
   // Along a wall, or turned by little, a robot would see much the same.
   if (!moves && !far) return same - moved >= kSeen * compared ? Verdict::kSeemsToStand : Verdict::kUndecided;
   keep(ranges, size, scan, odometry);
