@@ -16,7 +16,7 @@ from mr_robot.navigation.command import Command, GivenUp, Status, Velocity
 from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.known_map import KnownMap
 from mr_robot.navigation.motion import STOP, Motion
-from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan
+from mr_robot.navigation.options import AT_REST, NavigationError, NavigationOptions, Scan
 from mr_robot.navigation.other_robots import OtherRobots
 from mr_robot.navigation.planner import CostMap, Plan, path
 from mr_robot.navigation.route import Route
@@ -29,8 +29,7 @@ STILL = 1.0  # s without driving after which a robot that has to give way does
 CREEPING = 0.05  # m/s
 TO_AND_FRO = 3.0  # s for which driving without coming nearer counts as getting on
 GIVE_WAY_TIME, GIVE_WAY_FACTOR, GIVE_WAY_MOST = 10.0, 2.0, 30.0  # s, plus so often the way at full speed, up to s
-PASSING_NEAR, PASSING_TIME = 2.5, 8.0  # m within which a robot that passes is waited for, for s more at most
-TURN_TIME = 8.0  # s to turn to the heading of a goal
+PASSING_NEAR = 2.5  # m within which a robot that passes is waited for
 INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan
 
 
@@ -56,7 +55,7 @@ class Navigator:
         self._motion = Motion(self.options)
         self._follower = Follower(self._motion, self.options)
         self._held_up = HeldUp(name, self.options.yield_patience, self._random, self.options.largest_robot_radius)
-        self._stall = StallWatch()
+        self._stall = StallWatch(self.options.controller_period)
         self._clock = Clock()
         self._mode_until = 0.0
         self._retreat: Optional[Plan] = None
@@ -186,7 +185,7 @@ class Navigator:
             return Command(*self._motion.brake(), Status.SUCCEEDED)
         if self.mode is not Mode.TURN:
             self.mode = Mode.TURN
-            self._mode_until = now + TURN_TIME
+            self._mode_until = now + self.options.blocked_timeout
         if now > self._mode_until:
             raise GivenUp(f"cannot turn to the heading of the goal: {math.degrees(error):.0f} degrees are left")
         rate = min(self.options.max_angular_velocity, math.sqrt(2.0 * abs(error)))
@@ -244,7 +243,7 @@ class Navigator:
         """Whether a robot with the right of way is still near the one that made room for it."""
         others = self._others.lately(now)
         near = [name for name, place in others.items() if math.dist(place, pose[:2]) < PASSING_NEAR]
-        return now - self._mode_until < PASSING_TIME and min(near, default=self.name) < self.name
+        return now - self._mode_until < AT_REST and min(near, default=self.name) < self.name
 
     def _drive_on(self, now: float) -> None:
         self.mode = Mode.DRIVE

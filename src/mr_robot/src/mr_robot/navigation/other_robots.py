@@ -7,7 +7,7 @@ from typing import Dict, List, Mapping, Tuple
 import numpy as np
 
 from mr_grid import Pose, is_place
-from mr_robot.navigation.options import NavigationOptions, Scan
+from mr_robot.navigation.options import AT_REST, PROGRESS, NavigationOptions, Scan
 
 Point = Tuple[float, float]
 
@@ -16,8 +16,6 @@ RIM = 0.04  # m by which the rim that its footprint takes up lies within the rad
 LATELY = 6.0  # s for which a reported position counts
 SOON = (0.3, 0.6, 0.9, 1.2)  # s, when a robot is where it will be if it drives on: as long as motions look ahead
 FRESH = 2.0  # s between two positions that tell how a robot moves, and for which it is taken to go on
-AT_REST = 8.0  # s after which a robot that has not moved is taken to stay
-STIR = 0.1  # m of motion that is none: its SLAM's
 BODY = 0.1  # m around a robot in which hits are its
 # Unit vectors (12, 2) all around, for the rim of a robot.
 CIRCLE = np.stack([np.cos(np.arange(12) * math.pi / 6.0), np.sin(np.arange(12) * math.pi / 6.0)], axis=1)
@@ -59,7 +57,7 @@ class OtherRobots:
         before = self._tracks.get(name)
         if before is None or now < before.at:
             return _Track(place, now, (0.0, 0.0), place, now)
-        rests = math.dist(place, before.rest) < STIR
+        rests = math.dist(place, before.rest) < PROGRESS
         rest, since = (before.rest, before.rest_since) if rests else (place, now)
         seconds = now - before.at
         if place == before.place and seconds < FRESH:

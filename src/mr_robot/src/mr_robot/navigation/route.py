@@ -8,14 +8,11 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_robot.navigation.command import GivenUp
-from mr_robot.navigation.options import NavigationOptions
+from mr_robot.navigation.options import AT_REST, LONGEST_DETOUR, PROGRESS, NavigationOptions
 from mr_robot.navigation.planner import CostMap, Plan, plan
 
-DETOUR = 5.0  # m that a way around something moving may be longer before waiting is better
-DETOUR_WAIT = 8.0  # s after which any detour is taken
 NO_WAY_CHECKS = 3  # plans that must fail before a goal is called unreachable
 NO_WAY_PAUSE = 0.25  # s between them
-PROGRESS = 0.1  # m of way that count as progress
 LONGER = 1.0  # m by which a way has to have grown to count as another
 TO_AND_FRO_LIMIT = 2.0  # times the timeout of a blocked way, for which a robot may give way and come back
 TIME_ALLOWED = 30.0  # s for any goal, plus
@@ -135,7 +132,7 @@ class Route:
         left = known.cost_at(pose[0], pose[1])
         if left < goal.nearest - PROGRESS:
             goal.nearest, goal.nearest_at = left, now
-        if around is not None and around.cost_at(pose[0], pose[1]) - left <= DETOUR:
+        if around is not None and around.cost_at(pose[0], pose[1]) - left <= LONGEST_DETOUR:
             goal.blocked_since = None
             return around
         if goal.blocked_since is None:
@@ -144,7 +141,7 @@ class Route:
         # Who gives way and comes back comes nearer each time, but not nearer than before.
         goal.blocked_since = max(goal.blocked_since, min(self.nearer_at, goal.nearest_at + TO_AND_FRO_LIMIT * timeout))
         waited = now - goal.blocked_since
-        if around is not None and waited > DETOUR_WAIT:
+        if around is not None and waited > AT_REST:
             return around
         if waited <= timeout:
             return known

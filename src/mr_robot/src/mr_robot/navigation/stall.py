@@ -8,13 +8,14 @@ from mr_grid import Pose
 
 # (s looked back, m and rad commanded in that time from which a standing robot is blocked)
 WINDOWS = ((0.4, 0.1, 0.35), (1.2, 0.08, 0.3), (3.6, 0.08, 0.3))
-LATENCY = 0.1  # s from a command to motion
 STANDING = 0.3  # share of the commanded motion below which the robot stands
 KEPT = 50  # commands and poses; more than the longest window holds
 
 
 class StallWatch:
-    def __init__(self) -> None:
+    def __init__(self, latency: float) -> None:
+        """`latency`: s from a command to motion, a period of control."""
+        self._latency = latency
         self.clear()
 
     def clear(self) -> None:
@@ -45,7 +46,7 @@ class StallWatch:
         since, before = self._pose_times[index], self._poses[index]
         if now - since < window - 0.15:
             return False
-        distance, turn = self._commanded(since - LATENCY, now - LATENCY)
+        distance, turn = self._commanded(since - self._latency, now - self._latency)
         moved = math.dist(pose[:2], before[:2])
         if abs(turn) > math.pi:
             return False  # poses do not tell how often a robot turned
