@@ -2,7 +2,6 @@
 world. In the distributed one the doctor looks at a robot; explorer, map_merger, adhoc_communication are killed. In the
 centralized one the base pauses the team and lets it go on."""
 
-import json
 import os
 import signal
 import subprocess
@@ -11,6 +10,8 @@ from pathlib import Path
 from typing import Dict, List, NamedTuple
 
 import pytest
+
+from mr_measures.record.files import read_record
 
 LIMIT_S = 400
 TOPOLOGIES = ("distributed", "centralized")
@@ -104,14 +105,14 @@ def processes_of(words: str) -> List[int]:
 def test_every_robot_finishes(mission: Mission) -> None:
     code, output, out = mission[:3]
     assert code == 0, output
-    summary = json.loads((out / "summary.json").read_text())
-    assert summary["finished"] and all(robot["finished"] for robot in summary["robots"].values()), output
+    record = read_record(out / "record.json")
+    assert record.finished and all(robot.state == "finished" for robot in record.robots.values()), output
 
 
 def test_it_really_ran_in_namespaces_over_raw_sockets(mission: Mission) -> None:
-    summary = json.loads((mission.out / "summary.json").read_text())
-    assert summary["isolation"] != "hub"
-    assert summary["team"]["packets_by_hops"]["1"] > 0
+    record = read_record(mission.out / "record.json")
+    assert record.asked.settings["isolation"] != "hub"
+    assert record.packets_by_hops[1] > 0
 
 
 def test_the_doctor_finds_nothing_wrong_with_a_healthy_robot(missions: Dict[str, Mission]) -> None:
@@ -119,8 +120,8 @@ def test_the_doctor_finds_nothing_wrong_with_a_healthy_robot(missions: Dict[str,
 
 
 def test_the_mission_goes_on_without_nodes_that_are_killed_and_they_come_back(missions: Dict[str, Mission]) -> None:
-    summary = json.loads((missions["distributed"].out / "summary.json").read_text())
-    assert summary["restarts"] == {robot: dict.fromkeys(nodes, 1) for robot, nodes in KILLED.items()}
+    record = read_record(missions["distributed"].out / "record.json")
+    assert record.restarts == {robot: dict.fromkeys(nodes, 1) for robot, nodes in KILLED.items()}
     for robot in KILLED:
         log = missions["distributed"].out / "logs" / robot / "nodes"
         again = any("goes on with its mission" in path.read_text() for path in log.glob("explorer-*.log"))
@@ -135,26 +136,36 @@ def test_the_base_sees_how_the_robots_are_and_orders_them_about(missions: Dict[s
 
 
 def test_maps_are_complete_and_right(mission: Mission) -> None:
-    summary = json.loads((mission.out / "summary.json").read_text())
-    for name, robot in summary["robots"].items():
-        assert robot["coverage"] >= 0.95, name
-        assert robot["wrong_walls"] <= 0.05, name
-        assert robot["merged_with"], f"{name} merged with nobody"
-    assert summary["team"]["collisions"] == 0
+    record = read_record(mission.out / "record.json")
+    for name, robot in record.robots.items():
+        assert robot.map.coverage is not None and robot.map.coverage >= 0.95, name
+        assert robot.map.wrong_walls is not None and robot.map.wrong_walls <= 0.05, name
+        assert robot.partners, f"{name} merged with nobody"
+        assert robot.collisions.total == 0, name
+
+
+def test_the_record_tells_how_the_mission_went(mission: Mission) -> None:
+    record = read_record(mission.out / "record.json")
+    for name, robot in record.robots.items():
+        assert robot.goals and robot.goals[0].end is not None, name
+        assert robot.auctions and sum(auction.clusters for auction in robot.auctions) > 0, name
+        assert robot.series.explored[-1] > 40.0 and {1, 3} <= set(robot.series.state), name
+        assert robot.series.bytes[-1] > 0 and any(robot.series.neighbors), name
+    assert record.notes and record.code and set(record.maps) == set(record.robots)
 
 
 def test_both_topologies_end_with_the_same_map(missions: Dict[str, Mission]) -> None:
     areas = []
     for mission in missions.values():
-        summary = json.loads((mission.out / "summary.json").read_text())
-        areas += [robot["free_cells"] for robot in summary["robots"].values()]
+        robots = read_record(mission.out / "record.json").robots.values()
+        areas += [robot.map.free_cells or 0 for robot in robots]
     assert max(areas) <= 1.02 * min(areas), areas
 
 
 def test_output_folder_has_what_people_look_at(mission: Mission) -> None:
     out = mission.out
     names = {path.name for path in out.rglob("*") if path.is_file() and path.stat().st_size > 0}
-    assert {"summary.json", "map.png", "map.pgm", "map.yaml"} <= names, sorted(names)
+    assert {"record.json", "map.png", "map.pgm", "map.yaml"} <= names, sorted(names)
     assert any(name.endswith(".bag") for name in names)
 
 

@@ -1,11 +1,12 @@
 """A Pioneer and a Turtlebot explore the small world together, each configured as what it is."""
 
-import json
 import subprocess
 from pathlib import Path
 from typing import Tuple
 
 import pytest
+
+from mr_measures.record.files import read_record
 
 LIMIT_S = 300
 WRONG_WALLS = 0.2  # what a Turtlebot sees of walls is less exact, and in both maps
@@ -36,11 +37,10 @@ def mission(tmp_path_factory: pytest.TempPathFactory) -> Tuple[int, str, Path]:
 def test_both_kinds_of_robots_explore_the_world(mission: Tuple[int, str, Path]) -> None:
     code, output, out = mission
     assert code == 0, output
-    summary = json.loads((out / "summary.json").read_text())
-    for name, robot in summary["robots"].items():
-        assert robot["coverage"] >= 0.95, (name, output)
-        assert robot["wrong_walls"] <= WRONG_WALLS, (name, output)
-        assert robot["merged_with"], f"{name} merged with nobody"
+    for name, robot in read_record(out / "record.json").robots.items():
+        assert robot.map.coverage is not None and robot.map.coverage >= 0.95, (name, output)
+        assert robot.map.wrong_walls is not None and robot.map.wrong_walls <= WRONG_WALLS, (name, output)
+        assert robot.partners, f"{name} merged with nobody"
 
 
 def test_the_presets_of_both_kinds_are_kept(mission: Tuple[int, str, Path]) -> None:

@@ -7,26 +7,28 @@ from made_missions import made_mission, made_robot
 
 from mr_experiments.report.agreement import MINIMUM_MISSIONS, Verdict, agreements, rows_of, stack_runs, virtual_runs
 from mr_experiments.report.agreement_command import main
-from mr_experiments.report.stack_missions import ATTEMPTS, NO_SUMMARY, begin_attempt, read_attempts
+from mr_experiments.report.record_set import load_records
+from mr_experiments.report.stack_missions import ATTEMPTS, NO_RECORD, begin_attempt, read_attempts
 from mr_measures.record import files
 from mr_measures.record.robot_record import MapFigures
 
 TIMES = [100.0 + (7 * seed) % MINIMUM_MISSIONS for seed in range(MINIMUM_MISSIONS)]  # 100 s to 111 s
 
 
-def write_mission(folder, time, errors, seed=0, world="w"):
+def record_of(time, errors, seed, world, code, scenario):
+    robots = [made_robot(map=MapFigures(error=error)) for error in errors]
+    status, settings = "finished" if time else "unfinished", {"world": world, "seed": seed, "scenario": scenario}
+    return made_mission(robots, status, time or 900.0, settings=settings, versions={"code": code})
+
+
+def write_mission(folder, time, errors, seed=0, world="/worlds/w.world"):
     folder.mkdir(parents=True, exist_ok=True)
-    robots = {f"robot_{i}": {"map_error": error} for i, error in enumerate(errors)}
-    summary = {"world": f"/worlds/{world}.world", "options": {"seed": seed}, "robots": robots}
-    (folder / "summary.json").write_text(json.dumps({**summary, "team": {"exploration_time": time}}))
+    files.write_record(record_of(time, errors, seed, world, "c", "ros_stack"), folder / "record.json")
 
 
 def write_record(folder, seed, time, errors, world="w", code="c"):
     folder.mkdir(exist_ok=True)
-    robots = [made_robot(map=MapFigures(error=error)) for error in errors]
-    status, settings = "finished" if time else "unfinished", {"world": world, "seed": seed}
-    record = made_mission(robots, status, time or 900.0, settings=settings, versions={"code": code})
-    files.write_record(record, folder / f"{len(errors)}-{seed}.json")
+    files.write_record(record_of(time, errors, seed, world, code, "launch"), folder / f"{len(errors)}-{seed}.json")
 
 
 @pytest.fixture
@@ -81,7 +83,7 @@ def test_too_few_missions_give_no_verdict(folders, side):
     assert "too few missions, 12 on either side are needed" in rows_of(entry)[0]["detail"]
 
 
-def test_attempts_without_summary_are_counted_and_named(folders):
+def test_attempts_without_record_are_counted_and_named(folders):
     missions, records = folders
     (missions / "stopped" / "logs").mkdir(parents=True)  # by rosrun mr_launch team, beside what was noted
     (missions / "stopped" / "robot_0").mkdir()
@@ -90,7 +92,7 @@ def test_attempts_without_summary_are_counted_and_named(folders):
     assert entry.verdict is Verdict.EQUIVALENT and not entry.holds
     lost = rows_of(entry)[1]
     assert lost["value"] == 2 and not lost["holds"] and lost["detail"].startswith("of 14 of the ROS stack")
-    assert "stopped (no summary)" in lost["detail"] and "w-1-77 (no summary)" in lost["detail"]
+    assert "stopped (no record)" in lost["detail"] and "w-1-77 (no record)" in lost["detail"]
 
 
 def test_attempt_of_unknown_team_size_counts_for_all(folders):
@@ -98,6 +100,17 @@ def test_attempt_of_unknown_team_size_counts_for_all(folders):
     (missions / "sudden" / "logs").mkdir(parents=True)
     write_mission(missions / "two", 50.0, [0.0, 1.0])
     assert [[one.name for one in runs.not_finished] for runs in stack_runs(missions).values()] == [["sudden"]] * 2
+
+
+def test_a_report_counts_attempts_without_record(folders, tmp_path):
+    missions, _ = folders
+    begin_attempt(missions, "w", 1, 77, "c", "abc")
+    begin_attempt(missions, "w", 1, 3, "c", "abc")  # a seed that has a record, too
+    (missions / "sudden" / "logs").mkdir(parents=True)
+    found = load_records(missions)
+    assert found.counts == {"finished": MINIMUM_MISSIONS, "unfinished": 0, "failed": 2}
+    assert [record.asked.seed for record in found.records if record.failed] == [3, 77]
+    assert found.lost == (str(missions / "sudden"),)
 
 
 def test_unfinished_missions_are_named(folders):
@@ -114,7 +127,7 @@ def test_second_attempt_with_a_seed_is_one_more(tmp_path):
     assert len((tmp_path / ATTEMPTS).read_text().splitlines()) == 2
     write_mission(folders[1], 50.0, [0.0, 1.0], 5)
     lost, finished = read_attempts(tmp_path)
-    assert (lost.status, lost.robots, lost.seed, lost.code, lost.commit) == (NO_SUMMARY, 2, 5, "c", "abc")
+    assert (lost.status, lost.robots, lost.seed, lost.code, lost.commit) == (NO_RECORD, 2, 5, "c", "abc")
     assert (finished.time, finished.errors, finished.seed, finished.code) == (50.0, (0.0, 1.0), 5, "c")
 
 
@@ -164,7 +177,7 @@ def test_other_code_is_noted_and_another_world_refused(folders, tmp_path, capsys
     assert "missions of different worlds are not compared: other, w" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("broken, text", [("missions", "no summary.json"), ("records", "no records")])
+@pytest.mark.parametrize("broken, text", [("missions", "no record.json"), ("records", "no records")])
 def test_empty_folders_are_named(folders, tmp_path, capsys, broken, text):
     empty = tmp_path / "empty"
     empty.mkdir()

@@ -16,7 +16,7 @@ from pathlib import Path
 from made_missions import made_mission, made_robot
 
 from mr_experiments.common.plain_rounding import plain_environment
-from mr_experiments.sweep.record import versions
+from mr_experiments.sweep.record import own_versions
 from mr_experiments.sweep.sweep import LocalPool, default_jobs
 from mr_experiments.sweep.trial_process import record_path
 from mr_experiments.trial.radio_options import RadioOptions
@@ -116,7 +116,7 @@ def run_here():
         folder.mkdir()
         list(LocalPool(min(2, default_jobs())).run(TRIALS, folder))
         records = {trial.key: read_record(record_path(folder, trial)) for trial in TRIALS}
-    libraries = {name: version for name, version in versions().items() if name != "code"}
+    libraries = {name: version for name, version in own_versions().items() if name != "code"}
     return {"versions": libraries, "trials": {key: outcome_of(record) for key, record in records.items()}}
 
 

@@ -11,7 +11,7 @@ MAY_IMPORT = {
     "sweep": ("common", "host", "trial"),
     "bench": ("common", "host", "sweep", "trial"),
     "report": ("common", "trial"),
-    "publish": ("bench", "common"),
+    "publish": ("bench", "common", "report"),
     "replay": ("common",),
     "worlds": ("common",),
 }

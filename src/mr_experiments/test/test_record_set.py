@@ -71,7 +71,7 @@ def test_the_same_trial_twice(tmp_path):
 @pytest.mark.parametrize(
     ("keys", "value", "message"),
     [
-        (("format",), 2, "the record has format 2; this version reads format 1"),
+        (("format",), 3, "the record has format 3; this version reads formats 1 and 2"),
         (("trial", "world"), None, "trial.world is missing"),
         (("trial", "robots"), 0, "trial.robots must be a whole number"),
         (("trial", "robots"), 3, "has 2 robots, but the trial asked for 3"),

@@ -500,7 +500,7 @@ def test_damage_is_named(record, path_and_value, culprit):
     ("content", "culprit"),
     [
         ([], "no record of a mission"),
-        ({"format": 2, "robots": {"a": {}}}, "the record has format 2"),
+        ({"format": 3, "robots": {"a": {}}}, "the record has format 3"),
         ({"format": 1, "robots": {}}, "trial is missing"),
         (document_of(made_mission([made_robot()], "failed")) | {"robots": {}}, "holds no robots"),
     ],

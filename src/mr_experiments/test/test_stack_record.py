@@ -11,10 +11,12 @@ from mr_experiments.report.record_set import load_record, load_records
 from mr_experiments.report.report import make_report
 from mr_grid import OccupancyGrid, Pose
 from mr_launch.mission import Outcome
-from mr_launch.record import mission_record
+from mr_launch.record import Course, begun_record, mission_record
+from mr_launch.reports import RobotReport
+from mr_launch.robot_log import RobotLog, Sample
 from mr_launch.truth import Track
 from mr_measures.record.files import RecordError, read_record, write_record
-from mr_measures.record.robot_record import MapFigures, Merge
+from mr_measures.record.robot_record import MapFigures
 
 START = 5.0  # s of simulation time
 
@@ -29,32 +31,54 @@ def driven(meters):
 
 
 FIGURES = MapFigures(free_cells=8, error=0.1, coverage=0.99, wrong_walls=0.0)
+OPTIONS = SimpleNamespace(
+    world="small8x8", seed=1, strategy=7, duration=900.0, range=10.0, loss=0.05, wall_attenuation=0.0, open=False,
+    initial_poses=False, starts=[], odometry="bias", topology="distributed", slam="ours", navigation="ours", rtf=1.0,
+    respawn=False, bag=True,
+)  # fmt: skip
+PLACED = {"kind": "merge", "at": START + 4.0, "partner": "robot_1", "transform": [1.0, 0.0, 0.0]}
 
 
-def summary_of(time, **more):
-    return {"time": time, "state": "finished", "goals_reached": 3, "auctions": 2,
-            "radio": {"bytes_sent": 70, "frames_sent": 7, "packets_received_by_hops": [1]}, **more}  # fmt: skip
+def log_of(name):
+    """A sample a second; robot_0 sees robot_1, is sent to a place twice and opens an auction."""
+    log = RobotLog()
+    events = [
+        {"kind": "goal", "at": START + 1.0, "id": 1, "x": 2.0, "y": 0.0},
+        {"kind": "goal_end", "at": START + 3.0, "outcome": "failed", "text": "no way"},
+        {"kind": "goal", "at": START + 3.5, "id": 2, "x": 3.0, "y": 0.0},
+        {"kind": "auction", "at": START + 0.5, "id": 17, "clusters": 4},
+        {"kind": "note", "at": START + 3.0, "text": "explorer: no way", "warning": True},
+        PLACED,
+    ]
+    for second in range(31):
+        near = ("robot_1",) if name == "robot_0" else ()
+        log.take(Sample(START + second, 1.0 + second, 1.0, 10 * second, second, 1, 1, near), [])
+    log.take(Sample(START + 31.0), events if name == "robot_0" else [])
+    return log
 
 
-def record(time=20.0, seed=1, reason=""):
-    options = SimpleNamespace(
-        world="small8x8", seed=seed, strategy=7, duration=900.0, range=10.0, loss=0.05, wall_attenuation=0.0,
-        odometry="bias", topology="distributed", slam="ours", navigation="ours", rtf=1.0,
-    )  # fmt: skip
-    robots = [SimpleNamespace(name=f"robot_{number}", start=(1.0, 2.0, 0.0)) for number in range(2)]
-    team = {
-        "exploration_time": time,
-        "real_time_factor": 1.0,
-        "cpu": {"robot_0": {"explorer": 0.1}, "robot_1": {"explorer": 0.2}},
-    }
-    summary = {"team": team, "robots": {robot.name: summary_of(time) for robot in robots}}
+def course(name, time, known):
+    report = RobotReport(name, state=4, exploration_finished=time is not None, exploration_time=time or 0.0,
+        start_time=START, goals_reached=3, auctions=2, sees_merges=name == "robot_0",
+        radio={"bytes_sent": 70, "frames_sent": 7, "packets_received_by_hops": [1]})  # fmt: skip
     grid = OccupancyGrid.of(np.array([[0, 100], [-1, 0]], dtype=np.int8), 0.05, Pose(-1.0, -1.0))
-    outcome = Outcome(START, START + 30.0, reason, ["robot_1 was late"])
-    truth = SimpleNamespace(tracks={robot.name: driven(30.0) for robot in robots})
-    plan, figures = SimpleNamespace(options=options, robots=robots), {robot.name: FIGURES for robot in robots}
-    merges = {"robot_0": (Merge("robot_1", 4.0, Pose(1.0, 0.0, 0.0)),), "robot_1": None}
-    known = {"robot_0": np.array([START, START + 8.0, np.inf]), "robot_1": np.array([np.inf, np.inf, START + 12.0])}
-    return mission_record(plan, summary, outcome, truth, {"robot_0": grid}, figures, merges, known)
+    plan = SimpleNamespace(name=name, start=(1.0, 2.0, 0.0))
+    return Course(plan, report, log_of(name), driven(30.0), FIGURES, grid, grid, known)
+
+
+def plan_of(courses, seed=1):
+    options = SimpleNamespace(**{**vars(OPTIONS), "seed": seed})
+    return SimpleNamespace(options=options, robots=[one.plan for one in courses], base=None, isolation="namespaces")
+
+
+def record(time=20.0, seed=1, reason="", failed=False):
+    known = [np.array([START, START + 8.0, np.inf]), np.array([np.inf, np.inf, START + 12.0])]
+    courses = [course(f"robot_{number}", time, since) for number, since in enumerate(known)]
+    outcome = Outcome(
+        START, START + 30.0, reason, failed, ["robot_1 was late"], {"robot_0": {"explorer": 1}, "base": {}}
+    )
+    cpu = {"robot_0": {"explorer": 0.1}, "robot_1": {"explorer": 0.2}}
+    return mission_record(plan_of(courses, seed), outcome, courses, cpu, 1.0, {"code": "c"})
 
 
 @pytest.fixture
@@ -70,6 +94,8 @@ def test_figures_of_a_robot_end_when_it_has_finished(missions):
     assert (found.outcome.status, found.team.exploration_time, found.asked.scenario) == ("finished", 20.0, "ros_stack")
     assert found.distance == pytest.approx(40.0, abs=0.2) and found.outcome.time == 30.0
     assert found.measured.cpu_by_component == {"explorer": pytest.approx(9.0)}
+    assert found.measured.cpu_by_host["robot_1"] == {"explorer": pytest.approx(6.0)}
+    assert found.restarts == {"robot_0": {"explorer": 1}} and found.code == "c"
 
 
 def test_a_mission_without_an_end_is_unfinished(tmp_path):
@@ -82,12 +108,31 @@ def test_a_mission_without_an_end_is_unfinished(tmp_path):
     )
 
 
+def test_a_mission_in_which_something_broke_has_failed():
+    found = record(reason="explorer of robot_0 died", failed=True)
+    assert (found.outcome.status, found.team.exploration_time) == ("failed", None)
+    assert found.robots["robot_0"].finished_at == 20.0
+
+
+def test_a_mission_that_never_ended_is_counted_as_failed(missions):
+    plan = plan_of([course("robot_0", None, None)], seed=3)
+    (missions / "mission-3").mkdir()
+    write_record(begun_record(plan, {"code": "c"}), missions / "mission-3" / "record.json")
+    records = load_records(missions)
+    assert records.counts == {"finished": 2, "unfinished": 0, "failed": 1}
+    (lost,) = (each for each in records.records if each.failed)
+    assert (lost.asked.world, lost.asked.seed, lost.asked.scenario) == ("small8x8", 3, "ros_stack")
+    assert "before it could write" in lost.outcome.reason
+
+
 def test_what_the_team_knew_together_is_told_over_time(missions):
     found = load_record(missions / "mission-1" / "record.json")
     series = found.team.series
     assert series.time == (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0)
     assert series.coverage[:4] == pytest.approx((1 / 3, 1 / 3, 2 / 3, 1.0), abs=1e-5)
     assert found.final_coverage == 1.0 and found.team.overlap == 0.0
+    assert series.bytes[:3] == (0, 100, 200) and series.frames[:3] == (0, 10, 20)
+    assert series.distance[:3] == pytest.approx((0.0, 10.0, 20.0), abs=0.2)
 
 
 def test_missions_of_the_stack_make_a_report_without_what_they_do_not_know(missions, tmp_path):
@@ -106,8 +151,19 @@ def test_a_mission_of_the_stack_is_replayed(missions):
     assert series.time[:3] == pytest.approx((0.0, 1.0, 2.0)) and series.x[:3] == pytest.approx((1.0, 2.0, 3.0))
     assert math.isclose(series.distance[-1], 30.0, abs_tol=0.1)
     assert "robot_0" in make_page(found)
-    (merge,) = page_data(found)["merges"]
+    page = page_data(found)
+    (merge,) = page["merges"]
     assert (merge["at"], merge["kind"], merge["name"]) == (4, "unknown", "robot_1")
+    goals, auctions = page["robots"][0]["goals"], page["robots"][0]["auctions"]
+    assert [(goal["set"], goal["end"], goal["x"], goal["outcome"]) for goal in goals] == [
+        (1, 3, 3, "failed"), (3.5, None, 4, "")
+    ]  # fmt: skip
+    assert auctions == [{"at": 0.5, "id": 17, "clusters": 4}]
+    assert page["links"] == [[0, 30, 0, 1, False]] and page["team"]["explored"]
+    assert {"robot_0 failed to reach its goal: no way", "robot_0: explorer: no way"} <= {
+        event["text"] for event in page["events"]
+    }
+    assert not [note for note in page["notes"] if "recorded" in note], page["notes"]
 
 
 def test_two_missions_of_one_seed_are_refused(missions):

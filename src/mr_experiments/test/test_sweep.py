@@ -168,7 +168,7 @@ def broken(**values):
         ("{}", "no record of a mission: it has no format number; choose another --out or remove it"),
         (broken(outcome={}), "damaged record: outcome.status is missing"),
         (broken(robots=[]), "damaged record: robots must be an object"),
-        (broken(format=0), "format 0; this version reads format 1; choose another --out"),
+        (broken(format=0), "format 0; this version reads formats 1 and 2; choose another --out"),
         (broken(trial=trial_of(1, limit=2.0).to_json()), "another trial .limit: 2.0, not 1.0.; choose another --out"),
         (broken(trial=5), "damaged record: trial must be an object"),
     ],

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from mr_launch.arguments import parse_arguments
-from mr_launch.commands import make_output_folder, page_listener
+from mr_launch.commands import make_output_folder, note_begin, page_listener
 from mr_launch.outside import run_team
 from mr_launch.plan import Plan, RobotPlan
 
@@ -39,6 +39,7 @@ def main():
         programs={name: program(tools, name) for name in ("radio", "team_key", "world", "roslaunch")},
     )
     make_output_folder(plan)
+    note_begin(plan)
     return run_team(plan, page_listener(plan.options.page))
 
 

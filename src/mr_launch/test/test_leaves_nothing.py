@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from mr_launch.record import NO_END
+from mr_measures.record.files import read_record
+
 HERE = Path(__file__).resolve().parent
 NEW_WORLD = ["unshare", "--pid", "--net", "--mount", "--fork", "--kill-child", "--mount-proc"]
 
@@ -69,9 +72,19 @@ def test_crash_names_node_and_log(folder):
     assert "Traceback" not in output
 
 
-def test_interrupted_mission_has_summary(folder):
-    run(folder, "namespaces", "interrupt", outer_namespaces("root"))
-    summary = json.loads((folder / "out" / "summary.json").read_text())
-    assert summary["finished"] is False
-    assert summary["reason"] == "interrupted"
-    assert (folder / "out" / "team.png").exists()
+ENDS = [
+    ("finish", "finished", ""),
+    ("interrupt", "unfinished", "interrupted"),
+    ("crash", "failed", "explorer of robot_1 died (exit code 3)"),
+    ("kill-tree", "failed", NO_END),
+]
+
+
+@pytest.mark.parametrize(("end", "status", "reason"), ENDS)
+def test_every_mission_has_a_record(folder, end, status, reason):
+    run(folder, "namespaces", end, outer_namespaces("root"))
+    record = read_record(folder / "out" / "record.json")
+    assert record.outcome.status == status and record.outcome.reason.startswith(reason)
+    assert record.code and record.asked.settings["isolation"] == "namespaces"
+    if status != "failed":
+        assert list(record.robots) == ["robot_0", "robot_1"] and (folder / "out" / "team.png").exists()

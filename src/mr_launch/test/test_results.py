@@ -1,6 +1,5 @@
-"""Trace, maps, summary and what roslaunch says about nodes."""
+"""Trace, maps, pictures and what roslaunch says about nodes."""
 
-import json
 import pickle
 
 import cv2
@@ -9,24 +8,18 @@ import pytest
 import yaml
 
 from mr_grid import OccupancyGrid, Pose
-from mr_launch.arguments import parse_arguments
 from mr_launch.maps import load_raw, save_map, save_raw
 from mr_launch.mission import Outcome
-from mr_launch.monitor import Digest
 from mr_launch.nodes import MOST_RESTARTS, NodeWatch, parse_ends
 from mr_launch.pictures import bounds, draw_mission
-from mr_launch.plan import Plan, RobotPlan
-from mr_launch.record import merges_of
+from mr_launch.processor_shares import cpu_shares, process_name
 from mr_launch.reports import RobotReport
 from mr_launch.results import exploration_end, last_finish
-from mr_launch.summary import cpu_shares, mission_summary, packets_by_hops, process_name, robot_summary, team_summary
 from mr_launch.truth import Truth
 from mr_launch.view import Picture, RobotRow, plain_lines
 from mr_launch.world import Meter, load_known
 from mr_measures import truth as measures
-from mr_measures.figures import collisions, distance_driven
 from mr_measures.motion import read_trace
-from mr_measures.record.robot_record import MapFigures, Merge
 from mr_measures.truth import KnowableArea
 
 HEADER = "# mr_sim trace 1 seed 1 real_time_factor 1 world w\ntime,wall,robot,x,y,yaw,v,w,stalled,collision\n"
@@ -44,53 +37,22 @@ def write_trace(path, rows):
     path.write_text(HEADER + "".join(",".join(map(str, row)) + "\n" for row in rows))
 
 
-def test_truth_of_one_robot(tmp_path):
-    rows = [  # drives 1 m, stands, touches a wall once for two steps, touches a robot once
-        (0.0, 10.0, "a", 0.0, 0, 0, 0.0, 0.0, 0, 0),
-        (1.0, 10.5, "a", 0.5, 0, 0, 0.5, 0.0, 0, 0),
-        (2.0, 11.0, "a", 1.0, 0, 0, 0.5, 0.0, 0, 0),
-        (3.0, 11.5, "a", 1.0, 0, 0, 0.0, 0.0, 1, 1),
-        (4.0, 12.0, "a", 1.0, 0, 0, 0.0, 0.0, 1, 1),
-        (5.0, 12.5, "a", 1.0, 0, 0, 0.0, 0.0, 0, 0),
-        (6.0, 13.0, "a", 1.0, 0, 0, 0.0, 0.2, 1, 2),
-    ]
-    write_trace(tmp_path / "t.csv", rows)
-    truth = Truth(tmp_path / "t.csv", ["a"])
-    truth.update()
-    figures = truth.tracks["a"].statistics(0.0, 6.0, 6.0)
-    assert figures["distance"] == 1.0
-    assert figures["moving"] == pytest.approx(3 / 6, abs=1e-3)
-    assert (figures["collisions"], figures["collisions_with_robots"]) == (2, 1)
-    assert figures["stalled_time"] == 3.0
-    assert truth.real_time_factor(0.0, 6.0) == pytest.approx(2.0)
-    later = truth.tracks["a"].statistics(2.0, 6.0, 6.0)
-    assert later["distance"] == 0.0
-    records = read_trace(tmp_path / "t.csv").robots["a"]
-    assert (truth.tracks["a"].records() == records).all()
-    assert figures["distance"] == distance_driven(records) and figures["collisions"] == collisions(records).total
-
-
-def test_the_way_home_is_distance_but_no_task(tmp_path):
-    rows = [(0.1 * n, 0.1 * n, "a", 0.05 * max(0, n - 10), 0, 0, 0.5 * (n > 10), 0.0, 0, 0) for n in range(31)]
-    write_trace(tmp_path / "t.csv", rows)
-    truth = Truth(tmp_path / "t.csv", ["a"])
-    truth.update()
-    figures = truth.tracks["a"].statistics(0.0, 2.0, 3.0)
-    assert figures["moving"] == 0.5
-    assert figures["distance"] == 1.0
-
-
-def test_a_robot_without_a_trace_has_not_moved(tmp_path):
-    figures = Truth(tmp_path / "t.csv", ["a"]).tracks["a"].statistics(0.0, 2.0, 3.0)
-    assert set(figures.values()) == {0}
-
-
 def test_exploration_of_a_robot_ends_when_it_says_so_or_with_the_mission():
     outcome = Outcome(start=10.0, end=90.0)
     done = report(exploration_finished=True, exploration_time=50.0, start_time=12.5)
     assert exploration_end(done, outcome) == 62.5
     assert exploration_end(report(), outcome) == 90.0
     assert last_finish([done, report()], outcome) == 90.0
+
+
+def test_trace_is_what_the_measures_read(tmp_path):
+    rows = [(0.05 * n, 0.1 * n, "a", 0.01 * n, 0, 0, 0.2, 0.0, n % 2, 0) for n in range(5)]
+    write_trace(tmp_path / "t.csv", rows)
+    truth = Truth(tmp_path / "t.csv", ["a", "silent"])
+    truth.update()
+    assert (truth.tracks["a"].records() == read_trace(tmp_path / "t.csv").robots["a"]).all()
+    assert truth.tracks["a"].records(0.1, 0.16)["x"].tolist() == pytest.approx([0.02, 0.03])
+    assert truth.real_time_factor(0.0, 0.2) == pytest.approx(0.5) and truth.tracks["silent"].records().size == 0
 
 
 def test_growing_trace_is_read_by_whole_lines(tmp_path):
@@ -145,44 +107,6 @@ def report(**values):
     entry = RobotReport("robot_0")
     entry.update(values)
     return entry
-
-
-def test_time_of_a_robot_counts_from_the_start_of_the_mission():
-    late = report(exploration_finished=True, exploration_time=50.0, start_time=12.5)
-    assert robot_summary(late, 12.0, {}, MapFigures())["time"] == 50.5
-    assert robot_summary(report(exploration_time=50.0), 12.0, {}, MapFigures())["time"] is None
-
-
-def robot(time, hops, merged=()):
-    radio = {"frames_sent": 10, "bytes_sent": 1000, "packets_received_by_hops": hops}
-    return {"time": time, "radio": radio, "merged_with": list(merged), "collisions": 1}
-
-
-def test_team_sums_up():
-    robots = {"a": robot(10.0, [5, 2], ["b"]), "b": robot(20.0, [1, 0, 4], ["a"])}
-    team = team_summary(robots, 0.98765, None)
-    assert team["exploration_time"] == 20.0
-    assert team["packets_by_hops"] == {"1": 6, "2": 2, "3": 4}
-    assert (team["frames_sent"], team["bytes_sent"], team["merges"], team["collisions"]) == (20, 2000, 2, 2)
-    assert team["real_time_factor"] == 0.988
-
-
-def test_team_with_an_unfinished_robot_has_no_time():
-    robots = {"a": robot(10.0, []), "b": robot(None, [])}
-    team = team_summary(robots, None, None)
-    assert team["finished"] is False and team["exploration_time"] is None
-    options = parse_arguments(["--out", "/o"])
-    plan = Plan(options, "w", [RobotPlan("a", 0, 1, Pose(0.0, 0.0, 0.0))], "/o", "hub")
-    summary = mission_summary(
-        plan, robots, team, "limit of 900 s of simulation time reached", [], {"a": {"explorer": 1}, "b": {}}
-    )
-    assert summary["restarts"] == {"a": {"explorer": 1}}
-    assert summary["finished"] is False
-    json.dumps(summary)
-
-
-def test_no_packets():
-    assert packets_by_hops({"a": {"radio": {}}}) == {}
 
 
 def test_cpu_shares_by_robot_and_node():
@@ -259,30 +183,6 @@ def test_quiet_roslaunch_gives_no_ends(tmp_path):
     assert watch.new_ends() == []
     (tmp_path / "robot_0.log").write_text("started roslaunch server\n")
     assert watch.new_ends() == []
-
-
-def test_digest_keeps_the_first_merge_of_each_robot():
-    digest = Digest("a")
-    digest.merged(["a", "b"], 5.0)
-    digest.merged(["a", "b", "c"], 9.0)
-    digest.seen("map")
-    result = digest.report(10.0)
-    assert result["merged"] == ["b", "c"] and result["merge_times"] == {"b": 5.0, "c": 9.0}
-    assert "map" not in result["missing"] and "explorer" in result["missing"]
-
-
-def test_digest_tells_what_has_changed_in_transforms():
-    digest, near = Digest("a"), Pose(1.0, 2.0, 0.5)
-    digest.believes({"b": near}, 5.0)
-    digest.believes({"b": Pose(1.01, 2.0, 0.5)}, 6.0)
-    digest.believes({}, 7.0)
-    entries = json.loads(json.dumps(digest.report(9.0)))["merges"]
-    assert entries == [
-        {"with": "b", "at": 5.0, "transform": [1.0, 2.0, 0.5]}, {"with": "b", "at": 7.0, "transform": None},
-    ]  # fmt: skip
-    merges = merges_of(report(merges=entries), 6.0, ["a", "b"])
-    assert merges == (Merge("b", 0.0, near), Merge("b", 1.0, None))
-    assert merges_of(report(merges=entries), 6.0, ["a"]) == () and merges_of(report(), 6.0, ["a"]) is None
 
 
 def test_what_a_map_knew_goes_to_the_runner(tmp_path):

@@ -10,7 +10,7 @@ from mr_launch.programs import find_executable
 
 # Navigation drives at 0.5 m/s all the time; after 2 s a person turns the robot for a second and lets go.
 DRIVE = """
-import time, rospy
+import sys, time, rospy
 from geometry_msgs.msg import Twist
 rospy.init_node("drive", disable_rostime=True)
 heard = []
@@ -18,7 +18,10 @@ rospy.Subscriber("base/velocity", Twist, lambda message: heard.append((message.l
 navigation, person = (rospy.Publisher(name + "/cmd_vel", Twist, queue_size=1) for name in ("navigation", "teleop"))
 ahead, turn = Twist(), Twist()
 ahead.linear.x, turn.angular.z = 0.5, 1.0
+end = time.monotonic() + 30.0
 while not (heard and person.get_num_connections()):
+    if time.monotonic() > end:
+        sys.exit(f"override: {len(heard)} velocities heard, {person.get_num_connections()} connections to the person")
     navigation.publish(ahead)
     time.sleep(0.05)
 for step in range(60):

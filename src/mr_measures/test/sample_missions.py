@@ -85,9 +85,17 @@ def missions(draw):
         draw(st.lists(st.builds(Note, times, texts, texts, st.booleans()), max_size=2).map(tuple)),
         draw(
             st.builds(
-                Measured, maybe(times), maybe(times), maybe(times), st.dictionaries(texts, times, max_size=2), texts
+                Measured,
+                maybe(times),
+                maybe(times),
+                maybe(times),
+                st.dictionaries(texts, times, max_size=2),
+                texts,
+                texts,
+                st.dictionaries(texts, st.dictionaries(texts, times, max_size=2), max_size=2),
             )
         ),
+        draw(st.dictionaries(texts, st.dictionaries(texts, counts, max_size=2), max_size=2)),
     )
 
 

@@ -28,7 +28,7 @@ def test_a_file_is_whole_or_not_there(tmp_path):
 
 def test_keys_are_those_of_former_records():
     document = document_of(mission())
-    assert document["format"] == SCHEMA == 1 and document["trial"]["seed"] == 1
+    assert document["format"] == SCHEMA == 2 and document["trial"]["seed"] == 1
     assert set(document) == {"format", "trial", "outcome", "team", "robots", "versions", "maps", "snapshots", "notes"}
     robot = document["robots"]["robot_0"]
     assert robot["start"] == [1.0, 2.0, 0.0] and robot["collisions"] == {"walls": 0, "robots": 0, "times": []}
@@ -57,13 +57,28 @@ def test_other_documents_are_no_records(document):
         record_of_document(document)
 
 
-@pytest.mark.parametrize("version", [2, 0, "1", None])
+@pytest.mark.parametrize("version", [3, 0, "1", None])
 def test_another_version_is_one_clear_error(tmp_path, version):
     path = tmp_path / "mission.json"
     path.write_text(json.dumps({**document_of(mission()), "format": version}))
     with pytest.raises(RecordError) as caught:
         read_record(path)
-    assert str(caught.value) == f"{path}: the record has format {version!r}; this version reads format 1"
+    assert str(caught.value) == f"{path}: the record has format {version!r}; this version reads formats 1 and 2"
+
+
+def test_the_version_before_is_read():
+    assert record_of_document({**document_of(mission()), "format": 1}) == mission()
+
+
+def test_packets_are_told_by_hops_and_partners_by_what_is_believed_last():
+    (robot, *_) = mission().robots.values()
+    place = Pose(1.0, 0.0, 0.0)
+    merges = (Merge("b", 3.0, place), Merge("c", 3.5, place), Merge("b", 4.0, None))
+    first = replace(robot, radio={"packets_received_by_hops": [5, 2]}, merges=merges)
+    second = replace(robot, radio={"packets_received_by_hops": [1, 0, 4]})
+    record = mission(robots={"a": first, "b": second})
+    assert record.packets_by_hops == {1: 6, 2: 2, 3: 4} and mission().packets_by_hops == {}
+    assert first.partners == ("c",) and second.partners == ()
 
 
 MISSING = [

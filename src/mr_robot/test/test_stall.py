@@ -7,7 +7,7 @@ from mr_robot.navigation.stall import StallWatch
 
 def blocked_at(command: tuple, motion: float, turning: float = 0.0) -> float:
     """s until the watch calls a robot blocked that is given `command` (m/s, rad/s) and moves at `motion` m/s."""
-    watch = StallWatch()
+    watch = StallWatch(0.1)
     for step in range(300):
         now = 0.1 * step
         if watch.blocked(now, (motion * now, 0.0, turning * now)):
@@ -29,7 +29,7 @@ def test_a_robot_that_follows_is_not() -> None:
 
 
 def test_a_clock_that_was_set_back_starts_anew() -> None:
-    watch = StallWatch()
+    watch = StallWatch(0.1)
     for now in (10.0, 10.1, 10.2, 10.3, 10.4, 10.5, 10.6):
         watch.blocked(now, (0.0, 0.0, 0.0))
         watch.command(now, (0.5, 0.0))

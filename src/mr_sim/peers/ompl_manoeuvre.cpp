@@ -28,7 +28,13 @@ namespace navigation_peers {
 namespace {
 
 using mr_robot::navigation::Agility;
+using mr_robot::navigation::Body;
 using mr_robot::navigation::Field;
+using mr_robot::navigation::Footprint;
+using mr_robot::navigation::kSlack;
+using mr_robot::navigation::kTouching;
+using mr_robot::navigation::Obstacle;
+using mr_robot::navigation::Pose;
 using mr_robot::navigation::Waypoint;
 
 // As in manoeuvre.cpp.
@@ -67,7 +73,7 @@ void set_pose(ob::State* state, const Pose& pose) {
 double direction_of(const Arc& arc) { return arc.way > 0.0 ? 1.0 : arc.way < 0.0 ? -1.0 : 0.0; }
 
 double seconds_of(const Arc& arc, const Agility& agility) {
-  return arc.way != 0.0 ? std::abs(arc.way) / agility.linear : std::abs(arc.turn) / agility.angular;
+  return arc.way != 0.0 ? std::abs(arc.way) / agility.linear() : std::abs(arc.turn) / agility.angular();
 }
 
 int steps_of(const Arc& arc, double share) {
@@ -121,7 +127,7 @@ class Ground {
   Ground(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles, const Footprint& footprint,
          const Agility& agility)
       : field_(field), start_(start), agility_(agility), body_(start, kReach + 2.0 * kStep, obstacles, footprint) {
-    least_ = std::min(agility.margin, body_.clearance(start) - agility.slack);
+    least_ = std::min(kTouching, body_.clearance(start) - kSlack);
     starts_roomy_ = body_.roomy(start);
   }
 

@@ -25,6 +25,7 @@ def names_for(options: Options) -> Names:
     published = {
         "state": "~state",
         "status": "~status",
+        "auctions": "~sent_auctions",
         "frontiers": "frontierPoints",
         "visited": "visitedfrontierPoints",
         "goal": "goalPoint/goalPoint",

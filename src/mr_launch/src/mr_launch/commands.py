@@ -16,6 +16,7 @@ from mr_launch.errors import UserError
 from mr_launch.outside import run_team
 from mr_launch.plan import BASE, FIRST_PORT, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
+from mr_launch.results import write_begun
 from mr_launch.world import check_start, find_world, keep_generated, presets_of, robots_of, warning_of
 from mr_page.server import listening_sockets
 
@@ -30,6 +31,7 @@ def team(arguments: Sequence[str]) -> int:
         page = page_listener(plan.options.page)
         make_output_folder(plan)
         plan = replace(plan, world=keep_generated(plan.world, Path(plan.out) / "world"))
+        note_begin(plan)
     except UserError as error:
         print(f"team: {error}", file=sys.stderr)
         return BAD_CALL
@@ -104,6 +106,14 @@ def make_output_folder(plan: Plan) -> None:
             latest.symlink_to(out.name)
     except OSError as error:
         raise UserError(f"cannot write to the output folder {out}: {error.strerror}") from None
+
+
+def note_begin(plan: Plan) -> None:
+    """Writes the record of a mission that begins. Raises UserError."""
+    try:
+        write_begun(plan)
+    except OSError as error:
+        raise UserError(f"cannot write to the output folder {plan.out}: {error.strerror}") from None
 
 
 def enter(arguments: Sequence[str]) -> int:

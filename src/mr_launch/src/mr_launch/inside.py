@@ -22,9 +22,9 @@ from mr_launch.mission import Interrupted, Mission, Outcome
 from mr_launch.outside import become_subreaper
 from mr_launch.plan import Plan
 from mr_launch.processes import cpu_seconds
+from mr_launch.processor_shares import cpu_shares
 from mr_launch.reports import ReportServer
 from mr_launch.results import print_results, write_results
-from mr_launch.summary import cpu_shares
 from mr_launch.team import Team
 from mr_launch.truth import Truth
 from mr_launch.view import View
@@ -83,7 +83,7 @@ class Run:
             self.mission.on_start = self._start_of_measuring
             outcome = self.mission.run()
         except TeamFailure as failure:
-            self.outcome.reason = str(failure)
+            self.outcome.reason, self.outcome.failed = str(failure), True
             self.view.notice(f"team: {failure}")
             return NOT_FINISHED
         except Interrupted:
@@ -108,8 +108,8 @@ class Run:
         self.team.stop_rest()
         self.server.close()
         self.truth.update()
-        summary = write_results(self.plan, self.outcome, self.mission.reports, self.truth, cpu)
-        print_results(self.plan, summary)
+        record = write_results(self.plan, self.outcome, self.server, self.truth, cpu)
+        print_results(self.plan, record)
         return code
 
     def _cpu_shares(self) -> dict[str, dict[str, float]]:

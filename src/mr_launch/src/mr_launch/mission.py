@@ -21,12 +21,13 @@ TICK = 0.25  # s
 
 @dataclass
 class Outcome:
-    """How it ended. Times in s of simulation time; ``reason`` is empty when every robot finished; ``restarts``: how
-    often which node of which robot was started again."""
+    """How it ended. Times in s of simulation time; ``reason`` is empty when every robot finished; ``failed``: something
+    broke; ``restarts``: how often which node of which robot was started again."""
 
     start: float = 0.0
     end: float = 0.0
     reason: str = ""
+    failed: bool = False
     notes: list[str] = field(default_factory=list)
     restarts: dict[str, dict[str, int]] = field(default_factory=dict)
 

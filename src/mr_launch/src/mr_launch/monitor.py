@@ -5,24 +5,29 @@ from __future__ import annotations
 import json
 import select
 import socket
+from collections import deque
 from typing import Any, Iterable, Mapping
 
 from mr_grid import Pose
 from mr_measures.record.beliefs import Beliefs
 
+MOST_EVENTS = 1000  # that wait for the next report; beyond, the oldest are lost
 PARTS = ("adhoc_communication", "map", "map_merger", "explorer", "move_base")
 
 
 class Digest:
-    """Collects the news of one robot; ``report`` gives what changed into the runner's RobotReport."""
+    """Collects the news of one robot; ``report`` gives what changed into the runner's RobotReport and RobotLog. Times
+    in s of simulation time."""
 
     def __init__(self, robot: str) -> None:
         self.robot = robot
         self._values: dict[str, Any] = {}
         self._missing = set(PARTS)
-        self._merge_times: dict[str, float] = {}
         self._beliefs = Beliefs()
-        self._merges: list[dict[str, Any]] = []
+        self._events: deque[dict[str, Any]] = deque(maxlen=MOST_EVENTS)
+        self._goals = 0
+        self._goal = ""  # move_base's name of the present one
+        self._bids = 0
 
     def seen(self, part: str) -> None:
         """This part of the robot is up."""
@@ -35,28 +40,48 @@ class Digest:
     def set(self, **values: Any) -> None:
         self._values.update(values)
 
-    def merged(self, robots: Iterable[str], now: float) -> None:
-        """Robots whose transform is known at simulation time ``now`` (s); the first time of each is kept."""
-        names = sorted(set(robots) - {self.robot})
-        for name in names:
-            self._merge_times.setdefault(name, now)
-        self._values["merged"] = names
+    def merged(self, robots: Iterable[str]) -> None:
+        """Robots whose transform is known."""
+        self._values["merged"] = sorted(set(robots) - {self.robot})
 
     def believes(self, transforms: Mapping[str, Pose], now: float) -> None:
-        """All transforms to other robots' maps that are believed at simulation time ``now`` (s)."""
+        """All transforms to other robots' maps that are believed."""
+        self._values["sees_merges"] = True
         for name, transform in self._beliefs.changes(transforms):
             place = None if transform is None else [round(value, 5) for value in transform]
-            self._merges.append({"with": name, "at": now, "transform": place})
-        self._values["merges"] = self._merges
+            self._happened("merge", now, partner=name, transform=place)
+
+    def goal(self, name: str, x: float, y: float, now: float) -> None:
+        """Somebody sends the robot there; `name`: by which move_base tells its end. m, frame ``map``."""
+        self._goals, self._goal = self._goals + 1, name
+        self._happened("goal", now, id=self._goals, x=round(x, 4), y=round(y, 4))
+
+    def goal_end(self, name: str, outcome: str, text: str, now: float) -> None:
+        """That of a former goal is no news: the one after has replaced it."""
+        if name == self._goal:
+            self._happened("goal_end", now, outcome=outcome, text=text)
+
+    def auction(self, number: int, clusters: int, now: float) -> None:
+        """The robot opens one."""
+        self._happened("auction", now, id=number, clusters=clusters)
+
+    def bid(self) -> None:
+        """The robot answers another's auction."""
+        self._bids += 1
+        self._values["bids"] = self._bids
+
+    def note(self, text: str, warning: bool, now: float) -> None:
+        """What one of its nodes says."""
+        self._happened("note", now, text=text, warning=warning)
+
+    def _happened(self, kind: str, at: float, **values: Any) -> None:
+        self._events.append({"kind": kind, "at": at, **values})
 
     def report(self, now: float) -> dict[str, Any]:
-        return {
-            "robot": self.robot,
-            "time": now,
-            "missing": self.missing,
-            "merge_times": self._merge_times,
-            **self._values,
-        }
+        """Each event is in one report only."""
+        events = list(self._events)
+        self._events.clear()
+        return {"robot": self.robot, "time": now, "missing": self.missing, "events": events, **self._values}
 
 
 class RunnerLink:

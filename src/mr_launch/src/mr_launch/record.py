@@ -1,9 +1,9 @@
 """record.json: a mission of the ROS stack as `mr_measures.record` has it, so that reports, replays and comparisons take
-it like one in virtual time. What the runner does not know is absent: goals, auctions, whether transforms are
-right."""
+it like one in virtual time. What the runner does not know is absent: whether transforms are right."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Mapping, Sequence
 
 import numpy as np
@@ -12,12 +12,16 @@ from mr_grid import OccupancyGrid, Pose
 from mr_launch.mission import Outcome
 from mr_launch.plan import Plan, RobotPlan
 from mr_launch.reports import RobotReport
-from mr_launch.truth import Track, Truth
+from mr_launch.robot_log import RobotLog
+from mr_launch.truth import Track
 from mr_measures.knowledge import overlap_of, team_series
 from mr_measures.map_picture import picture_of
 from mr_measures.record import mission_record as schema
+from mr_measures.record.logs import NoteLog
 from mr_measures.record.mission_record import (
+    FAILED,
     FINISHED,
+    STACK,
     UNFINISHED,
     Asked,
     Measured,
@@ -27,135 +31,172 @@ from mr_measures.record.mission_record import (
     Team,
 )
 from mr_measures.record.parts import motion_of
-from mr_measures.record.robot_record import MapFigures, Merge, RobotRecord
-from mr_measures.record.series import RobotSeries
+from mr_measures.record.robot_record import MapFigures, RobotRecord
+from mr_measures.record.series import RobotSeries, TeamSeries
 
-SCENARIO = "ros_stack"
-SERIES_PERIOD = 1.0  # s
+NO_END = "the runner was ended before it could write what became of the mission, or it still runs"
+Processors = Mapping[str, Mapping[str, float]]  # shares of a core by robot and process
+
+
+@dataclass(frozen=True)
+class Course:
+    """What is known of one robot at the end. `known`: since when its own map has known each reference cell, s of
+    simulation time; None where nobody looked."""
+
+    plan: RobotPlan
+    report: RobotReport
+    log: RobotLog
+    track: Track
+    figures: MapFigures
+    merged: OccupancyGrid | None = None
+    own: OccupancyGrid | None = None
+    known: np.ndarray | None = None
+
+
+def begun_record(plan: Plan, versions: Mapping[str, str]) -> MissionRecord:
+    """Of a mission that has only been asked for: what is left of it if its runner does not come to its end."""
+    return MissionRecord(Asked(_asked(plan)), schema.Outcome(FAILED, 0.0, NO_END), versions=versions)
 
 
 def mission_record(
     plan: Plan,
-    summary: Mapping[str, Any],
     outcome: Outcome,
-    truth: Truth,
-    grids: Mapping[str, OccupancyGrid],
-    figures: Mapping[str, MapFigures],
-    merges: Mapping[str, tuple[Merge, ...] | None],
-    known: Mapping[str, np.ndarray],
+    courses: Sequence[Course],
+    cpu: Processors,
+    real_time_factor: float | None,
+    versions: Mapping[str, str],
 ) -> MissionRecord:
-    """`summary`: as in summary.json; `grids`, `figures`: of the robots' global maps; `known`: since when each own map
-    has known each reference cell, s of simulation time."""
-    team = summary["team"]
-    status = UNFINISHED if team["exploration_time"] is None else FINISHED
+    """`courses`: of all robots, in the plan's order."""
+    robots = {course.plan.name: _robot(course, outcome, plan) for course in courses}
+    ends = [robot.finished_at for robot in robots.values()]
+    complete = bool(ends) and None not in ends and not outcome.failed
+    time = max(end for end in ends if end is not None) if complete else None
+    status = FAILED if outcome.failed else FINISHED if complete else UNFINISHED
+    duration = max(0.0, outcome.end - outcome.start)
     return MissionRecord(
         Asked(_asked(plan)),
-        schema.Outcome(status, round(max(0.0, outcome.end - outcome.start), 3), outcome.reason),
-        _team(team["exploration_time"], known, plan, outcome),
-        {
-            robot.name: _robot(
-                robot,
-                summary["robots"][robot.name],
-                outcome,
-                truth.tracks[robot.name],
-                figures[robot.name],
-                merges[robot.name],
-            )
-            for robot in plan.robots
-        },
-        maps={name: RobotMaps(picture_of(grid)) for name, grid in grids.items()},
-        notes=tuple(Note(0.0, "", note, True) for note in outcome.notes),
-        measured=_measured(team, outcome.end - outcome.start),
+        schema.Outcome(status, round(duration, 3), outcome.reason),
+        _team(time, robots, [course.known for course in courses], outcome),
+        robots,
+        versions,
+        maps={course.plan.name: _maps(course) for course in courses if course.merged is not None},
+        notes=_notes(courses, outcome),
+        restarts={name: dict(counts) for name, counts in outcome.restarts.items() if counts},
+        measured=_measured(cpu, real_time_factor, duration),
     )
-
-
-def _team(time: float | None, known: Mapping[str, np.ndarray], plan: Plan, outcome: Outcome) -> Team:
-    """`time`: T. Without what one of the robots knew nothing is said of what they knew together."""
-    if any(robot.name not in known for robot in plan.robots):
-        return Team(time)
-    since = [known[robot.name] for robot in plan.robots]
-    return Team(time, overlap_of(since, outcome.end), team_series(since, outcome.start, outcome.end))
-
-
-def merges_of(report: RobotReport, start: float, robots: Sequence[str]) -> tuple[Merge, ...] | None:
-    """Transforms to robots of the team; `start`: of the mission, s of simulation time."""
-    if report.merges is None:
-        return None
-    return tuple(
-        Merge(
-            entry["with"],
-            round(max(0.0, entry["at"] - start), 3),
-            None if entry["transform"] is None else Pose(*entry["transform"]),
-        )
-        for entry in report.merges
-        if entry["with"] in robots
-    )
-
-
-def _measured(team: Mapping[str, Any], duration: float) -> Measured:
-    """`duration`: s of simulation. Processor seconds of each kind of node, of all robots together."""
-    factor = team["real_time_factor"]
-    wall = duration / factor if factor else duration
-    spent: dict[str, float] = {}
-    for shares in team.get("cpu", {}).values():
-        for node, share in shares.items():
-            spent[node] = round(spent.get(node, 0.0) + share * wall, 3)
-    return Measured(round(wall, 3), round(sum(spent.values()), 3), factor, spent)
 
 
 def _asked(plan: Plan) -> dict[str, Any]:
+    """Settings have the names that they have in virtual time."""
     options = plan.options
     return {
         "world": options.world,
         "robots": len(plan.robots),
         "seed": options.seed,
-        "scenario": SCENARIO,
+        "scenario": STACK,
         "strategy": options.strategy,
         "limit": options.duration,
         "fast": False,
-        "radio": {"range": options.range, "loss": options.loss, "wall_attenuation": options.wall_attenuation},
-        "odometry": options.odometry,
+        "radio": {
+            "range": options.range,
+            "loss": options.loss,
+            "wall_attenuation": options.wall_attenuation,
+            "sealed": not options.open,
+        },
+        "known_poses": options.initial_poses,
+        "starts": [list(robot.start) for robot in plan.robots] if options.starts else [],
         "topology": options.topology,
+        "base": None if plan.base is None else list(plan.base.start[:2]),
+        "odometry": options.odometry,
         "slam": options.slam,
         "navigation": options.navigation,
         "real_time_factor": options.rtf,
+        "isolation": plan.isolation,
+        "respawn": options.respawn,
+        "bag": options.bag,
     }
 
 
-def _robot(
-    robot: RobotPlan,
-    summary: Mapping[str, Any],
-    outcome: Outcome,
-    track: Track,
-    figures: MapFigures,
-    merges: tuple[Merge, ...] | None,
-) -> RobotRecord:
-    records = track.records(outcome.start, outcome.end).copy()
-    records["time"] -= outcome.start
-    finished_at = summary["time"]
-    motion = motion_of(records, 0.0, outcome.end - outcome.start if finished_at is None else finished_at)
+def _robot(course: Course, outcome: Outcome, plan: Plan) -> RobotRecord:
+    report, log, start = course.report, course.log, outcome.start
+    finished_at = None
+    if report.exploration_finished:
+        finished_at = round(report.exploration_time + report.start_time - start, 3)
+    records = course.track.records(start, outcome.end).copy()
+    records["time"] -= start
+    motion = motion_of(records, 0.0, outcome.end - start if finished_at is None else finished_at)
+    goals = log.goals(start)
     return RobotRecord(
-        start=Pose(*(round(value, 5) for value in robot.start)),
+        start=Pose(*(round(value, 5) for value in course.plan.start)),
         distance=motion.distance,
         moving=motion.moving,
         finished_at=finished_at,
-        state=summary["state"],
+        state=report.state_name,
         stalled=motion.stalled,
         collisions=motion.collisions,
-        map=figures,
-        radio={name: value for name, value in summary["radio"].items() if isinstance(value, int)},
-        counters={"goals_reached": summary["goals_reached"], "auctions_completed": summary["auctions"]},
-        merges=merges,
-        series=_series(records),
+        map=course.figures,
+        radio=report.radio,
+        counters={
+            "bids": report.bids,
+            "auctions_completed": report.auctions,
+            "auctions_uncompleted": report.auctions_uncompleted,
+            "goals": len(goals),
+            "goals_reached": report.goals_reached,
+            "unreachable_frontiers": report.unreachable,
+        },
+        goals=goals,
+        auctions=log.auctions(start),
+        merges=log.merges(start, [robot.name for robot in plan.robots]) if report.sees_merges else None,
+        series=log.series(start, records),
     )
 
 
-def _series(records: np.ndarray) -> RobotSeries:
-    """True motion once per second; `records`: times in s since the start of the mission."""
-    if not records.size:
-        return RobotSeries()
-    chosen = np.searchsorted(records["time"], np.arange(0.0, float(records["time"][-1]) + 1e-9, SERIES_PERIOD))
-    steps = np.hypot(np.diff(records["x"]), np.diff(records["y"]))
-    rows, way = records[chosen], np.concatenate([[0.0], np.cumsum(steps)])[chosen]
-    columns = {**{name: rows[name] for name in ("time", "x", "y", "yaw")}, "distance": way}
-    return RobotSeries(**{name: tuple(values.round(4).tolist()) for name, values in columns.items()})
+def _team(
+    time: float | None, robots: Mapping[str, RobotRecord], known: Sequence[np.ndarray | None], outcome: Outcome
+) -> Team:
+    """`time`: T. Without what one of the robots knew nothing is said of what they knew together."""
+    since = [one for one in known if one is not None]
+    if not known or len(since) < len(known):
+        return Team(time)
+    series = team_series(since, outcome.start, outcome.end)
+    return Team(time, overlap_of(since, outcome.end), _with_sums(series, [robot.series for robot in robots.values()]))
+
+
+def _with_sums(team: TeamSeries, robots: Sequence[RobotSeries]) -> TeamSeries:
+    """With what all robots together have driven and sent by its times."""
+    if not all(robot.time for robot in robots):
+        return team
+    sums = {}
+    for name in ("distance", "bytes", "frames"):
+        columns = [(np.array(robot.time), np.array(getattr(robot, name))) for robot in robots]
+        total = sum(column[np.searchsorted(times, team.time, side="right") - 1] for times, column in columns)
+        sums[name] = tuple(np.asarray(total).round(4).tolist())
+    return TeamSeries(team.time, team.explored, team.coverage, **sums)
+
+
+def _maps(course: Course) -> RobotMaps:
+    merged, own = course.merged, course.own
+    return RobotMaps(None if merged is None else picture_of(merged), None if own is None else picture_of(own))
+
+
+def _notes(courses: Sequence[Course], outcome: Outcome) -> tuple[Note, ...]:
+    """Those of the runner, then those of all robots by time."""
+    log = NoteLog()
+    told = [note for course in courses for note in course.log.notes(outcome.start, course.plan.name)]
+    for note in [*(Note(0.0, "", text, True) for text in outcome.notes), *sorted(told, key=lambda note: note.at)]:
+        log.add(note)
+    return tuple(log.notes)
+
+
+def _measured(cpu: Processors, factor: float | None, duration: float) -> Measured:
+    """`duration`: s of simulation. Processor seconds of each kind of node, of all robots together and of each."""
+    wall = duration / factor if factor else duration
+    by_host = {
+        host: {process: round(share * wall, 3) for process, share in shares.items()} for host, shares in cpu.items()
+    }
+    spent: dict[str, float] = {}
+    for processes in by_host.values():
+        for process, seconds in processes.items():
+            spent[process] = round(spent.get(process, 0.0) + seconds, 3)
+    rounded = None if factor is None else round(factor, 3)
+    return Measured(round(wall, 3), round(sum(spent.values()), 3), rounded, spent, cpu_by_host=by_host)

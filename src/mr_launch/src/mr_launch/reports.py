@@ -10,6 +10,8 @@ import socket
 from dataclasses import dataclass, field
 from typing import Any
 
+from mr_launch.robot_log import RobotLog, Sample
+
 MAXIMUM_LINE = 1 << 20  # octets; a monitor that sends more without a line end is cut off
 
 STATES = ("starting", "exploring", "waiting", "returning", "finished")
@@ -34,11 +36,14 @@ class RobotReport:
     unreachable: int = 0
     goals_reached: int = 0
     auctions: int = 0
+    auctions_uncompleted: int = 0
+    bids: int = 0
+    explored: float = 0.0  # m^2 of free space in the global map
+    own: float = 0.0  # m^2 of free space in its own map
     coverage: float | None = None
     neighbors: list[str] = field(default_factory=list)
     merged: list[str] = field(default_factory=list)
-    merge_times: dict[str, float] = field(default_factory=dict)
-    merges: list[dict[str, Any]] | None = None  # with, at, transform (None: revoked); None: nobody has told
+    sees_merges: bool = False
     start_time: float = 0.0
     radio: dict[str, Any] = field(default_factory=dict)
     saved: str = ""
@@ -46,6 +51,13 @@ class RobotReport:
     @property
     def state_name(self) -> str:
         return STATES[self.state] if self.state < len(STATES) else str(self.state)
+
+    def sample(self) -> Sample:
+        sent = {name: int(self.radio.get(f"{name}_sent", 0)) for name in ("bytes", "frames")}
+        return Sample(
+            self.time, self.explored, self.own, **sent, bids=self.bids, state=self.state,
+            neighbors=tuple(self.neighbors),
+        )  # fmt: skip
 
     def update(self, values: dict[str, Any]) -> None:
         """Take over known fields; an unknown one is a monitor of another version and is ignored."""
@@ -55,10 +67,12 @@ class RobotReport:
 
 
 class ReportServer:
-    """Accepts the monitors of all robots and keeps the latest report of each. Never blocks longer than asked."""
+    """Accepts the monitors of all robots and keeps the latest report of each, and a log. Never blocks longer than
+    asked."""
 
     def __init__(self, path: str, robots: list[str]) -> None:
         self.reports = {name: RobotReport(name) for name in robots}
+        self.logs = {name: RobotLog() for name in robots}
         self._links: dict[str, socket.socket] = {}
         self._buffers: dict[socket.socket, bytes] = {}
         self._selector = selectors.DefaultSelector()
@@ -117,10 +131,11 @@ class ReportServer:
         try:
             values = json.loads(line)
             report = self.reports[values["robot"]]
+            self._links[report.robot] = link
+            report.update(values)
+            self.logs[report.robot].take(report.sample(), values.get("events", ()))
         except (ValueError, KeyError, TypeError):
             return
-        self._links[report.robot] = link
-        report.update(values)
 
     def _drop(self, link: socket.socket) -> None:
         self._selector.unregister(link)

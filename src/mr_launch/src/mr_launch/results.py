@@ -1,12 +1,11 @@
-"""Output folder of a mission: maps, picture, summary.json, record.json and the final table."""
+"""Output folder of a mission: its record, maps, picture and the final table."""
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Mapping, Sequence
 
 from rich.console import Console
 from rich.table import Table
@@ -15,44 +14,54 @@ from mr_grid import OccupancyGrid
 from mr_launch.maps import load_raw, save_map
 from mr_launch.mission import Outcome
 from mr_launch.plan import TRUTH_FILE, Plan, RobotPlan
-from mr_launch.reports import RobotReport
-from mr_launch.summary import mission_summary, robot_summary, team_summary
 from mr_launch.truth import Truth
 from mr_launch.view import percent
-from mr_launch.world import Measures, load_known
-from mr_measures.record.robot_record import MapFigures
+from mr_launch.world import Measures, load_known, own_map_file, project_worlds
+from mr_measures.record.files import STACK_RECORD
+
+if TYPE_CHECKING:
+    from mr_launch.reports import ReportServer, RobotReport
+    from mr_measures.record.mission_record import MissionRecord
+
+
+def write_begun(plan: Plan) -> None:
+    """The record of a mission that begins; whoever counts missions finds it, however this one ends."""
+    from mr_launch.record import begun_record
+    from mr_measures.record.files import write_record
+    from mr_measures.record.versions import versions
+
+    write_record(begun_record(plan, versions("mr_launch", project_worlds())), Path(plan.out) / STACK_RECORD)
 
 
 def write_results(
-    plan: Plan, outcome: Outcome, reports: list[RobotReport], truth: Truth, cpu: dict[str, dict[str, float]]
-) -> dict[str, Any]:
-    """Write everything that the mission gave, however it ended, and return the summary."""
-    from mr_launch.record import merges_of, mission_record  # what it needs is slow to import
+    plan: Plan, outcome: Outcome, server: ReportServer, truth: Truth, cpu: Mapping[str, Mapping[str, float]]
+) -> MissionRecord:
+    """Write everything that the mission gave, however it ended, and return its record."""
+    from mr_launch.record import Course, mission_record  # what it needs is slow to import
     from mr_measures.record.files import write_record
+    from mr_measures.record.versions import versions
 
     measures = Measures(plan.world, plan.options.slam, Path(plan.socket(TRUTH_FILE)))
     grids = save_maps(plan, outcome)
-    robots: dict[str, dict[str, Any]] = {}
-    figures: dict[str, MapFigures] = {}
-    finish = last_finish(reports, outcome)
-    for robot, report in zip(plan.robots, reports):
-        movement = truth.tracks[robot.name].statistics(outcome.start, exploration_end(report, outcome), outcome.end)
-        figures[robot.name] = measures.of(grids.get(robot.name), robot.start)
-        robots[robot.name] = robot_summary(report, outcome.start, movement, figures[robot.name])
-    team = team_summary(robots, truth.real_time_factor(outcome.start, finish), radio_statistics(plan))
-    team["cpu"] = cpu
-    summary = mission_summary(plan, robots, team, outcome.reason, outcome.notes, outcome.restarts)
-    draw(plan, outcome, grids, robots, truth)
-    (Path(plan.out) / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
-    names = [robot.name for robot in plan.robots]
-    merges = {report.robot: merges_of(report, outcome.start, names) for report in reports}
-    known = load_known({name: raw_map_file(plan, name) for name in names})
-    record = mission_record(plan, summary, outcome, truth, grids, figures, merges, known)
-    write_record(record, Path(plan.out) / "record.json")
-    return summary
+    files = {robot.name: raw_map_file(plan, robot.name) for robot in plan.robots}
+    known = load_known(files)
+    courses = [
+        Course(
+            robot, server.reports[robot.name], server.logs[robot.name], truth.tracks[robot.name],
+            measures.of(grids.get(robot.name), robot.start), grids.get(robot.name),
+            _loaded(own_map_file(files[robot.name])), known.get(robot.name),
+        )
+        for robot in plan.robots
+    ]  # fmt: skip
+    factor = truth.real_time_factor(outcome.start, last_finish(list(server.reports.values()), outcome))
+    made = versions("mr_launch", project_worlds())
+    record = mission_record(plan, outcome, courses, cpu, factor, made)
+    write_record(record, Path(plan.out) / STACK_RECORD)
+    draw(plan, outcome, grids, record, truth)
+    return record
 
 
-def last_finish(reports: list[RobotReport], outcome: Outcome) -> float:
+def last_finish(reports: Sequence[RobotReport], outcome: Outcome) -> float:
     """Simulation time (s) at which the last robot finished exploring; the end if one did not."""
     return max(exploration_end(report, outcome) for report in reports)
 
@@ -67,31 +76,26 @@ def raw_map_file(plan: Plan, robot: str) -> Path:
     return Path(plan.socket(f"{robot}.npz"))
 
 
+def _loaded(path: Path) -> OccupancyGrid | None:
+    return load_raw(path) if path.exists() else None
+
+
 def save_maps(plan: Plan, outcome: Outcome) -> dict[str, OccupancyGrid]:
     grids = {}
     for robot in plan.robots:
-        raw = raw_map_file(plan, robot.name)
-        if not raw.exists():
+        grid = _loaded(raw_map_file(plan, robot.name))
+        if grid is None:
             if outcome.start > 0.0:
                 outcome.notes.append(f"{robot.name} gave no global map")
             continue
-        grids[robot.name] = load_raw(raw)
+        grids[robot.name] = grid
         folder = plan.robot_folder(robot)
         folder.mkdir(parents=True, exist_ok=True)
-        save_map(grids[robot.name], folder / "map")
+        save_map(grid, folder / "map")
     return grids
 
 
-def radio_statistics(plan: Plan) -> dict[str, Any] | None:
-    try:
-        return json.loads((Path(plan.out) / "radio.json").read_text())
-    except (OSError, ValueError):
-        return None
-
-
-def draw(
-    plan: Plan, outcome: Outcome, grids: dict[str, OccupancyGrid], robots: dict[str, dict[str, Any]], truth: Truth
-) -> None:
+def draw(plan: Plan, outcome: Outcome, grids: Mapping[str, OccupancyGrid], record: MissionRecord, truth: Truth) -> None:
     """The most complete map with all paths."""
     if not os.access(Path.home(), os.W_OK):
         os.environ.setdefault("MPLCONFIGDIR", plan.socket("matplotlib"))  # it keeps a cache, and warns without a place
@@ -101,12 +105,12 @@ def draw(
     if not known:
         return
     best = max(known, key=lambda robot: int((grids[robot.name].cells >= 0).sum()))
-    times = [robot["time"] for robot in robots.values()]
-    done = f"explored in {max(times):.0f} s" if all(time is not None for time in times) else "not finished"
+    time = record.team.exploration_time
+    done = "not finished" if time is None else f"explored in {time:.0f} s"
     count = f"{len(plan.robots)} robot{'s' * (len(plan.robots) != 1)}"
     title = f"{Path(plan.world).stem}: {count}, {done}; global map of {best.name}"
-    start = outcome.start if robots else 0.0
-    draw_mission(grids[best.name], best.start, truth.tracks, title, Path(plan.out) / "team.png", start, sizes_of(plan))
+    path = Path(plan.out) / "team.png"
+    draw_mission(grids[best.name], best.start, truth.tracks, title, path, outcome.start, sizes_of(plan))
 
 
 def sizes_of(plan: Plan) -> dict[str, tuple[float, float]]:
@@ -118,58 +122,54 @@ def sizes_of(plan: Plan) -> dict[str, tuple[float, float]]:
     return {name: (footprint.length, footprint.width) for name, footprint in known.items()}
 
 
-def print_results(plan: Plan, summary: dict[str, Any]) -> None:
+COLUMNS = (
+    "robot", "finished", "time", "coverage", "wrong walls", "map error", "distance", "collisions", "merged with",
+)  # fmt: skip
+
+
+def print_results(plan: Plan, record: MissionRecord) -> None:
     """The final table, and where the files are."""
     console = Console(soft_wrap=True, emoji=False, width=None if sys.stdout.isatty() else 120)
     table = Table(box=None, pad_edge=False, header_style="bold")
-    columns = (
-        "robot",
-        "finished",
-        "time",
-        "coverage",
-        "wrong walls",
-        "map error",
-        "distance",
-        "collisions",
-        "merged with",
-    )
-    for title in columns:
+    for title in COLUMNS:
         table.add_column(title, justify="left" if title in ("robot", "merged with") else "right")
-    for name, robot in summary["robots"].items():
-        error = robot.get("map_error")
+    for name, robot in record.robots.items():
         table.add_row(
             name,
-            "yes" if robot["finished"] else f"no ({robot['state']})",
-            "-" if robot["time"] is None else f"{robot['time']:.1f} s",
-            percent(robot.get("coverage")),
-            percent(robot.get("wrong_walls")),
-            "-" if error is None else f"{error:+.2f} %",
-            f"{robot['distance']:.1f} m",
-            str(robot["collisions"]),
-            ", ".join(robot["merged_with"]) or "-",
+            f"no ({robot.state})" if robot.finished_at is None else "yes",
+            "-" if robot.finished_at is None else f"{robot.finished_at:.1f} s",
+            percent(robot.map.coverage),
+            percent(robot.map.wrong_walls),
+            "-" if robot.map.error is None else f"{robot.map.error:+.2f} %",
+            f"{robot.distance:.1f} m",
+            str(robot.collisions.total),
+            ", ".join(robot.partners) or "-",
         )
     console.print(table)
-    team = summary["team"]
-    time = "unfinished" if team["exploration_time"] is None else f"exploration time {team['exploration_time']:.1f} s"
-    factor = "unknown" if team["real_time_factor"] is None else f"{team['real_time_factor']:.2f}"
-    hops = ", ".join(f"{count} over {hop} hop{'s' * (hop != '1')}" for hop, count in team["packets_by_hops"].items())
-    lines = [
-        f"Team: {time}, real-time factor {factor}, "
-        f"{team['frames_sent']} frames ({team['bytes_sent'] / 1e6:.1f} MB) sent,",
-        f"packets received: {hops or 'none'}",
-        *(f"Note: {note}" for note in summary["notes"]),
-        f"Files in {shown(plan.out)}: {', '.join(files_of(plan))}",
-    ]
-    for line in lines:
+    for line in [*_team_lines(record), f"Files in {shown(plan.out)}: {', '.join(files_of(plan))}"]:
         console.print(line, markup=False, highlight=False)
+
+
+def _team_lines(record: MissionRecord) -> list[str]:
+    time, factor = record.team.exploration_time, record.measured.real_time_factor
+    told = "unfinished" if time is None else f"exploration time {time:.1f} s"
+    frames, octets = (
+        sum(robot.sent(name) for robot in record.robots.values()) for name in ("frames_sent", "bytes_sent")
+    )
+    hops = ", ".join(f"{count} over {hop} hop{'s' * (hop != 1)}" for hop, count in record.packets_by_hops.items())
+    return [
+        f"Team: {told}, real-time factor {'unknown' if factor is None else f'{factor:.2f}'}, "
+        f"{frames} frames ({octets / 1e6:.1f} MB) sent,",
+        f"packets received: {hops or 'none'}",
+        *(f"Note: {note.text}" for note in record.notes if not note.robot),
+    ]
 
 
 def files_of(plan: Plan) -> list[str]:
     """What is in the output folder, one robot standing for all."""
     out, first = Path(plan.out), plan.robots[0].name
     names = (
-        "summary.json",
-        "record.json",
+        STACK_RECORD,
         "team.png",
         "truth.csv",
         "logs",

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+import actionlib
+
 from mr_grid import Pose
+from mr_measures.record.logs import CANCELLED, REACHED
+
+OUTCOMES = {
+    actionlib.GoalStatus.SUCCEEDED: REACHED,
+    actionlib.GoalStatus.PREEMPTED: CANCELLED,
+    actionlib.GoalStatus.RECALLED: CANCELLED,
+}  # of a goal that no other has replaced
 
 
 def state_values(message: Any) -> dict[str, Any]:
@@ -19,6 +28,7 @@ def state_values(message: Any) -> dict[str, Any]:
         "unreachable": message.unreachable,
         "goals_reached": message.goals_reached,
         "auctions": message.auctions_completed,
+        "auctions_uncompleted": message.auctions_uncompleted,
     }
 
 

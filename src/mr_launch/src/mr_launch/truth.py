@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from bisect import bisect_left, bisect_right
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -32,21 +31,6 @@ class Track:
     def records(self, start: float = -math.inf, end: float = math.inf) -> np.ndarray:
         """Rows between two simulation times (s), both included, as `mr_measures.motion` has them."""
         return records_of(self._rows[bisect_left(self._rows, (start,)) : bisect_right(self._rows, (end, math.inf))])
-
-    def statistics(self, start: float, finished: float, end: float) -> dict[str, Any]:
-        """Figures of a mission, by mr_measures.figures. Simulation times (s): of its start, of the end of this robot's
-        exploration, of its end."""
-        from mr_measures.figures import collisions, distance_driven, moving_share, stalled_time
-
-        records = self.records(start, end)
-        hits = collisions(records)
-        return {
-            "distance": round(distance_driven(records), 2),
-            "moving": round(moving_share(records, start, finished), 3),
-            "collisions": hits.total,
-            "collisions_with_robots": hits.with_robots,
-            "stalled_time": round(stalled_time(records), 2),
-        }
 
 
 class Truth:

@@ -76,6 +76,13 @@ def presets_of(world: str, names: Sequence[str]) -> tuple[dict[str, str], dict[s
     return of_robot, texts
 
 
+def project_worlds() -> list[Path]:
+    """Folders of the project's worlds."""
+    from mr_sim.worlds import world_folders
+
+    return world_folders()
+
+
 def robots_of(world: str) -> list[tuple[str, Pose]]:
     """Names and start poses of the robots of a world file, in the file's order. Raises UserError."""
     from mr_sim.world_file import WorldFileError
@@ -181,6 +188,11 @@ class Meter:
 def known_file(map_file: Path) -> Path:
     """Beside the file of a robot's final map."""
     return map_file.with_suffix(".known.npy")
+
+
+def own_map_file(map_file: Path) -> Path:
+    """Of the robot's own map, beside the file of its final global map."""
+    return map_file.with_suffix(".own.npz")
 
 
 def load_known(map_files: Mapping[str, Path]) -> dict[str, np.ndarray]:

@@ -7,18 +7,17 @@ import numpy as np
 _Pair = tuple[float, float]
 _Pose = tuple[float, float, float]
 
+TOUCHING: float
+SLACK: float
+
 class Limits:
-    linear: float
-    angular: float
-    linear_acceleration: float
-    angular_acceleration: float
     curvature: float
-    def __init__(self) -> None: ...
+    def __init__(
+        self, linear: float, angular: float, linear_acceleration: float, angular_acceleration: float
+    ) -> None: ...
 
 class Footprint:
-    half_length: float
-    half_width: float
-    def __init__(self) -> None: ...
+    def __init__(self, half_length: float, half_width: float) -> None: ...
 
 class Horizon:
     duration: float
@@ -29,13 +28,7 @@ class Horizon:
     def __init__(self) -> None: ...
 
 class Agility:
-    linear: float
-    angular: float
-    margin: float
-    slack: float
-    full_speed: float
-    full_turn: float
-    def __init__(self) -> None: ...
+    def __init__(self, full_speed: float, full_turn: float, acceleration: float) -> None: ...
 
 def march(
     slowness: np.ndarray,
@@ -61,6 +54,7 @@ def slower_around(
 def descend(cost: np.ndarray, cell: tuple[int, int], most: int) -> list[tuple[int, int]]: ...
 
 class Walls:
+    resolution: float
     def __init__(self, cells: np.ndarray, distance: np.ndarray, resolution: float, origin: _Pair) -> None: ...
 
 class Memory:
@@ -90,6 +84,7 @@ def surroundings(
     known_within: float,
     reach: float,
     spacing: float,
+    footprint: Footprint,
     ranges: np.ndarray = ...,
     angle_min: float = ...,
     angle_increment: float = ...,

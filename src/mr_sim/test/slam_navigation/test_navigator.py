@@ -144,10 +144,15 @@ def test_gentle_start_and_cancel() -> None:
     assert navigator.step(1.3, pose, EMPTY).status is Status.IDLE
 
 
+LIMITS = _navigation.Limits(0.5, 1.57, 1.0, 3.14)
+FOOTPRINT = _navigation.Footprint(0.22, 0.19)
+AGILITY = _navigation.Agility(0.5, 1.57, 1.0)
+
+
 def may_drive(target: Tuple[float, float], obstacle: Tuple[float, float, float, float]) -> bool:
-    limits, footprint, horizon = _navigation.Limits(), _navigation.Footprint(), _navigation.Horizon()
+    horizon = _navigation.Horizon()
     horizon.duration = 0.2
-    return _navigation.is_clear((0.0, 0.0, 0.0), target, target, np.array([obstacle]), limits, footprint, horizon)
+    return _navigation.is_clear((0.0, 0.0, 0.0), target, target, np.array([obstacle]), LIMITS, FOOTPRINT, horizon)
 
 
 def test_past_what_may_move_only_slowly() -> None:
@@ -177,8 +182,8 @@ def test_a_margin_that_grows_with_speed_does_not_close_the_way_out() -> None:
 def test_out_along_a_wall_whose_cells_are_not_in_line() -> None:
     """Beside a wall in a slanting map every motion came a third of a millimetre nearer to some cell: none was open."""
     cells = np.array([(-0.15, -0.219, 0.02, 0.0), (-0.30, -0.2187, 0.02, 0.0)])
-    limits, footprint, horizon = _navigation.Limits(), _navigation.Footprint(), _navigation.Horizon()
-    motion = ((0.0, 0.0, 0.0), (0.0, 0.0), (-0.15, 0.0), cells, limits, footprint, horizon)
+    horizon = _navigation.Horizon()
+    motion = ((0.0, 0.0, 0.0), (0.0, 0.0), (-0.15, 0.0), cells, LIMITS, FOOTPRINT, horizon)
     assert not _navigation.is_clear(*motion)
     horizon.slack = 0.002
     assert _navigation.is_clear(*motion)
@@ -193,9 +198,7 @@ def plan_out(obstacles: np.ndarray, goal: Tuple[float, float] = (3.0, 2.0)) -> n
     """Waypoints from (1, 2, 0) in a room of 4 m x 4 m, rows (x, y, yaw, direction, seconds)."""
     way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), goal, 0.5)
     assert way is not None
-    return _navigation.manoeuvre(
-        way.cost, 0.05, (0.0, 0.0), way.goal, (1.0, 2.0, 0.0), obstacles, _navigation.Footprint(), _navigation.Agility()
-    )
+    return _navigation.manoeuvre(way.cost, 0.05, (0.0, 0.0), way.goal, (1.0, 2.0, 0.0), obstacles, FOOTPRINT, AGILITY)
 
 
 @settings(suppress_health_check=[HealthCheck.filter_too_much])
@@ -203,16 +206,15 @@ def plan_out(obstacles: np.ndarray, goal: Tuple[float, float] = (3.0, 2.0)) -> n
 def test_a_way_out_gains_room_and_never_comes_nearer(points: List[Tuple[float, float]]) -> None:
     """With a tolerance instead robots backed into tables."""
     obstacles = np.array([(1.0 + x, 2.0 + y, 0.0, 0.0) for x, y in points])
-    footprint = _navigation.Footprint()
-    before = _navigation.clearance((1.0, 2.0, 0.0), obstacles, footprint)
+    before = _navigation.clearance((1.0, 2.0, 0.0), obstacles, FOOTPRINT)
     assume(0.0 < before < 0.08)
     rows = plan_out(obstacles)
     for former, row in zip(rows, rows[1:]):
         for share in np.linspace(0.0, 1.0, 6):
             pose = tuple((former + share * (row - former))[:3])
-            assert _navigation.clearance(pose, obstacles, footprint) > min(before, 0.03) - 0.006
+            assert _navigation.clearance(pose, obstacles, FOOTPRINT) > min(before, 0.03) - 0.006
     if len(rows):
-        assert _navigation.clearance(tuple(rows[-1][:3]), obstacles, footprint) > min(before, 0.03) - 0.003
+        assert _navigation.clearance(tuple(rows[-1][:3]), obstacles, FOOTPRINT) > min(before, 0.03) - 0.003
 
 
 def test_out_of_a_niche_backwards_and_turned_where_there_is_room() -> None:
@@ -328,7 +330,7 @@ def test_a_new_goal_does_not_stop_the_robot() -> None:
 
 
 def test_blocked_wheels_are_noticed_soon() -> None:
-    watch = StallWatch()
+    watch = StallWatch(0.1)
     for step in range(20):
         now = step * 0.1
         if watch.blocked(now, Pose(0.0, 0.0, 0.0)):
@@ -338,7 +340,7 @@ def test_blocked_wheels_are_noticed_soon() -> None:
 
 
 def test_a_robot_that_moves_is_not_called_blocked() -> None:
-    watch = StallWatch()
+    watch = StallWatch(0.1)
     x = v = 0.0
     for step in range(50):
         assert not watch.blocked(step * 0.1, Pose(x, 0.0, 0.0))
@@ -443,7 +445,7 @@ def test_close_obstacles_are_not_thinned_out() -> None:
     close, far = [[0.301, 0.001], [0.325, 0.025]], [[0.905, 0.001], [0.925, 0.025]]
     rows = _navigation.surroundings(
         np.array(close + far), (0.0, 0.0, 0.0), ObstacleMemory(1.0).rows, costs.walls,
-        _navigation.Margins(0.02, 0.05, 0.1, 0.2), 0.1, 1.3, 0.03,
+        _navigation.Margins(0.02, 0.05, 0.1, 0.2), 0.1, 1.3, 0.03, FOOTPRINT,
     )  # fmt: skip
     assert sorted(rows[:, :2].tolist()) == sorted([*close, far[0]])
 
@@ -530,7 +532,7 @@ def test_giving_way_in_vain_widens_the_chance() -> None:
     def waits(times: int) -> List[float]:
         result = []
         for seed in range(60):
-            held = HeldUp("robot", 1.0, np.random.default_rng(seed), 0.29)
+            held = HeldUp("robot", 1.0, np.random.default_rng(seed), 0.8)
             for k in range(times):
                 held.gave_way(10.0 * k)
             result.append(wait(held))

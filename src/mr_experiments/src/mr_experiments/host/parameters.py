@@ -10,10 +10,10 @@ import yaml  # type: ignore[import-untyped]
 
 import explorer.options
 import map_merger.options
-from mr_experiments.common.ros_packages import folder_of
 from mr_experiments.host import base_station
 from mr_experiments.trial.trial import CENTRALIZED, Trial, TrialError
 from mr_grid import Pose
+from mr_measures.record.ros_packages import folder_of
 from mr_robot.navigation.options import NavigationOptions
 from mr_robot.platforms.parameters import (
     explorer_parameters,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from array import array
-from dataclasses import fields, replace
+from dataclasses import fields
 from typing import Any, Sequence
 
 import numpy as np
@@ -20,6 +20,7 @@ from mr_grid import OccupancyGrid, Pose
 from mr_measures.map_picture import picture_of
 from mr_measures.motion import RECORD
 from mr_measures.occupancy import free_area, occupancy_of
+from mr_measures.record.logs import GoalLog, NoteLog
 from mr_measures.record.mission_record import Note, Snapshot
 from mr_measures.record.robot_record import Auction, Goal
 from mr_measures.record.series import RobotSeries, TeamSeries
@@ -32,7 +33,6 @@ from mr_sim.worlds import find_world
 
 SERIES_PERIOD = 1.0  # s between two samples
 COVERAGE_PERIOD = 5.0  # s between two samples of what the team knows
-MOST_NOTES = 500
 MOTION = ["x", "y", "yaw", "velocity_x", "velocity_y", "velocity_yaw", "stalled", "contact"]
 
 
@@ -56,7 +56,7 @@ class RobotLog:
         self.place: tuple[float, float] | None = None
         self.stalled = 0.0  # s
         self.columns: dict[str, list[Any]] = {field.name: [] for field in fields(RobotSeries)}
-        self.goals: list[Goal] = []
+        self.goals = GoalLog()
         self.auctions: list[Auction] = []
         self.distance = 0.0
         self.global_map: OccupancyGrid | None = None
@@ -80,7 +80,7 @@ class Recorder:
         self.logs = [RobotLog() for _ in range(trial.robots)]
         self.merges = MergeLog(self.starts, world.names)
         self.team: dict[str, list[float]] = {field.name: [] for field in fields(TeamSeries)}
-        self.notes: list[Note] = []
+        self.notes = NoteLog()
         self.snapshots: list[Snapshot] = []
         self._snapshot_period = snapshot_period
         self._snapshot_due = [0.0] * trial.robots
@@ -189,17 +189,10 @@ class Recorder:
         self.merges.follow(self._robots[robot], true)
 
     def on_goal(self, robot: int, goal_id: int, pose: Pose, now: float) -> None:
-        self._end_goal(robot, "replaced", "", now)
-        goal = Goal(self._since(now), round(pose.x, 4), round(pose.y, 4), id=goal_id)
-        self.logs[robot].goals.append(goal)
+        self.logs[robot].goals.begin(Goal(self._since(now), round(pose.x, 4), round(pose.y, 4), id=goal_id))
 
     def on_goal_end(self, robot: int, goal_id: int | None, outcome: str, text: str, now: float) -> None:
-        self._end_goal(robot, outcome, text if outcome == messages.FAILED else "", now)
-
-    def _end_goal(self, robot: int, outcome: str, text: str, now: float) -> None:
-        goals = self.logs[robot].goals
-        if goals and goals[-1].end is None:
-            goals[-1] = replace(goals[-1], end=self._since(now), outcome=outcome, text=text)
+        self.logs[robot].goals.end(self._since(now), outcome, text)
 
     def on_auction(self, robot: int, auction: messages.Auction, now: float) -> None:
         if auction.status and auction.start:
@@ -221,10 +214,7 @@ class Recorder:
 
     def note(self, name: str, text: str, warning: bool, now: float) -> None:
         """`name`: of a robot or of the base."""
-        if len(self.notes) < MOST_NOTES:
-            self.notes.append(Note(self._since(now), name, text, warning))
-            if len(self.notes) == MOST_NOTES:
-                self.notes[-1] = replace(self.notes[-1], text="further notes were dropped", warning=True)
+        self.notes.add(Note(self._since(now), name, text, warning))
 
     def on_death(self, robot: int, now: float) -> None:
         self.logs[robot].died_at = self._since(now)

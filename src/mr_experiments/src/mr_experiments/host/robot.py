@@ -20,6 +20,7 @@ from mr_experiments.host.merging import Merger
 from mr_experiments.host.radio import TeamRadio
 from mr_experiments.host.robot_radio import RobotRadio
 from mr_grid import OccupancyGrid, Pose
+from mr_measures.record.logs import CANCELLED
 
 STATUS_PERIOD = 1.0  # s between two messages of adhoc_communication/status
 
@@ -163,7 +164,7 @@ class Robot:
         self.body.set_goal(goal_id, pose, now)
 
     def cancel_goal(self, now: float) -> None:
-        self._observer.on_goal_end(self.index, None, "cancelled", "", now)
+        self._observer.on_goal_end(self.index, None, CANCELLED, "", now)
         self.body.cancel()
 
     def transform_point(self, robot: str, point: tuple[float, float]) -> tuple[float, float] | None:

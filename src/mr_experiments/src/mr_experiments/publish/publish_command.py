@@ -13,7 +13,10 @@ from mr_experiments.bench.explore_missions import read_rows
 from mr_experiments.common.command_line import BAD_CALL, CallError, Parser
 from mr_experiments.publish.mission_table import mission_rows, world_rows
 from mr_experiments.publish.published import PublishError, render
+from mr_experiments.report.record_set import load_records
+from mr_experiments.report.stack_missions import is_of_stack
 from mr_measures.record.files import RecordError, read_record
+from mr_measures.record.mission_record import MissionRecord
 
 Row = Mapping[str, Any]
 
@@ -95,14 +98,25 @@ def _cell(value: Any) -> Any:
 
 
 def _of_missions(folders: Sequence[str]) -> list[dict[str, Any]]:
-    documents = {path: _json(path) for folder in folders for path in sorted(Path(folder).glob("*.json"))}
-    paths = [path for path, document in documents.items() if isinstance(document, dict) and "trial" in document]
-    if not paths:
-        raise CallError(f"no records of missions in {', '.join(folders)}")
     try:
-        return mission_rows([read_record(path) for path in paths])
+        records = [record for folder in map(Path, folders) for record in _records(folder)]
     except RecordError as error:
         raise CallError(str(error)) from None
+    if not records:
+        raise CallError(f"no records of missions in {', '.join(folders)}")
+    return mission_rows(records)
+
+
+def _records(folder: Path) -> list[MissionRecord]:
+    """Of missions of the ROS stack below the folder, all that were begun; else of its own files those that are
+    records. Raises RecordError."""
+    if is_of_stack(folder):
+        found = load_records(folder)
+        if found.lost:
+            raise RecordError(f"nothing is known of {', '.join(found.lost)}: no row can count them; remove them")
+        return list(found.records)
+    documents = {path: _json(path) for path in sorted(folder.glob("*.json"))}
+    return [read_record(path) for path, each in documents.items() if isinstance(each, dict) and "trial" in each]
 
 
 def _of_worlds(files: Sequence[str]) -> list[dict[str, Any]]:

@@ -16,8 +16,7 @@ from mr_experiments.common.statistics import Ratio, mean_ratio, median_ratio
 from mr_experiments.report.figure_style import INK, STYLE, team_colour, write_png
 from mr_experiments.report.stack_missions import Attempt, read_attempts
 from mr_measures.record.files import RecordError, read_record
-from mr_measures.record.mission_record import FINISHED, MissionRecord
-from mr_sim.worlds import label_of
+from mr_measures.record.mission_record import FINISHED
 
 LOW, HIGH = 0.85, 1.15  # of the ratio of exploration times: nearer than this is as good as equal
 MINIMUM_MISSIONS = 12  # finished ones on either side, below which nothing is said
@@ -74,7 +73,7 @@ def stack_runs(folder: Path) -> dict[int, Runs]:
     attempts = read_attempts(folder)
     sizes = {one.robots for one in attempts if one.robots is not None}
     if not sizes:
-        raise RecordError(f"{folder} holds no mission with a summary.json: {_named(attempts)}")
+        raise RecordError(f"{folder} holds no mission with a record: {_named(attempts)}")
     return {size: Runs(tuple(one for one in attempts if one.robots in (size, None))) for size in sorted(sizes)}
 
 
@@ -86,20 +85,12 @@ def virtual_runs(folder: Path) -> dict[int, Runs]:
         record = read_record(path)
         asked = record.asked
         kinds.add((asked.world, asked.scenario, asked.strategy))
-        found.setdefault(asked.robots, []).append(_attempt_of(path.stem, record))
+        found.setdefault(asked.robots, []).append(Attempt.of(path.stem, record))
     if not found:
         raise RecordError(f"{folder} holds no records")
     if len(kinds) > 1:
         raise RecordError(f"{folder} holds records of several kinds: {sorted(kinds)}; keep each in a folder of its own")
     return {robots: Runs(tuple(attempts)) for robots, attempts in sorted(found.items())}
-
-
-def _attempt_of(name: str, record: MissionRecord) -> Attempt:
-    asked = record.asked
-    return Attempt(
-        name, label_of(asked.world), asked.robots, asked.seed, record.outcome.status, record.team.exploration_time,
-        record.map_errors, record.code,
-    )  # fmt: skip
 
 
 def agreements(stack: Mapping[int, Runs], virtual: Mapping[int, Runs]) -> list[Agreement]:

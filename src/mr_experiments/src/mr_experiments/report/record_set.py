@@ -8,11 +8,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Callable, Iterable, Mapping, TypeVar
 
-from mr_measures.record.files import RecordError, read_record
+from mr_experiments.report.stack_missions import begun_missions, failed_by_note, is_of_stack
+from mr_measures.record.files import STACK_RECORD, RecordError, read_record
 from mr_measures.record.mission_record import STATUSES, MissionRecord
 from mr_sim.worlds import label_of
-
-STACK_RECORD = "record.json"  # in the output folder of a mission of the ROS stack
 
 _Key = TypeVar("_Key")
 
@@ -56,10 +55,12 @@ class Chapter:
 
 @dataclass(frozen=True)
 class RecordSet:
-    """Records of one folder, in the order of group and seed."""
+    """Records of one folder, in the order of group and seed. `lost`: missions that were begun and of which nothing is
+    known, not even what was asked for."""
 
     folder: Path
     records: tuple[MissionRecord, ...] = field(repr=False)
+    lost: tuple[str, ...] = ()
 
     @property
     def groups(self) -> dict[Group, list[MissionRecord]]:
@@ -106,20 +107,35 @@ def count_outcomes(records: Iterable[MissionRecord]) -> dict[str, int]:
 
 
 def load_records(folder: str | Path) -> RecordSet:
-    """Every `*.json` of a folder, or the `record.json` of every mission of the ROS stack below it. Raises RecordError
-    for no records, a broken one or one that is there twice."""
+    """Every `*.json` of a folder, or every mission of the ROS stack that was begun below it; one without a record has
+    failed. Raises RecordError for no records, a broken one or one that is there twice."""
     folder = Path(folder)
     if not folder.is_dir():
         raise RecordError(f"{folder} is no folder; give the folder into which the trials were written")
-    missions = sorted(folder.glob(f"**/{STACK_RECORD}"))
-    paths = missions or sorted(folder.glob("*.json"))
-    if not paths:
+    if is_of_stack(folder):
+        found = _of_stack(folder)
+    else:
+        found = {path: load_record(path) for path in sorted(folder.glob("*.json"))}
+    if not found:
         raise RecordError(
             f"{folder} holds no records (*.json) and no missions of rosrun mr_launch team ({STACK_RECORD})"
         )
-    records = {path: load_record(path) for path in paths}
+    records = {path: record for path, record in found.items() if record is not None}
     _refuse_doubles(records)
-    return RecordSet(folder, tuple(sorted(records.values(), key=_order)))
+    lost = tuple(str(path) for path, record in found.items() if record is None)
+    return RecordSet(folder, tuple(sorted(records.values(), key=_order)), lost)
+
+
+def _of_stack(folder: Path) -> dict[Path, MissionRecord | None]:
+    """None for a mission of which nothing is known."""
+    found: dict[Path, MissionRecord | None] = {}
+    for path, note in begun_missions(folder).items():
+        record = path / STACK_RECORD
+        if record.exists():
+            found[record] = load_record(record)
+        else:
+            found[path] = failed_by_note(note)
+    return found
 
 
 def load_record(path: Path) -> MissionRecord:
@@ -133,8 +149,11 @@ def _order(record: MissionRecord) -> tuple[str, str, int, int, int]:
 
 
 def _refuse_doubles(records: Mapping[Path, MissionRecord]) -> None:
+    """A mission that failed may have been tried again."""
     seen: dict[tuple[Group, int], Path] = {}
     for path, record in records.items():
+        if record.failed:
+            continue
         other = seen.setdefault((Group.of(record), record.asked.seed), path)
         if other != path:
             raise RecordError(f"{path} and {other} record the same trial; remove one of them")

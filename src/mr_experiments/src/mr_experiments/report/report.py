@@ -164,9 +164,10 @@ def make_report(
     records = load_records(folder)
     comparison = compare_sets(records, load_records(against), across) if against is not None else None
     making = _Making(Path(out), progress)
-    making.notes += records.mixed_settings()
+    making.notes += [*_lost(records), *records.mixed_settings()]
     if comparison:
-        making.notes += [f"Other set, {note}" for note in comparison.baseline.mixed_settings()] + [*comparison.notes]
+        other = [*_lost(comparison.baseline), *comparison.baseline.mixed_settings()]
+        making.notes += [*(f"Other set, {note}" for note in other), *comparison.notes]
     parts = scopes(records)
     chapters = [_chapter_section(scope, making, with_bound) for scope in parts]
     body = [
@@ -185,6 +186,12 @@ def make_report(
     return Report(records, path, tuple(making.figures), tuple(tables), comparison, tuple(making.notes))
 
 
+def _lost(records: RecordSet) -> list[str]:
+    if not records.lost:
+        return []
+    return [f"{len(records.lost)} more missions were begun, and nothing is known of them: {', '.join(records.lost)}"]
+
+
 def comparison_section(comparison: Comparison, making: _Making) -> str:
     names = f"{comparison.candidate.folder.name} against {comparison.baseline.folder.name}"
     table = making.add_table(comparison_table(comparison))
@@ -194,10 +201,11 @@ def comparison_section(comparison: Comparison, making: _Making) -> str:
 def _introduction(records: RecordSet) -> str:
     counts = records.counts
     total = len(records.records)
+    lost = f", and {len(records.lost)} more of which nothing is known" if records.lost else ""
     return (
         f"{total} missions: {counts['finished']} finished, {counts['unfinished']} unfinished, "
-        f"{counts['failed']} failed. Failed missions enter the counts only; unfinished ones enter everything but the "
-        "exploration time, which they do not have. Numbers headed by 0.05 and 0.95 are quantiles. R is the number "
+        f"{counts['failed']} failed{lost}. Failed missions enter the counts only; unfinished ones enter everything but "
+        "the exploration time, which they do not have. Numbers headed by 0.05 and 0.95 are quantiles. R is the number "
         "of robots."
     )
 

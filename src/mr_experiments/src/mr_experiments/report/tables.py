@@ -1,7 +1,7 @@
 """The tables of a report, computed from records.
 
-Failed trials (an engine crashed) have no result and enter the counts only. Unfinished trials enter every table except
-the exploration time, which they do not have; their number stands beside it.
+Failed trials (an engine or a node crashed) have no result and enter the counts only. Unfinished trials enter every
+table except the exploration time, which they do not have; their number stands beside it.
 """
 
 from __future__ import annotations
@@ -40,7 +40,8 @@ def outcome_table(records: RecordSet) -> Table:
         "outcomes",
         "Outcomes",
         "Unfinished: the mission reached its limit of time before every robot had declared its exploration "
-        "finished. Failed: an engine crashed. Nothing is left out of these counts.",
+        "finished. Failed: an engine or a node crashed, or the mission left no record. Nothing is left out of these "
+        "counts.",
         (
             *_GROUP_COLUMNS,
             Column("trials", "trials"),

@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import math
 import platform
-import sys
 import time
 import traceback
 from dataclasses import replace
 from typing import Callable
 
 import cv2
-import numpy as np
-import scipy
 
 from mr_experiments.common.allocation import keep_freed_memory
-from mr_experiments.common.code_version import code_version
-from mr_experiments.common.ros_packages import version_of
 from mr_experiments.host.mission import Mission
 from mr_experiments.host.robot import Robot
 from mr_experiments.trial.trial import Trial, TrialError
@@ -36,8 +31,9 @@ from mr_measures.record.mission_record import (
 )
 from mr_measures.record.parts import error_or_reason, map_figures_of, motion_of
 from mr_measures.record.robot_record import MapFigures, RobotRecord
+from mr_measures.record.versions import versions
 from mr_measures.reference import VIRTUAL_TIME
-from mr_sim.worlds import find_world
+from mr_sim.worlds import find_world, world_folders
 
 SLAM = "ours"  # its name in the references of maps
 NO_SLAM = "the reference is of maps that SLAM made"
@@ -91,10 +87,10 @@ def record_of(mission: Mission, failure: tuple[str, str] | None) -> MissionRecor
             mission.radio.trace,
         ),
         robots,
-        versions(),
+        own_versions(),
         {robot.name: _maps(mission, robot) for robot in mission.robots},
         tuple(recorder.snapshots),
-        tuple(recorder.notes),
+        tuple(recorder.notes.notes),
     )
 
 
@@ -134,8 +130,9 @@ def _robot_part(mission: Mission, robot: Robot) -> RobotRecord:
             "goals": agent.counters.goals,
             "goals_reached": agent.counters.goals_reached,
             "goals_failed": agent.counters.goals_failed,
+            "unreachable_frontiers": agent.mission.unreachable_count(),
         },
-        goals=tuple(log.goals),
+        goals=tuple(log.goals.goals),
         auctions=tuple(log.auctions),
         merges=tuple(recorder.merges.entries[robot.name]),
         series=log.series,
@@ -157,14 +154,6 @@ def _maps(mission: Mission, robot: Robot) -> RobotMaps:
     return RobotMaps(None if merged is None else picture_of(merged), None if local is None else picture_of(local))
 
 
-def versions() -> dict[str, str]:
+def own_versions() -> dict[str, str]:
     """Of what a record depends on."""
-    return {
-        "mr_experiments": version_of("mr_experiments"),
-        "code": code_version(),
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "opencv": cv2.__version__,
-        "byteorder": sys.byteorder,
-    }
+    return versions("mr_experiments", world_folders())

@@ -13,7 +13,7 @@ import traceback
 from pathlib import Path
 from typing import IO
 
-from mr_experiments.sweep.record import run_trial, versions
+from mr_experiments.sweep.record import own_versions, run_trial
 from mr_experiments.trial.trial import Trial
 from mr_measures.record.files import write_record
 from mr_measures.record.mission_record import FAILED, Asked, MissionRecord, Outcome
@@ -28,7 +28,7 @@ def record_path(folder: Path, trial: Trial) -> Path:
 def failed_record(trial: Trial, reason: str, trace: str = "", time: float = 0.0) -> MissionRecord:
     """Of a trial that left none itself and ended at this virtual time in s."""
     outcome = Outcome(FAILED, round(time, 3), reason, trace)
-    return MissionRecord(Asked(trial.to_json()), outcome, versions=versions())
+    return MissionRecord(Asked(trial.to_json()), outcome, versions=own_versions())
 
 
 class ClockFile:

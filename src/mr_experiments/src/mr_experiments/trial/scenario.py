@@ -11,10 +11,10 @@ import numpy as np
 import yaml  # type: ignore[import-untyped]
 
 from explorer.options import STRATEGIES
-from mr_experiments.common.ros_packages import folder_of
 from mr_experiments.trial.radio_options import RadioOptions
 from mr_experiments.trial.trial import DISTRIBUTED, Trial, TrialError
 from mr_grid import Pose
+from mr_measures.record.ros_packages import folder_of
 from mr_sim.world import BIAS
 
 DEFAULT = "paper"

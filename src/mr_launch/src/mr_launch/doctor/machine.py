@@ -14,8 +14,8 @@ from typing import Iterable
 import psutil
 
 from mr_launch.doctor.facts import HUB, Computer, Hub, Interface, KeyFile
+from mr_launch.processor_shares import process_name
 from mr_launch.programs import find_executable
-from mr_launch.summary import process_name
 
 CAP_NET_RAW = 13  # number of the capability, linux/capability.h
 SIOCGIWMODE = 0x8B07  # linux/wireless.h

@@ -9,7 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from mr_measures.record.json_form import FormError, from_json, to_json
-from mr_measures.record.mission_record import SCHEMA, MissionRecord
+from mr_measures.record.mission_record import READABLE, SCHEMA, MissionRecord
+
+STACK_RECORD = "record.json"
+"""In the output folder of every mission of the ROS stack."""
 
 
 class RecordError(ValueError):
@@ -25,8 +28,9 @@ def record_of_document(document: Any) -> MissionRecord:
     """Raises RecordError for another form of record or for one that is damaged."""
     if not isinstance(document, Mapping) or "format" not in document:
         raise RecordError("no record of a mission: it has no format number")
-    if document["format"] != SCHEMA:
-        raise RecordError(f"the record has format {document['format']!r}; this version reads format {SCHEMA}")
+    if document["format"] not in READABLE:
+        known = " and ".join(map(str, READABLE))
+        raise RecordError(f"the record has format {document['format']!r}; this version reads formats {known}")
     try:
         return from_json(MissionRecord, document)
     except FormError as error:

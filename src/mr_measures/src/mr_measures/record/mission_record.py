@@ -12,8 +12,12 @@ from mr_measures.record.robot_record import RobotRecord
 from mr_measures.record.series import TeamSeries
 
 SPARSE = Written.UNLESS_DEFAULT
-SCHEMA = 1
-"""Version of the form in which records are written; others are refused."""
+SCHEMA = 2
+"""Version of the form in which records are written."""
+READABLE = (1, SCHEMA)
+"""Versions that are read; others are refused. What 1 does not say has a default."""
+STACK = "ros_stack"
+"""Scenario of missions of the ROS stack."""
 FINISHED, UNFINISHED, FAILED = STATUSES = ("finished", "unfinished", "failed")
 
 
@@ -125,7 +129,8 @@ class Note:
 
 @dataclass(frozen=True)
 class Measured:
-    """About the computer: the only part that differs between two runs. Wall and processor time in s; None: unknown."""
+    """About the computer: the only part that differs between two runs. Wall and processor time in s; None: unknown.
+    `cpu_by_host`: where each robot has processes of its own, processor time by robot and process."""
 
     wall: float | None = None
     cpu: float | None = None
@@ -133,12 +138,13 @@ class Measured:
     cpu_by_component: Mapping[str, float] = field(default_factory=dict)
     host: Annotated[str, SPARSE] = ""
     started: Annotated[str, SPARSE] = ""
+    cpu_by_host: Annotated[Mapping[str, Mapping[str, float]], SPARSE] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class MissionRecord:
     """`asked`, in JSON `trial`: every setting of the mission; `versions`: of what it depends on; `robots`, `maps`: by
-    the robots' names."""
+    the robots' names; `restarts`: how often which node of which robot or base was started again."""
 
     asked: Annotated[Asked, Key("trial")]
     outcome: Outcome
@@ -149,6 +155,7 @@ class MissionRecord:
     snapshots: tuple[Snapshot, ...] = ()
     notes: tuple[Note, ...] = ()
     measured: Annotated[Measured, SPARSE] = field(default_factory=Measured)
+    restarts: Annotated[Mapping[str, Mapping[str, int]], SPARSE] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         status, time = self.outcome.status, self.team.exploration_time
@@ -195,6 +202,15 @@ class MissionRecord:
         """Whether it is known which of them were right."""
         entries = [merge for robot in self.robots.values() for merge in robot.merges or () if merge.accepted]
         return self.merges_recorded and all(merge.right is not None for merge in entries)
+
+    @property
+    def packets_by_hops(self) -> dict[int, int]:
+        """Packets that all robots received, by the number of hops they took."""
+        total: dict[int, int] = {}
+        for robot in self.robots.values():
+            for hops, count in enumerate(robot.radio.get("packets_received_by_hops", ()), start=1):
+                total[hops] = total.get(hops, 0) + count
+        return {hops: count for hops, count in sorted(total.items()) if count}
 
     @property
     def map_errors(self) -> tuple[float, ...]:

@@ -107,6 +107,12 @@ class RobotRecord:
             if type(count) is not int or count < 0:
                 raise ValueError(f"radio.{name} must be a whole number from 0 on, not {count!r}")
 
+    @property
+    def partners(self) -> tuple[str, ...]:
+        """Robots whose maps it believes to have a place in its own, at the end."""
+        believed = {merge.partner: merge.accepted for merge in self.merges or ()}
+        return tuple(sorted(name for name, accepted in believed.items() if accepted))
+
     def sent(self, counter: str) -> int:
         """One of COUNTERS."""
         return int(self.radio.get(counter, 0))

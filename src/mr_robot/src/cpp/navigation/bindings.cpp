@@ -157,17 +157,19 @@ py::tuple choose_velocity(const Floats& cost, double resolution, const Pair& ori
 
 PYBIND11_MODULE(_navigation, module) {
   module.doc() = "Hot loops of the navigation engine. SI units, poses as (x, y, yaw).";
+  module.attr("TOUCHING") = kTouching;
+  module.attr("SLACK") = kSlack;
   py::class_<Limits>(module, "Limits")
-      .def(py::init<>())
-      .def_readwrite("linear", &Limits::linear)
-      .def_readwrite("angular", &Limits::angular)
-      .def_readwrite("linear_acceleration", &Limits::linear_acceleration)
-      .def_readwrite("angular_acceleration", &Limits::angular_acceleration)
+      .def(py::init([](double linear, double angular, double linear_acceleration, double angular_acceleration) {
+             return Limits{linear, angular, linear_acceleration, angular_acceleration};
+           }),
+           py::arg("linear"), py::arg("angular"), py::arg("linear_acceleration"), py::arg("angular_acceleration"))
       .def_readwrite("curvature", &Limits::curvature);
   py::class_<Footprint>(module, "Footprint")
-      .def(py::init<>())
-      .def_readwrite("half_length", &Footprint::half_length)
-      .def_readwrite("half_width", &Footprint::half_width);
+      .def(py::init([](double half_length, double half_width) {
+             return Footprint{half_length, half_width};
+           }),
+           py::arg("half_length"), py::arg("half_width"));
   py::class_<Horizon>(module, "Horizon")
       .def(py::init<>())
       .def_readwrite("duration", &Horizon::duration)
@@ -190,7 +192,8 @@ PYBIND11_MODULE(_navigation, module) {
   module.def("descend", &descend_grid, py::arg("cost"), py::arg("cell"), py::arg("most"),
              "Cells (row, column) from one cell down the cost to go.");
   py::class_<OwnedWalls>(module, "Walls")
-      .def(py::init(&own_walls), py::arg("cells"), py::arg("distance"), py::arg("resolution"), py::arg("origin"));
+      .def(py::init(&own_walls), py::arg("cells"), py::arg("distance"), py::arg("resolution"), py::arg("origin"))
+      .def_property_readonly("resolution", [](const OwnedWalls& walls) { return walls.view.resolution; });
   py::class_<Memory>(module, "Memory")
       .def(py::init([](double duration, double cell, double known_within, double seen_beyond, std::size_t most) {
              return Memory{duration, cell, known_within, seen_beyond, most};
@@ -229,28 +232,25 @@ PYBIND11_MODULE(_navigation, module) {
   module.def(
       "surroundings",
       [](const Doubles& points, const Triple& pose, const Doubles& remembered, const OwnedWalls& walls,
-         const Margins& margins, double known_within, double reach, double spacing, const Doubles& ranges,
-         double angle_min, double angle_increment, const Triple& mount) {
+         const Margins& margins, double known_within, double reach, double spacing, const Footprint& footprint,
+         const Doubles& ranges, double angle_min, double angle_increment, const Triple& mount) {
         const ScanView scan = view_of(points, ranges, angle_min, angle_increment, mount);
         return to_rows(surroundings(scan, to_pose(pose), to_remembered(remembered), walls.view, margins, known_within,
-                                    reach, spacing));
+                                    reach, spacing, footprint));
       },
       py::arg("points"), py::arg("pose"), py::arg("remembered"), py::arg("walls"), py::arg("margins"),
-      py::arg("known_within"), py::arg("reach"), py::arg("spacing"), py::arg("ranges") = Doubles(0),
-      py::arg("angle_min") = 0.0, py::arg("angle_increment") = 1.0, py::arg("mount") = Triple(0.0, 0.0, 0.0),
-      "Obstacles near the robot, rows (x, y, margin, reaction time).");
+      py::arg("known_within"), py::arg("reach"), py::arg("spacing"), py::arg("footprint"),
+      py::arg("ranges") = Doubles(0), py::arg("angle_min") = 0.0, py::arg("angle_increment") = 1.0,
+      py::arg("mount") = Triple(0.0, 0.0, 0.0), "Obstacles near the robot, rows (x, y, margin, reaction time).");
   module.def("choose_velocity", &choose_velocity, py::arg("cost"), py::arg("resolution"), py::arg("origin"),
              py::arg("goal"), py::arg("pose"), py::arg("velocity"), py::arg("obstacles"), py::arg("limits"),
              py::arg("footprint"), py::arg("horizon"), py::arg("period"),
              "(found, linear, angular, seconds to the goal, clearance).");
   py::class_<Agility>(module, "Agility")
-      .def(py::init<>())
-      .def_readwrite("linear", &Agility::linear)
-      .def_readwrite("angular", &Agility::angular)
-      .def_readwrite("margin", &Agility::margin)
-      .def_readwrite("slack", &Agility::slack)
-      .def_readwrite("full_speed", &Agility::full_speed)
-      .def_readwrite("full_turn", &Agility::full_turn);
+      .def(py::init([](double full_speed, double full_turn, double acceleration) {
+             return Agility{full_speed, full_turn, acceleration};
+           }),
+           py::arg("full_speed"), py::arg("full_turn"), py::arg("acceleration"));
   module.def(
       "manoeuvre",
       [](const Floats& cost, double resolution, const Pair& origin, const Pair& goal, const Triple& pose,

@@ -7,25 +7,22 @@
 #include <queue>
 #include <unordered_map>
 
+#include "body.hpp"
+
 namespace mr_robot::navigation {
 namespace {
 
-constexpr double kReach = 0.9;         // m around the start; obstacles are known not much farther
-constexpr double kCell = 0.05;         // m
-constexpr int kHeadings = 32;          // of a whole turn
-constexpr double kStep = 0.1;          // m of one motion
-constexpr double kLeastWay = 0.25;     // m of a way from where there is room already
-constexpr double kTurningRoom = 0.03;  // m around a robot that can turn
-constexpr double kReversal = 0.5;      // s that stopping and starting the other way takes
-constexpr double kTight = 0.06;        // m to obstacles, less than which costs
-constexpr double kTightCost = 2.0;     // times the time, with none left
-constexpr double kTurnCost = 2.0;      // times what a turn takes where there is no room for one
+constexpr double kStep = 0.1;               // m of one motion
+constexpr double kReach = 0.9;              // m around the start; obstacles are known not much farther
+constexpr double kCell = 0.5 * kStep;       // m
+constexpr int kHeadings = 32;               // of a whole turn
+constexpr double kTight = 2.0 * kTouching;  // m to obstacles, less than which costs
+constexpr double kTightCost = 2.0;          // times the time, with none left or to turn where there is no room for it
 constexpr std::size_t kMostNodes = 6000;
-constexpr double kCurvatures[] = {0.0, 2.0, -2.0};  // rad/m
+constexpr double kTurn = 2.0 * M_PI / kHeadings;  // rad of one motion
 // Of long arcs along what the robot stands too close to: its corners come nearer before its middle gets away.
 constexpr double kShallow[] = {0.02, -0.02, 0.05, -0.05, 0.1, -0.1, 0.2, -0.2, 0.5, -0.5};
 constexpr int kShallowSteps = 12;
-constexpr double kNoRoom = 1e3;
 
 struct Node {
   Pose pose;
@@ -41,75 +38,6 @@ struct Open {
   bool operator<(const Open& other) const { return total > other.total; }
 };
 
-struct Point2 {
-  double x, y, margin;
-};
-
-// Distances of the footprint from obstacles, for poses near the start.
-class Body {
- public:
-  Body(const Pose& start, const std::vector<Obstacle>& obstacles, const Footprint& footprint)
-      : footprint_(footprint),
-        circle_(std::hypot(footprint.half_length, footprint.half_width)),
-        left_(start.x - kReach - kCell),
-        bottom_(start.y - kReach - kCell),
-        side_(static_cast<int>(std::ceil(2.0 * (kReach + kCell) / kCell)) + 1),
-        cells_(static_cast<std::size_t>(side_) * side_) {
-    for (const Obstacle& obstacle : obstacles) all_.push_back({obstacle.x, obstacle.y, obstacle.margin});
-  }
-
-  // m, with margins; large where nothing is near.
-  double clearance(const Pose& pose) {
-    const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
-    double least = kTight + kTurningRoom;
-    for (const Point2& point : near(pose)) {
-      const double dx = point.x - pose.x, dy = point.y - pose.y;
-      const double ahead = std::abs(c * dx + s * dy) - footprint_.half_length;
-      const double beside = std::abs(-s * dx + c * dy) - footprint_.half_width;
-      const double inside = std::max(ahead, beside) - point.margin;
-      if (inside >= least) continue;
-      least = std::min(least, ahead > 0.0 && beside > 0.0 ? std::hypot(ahead, beside) - point.margin : inside);
-    }
-    return least;
-  }
-
-  // Whether the robot can turn there.
-  bool roomy(const Pose& pose) {
-    for (const Point2& point : near(pose)) {
-      if (std::hypot(point.x - pose.x, point.y - pose.y) - point.margin < circle_ + kTurningRoom) return false;
-    }
-    return true;
-  }
-
- private:
-  struct Cell {
-    bool known = false;
-    std::vector<Point2> points;
-  };
-
-  const std::vector<Point2>& near(const Pose& pose) {
-    const int column = std::clamp(static_cast<int>((pose.x - left_) / kCell), 0, side_ - 1);
-    const int row = std::clamp(static_cast<int>((pose.y - bottom_) / kCell), 0, side_ - 1);
-    Cell& cell = cells_[static_cast<std::size_t>(row) * side_ + column];
-    if (!cell.known) {
-      cell.known = true;
-      const double x = left_ + (column + 0.5) * kCell, y = bottom_ + (row + 0.5) * kCell;
-      const double far = circle_ + kTight + kTurningRoom + kCell;
-      for (const Point2& point : all_) {
-        const double dx = point.x - x, dy = point.y - y, reach = far + point.margin;
-        if (dx * dx + dy * dy < reach * reach) cell.points.push_back(point);
-      }
-    }
-    return cell.points;
-  }
-
-  Footprint footprint_;
-  double circle_, left_, bottom_;
-  int side_;
-  std::vector<Cell> cells_;
-  std::vector<Point2> all_;
-};
-
 Pose along(const Pose& pose, double way, double turn) {
   const double middle = pose.yaw + 0.5 * turn;
   return {pose.x + way * std::cos(middle), pose.y + way * std::sin(middle), pose.yaw + turn};
@@ -119,9 +47,13 @@ class Search {
  public:
   Search(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles, const Footprint& footprint,
          const Agility& agility)
-      : field_(field), start_(start), agility_(agility), body_(start, obstacles, footprint) {
+      : field_(field),
+        start_(start),
+        agility_(agility),
+        body_(start, kReach + kCell, obstacles, footprint),
+        least_way_(footprint.half_length) {
     at_start_ = body_.clearance(start);
-    least_ = std::min(agility.margin, at_start_ - agility.slack);
+    least_ = std::min(kTouching, at_start_ - kSlack);
     starts_roomy_ = body_.roomy(start);
     start_cost_ = cost_at(field, start.x, start.y);
   }
@@ -165,12 +97,12 @@ class Search {
     const double off = std::hypot(node.pose.x - start_.x, node.pose.y - start_.y);
     const double at_goal = std::hypot(node.pose.x - field_.goal_x, node.pose.y - field_.goal_y);
     if (roomy && !starts_roomy_ && roomiest_ < 0) roomiest_ = index;
-    const bool ends = roomy ? !starts_roomy_ || node.way >= kLeastWay : off >= kReach - kStep || at_goal < kStep;
+    const bool ends = roomy ? !starts_roomy_ || node.way >= least_way_ : off >= kReach - kStep || at_goal < kStep;
     if (!ends || !std::isfinite(cost_at(field_, node.pose.x, node.pose.y))) return;
     double total = node.price + left(node.pose);
     if (const auto direction = downhill(field_, node.pose.x, node.pose.y)) {
       const double error = std::abs(std::remainder(*direction - node.pose.yaw, 2.0 * M_PI));
-      total += (roomy ? 1.0 : kTurnCost) * error / agility_.full_turn;
+      total += (roomy ? 1.0 : kTightCost) * error / agility_.full_turn;
     }
     if (total >= best_total_) return;
     best_total_ = total;
@@ -179,9 +111,9 @@ class Search {
 
   void expand(std::int32_t index) {
     for (const double direction : {1.0, -1.0}) {
-      for (const double curvature : kCurvatures) move(index, direction, curvature * kStep);
+      for (const double turn : {0.0, kTurn, -kTurn}) move(index, direction, turn);
     }
-    for (const double side : {1.0, -1.0}) move(index, 0.0, side * 2.0 * M_PI / kHeadings);
+    for (const double turn : {kTurn, -kTurn}) move(index, 0.0, turn);
     if (index == 0 && at_start_ < kTight) {
       for (const double direction : {1.0, -1.0}) {
         for (const double curvature : kShallow) {
@@ -200,9 +132,9 @@ class Search {
     if (std::hypot(end.x - start_.x, end.y - start_.y) > kReach + kStep) return -1;
     const double room = body_.clearance(end);
     if (room < least_ || body_.clearance(along(node.pose, 0.5 * way, 0.5 * turn)) < least_) return -1;
-    double seconds = std::abs(way) / agility_.linear;
-    if (direction == 0.0) seconds = std::abs(turn) / agility_.angular;
-    if (node.parent >= 0 && direction != node.direction) seconds += kReversal;
+    double seconds = std::abs(way) / agility_.linear();
+    if (direction == 0.0) seconds = std::abs(turn) / agility_.angular();
+    if (node.parent >= 0 && direction != node.direction) seconds += 2.0 * agility_.linear() / agility_.acceleration;
     const double tight = std::clamp((kTight - room) / kTight, 0.0, 1.0);
     const Node next{end,
                     node.seconds + seconds,
@@ -230,6 +162,7 @@ class Search {
   Pose start_;
   Agility agility_;
   Body body_;
+  double least_way_;  // m of a way from where there is room already
   double at_start_ = 0.0, least_ = 0.0, start_cost_ = 0.0;
   bool starts_roomy_ = false;
   std::vector<Node> nodes_;
@@ -247,7 +180,7 @@ std::vector<Waypoint> manoeuvre(const Field& field, const Pose& start, const std
 }
 
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint) {
-  const double reach = std::hypot(footprint.half_length, footprint.half_width) + kTurningRoom;
+  const double reach = std::hypot(footprint.half_length, footprint.half_width) + kTouching;
   return std::none_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
     const double dx = obstacle.x - pose.x, dy = obstacle.y - pose.y, near = reach + obstacle.margin;
     return dx * dx + dy * dy < near * near;

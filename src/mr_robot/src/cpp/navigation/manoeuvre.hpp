@@ -13,20 +13,20 @@ struct Waypoint {
   double seconds;    // from the start on
 };
 
+constexpr double kCareful = 0.5;  // share of its speeds with which a robot moves where it has little room
+
 struct Agility {
-  double linear = 0.25;     // m/s, ahead and back
-  double angular = 0.8;     // rad/s
-  double margin = 0.03;     // m from the footprint to obstacles; from nearer no motion leads much nearer
-  double slack = 0.002;     // m that it may
-  double full_speed = 0.5;  // m/s, where there is room again
-  double full_turn = 1.57;  // rad/s
+  double full_speed, full_turn;  // m/s and rad/s, where there is room again
+  double acceleration;           // m/s^2
+  double linear() const { return kCareful * full_speed; }
+  double angular() const { return kCareful * full_turn; }
 };
 
 // The way that leads soonest to the goal of the field, up to where the robot has room to turn or where what is known
 // around it ends (Dolgov, Thrun, Montemerlo and Diebel, Path planning for autonomous vehicles in unknown
 // semi-structured environments, 2010). Ahead and back are the same but for the turns between them; it turns only where
-// the footprint does. Where no such way is found, one to the roomiest pose. Empty if there is no better pose than the
-// present one.
+// the footprint does, comes no nearer to obstacles than kTouching, and from nearer not much nearer. Where no such way
+// is found, one to the roomiest pose. Empty if there is no better pose than the present one.
 std::vector<Waypoint> manoeuvre(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles,
                                 const Footprint& footprint, const Agility& agility);
 

@@ -7,9 +7,7 @@
 namespace mr_robot::navigation {
 namespace {
 
-constexpr double kHidden = 1e3;     // m, clearance where there is no obstacle
-constexpr double kTouching = 0.03;  // m to obstacles, less than which may be a touch: poses and points are inexact
-constexpr double kClosest = 0.02;   // m to obstacles, less than which no slack is given
+constexpr double kClosest = 0.02;  // m to obstacles, less than which no slack is given
 
 double approach(double value, double target, double change) {
   return value + std::clamp(target - value, -change, change);
@@ -62,7 +60,7 @@ Motion drive(const Field* field, Pose pose, double linear, double target, const 
 // How far a motion touches nothing, and the least clearance with margins on that way.
 struct ClearWay {
   std::size_t count = 0;  // of its poses
-  double nearest = kHidden;
+  double nearest = kUnreached;
 };
 
 ClearWay clear_poses(const Motion& motion, const Velocity& target, const std::vector<Obstacle>& obstacles,
@@ -151,7 +149,7 @@ std::optional<double> downhill(const Field& field, double x, double y) {
 Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>& obstacles,
                     const Footprint& footprint) {
   const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
-  Clearance least{kHidden, kHidden};
+  Clearance least{kUnreached, kUnreached};
   for (const Obstacle& obstacle : obstacles) {
     const double dx = obstacle.x - pose.x, dy = obstacle.y - pose.y;
     const double ahead = std::abs(c * dx + s * dy) - footprint.half_length;

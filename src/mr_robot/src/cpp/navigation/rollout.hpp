@@ -8,6 +8,9 @@
 
 namespace mr_robot::navigation {
 
+constexpr double kTouching = 0.03;  // m to obstacles, less than which may be a touch: poses and points are inexact
+constexpr double kSlack = 0.002;    // m that a motion may come nearer to what the body touches already
+
 struct Pose {
   double x, y, yaw;  // m, rad
 };
@@ -23,15 +26,13 @@ struct Obstacle {
 };
 
 struct Limits {
-  double linear = 0.5;                 // m/s
-  double angular = 1.57;               // rad/s
-  double linear_acceleration = 1.0;    // m/s^2
-  double angular_acceleration = 3.14;  // rad/s^2
-  double curvature = 1e9;              // 1/m of a way ahead; a robot that stands may turn
+  double linear, angular;                            // m/s, rad/s
+  double linear_acceleration, angular_acceleration;  // m/s^2, rad/s^2
+  double curvature = kUnreached;                     // 1/m of a way ahead; a robot that stands may turn
 };
 
 struct Footprint {
-  double half_length = 0.22, half_width = 0.19;  // m
+  double half_length, half_width;  // m
 };
 
 struct Horizon {

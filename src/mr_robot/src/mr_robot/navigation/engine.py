@@ -16,7 +16,7 @@ from mr_robot.navigation.command import Command, GivenUp, Status, Velocity
 from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.known_map import KnownMap
 from mr_robot.navigation.motion import STOP, Motion
-from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan
+from mr_robot.navigation.options import AT_REST, NavigationError, NavigationOptions, Scan
 from mr_robot.navigation.other_robots import OtherRobots
 from mr_robot.navigation.planner import CostMap, Plan, path
 from mr_robot.navigation.route import Route
@@ -24,13 +24,11 @@ from mr_robot.navigation.stall import StallWatch
 from mr_robot.navigation.surroundings import Surroundings
 from mr_robot.navigation.yielding import HeldUp, Point, find_retreat
 
-STANDING = 2.5  # s without progress, and with nothing in the way, after which a robot plans how to turn and back
-STILL = 1.0  # s without driving after which a robot that has to give way does
+# s without coming nearer for which a robot that drives gets on; after as long without progress, and with nothing in the
+# way, it plans how to turn and back
+STANDING = 2.5
 CREEPING = 0.05  # m/s
-TO_AND_FRO = 3.0  # s for which driving without coming nearer counts as getting on
-GIVE_WAY_TIME, GIVE_WAY_FACTOR, GIVE_WAY_MOST = 10.0, 2.0, 30.0  # s, plus so often the way at full speed, up to s
-PASSING_NEAR, PASSING_TIME = 2.5, 8.0  # m within which a robot that passes is waited for, for s more at most
-TURN_TIME = 8.0  # s to turn to the heading of a goal
+PASSING_NEAR = 2.5  # m within which a robot that passes is waited for
 INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan
 
 
@@ -55,8 +53,8 @@ class Navigator:
         self._route = Route(self.options)
         self._motion = Motion(self.options)
         self._follower = Follower(self._motion, self.options)
-        self._held_up = HeldUp(name, self.options.yield_patience, self._random, self.options.largest_robot_radius)
-        self._stall = StallWatch()
+        self._held_up = HeldUp(name, self.options.yield_patience, self._random, self.options.passing_distance)
+        self._stall = StallWatch(self.options.controller_period)
         self._clock = Clock()
         self._mode_until = 0.0
         self._retreat: Optional[Plan] = None
@@ -172,7 +170,7 @@ class Navigator:
         stuck = now - self._route.progress_at > STANDING and self._blocker(pose) is None
         velocity = self._follow(now, way, pose, obstacles, stuck)
         drives = velocity is not None and abs(velocity[0]) + 0.1 * abs(velocity[1]) > CREEPING
-        if self._held(now, pose, drives and now - self._route.nearer_at < TO_AND_FRO):
+        if self._held(now, pose, drives and now - self._route.nearer_at < STANDING):
             return self._begin_to_give_way(now, pose, costs)
         if now - self._route.progress_at > self.options.blocked_timeout:
             hint = "" if self._blocker(pose) is None else "; an obstacle that is not in the map is near"
@@ -186,7 +184,7 @@ class Navigator:
             return Command(*self._motion.brake(), Status.SUCCEEDED)
         if self.mode is not Mode.TURN:
             self.mode = Mode.TURN
-            self._mode_until = now + TURN_TIME
+            self._mode_until = now + self.options.blocked_timeout
         if now > self._mode_until:
             raise GivenUp(f"cannot turn to the heading of the goal: {math.degrees(error):.0f} degrees are left")
         rate = min(self.options.max_angular_velocity, math.sqrt(2.0 * abs(error)))
@@ -224,27 +222,25 @@ class Navigator:
         self._held_up.gave_way(now)
         self._follower.drop_manoeuvre()
         self._gives_way_since = now
-        left = math.inf if self._retreat is None else self._retreat.cost_at(pose[0], pose[1])
-        self._mode_until = now + min(
-            GIVE_WAY_TIME + GIVE_WAY_FACTOR * left / self.options.max_linear_velocity, GIVE_WAY_MOST
-        )
+        self._mode_until = now + self.options.blocked_timeout
         return self._brake()
 
     def _give_way(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
         retreat = self._retreat
-        if retreat is None or now >= self._mode_until or math.dist(pose[:2], retreat.goal) < 0.2:
+        away = retreat is not None and math.dist(pose[:2], retreat.goal) < self.options.xy_goal_tolerance
+        if retreat is None or away or now >= self._mode_until:
             self.mode = Mode.WAIT
             self._follower.drop_manoeuvre()
             self._mode_until = now + 1.5 + 3.0 * self._random.random()
             return self._brake()
-        velocity = self._follow(now, retreat, pose, obstacles, now - self._moved_at > STILL)
+        velocity = self._follow(now, retreat, pose, obstacles, now - self._moved_at > self.options.yield_patience)
         return self._brake() if velocity is None else Command(*velocity, Status.ACTIVE)
 
     def _lets_pass(self, now: float, pose: Pose) -> bool:
         """Whether a robot with the right of way is still near the one that made room for it."""
         others = self._others.lately(now)
         near = [name for name, place in others.items() if math.dist(place, pose[:2]) < PASSING_NEAR]
-        return now - self._mode_until < PASSING_TIME and min(near, default=self.name) < self.name
+        return now - self._mode_until < AT_REST and min(near, default=self.name) < self.name
 
     def _drive_on(self, now: float) -> None:
         self.mode = Mode.DRIVE

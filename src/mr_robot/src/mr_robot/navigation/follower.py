@@ -14,7 +14,6 @@ from mr_robot.navigation.options import NavigationOptions
 from mr_robot.navigation.planner import Plan
 
 AWAY = 0.6  # rad to the way from which a robot without room to turn does so at once
-TOUCHING = 0.03  # m to what is beside a robot from which it first gains room
 PAUSE = 0.5  # s between plans of manoeuvres
 
 
@@ -58,7 +57,7 @@ class Follower:
             return True
         if _navigation.has_room_to_turn(pose, tight, self._motion.footprint):
             return False
-        if _navigation.clearance(pose, tight, self._motion.footprint) < TOUCHING:
+        if _navigation.clearance(pose, tight, self._motion.footprint) < _navigation.TOUCHING:
             return True
         off = _navigation.turn_wanted(way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose)
         return abs(off) > AWAY

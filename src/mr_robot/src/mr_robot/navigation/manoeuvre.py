@@ -21,10 +21,9 @@ def plan_manoeuvre(
 ) -> Optional["Manoeuvre"]:
     """From a pose with little room on along the way, or to the nearest pose with room; None: nothing is better than to
     stay. `obstacles`: rows (x, y, margin, reaction time)."""
-    agility = _navigation.Agility()
-    agility.full_speed, agility.full_turn = options.max_linear_velocity, options.max_angular_velocity
-    agility.linear = min(agility.linear, options.max_linear_velocity)
-    agility.angular = min(agility.angular, options.max_angular_velocity)
+    agility = _navigation.Agility(
+        options.max_linear_velocity, options.max_angular_velocity, options.linear_acceleration
+    )
     rows = _navigation.manoeuvre(
         way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, obstacles, footprint, agility
     )

@@ -16,9 +16,6 @@ from mr_robot.navigation.planner import Plan
 
 LOOK_AHEAD = 0.5  # m that a robot drives before it is where it has looked: it turns no sharper than it sees
 REACHED = 0.7  # times the tolerance of goals, within which the way ends
-RAMP = 0.4  # s of motion that have to be clear
-RAMP_SLACK = 0.002  # m that a motion may come nearer to what the body touches already
-BRAKING = 0.6  # s that it takes at most
 STOP: Velocity = (0.0, 0.0)
 
 
@@ -27,14 +24,14 @@ class Motion:
 
     def __init__(self, options: NavigationOptions) -> None:
         self.velocity = STOP
-        self.footprint = _navigation.Footprint()
-        self.footprint.half_length = options.footprint_length / 2.0
-        self.footprint.half_width = options.footprint_width / 2.0
+        self.footprint = options.footprint
         self._options = options
-        self._limits = _navigation.Limits()
-        self._limits.linear, self._limits.angular = options.max_linear_velocity, options.max_angular_velocity
-        self._limits.linear_acceleration = options.linear_acceleration
-        self._limits.angular_acceleration = options.angular_acceleration
+        self._limits = _navigation.Limits(
+            options.max_linear_velocity,
+            options.max_angular_velocity,
+            options.linear_acceleration,
+            options.angular_acceleration,
+        )
 
     def see(self, scan: Scan) -> None:
         """No bend is sharper than the robot can look into."""
@@ -50,9 +47,10 @@ class Motion:
         )  # fmt: skip
         return (linear, angular) if found else None
 
-    def is_clear(self, pose: Pose, obstacles: np.ndarray, target: Velocity, duration: float = RAMP) -> bool:
+    def is_clear(self, pose: Pose, obstacles: np.ndarray, target: Velocity) -> bool:
+        """Until the robot could stand again."""
         horizon = _navigation.Horizon()
-        horizon.duration, horizon.slack = duration, RAMP_SLACK
+        horizon.duration, horizon.slack = self._options.braking_time, _navigation.SLACK
         return _navigation.is_clear(pose, self.velocity, target, obstacles, self._limits, self.footprint, horizon)
 
     def towards(self, target: Velocity) -> Velocity:
@@ -70,7 +68,7 @@ class Motion:
         """Of a robot without a goal, which brakes on the curve that it was on: at once where that touches something."""
         tight = bare(obstacles, self._options.obstacle_margin)
         self.velocity = velocity
-        if not self.is_clear(pose, tight, STOP, BRAKING):
+        if not self.is_clear(pose, tight, STOP):
             self.velocity = STOP
         return self.velocity
 

@@ -20,7 +20,7 @@ from mr_grid import Pose
 from mr_robot.navigation import ros_io
 from mr_robot.navigation.engine import Navigator, Status
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan
-from mr_robot.navigation.tf_poses import TfPoses
+from mr_robot.navigation.tf_poses import INPUT_AGE, TfPoses
 from mr_robot.ros_poses import transform_pose
 
 FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}
@@ -28,8 +28,6 @@ DRIVERS = {"scan_topic": "base_scan", "velocity_topic": "cmd_vel"}
 TOPICS = {"others": "all_positions", "plan": "~plan"}
 MAP_TOPIC = "map_merger/global_map"
 OWN_MAP_TOPIC = "map"  # of this robot's SLAM
-SCAN_AGE = 0.5  # s after which a scan no longer tells what is around
-PLAN_PERIOD = 1.0  # s between published paths
 FEEDBACK_PERIOD = 0.5  # s
 
 
@@ -177,14 +175,14 @@ class MoveBaseNode:
         if not 0.0 <= now - self._fed_back_at < FEEDBACK_PERIOD:
             self._fed_back_at = now
             self._server.publish_feedback(ros_io.feedback_message(pose, frame, stamp))
-        if self._plan.get_num_connections() and not 0.0 <= now - self._planned_at < PLAN_PERIOD:
+        if self._plan.get_num_connections() and not 0.0 <= now - self._planned_at < self._navigator.options.plan_period:
             self._planned_at = now
             self._plan.publish(ros_io.path_message(self._navigator.path(pose), frame, stamp))
 
     def _scan_value(self, now: float, stamp: rospy.Time) -> Optional[Scan]:
         """The latest scan as seen from where the robot was at `stamp`."""
         message = self._scan
-        if message is None or now - message.header.stamp.to_sec() > SCAN_AGE:
+        if message is None or now - message.header.stamp.to_sec() > INPUT_AGE:
             return None
         mount = self._tf_poses.laser(message.header.frame_id, message.header.stamp, stamp)
         return None if mount is None else ros_io.scan_value(message, mount)

@@ -6,7 +6,6 @@ from mr_grid import Pose
 from mr_robot import _navigation
 from mr_robot.navigation.options import Scan
 
-CELL = 0.05  # m, one point is kept per cell of this size
 KNOWN_WITHIN = 0.15  # m, hits this near to a wall of the map are that wall
 SEEN_BEYOND = 0.25  # m, a beam that goes this far past a remembered point has seen it gone
 REMEMBERED_LIMIT = 2000
@@ -17,7 +16,7 @@ class ObstacleMemory:
 
     def __init__(self, duration: float) -> None:
         """`duration`: s for which a point out of sight is remembered."""
-        self._rule = _navigation.Memory(duration, CELL, KNOWN_WITHIN, SEEN_BEYOND, REMEMBERED_LIMIT)
+        self._duration = duration
         self.clear()
 
     @property
@@ -42,8 +41,9 @@ class ObstacleMemory:
         self._rows = np.vstack([self._rows, np.column_stack([points, np.full(len(points), now)])])
 
     def update(self, scan: Scan, pose: Pose, walls: _navigation.Walls, now: float) -> None:
-        """`walls`: of the map; hits at them are not remembered."""
+        """`walls`: of the map; hits at them are not remembered, and of others one in each of its cells."""
+        rule = _navigation.Memory(self._duration, walls.resolution, KNOWN_WITHIN, SEEN_BEYOND, REMEMBERED_LIMIT)
         self._rows = _navigation.remember(
             self._rows, scan.points, scan.ranges, scan.angle_min, scan.angle_increment, scan.mount, pose, walls,
-            self._rule, now,
+            rule, now,
         )  # fmt: skip

@@ -9,6 +9,11 @@ import numpy as np
 from mr_grid import Pose
 from mr_robot import _navigation
 
+PROGRESS = 0.1  # m of motion that count as one: less is SLAM's
+REACH = 1.4  # m within which what the map does not know counts as in the way, and other robots count
+LONGEST_DETOUR = 5.0  # m that a robot goes out of its way, around what moves or to let it pass
+AT_REST = 8.0  # s after which what has not moved is taken to stay, and what was to pass is no longer waited for
+
 
 class NavigationError(ValueError):
     """A parameter, map or goal that navigation cannot work with."""
@@ -50,6 +55,10 @@ class NavigationOptions:
             )
 
     @property
+    def footprint(self) -> _navigation.Footprint:
+        return _navigation.Footprint(self.footprint_length / 2.0, self.footprint_width / 2.0)
+
+    @property
     def half_width(self) -> float:
         """Nearest the robot's centre can come to a wall, m."""
         return min(self.footprint_length, self.footprint_width) / 2.0
@@ -67,6 +76,14 @@ class NavigationOptions:
     def passing_distance(self) -> float:
         """Metres between the centres of this robot and another one from which on both can turn."""
         return round(self.circumscribed_radius + self.largest_robot_radius + 0.22, 2)
+
+    @property
+    def braking_time(self) -> float:
+        """s from full speed to rest, with the period in which that is decided."""
+        braking = max(
+            self.max_linear_velocity / self.linear_acceleration, self.max_angular_velocity / self.angular_acceleration
+        )
+        return braking + self.controller_period
 
     def reach_in(self, seconds: float) -> float:
         """Metres around the robot's centre in which obstacles bear on a motion of that duration."""

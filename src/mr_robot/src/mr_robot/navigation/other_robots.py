@@ -7,18 +7,16 @@ from typing import Dict, List, Mapping, Tuple
 import numpy as np
 
 from mr_grid import Pose, is_place
-from mr_robot.navigation.options import NavigationOptions, Scan
+from mr_robot import _navigation
+from mr_robot.navigation.options import AT_REST, PROGRESS, REACH, NavigationOptions, Scan
 
 Point = Tuple[float, float]
 
-NEAR = 1.5  # m within which a robot that says where it is counts where the laser is blind
 RIM = 0.04  # m by which the rim that its footprint takes up lies within the radius of the largest robot
 LATELY = 6.0  # s for which a reported position counts
-SOON = (0.3, 0.6, 0.9, 1.2)  # s, when a robot is where it will be if it drives on: as long as motions look ahead
+# s, when a robot is where it will be if it drives on: as long as motions look ahead
+SOON = tuple(share * _navigation.Horizon().duration for share in (0.25, 0.5, 0.75, 1.0))
 FRESH = 2.0  # s between two positions that tell how a robot moves, and for which it is taken to go on
-AT_REST = 8.0  # s after which a robot that has not moved is taken to stay
-STIR = 0.1  # m of motion that is none: its SLAM's
-BODY = 0.1  # m around a robot in which hits are its
 # Unit vectors (12, 2) all around, for the rim of a robot.
 CIRCLE = np.stack([np.cos(np.arange(12) * math.pi / 6.0), np.sin(np.arange(12) * math.pi / 6.0)], axis=1)
 
@@ -59,7 +57,7 @@ class OtherRobots:
         before = self._tracks.get(name)
         if before is None or now < before.at:
             return _Track(place, now, (0.0, 0.0), place, now)
-        rests = math.dist(place, before.rest) < STIR
+        rests = math.dist(place, before.rest) < PROGRESS
         rest, since = (before.rest, before.rest_since) if rests else (place, now)
         seconds = now - before.at
         if place == before.place and seconds < FRESH:
@@ -85,17 +83,17 @@ class OtherRobots:
         of way, whose name sorts earlier, also where it will be soon, so that one of two robots that drive towards the
         same place lets the other pass."""
         places = np.array([place for name in self.lately(now) for place in self._ground_of(name, now)]).reshape(-1, 2)
-        near = places[np.hypot(*(places - pose[:2]).T) < NEAR]
+        near = places[np.hypot(*(places - pose[:2]).T) < REACH]
         blind = near[scan.blind_to(pose.apply_inverse(near))] if len(near) else near
         rims = (blind[:, None, :] + self._rim[None, :, :]).reshape(-1, 2)
         return np.hstack([rims, np.tile(self._margins, (len(rims), 1))])
 
     def settle(self, obstacles: np.ndarray, now: float) -> np.ndarray:
         """Rows (x, y, margin, reaction time) in which robots at rest have the margin of walls, so that others find
-        their way between those that are home."""
+        their way between those that are home. What is nearer to one than its margin is taken to be its."""
         places = [track.rest for track in self._tracks.values() if now - track.rest_since > AT_REST]
         for place in places:
-            body = np.hypot(obstacles[:, 0] - place[0], obstacles[:, 1] - place[1]) < self._radius + BODY
+            body = np.hypot(obstacles[:, 0] - place[0], obstacles[:, 1] - place[1]) < self._radius + self._margins[0]
             obstacles[body, 2] = np.minimum(obstacles[body, 2], self._wall_margin)
             obstacles[body, 3] = 0.0
         return obstacles

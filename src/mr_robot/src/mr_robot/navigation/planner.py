@@ -16,7 +16,6 @@ ESCAPE_ROOM = 0.21  # m more than a robot has to keep from walls: around one tha
 ESCAPE_COST = 25.0
 NARROW_COST = 12.0  # of a cell where the body fits through and has no margin
 FIELD_MARGIN = 2.0  # m of cost to go beyond the robot that local control can use
-PATH_STEPS = 20000
 
 
 Seeds = Tuple[Tuple[int, int, float], ...]
@@ -228,5 +227,5 @@ def _seeds_near(slowness: np.ndarray, row: int, column: int, radius: float) -> S
 
 def path(way: Plan, robot: Pose) -> List[Tuple[float, float]]:
     """Cell centres down the cost to go, from the robot to the point led to."""
-    cells = _navigation.descend(way.cost, way.grid.info.cell_of(robot[0], robot[1]), PATH_STEPS)
+    cells = _navigation.descend(way.cost, way.grid.info.cell_of(robot[0], robot[1]), way.cost.size)
     return [way.grid.info.centre_of(row, column) for row, column in cells]

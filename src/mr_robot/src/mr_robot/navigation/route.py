@@ -8,18 +8,11 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_robot.navigation.command import GivenUp
-from mr_robot.navigation.options import NavigationOptions
+from mr_robot.navigation.options import AT_REST, LONGEST_DETOUR, PROGRESS, NavigationOptions
 from mr_robot.navigation.planner import CostMap, Plan, plan
 
-DETOUR = 5.0  # m that a way around something moving may be longer before waiting is better
-DETOUR_WAIT = 8.0  # s after which any detour is taken
-NO_WAY_CHECKS = 3  # plans that must fail before a goal is called unreachable
-NO_WAY_PAUSE = 0.25  # s between them
-PROGRESS = 0.1  # m of way that count as progress
 LONGER = 1.0  # m by which a way has to have grown to count as another
-TO_AND_FRO_LIMIT = 2.0  # times the timeout of a blocked way, for which a robot may give way and come back
-TIME_ALLOWED = 30.0  # s for any goal, plus
-TIME_FACTOR = 5.0  # times what the way takes at full speed
+TIME_FACTOR = 5.0  # times what the way takes at full speed, for a goal, beside what it may be blocked
 
 
 @dataclass
@@ -31,7 +24,7 @@ class _Goal:
     nearest: float = math.inf  # least way left so far through the map alone, m
     nearest_at: float = -math.inf  # since when
     blocked_since: Optional[float] = None
-    failed_plans: int = 0
+    no_way_since: Optional[float] = None
 
 
 class Route:
@@ -117,14 +110,14 @@ class Route:
         if known is None:
             self._without_way(now, target, costs)
             return
-        goal.failed_plans = 0
+        goal.no_way_since = None
         around = plan(costs, moving, pose, target, radius, known, narrow) if len(moving) else known
         way = self._prefer(now, pose, known, around)
         left = way.cost_at(pose[0], pose[1])
         if self.plan is None or left > goal.best + LONGER:
             goal.best = left + PROGRESS
         if goal.deadline == math.inf:
-            goal.deadline = now + TIME_ALLOWED + TIME_FACTOR * left / options.max_linear_velocity
+            goal.deadline = now + options.blocked_timeout + TIME_FACTOR * left / options.max_linear_velocity
         self.plan = way
 
     def _prefer(self, now: float, pose: Pose, known: Plan, around: Optional[Plan]) -> Plan:
@@ -135,16 +128,16 @@ class Route:
         left = known.cost_at(pose[0], pose[1])
         if left < goal.nearest - PROGRESS:
             goal.nearest, goal.nearest_at = left, now
-        if around is not None and around.cost_at(pose[0], pose[1]) - left <= DETOUR:
+        if around is not None and around.cost_at(pose[0], pose[1]) - left <= LONGEST_DETOUR:
             goal.blocked_since = None
             return around
         if goal.blocked_since is None:
             goal.blocked_since = now
         timeout = self._options.blocked_timeout
         # Who gives way and comes back comes nearer each time, but not nearer than before.
-        goal.blocked_since = max(goal.blocked_since, min(self.nearer_at, goal.nearest_at + TO_AND_FRO_LIMIT * timeout))
+        goal.blocked_since = max(goal.blocked_since, min(self.nearer_at, goal.nearest_at + timeout))
         waited = now - goal.blocked_since
-        if around is not None and waited > DETOUR_WAIT:
+        if around is not None and waited > AT_REST:
             return around
         if waited <= timeout:
             return known
@@ -162,10 +155,10 @@ class Route:
                 goal.blocked_since = now
             if now - goal.blocked_since <= self._options.blocked_timeout:
                 return
-        goal.failed_plans += 1
-        if goal.failed_plans >= NO_WAY_CHECKS:
+        if goal.no_way_since is None:
+            goal.no_way_since = now
+        elif now > goal.no_way_since:
             raise GivenUp(f"no way to ({target[0]:.2f}, {target[1]:.2f}): {self._why_no_way(target, costs)}")
-        self._planned_at = now - self._options.plan_period + NO_WAY_PAUSE
 
     def _why_no_way(self, target: Tuple[float, float], costs: CostMap) -> str:
         grid = costs.grid

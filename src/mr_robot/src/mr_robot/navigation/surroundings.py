@@ -12,16 +12,15 @@ from mr_robot.navigation.obstacles import KNOWN_WITHIN, ObstacleMemory
 from mr_robot.navigation.options import NavigationOptions, Scan
 from mr_robot.navigation.planner import CostMap
 from mr_robot.navigation.yielding import Point, nearest_blocker
+from mr_robot.platforms.parameters import NARROW_VIEW
 
 WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
-NARROW = math.pi / 2.0  # rad to each side; a robot that sees less has not much but the map beside it
-POINT_SPACING = 0.03  # m, finer detail of obstacles does not matter
-BUMPED = 0.03  # m before the side that ran into what the laser does not see, where it is taken to be
 
 
 class Surroundings:
     def __init__(self, options: NavigationOptions) -> None:
         self._options = options
+        self._footprint = options.footprint
         self._memory = ObstacleMemory(options.obstacle_memory)
         self._hits = np.empty((0, 2))  # of the latest scan, robot's frame
         self._near = options.reach_in(_navigation.Horizon().duration)
@@ -31,23 +30,24 @@ class Surroundings:
         self._memory.update(scan, pose, costs.walls, now)
 
     def bump(self, pose: Pose, velocity: Velocity, now: float) -> None:
-        """Remembers points along the side that ran into something that the laser does not see."""
+        """Remembers points just before the side that ran into something that the laser does not see."""
         if velocity[0] == 0.0:
             return
-        x = math.copysign(self._options.footprint_length / 2.0 + BUMPED, velocity[0])
+        x = math.copysign(self._options.footprint_length / 2.0 + _navigation.TOUCHING, velocity[0])
         half = self._options.footprint_width / 2.0
         self._memory.add(pose.apply(np.array([(x, y) for y in np.linspace(-half, half, 9)])), now)
 
     def obstacles(self, costs: CostMap, pose: Pose, scan: Scan) -> np.ndarray:
         """What the next motion must not touch: rows (x, y, margin, reaction time) in the map frame."""
         options = self._options
-        wall_margin = WALL_MARGIN if scan.half_view >= NARROW else options.obstacle_margin
+        # A robot that sees little has not much but the map beside it.
+        wall_margin = WALL_MARGIN if 2.0 * scan.half_view >= NARROW_VIEW else options.obstacle_margin
         margins = _navigation.Margins(
             wall_margin, options.obstacle_margin, options.moving_margin, options.moving_reaction_time
         )
         return _navigation.surroundings(
-            scan.points, pose, self._memory.rows, costs.walls, margins, KNOWN_WITHIN, self._near, POINT_SPACING,
-            scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
+            scan.points, pose, self._memory.rows, costs.walls, margins, KNOWN_WITHIN, self._near, _navigation.TOUCHING,
+            self._footprint, scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
         )  # fmt: skip
 
     def moving_points(self, pose: Pose) -> np.ndarray:

@@ -8,7 +8,7 @@ import tf2_ros
 from mr_grid import Pose
 from mr_robot.ros_poses import transform_pose
 
-POSE_AGE = 0.5  # s after which the pose no longer tells where the robot is
+INPUT_AGE = 0.5  # s after which a pose or scan no longer tells where the robot and what around it is
 
 
 class TfPoses:
@@ -32,7 +32,7 @@ class TfPoses:
             rospy.logwarn_throttle(10.0, f"pose of the robot is unknown: {error}")
             return None
         stamp = message.header.stamp
-        return (transform_pose(message), stamp) if now - stamp.to_sec() < POSE_AGE else None
+        return (transform_pose(message), stamp) if now - stamp.to_sec() < INPUT_AGE else None
 
     def laser(self, frame: str, taken: rospy.Time, stamp: rospy.Time) -> Optional[Pose]:
         """Of the laser when it took its scan, in the frame of the base at `stamp`. Without odometry of that moment, or

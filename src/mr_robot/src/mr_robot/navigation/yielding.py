@@ -12,27 +12,25 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_robot import _navigation
+from mr_robot.navigation.options import LONGEST_DETOUR, PROGRESS, REACH
 from mr_robot.navigation.planner import CostMap, Plan, plan
 
 Point = Tuple[float, float]
 
-REACH = 1.4  # m within which something that the map does not know counts as in the way
 SPREAD, LARGEST_SPREAD = 3.0, 12.0  # times the patience
 AGAIN = 30.0  # s within which giving way once more shows that it was in vain
-LEAVING = 0.1  # m farther off than it was: what holds the robot up goes
 WINNER_PATIENCE = 6.0  # s a robot with the right of way waits before it gives way nevertheless
 ROOM = 0.12  # m more than a robot has to keep from walls, at a place to wait
 SLOWEST = 2.0  # times a free cell's cost; what narrow places cost on other ways would end the search in them
-SEARCHED = 5.0  # m of way to places to wait
 
 
 class HeldUp:
     """Decides when a robot that something holds up has to give way."""
 
-    def __init__(self, name: str, patience: float, random: np.random.Generator, robot_radius: float) -> None:
-        """`patience`: s. `robot_radius`: of the largest robot of the team, m."""
+    def __init__(self, name: str, patience: float, random: np.random.Generator, robot_size: float) -> None:
+        """`patience`: s. `robot_size`: m around a reported position in which the hits of a robot lie."""
         self._name = name
-        self._robot_size = round(2.0 * robot_radius + 0.12, 3)  # m around a reported position in which its hits lie
+        self._robot_size = robot_size
         self._patience = patience
         self._random = random
         self._since: Optional[float] = None
@@ -56,7 +54,7 @@ class HeldUp:
             self._since = None
             return False
         off = math.dist(place, blocker)
-        if self._since is None or now < self._since or off > self._closest + LEAVING:
+        if self._since is None or now < self._since or off > self._closest + PROGRESS:
             self._since, self._closest = now, off
             self._limit = self._draw(blocker, others)
         self._closest = min(self._closest, off)
@@ -93,7 +91,7 @@ def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Poi
     slowness = costs.slowness(obstacles, pose, narrow=True)
     slowness = np.where(np.isfinite(slowness), np.minimum(slowness, SLOWEST), slowness)
     slowness[start] = min(slowness[start], SLOWEST)
-    limit = 3.0 * SEARCHED / grid.resolution
+    limit = 3.0 * LONGEST_DETOUR / grid.resolution
     cost = _navigation.march(slowness, [(start[0], start[1], 0.0)], limit=limit)
     rows, columns = np.nonzero(
         np.isfinite(cost) & (costs.wall_distance > round(costs.options.inscribed_radius + ROOM, 3))
@@ -109,7 +107,7 @@ def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Poi
     passing = costs.options.passing_distance  # beside the other's way, where it can pass
     # Waiting on the other's way helps only when it is far away: each metre nearer than wanted costs.
     price = way + 20.0 * np.maximum(0.0, passing - aside) + 4.0 * np.maximum(0.0, 1.2 - away)
-    price += np.where(aside < passing, 3.0 * np.maximum(0.0, SEARCHED - along), 0.0)
+    price += np.where(aside < passing, 3.0 * np.maximum(0.0, LONGEST_DETOUR - along), 0.0)
     best = int(np.argmin(price))
     target = grid.info.centre_of(int(rows[best]), int(columns[best]))
     return plan(costs, obstacles, pose, target, 0.3, narrow=True)

@@ -5,11 +5,7 @@
 
 #include "rollout.hpp"
 
-namespace navigation_peers {
-
-using mr_robot::navigation::Footprint;
-using mr_robot::navigation::Obstacle;
-using mr_robot::navigation::Pose;
+namespace mr_robot::navigation {
 
 class Body {
  public:
@@ -22,8 +18,7 @@ class Body {
   // Whether the body can turn there.
   bool roomy(const Pose& pose);
 
-  static constexpr double kMost = 0.09;         // m
-  static constexpr double kTurningRoom = 0.03;  // m around a body that can turn
+  static constexpr double kMost = 3.0 * kTouching;  // m
 
  private:
   struct Cell {
@@ -40,4 +35,4 @@ class Body {
   std::vector<Cell> cells_;
 };
 
-}  // namespace navigation_peers
+}  // namespace mr_robot::navigation

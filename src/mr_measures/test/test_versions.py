@@ -1,14 +1,17 @@
 """The hash of the code that a record names."""
 
 import shutil
+import sys
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from rospkg import ResourceNotFound
 
-from mr_experiments.common import code_version as module
-from mr_experiments.common.code_version import WORLDS, _modules, code_version, named
-from mr_sim.worlds import world_folders
+from mr_measures.record import versions as module
+from mr_measures.record.versions import WORLDS, _modules, code_version, named, versions
+
+OWN_WORLDS = Path(__file__).resolve().parents[3] / "worlds"
 
 
 @pytest.fixture
@@ -17,23 +20,23 @@ def tree(tmp_path, monkeypatch):
     for name in (
         "packages/explorer/src/explorer/a.py", "packages/explorer/src/cpp/a.cpp", "packages/explorer/src/cpp/a.hpp",
         "packages/explorer/msg/Bid.msg", "packages/explorer/CMakeLists.txt", "packages/mr_launch/config/slam.yaml",
+    "packages/explorer/nodes/explorer", "packages/mr_launch/launch/robot.launch", "packages/mr_robot/robots/own.yaml",
         "packages/adhoc_communication/include/engine.hpp", "packages/adhoc_communication/engine.cmake",
         "worlds/flat.world", "worlds/flat.png", "worlds/robot.inc",
     ):  # fmt: skip
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("before")
-    for package in module.IMPORTED:
+    for package in module.PACKAGES:
         (tmp_path / "packages" / package / "src").mkdir(parents=True, exist_ok=True)
     built = ModuleType("explorer")
     built.__path__ = [str(tmp_path / "devel/explorer")]
     monkeypatch.setattr(module, "folder_of", lambda package: tmp_path / "packages" / package)
-    monkeypatch.setattr(module, "world_folders", lambda: [tmp_path / "worlds"])
-    monkeypatch.setitem(module.IMPORTED, "explorer", built)
+    monkeypatch.setitem(sys.modules, "explorer", built)
 
     def version():
         code_version.cache_clear()
-        return code_version()
+        return code_version((tmp_path / "worlds",))
 
     yield tmp_path, version
     code_version.cache_clear()
@@ -42,6 +45,7 @@ def tree(tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", [
     "packages/explorer/src/explorer/a.py", "packages/explorer/src/cpp/a.cpp", "packages/explorer/src/cpp/a.hpp",
     "packages/explorer/msg/Bid.msg", "packages/explorer/CMakeLists.txt", "packages/mr_launch/config/slam.yaml",
+    "packages/explorer/nodes/explorer", "packages/mr_launch/launch/robot.launch", "packages/mr_robot/robots/own.yaml",
     "packages/adhoc_communication/include/engine.hpp", "packages/adhoc_communication/engine.cmake",
     "worlds/flat.world", "worlds/flat.png", "worlds/robot.inc",
 ])  # fmt: skip
@@ -97,9 +101,23 @@ def test_only_what_is_imported_counts(tmp_path):
 
 
 def test_the_worlds_of_this_project_are_among_them():
-    found = {name for folder in world_folders() for name in named(Path(folder), WORLDS)}
-    assert {"office26x15.world", "office26x15.png", "small8x8.world", "pioneer.inc"} <= found
+    assert {"office26x15.world", "office26x15.png", "small8x8.world", "pioneer.inc"} <= named(OWN_WORLDS, WORLDS).keys()
 
 
 def test_it_is_the_same_again():
-    assert code_version() == code_version() and len(code_version()) == 12
+    (first, again) = (versions("mr_launch", [OWN_WORLDS])["code"] for _ in range(2))
+    code_version.cache_clear()
+    assert first == again == versions("mr_experiments", [OWN_WORLDS])["code"] and len(first) == 12
+
+
+def test_a_package_that_is_not_installed_is_passed_over(tree, monkeypatch):
+    folder, version = tree
+    before = version()
+
+    def folder_of(package):
+        if package == "mr_experiments":
+            raise ResourceNotFound(package)
+        return folder / "packages" / package
+
+    monkeypatch.setattr(module, "folder_of", folder_of)
+    assert version() == before, "its folder here is empty"

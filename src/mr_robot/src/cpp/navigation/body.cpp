@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace navigation_peers {
+namespace mr_robot::navigation {
 namespace {
 
 constexpr double kCell = 0.05;  // m
@@ -35,7 +35,7 @@ double Body::clearance(const Pose& pose) {
 
 bool Body::roomy(const Pose& pose) {
   for (const Obstacle& point : near(pose)) {
-    if (std::hypot(point.x - pose.x, point.y - pose.y) - point.margin < circle_ + kTurningRoom) return false;
+    if (std::hypot(point.x - pose.x, point.y - pose.y) - point.margin < circle_ + kTouching) return false;
   }
   return true;
 }
@@ -48,12 +48,11 @@ const std::vector<Obstacle>& Body::near(const Pose& pose) {
     cell.known = true;
     const double x = left_ + (column + 0.5) * kCell, y = bottom_ + (row + 0.5) * kCell;
     for (const Obstacle& point : all_) {
-      if (std::hypot(point.x - x, point.y - y) < circle_ + kMost + kCell + point.margin) {
-        cell.obstacles.push_back(point);
-      }
+      const double dx = point.x - x, dy = point.y - y, reach = circle_ + kMost + kCell + point.margin;
+      if (dx * dx + dy * dy < reach * reach) cell.obstacles.push_back(point);
     }
   }
   return cell.obstacles;
 }
 
-}  // namespace navigation_peers
+}  // namespace mr_robot::navigation

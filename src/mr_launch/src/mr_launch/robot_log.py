@@ -1,0 +1,110 @@
+"""The course of one robot's mission, from what its monitor tells: samples and events, as the record has them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Iterable, Mapping, Sequence
+
+import numpy as np
+
+from mr_grid import Pose
+from mr_measures.record.logs import GoalLog, NoteLog
+from mr_measures.record.mission_record import Note
+from mr_measures.record.robot_record import Auction, Goal, Merge
+from mr_measures.record.series import RobotSeries
+
+SERIES_PERIOD = 1.0  # s between two samples
+
+
+TOLD = ("explored", "own", "bytes", "frames", "bids", "state", "neighbors")
+
+
+@dataclass(frozen=True)
+class Sample:
+    """As the columns of `RobotSeries`."""
+
+    time: float
+    explored: float = 0.0
+    own: float = 0.0
+    bytes: int = 0
+    frames: int = 0
+    bids: int = 0
+    state: int = 0
+    neighbors: tuple[str, ...] = ()
+
+
+class RobotLog:
+    """Times as they come, in s of simulation time; what it gives counts from `start`, that of the mission. The length
+    of a mission bounds the samples, the pace of an explorer the rest."""
+
+    def __init__(self) -> None:
+        self._samples: list[Sample] = []
+        self._goals = GoalLog()
+        self._auctions: list[Auction] = []
+        self._merges: list[Merge] = []
+        self._notes = NoteLog()
+
+    def take(self, sample: Sample, events: Iterable[Mapping[str, Any]]) -> None:
+        """Raises KeyError, TypeError or ValueError for an event that is none."""
+        if not self._samples or sample.time - self._samples[-1].time >= 0.5 * SERIES_PERIOD:
+            self._samples.append(sample)
+        for event in events:
+            self._happened(**event)
+
+    def _happened(self, kind: str, at: float, **values: Any) -> None:
+        if kind == "goal":
+            self._goals.begin(Goal(at, **values))
+        elif kind == "goal_end":
+            self._goals.end(at, **values)
+        elif kind == "auction":
+            self._auctions.append(Auction(at, **values))
+        elif kind == "merge":
+            place = values["transform"]
+            self._merges.append(Merge(values["partner"], at, None if place is None else Pose(*place)))
+        elif kind == "note":
+            self._notes.add(Note(at, **values))
+        else:
+            raise ValueError(f"{kind} is no kind of event")
+
+    def goals(self, start: float) -> tuple[Goal, ...]:
+        return tuple(
+            replace(goal, set=_since(goal.set, start), end=None if goal.end is None else _since(goal.end, start))
+            for goal in self._goals.goals
+        )
+
+    def auctions(self, start: float) -> tuple[Auction, ...]:
+        return tuple(replace(auction, at=_since(auction.at, start)) for auction in self._auctions)
+
+    def merges(self, start: float, robots: Sequence[str]) -> tuple[Merge, ...]:
+        """Of transforms to these robots."""
+        return tuple(replace(one, at=_since(one.at, start)) for one in self._merges if one.partner in robots)
+
+    def notes(self, start: float, robot: str) -> tuple[Note, ...]:
+        return tuple(replace(note, at=_since(note.at, start), robot=robot) for note in self._notes.notes)
+
+    def series(self, start: float, motion: np.ndarray) -> RobotSeries:
+        """`motion`: true, as in `mr_measures.motion`, times since the start. At each second what was told last."""
+        if not motion.size:
+            return RobotSeries()
+        moments = np.arange(0.0, float(motion["time"][-1]) + 1e-9, SERIES_PERIOD)
+        rows = np.searchsorted(motion["time"], moments)
+        told = np.array([sample.time - start for sample in self._samples])
+        latest = np.searchsorted(told, motion["time"][rows], side="right") - 1
+        samples = [self._samples[index] if index >= 0 else Sample(0.0) for index in latest]
+        columns: dict[str, Any] = {name: tuple(getattr(sample, name) for sample in samples) for name in TOLD}
+        return RobotSeries(**{**_motion_columns(motion, rows), **columns})
+
+
+def _since(at: float, start: float) -> float:
+    return round(max(0.0, at - start), 4)
+
+
+def _motion_columns(motion: np.ndarray, rows: np.ndarray) -> dict[str, tuple[float, ...]]:
+    steps = np.diff(motion["time"], prepend=motion["time"][:1])
+    way = np.hypot(np.diff(motion["x"], prepend=motion["x"][:1]), np.diff(motion["y"], prepend=motion["y"][:1]))
+    columns = {
+        **{name: motion[name] for name in ("time", "x", "y", "yaw")},
+        "distance": np.cumsum(way),
+        "stalled": np.cumsum(steps * (motion["stalled"] > 0)),
+    }
+    return {name: tuple(values[rows].astype(float).round(4).tolist()) for name, values in columns.items()}

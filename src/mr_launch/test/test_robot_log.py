@@ -1,0 +1,112 @@
+"""What the monitor tells of a robot's course, and what the runner makes of it."""
+
+import json
+
+import numpy as np
+import pytest
+
+from mr_grid import Pose
+from mr_launch.monitor import MOST_EVENTS, Digest
+from mr_launch.reports import RobotReport
+from mr_launch.robot_log import RobotLog, Sample
+from mr_measures.motion import RECORD
+from mr_measures.record.mission_record import Note
+from mr_measures.record.robot_record import Auction, Goal, Merge
+
+START = 6.0  # s of simulation time
+
+
+def told(digest, log, now=9.0):
+    """One report on its way to the runner."""
+    values = json.loads(json.dumps(digest.report(now)))
+    report = RobotReport("a")
+    report.update(values)
+    log.take(report.sample(), values["events"])
+    return report
+
+
+def test_digest_tells_what_is_missing_and_who_is_merged():
+    digest = Digest("a")
+    digest.merged(["a", "b", "c"])
+    digest.seen("map")
+    result = digest.report(10.0)
+    assert result["merged"] == ["b", "c"]
+    assert "map" not in result["missing"] and "explorer" in result["missing"]
+
+
+def test_goals_end_once_and_replace_each_other():
+    digest, log = Digest("a"), RobotLog()
+    digest.goal("first", 1.0, 2.0, 6.5)
+    digest.goal("second", 3.0, 4.00001, 7.0)
+    digest.goal_end("first", "cancelled", "", 7.1)
+    told(digest, log)
+    digest.goal_end("second", "failed", "no way", 8.0)
+    digest.goal("third", 5.0, 6.0, 9.0)
+    told(digest, log)
+    digest.goal_end("third", "reached", "Goal reached.", 10.0)
+    digest.goal("fourth", 7.0, 8.0, 11.0)
+    told(digest, log)
+    assert log.goals(START) == (
+        Goal(0.5, 1.0, 2.0, 1.0, "replaced", "", 1), Goal(1.0, 3.0, 4.0, 2.0, "failed", "no way", 2),
+        Goal(3.0, 5.0, 6.0, 4.0, "reached", "", 3), Goal(5.0, 7.0, 8.0, id=4),
+    )  # fmt: skip
+
+
+def test_transforms_are_told_when_they_have_changed():
+    digest, log, near = Digest("a"), RobotLog(), Pose(1.0, 2.0, 0.5)
+    assert not told(digest, log).sees_merges, "nobody has told of them"
+    digest.believes({"b": near, "base": near}, 5.0)
+    digest.believes({"b": Pose(1.01, 2.0, 0.5), "base": near}, 6.0)
+    digest.believes({}, 7.0)
+    assert told(digest, log).sees_merges
+    assert log.merges(START, ["a", "b"]) == (Merge("b", 0.0, near), Merge("b", 1.0, None))
+
+
+def test_auctions_bids_and_notes():
+    digest, log = Digest("a"), RobotLog()
+    digest.auction(17, 4, 8.0)
+    digest.bid()
+    digest.bid()
+    digest.note("explorer: lost", True, 5.0)
+    report = told(digest, log)
+    told(digest, log)  # an event is told once
+    assert log.auctions(START) == (Auction(2.0, 17, 4),) and report.bids == 2
+    assert log.notes(START, "a") == (Note(0.0, "a", "explorer: lost", True),)
+
+
+def test_what_waits_is_bounded():
+    digest = Digest("a")
+    for number in range(MOST_EVENTS + 5):
+        digest.note(str(number), False, 1.0)
+    events = digest.report(1.0)["events"]
+    assert len(events) == MOST_EVENTS and events[-1]["text"] == str(MOST_EVENTS + 4)
+    assert digest.report(1.0)["events"] == []
+
+
+@pytest.mark.parametrize("event", [
+    {"kind": "dance", "at": 1.0}, {"at": 1.0}, {"kind": "goal", "at": 1.0, "x": 1.0}, {"kind": "merge", "at": 1.0},
+])  # fmt: skip
+def test_what_is_no_event_is_refused(event):
+    with pytest.raises((KeyError, TypeError, ValueError)):
+        RobotLog().take(Sample(1.0), [event])
+
+
+def test_series_have_what_was_told_last_at_each_second_of_true_motion():
+    motion = np.zeros(81, dtype=RECORD)
+    motion["time"] = 0.05 * np.arange(81)
+    motion["x"] = 0.5 * motion["time"]
+    motion["stalled"][21:41] = 1
+    log = RobotLog()
+    log.take(Sample(START + 0.5, explored=1.0, state=1, neighbors=("b",)), [])
+    log.take(Sample(START + 0.6, explored=9.0), [])  # too soon after the one before
+    log.take(Sample(START + 2.4, own=2.0, bytes=70, frames=7, bids=1, state=2), [])
+    series = log.series(START, motion)
+    assert series.time == (0.0, 1.0, 2.0, 3.0, 4.0) and series.x == (0.0, 0.5, 1.0, 1.5, 2.0)
+    assert series.distance == (0.0, 0.5, 1.0, 1.5, 2.0) and series.stalled == (0.0, 0.0, 1.0, 1.0, 1.0)
+    assert series.explored == (0.0, 1.0, 1.0, 0.0, 0.0) and series.own == (0.0, 0.0, 0.0, 2.0, 2.0)
+    assert series.bytes == (0, 0, 0, 70, 70) and series.frames[-1] == 7 and series.bids == (0, 0, 0, 1, 1)
+    assert series.state == (0, 1, 1, 2, 2) and series.neighbors == ((), ("b",), ("b",), (), ())
+
+
+def test_without_motion_there_is_no_series():
+    assert RobotLog().series(START, np.zeros(0, dtype=RECORD)).time == ()
