@@ -14,7 +14,7 @@ from mr_launch import isolation
 from mr_launch.arguments import Options, choose_robots, parse_arguments
 from mr_launch.errors import UserError
 from mr_launch.outside import run_team
-from mr_launch.plan import BASE, FIRST_PORT, Plan, RobotPlan
+from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
 from mr_launch.world import check_start, find_world, keep_generated, presets_of, robots_of, warning_of
 from mr_page.server import listening_sockets
@@ -30,6 +30,7 @@ def team(arguments: Sequence[str]) -> int:
         page = page_listener(plan.options.page)
         make_output_folder(plan)
         plan = replace(plan, world=keep_generated(plan.world, Path(plan.out) / "world"))
+        keep_plan(plan)
     except UserError as error:
         print(f"team: {error}", file=sys.stderr)
         return BAD_CALL
@@ -104,6 +105,15 @@ def make_output_folder(plan: Plan) -> None:
             latest.symlink_to(out.name)
     except OSError as error:
         raise UserError(f"cannot write to the output folder {out}: {error.strerror}") from None
+
+
+def keep_plan(plan: Plan) -> None:
+    """So that a mission can be exported and played back, however it ended."""
+    path = Path(plan.out) / PLAN_FILE
+    try:
+        path.write_text(plan.to_json() + "\n", encoding="utf-8")
+    except OSError as error:
+        raise UserError(f"cannot write {path}: {error.strerror}") from None
 
 
 def enter(arguments: Sequence[str]) -> int:

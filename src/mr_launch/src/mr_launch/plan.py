@@ -16,6 +16,7 @@ FIRST_PORT = 11311
 RADIO_INTERFACE = "radio0"
 SLOWEST_RADIO = 0.001  # the least real-time factor that the radio daemon takes
 BASE = "base"  # name of the base station of a centralized team
+PLAN_FILE = "plan.json"  # in the output folder, from the start: what the mission was to be
 TRUTH_FILE = "truth.pickle"  # what maps are compared with, in the private folder
 
 

@@ -10,8 +10,9 @@ TOPICS = (
     "/clock", "/tf", "/tf_static", "base_pose_ground_truth",
     "map", "map_metadata", "map_merger/global_map", "map_merger/status", "all_positions",
     "map_other", "map_meta_other", "control", "position_other_robots",
+    "map_merger/robot_track", "map_merger/transform_edges", "frontierPoints", "goalPoint/goalPoint",
     "frontiers", "visited_frontiers", "negotiation_list", "auction", "explorer/state", "explorer/status",
-    "explorer/verdicts",
+    "explorer/verdicts", "explorer/orders",
     "adhoc_communication/new_robot", "adhoc_communication/remove_robot", "adhoc_communication/status",
     "move_base/goal", "move_base/feedback", "move_base/result", "move_base/status",
 )  # fmt: skip
