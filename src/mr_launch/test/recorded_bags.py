@@ -43,11 +43,11 @@ class Bag:
         package, name = kind.split("/")
         return self._store.types[f"{package}/msg/{name}"](*values)
 
-    def add(self, time, topic, message, latching=0):
+    def add(self, time, topic, message, latching=0, node="/x"):
         kind = message.__msgtype__
         if topic not in self._connections:
             self._connections[topic] = self._writer.add_connection(
-                topic, kind, typestore=self._store, callerid="/x", latching=latching
+                topic, kind, typestore=self._store, callerid=node, latching=latching
             )
         self._writer.write(self._connections[topic], time, self._store.serialize_ros1(message, kind))
 

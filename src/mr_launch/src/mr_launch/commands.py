@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import socket
 import sys
@@ -16,6 +15,7 @@ from mr_launch.errors import UserError
 from mr_launch.outside import run_team
 from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
+from mr_launch.running_state import running_team
 from mr_launch.world import check_start, find_world, keep_generated, presets_of, robots_of, warning_of
 from mr_page.server import listening_sockets
 
@@ -141,16 +141,3 @@ def enter_command(words: list[str]) -> list[str]:
     return isolation.command_inside(
         state["isolation"], state["init"], entry["holder"], environment, os.getcwd(), command
     )
-
-
-def running_team(folder: Path) -> dict:
-    """State file of a team that runs now."""
-    path = folder / "team.json"
-    try:
-        state = json.loads(path.read_text())
-        command_line = Path(f"/proc/{state['init']}/cmdline").read_bytes()
-    except (OSError, ValueError):
-        raise UserError(f"no running team in {folder} (is it over, or did it write to another --out folder?)") from None
-    if b"mr_launch.inside" not in command_line:
-        raise UserError(f"the team of {folder} is over")
-    return state

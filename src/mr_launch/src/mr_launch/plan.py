@@ -92,12 +92,17 @@ def _robot_from(values: dict[str, Any]) -> RobotPlan:
 
 
 def robot_environment(plan: Plan, robot: RobotPlan) -> dict[str, str]:
-    """ROS variables of one robot. In a network namespace of its own every master has the usual port."""
+    """ROS variables of one robot."""
+    return ros_environment(robot.port, plan.socket(f"ros_home/{robot.name}"), str(plan.log_folder(robot)))
+
+
+def ros_environment(port: int, home: str, logs: str) -> dict[str, str]:
+    """In a network namespace of its own every master has the usual port."""
     return {
-        "ROS_MASTER_URI": f"http://localhost:{robot.port}",
+        "ROS_MASTER_URI": f"http://localhost:{port}",
         "ROS_HOSTNAME": "localhost",
-        "ROS_HOME": plan.socket(f"ros_home/{robot.name}"),
-        "ROS_LOG_DIR": str(plan.log_folder(robot)),
+        "ROS_HOME": home,
+        "ROS_LOG_DIR": logs,
     }
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import socket
@@ -28,11 +27,11 @@ from mr_launch.plan import (
     truth_command,
     world_command,
 )
-from mr_launch.processes import Child, Children, last_lines
+from mr_launch.processes import Child, Children, dies_with_parent, last_lines, program_environment
+from mr_launch.running_state import remove_state, write_state
 from mr_launch.world import write_walls
 
 NODES_PATIENCE = 25.0  # s; roslaunch itself waits 15 s for its nodes, then 2 s more
-FEW_THREADS = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
 
 
 class Team:
@@ -47,12 +46,8 @@ class Team:
         self._holders: dict[str, int] = {}
         self._watches: dict[str, NodeWatch] = {}
         self._own_namespaces = plan.isolation != isolation.HUB
-        # Several nodes share few cores; threads of numerical libraries would only get in each other's way.
-        self._environment = {**os.environ, **FEW_THREADS}
-        for name in ("ROS_IP", "ROS_NAMESPACE", "ROS_ROOT_LOG"):
-            self._environment.pop(name, None)
-        # Without a PID namespace the programs ask the kernel for a signal when this process dies.
-        self._died_with_parent = [] if self._own_namespaces else ["setpriv", "--pdeathsig", "TERM", "--"]
+        self._environment = program_environment()
+        self._died_with_parent = dies_with_parent(plan.isolation)
 
     def start(self, stopped: Callable[[], bool]) -> None:
         """Namespaces, key, radio, world, robots, in the order in which they need each other."""
@@ -98,7 +93,7 @@ class Team:
     def stop_rest(self) -> None:
         """End radio (it writes its statistics now) and world, then whatever is left."""
         self.children.stop_all(5.0)
-        (Path(self.plan.out) / "team.json").unlink(missing_ok=True)
+        remove_state(Path(self.plan.out))
 
     def _start_page(self) -> None:
         if self._page is None:
@@ -120,7 +115,7 @@ class Team:
         switch_ipv6_off([])
         for robot in self.plan.hosts:
             log = self.plan.log_folder() / "network.log"
-            holder = hold_namespace(robot, self.children, log, self._environment)
+            holder = hold_namespace(robot.name, self.children, log, self._environment)
             self._holders[robot.name] = holder.process.pid
             lay_cable(robot, holder.process.pid)
 
@@ -145,17 +140,5 @@ class Team:
             control.send(command.encode())
 
     def _write_state(self) -> None:
-        """For ``rosrun mr_launch enter``: how to reach each robot of this running team."""
-        state = {
-            "isolation": self.plan.isolation,
-            "init": self._init,
-            "robots": {
-                robot.name: {
-                    "holder": self._holders.get(robot.name),
-                    "environment": robot_environment(self.plan, robot),
-                }
-                for robot in self.plan.hosts
-            },
-        }
-        path = Path(self.plan.out) / "team.json"
-        path.write_text(json.dumps(state, indent=2) + "\n")
+        environments = {host.name: robot_environment(self.plan, host) for host in self.plan.hosts}
+        write_state(Path(self.plan.out), self.plan.isolation, self._init, self._holders, environments)

@@ -50,7 +50,7 @@ def opened(paths: Sequence[Path]) -> Iterator[Any]:
 
 
 def span_of(reader: Any) -> Span:
-    return Span(int(reader.start_time), int(reader.end_time))
+    return Span(int(reader.start_time), int(reader.end_time) - 1)  # rosbags counts 1 ns more
 
 
 def messages(reader: Any, connections: Sequence[Any]) -> Iterator[tuple[Any, int, bytes]]:

@@ -12,12 +12,11 @@ from typing import Any, Callable, Iterator, NamedTuple, Sequence
 
 from mr_grid import Pose
 from mr_launch.recordings.bags import SECOND, latched, messages, opened, topic_of
-from mr_launch.recordings.clocks import shifts
 from mr_launch.recordings.conversion import LATCHED, Conversion
 from mr_launch.recordings.message_frames import below, rewrite
 from mr_launch.recordings.recording import Recording
 from mr_launch.recordings.selection import selection
-from mr_launch.recordings.survey import STATIC, Survey
+from mr_launch.recordings.survey import STATIC, Survey, clock_shifts
 from mr_launch.recordings.ties import by_transforms
 
 ROOT = "world"
@@ -91,9 +90,7 @@ def _sources(
         places = {robot.name: robot.start for robot in recording.plan.robots}
     else:
         places = by_transforms(names, {name: survey.believed for name, survey in surveys.items()})
-    heard = {(name, other): delay for name, survey in surveys.items() for other, delay in survey.heard.items()}
-    one_clock = all(survey.simulated for survey in surveys.values())
-    moves = dict.fromkeys(names, 0) if one_clock else shifts(names, heard)
+    moves = clock_shifts(surveys)
     sources = [
         _Source(name, reader, surveys[name], places.get(name), moves.get(name, 0)) for name, reader in readers.items()
     ]

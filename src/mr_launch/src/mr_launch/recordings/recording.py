@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mr_launch.errors import UserError
@@ -54,6 +54,7 @@ def _of_team(folder: Path) -> Recording:
         plan = Plan.from_json((folder / PLAN_FILE).read_text(encoding="utf-8"))
     except (ValueError, KeyError, TypeError) as error:
         raise UserError(f"{folder / PLAN_FILE} is of another version or damaged: {error}") from None
+    plan = replace(plan, out=str(folder))  # it may have been moved
     found = {robot.name: tuple(_bags(folder / robot.name)) for robot in plan.robots}
     robots = tuple(RecordedRobot(name, bags) for name, bags in found.items() if bags)
     if not robots:

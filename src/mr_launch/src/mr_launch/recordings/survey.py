@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Mapping
 
 from mr_grid import Pose
 from mr_launch.recordings.bags import SECOND, Span, messages, span_of, topic_of
+from mr_launch.recordings.clocks import shifts
 
 POSITIONS, MERGER, STATIC, CLOCK = "position_other_robots", "map_merger/status", "tf_static", "clock"
 
@@ -41,3 +42,12 @@ class Survey:
 
     def _take_static(self, message: Any, _: int) -> None:
         self.static.update({transform.child_frame_id: transform for transform in message.transforms})
+
+
+def clock_shifts(surveys: Mapping[str, Survey]) -> dict[str, int]:
+    """What to add to the times of each robot to get the common ones, ns. Simulated robots have one clock. Robots whose
+    clock nothing ties to the first one's are left out."""
+    if all(survey.simulated for survey in surveys.values()):
+        return dict.fromkeys(surveys, 0)
+    heard = {(name, other): delay for name, survey in surveys.items() for other, delay in survey.heard.items()}
+    return shifts(list(surveys), heard)
