@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from mr_launch.errors import TeamFailure
@@ -45,9 +46,11 @@ class Run:
         make_private_file_system(self.plan.isolation, self.plan.private, hosts)
         self.server = ReportServer(self.plan.socket("reports"), list(self.truth.tracks))
         self.mission = Mission(
-            self.plan, self.server, self.truth, self.team.failures, self.lifeline.stop.is_set, self.view.show
+            self.plan, self.server, self.truth, self._failures, self.lifeline.stop.is_set, self.view.show
         )
         self.outcome = self.mission.outcome
+        self.team.place = lambda robot: self.truth.tracks[robot].place if robot in self.truth.tracks else None
+        self.team.on_restart = self.server.begin_anew
         with self.view:
             code = self._explore()
             self.view.pause()
@@ -71,6 +74,13 @@ class Run:
             return NOT_FINISHED
         return OK
 
+    def _failures(self) -> list[str]:
+        failures = self.team.failures()
+        for news in self.team.news():
+            self.view.notice(f"team: {news}")
+            self.outcome.notes.append(news)
+        return failures
+
     def _start_of_measuring(self) -> None:
         self._cpu, self._cpu_time = cpu_seconds(), time.monotonic()
 
@@ -84,9 +94,19 @@ class Run:
         self.team.stop_rest()
         self.server.close()
         self.truth.update()
-        summary = write_results(self.plan, self.outcome, self.mission.reports, self.truth, cpu)
+        try:
+            summary = write_results(self._plan_of_results(), self.outcome, self.mission.reports, self.truth, cpu)
+        except OSError as error:
+            self.view.notice(f"team: results cannot be written to {error.filename or self.plan.out}: {error.strerror}")
+            return code or NOT_FINISHED
         print_results(self.plan, summary)
         return code
+
+    def _plan_of_results(self) -> Plan:
+        """Maps of robots that were started again begin where they stood then."""
+        starts = self.team.starts
+        robots = [replace(robot, start=starts.get(robot.name, robot.start)) for robot in self.plan.robots]
+        return replace(self.plan, robots=robots)
 
     def _cpu_shares(self) -> dict[str, dict[str, float]]:
         if not self._cpu:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
 import subprocess
 import time
 from pathlib import Path
@@ -32,6 +33,15 @@ def hold_namespace(name: str, children: Children, log: Path, environment: Mappin
                 return holder
         time.sleep(0.01)
     raise TeamFailure(f"no network namespace for {name}; the log is {log}")
+
+
+def end_all_in_namespace(holder: int) -> None:
+    """Kills what runs in the network namespace that process `holder` keeps, but for the holder."""
+    network = os.readlink(f"/proc/{holder}/ns/net")
+    for entry in Path("/proc").iterdir():
+        with contextlib.suppress(OSError, ValueError):
+            if int(entry.name) != holder and os.readlink(entry / "ns" / "net") == network:
+                os.kill(int(entry.name), signal.SIGKILL)
 
 
 def lay_cable(robot: RobotPlan, holder: int) -> None:

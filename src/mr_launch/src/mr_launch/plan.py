@@ -191,8 +191,9 @@ def initial_poses(plan: Plan) -> str:
     return json.dumps({robot.name: [round(value, 6) for value in robot.start] for robot in plan.robots})
 
 
-def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
-    """roslaunch with a master of its own: robot.launch, the monitor and the bag recorder of one robot."""
+def launch_command(plan: Plan, robot: RobotPlan, boot: int = 1) -> list[str]:
+    """roslaunch with a master of its own: robot.launch, the monitor and the bag recorder of one robot. `boot`: how
+    often it has been started with this; each time it has a map frame of its own, and so a bag."""
     if robot == plan.base:
         return _base_command(plan, robot)
     options = plan.options
@@ -218,9 +219,13 @@ def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
         "seed": str(options.seed + robot.index),
         "page_team": page_socket(plan),
         "respawn": _word(options.respawn),
-        "bag": str(plan.robot_folder(robot) / f"{robot.name}.bag") if options.bag else "",
+        "bag": str(plan.robot_folder(robot) / bag_name(robot.name, boot)) if options.bag else "",
     }
     return _roslaunch(plan, robot, "team_robot.launch", arguments)
+
+
+def bag_name(robot: str, boot: int = 1) -> str:
+    return f"{robot}.bag" if boot == 1 else f"{robot}_{boot}.bag"
 
 
 def _base_command(plan: Plan, base: RobotPlan) -> list[str]:

@@ -95,6 +95,10 @@ class Children:
         self._children.append(child)
         return child
 
+    def forget(self, child: Child) -> None:
+        """It has ended and another one has its place."""
+        self._children.remove(child)
+
     def failed(self) -> list[Child]:
         return [child for child in self._children if child.failed]
 

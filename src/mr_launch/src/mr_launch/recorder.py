@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, Mapping, Sequence
 
 SENSES = {"scan_topic": "base_scan", "odometry_topic": "odom", "velocity_topic": "cmd_vel"}
@@ -20,7 +21,14 @@ TOPICS = (
 
 def record_command(program: str, given: Mapping[str, Any], remappings: Sequence[str]) -> list[str]:
     """Command line of rosbag's recorder. `given`: parameters of the node, `output` an option that says where to; the
-    recorder takes the node's name and renamed topics over with `remappings`."""
+    recorder takes the node's name and renamed topics over with `remappings`. `disk_guard` looks at the disk in its
+    place."""
     topics = [str(given.get(word) or name) for word, name in SENSES.items()]
-    options = ["--lz4", "--buffsize=64", f"--size={int(given.get('bag_size', 300))}", str(given["output"])]
+    size = f"--size={int(given.get('bag_size', 300))}"
+    options = ["--quiet", "--lz4", "--min-space=1M", "--buffsize=64", size, str(given["output"])]
     return [program, *options, *dict.fromkeys([*topics, *TOPICS]), *remappings]
+
+
+def record_folder(given: Mapping[str, Any]) -> Path:
+    """Where the bag comes to lie."""
+    return Path(str(given["output"]).partition("=")[2]).absolute().parent

@@ -7,15 +7,19 @@ import signal
 import socket
 import subprocess
 import time
+from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Callable
 
+from mr_grid import Pose
 from mr_launch import isolation
 from mr_launch.errors import TeamFailure
-from mr_launch.network import hold_namespace, lay_cable, switch_ipv6_off
-from mr_launch.nodes import NodeWatch
+from mr_launch.network import end_all_in_namespace, hold_namespace, lay_cable, switch_ipv6_off
+from mr_launch.nodes import MOST_RESTARTS, NodeWatch
 from mr_launch.plan import (
     Plan,
+    RobotPlan,
     base_position,
     key_command,
     key_file,
@@ -44,7 +48,11 @@ class Team:
         self._init = init
         self._page = page
         self._holders: dict[str, int] = {}
-        self._watches: dict[str, NodeWatch] = {}
+        self._watches: dict[str, list[NodeWatch]] = {}  # one for each start of a robot
+        self._told = 0
+        self.starts: dict[str, Pose] = {}  # true poses of robots that were started again, when they were
+        self.place: Callable[[str], Pose | None] = lambda robot: None
+        self.on_restart: Callable[[str], None] = lambda robot: None
         self._own_namespaces = plan.isolation != isolation.HUB
         self._environment = program_environment()
         self._died_with_parent = dies_with_parent(plan.isolation)
@@ -58,12 +66,30 @@ class Team:
         self._start("reference", truth_command(self.plan), {}, may_finish=True)
         self._start("world", world_command(self.plan), {})
         for robot in self.plan.hosts:
-            prefix = namespace_prefix(self._holders.get(robot.name))
-            command = [*prefix, *launch_command(self.plan, robot)]
-            child = self._start(robot.name, command, robot_environment(self.plan, robot))
-            self.launches[robot.name] = child
-            self._watches[robot.name] = NodeWatch(child.log, self.plan.options.respawn)
+            self._launch(robot)
         self._write_state()
+
+    def _launch(self, robot: RobotPlan) -> None:
+        watches = self._watches.setdefault(robot.name, [])
+        prefix = namespace_prefix(self._holders.get(robot.name))
+        log = self.plan.log_folder() / f"{robot.name}.log"
+        begin = log.stat().st_size if log.exists() else 0
+        command = [*prefix, *launch_command(self.plan, robot, len(watches) + 1)]
+        self.launches[robot.name] = self._start(robot.name, command, robot_environment(self.plan, robot))
+        watches.append(NodeWatch(log, self.plan.options.respawn, begin))
+
+    def _launch_again(self, robot: RobotPlan) -> None:
+        """Its master has ended, or roslaunch: the robot is started again, as after a reboot, with a new map."""
+        holder = self._holders.get(robot.name)
+        if holder is not None:
+            end_all_in_namespace(holder)
+        self.children.forget(self.launches[robot.name])
+        place = self.place(robot.name)
+        if place is not None:
+            self.starts[robot.name] = place
+            robot = replace(robot, start=place)
+        self._launch(robot)
+        self.on_restart(robot.name)
 
     def _make_key(self) -> None:
         if self.plan.options.open:
@@ -75,16 +101,39 @@ class Team:
 
     def failures(self) -> list[str]:
         """What ended although it should run: one line each, with the log file."""
+        self._start_robots_again()
         lines = [child.describe_end() for child in self.children.failed()]
-        for name, watch in self._watches.items():
-            lines += [end.describe(name) for end in watch.failures()]
+        for name, watches in self._watches.items():
+            lines += [end.describe(name) for end in watches[-1].failures()]
         self.children.reap_orphans()
         return lines
+
+    def _start_robots_again(self) -> None:
+        if not self.plan.options.respawn:
+            return
+        for robot in self.plan.hosts:
+            launch = self.launches.get(robot.name)
+            if launch is not None and launch.failed and len(self._watches[robot.name]) <= MOST_RESTARTS:
+                self._launch_again(robot)
+
+    def news(self) -> list[str]:
+        """What people should know and the mission survives, each once."""
+        found = [
+            f"{name}: {text}" for name, watches in self._watches.items() for watch in watches for text in watch.news
+        ]
+        new, self._told = found[self._told :], max(self._told, len(found))
+        return new
 
     @property
     def restarts(self) -> dict[str, dict[str, int]]:
         """How often which node of which robot was started again."""
-        return {name: dict(watch.restarts) for name, watch in self._watches.items()}
+        counts: dict[str, dict[str, int]] = {}
+        for name, watches in self._watches.items():
+            total = Counter({"roslaunch": len(watches) - 1})
+            for watch in watches:
+                total.update(watch.restarts)
+            counts[name] = dict(+total)
+        return counts
 
     def stop_robots(self) -> None:
         """End all nodes in order, so that bags are closed and logs are complete."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mr_launch.errors import UserError
-from mr_launch.plan import PLAN_FILE, Plan
+from mr_launch.plan import PLAN_FILE, Plan, bag_name
 
 ROBOTS_OWN = "topics_"  # with what robot.launch begins the names of its bags; the folder is called as the robot then
 
@@ -55,11 +55,16 @@ def _of_team(folder: Path) -> Recording:
     except (ValueError, KeyError, TypeError) as error:
         raise UserError(f"{folder / PLAN_FILE} is of another version or damaged: {error}") from None
     plan = replace(plan, out=str(folder))  # it may have been moved
-    found = {robot.name: tuple(_bags(folder / robot.name)) for robot in plan.robots}
+    found = {robot.name: _first_bags(folder / robot.name) for robot in plan.robots}
     robots = tuple(RecordedRobot(name, bags) for name, bags in found.items() if bags)
     if not robots:
         raise UserError(f"no bags in {folder}: the mission ran with --no-bag, or ended before it began")
     return Recording(folder, robots, plan, tuple(name for name, bags in found.items() if not bags))
+
+
+def _first_bags(folder: Path) -> tuple[Path, ...]:
+    """Without those of a robot that was started again, which has another map frame and start."""
+    return tuple(path for path in _bags(folder) if path.name.startswith(bag_name(folder.name)))
 
 
 def _bags(folder: Path) -> list[Path]:
