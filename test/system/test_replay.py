@@ -72,6 +72,19 @@ def test_what_was_computed_is_a_recording_again(computed: Path) -> None:
         assert topics["/tf_static"] == 1
 
 
+def test_bags_of_real_robots_are_merged_again(recorded: Path, tmp_path: Path) -> None:
+    """Without what the team runner knows: folders of single robots side by side, as the tutorial has it."""
+    for robot in ROBOTS:
+        (tmp_path / "records" / robot).mkdir(parents=True)
+        bag = tmp_path / "records" / robot / "topics_2026-01-31.bag"
+        bag.symlink_to(recorded / robot / f"{robot}.bag")
+    preset = recorded / "robots" / "robot_0.yaml"
+    span = ("--from", 2, "--to", 12, "--rate", 2)
+    done = replay(tmp_path / "records", "--compute", "map_merger", "--robot", preset, *span, "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert all((tmp_path / "out" / robot / "map.pgm").stat().st_size > 1000 for robot in ROBOTS)
+
+
 @pytest.fixture
 def playing(recorded: Path, tmp_path: Path) -> Iterator["tuple[subprocess.Popen[str], Path]"]:
     out = tmp_path / "out"
