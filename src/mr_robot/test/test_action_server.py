@@ -3,6 +3,7 @@
 import threading
 from types import SimpleNamespace
 
+import actionlib
 import pytest
 import rospy
 
@@ -53,3 +54,14 @@ def test_a_goal_that_another_one_has_overtaken_is_not():
     made, goal = server(57.0), Handle(56.0)
     made.internal_goal_callback(goal)
     assert goal.canceled and not made.new_goal
+
+
+def test_the_status_is_told_on_when_the_clock_was_set_back(monkeypatch):
+    ended, started = [], []
+    made = server(None)
+    timer = SimpleNamespace(shutdown=lambda: ended.append(True))
+    made.action_server = SimpleNamespace(status_timer=timer, status_frequency=5.0, publish_status_async="tells")
+    monkeypatch.setattr(actionlib.SimpleActionServer, "start", lambda self: None)
+    monkeypatch.setattr(rospy, "Timer", lambda *given, **named: started.append((*given, named)))
+    made.start()
+    assert ended == [True] and started == [(rospy.Duration(0.2), "tells", {"reset": True})]
