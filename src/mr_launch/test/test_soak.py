@@ -1,5 +1,6 @@
 """What a soak concludes from what it saw. The missions themselves run in `make soak`."""
 
+import contextlib
 import math
 import os
 import subprocess
@@ -10,7 +11,7 @@ import pytest
 from mr_launch.soak.command import main
 from mr_launch.soak.faults import NODES, disturbed, full_disk, partitions
 from mr_launch.soak.leftovers import Leftovers
-from mr_launch.soak.memory import Sample, Samples, cpu_share, pss_of, slope
+from mr_launch.soak.memory import Sample, Samples, cpu_share, memory_of, slope
 from mr_launch.soak.missions import ROBOTS, Outcome
 from mr_launch.soak.rows import rows_of
 from mr_launch.soak.running import Node, RunningMission
@@ -18,10 +19,8 @@ from mr_launch.soak.running import Node, RunningMission
 
 def samples(rate, noise=0.0, begin=100.0, first=50.0):
     """Two minutes; `rate` in MB per minute, `noise` in MB."""
-    return [
-        Sample(begin + second, round(1e6 * (first + rate * second / 60.0 + noise * (-1) ** second)), 0.05 * second)
-        for second in range(0, 121)
-    ]
+    own = [round(1e6 * (first + rate * second / 60.0 + noise * (-1) ** second)) for second in range(121)]
+    return [Sample(begin + second, round(1e6 * first), own[second], 0.05 * second) for second in range(121)]
 
 
 def outcome(rates, **changes):
@@ -46,7 +45,8 @@ def test_slopes_and_shares():
     rate, error = slope(samples(0.0, noise=1.0))
     assert abs(rate) < 2 * error < 0.6
     assert cpu_share(samples(0.0)) == pytest.approx(0.05)
-    assert 1e6 < pss_of(os.getpid()) < 1e10
+    pss, own = memory_of(os.getpid())
+    assert 1e6 < own < pss < 1e10
 
 
 def test_a_leak_of_one_robot_is_seen():
@@ -97,30 +97,33 @@ def test_everything_happens_to_everybody():
     assert len(partitions(ROBOTS, 120.0)) == 6
 
 
-def test_processes_that_stay_are_found(tmp_path):
-    process = subprocess.Popen(
-        [sys.executable, "-c", "input()", f"{tmp_path}/logs/robot_0/nodes/x"], stdin=subprocess.PIPE
-    )
+@contextlib.contextmanager
+def process_with(word):
+    """In whose command line this stands; it is there when it has said so."""
+    words = [sys.executable, "-c", "print('up', flush=True); input()", word]
+    process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    assert process.stdout.readline() == b"up\n"
     try:
-        mission = RunningMission(process, tmp_path)
-        leftovers = Leftovers(mission)
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_processes_that_stay_are_found(tmp_path):
+    with process_with(f"{tmp_path}/logs/robot_0/nodes/x") as process:
+        leftovers = Leftovers(RunningMission(process, tmp_path))
         leftovers.look()
         assert any(str(process.pid) in entry for entry in leftovers._left())
-    finally:
-        process.communicate(b"\n")
     assert leftovers.found() == []
 
 
 def test_nodes_are_told_by_their_logs(tmp_path):
-    words = [f"__log:={tmp_path}/logs/robot_1/nodes/map_merger-3.log"]
-    process = subprocess.Popen([sys.executable, "-c", "input()", *words], stdin=subprocess.PIPE)
-    try:
+    with process_with(f"__log:={tmp_path}/logs/robot_1/nodes/map_merger-3.log") as process:
         mission = RunningMission(process, tmp_path)
         assert mission.nodes() == [Node("robot_1", "map_merger", process.pid)]
         assert not mission.kill("robot_1", "explorer") and mission.kill("robot_1", "map_merger")
         assert process.wait(10) == -9
-    finally:
-        process.kill()
 
 
 def test_bad_options(capsys):

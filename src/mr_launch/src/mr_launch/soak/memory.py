@@ -16,10 +16,12 @@ TICKS = os.sysconf("SC_CLK_TCK")
 
 
 class Sample(NamedTuple):
-    """`time`: s; `pss`: octets, its own and its share of what it shares; `cpu`: s so far."""
+    """`time`: s; `pss`: octets, its own and its share of what it shares; `own`: those of it that are no files, which stay
+    the same when others that use the same libraries come and go; `cpu`: s so far."""
 
     time: float
     pss: int
+    own: int
     cpu: float
 
 
@@ -33,7 +35,7 @@ class Samples:
         now = time.monotonic()
         for node in mission.nodes():
             try:
-                self.by_node[node].append(Sample(now, pss_of(node.pid), cpu_of(node.pid)))
+                self.by_node[node].append(Sample(now, *memory_of(node.pid), cpu_of(node.pid)))
             except (OSError, ValueError, IndexError):
                 continue  # it has just ended
 
@@ -47,11 +49,13 @@ class Samples:
         return found
 
 
-def pss_of(pid: int) -> int:
-    for line in Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines():
-        if line.startswith("Pss:"):
-            return int(line.split()[1]) * 1024
-    raise ValueError(f"no Pss of {pid}")
+def memory_of(pid: int) -> tuple[int, int]:
+    """`pss` and `own` of a `Sample`. Raises OSError, and ValueError for a process that is just ending."""
+    lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+    sizes = {line.split(":")[0]: int(line.split()[1]) * 1024 for line in lines if line.startswith("Pss")}
+    if "Pss" not in sizes:
+        raise ValueError(f"no memory of {pid}")
+    return sizes["Pss"], sizes["Pss_Anon"]
 
 
 def cpu_of(pid: int) -> float:
@@ -60,9 +64,9 @@ def cpu_of(pid: int) -> float:
 
 
 def slope(samples: Sequence[Sample]) -> tuple[float, float]:
-    """MB per minute by least squares, and its standard error."""
+    """MB of its own per minute by least squares, and its standard error."""
     times = np.array([sample.time for sample in samples]) / 60.0
-    sizes = np.array([sample.pss for sample in samples]) / 1e6
+    sizes = np.array([sample.own for sample in samples]) / 1e6
     centred = times - times.mean()
     spread = float(centred @ centred)
     found = float(centred @ sizes) / spread

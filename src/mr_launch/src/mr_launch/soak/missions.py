@@ -22,6 +22,7 @@ ROBOTS = ["robot_0", "robot_1", "robot_2"]
 PERIOD = 2.0  # s between two samples
 READY_PATIENCE, LIMIT_S = 150.0, 420.0  # s of real time until the robots explore; s of simulation time for a mission
 ENDLESS_S = 86400.0
+EXPLORING_S = 45.0  # for which all robots certainly explore
 # Only what is worth keeping leaves a disk that vanishes with its namespace.
 ON_SMALL_DISK = (
     'keep="$0"; out="$1"; shift; mount -t tmpfs -o size={size}m none "$out" || exit 3; "$@"; code=$?; '
@@ -31,8 +32,8 @@ ON_SMALL_DISK = (
 
 @dataclass
 class Outcome:
-    """`stuck`: robots that did not finish; `said`: lines of the runner that begin with its name; `hold`: real times
-    between which the robots stood."""
+    """`stuck`: robots that did not finish; `said`: lines of the runner that begin with its name; `exploring`,
+    `hold`: real times between which all robots explored, or stood."""
 
     name: str
     code: int
@@ -91,7 +92,7 @@ class SoakMission:
             faults=list(faults) + (partitions(ROBOTS, hold) if hold else []),
             restarts=summary.get("restarts", {}),
             samples=self._samples,
-            exploring=(begin, held[0] if hold else time.monotonic()),
+            exploring=(begin, begin + EXPLORING_S),
             hold=held,
             output=text,
         )
@@ -116,7 +117,7 @@ class SoakMission:
 
     def _hold(self, begin: float, seconds: float) -> tuple[float, float]:
         """One robot is paused before it finishes, so the mission stays; when the others have ended, the time counts."""
-        self._until(lambda: time.monotonic() - begin > 45.0, LIMIT_S)
+        self._until(lambda: time.monotonic() - begin > EXPLORING_S, LIMIT_S)
         self._mission.enter(ROBOTS[0], "rosservice", "call", "/explorer/pause")
         self._until(lambda: self._others_stand(), LIMIT_S)
         start = time.monotonic()
