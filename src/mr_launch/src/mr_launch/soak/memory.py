@@ -16,8 +16,8 @@ TICKS = os.sysconf("SC_CLK_TCK")
 
 
 class Sample(NamedTuple):
-    """`time`: s; `pss`: octets, its own and its share of what it shares; `own`: those of it that are no files, which stay
-    the same when others that use the same libraries come and go; `cpu`: s so far."""
+    """`time`: s; `pss`: octets, its own and its share of what it shares; `own`: those of it that are no files, which
+    stay the same when others that use the same libraries come and go; `cpu`: s so far."""
 
     time: float
     pss: int

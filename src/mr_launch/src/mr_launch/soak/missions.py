@@ -88,7 +88,7 @@ class SoakMission:
             code=process.returncode,
             stuck=[name for name in ROBOTS if not summary.get("robots", {}).get(name, {}).get("finished")],
             left=self._leftovers.found(),
-            said=[line for line in text.splitlines() if line.startswith("team: ")],
+            said=[line.replace(f"{self._folder}/", "") for line in text.splitlines() if line.startswith("team: ")],
             faults=list(faults) + (partitions(ROBOTS, hold) if hold else []),
             restarts=summary.get("restarts", {}),
             samples=self._samples,
