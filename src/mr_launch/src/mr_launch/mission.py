@@ -173,7 +173,7 @@ class Mission:
             raise TeamFailure(f"simulation time stands still at {self._clock.time:.1f} s; log: {log}")
 
     def picture(self) -> Picture:
-        started = all(report.started for report in self.reports)
+        started = self.outcome.start > 0.0  # also while a robot is started again
         start, now = self.outcome.start, self._clock.time
         rows = [
             RobotRow(
