@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-navigation-peers bench-sim bench-page experiments clean
+.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-navigation-peers bench-sim bench-page soak nightly experiments clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -100,6 +100,14 @@ bench-sim: build
 bench-page: build
 	@tools/install_dependencies browser
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_page bench_page --out out/bench/page.json
+
+# Missions with all that goes wrong in the field, as root: two hours. SOAK_MINUTES=10, as nightly, runs each kind of mission once.
+SOAK_MINUTES ?= 120
+soak: build
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_launch soak --minutes $(SOAK_MINUTES) --out out/bench/soak.json
+
+nightly:
+	@$(MAKE) soak SOAK_MINUTES=10
 
 lint: dependencies
 	@$(ENVIRONMENT) tools/lint

@@ -28,10 +28,11 @@ def main():
     tools = out.parent / "programs"
     tools.mkdir(exist_ok=True)
     os.environ["DUMMY_ROBOTS"] = json.dumps(names)
+    arguments = ["--out", str(out), "--duration", "86400", "--page", os.environ.get("DUMMY_PAGE", "0")]
+    if "DUMMY_ENDS" in os.environ:
+        arguments.append("--respawn")
     plan = Plan(
-        options=parse_arguments(
-            ["--out", str(out), "--duration", "86400", "--page", os.environ.get("DUMMY_PAGE", "0")]
-        ),
+        options=parse_arguments(arguments),
         world=str(HERE.parents[2] / "worlds" / "small8x8.world"),
         robots=[RobotPlan(name, index, 11461 + index, (1.0, 1.0 + index, 0.0)) for index, name in enumerate(names)],
         out=str(out),

@@ -18,6 +18,7 @@ LAUNCH_FILES = sorted((PACKAGE / "launch").glob("*.launch"))
 NEEDED = {  # arguments without a default
     "robot.launch": [],
     "recorder.launch": ["output:=--output-name=/x"],
+    "replayed_robot.launch": ["robot_name:=robot_0", "bag:=/x", "report_socket:=/x"],
     "robot_under_one_master.launch": ["number:=0", "robots:=2"],
     "simulated_robot.launch": ["robot_name:=robot_0", "world_socket:=/x"],
     "team_robot.launch": [

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import socket
 import sys
@@ -14,9 +13,10 @@ from mr_launch import isolation
 from mr_launch.arguments import Options, choose_robots, parse_arguments
 from mr_launch.errors import UserError
 from mr_launch.outside import run_team
-from mr_launch.plan import BASE, FIRST_PORT, Plan, RobotPlan
+from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
 from mr_launch.results import write_begun
+from mr_launch.running_state import running_team
 from mr_launch.world import check_start, find_world, keep_generated, presets_of, robots_of, warning_of
 from mr_page.server import listening_sockets
 
@@ -32,6 +32,7 @@ def team(arguments: Sequence[str]) -> int:
         make_output_folder(plan)
         plan = replace(plan, world=keep_generated(plan.world, Path(plan.out) / "world"))
         note_begin(plan)
+        keep_plan(plan)
     except UserError as error:
         print(f"team: {error}", file=sys.stderr)
         return BAD_CALL
@@ -116,6 +117,15 @@ def note_begin(plan: Plan) -> None:
         raise UserError(f"cannot write to the output folder {plan.out}: {error.strerror}") from None
 
 
+def keep_plan(plan: Plan) -> None:
+    """So that a mission can be exported and played back, however it ended."""
+    path = Path(plan.out) / PLAN_FILE
+    try:
+        path.write_text(plan.to_json() + "\n", encoding="utf-8")
+    except OSError as error:
+        raise UserError(f"cannot write {path}: {error.strerror}") from None
+
+
 def enter(arguments: Sequence[str]) -> int:
     """``rosrun mr_launch enter [--team FOLDER] ROBOT COMMAND...``; replaces this process by the command."""
     try:
@@ -141,16 +151,3 @@ def enter_command(words: list[str]) -> list[str]:
     return isolation.command_inside(
         state["isolation"], state["init"], entry["holder"], environment, os.getcwd(), command
     )
-
-
-def running_team(folder: Path) -> dict:
-    """State file of a team that runs now."""
-    path = folder / "team.json"
-    try:
-        state = json.loads(path.read_text())
-        command_line = Path(f"/proc/{state['init']}/cmdline").read_bytes()
-    except (OSError, ValueError):
-        raise UserError(f"no running team in {folder} (is it over, or did it write to another --out folder?)") from None
-    if b"mr_launch.inside" not in command_line:
-        raise UserError(f"the team of {folder} is over")
-    return state

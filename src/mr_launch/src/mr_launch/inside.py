@@ -7,19 +7,15 @@ In namespaces it is PID 1: whatever ends it, the kernel ends the rest.
 from __future__ import annotations
 
 import os
-import shutil
-import signal
-import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
-from mr_launch import isolation
 from mr_launch.errors import TeamFailure
-from mr_launch.hub_cleanup import end_descendants
+from mr_launch.first_process import INTERRUPTED, hold_lifeline, make_private_file_system
 from mr_launch.lifeline import Lifeline
 from mr_launch.mission import Interrupted, Mission, Outcome
-from mr_launch.outside import become_subreaper
 from mr_launch.plan import Plan
 from mr_launch.processes import cpu_seconds
 from mr_launch.processor_shares import cpu_shares
@@ -29,27 +25,7 @@ from mr_launch.team import Team
 from mr_launch.truth import Truth
 from mr_launch.view import View
 
-OK, NOT_FINISHED, INTERRUPTED = 0, 1, 130
-
-
-def make_private_file_system(plan: Plan) -> None:
-    """A file system that nobody else sees and that goes with the namespace; without namespaces the folder serves."""
-    if plan.isolation != isolation.HUB:
-        command = ["mount", "-t", "tmpfs", "-o", "mode=0755", "none", plan.private]
-        result = subprocess.run(command, capture_output=True, text=True, check=False)
-        if result.returncode != 0:
-            raise TeamFailure(f"no private file system: {result.stderr.strip()}")
-        subprocess.run(["ip", "link", "set", "lo", "up"], check=False)
-    for host in plan.hosts:
-        Path(plan.socket(f"ros_home/{host.name}")).mkdir(parents=True)
-
-
-def end_at_once(plan: Plan) -> None:
-    """The process that people started is gone: end everything, now."""
-    if plan.isolation == isolation.HUB:
-        end_descendants()
-        shutil.rmtree(plan.private, ignore_errors=True)
-    os._exit(INTERRUPTED)
+OK, NOT_FINISHED = 0, 1
 
 
 class Run:
@@ -66,12 +42,15 @@ class Run:
         self._cpu_time = 0.0
 
     def run(self) -> int:
-        make_private_file_system(self.plan)
+        hosts = [host.name for host in self.plan.hosts]
+        make_private_file_system(self.plan.isolation, self.plan.private, hosts)
         self.server = ReportServer(self.plan.socket("reports"), list(self.truth.tracks))
         self.mission = Mission(
-            self.plan, self.server, self.truth, self.team.failures, self.lifeline.stop.is_set, self.view.show
+            self.plan, self.server, self.truth, self._failures, self.lifeline.stop.is_set, self.view.show
         )
         self.outcome = self.mission.outcome
+        self.team.place = lambda robot: self.truth.tracks[robot].place if robot in self.truth.tracks else None
+        self.team.on_restart = self.server.begin_anew
         with self.view:
             code = self._explore()
             self.view.pause()
@@ -95,6 +74,13 @@ class Run:
             return NOT_FINISHED
         return OK
 
+    def _failures(self) -> list[str]:
+        failures = self.team.failures()
+        for news in self.team.news():
+            self.view.notice(f"team: {news}")
+            self.outcome.notes.append(news)
+        return failures
+
     def _start_of_measuring(self) -> None:
         self._cpu, self._cpu_time = cpu_seconds(), time.monotonic()
 
@@ -108,9 +94,19 @@ class Run:
         self.team.stop_rest()
         self.server.close()
         self.truth.update()
-        record = write_results(self.plan, self.outcome, self.server, self.truth, cpu)
+        try:
+            record = write_results(self._plan_of_results(), self.outcome, self.server, self.truth, cpu)
+        except OSError as error:
+            self.view.notice(f"team: results cannot be written to {error.filename or self.plan.out}: {error.strerror}")
+            return code or NOT_FINISHED
         print_results(self.plan, record)
         return code
+
+    def _plan_of_results(self) -> Plan:
+        """Maps of robots that were started again begin where they stood then."""
+        starts = self.team.starts
+        robots = [replace(robot, start=starts.get(robot.name, robot.start)) for robot in self.plan.robots]
+        return replace(self.plan, robots=robots)
 
     def _cpu_shares(self) -> dict[str, dict[str, float]]:
         if not self._cpu:
@@ -122,11 +118,7 @@ class Run:
 def main() -> int:
     plan = Plan.from_json(sys.argv[2])
     page = int(sys.argv[3]) if sys.argv[3:] else None
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda *_: lifeline.stop.set())
-    if plan.isolation == isolation.HUB:
-        become_subreaper()
-    lifeline = Lifeline(int(sys.argv[1]), lambda: end_at_once(plan))
+    lifeline = hold_lifeline(int(sys.argv[1]), plan.isolation, plan.private)
     try:
         return Run(plan, lifeline, page).run()
     except TeamFailure as failure:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Callable
 
 from mr_launch.errors import TeamFailure
+from mr_launch.mission_clock import MissionClock
 from mr_launch.plan import Plan
 from mr_launch.reports import FINISHED, ReportServer, RobotReport
 from mr_launch.truth import Truth
@@ -64,7 +65,10 @@ class Mission:
         self._failures = failures
         self._stopped = stopped
         self._show = show
+        self._clock = MissionClock()
         self._phase = "getting ready"
+        self._may_start = False
+        self._asked: dict[str, RobotReport] = {}  # which of its starts each robot was told to explore in
         self._wall_start = time.monotonic()
         self._moved: tuple[float, float] = (0.0, time.monotonic())  # latest simulation time, when it was new
         self.on_start: Callable[[], None] = lambda: None
@@ -82,7 +86,7 @@ class Mission:
         if self.outcome.reason:
             return self.outcome
         self._phase = "returning"
-        since_start = self._truth.time - self.outcome.start
+        since_start = self._clock.time - self.outcome.start
         self._follow(lambda: all(report.state == FINISHED for report in self.reports), since_start + HOME_PATIENCE)
         if self.outcome.reason:
             late = ", ".join(report.robot for report in self.reports if report.state != FINISHED)
@@ -108,8 +112,7 @@ class Mission:
         return f"not ready after {READY_PATIENCE:.0f} s: {'; '.join(waiting)}; logs: {self._plan.log_folder()}"
 
     def _start(self) -> None:
-        for report in self.reports:
-            self._server.request(report.robot, request="start")
+        self._may_start = True
         self._wait_until(
             lambda: all(report.started or report.start_error for report in self.reports),
             30.0,
@@ -124,6 +127,15 @@ class Mission:
         self.outcome.start = min(report.start_time for report in self.reports)
         self.on_start()
 
+    def _start_robots(self) -> None:
+        """Those that are up and wait, once in each of their starts."""
+        if not self._may_start:
+            return
+        for report in self.reports:
+            if not report.missing and not report.started and self._asked.get(report.robot) is not report:
+                self._asked[report.robot] = report
+                self._server.request(report.robot, request="start")
+
     def _wait_until(self, done: Callable[[], bool], patience: float, complain: Callable[[], str]) -> None:
         end = time.monotonic() + patience
         while not done():
@@ -136,15 +148,17 @@ class Mission:
         while not done():
             self._tick()
             self._check_standstill()
-            if self._truth.time - self.outcome.start > limit:
+            if self._clock.time - self.outcome.start > limit:
                 self.outcome.reason = f"limit of {limit:.0f} s of simulation time reached"
                 return
 
     def _tick(self) -> None:
         self._server.wait(TICK)
         self._truth.update()
-        self.outcome.end = self._truth.time
+        self._clock.update(self._truth.time, [report.time for report in self.reports], time.monotonic())
+        self.outcome.end = self._clock.time
         self._show(self.picture())
+        self._start_robots()
         if self._stopped():
             raise Interrupted
         broken = self._failures()
@@ -153,15 +167,15 @@ class Mission:
 
     def _check_standstill(self) -> None:
         now = time.monotonic()
-        if self._truth.time > self._moved[0]:
-            self._moved = (self._truth.time, now)
+        if self._clock.time > self._moved[0]:
+            self._moved = (self._clock.time, now)
         elif now - self._moved[1] > STANDSTILL_PATIENCE:
             log = self._plan.log_folder() / "world.log"
-            raise TeamFailure(f"simulation time stands still at {self._truth.time:.1f} s; log: {log}")
+            raise TeamFailure(f"simulation time stands still at {self._clock.time:.1f} s; log: {log}")
 
     def picture(self) -> Picture:
-        started = all(report.started for report in self.reports)
-        start, now = self.outcome.start, self._truth.time
+        started = self.outcome.start > 0.0  # also while a robot is started again
+        start, now = self.outcome.start, self._clock.time
         rows = [
             RobotRow(
                 name=report.robot,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
 import subprocess
 import time
 from pathlib import Path
@@ -21,9 +22,9 @@ def switch_ipv6_off(prefix: list[str]) -> None:
         subprocess.run([*prefix, "sh", "-c", script], capture_output=True, check=False)
 
 
-def hold_namespace(robot: RobotPlan, children: Children, log: Path, environment: Mapping[str, str]) -> Child:
+def hold_namespace(name: str, children: Children, log: Path, environment: Mapping[str, str]) -> Child:
     """Start the process that keeps a robot's network namespace, and wait until it is there."""
-    holder = children.start(f"namespace of {robot.name}", ["unshare", "--net", "sleep", "infinity"], log, environment)
+    holder = children.start(f"namespace of {name}", ["unshare", "--net", "sleep", "infinity"], log, environment)
     own = os.readlink("/proc/self/ns/net")
     end = time.monotonic() + 10.0
     while time.monotonic() < end and holder.process.poll() is None:
@@ -31,7 +32,16 @@ def hold_namespace(robot: RobotPlan, children: Children, log: Path, environment:
             if os.readlink(f"/proc/{holder.process.pid}/ns/net") != own:
                 return holder
         time.sleep(0.01)
-    raise TeamFailure(f"no network namespace for {robot.name}; the log is {log}")
+    raise TeamFailure(f"no network namespace for {name}; the log is {log}")
+
+
+def end_all_in_namespace(holder: int) -> None:
+    """Kills what runs in the network namespace that process `holder` keeps, but for the holder."""
+    network = os.readlink(f"/proc/{holder}/ns/net")
+    for entry in Path("/proc").iterdir():
+        with contextlib.suppress(OSError, ValueError):
+            if int(entry.name) != holder and os.readlink(entry / "ns" / "net") == network:
+                os.kill(int(entry.name), signal.SIGKILL)
 
 
 def lay_cable(robot: RobotPlan, holder: int) -> None:

@@ -7,11 +7,14 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+from mr_launch.disk_guard import LABEL
+
 _ENDED = re.compile(
     r"\[(?P<name>[^\[\]\s]+?)-\d+\] process has (?P<how>died|finished cleanly)(?: \[(?P<detail>[^\]]*)\])?"
 )
 _NOT_STARTED = re.compile(r"ERROR: cannot launch node of type \[(?P<type>[^\]]+)\]: (?P<reason>[^\n\x1b]*)")
 _LOG = re.compile(r"log file: (?P<pattern>\S+)")
+_RECORDING = re.compile(rf"^{LABEL}(?P<text>.*)$", re.MULTILINE)
 _EXIT = re.compile(r"exit code (-?\d+)")
 MAY_FINISH = ("bag",)  # the recorder ends by itself when its bag is full
 NOT_NEEDED = ("page",)  # it is started again
@@ -67,13 +70,16 @@ def parse_ends(output: str) -> list[NodeEnd]:
 
 
 class NodeWatch:
-    """Follows the output file of one roslaunch. `respawns`: it starts the nodes of `RESPAWNED` again."""
+    """Follows the output file of one roslaunch. `respawns`: it starts the nodes of `RESPAWNED` again; `begin`: octets
+    in the file that are of roslaunches before."""
 
-    def __init__(self, output: Path, respawns: bool = False) -> None:
+    def __init__(self, output: Path, respawns: bool = False, begin: int = 0) -> None:
         self._output = output
-        self._seen = 0
+        self._begin = begin
+        self._seen = begin
         self._respawns = respawns
         self.restarts: dict[str, int] = {}
+        self._news: list[str] = []
 
     def failures(self) -> list[NodeEnd]:
         """Ends that the mission does not survive. The others are counted in `restarts`."""
@@ -93,4 +99,11 @@ class NodeWatch:
         if size == self._seen:
             return []
         self._seen = size
-        return parse_ends(self._output.read_text(errors="replace"))
+        output = self._output.read_bytes()[self._begin :].decode(errors="replace")
+        self._news = [found["text"] for found in _RECORDING.finditer(output)]
+        return parse_ends(output)
+
+    @property
+    def news(self) -> list[str]:
+        """What people should know and the mission survives, all of it so far."""
+        return list(self._news)

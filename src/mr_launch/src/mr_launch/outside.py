@@ -17,6 +17,7 @@ import sys
 import tempfile
 from dataclasses import replace
 from types import FrameType
+from typing import Callable, Sequence
 
 from mr_launch import isolation
 from mr_launch.hub_cleanup import end_descendants
@@ -33,24 +34,38 @@ def become_subreaper() -> None:
 def run_team(plan: Plan, listener: socket.socket | None = None) -> int:
     """Run the checked plan to its end and return the exit code. ``listener``: for viewers of the status page, in the
     network of the machine, which the team leaves."""
-    hub = plan.isolation == isolation.HUB
+    page = [listener.detach()] if listener else []
+
+    def order(private: str) -> str:
+        return replace(plan, private=private).to_json()
+
+    return run_inside("mr_launch.inside", plan.isolation, order, page)
+
+
+def run_inside(module: str, kind: str, order: Callable[[str], str], descriptors: Sequence[int] = ()) -> int:
+    """Run ``python3 -m module LIFELINE ORDER [DESCRIPTOR...]`` as the first process of new namespaces, to its end.
+
+    Args:
+        kind: of isolation.
+        order: what the process is told; takes the path of its private folder.
+        descriptors: open ones that it inherits; they are closed here.
+    """
+    hub = kind == isolation.HUB
     private = tempfile.mkdtemp(prefix="mr_launch-") if hub else isolation.PRIVATE_MOUNT
-    plan = Plan.from_json(replace(plan, private=private).to_json())
     reader, writer = os.pipe()
     environment = {**os.environ, "PATH": isolation.search_path(os.environ.get("PATH", ""))}
     if hub:
         become_subreaper()
-    page = [listener.detach()] if listener else []
-    command = [sys.executable, "-m", "mr_launch.inside", str(reader), plan.to_json(), *map(str, page)]
+    command = [sys.executable, "-m", module, str(reader), order(private), *map(str, descriptors)]
     try:
         process = subprocess.Popen(
-            [*isolation.enter_command(plan.isolation), *command],
+            [*isolation.enter_command(kind), *command],
             stdin=subprocess.DEVNULL,
-            pass_fds=(reader, *page),
+            pass_fds=(reader, *descriptors),
             start_new_session=True,
             env=environment,
         )
-        for descriptor in (reader, *page):
+        for descriptor in (reader, *descriptors):
             os.close(descriptor)
         hand_on_signals(writer)
         send(writer, f"init {first_process(process, hub)}")

@@ -16,6 +16,7 @@ FIRST_PORT = 11311
 RADIO_INTERFACE = "radio0"
 SLOWEST_RADIO = 0.001  # the least real-time factor that the radio daemon takes
 BASE = "base"  # name of the base station of a centralized team
+PLAN_FILE = "plan.json"  # in the output folder, from the start: what the mission was to be
 TRUTH_FILE = "truth.pickle"  # what maps are compared with, in the private folder
 
 
@@ -91,12 +92,17 @@ def _robot_from(values: dict[str, Any]) -> RobotPlan:
 
 
 def robot_environment(plan: Plan, robot: RobotPlan) -> dict[str, str]:
-    """ROS variables of one robot. In a network namespace of its own every master has the usual port."""
+    """ROS variables of one robot."""
+    return ros_environment(robot.port, plan.socket(f"ros_home/{robot.name}"), str(plan.log_folder(robot)))
+
+
+def ros_environment(port: int, home: str, logs: str) -> dict[str, str]:
+    """In a network namespace of its own every master has the usual port."""
     return {
-        "ROS_MASTER_URI": f"http://localhost:{robot.port}",
+        "ROS_MASTER_URI": f"http://localhost:{port}",
         "ROS_HOSTNAME": "localhost",
-        "ROS_HOME": plan.socket(f"ros_home/{robot.name}"),
-        "ROS_LOG_DIR": str(plan.log_folder(robot)),
+        "ROS_HOME": home,
+        "ROS_LOG_DIR": logs,
     }
 
 
@@ -185,8 +191,9 @@ def initial_poses(plan: Plan) -> str:
     return json.dumps({robot.name: [round(value, 6) for value in robot.start] for robot in plan.robots})
 
 
-def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
-    """roslaunch with a master of its own: robot.launch, the monitor and the bag recorder of one robot."""
+def launch_command(plan: Plan, robot: RobotPlan, boot: int = 1) -> list[str]:
+    """roslaunch with a master of its own: robot.launch, the monitor and the bag recorder of one robot. `boot`: how
+    often it has been started with this; each time it has a map frame of its own, and so a bag."""
     if robot == plan.base:
         return _base_command(plan, robot)
     options = plan.options
@@ -212,9 +219,13 @@ def launch_command(plan: Plan, robot: RobotPlan) -> list[str]:
         "seed": str(options.seed + robot.index),
         "page_team": page_socket(plan),
         "respawn": _word(options.respawn),
-        "bag": str(plan.robot_folder(robot) / f"{robot.name}.bag") if options.bag else "",
+        "bag": str(plan.robot_folder(robot) / bag_name(robot.name, boot)) if options.bag else "",
     }
     return _roslaunch(plan, robot, "team_robot.launch", arguments)
+
+
+def bag_name(robot: str, boot: int = 1) -> str:
+    return f"{robot}.bag" if boot == 1 else f"{robot}_{boot}.bag"
 
 
 def _base_command(plan: Plan, base: RobotPlan) -> list[str]:

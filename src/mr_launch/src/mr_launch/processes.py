@@ -9,6 +9,24 @@ import time
 from pathlib import Path
 from typing import Mapping, Sequence
 
+from mr_launch import isolation
+
+FEW_THREADS = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+
+
+def program_environment() -> dict[str, str]:
+    """For all programs of a team. Several nodes share few cores; threads of numerical libraries would only get in each
+    other's way."""
+    environment = {**os.environ, **FEW_THREADS}
+    for name in ("ROS_IP", "ROS_NAMESPACE", "ROS_ROOT_LOG"):
+        environment.pop(name, None)
+    return environment
+
+
+def dies_with_parent(kind: str) -> list[str]:
+    """Without a PID namespace programs ask the kernel for a signal when the process that started them dies."""
+    return ["setpriv", "--pdeathsig", "TERM", "--"] if kind == isolation.HUB else []
+
 
 class Child:
     """One started program. Its output goes to ``log``; with ``may_finish`` a good end is no failure, and no end is of
@@ -76,6 +94,10 @@ class Children:
         child = Child(name, process, log, may_finish, needed)
         self._children.append(child)
         return child
+
+    def forget(self, child: Child) -> None:
+        """It has ended and another one has its place."""
+        self._children.remove(child)
 
     def failed(self) -> list[Child]:
         return [child for child in self._children if child.failed]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import socket
+from typing import Sequence
 
 from mr_launch.errors import UserError
 from mr_launch.isolation import search_path
@@ -35,19 +36,43 @@ NAVIGATION = {
 }
 # packages of this repository
 OWN = ("adhoc_communication", "explorer", "map_merger", "mr_launch", "mr_robot", "mr_sim")
+PLAYED = (("rosbag", "play"), ("mr_launch", "replay_monitor"))
+COMPUTING = {  # value of --compute of the replay: what it needs
+    "map_merger": (("map_merger", "map_merger"), ("mr_launch", "record"), ("rosbag", "record")),
+    "explorer": (
+        ("explorer", "explorer"),
+        ("mr_launch", "replayed_navigation"),
+        ("mr_launch", "record"),
+        ("rosbag", "record"),
+    ),
+}
 SYSTEM = ("roslaunch", "ip", "unshare", "nsenter", "setpriv")
 
 
 def find_programs(slam: str, navigation: str) -> dict[str, str]:
     """Paths of all programs that the runner starts itself. Raises UserError that names every missing one."""
     wanted = [*PROGRAMS.values(), *NODES, SLAM[slam], NAVIGATION[navigation]]
+    _refuse_missing(wanted)
+    return {**{key: find_executable(*program) or "" for key, program in PROGRAMS.items()}, **_system_programs()}
+
+
+def find_played(compute: Sequence[str]) -> dict[str, str]:
+    """The same for a replay; `compute`: nodes that run again."""
+    _refuse_missing([*PLAYED, *(program for node in compute for program in COMPUTING[node])])
+    return _system_programs()
+
+
+def _refuse_missing(wanted: Sequence[tuple[str, str]]) -> None:
     missing = sorted({(package, name) for package, name in wanted if not find_executable(package, name)})
     if missing:
         names = ", ".join("/".join(entry) for entry in missing)
         if any(package in OWN for package, _ in missing):
             raise UserError(f"not built: {names}; run 'make build' and source the setup.sh of the build")
         raise UserError(f"not installed: {names}; install it, or leave out --slam and --navigation")
-    paths = {key: find_executable(*program) or "" for key, program in PROGRAMS.items()}
+
+
+def _system_programs() -> dict[str, str]:
+    paths = {}
     for name in SYSTEM:
         found = shutil.which(name, path=search_path(""))  # the system's, whatever else is on PATH
         if not found:

@@ -104,6 +104,10 @@ class ReportServer:
             return False
         return True
 
+    def begin_anew(self, robot: str) -> None:
+        """What the robot said before it was started again no longer counts."""
+        self.reports[robot] = RobotReport(robot)
+
     def close(self) -> None:
         for link in list(self._buffers):
             self._drop(link)

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import socket
 import subprocess
 import time
+from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Callable
 
+from mr_grid import Pose
 from mr_launch import isolation
 from mr_launch.errors import TeamFailure
-from mr_launch.network import hold_namespace, lay_cable, switch_ipv6_off
-from mr_launch.nodes import NodeWatch
+from mr_launch.network import end_all_in_namespace, hold_namespace, lay_cable, switch_ipv6_off
+from mr_launch.nodes import MOST_RESTARTS, NodeWatch
 from mr_launch.plan import (
     Plan,
+    RobotPlan,
     base_position,
     key_command,
     key_file,
@@ -28,11 +31,11 @@ from mr_launch.plan import (
     truth_command,
     world_command,
 )
-from mr_launch.processes import Child, Children, last_lines
+from mr_launch.processes import Child, Children, dies_with_parent, last_lines, program_environment
+from mr_launch.running_state import remove_state, write_state
 from mr_launch.world import write_walls
 
 NODES_PATIENCE = 25.0  # s; roslaunch itself waits 15 s for its nodes, then 2 s more
-FEW_THREADS = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
 
 
 class Team:
@@ -45,14 +48,14 @@ class Team:
         self._init = init
         self._page = page
         self._holders: dict[str, int] = {}
-        self._watches: dict[str, NodeWatch] = {}
+        self._watches: dict[str, list[NodeWatch]] = {}  # one for each start of a robot
+        self._told = 0
+        self.starts: dict[str, Pose] = {}  # true poses of robots that were started again, when they were
+        self.place: Callable[[str], Pose | None] = lambda robot: None
+        self.on_restart: Callable[[str], None] = lambda robot: None
         self._own_namespaces = plan.isolation != isolation.HUB
-        # Several nodes share few cores; threads of numerical libraries would only get in each other's way.
-        self._environment = {**os.environ, **FEW_THREADS}
-        for name in ("ROS_IP", "ROS_NAMESPACE", "ROS_ROOT_LOG"):
-            self._environment.pop(name, None)
-        # Without a PID namespace the programs ask the kernel for a signal when this process dies.
-        self._died_with_parent = [] if self._own_namespaces else ["setpriv", "--pdeathsig", "TERM", "--"]
+        self._environment = program_environment()
+        self._died_with_parent = dies_with_parent(plan.isolation)
 
     def start(self, stopped: Callable[[], bool]) -> None:
         """Namespaces, key, radio, world, robots, in the order in which they need each other."""
@@ -63,12 +66,30 @@ class Team:
         self._start("reference", truth_command(self.plan), {}, may_finish=True)
         self._start("world", world_command(self.plan), {})
         for robot in self.plan.hosts:
-            prefix = namespace_prefix(self._holders.get(robot.name))
-            command = [*prefix, *launch_command(self.plan, robot)]
-            child = self._start(robot.name, command, robot_environment(self.plan, robot))
-            self.launches[robot.name] = child
-            self._watches[robot.name] = NodeWatch(child.log, self.plan.options.respawn)
+            self._launch(robot)
         self._write_state()
+
+    def _launch(self, robot: RobotPlan) -> None:
+        watches = self._watches.setdefault(robot.name, [])
+        prefix = namespace_prefix(self._holders.get(robot.name))
+        log = self.plan.log_folder() / f"{robot.name}.log"
+        begin = log.stat().st_size if log.exists() else 0
+        command = [*prefix, *launch_command(self.plan, robot, len(watches) + 1)]
+        self.launches[robot.name] = self._start(robot.name, command, robot_environment(self.plan, robot))
+        watches.append(NodeWatch(log, self.plan.options.respawn, begin))
+
+    def _launch_again(self, robot: RobotPlan) -> None:
+        """Its master has ended, or roslaunch: the robot is started again, as after a reboot, with a new map."""
+        holder = self._holders.get(robot.name)
+        if holder is not None:
+            end_all_in_namespace(holder)
+        self.children.forget(self.launches[robot.name])
+        place = self.place(robot.name)
+        if place is not None:
+            self.starts[robot.name] = place
+            robot = replace(robot, start=place)
+        self._launch(robot)
+        self.on_restart(robot.name)
 
     def _make_key(self) -> None:
         if self.plan.options.open:
@@ -80,16 +101,39 @@ class Team:
 
     def failures(self) -> list[str]:
         """What ended although it should run: one line each, with the log file."""
+        self._start_robots_again()
         lines = [child.describe_end() for child in self.children.failed()]
-        for name, watch in self._watches.items():
-            lines += [end.describe(name) for end in watch.failures()]
+        for name, watches in self._watches.items():
+            lines += [end.describe(name) for end in watches[-1].failures()]
         self.children.reap_orphans()
         return lines
+
+    def _start_robots_again(self) -> None:
+        if not self.plan.options.respawn:
+            return
+        for robot in self.plan.hosts:
+            launch = self.launches.get(robot.name)
+            if launch is not None and launch.failed and len(self._watches[robot.name]) <= MOST_RESTARTS:
+                self._launch_again(robot)
+
+    def news(self) -> list[str]:
+        """What people should know and the mission survives, each once."""
+        found = [
+            f"{name}: {text}" for name, watches in self._watches.items() for watch in watches for text in watch.news
+        ]
+        new, self._told = found[self._told :], max(self._told, len(found))
+        return new
 
     @property
     def restarts(self) -> dict[str, dict[str, int]]:
         """How often which node of which robot was started again."""
-        return {name: dict(watch.restarts) for name, watch in self._watches.items()}
+        counts: dict[str, dict[str, int]] = {}
+        for name, watches in self._watches.items():
+            total = Counter({"roslaunch": len(watches) - 1})
+            for watch in watches:
+                total.update(watch.restarts)
+            counts[name] = dict(+total)
+        return counts
 
     def stop_robots(self) -> None:
         """End all nodes in order, so that bags are closed and logs are complete."""
@@ -98,7 +142,7 @@ class Team:
     def stop_rest(self) -> None:
         """End radio (it writes its statistics now) and world, then whatever is left."""
         self.children.stop_all(5.0)
-        (Path(self.plan.out) / "team.json").unlink(missing_ok=True)
+        remove_state(Path(self.plan.out))
 
     def _start_page(self) -> None:
         if self._page is None:
@@ -120,7 +164,7 @@ class Team:
         switch_ipv6_off([])
         for robot in self.plan.hosts:
             log = self.plan.log_folder() / "network.log"
-            holder = hold_namespace(robot, self.children, log, self._environment)
+            holder = hold_namespace(robot.name, self.children, log, self._environment)
             self._holders[robot.name] = holder.process.pid
             lay_cable(robot, holder.process.pid)
 
@@ -145,17 +189,5 @@ class Team:
             control.send(command.encode())
 
     def _write_state(self) -> None:
-        """For ``rosrun mr_launch enter``: how to reach each robot of this running team."""
-        state = {
-            "isolation": self.plan.isolation,
-            "init": self._init,
-            "robots": {
-                robot.name: {
-                    "holder": self._holders.get(robot.name),
-                    "environment": robot_environment(self.plan, robot),
-                }
-                for robot in self.plan.hosts
-            },
-        }
-        path = Path(self.plan.out) / "team.json"
-        path.write_text(json.dumps(state, indent=2) + "\n")
+        environments = {host.name: robot_environment(self.plan, host) for host in self.plan.hosts}
+        write_state(Path(self.plan.out), self.plan.isolation, self._init, self._holders, environments)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mr_grid import Pose
 from mr_measures.motion import Row, records_of, row_of
 
 
@@ -22,6 +23,11 @@ class Track:
     def time(self) -> float:
         """Simulation time (s) of the latest row; 0 before the first."""
         return self._rows[-1][0] if self._rows else 0.0
+
+    @property
+    def place(self) -> Pose | None:
+        """The latest pose, in the frame of the world."""
+        return Pose(*self._rows[-1][2:5]) if self._rows else None
 
     def add(self, row: Row) -> None:
         if self._rows:

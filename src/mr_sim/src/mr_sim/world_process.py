@@ -1,6 +1,7 @@
 """Command line of the world process."""
 
 import argparse
+import contextlib
 import json
 import math
 import sys
@@ -45,7 +46,8 @@ def argument_parser() -> argparse.ArgumentParser:
 
 
 def _say(line: str) -> None:
-    print(f"world: {line}", flush=True)
+    with contextlib.suppress(OSError):  # the disk with the log is full
+        print(f"world: {line}", flush=True)
 
 
 def _make_server(arguments: argparse.Namespace) -> WorldServer:
@@ -65,7 +67,7 @@ def _make_server(arguments: argparse.Namespace) -> WorldServer:
     factor = description.speedup if arguments.rtf is None else arguments.rtf
     trace = None
     if arguments.trace:
-        trace = TraceWriter(arguments.trace, str(description.path), arguments.seed, factor)
+        trace = TraceWriter(arguments.trace, str(description.path), arguments.seed, factor, _say)
     return WorldServer(
         world,
         listen(arguments.socket),

@@ -25,6 +25,16 @@ def trace(make_world, drive, tmp_path):
     return path
 
 
+def test_a_full_disk_ends_the_trace_and_nothing_else(make_world):
+    world = make_world('rover ( name "a" )')
+    said = []
+    writer = TraceWriter("/dev/full", "test.world", 1, 1.0, said.append)
+    for step in range(1, 100):
+        writer.write(float(step), float(step), "a", world.states()[0])
+    writer.close(100.0, 100.0)
+    assert said == ["/dev/full: No space left on device; the trace ends here"]
+
+
 def test_measures_of_a_trace(trace):
     read = read_trace(trace)
     records = read.robots["a"]

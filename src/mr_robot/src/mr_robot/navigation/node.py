@@ -6,7 +6,6 @@ import threading
 from dataclasses import fields
 from typing import Any, Dict, Optional, Union
 
-import actionlib
 import rospy
 import tf2_ros
 from adhoc_communication.msg import MmListOfPoints
@@ -18,6 +17,7 @@ from sensor_msgs.msg import LaserScan
 
 from mr_grid import Pose
 from mr_robot.navigation import ros_io
+from mr_robot.navigation.action_server import LatestGoalServer
 from mr_robot.navigation.engine import Navigator, Status
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan
 from mr_robot.navigation.tf_poses import INPUT_AGE, TfPoses
@@ -62,7 +62,7 @@ class MoveBaseNode:
         self._tf_poses = TfPoses(self._buffer, self._frames)
         self._command = rospy.Publisher(drivers["velocity_topic"], Twist, queue_size=1)
         self._plan = rospy.Publisher(TOPICS["plan"], Path, queue_size=1, latch=True)
-        self._server = actionlib.SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
+        self._server = LatestGoalServer("move_base", MoveBaseAction, auto_start=False)
         self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1)
         map_topic = rospy.get_param("~map_topic", MAP_TOPIC)

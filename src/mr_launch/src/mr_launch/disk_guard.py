@@ -1,0 +1,53 @@
+"""Runs the recorder of a robot and ends it in order before the disk is full: then its bag is whole, there is room left
+for logs, and the mission goes on unrecorded."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Sequence
+
+PERIOD = 1.0  # s between two looks at the disk
+PATIENCE = 20.0  # s for the recorder to close its bag
+LABEL = "record: "  # begins what is said of the recording
+
+
+def guarded(command: Sequence[str], folder: Path, least: int) -> int:
+    """Runs `command` until it ends or less than `least` octets are free in `folder`; returns the exit code, 0 if it was
+    for the disk. SIGINT reaches the whole process group, as roslaunch sends it."""
+    process = subprocess.Popen(command)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: process.terminate())
+    while _runs(process, PERIOD):
+        if free(folder) < least:
+            process.send_signal(signal.SIGINT)
+            if _runs(process, PATIENCE):
+                process.kill()
+            return _said(folder, least)
+    if process.returncode and free(folder) < least:
+        return _said(folder, least)
+    return process.returncode
+
+
+def free(folder: Path) -> int:
+    """Octets that users may still write in `folder`."""
+    status = os.statvfs(folder)
+    return status.f_bavail * status.f_frsize
+
+
+def _runs(process: subprocess.Popen[bytes], seconds: float) -> bool:
+    """Whether it still runs after so long."""
+    try:
+        process.wait(seconds)
+    except subprocess.TimeoutExpired:
+        return True
+    return False
+
+
+def _said(folder: Path, least: int) -> int:
+    text = f"less than {least / 1e6:.0f} MB are free in {folder}; the recording has ended, the mission goes on without"
+    print(f"{LABEL}{text}", file=sys.stderr, flush=True)
+    return 0

@@ -1,0 +1,1 @@
+"""Recorded missions: found, exported to MCAP, played back."""

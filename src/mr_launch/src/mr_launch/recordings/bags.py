@@ -1,0 +1,74 @@
+"""Bags of ROS 1, read by rosbags, which needs no ROS."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Iterator, NamedTuple, Sequence
+
+from mr_launch.errors import UserError
+
+SECOND = 10**9  # ns
+
+
+class Span(NamedTuple):
+    """From the first message to the last, ns on the robot's own clock."""
+
+    start: int
+    end: int
+
+
+def topic_of(connection: Any) -> str:
+    """Name without a leading slash, as a recorder's relative names have none."""
+    return str(connection.topic).lstrip("/")
+
+
+def latched(connection: Any) -> bool:
+    return bool(connection.ext.latching)
+
+
+@contextmanager
+def opened(paths: Sequence[Path]) -> Iterator[Any]:
+    """The bags of one robot as one reader. Raises UserError for what is no finished bag."""
+    try:
+        from rosbags.highlevel import AnyReader, AnyReaderError
+    except ImportError:
+        raise UserError(
+            "the Python package rosbags is missing: run tools/install_dependencies, then source tools/environment.sh"
+        ) from None
+    for path in paths:
+        _check(path)
+    try:
+        reader = AnyReader(list(paths))
+        reader.open()
+    except (AnyReaderError, OSError, AssertionError) as error:
+        raise UserError(f"{_names(paths)} cannot be read: {error}; 'rosbag reindex' may mend it") from None
+    try:
+        yield reader
+    finally:
+        reader.close()
+
+
+def span_of(reader: Any) -> Span:
+    return Span(int(reader.start_time), int(reader.end_time) - 1)  # rosbags counts 1 ns more
+
+
+def messages(reader: Any, connections: Sequence[Any]) -> Iterator[tuple[Any, int, bytes]]:
+    """Connection, time in ns and octets, in the order of time. Nothing for no connections."""
+    if connections:
+        yield from reader.messages(connections=connections)
+
+
+def _check(path: Path) -> None:
+    if path.suffix == ".active":
+        raise UserError(f"{path} was not closed: 'rosbag reindex {path}', then rename it to {path.stem}")
+    try:
+        with path.open("rb") as file:
+            if not file.read(13).startswith(b"#ROSBAG V2.0"):
+                raise UserError(f"{path} is no bag of ROS 1")
+    except OSError as error:
+        raise UserError(f"{path} cannot be read: {error.strerror}") from None
+
+
+def _names(paths: Sequence[Path]) -> str:
+    return ", ".join(map(str, paths))

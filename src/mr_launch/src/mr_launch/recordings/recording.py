@@ -1,0 +1,78 @@
+"""What was recorded of a mission: the bags of each robot, and what the team runner knew of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from mr_launch.errors import UserError
+from mr_launch.plan import PLAN_FILE, Plan, bag_name
+
+ROBOTS_OWN = "topics_"  # with what robot.launch begins the names of its bags; the folder is called as the robot then
+
+
+@dataclass(frozen=True)
+class RecordedRobot:
+    name: str
+    bags: tuple[Path, ...]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """`plan`: of a mission of the team runner; None for real robots. `missing`: its robots without a bag."""
+
+    folder: Path
+    robots: tuple[RecordedRobot, ...]
+    plan: Plan | None = None
+    missing: tuple[str, ...] = ()
+
+
+def find_recording(path: Path) -> Recording:
+    """A mission folder of the team runner, the folder or a bag of a real robot, or a folder with several of such
+    folders. Raises UserError."""
+    path = path.resolve()
+    if path.is_file():
+        return Recording(path.parent, (RecordedRobot(_name_of([path]), (path,)),))
+    if not path.is_dir():
+        raise UserError(f"{path} does not exist")
+    if (path / PLAN_FILE).is_file():
+        return _of_team(path)
+    own = _bags(path)
+    folders = [path] if own else [folder for folder in sorted(path.iterdir()) if folder.is_dir() and _bags(folder)]
+    robots = tuple(RecordedRobot(_name_of(_bags(folder)), tuple(_bags(folder))) for folder in folders)
+    if not robots:
+        raise UserError(f"no bags in {path}: missions with --no-bag and robots without record:=true have none")
+    names = [robot.name for robot in robots]
+    doubles = sorted({name for name in names if names.count(name) > 1})
+    if doubles:
+        raise UserError(f"{path} has more than one robot {doubles[0]}; a folder is called as its robot")
+    return Recording(path, robots)
+
+
+def _of_team(folder: Path) -> Recording:
+    try:
+        plan = Plan.from_json((folder / PLAN_FILE).read_text(encoding="utf-8"))
+    except (ValueError, KeyError, TypeError) as error:
+        raise UserError(f"{folder / PLAN_FILE} is of another version or damaged: {error}") from None
+    plan = replace(plan, out=str(folder))  # it may have been moved
+    found = {robot.name: _first_bags(folder / robot.name) for robot in plan.robots}
+    robots = tuple(RecordedRobot(name, bags) for name, bags in found.items() if bags)
+    if not robots:
+        raise UserError(f"no bags in {folder}: the mission ran with --no-bag, or ended before it began")
+    return Recording(folder, robots, plan, tuple(name for name, bags in found.items() if not bags))
+
+
+def _first_bags(folder: Path) -> tuple[Path, ...]:
+    """Without those of a robot that was started again, which has another map frame and start."""
+    return tuple(path for path in _bags(folder) if path.name.startswith(bag_name(folder.name)))
+
+
+def _bags(folder: Path) -> list[Path]:
+    """Also those that a recorder left open, which the reader refuses with a remedy."""
+    return sorted(path for path in folder.glob("*.bag*") if path.suffix in (".bag", ".active"))
+
+
+def _name_of(bags: list[Path]) -> str:
+    first = bags[0]
+    name = first.name.split(".")[0]
+    return first.parent.name if name.startswith(ROBOTS_OWN) or len(bags) > 1 else name

@@ -1,0 +1,187 @@
+"""``rosrun mr_launch replay``: options, what is cut out of the bags, and what remains afterwards."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import math
+import os
+import shutil
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Iterator, Sequence
+
+from explorer.options import STRATEGIES
+from mr_launch import isolation
+from mr_launch.commands import BAD_CALL, INTERRUPTED
+from mr_launch.errors import UserError
+from mr_launch.outside import run_inside
+from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, initial_poses
+from mr_launch.programs import find_played, free_ports
+from mr_launch.recordings.bags import SECOND, Span, opened
+from mr_launch.recordings.cut import cut, is_played
+from mr_launch.recordings.recording import Recording, find_recording
+from mr_launch.recordings.replay_plan import PlayedRobot, ReplayPlan
+from mr_launch.recordings.survey import Survey, clock_shifts
+
+COMPUTED = ("map_merger", "explorer")
+FASTEST = 20.0
+
+
+def make_parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="replay",
+        description="Plays a recorded mission back: every robot on a master of its own, with its time and frames. With "
+        "--compute nodes run again on what was recorded, without robots.",
+        epilog="Exit code: 0 played to the end, 1 a node failed, 2 bad options or bags, 130 interrupted.",
+    )
+    add = parser.add_argument
+    add("mission", metavar="MISSION", type=Path, help="output folder of the team runner; of a real robot its folder of "
+        "bags or one bag; a folder with several of these")  # fmt: skip
+    add("--compute", nargs="+", choices=COMPUTED, default=[], metavar="NODE", help="map_merger, explorer: run "
+        "them again; what they published then is not played")  # fmt: skip
+    add("--rate", type=float, default=1.0, metavar="F", help="recorded over real seconds (default: %(default)s)")
+    add("--from", dest="first", type=float, default=0.0, metavar="S", help="s of the recording at which to begin")
+    add("--to", dest="last", type=float, default=math.inf, metavar="S", help="s of the recording at which to end")
+    add("--strategy", type=int, metavar="N", help="of the explorer (default: that of the mission, else 7)")
+    add("--robot", default="", metavar="PRESET", help="what real robots are, as of robot.launch (default: pioneer)")
+    add("--out", type=Path, metavar="DIR", help="folder for logs and for what is computed (default: out/replay_<time>)")
+    add("--isolation", choices=("auto", "namespaces", "hub"), default="auto", help="as of the team runner")
+    return parser
+
+
+def main(arguments: Sequence[str]) -> int:
+    options = make_parser().parse_args(arguments)
+    out = options.out or Path("out") / time.strftime("replay_%Y-%m-%d_%H-%M-%S")
+    try:
+        check(options)
+        recording = find_recording(options.mission)
+        programs = find_played(options.compute)
+        with _output_folder(out):
+            return _play(make_plan(recording, options, out.absolute(), programs), out)
+    except UserError as error:
+        print(f"replay: {error}", file=sys.stderr)
+        return BAD_CALL
+    except OSError as error:
+        print(f"replay: cannot write to {error.filename or out}: {error.strerror}", file=sys.stderr)
+        return BAD_CALL
+    except KeyboardInterrupt:
+        print("replay: interrupted, nothing was started", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _play(plan: ReplayPlan, out: Path) -> int:
+    names, first = ", ".join(robot.name for robot in plan.robots), plan.robots[0].name
+    print(f"replay: {names}, {plan.seconds:.0f} s", file=sys.stderr)
+    print(f"replay: look inside with 'rosrun mr_launch enter --team {out} {first} rostopic list'", file=sys.stderr)
+    code = run_inside(
+        "mr_launch.recordings.inside", plan.isolation, lambda private: replace(plan, private=private).to_json()
+    )
+    if plan.compute:
+        print(f"replay: what {' and '.join(plan.compute)} made of it is in {out}")
+    return code
+
+
+def check(options: argparse.Namespace) -> None:
+    if not (math.isfinite(options.rate) and 0.01 <= options.rate <= FASTEST):
+        raise UserError(f"--rate {options.rate:g} is out of range: 0.01 to {FASTEST:g}")
+    if not 0.0 <= options.first < options.last:
+        raise UserError(f"--from {options.first:g} --to {options.last:g}: nothing lies between")
+    if options.strategy is not None and options.strategy not in STRATEGIES:
+        known = ", ".join(f"{number} ({text})" for number, text in STRATEGIES.items())
+        raise UserError(f"--strategy {options.strategy} is unknown; there are {known}")
+
+
+def make_plan(recording: Recording, options: argparse.Namespace, out: Path, programs: dict[str, str]) -> ReplayPlan:
+    """Cuts the bags, too. Raises UserError and OSError."""
+    for name in recording.missing:
+        print(f"replay: there is no bag of {name}; the others go without", file=sys.stderr)
+    kind, _ = isolation.choose(options.isolation, os.geteuid())
+    if kind == isolation.HUB and options.isolation == "namespaces":
+        raise UserError("network namespaces are not allowed here; --isolation hub does without")
+    names = [robot.name for robot in recording.robots]
+    ports = free_ports(len(names)) if kind == isolation.HUB else [FIRST_PORT] * len(names)
+    spans = played_spans(recording, options.first, options.last)
+    seconds = (spans[names[0]].end - spans[names[0]].start) / SECOND
+    robots = []
+    for robot, port in zip(recording.robots, ports):
+        bag = cuts_folder(out) / f"{robot.name}.bag"
+        with opened(robot.bags) as reader:
+            cut(reader, bag, spans[robot.name], is_played(options.compute))
+        arguments = computing_arguments(recording.plan, robot.name, options) if options.compute else {}
+        robots.append(PlayedRobot(robot.name, port, str(bag), spans[robot.name].end / SECOND, arguments))
+    if options.compute:
+        _prepare_results(recording, out)
+    return ReplayPlan(robots, str(out), kind, programs, seconds, options.rate, list(options.compute))
+
+
+def _prepare_results(recording: Recording, out: Path) -> None:
+    """What is computed can be exported and played back like the mission itself."""
+    for robot in recording.robots:
+        (out / robot.name).mkdir()
+    if recording.plan:
+        (out / PLAN_FILE).write_text(replace(recording.plan, out=str(out)).to_json() + "\n", encoding="utf-8")
+        for name in recording.plan.presets:
+            copy = Path(replace(recording.plan, out=str(out)).preset_file(name))
+            copy.parent.mkdir(exist_ok=True)
+            shutil.copy(recording.plan.preset_file(name), copy)
+
+
+def played_spans(recording: Recording, first: float, last: float) -> dict[str, Span]:
+    """What is played of each robot, on its own clock. `first`, `last`: s from the beginning of the recording, which is
+    the first message of any robot. Clocks that nothing ties together begin with their robot's bags."""
+    surveys = {}
+    for robot in recording.robots:
+        with opened(robot.bags) as reader:
+            surveys[robot.name] = Survey(reader)
+    names, moves = list(surveys), clock_shifts(surveys)
+    starts = {name: surveys[name].span.start + moves[name] for name in moves}
+    for name in names:
+        moves.setdefault(name, min(starts.values()) - surveys[name].span.start)
+    start = min(starts.values())
+    end = max(survey.span.end + moves[name] for name, survey in surveys.items())
+    length = (end - start) / SECOND
+    if first >= length:
+        raise UserError(f"--from {first:g}: the recording has {length:.1f} s")
+    begin = start + round(first * SECOND)
+    until = min(end, start + round(min(last, length) * SECOND))
+    return {name: Span(begin - moves[name], until - moves[name]) for name in names}
+
+
+def computing_arguments(plan: Plan | None, name: str, options: argparse.Namespace) -> dict[str, str]:
+    """Of replayed_robot.launch: what the nodes have to know, from the mission's plan or from the options."""
+    strategy = options.strategy if options.strategy is not None else plan.options.strategy if plan else 7
+    if plan is None:
+        return {"robot": options.robot or "pioneer", "frontier_selection": str(strategy)}
+    preset = {robot.name: robot.preset for robot in plan.robots}[name]
+    return {
+        "robot": options.robot or plan.preset_file(preset),
+        "team": plan.team,
+        "simulated": "true",
+        "frontier_selection": str(strategy),
+        "initial_poses": initial_poses(plan) if plan.options.initial_poses else json.dumps({}),
+        "topology": plan.options.topology,
+        "base_station": BASE if plan.base else "",
+        "seed": str(plan.options.seed + next(robot.index for robot in plan.robots if robot.name == name)),
+    }
+
+
+def cuts_folder(out: Path) -> Path:
+    return out / "played"
+
+
+@contextlib.contextmanager
+def _output_folder(out: Path) -> Iterator[None]:
+    """The folder, empty; what was cut out for the player goes afterwards, and the folder if there is nothing else."""
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise UserError(f"--out {out} exists and is not an empty folder")
+    cuts_folder(out).mkdir(parents=True)
+    try:
+        yield
+    finally:
+        shutil.rmtree(cuts_folder(out), ignore_errors=True)
+        with contextlib.suppress(OSError):
+            out.rmdir()

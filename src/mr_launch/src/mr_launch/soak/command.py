@@ -1,0 +1,87 @@
+"""``rosrun mr_launch soak``: options, the course of it, its table."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Sequence
+
+from mr_launch.soak.faults import disturbed, full_disk
+from mr_launch.soak.missions import ROBOTS, Outcome, SoakMission
+from mr_launch.soak.rows import rows_of
+
+OK, MISSED, BAD_CALL = 0, 1, 2
+HOLD_SHARE = 0.25  # of the whole time
+
+
+def make_parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="soak",
+        description="Three robots, mission after mission, with partitions, killed nodes, masters that restart, a full "
+        "disk and clocks that jump. In the first one nothing is killed, and the robots stand for a quarter of the time "
+        "to look at their memory. Needs root, for disks and namespaces of its own.",
+        epilog="Exit code: 0 all was survived and nothing left, 1 not, 2 bad options.",
+    )
+    add = parser.add_argument
+    add(
+        "--minutes",
+        type=float,
+        default=120.0,
+        metavar="M",
+        help="5 to 1440; the last mission ends later (default: %(default)s)",
+    )
+    add("--world", default="office26x15", metavar="NAME", help="as of the team runner (default: %(default)s)")
+    add("--seed", type=int, default=1, metavar="N", help="of the first mission (default: %(default)s)")
+    add("--out", type=Path, metavar="FILE", help="JSON file for the rows")
+    add("--keep", type=Path, metavar="DIR", help="keep the output of the missions there")
+    return parser
+
+
+def main(arguments: Sequence[str]) -> int:
+    parser = make_parser()
+    options = parser.parse_args(arguments)
+    if not 5.0 <= options.minutes <= 1440.0:
+        parser.error(f"--minutes {options.minutes:g} is out of range: 5 to 1440")
+    if os.geteuid() != 0:
+        parser.error("a soak needs root, for disks and namespaces of its own")
+    with tempfile.TemporaryDirectory(prefix="soak-") as name:
+        folder = (options.keep or Path(name)).absolute()
+        rows = rows_of(list(soak(folder, options.world, options.seed, 60.0 * options.minutes)))
+    if options.out:
+        options.out.parent.mkdir(parents=True, exist_ok=True)
+        options.out.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
+    return OK if all(entry["holds"] for entry in rows) else MISSED
+
+
+def soak(folder: Path, world: str, seed: int, seconds: float) -> list[Outcome]:
+    """One mission at rest, then disturbed ones and such on a full disk in turns, at least one of each."""
+    end = time.monotonic() + seconds
+    outcomes = [_run(SoakMission("rest", folder / "0_rest", world, seed), hold=HOLD_SHARE * seconds)]
+    turn = 0
+    while turn < 2 or time.monotonic() < end:
+        number = seed + turn + 1
+        if turn % 2 == 0:
+            mission = SoakMission(f"disturbed {turn}", folder / f"{turn + 1}_disturbed", world, number)
+            outcomes.append(_run(mission, disturbed(ROBOTS, turn)))
+        else:
+            mission = SoakMission(f"full disk {turn}", folder / f"{turn + 1}_full_disk", world, number, small_disk=True)
+            outcomes.append(_run(mission, full_disk(ROBOTS, turn)))
+        turn += 1
+    return outcomes
+
+
+def _run(mission: SoakMission, faults: Sequence = (), hold: float = 0.0) -> Outcome:
+    begin = time.monotonic()
+    outcome = mission.run(faults, hold)
+    verdict = (
+        "survived" if outcome.survived else f"exit code {outcome.code}, stuck: {outcome.stuck}, left: {outcome.left}"
+    )
+    print(f"soak: {mission.name}: {verdict}, {time.monotonic() - begin:.0f} s", file=sys.stderr, flush=True)
+    if not outcome.survived:
+        print("\n".join(f"    {line}" for line in outcome.output.splitlines()[-12:]), file=sys.stderr, flush=True)
+    return outcome

@@ -1,0 +1,115 @@
+"""What a soak came to, as rows like those of the other benchmarks: what, bar, value, unit, holds, detail."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from typing import Any, Sequence
+
+from mr_launch.soak.memory import cpu_share, slope
+from mr_launch.soak.missions import ROBOTS, Outcome
+
+Row = dict[str, Any]
+OWN_NODES = ("adhoc_communication", "map_merger", "explorer", "move_base")  # a robot's, without simulator and SLAM
+CPU_BAR, PSS_BAR_MB = 0.20, 350.0
+SLOPE_BAR = 0.2  # MB per minute of any node, less twice the standard error
+SETTLE_SHARE = 0.25  # of the hold, before memory is looked at
+
+
+def row(what: str, bar: str, value: Any, unit: str, holds: bool, detail: str) -> Row:
+    """Prints and returns a row."""
+    print(f"{'ok  ' if holds else 'MISS'} {what}: {value} {unit} (bar {bar}) {detail}", flush=True)
+    return {"what": what, "bar": bar, "value": value, "unit": unit, "holds": holds, "detail": detail}
+
+
+def rows_of(outcomes: Sequence[Outcome]) -> list[Row]:
+    return [*_survival(outcomes), *_faults(outcomes), *_disk(outcomes), *_memory(outcomes), *_resources(outcomes)]
+
+
+def _survival(outcomes: Sequence[Outcome]) -> list[Row]:
+    total = len(outcomes)
+    good = sum(outcome.survived for outcome in outcomes)
+    stuck = [f"{outcome.name}: {name}" for outcome in outcomes for name in outcome.stuck]
+    left = [f"{outcome.name}: {entry}" for outcome in outcomes for entry in outcome.left]
+    codes = [f"{outcome.name}: exit code {outcome.code}" for outcome in outcomes if outcome.code]
+    return [
+        row("soak: missions survived", f"{total} of {total}", good, "missions", good == total, "; ".join(codes)),
+        row("soak: robots stuck", "0", len(stuck), "robots", not stuck, "; ".join(stuck)),
+        row("soak: processes, namespaces, mounts left", "0", len(left), "", not left, "; ".join(left)),
+    ]
+
+
+def _faults(outcomes: Sequence[Outcome]) -> list[Row]:
+    """Each kind: in how many missions it happened, and how many of those were survived."""
+    rows = []
+    for kind in dict.fromkeys(fault.kind for outcome in outcomes for fault in outcome.faults):
+        hit = [outcome for outcome in outcomes if any(fault.kind == kind for fault in outcome.faults)]
+        good = sum(outcome.survived for outcome in hit)
+        events = sum(fault.kind == kind for outcome in hit for fault in outcome.faults)
+        bar = f"{len(hit)} of {len(hit)}"
+        rows.append(row(f"survived: {kind}", bar, good, "missions", good == len(hit), f"{events} events"))
+    restarts: Counter[str] = Counter()
+    for outcome in outcomes:
+        for counts in outcome.restarts.values():
+            restarts.update(counts)
+    came = ", ".join(f"{name} {count}" for name, count in sorted(restarts.items()))
+    rows.append(row("started again", "-", sum(restarts.values()), "nodes", True, came))
+    return rows
+
+
+def _disk(outcomes: Sequence[Outcome]) -> list[Row]:
+    """Each robot's recording ends with one line, and nothing else is said of the disk."""
+    rows = []
+    for outcome in outcomes:
+        if any(fault.kind == "full disk" for fault in outcome.faults):
+            lines = [line for line in outcome.said if "MB are free" in line or "o space left" in line]
+            told = [sum(line.startswith(f"team: {name}: ") for line in lines) for name in ROBOTS]
+            holds = told == [1] * len(ROBOTS) and len(lines) == len(ROBOTS)
+            rows.append(row(f"{outcome.name}: lines of each robot", "1", max(told), "lines", holds, "; ".join(lines)))
+    return rows
+
+
+def _memory(outcomes: Sequence[Outcome]) -> list[Row]:
+    """By node the robot with the steepest slope, less twice its standard error."""
+    rows = []
+    for outcome in outcomes:
+        start, end = outcome.hold
+        if end <= start:
+            continue
+        settled = start + SETTLE_SHARE * (end - start)
+        worst: dict[str, tuple[float, float]] = {}
+        for node, samples in outcome.samples.between(settled, end).items():
+            worst[node.name] = max(worst.get(node.name, (-math.inf, 0.0)), slope(samples), key=_at_least)
+        for name, (rate, error) in sorted(worst.items()):
+            detail = f"+- {2.0 * error:.3f}, {(end - settled) / 60.0:.1f} min at rest"
+            holds = _at_least((rate, error)) <= SLOPE_BAR
+            what = f"memory at rest: slope of {name}, worst robot"
+            rows.append(row(what, f"<= {SLOPE_BAR:g}", round(rate, 3), "MB/min", holds, detail))
+    return rows
+
+
+def _at_least(slope: tuple[float, float]) -> float:
+    rate, error = slope
+    return rate - 2.0 * error
+
+
+def _resources(outcomes: Sequence[Outcome]) -> list[Row]:
+    """One robot's own nodes while an undisturbed team explores."""
+    rows = []
+    for outcome in outcomes:
+        if outcome.hold[1] <= outcome.hold[0]:
+            continue
+        found = outcome.samples.between(*outcome.exploring)
+        cpu, pss = [], []
+        for robot in ROBOTS:
+            own = [samples for node, samples in found.items() if node.robot == robot and node.name in OWN_NODES]
+            cpu.append(sum(cpu_share(samples) for samples in own))
+            pss.append(max((sum(sample.pss for sample in moment) / 1e6 for moment in zip(*own)), default=math.inf))
+        nodes = f"{', '.join(OWN_NODES)}; by robot"
+        what, shown = "own nodes of a robot, R = 3", ", ".join(f"{share:.3f}" for share in cpu)
+        rows.append(row(f"{what}: CPU, worst robot", f"<= {CPU_BAR:.0%}", round(max(cpu), 3), "of a core",
+                        max(cpu) <= CPU_BAR, f"{nodes} {shown}"))  # fmt: skip
+        shown = ", ".join(f"{size:.0f}" for size in pss)
+        rows.append(row(f"{what}: memory (PSS), worst robot", f"<= {PSS_BAR_MB:g}", round(max(pss), 1), "MB",
+                        max(pss) <= PSS_BAR_MB, f"{nodes} {shown}"))  # fmt: skip
+    return rows

@@ -1,0 +1,136 @@
+"""What a replay plays: stretches of time, topics, robots; and what it refuses. No ROS process is started."""
+
+import math
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+from recorded_bags import SECOND, Bag
+from test_launch_files import parameters_of
+
+from mr_launch.errors import UserError
+from mr_launch.recordings.bags import Span, opened
+from mr_launch.recordings.cut import cut, is_played
+from mr_launch.recordings.recording import find_recording
+from mr_launch.recordings.replay_command import COMPUTED, main, played_spans
+
+PACKAGE = Path(__file__).resolve().parents[1]
+ARGUMENTS = ("robot_name:=robot_0", "bag:=/x", "report_socket:=/x", "map_merger:=true", "explorer:=true")
+
+
+def record(path, first, last, clock=True):
+    """A static transform, the time, scans once a second; decisions of the nodes."""
+    with Bag(path) as bag:
+        bag.add(first * SECOND, "/tf_static", bag.tf(bag.transform(0, "base", "laser", 0.1)), 1, "/robot")
+        for second in range(first, last + 1):
+            if clock:
+                bag.add(second * SECOND, "/clock", bag.clock(second * SECOND), 0, "/robot")
+            bag.add(second * SECOND, "base_scan", bag.scan(second * SECOND), 0, "/robot")
+            merged = bag.transform(second * SECOND, "map", "robot_1/map", 0.1)
+            bag.add(second * SECOND, "/tf", bag.tf(merged), 0, "/map_merger")
+            bag.add(second * SECOND, "move_base/status", bag.clock(second * SECOND), 1, "/move_base")
+            bag.add(second * SECOND, "explorer/verdicts", bag.clock(second * SECOND), 1, "/adhoc_communication")
+            bag.add(second * SECOND, "goalPoint/goalPoint", bag.clock(second * SECOND), 1, "/explorer")
+
+
+def played(path, span, compute, folder):
+    """{topic: times in s} of what is cut out of a bag."""
+    with opened([path]) as reader:
+        cut(reader, folder / "cut.bag", span, is_played(compute))
+    found = {}
+    with opened([folder / "cut.bag"]) as reader:
+        for connection, time, _ in reader.messages():
+            found.setdefault(connection.topic.strip("/"), []).append(time / SECOND)
+        latching = {connection.topic.strip("/") for connection in reader.connections if connection.ext.latching}
+    assert ("tf_static" in latching) == ("tf_static" in found) and "base_scan" not in latching
+    return found
+
+
+def test_a_stretch_begins_with_what_was_latched(tmp_path):
+    record(tmp_path / "robot_0.bag", 1, 20)
+    found = played(tmp_path / "robot_0.bag", Span(5 * SECOND + 1, 8 * SECOND), (), tmp_path)
+    start = 5.0 + 1.0 / SECOND
+    assert found["clock"] == [start], "the player tells the time"
+    assert found["tf_static"] == [start]
+    assert found["base_scan"] == [6, 7, 8]
+    assert found["move_base/status"] == [start, 6, 7, 8]
+
+
+def test_a_robot_that_began_late_has_the_same_stretch(tmp_path):
+    record(tmp_path / "robot_0.bag", 10, 12)
+    found = played(tmp_path / "robot_0.bag", Span(5 * SECOND, 20 * SECOND), (), tmp_path)
+    assert found["clock"] == [5] and found["tf_static"] == [10] and found["base_scan"] == [10, 11, 12]
+
+
+@pytest.mark.parametrize(
+    ("compute", "gone"),
+    [
+        (["map_merger"], {"tf"}),
+        (["explorer"], {"goalPoint/goalPoint", "move_base/status"}),
+        (["map_merger", "explorer"], {"tf", "goalPoint/goalPoint", "move_base/status"}),
+    ],
+)
+def test_what_is_computed_again_is_not_played(tmp_path, compute, gone):
+    record(tmp_path / "robot_0.bag", 1, 3)
+    span = Span(SECOND, 3 * SECOND)
+    everything = set(played(tmp_path / "robot_0.bag", span, (), tmp_path))
+    (tmp_path / "cut.bag").unlink()
+    assert everything - set(played(tmp_path / "robot_0.bag", span, compute, tmp_path)) == gone
+
+
+def test_stretches_count_from_the_first_message_of_any_robot(tmp_path):
+    record(tmp_path / "a" / "a.bag", 3, 20)
+    record(tmp_path / "b" / "b.bag", 5, 30)
+    recording = find_recording(tmp_path)
+    assert played_spans(recording, 0.0, math.inf) == dict.fromkeys("ab", Span(3 * SECOND, 30 * SECOND))
+    assert played_spans(recording, 4.0, 10.0) == dict.fromkeys("ab", Span(7 * SECOND, 13 * SECOND))
+    with pytest.raises(UserError, match=r"--from 40: the recording has 27\.0 s"):
+        played_spans(recording, 40.0, math.inf)
+
+
+def test_robots_whose_clocks_nothing_ties_begin_together(tmp_path):
+    record(tmp_path / "a" / "a.bag", 3, 20, clock=False)
+    record(tmp_path / "b" / "b.bag", 1005, 1030, clock=False)
+    spans = played_spans(find_recording(tmp_path), 1.0, math.inf)
+    assert spans == {"a": Span(4 * SECOND, 28 * SECOND), "b": Span(1006 * SECOND, 1030 * SECOND)}
+
+
+def test_what_is_refused(tmp_path, capsys):
+    record(tmp_path / "a" / "a.bag", 3, 4)
+    out = tmp_path / "out"
+
+    def refused(*arguments):
+        assert main([str(argument) for argument in (tmp_path / "a", "--out", out, *arguments)]) == 2
+        assert not out.exists()
+        return capsys.readouterr().err
+
+    assert "--rate 0 is out of range: 0.01 to 20" in refused("--rate", 0)
+    assert "--from 5 --to 4: nothing lies between" in refused("--from", 5, "--to", 4)
+    assert "--from 5: the recording has 1.0 s" in refused("--from", 5)
+    assert "--strategy 99 is unknown; there are 0 " in refused("--strategy", 99)
+    (tmp_path / "a" / "a.bag").write_bytes(b"x")
+    assert "a.bag is no bag of ROS 1" in refused()
+    out = tmp_path / "a"
+    assert main([str(tmp_path / "a"), "--out", str(out)]) == 2
+    assert "is not an empty folder" in capsys.readouterr().err
+
+
+def test_nodes_run_again_as_on_a_robot(tmp_path):
+    """Parameters of both nodes are those of robot.launch, but for the end of exploration and what needs a radio."""
+    given = ("robot:=turtlebot", "team:=pioneer,turtlebot", "simulated:=true", f"robot_parameters:={tmp_path}")
+    live = parameters_of("robot.launch", "robot_name:=robot_0", *given)
+    again = parameters_of("replayed_robot.launch", *ARGUMENTS, *given)
+    assert again["/use_sim_time"] is True
+    for node in COMPUTED:
+        own = [{key: value for key, value in found.items() if key.startswith(f"/{node}/")} for found in (live, again)]
+        assert own[0] == own[1] and len(own[0]) > 5
+
+
+def test_only_what_is_asked_for_runs_again():
+    names = {
+        node.get("name"): node
+        for node in ElementTree.parse(PACKAGE / "launch" / "replayed_robot.launch").getroot().iter("node")
+    }
+    assert set(names) == {"player", "replay_monitor", "map_merger", "explorer", "move_base"}
+    parameters = parameters_of("replayed_robot.launch", *ARGUMENTS[:3])
+    assert parameters["/replay_monitor/nodes"] == "" and not any(key.startswith("/explorer") for key in parameters)

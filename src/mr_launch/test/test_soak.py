@@ -1,0 +1,132 @@
+"""What a soak concludes from what it saw. The missions themselves run in `make soak`."""
+
+import contextlib
+import math
+import os
+import subprocess
+import sys
+
+import pytest
+
+from mr_launch.soak.command import main
+from mr_launch.soak.faults import NODES, disturbed, full_disk, partitions
+from mr_launch.soak.leftovers import Leftovers
+from mr_launch.soak.memory import Sample, Samples, cpu_share, memory_of, slope
+from mr_launch.soak.missions import ROBOTS, Outcome
+from mr_launch.soak.rows import rows_of
+from mr_launch.soak.running import Node, RunningMission
+
+
+def samples(rate, noise=0.0, begin=100.0, first=50.0):
+    """Two minutes; `rate` in MB per minute, `noise` in MB."""
+    own = [round(1e6 * (first + rate * second / 60.0 + noise * (-1) ** second)) for second in range(121)]
+    return [Sample(begin + second, round(1e6 * first), own[second], 0.05 * second) for second in range(121)]
+
+
+def outcome(rates, **changes):
+    taken = Samples()
+    for number, (name, rate) in enumerate(rates.items()):
+        for robot in ROBOTS:
+            taken.by_node[Node(robot, name, number)] = samples(rate if robot == "robot_1" else 0.0)
+    values = {
+        "name": "rest", "code": 0, "stuck": [], "left": [], "said": [], "faults": disturbed(ROBOTS, 0), "restarts": {},
+        "samples": taken, "exploring": (100.0, 220.0), "hold": (100.0, 220.0), **changes,
+    }  # fmt: skip
+    return Outcome(**values)
+
+
+def found(*outcomes):
+    return {row["what"]: row for row in rows_of(outcomes)}
+
+
+def test_slopes_and_shares():
+    rate, error = slope(samples(3.0))
+    assert rate == pytest.approx(3.0, abs=1e-4) and error < 1e-4
+    rate, error = slope(samples(0.0, noise=1.0))
+    assert abs(rate) < 2 * error < 0.6
+    assert cpu_share(samples(0.0)) == pytest.approx(0.05)
+    pss, own = memory_of(os.getpid())
+    assert 1e6 < own < pss < 1e10
+
+
+def test_a_leak_of_one_robot_is_seen():
+    rows = found(outcome({"explorer": 0.1, "map_merger": 0.5}))
+    leak = rows["memory at rest: slope of map_merger, worst robot"]
+    assert not leak["holds"] and leak["value"] == pytest.approx(0.5, abs=0.01)
+    assert rows["memory at rest: slope of explorer, worst robot"]["holds"]
+
+
+def test_what_one_robot_needs():
+    rows = found(outcome(dict.fromkeys(("explorer", "map_merger", "slam"), 0.0)))
+    cpu, memory = (rows[f"own nodes of a robot, R = 3: {what}, worst robot"] for what in ("CPU", "memory (PSS)"))
+    assert cpu["value"] == pytest.approx(0.1) and memory["value"] == pytest.approx(100.0), "SLAM is not counted"
+    assert cpu["holds"] and memory["holds"]
+    assert found(outcome({}))["own nodes of a robot, R = 3: memory (PSS), worst robot"]["value"] == math.inf
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"stuck": ["robot_2"]}, "soak: robots stuck"),
+        ({"left": ["process 7: sleep"]}, "soak: processes, namespaces, mounts left"),
+        ({"code": 1}, "soak: missions survived"),
+    ],
+)
+def test_what_was_not_survived(changes, what):
+    rows = found(outcome({"explorer": 0.0}), outcome({"explorer": 0.0}, **changes))
+    assert not rows[what]["holds"] and not rows["soak: missions survived"]["holds"]
+    assert rows["survived: master restart"]["value"] == 1 and rows["survived: master restart"]["bar"] == "2 of 2"
+    assert all(row["holds"] for row in found(outcome({"explorer": 0.0})).values())
+
+
+@pytest.mark.parametrize(("lines", "holds"), [(1, True), (0, False), (2, False)])
+def test_a_full_disk_is_one_line_of_each_robot(lines, holds):
+    said = [f"team: {robot}: less than 200 MB are free in /x" for robot in ROBOTS] * lines
+    rows = found(outcome({"explorer": 0.0}, said=said, faults=full_disk(ROBOTS, 0)))
+    assert rows["rest: lines of each robot"]["holds"] == holds
+
+
+def test_everything_happens_to_everybody():
+    for rotation in range(3):
+        faults = disturbed(ROBOTS, rotation)
+        assert [fault.at for fault in faults] == sorted(fault.at for fault in faults)
+        assert {fault.kind for fault in faults} == {"partition", "node kill", "clock jump", "master restart"}
+        assert {fault.what.split()[0] for fault in faults if fault.kind == "node kill"} == set(NODES)
+    masters = {fault.what for turn in range(3) for fault in disturbed(ROBOTS, turn) if fault.kind == "master restart"}
+    assert masters == {f"master of {robot} dies" for robot in ROBOTS}
+    assert len(partitions(ROBOTS, 120.0)) == 6
+
+
+@contextlib.contextmanager
+def process_with(word):
+    """In whose command line this stands; it is there when it has said so."""
+    words = [sys.executable, "-c", "print('up', flush=True); input()", word]
+    process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    assert process.stdout.readline() == b"up\n"
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_processes_that_stay_are_found(tmp_path):
+    with process_with(f"{tmp_path}/logs/robot_0/nodes/x") as process:
+        leftovers = Leftovers(RunningMission(process, tmp_path))
+        leftovers.look()
+        assert any(str(process.pid) in entry for entry in leftovers._left())
+    assert leftovers.found() == []
+
+
+def test_nodes_are_told_by_their_logs(tmp_path):
+    with process_with(f"__log:={tmp_path}/logs/robot_1/nodes/map_merger-3.log") as process:
+        mission = RunningMission(process, tmp_path)
+        assert mission.nodes() == [Node("robot_1", "map_merger", process.pid)]
+        assert not mission.kill("robot_1", "explorer") and mission.kill("robot_1", "map_merger")
+        assert process.wait(10) == -9
+
+
+def test_bad_options(capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(["--minutes", "1"])
+    assert stopped.value.code == 2 and "--minutes 1 is out of range: 5 to 1440" in capsys.readouterr().err

@@ -1,0 +1,86 @@
+"""Missions of the team runner for several tests: started, disturbed, looked into."""
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+from typing import List, NamedTuple
+
+LIMIT_S = 400
+TOPOLOGIES = ("distributed", "centralized")
+LOOK = ("timeout", "5", "rostopic", "echo", "-n1")
+KILLED = {"robot_0": ("explorer", "adhoc_communication"), "robot_1": ("map_merger",)}
+
+
+class Mission(NamedTuple):
+    """`visit`: exit code and output of the doctor; `orders`: answers of the base's mission control."""
+
+    code: int
+    output: str
+    out: Path
+    visit: tuple = ()
+    orders: str = ""
+
+
+def run_of(topology: str, out: Path) -> Mission:
+    command = ["rosrun", "mr_launch", "team", "--world", "small8x8", "--robots", "2", "--loss", "0.1", "--seed", "3"]
+    disturbed = topology == "distributed"
+    run = subprocess.Popen(
+        [*command, "--topology", topology, "--duration", "300", "--out", str(out), *["--respawn"] * disturbed],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    try:
+        while "state: 1" not in enter(out, "robot_0", *LOOK, "/explorer/state").stdout:
+            assert run.poll() is None, run.stdout and run.stdout.read()
+            time.sleep(0.3)
+        visit, orders = (disturb(out), "") if disturbed else ((), order(out))
+        output, _ = run.communicate(timeout=LIMIT_S)
+    finally:
+        run.terminate()
+    return Mission(run.returncode, output, out, visit, orders)
+
+
+def order(out: Path) -> str:
+    """The base pauses both robots, sees that they are paused, and lets them go on."""
+    answers = enter(out, "base", "rosservice", "call", "/mission_control/pause").stdout
+    for _ in range(20):
+        team = enter(out, "base", *LOOK, "/mission_control/team").stdout
+        if team.count('text: "is paused"') == 2:
+            break
+    return answers + team + enter(out, "base", "rosservice", "call", "/mission_control/resume").stdout
+
+
+def disturb(out: Path) -> tuple:
+    """The doctor's visit to robot_1, while robot_0 loses its explorer; then the other nodes are killed."""
+    kill(out, "robot_0", "explorer")
+    visit = enter(out, "robot_1", "rosrun", "mr_launch", "doctor", "--peers", "robot_0", "--seconds", "2")
+    kill(out, "robot_1", "map_merger")
+    kill(out, "robot_0", "adhoc_communication")
+    return visit.returncode, visit.stdout + visit.stderr
+
+
+def enter(out: Path, robot: str, *command: str) -> "subprocess.CompletedProcess[str]":
+    words = ["rosrun", "mr_launch", "enter", "--team", str(out), robot, *command]
+    return subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
+
+
+def kill(out: Path, robot: str, node: str) -> None:
+    (pid,) = processes_of(f"{out}/logs/{robot}/nodes/{node}-")
+    os.kill(pid, signal.SIGKILL)
+
+
+def processes_of(words: str) -> List[int]:
+    """Processes with these words in their command line."""
+    found = []
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            command = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace")
+        except OSError:
+            continue
+        if words in command:
+            found.append(int(pid))
+    return found
