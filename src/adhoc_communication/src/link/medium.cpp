@@ -11,6 +11,7 @@ namespace {
 
 constexpr Time kLongestReordering = std::chrono::milliseconds(5);
 constexpr double kFarthest = 1e9;  // metres
+constexpr std::size_t kMostSlots = 1024;
 
 }  // namespace
 
@@ -20,6 +21,7 @@ Medium::Node Medium::add_node(const std::string& name, std::optional<MacAddress>
   NodeState node;
   node.name = name;
   node.address = address;
+  if (address) by_address_[*address] = nodes_.size();
   nodes_.push_back(std::move(node));
   reach_.add_node();
   return nodes_.size() - 1;
@@ -57,6 +59,7 @@ void Medium::set_up(Node node, bool up, Time now) {
     state.waiting.clear();
     if (state.attempt) attempts_.erase({*state.attempt, node});
     state.attempt.reset();
+    state.retries = 0;
     channel_.silence(node, now);
   }
   state.up = up;
@@ -64,7 +67,10 @@ void Medium::set_up(Node node, bool up, Time now) {
 
 void Medium::transmit(Node node, const Frame& frame, Time now) {
   NodeState& state = nodes_.at(node);
-  state.address = frame.source;
+  if (state.address != frame.source) {
+    state.address = frame.source;
+    by_address_[frame.source] = node;
+  }
   if (!state.up || state.queued >= options().queue_limit) return count(node, &Counters::discarded);
   ++state.queued;
   if (options().contention) {
@@ -74,29 +80,49 @@ void Medium::transmit(Node node, const Frame& frame, Time now) {
     return;
   }
   Time& busy_until = options().shared ? shared_busy_until_ : state.busy_until;
-  busy_until = std::max(busy_until, now) + air_time(frame);
-  launch(node, frame, busy_until);
+  const Time begin = std::max(busy_until, now);
+  const Time duration = air_time(node, frame);
+  busy_until = begin + duration;
+  launch(node, frame, begin, duration);
 }
 
-Time Medium::air_time(const Frame& frame) const {
+Time Medium::air_time(Node sender, const Frame& frame) {
   const double octets = static_cast<double>(frame.bytes.size());
-  return Time(static_cast<Time::rep>(8e9 * octets / options().bit_rate)) + options().frame_overhead;
+  const Time answer = is_repeated(frame) ? options().rates.acknowledgment : Time(0);
+  return Time(static_cast<Time::rep>(8e9 * octets / bit_rate(sender, frame))) + options().frame_overhead + answer;
 }
 
-Medium::FlightKey Medium::launch(Node sender, const Frame& frame, Time end) {
+double Medium::bit_rate(Node sender, const Frame& frame) {
+  const RateOptions& rates = options().rates;
+  if (frame.destination == wire::kEverybody) return rates.broadcast > 0.0 ? rates.broadcast : options().bit_rate;
+  if (rates.unicast.empty()) return options().bit_rate;
+  const auto receiver = by_address_.find(frame.destination);
+  const Hearer* hearer = receiver == by_address_.end() ? nullptr : reach_.hearer(sender, receiver->second);
+  return unicast_bit_rate(
+      rates.unicast, hearer == nullptr ? std::optional<double>() : std::optional(hearer->power - reach_.threshold()));
+}
+
+/// By the link layer, until its receiver has got it.
+bool Medium::is_repeated(const Frame& frame) const {
+  return options().rates.unicast_retries > 0 && frame.destination != wire::kEverybody;
+}
+
+Medium::FlightKey Medium::launch(Node sender, const Frame& frame, Time begin, Time duration) {
   NodeState& state = nodes_[sender];
   for (Counters* counters : {&state.counters, &counters_}) {
     ++counters->frames;
     counters->octets += frame.bytes.size();
-    counters->air_time += air_time(frame);
+    counters->air_time += duration;
   }
-  const FlightKey key(end, next_flight_++);
+  const FlightKey key(begin + duration, next_flight_++);
   flights_.emplace(key, Flight{sender, state.life, frame, true, {}});
   return key;
 }
 
 void Medium::back_off(Node node, Time idle_from) {
-  const auto slots = static_cast<Time::rep>(random_.next() % options().slots);
+  const std::size_t window = options().slots << std::min(nodes_[node].retries, 16);
+  const std::size_t most = std::max(options().slots, kMostSlots);
+  const auto slots = static_cast<Time::rep>(random_.next() % std::min(window, most));
   nodes_[node].attempt = idle_from + slots * options().slot;
   attempts_.emplace(*nodes_[node].attempt, node);
 }
@@ -107,10 +133,9 @@ void Medium::attempt(Node node, Time at) {
   state.attempt.reset();
   const Time idle_from = channel_.sensed_until(node, at, reach_);
   if (idle_from > at) return back_off(node, idle_from);
-  const Time end = at + air_time(state.waiting.front());
-  const FlightKey key = launch(node, state.waiting.front(), end);
+  const FlightKey key = launch(node, state.waiting.front(), at, air_time(node, state.waiting.front()));
   state.waiting.pop_front();
-  channel_.begin(key.second, node, at, end, reach_);
+  channel_.begin(key.second, node, at, key.first, reach_);
 }
 
 std::optional<Time> Medium::next_delivery() const {
@@ -142,12 +167,35 @@ void Medium::land(Time at, std::vector<Delivery>& out) {
 }
 
 void Medium::arrive(Flight& flight, Time at, std::vector<Delivery>& out) {
-  NodeState& sender = nodes_[flight.sender];
-  if (flight.first) {
-    --sender.queued;
-    if (!sender.waiting.empty()) back_off(flight.sender, at);
-    if (repeat_or_delay(flight, at)) return;
-  }
+  const bool answered = flight.first && is_repeated(flight.frame);
+  if (flight.first && !answered) go_on(flight.sender, at);
+  const std::size_t before = out.size();
+  const bool delayed = flight.first && repeat_or_delay(flight, at);
+  if (!delayed) deliver(flight, out);
+  const bool lost = !delayed && out.size() == before;
+  if (!answered || (lost && try_again(flight, at))) return;
+  go_on(flight.sender, at);
+}
+
+/// With the next frame.
+void Medium::go_on(Node sender, Time at) {
+  NodeState& state = nodes_[sender];
+  --state.queued;
+  state.retries = 0;
+  if (!state.waiting.empty()) back_off(sender, at);
+}
+
+bool Medium::try_again(const Flight& flight, Time at) {
+  NodeState& state = nodes_[flight.sender];
+  if (state.retries >= options().rates.unicast_retries) return false;
+  ++state.retries;
+  count(flight.sender, &Counters::repeated);
+  state.waiting.push_front(flight.frame);
+  back_off(flight.sender, at);
+  return true;
+}
+
+void Medium::deliver(const Flight& flight, std::vector<Delivery>& out) {
   for (const Hearer& hearer : reach_.hearers(flight.sender)) {
     const NodeState& receiver = nodes_[hearer.node];
     if (!receiver.up || !addressed(flight.frame, receiver) || !survives(flight, hearer)) continue;

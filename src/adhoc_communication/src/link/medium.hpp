@@ -37,6 +37,7 @@ class Medium {
     std::uint64_t collided = 0;   ///< destroyed at a receiver by another frame
     std::uint64_t unheard = 0;    ///< the receiver was sending itself
     std::uint64_t discarded = 0;  ///< queue full, or the sender was down
+    std::uint64_t repeated = 0;   ///< by the link layer; each counts as a frame, too
     Time air_time{0};
   };
 
@@ -82,6 +83,7 @@ class Medium {
     std::size_t queued = 0;
     std::deque<Frame> waiting;    ///< for a free channel, where it is contended for
     std::optional<Time> attempt;  ///< when the node tries to send the first of them
+    int retries = 0;              ///< of that one
     Counters counters;
   };
   struct Flight {
@@ -94,12 +96,17 @@ class Medium {
 
   using FlightKey = std::pair<Time, std::uint64_t>;  ///< end of air time, order of transmission
 
-  Time air_time(const Frame& frame) const;
-  FlightKey launch(Node sender, const Frame& frame, Time end);
+  Time air_time(Node sender, const Frame& frame);
+  double bit_rate(Node sender, const Frame& frame);
+  bool is_repeated(const Frame& frame) const;
+  FlightKey launch(Node sender, const Frame& frame, Time begin, Time duration);
   void back_off(Node node, Time idle_from);
   void attempt(Node node, Time at);
   void land(Time at, std::vector<Delivery>& out);
   void arrive(Flight& flight, Time at, std::vector<Delivery>& out);
+  void deliver(const Flight& flight, std::vector<Delivery>& out);
+  void go_on(Node sender, Time at);
+  bool try_again(const Flight& flight, Time at);
   bool repeat_or_delay(const Flight& flight, Time at);  ///< true if the frame itself arrives later
   bool survives(const Flight& flight, const Hearer& receiver);
   void count(Node sender, std::uint64_t Counters::*counter);
@@ -110,6 +117,7 @@ class Medium {
   Reach reach_;
   ContendedChannel channel_;
   std::vector<NodeState> nodes_;
+  std::map<MacAddress, Node> by_address_;
   std::map<FlightKey, Flight> flights_;
   std::set<std::pair<Time, Node>> attempts_;
   std::uint64_t next_flight_ = 0;

@@ -1,5 +1,6 @@
 #include "link/medium_options.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -10,12 +11,25 @@ void require(bool condition, const std::string& sentence) {
   if (!condition) throw std::invalid_argument(sentence);
 }
 
+bool is_rising(const std::vector<Rate>& rates) {
+  const auto stands_still = [](const Rate& a, const Rate& b) {
+    return a.bit_rate >= b.bit_rate || a.margin >= b.margin;
+  };
+  return (rates.empty() || rates.front().bit_rate > 0.0) &&
+         std::adjacent_find(rates.begin(), rates.end(), stands_still) == rates.end();
+}
+
 }  // namespace
 
 const MediumOptions& validated(const MediumOptions& options) {
   require(options.bit_rate > 0.0, "the bit rate of the medium is not above zero");
   require(!options.shared || !options.contention, "the medium is either shared in turns or contended for, not both");
   require(options.slots > 0, "the medium needs at least one back-off slot");
+  require(options.rates.broadcast >= 0.0, "the bit rate of broadcasts is below zero");
+  require(is_rising(options.rates.unicast), "the bit rates of unicasts, above zero, and their margins do not rise");
+  require(options.rates.unicast_retries >= 0, "the retries of unicasts are below zero");
+  require(options.rates.unicast_retries == 0 || options.contention, "retries of unicasts need a contended medium");
+  require(options.rates.acknowledgment >= Time(0), "the air time of acknowledgments is below zero");
   require(options.wall_attenuation >= 0.0, "the attenuation of a wall is below zero");
   require(options.shadowing.deviation >= 0.0, "the standard deviation of the shadowing is below zero");
   require(options.shadowing.distance > 0.0, "the distance of the shadowing is not above zero");

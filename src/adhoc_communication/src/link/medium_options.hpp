@@ -6,6 +6,7 @@
 
 #include "adhoc_communication/types.hpp"
 #include "link/medium_path_loss.hpp"
+#include "link/medium_rates.hpp"
 #include "link/medium_shadowing.hpp"
 #include "link/medium_walls.hpp"
 
@@ -33,6 +34,9 @@ struct MediumOptions {
   double capture = 10.0;                     ///< dB by which a frame has to be stronger than another to survive it
   Time slot = std::chrono::microseconds(9);  ///< a node waits a random number of these before it sends
   std::size_t slots = 16;                    ///< fewer than this many
+
+  /// Frames for one robot and frames for everybody differ.
+  RateOptions rates;
 };
 
 /// The same options. Throws std::invalid_argument with one sentence if they make no radio.

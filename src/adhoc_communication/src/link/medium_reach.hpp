@@ -30,6 +30,7 @@ class Reach {
   Reach(const MediumOptions& options, std::uint64_t seed);
 
   const MediumOptions& options() const { return options_; }
+  double threshold() const { return threshold_; }  ///< weakest power received, dBm
 
   void add_node();
   void set_position(Node node, const Position& position);
@@ -65,8 +66,8 @@ class Reach {
 
   MediumOptions options_;
   PathLoss path_loss_;
-  double threshold_ = 0.0;  ///< weakest power received, dBm
-  double farthest_ = 0.0;   ///< metres beyond which no frame is received
+  double threshold_ = 0.0;
+  double farthest_ = 0.0;  ///< metres beyond which no frame is received
   Shadowing shadowing_;
   std::vector<Place> places_;
   std::vector<Node> unplaced_;

@@ -21,7 +21,7 @@ void write_counters(std::ostream& out, const Medium::Counters& counters) {
   out << "\"frames\": " << counters.frames << ", \"bytes\": " << counters.octets
       << ", \"delivered\": " << counters.delivered << ", \"lost\": " << counters.lost
       << ", \"collided\": " << counters.collided << ", \"unheard\": " << counters.unheard
-      << ", \"discarded\": " << counters.discarded
+      << ", \"discarded\": " << counters.discarded << ", \"repeated\": " << counters.repeated
       << ", \"air_time\": " << std::chrono::duration<double>(counters.air_time).count();
 }
 

@@ -30,6 +30,9 @@ const char* const kRadioUsage =
     "  --loss 0                 of each frame on each link, 0 to 1\n"
     "air time\n"
     "  --bit-rate 50e6          bit/s\n"
+    "  --broadcast-rate 0       bit/s of frames for all; 0: as the bit rate\n"
+    "  --unicast-rates false    true: a frame for one robot goes at 6 to 54 Mbit/s, the better it hears the faster\n"
+    "  --unicast-retries 0      of the link layer, with contention\n"
     "  --shared false           true: all robots take turns on one channel; otherwise each sends when it likes\n"
     "  --contention false       true: one channel with carrier sense, half duplex and collisions\n"
     "  --capture 10             dB by which a frame has to be stronger than another to survive it\n"
@@ -135,6 +138,12 @@ const std::map<std::string, Setter>& setters() {
   const Setter set_origin = [](Line& line, const std::string& option, const std::string& value) {
     line.options.medium.walls.origin = position(option, value);
   };
+  const Setter set_unicast_rates = [](Line& line, const std::string& option, const std::string& value) {
+    line.options.medium.rates.unicast = truth(option, value) ? ofdm_rates() : std::vector<Rate>();
+  };
+  const Setter set_unicast_retries = [](Line& line, const std::string& option, const std::string& value) {
+    line.options.medium.rates.unicast_retries = static_cast<int>(number(option, value, 0, 100));
+  };
   const Setter set_seed = [](Line& line, const std::string& option, const std::string& value) {
     line.options.seed = whole_number(option, value);
   };
@@ -165,6 +174,10 @@ const std::map<std::string, Setter>& setters() {
                      [](Line & l) -> auto& { return l.options.medium.loss; }, 0.0, 1.0)},
       {"--bit-rate", numeric(
                          [](Line & l) -> auto& { return l.options.medium.bit_rate; }, 1e3, 1e12)},
+      {"--broadcast-rate", numeric(
+                               [](Line & l) -> auto& { return l.options.medium.rates.broadcast; }, 0, 1e12)},
+      {"--unicast-rates", set_unicast_rates},
+      {"--unicast-retries", set_unicast_retries},
       {"--shared", logical([](Line & l) -> auto& { return l.options.medium.shared; })},
       {"--contention", logical([](Line & l) -> auto& { return l.options.medium.contention; })},
       {"--capture", numeric(
@@ -200,6 +213,9 @@ void check_combination(const CommandLine& line) {
   if (line.options.medium.shared && line.options.medium.contention) {
     throw std::invalid_argument("--shared true and --contention true exclude each other");
   }
+  if (line.options.medium.rates.unicast_retries > 0 && !line.options.medium.contention) {
+    throw std::invalid_argument("--unicast-retries needs --contention true");
+  }
 }
 
 RadioOptions completed(CommandLine line) {
@@ -229,6 +245,9 @@ RadioOptions parse_radio_options(int argc, char** argv) {
 MediumOptions in_real_time(MediumOptions medium, double rtf) {
   const auto scaled = [rtf](Time time) { return Time(std::llround(static_cast<double>(time.count()) / rtf)); };
   medium.bit_rate *= rtf;
+  medium.rates.broadcast *= rtf;
+  for (Rate& rate : medium.rates.unicast) rate.bit_rate *= rtf;
+  medium.rates.acknowledgment = scaled(medium.rates.acknowledgment);
   medium.frame_overhead = scaled(medium.frame_overhead);
   medium.slot = scaled(medium.slot);
   return medium;

@@ -161,6 +161,11 @@ TEST(Medium, OptionsThatMakeNoRadioAreRefused) {
   refused([](MediumOptions& o) { o.shared = o.contention = true; });
   refused([](MediumOptions& o) { o.bit_rate = 0.0; });
   refused([](MediumOptions& o) { o.slots = 0; });
+  refused([](MediumOptions& o) { o.rates.broadcast = -1.0; });
+  refused([](MediumOptions& o) { o.rates.unicast = {{6e6, 0}, {6e6, 1}}; });
+  refused([](MediumOptions& o) { o.rates.unicast = {{0, 0}}; });
+  refused([](MediumOptions& o) { o.rates.unicast_retries = 1; });
+  refused([](MediumOptions& o) { o.rates.unicast_retries = -1; });
   refused([](MediumOptions& o) { o.wall_attenuation = -1.0; });
   refused([](MediumOptions& o) { o.shadowing.deviation = -1.0; });
   refused([](MediumOptions& o) { o.shadowing.distance = 0.0; });

@@ -87,7 +87,8 @@ TEST(RadioControlStatistics, NameEveryCounter) {
   Medium medium(MediumOptions(), 1);
   medium.add_node("a");
   const std::string json = statistics_json(medium);
-  for (const char* name : {"frames", "bytes", "delivered", "lost", "collided", "unheard", "discarded", "air_time"}) {
+  for (const char* name :
+       {"frames", "bytes", "delivered", "lost", "collided", "unheard", "discarded", "repeated", "air_time"}) {
     EXPECT_NE(json.find("\"" + std::string(name) + "\": 0"), std::string::npos) << name;
   }
 }
@@ -121,6 +122,16 @@ TEST(RadioOptions, OfTheModelAreRead) {
   EXPECT_DOUBLE_EQ(all.medium.path_loss->n_model, 2.5);
 }
 
+TEST(RadioOptions, OfTheRatesAreRead) {
+  const RadioOptions options = parse({"--hub", "x", "--contention", "true", "--broadcast-rate", "6e6",
+                                      "--unicast-rates", "true", "--unicast-retries", "7"});
+  EXPECT_DOUBLE_EQ(options.medium.rates.broadcast, 6e6);
+  ASSERT_FALSE(options.medium.rates.unicast.empty());
+  EXPECT_DOUBLE_EQ(options.medium.rates.unicast.back().bit_rate, 54e6);
+  EXPECT_EQ(options.medium.rates.unicast_retries, 7);
+  EXPECT_TRUE(parse({"--hub", "x", "--unicast-rates", "false"}).medium.rates.unicast.empty());
+}
+
 TEST(RadioOptions, WrongOnesAreRefused) {
   const std::vector<std::vector<std::string>> wrong = {{},
                                                        {"--hub"},
@@ -138,6 +149,9 @@ TEST(RadioOptions, WrongOnesAreRefused) {
                                                        {"--hub", "x", "--walls-origin", "1"},
                                                        {"--hub", "x", "--rtf", "0"},
                                                        {"--hub", "x", "--n-model", "-1"},
+                                                       {"--hub", "x", "--broadcast-rate", "-1"},
+                                                       {"--hub", "x", "--unicast-rates", "54e6"},
+                                                       {"--hub", "x", "--unicast-retries", "7"},
                                                        {"--hub", "x", "--shadowing-distance", "0"}};
   for (const auto& words : wrong) EXPECT_THROW(parse(words), std::invalid_argument);
 }
@@ -157,6 +171,8 @@ TEST(RadioOptions, HelpShowsEveryDefaultAsItIs) {
                                                                 {"--shadowing-distance", medium.shadowing.distance},
                                                                 {"--loss", medium.loss},
                                                                 {"--bit-rate", medium.bit_rate},
+                                                                {"--broadcast-rate", medium.rates.broadcast},
+                                                                {"--unicast-retries", medium.rates.unicast_retries},
                                                                 {"--capture", medium.capture},
                                                                 {"--rtf", RadioOptions().rtf}};
   for (const auto& [option, value] : defaults) {
@@ -169,10 +185,15 @@ TEST(RadioOptions, HelpShowsEveryDefaultAsItIs) {
 TEST(RadioOptions, ASimulationAtTwiceTheSpeedHasFramesOfHalfTheLength) {
   MediumOptions medium;
   medium.bit_rate = 6e6;
+  medium.rates.broadcast = 1e6;
+  medium.rates.unicast = ofdm_rates();
   const MediumOptions real = in_real_time(medium, 2.0);
   EXPECT_DOUBLE_EQ(real.bit_rate, 12e6);
   EXPECT_EQ(2 * real.frame_overhead, medium.frame_overhead);
   EXPECT_EQ(2 * real.slot, medium.slot);
+  EXPECT_DOUBLE_EQ(real.rates.broadcast, 2e6);
+  EXPECT_DOUBLE_EQ(real.rates.unicast.back().bit_rate, 108e6);
+  EXPECT_EQ(2 * real.rates.acknowledgment, medium.rates.acknowledgment);
   EXPECT_DOUBLE_EQ(in_real_time(medium, 0.5).bit_rate, 3e6);
 }
 
