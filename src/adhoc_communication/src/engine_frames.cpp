@@ -8,6 +8,18 @@ namespace adhoc_communication {
 
 using wire::FrameType;
 
+namespace {
+
+/// Frames of which the hop ARQ keeps the order stay in one queue of the radio: one that overtakes others would make
+/// them look lost.
+bool is_control(FrameType type, std::uint8_t flags) {
+  const bool is_data = type == FrameType::kData || type == FrameType::kTransportAcknowledgment ||
+                       type == FrameType::kBroadcastData || type == FrameType::kFlood || type == FrameType::kGroupData;
+  return !is_data && (flags & wire::kWantsAcknowledgment) == 0;
+}
+
+}  // namespace
+
 void Engine::Implementation::broadcast(FrameType type, Bytes body) {
   transmit(type, 0, wire::kEverybody, 0, next_counter_++, body, now_);
 }
@@ -32,7 +44,7 @@ Engine::Implementation::Link& Engine::Implementation::link(const MacAddress& nei
 void Engine::Implementation::transmit(FrameType type, std::uint8_t flags, const MacAddress& next_hop,
                                       std::uint32_t link_sequence, std::uint64_t counter, const Bytes& body, Time now) {
   const wire::FrameHeader header{type, flags, self_.address, self_.boot_id, counter, next_hop, link_sequence};
-  Frame frame{next_hop, self_.address, guard_.close(header, body)};
+  Frame frame{next_hop, self_.address, guard_.close(header, body), is_control(type, flags)};
   if (type != FrameType::kBeacon && type != FrameType::kHopAcknowledgment) happened(now);
   ++statistics_.frames_sent;
   ++statistics_.frames_sent_by_type[static_cast<std::size_t>(type)];

@@ -43,6 +43,8 @@ struct Frame {
   MacAddress destination{};
   MacAddress source{};
   Bytes bytes;
+  /// Presence, routes, acknowledgments: goes ahead of data where the link has a queue of its own for that.
+  bool control = false;
 };
 
 enum class Priority : std::uint8_t { kControl = 0, kPosition = 1, kNormal = 2, kBulk = 3 };

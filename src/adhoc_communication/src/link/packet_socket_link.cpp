@@ -12,6 +12,7 @@
 
 #include "link/capability.hpp"
 #include "link/ethernet.hpp"
+#include "link/interface_kind.hpp"
 #include "link/mac_address.hpp"
 
 namespace adhoc_communication {
@@ -40,6 +41,21 @@ FileDescriptor open_socket(const std::string& interface) {
                     "$(readlink -f /path/to/adhoc_communication)\", start as root, or use interface:=hub:/path");
   }
   throw LinkError("cannot open a raw socket for interface '" + interface + "': " + std::strerror(errno));
+}
+
+/// SO_PRIORITY of frames of control. mac80211 takes 256 to 263 for the eight priorities of IEEE 802.1D, 6 being that of
+/// voice, and leaves all others at best effort; queues of the kernel look at the last four bits and put 6 first, too.
+constexpr int kControlPriority = 256 + 6;
+/// The greatest that needs no right; mac80211 does not look at it.
+constexpr int kUnprivilegedPriority = 6;
+
+FileDescriptor open_control_socket(const std::string& interface) {
+  FileDescriptor descriptor = open_socket(interface);
+  const RaisedCapabilities raised;
+  for (const int priority : {kControlPriority, kUnprivilegedPriority}) {
+    if (setsockopt(descriptor.get(), SOL_SOCKET, SO_PRIORITY, &priority, sizeof priority) == 0) break;
+  }
+  return descriptor;
 }
 
 struct ifreq request_for(const std::string& interface) {
@@ -84,6 +100,7 @@ void PacketSocketLink::open() {
     throw LinkError("interface '" + interface_ + "' does not exist (existing: " + existing_interfaces() + ")");
   }
   FileDescriptor descriptor = open_socket(interface_);
+  if (const auto why = objection(interface_, interface_kind(descriptor.get(), interface_))) throw LinkError(*why);
   struct sockaddr_ll local {};
   local.sll_family = AF_PACKET;
   local.sll_protocol = htons(kEthertype);
@@ -96,6 +113,7 @@ void PacketSocketLink::open() {
   const int with_arrival = 1;
   setsockopt(descriptor.get(), SOL_SOCKET, SO_TIMESTAMPNS, &with_arrival, sizeof with_arrival);
   index_ = static_cast<int>(index);
+  control_socket_ = open_control_socket(interface_);
   socket_ = std::move(descriptor);
   read_interface();
 }
@@ -140,12 +158,21 @@ void PacketSocketLink::send(const Frame* first, std::size_t count) {
     not_sent_ += count;
     return;
   }
+  for (const Frame* end = first + count; first != end;) {
+    const bool control = first->control;
+    const Frame* other = std::find_if(first, end, [&](const Frame& frame) { return frame.control != control; });
+    send_by(control ? control_socket_.get() : socket_.get(), first, static_cast<std::size_t>(other - first));
+    first = other;
+  }
+}
+
+void PacketSocketLink::send_by(int socket, const Frame* first, std::size_t count) {
   struct sockaddr_ll remote {};
   remote.sll_family = AF_PACKET;
   remote.sll_protocol = htons(kEthertype);
   remote.sll_ifindex = index_;  // the receiver stands in the Ethernet header
   const SendOutcome outcome =
-      to_send_.send(socket_.get(), first, count, reinterpret_cast<struct sockaddr*>(&remote), sizeof remote);
+      to_send_.send(socket, first, count, reinterpret_cast<struct sockaddr*>(&remote), sizeof remote);
   not_sent_ += outcome.not_sent;
   if (outcome.error == ENETDOWN || outcome.error == ENXIO || outcome.error == ENODEV) up_ = false;
 }

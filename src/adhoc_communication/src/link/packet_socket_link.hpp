@@ -16,6 +16,7 @@ class PacketSocketLink : public Link {
   int descriptor() const override { return socket_.get(); }
   int receive(const FrameTaker& take) override;
   using Link::send;
+  /// Frames of control go to the queue of their access category (IEEE 802.11e), by a socket of their own.
   void send(const Frame* first, std::size_t count) override;
   void tend() override;
   bool is_up() const override { return up_; }
@@ -31,12 +32,14 @@ class PacketSocketLink : public Link {
   void open();
   void read_interface();
   void count_missed();
+  void send_by(int socket, const Frame* first, std::size_t count);
   bool concerns_us(const Frame& frame) const;
 
   std::string interface_;
   std::optional<MacAddress> given_address_;
   std::string robot_name_;
   FileDescriptor socket_;
+  FileDescriptor control_socket_;  ///< sends only
   MacAddress address_{};
   int index_ = 0;
   int mtu_ = 0;

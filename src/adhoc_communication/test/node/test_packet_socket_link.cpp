@@ -1,11 +1,16 @@
 // Raw sockets on a cable of their own. Skipped where the machine grants no network namespace.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <linux/wireless.h>
+#include <net/if_arp.h>
 #include <poll.h>
 #include <sched.h>
+#include <sys/socket.h>
 
+#include <algorithm>
 #include <cstdlib>
 
+#include "link/interface_kind.hpp"
 #include "link/packet_socket_link.hpp"
 
 namespace adhoc_communication {
@@ -153,6 +158,64 @@ TEST_F(PacketSocketLinkTest, FramesThatFindNoRoomAreCounted) {
   }
   far.tend();
   EXPECT_GT(far.frames_missed(), 0u);
+}
+
+/// SO_PRIORITY of the packet sockets of this process, sorted.
+std::vector<int> priorities() {
+  std::vector<int> found;
+  for (int descriptor = 0; descriptor < 256; ++descriptor) {
+    int domain = 0;
+    socklen_t size = sizeof domain;
+    if (getsockopt(descriptor, SOL_SOCKET, SO_DOMAIN, &domain, &size) != 0 || domain != AF_PACKET) continue;
+    int priority = -1;
+    size = sizeof priority;
+    getsockopt(descriptor, SOL_SOCKET, SO_PRIORITY, &priority, &size);
+    found.push_back(priority);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+TEST_F(PacketSocketLinkTest, ControlGoesBySocketOfHigherPriority) {
+  ASSERT_TRUE(priorities().empty());
+  PacketSocketLink near("near0", std::nullopt, "near");
+  EXPECT_EQ(priorities(), (std::vector<int>{0, 262}));
+  PacketSocketLink far("far0", std::nullopt, "far");
+  wait_for_cable(near, far);
+  std::vector<Frame> sent = frames(near, far.address(), 9);
+  for (const std::size_t control : {0, 3, 4, 8}) sent[control].control = true;
+  send(near, sent);
+  const std::vector<Frame> heard = received(far, sent.size());
+  ASSERT_EQ(heard.size(), sent.size());
+  for (std::size_t i = 0; i < sent.size(); ++i) EXPECT_EQ(heard[i].bytes, sent[i].bytes) << "a cable has one queue";
+  EXPECT_EQ(near.frames_not_sent(), 0u);
+}
+
+TEST_F(PacketSocketLinkTest, TunnelsAreRefused) {
+  run("ip link add tunnel0 type ip6tnl local ::1 remote ::2 2>/dev/null || ip tuntap add dev tunnel0 mode tun");
+  try {
+    PacketSocketLink link("tunnel0", std::nullopt, "near");
+    FAIL() << "it was taken";
+  } catch (const LinkError& error) {
+    EXPECT_NE(std::string(error.what()).find("'tunnel0' carries no Ethernet frames"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(InterfaceKind, OnlyThoseOverWhichRobotsHearEachOther) {
+  const auto said = [](int hardware, std::optional<unsigned> mode) {
+    return objection("wlan0", {hardware, mode}).value_or("");
+  };
+  for (const std::optional<unsigned> mode :
+       {std::optional<unsigned>(), {IW_MODE_ADHOC}, {IW_MODE_MESH}, {IW_MODE_AUTO}}) {
+    EXPECT_EQ(said(ARPHRD_ETHER, mode), "");
+  }
+  EXPECT_EQ(said(ARPHRD_LOOPBACK, std::nullopt), "");
+  EXPECT_NE(said(ARPHRD_ETHER, IW_MODE_INFRA).find("'wlan0' is a station of an access point"), std::string::npos);
+  EXPECT_NE(said(ARPHRD_ETHER, IW_MODE_MASTER).find("'wlan0' is an access point"), std::string::npos);
+  EXPECT_NE(said(ARPHRD_IEEE80211_RADIOTAP, IW_MODE_MONITOR).find("carries no Ethernet"), std::string::npos);
+  EXPECT_NE(said(ARPHRD_ETHER, IW_MODE_MONITOR).find("monitor"), std::string::npos);
+  EXPECT_NE(said(ARPHRD_PPP, std::nullopt).find("hardware type 512"), std::string::npos);
 }
 
 }  // namespace
