@@ -84,7 +84,6 @@ def surroundings(
     known_within: float,
     reach: float,
     spacing: float,
-    footprint: Footprint,
     ranges: np.ndarray = ...,
     angle_min: float = ...,
     angle_increment: float = ...,

@@ -7,12 +7,19 @@
 namespace mr_robot::navigation {
 namespace {
 
-constexpr double kPatch = 0.04;            // m around a hit of what belongs to the same surface
-constexpr double kBetween = 0.5 * kPatch;  // m between points of what is continued
-constexpr std::size_t kStray = 3;          // hits that may be farther off between others of a surface
-constexpr std::size_t kPatchHits = 8;      // that make a surface
-constexpr double kEdge = 0.05;             // rad from the edge of the field of view of a hit at it
-constexpr double kStraight = 0.015;        // m, standard deviation of hits from a line up to which they are one
+// m; a robot that turns may touch what is this close with a corner, and the nearest point of a square to its middle is
+// not the nearest to that corner.
+constexpr double kClose = 0.45;
+constexpr double kDense = 0.6;         // m around the robot in which hits are smoothed
+constexpr double kPatch = 0.04;        // m around a hit of what belongs to the same surface
+constexpr std::size_t kStray = 3;      // hits that may be farther off between others of a surface
+constexpr std::size_t kPatchHits = 8;  // that make a surface
+constexpr double kEdge = 0.05;         // rad from the edge of the field of view of a hit at it
+constexpr double kEdgePatch = 0.15;    // m of a surface there by which it is continued
+constexpr double kContinued = 0.45;    // m, the length of a robot
+constexpr double kAlong = 0.02;        // m between points of what is continued
+constexpr double kSameWall = 0.1;      // m from it in which walls of the map are the same
+constexpr double kStraight = 0.015;    // m, standard deviation of hits from a line up to which they are one
 
 // Numbers the squares of the plane that points lie in, in the order in which they come.
 class Squares {
@@ -118,11 +125,11 @@ double distance(const Point& a, const Point& b) { return std::hypot(a.x - b.x, a
 
 // Close to the robot hits lie denser than they are exact: the mean of many beams says where a surface is, while the
 // nearest of them seems to touch a robot that stands beside it.
-std::vector<Point> smoothed(const ScanView& scan, double dense) {
+std::vector<Point> smoothed(const ScanView& scan) {
   std::vector<Point> result(scan.points, scan.points + scan.point_count);
   const auto near = [&](std::size_t i, std::size_t k) { return distance(scan.points[i], scan.points[k]) < kPatch; };
   for (std::size_t i = 0; i < result.size(); ++i) {
-    if (std::hypot(scan.points[i].x, scan.points[i].y) > dense) continue;
+    if (std::hypot(scan.points[i].x, scan.points[i].y) > kDense) continue;
     std::size_t first = i, last = i;
     for (std::size_t k = i; k > 0 && first - (k - 1) <= kStray; --k) {
       if (near(i, k - 1)) first = k - 1;
@@ -139,58 +146,55 @@ std::vector<Point> smoothed(const ScanView& scan, double dense) {
 }
 
 // What is close beside the robot at an edge of the field of view goes on where the laser is blind: beside a wall a
-// robot that turns touches it with a corner that it does not see. `dense`: m around the robot within which the edge
-// counts; `patch_size`: of the surface there by which it is continued by `length`, m. Points in the robot's frame.
-void continue_edge(const ScanView& scan, bool first, double dense, double patch_size, double length,
-                   std::vector<Point>& result) {
+// robot that turns touches it with a corner that it does not see. Points in the robot's frame.
+void continue_edge(const ScanView& scan, bool first, std::vector<Point>& result) {
   const auto edge_of = [&](std::size_t i) { return first ? scan.points[i] : scan.points[scan.point_count - 1 - i]; };
   const Point edge = edge_of(0);
   const double end = first ? scan.angle_min : scan.angle_min + scan.angle_increment * (scan.range_count - 1.0);
   const double bearing = std::atan2(edge.y - scan.mount.y, edge.x - scan.mount.x) - scan.mount.yaw;
-  if (std::hypot(edge.x, edge.y) > dense || std::abs(std::remainder(bearing - end, 2.0 * M_PI)) > kEdge) return;
+  if (std::hypot(edge.x, edge.y) > kDense || std::abs(std::remainder(bearing - end, 2.0 * M_PI)) > kEdge) return;
   std::vector<Point> patch;
-  for (std::size_t i = 0; i < scan.point_count && distance(edge_of(i), edge) < patch_size; ++i) {
+  for (std::size_t i = 0; i < scan.point_count && distance(edge_of(i), edge) < kEdgePatch; ++i) {
     patch.push_back(edge_of(i));
   }
   if (patch.size() < kPatchHits) return;
   const Line line = line_through(patch.data(), patch.size());
   if (!line.straight) return;
   const Point from = line.nearest(edge), inside = line.nearest(patch.back());
-  const double known = distance(from, inside);
-  if (known < kPatch) return;
-  const double x = (from.x - inside.x) / known, y = (from.y - inside.y) / known;
-  for (double along = kBetween; along <= length; along += kBetween) {
+  const double length = distance(from, inside);
+  if (length < kPatch) return;
+  const double x = (from.x - inside.x) / length, y = (from.y - inside.y) / length;
+  for (double along = kAlong; along <= kContinued; along += kAlong) {
     result.push_back({from.x + along * x, from.y + along * y});
   }
 }
 
-std::vector<Point> continued(const ScanView& scan, double dense, double patch_size, double length) {
+std::vector<Point> continued(const ScanView& scan) {
   std::vector<Point> result;
   const double view = scan.angle_increment * (static_cast<double>(scan.range_count) - 1.0);
   if (scan.point_count == 0 || scan.range_count < 2 || view > 2.0 * M_PI - 2.0 * kEdge) return result;
-  continue_edge(scan, true, dense, patch_size, length, result);
-  continue_edge(scan, false, dense, patch_size, length, result);
+  continue_edge(scan, true, result);
+  continue_edge(scan, false, result);
   return result;
 }
 
 // Whether the map shows that nothing is there, nor beside it.
-bool is_open(const Walls& walls, const Point& point, double beside) {
+bool is_open(const Walls& walls, const Point& point) {
   const double column = std::floor((point.x - walls.origin_x) / walls.resolution);
   const double row = std::floor((point.y - walls.origin_y) / walls.resolution);
   if (!(row >= 0.0 && column >= 0.0 && row < walls.rows && column < walls.columns)) return false;
   const std::size_t index = static_cast<std::size_t>(row) * walls.columns + static_cast<std::size_t>(column);
-  return walls.cells[index] >= 0 && walls.distance[index] > static_cast<float>(beside);
+  return walls.cells[index] >= 0 && walls.distance[index] > static_cast<float>(kSameWall);
 }
 
 // Keeps the nearest obstacle of each square, and all that are close.
 class Nearest {
  public:
-  Nearest(const Pose& pose, double close, double spacing, std::size_t most)
-      : pose_(pose), close_within_(close * close), squares_(spacing, most) {}
+  Nearest(const Pose& pose, double spacing, std::size_t most) : pose_(pose), squares_(spacing, most) {}
 
   void add(const Obstacle& obstacle) {
     const double dx = obstacle.x - pose_.x, dy = obstacle.y - pose_.y, squared = dx * dx + dy * dy;
-    if (squared < close_within_) {
+    if (squared < kClose * kClose) {
       close_.push_back(obstacle);
       return;
     }
@@ -211,7 +215,6 @@ class Nearest {
 
  private:
   Pose pose_;
-  double close_within_;  // m^2
   Squares squares_;
   std::vector<Obstacle> kept_, close_;
   std::vector<double> squared_;
@@ -279,17 +282,12 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
 
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
                                    const Walls& walls, const Margins& margins, double known_within, double reach,
-                                   double spacing, const Footprint& footprint) {
-  const double length = 2.0 * footprint.half_length;
-  // A robot that turns may touch what is this close with a corner, and the nearest point of a square to its middle is
-  // not the nearest to that corner.
-  const double close = std::hypot(footprint.half_length, footprint.half_width) + margins.moving + spacing;
-  const double dense = close + known_within;
+                                   double spacing) {
   const std::vector<Point> of_map = walls_near(walls, pose, reach);
   const std::size_t most = scan.point_count + remembered.size() + of_map.size();
-  Nearest nearest(pose, close, spacing, most + 2 * static_cast<std::size_t>(length / kBetween + 1.0));
+  Nearest nearest(pose, spacing, most + 2 * static_cast<std::size_t>(kContinued / kAlong + 1.0));
   const Placement place(pose);
-  for (const Point& point : smoothed(scan, dense)) {
+  for (const Point& point : smoothed(scan)) {
     if (!within(point, {0.0, 0.0, 0.0}, reach)) continue;
     const Point hit = place(point);
     const bool known = is_wall(walls, hit, known_within);
@@ -300,15 +298,15 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
     if (within({point.x, point.y}, pose, reach)) nearest.add({point.x, point.y, margins.moving, margins.reaction_time});
   }
   std::vector<Point> guessed;
-  for (const Point& point : continued(scan, dense, known_within, length)) {
+  for (const Point& point : continued(scan)) {
     const Point there = place(point);
-    if (is_open(walls, there, known_within)) continue;
+    if (is_open(walls, there)) continue;
     guessed.push_back(there);
     nearest.add({there.x, there.y, margins.obstacle, 0.0});
   }
   const Point eye = place({scan.mount.x, scan.mount.y});
   for (const Point& wall : of_map) {
-    if (std::any_of(guessed.begin(), guessed.end(), [&](const Point& p) { return distance(p, wall) < known_within; })) {
+    if (std::any_of(guessed.begin(), guessed.end(), [&](const Point& p) { return distance(p, wall) < kSameWall; })) {
       continue;
     }
     if (in_view(wall, eye, pose.yaw + scan.mount.yaw, scan)) continue;

@@ -62,6 +62,6 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
 // the nearest, of those close to the robot all.
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
                                    const Walls& walls, const Margins& margins, double known_within, double reach,
-                                   double spacing, const Footprint& footprint);
+                                   double spacing);
 
 }  // namespace mr_robot::navigation

@@ -7,6 +7,7 @@ import numpy as np
 
 from mr_grid import OccupancyGrid
 
+NEW_WALL = 0.05  # m from a wall within which another is that wall, seen better
 LARGEST = 1.5  # m; what is larger came because SLAM draws its map elsewhere
 SETTLED = 30.0  # s after which what has come and stands is a wall
 
@@ -66,8 +67,8 @@ class Arrivals:
         came = (after.cells[a : a + height, b : b + width] > 50) & (old >= 0) & (old <= 50)
         if not came.any():
             return np.empty((0, 2), int)
-        # A wall in the cell beside another is that wall, seen better.
-        came &= cv2.dilate((old > 50).astype(np.uint8), np.ones((3, 3), np.uint8)) == 0
+        reach = 2 * round(NEW_WALL / after.resolution) + 1
+        came &= cv2.dilate((old > 50).astype(np.uint8), np.ones((reach, reach), np.uint8)) == 0
         return np.add(np.argwhere(_small(came, round(LARGEST / after.resolution))), (a, b))
 
 

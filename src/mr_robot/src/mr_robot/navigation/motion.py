@@ -24,7 +24,7 @@ class Motion:
 
     def __init__(self, options: NavigationOptions) -> None:
         self.velocity = STOP
-        self.footprint = options.footprint
+        self.footprint = _navigation.Footprint(options.footprint_length / 2.0, options.footprint_width / 2.0)
         self._options = options
         self._limits = _navigation.Limits(
             options.max_linear_velocity,

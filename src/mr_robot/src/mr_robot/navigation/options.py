@@ -55,10 +55,6 @@ class NavigationOptions:
             )
 
     @property
-    def footprint(self) -> _navigation.Footprint:
-        return _navigation.Footprint(self.footprint_length / 2.0, self.footprint_width / 2.0)
-
-    @property
     def half_width(self) -> float:
         """Nearest the robot's centre can come to a wall, m."""
         return min(self.footprint_length, self.footprint_width) / 2.0

@@ -7,16 +7,15 @@ from typing import Dict, List, Mapping, Tuple
 import numpy as np
 
 from mr_grid import Pose, is_place
-from mr_robot import _navigation
 from mr_robot.navigation.options import AT_REST, PROGRESS, REACH, NavigationOptions, Scan
 
 Point = Tuple[float, float]
 
 RIM = 0.04  # m by which the rim that its footprint takes up lies within the radius of the largest robot
 LATELY = 6.0  # s for which a reported position counts
-# s, when a robot is where it will be if it drives on: as long as motions look ahead
-SOON = tuple(share * _navigation.Horizon().duration for share in (0.25, 0.5, 0.75, 1.0))
+SOON = (0.3, 0.6, 0.9, 1.2)  # s, when a robot is where it will be if it drives on: as long as motions look ahead
 FRESH = 2.0  # s between two positions that tell how a robot moves, and for which it is taken to go on
+BODY = 0.1  # m around a robot in which hits are its
 # Unit vectors (12, 2) all around, for the rim of a robot.
 CIRCLE = np.stack([np.cos(np.arange(12) * math.pi / 6.0), np.sin(np.arange(12) * math.pi / 6.0)], axis=1)
 
@@ -90,10 +89,10 @@ class OtherRobots:
 
     def settle(self, obstacles: np.ndarray, now: float) -> np.ndarray:
         """Rows (x, y, margin, reaction time) in which robots at rest have the margin of walls, so that others find
-        their way between those that are home. What is nearer to one than its margin is taken to be its."""
+        their way between those that are home."""
         places = [track.rest for track in self._tracks.values() if now - track.rest_since > AT_REST]
         for place in places:
-            body = np.hypot(obstacles[:, 0] - place[0], obstacles[:, 1] - place[1]) < self._radius + self._margins[0]
+            body = np.hypot(obstacles[:, 0] - place[0], obstacles[:, 1] - place[1]) < self._radius + BODY
             obstacles[body, 2] = np.minimum(obstacles[body, 2], self._wall_margin)
             obstacles[body, 3] = 0.0
         return obstacles

@@ -20,7 +20,6 @@ WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coars
 class Surroundings:
     def __init__(self, options: NavigationOptions) -> None:
         self._options = options
-        self._footprint = options.footprint
         self._memory = ObstacleMemory(options.obstacle_memory)
         self._hits = np.empty((0, 2))  # of the latest scan, robot's frame
         self._near = options.reach_in(_navigation.Horizon().duration)
@@ -47,7 +46,7 @@ class Surroundings:
         )
         return _navigation.surroundings(
             scan.points, pose, self._memory.rows, costs.walls, margins, KNOWN_WITHIN, self._near, _navigation.TOUCHING,
-            self._footprint, scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
+            scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
         )  # fmt: skip
 
     def moving_points(self, pose: Pose) -> np.ndarray:
