@@ -73,7 +73,7 @@ void set_pose(ob::State* state, const Pose& pose) {
 double direction_of(const Arc& arc) { return arc.way > 0.0 ? 1.0 : arc.way < 0.0 ? -1.0 : 0.0; }
 
 double seconds_of(const Arc& arc, const Agility& agility) {
-  return arc.way != 0.0 ? std::abs(arc.way) / agility.linear() : std::abs(arc.turn) / agility.angular();
+  return arc.way != 0.0 ? std::abs(arc.way) / agility.linear : std::abs(arc.turn) / agility.angular;
 }
 
 int steps_of(const Arc& arc, double share) {

@@ -28,6 +28,8 @@ class Horizon:
     def __init__(self) -> None: ...
 
 class Agility:
+    linear: float
+    angular: float
     def __init__(self, full_speed: float, full_turn: float, acceleration: float) -> None: ...
 
 def march(

@@ -250,7 +250,9 @@ PYBIND11_MODULE(_navigation, module) {
       .def(py::init([](double full_speed, double full_turn, double acceleration) {
              return Agility{full_speed, full_turn, acceleration};
            }),
-           py::arg("full_speed"), py::arg("full_turn"), py::arg("acceleration"));
+           py::arg("full_speed"), py::arg("full_turn"), py::arg("acceleration"))
+      .def_readwrite("linear", &Agility::linear)
+      .def_readwrite("angular", &Agility::angular);
   module.def(
       "manoeuvre",
       [](const Floats& cost, double resolution, const Pair& origin, const Pair& goal, const Triple& pose,

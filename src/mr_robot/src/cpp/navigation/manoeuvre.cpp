@@ -12,14 +12,15 @@
 namespace mr_robot::navigation {
 namespace {
 
-constexpr double kStep = 0.1;               // m of one motion
 constexpr double kReach = 0.9;              // m around the start; obstacles are known not much farther
-constexpr double kCell = 0.5 * kStep;       // m
+constexpr double kCell = 0.05;              // m
 constexpr int kHeadings = 32;               // of a whole turn
+constexpr double kStep = 0.1;               // m of one motion
+constexpr double kLeastWay = 0.25;          // m of a way from where there is room already
 constexpr double kTight = 2.0 * kTouching;  // m to obstacles, less than which costs
 constexpr double kTightCost = 2.0;          // times the time, with none left or to turn where there is no room for it
 constexpr std::size_t kMostNodes = 6000;
-constexpr double kTurn = 2.0 * M_PI / kHeadings;  // rad of one motion
+constexpr double kCurvatures[] = {0.0, 2.0, -2.0};  // rad/m
 // Of long arcs along what the robot stands too close to: its corners come nearer before its middle gets away.
 constexpr double kShallow[] = {0.02, -0.02, 0.05, -0.05, 0.1, -0.1, 0.2, -0.2, 0.5, -0.5};
 constexpr int kShallowSteps = 12;
@@ -47,11 +48,7 @@ class Search {
  public:
   Search(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles, const Footprint& footprint,
          const Agility& agility)
-      : field_(field),
-        start_(start),
-        agility_(agility),
-        body_(start, kReach + kCell, obstacles, footprint),
-        least_way_(footprint.half_length) {
+      : field_(field), start_(start), agility_(agility), body_(start, kReach + kCell, obstacles, footprint) {
     at_start_ = body_.clearance(start);
     least_ = std::min(kTouching, at_start_ - kSlack);
     starts_roomy_ = body_.roomy(start);
@@ -97,7 +94,7 @@ class Search {
     const double off = std::hypot(node.pose.x - start_.x, node.pose.y - start_.y);
     const double at_goal = std::hypot(node.pose.x - field_.goal_x, node.pose.y - field_.goal_y);
     if (roomy && !starts_roomy_ && roomiest_ < 0) roomiest_ = index;
-    const bool ends = roomy ? !starts_roomy_ || node.way >= least_way_ : off >= kReach - kStep || at_goal < kStep;
+    const bool ends = roomy ? !starts_roomy_ || node.way >= kLeastWay : off >= kReach - kStep || at_goal < kStep;
     if (!ends || !std::isfinite(cost_at(field_, node.pose.x, node.pose.y))) return;
     double total = node.price + left(node.pose);
     if (const auto direction = downhill(field_, node.pose.x, node.pose.y)) {
@@ -111,9 +108,9 @@ class Search {
 
   void expand(std::int32_t index) {
     for (const double direction : {1.0, -1.0}) {
-      for (const double turn : {0.0, kTurn, -kTurn}) move(index, direction, turn);
+      for (const double curvature : kCurvatures) move(index, direction, curvature * kStep);
     }
-    for (const double turn : {kTurn, -kTurn}) move(index, 0.0, turn);
+    for (const double side : {1.0, -1.0}) move(index, 0.0, side * 2.0 * M_PI / kHeadings);
     if (index == 0 && at_start_ < kTight) {
       for (const double direction : {1.0, -1.0}) {
         for (const double curvature : kShallow) {
@@ -132,9 +129,9 @@ class Search {
     if (std::hypot(end.x - start_.x, end.y - start_.y) > kReach + kStep) return -1;
     const double room = body_.clearance(end);
     if (room < least_ || body_.clearance(along(node.pose, 0.5 * way, 0.5 * turn)) < least_) return -1;
-    double seconds = std::abs(way) / agility_.linear();
-    if (direction == 0.0) seconds = std::abs(turn) / agility_.angular();
-    if (node.parent >= 0 && direction != node.direction) seconds += 2.0 * agility_.linear() / agility_.acceleration;
+    double seconds = std::abs(way) / agility_.linear;
+    if (direction == 0.0) seconds = std::abs(turn) / agility_.angular;
+    if (node.parent >= 0 && direction != node.direction) seconds += 2.0 * agility_.linear / agility_.acceleration;
     const double tight = std::clamp((kTight - room) / kTight, 0.0, 1.0);
     const Node next{end,
                     node.seconds + seconds,
@@ -162,7 +159,6 @@ class Search {
   Pose start_;
   Agility agility_;
   Body body_;
-  double least_way_;  // m of a way from where there is room already
   double at_start_ = 0.0, least_ = 0.0, start_cost_ = 0.0;
   bool starts_roomy_ = false;
   std::vector<Node> nodes_;

@@ -13,13 +13,11 @@ struct Waypoint {
   double seconds;    // from the start on
 };
 
-constexpr double kCareful = 0.5;  // share of its speeds with which a robot moves where it has little room
-
 struct Agility {
   double full_speed, full_turn;  // m/s and rad/s, where there is room again
   double acceleration;           // m/s^2
-  double linear() const { return kCareful * full_speed; }
-  double angular() const { return kCareful * full_turn; }
+  double linear = 0.25;          // m/s, ahead and back
+  double angular = 0.8;          // rad/s
 };
 
 // The way that leads soonest to the goal of the field, up to where the robot has room to turn or where what is known

@@ -24,6 +24,8 @@ def plan_manoeuvre(
     agility = _navigation.Agility(
         options.max_linear_velocity, options.max_angular_velocity, options.linear_acceleration
     )
+    agility.linear = min(agility.linear, options.max_linear_velocity)
+    agility.angular = min(agility.angular, options.max_angular_velocity)
     rows = _navigation.manoeuvre(
         way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, obstacles, footprint, agility
     )

@@ -16,6 +16,7 @@ from mr_robot.navigation.planner import Plan
 
 LOOK_AHEAD = 0.5  # m that a robot drives before it is where it has looked: it turns no sharper than it sees
 REACHED = 0.7  # times the tolerance of goals, within which the way ends
+RAMP = 0.4  # s of motion that have to be clear
 STOP: Velocity = (0.0, 0.0)
 
 
@@ -47,10 +48,9 @@ class Motion:
         )  # fmt: skip
         return (linear, angular) if found else None
 
-    def is_clear(self, pose: Pose, obstacles: np.ndarray, target: Velocity) -> bool:
-        """Until the robot could stand again."""
+    def is_clear(self, pose: Pose, obstacles: np.ndarray, target: Velocity, duration: float = RAMP) -> bool:
         horizon = _navigation.Horizon()
-        horizon.duration, horizon.slack = self._options.braking_time, _navigation.SLACK
+        horizon.duration, horizon.slack = duration, _navigation.SLACK
         return _navigation.is_clear(pose, self.velocity, target, obstacles, self._limits, self.footprint, horizon)
 
     def towards(self, target: Velocity) -> Velocity:
@@ -68,7 +68,7 @@ class Motion:
         """Of a robot without a goal, which brakes on the curve that it was on: at once where that touches something."""
         tight = bare(obstacles, self._options.obstacle_margin)
         self.velocity = velocity
-        if not self.is_clear(pose, tight, STOP):
+        if not self.is_clear(pose, tight, STOP, self._options.braking_time):
             self.velocity = STOP
         return self.velocity
 

@@ -5,18 +5,17 @@ from bisect import bisect_left, bisect_right
 from typing import List, Tuple
 
 from mr_grid import Pose
-from mr_robot.navigation.options import PROGRESS
 
-WINDOWS = (0.4, 1.2, 3.6)  # s looked back, for robots of any speed
-LEAST_TURN = 0.3  # rad commanded in such a time from which a standing robot is blocked, as from PROGRESS
+# (s looked back, m and rad commanded in that time from which a standing robot is blocked)
+WINDOWS = ((0.4, 0.1, 0.35), (1.2, 0.08, 0.3), (3.6, 0.08, 0.3))
 STANDING = 0.3  # share of the commanded motion below which the robot stands
+KEPT = 50  # commands and poses; more than the longest window holds
 
 
 class StallWatch:
     def __init__(self, latency: float) -> None:
         """`latency`: s from a command to motion, a period of control."""
         self._latency = latency
-        self._kept = 2 + math.ceil((WINDOWS[-1] + latency) / latency)  # commands and poses, one in each period
         self.clear()
 
     def clear(self) -> None:
@@ -31,7 +30,7 @@ class StallWatch:
         way, turn = self._asked_until(now)
         self._command_times.append(now)
         self._commands.append((*velocity, way, turn))
-        self._shorten(self._command_times, self._commands)
+        _shorten(self._command_times, self._commands)
 
     def blocked(self, now: float, pose: Pose) -> bool:
         """Whether the robot, now at `pose`, did not follow its commands. Once per step."""
@@ -39,10 +38,10 @@ class StallWatch:
             self.clear()
         self._pose_times.append(now)
         self._poses.append(pose)
-        self._shorten(self._pose_times, self._poses)
-        return any(self._stands(now, pose, window) for window in WINDOWS)
+        _shorten(self._pose_times, self._poses)
+        return any(self._stands(now, pose, *window) for window in WINDOWS)
 
-    def _stands(self, now: float, pose: Pose, window: float) -> bool:
+    def _stands(self, now: float, pose: Pose, window: float, least_distance: float, least_turn: float) -> bool:
         index = bisect_left(self._pose_times, now - window - 1e-6)
         since, before = self._pose_times[index], self._poses[index]
         if now - since < window - 0.15:
@@ -52,9 +51,9 @@ class StallWatch:
         if abs(turn) > math.pi:
             return False  # poses do not tell how often a robot turned
         turned = math.remainder(pose[2] - before[2], 2.0 * math.pi)
-        if abs(distance) >= PROGRESS and moved < STANDING * abs(distance):
-            return abs(turn) < LEAST_TURN or abs(turned) < STANDING * abs(turn)
-        return abs(turn) >= LEAST_TURN and turned / turn < STANDING and abs(distance) < PROGRESS
+        if abs(distance) >= least_distance and moved < STANDING * abs(distance):
+            return abs(turn) < least_turn or abs(turned) < STANDING * abs(turn)
+        return abs(turn) >= least_turn and turned / turn < STANDING and abs(distance) < least_distance
 
     def _commanded(self, start: float, end: float) -> Tuple[float, float]:
         """Signed way and turn, m and rad, that the commands between two times ask for."""
@@ -71,6 +70,7 @@ class StallWatch:
         seconds = max(0.0, time - self._command_times[index])
         return way + linear * seconds, turn + angular * seconds
 
-    def _shorten(self, times: List[float], values: List) -> None:
-        if len(times) >= 2 * self._kept:
-            del times[: self._kept], values[: self._kept]
+
+def _shorten(times: List[float], values: List) -> None:
+    if len(times) >= 2 * KEPT:
+        del times[:KEPT], values[:KEPT]
