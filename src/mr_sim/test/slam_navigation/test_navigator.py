@@ -532,7 +532,7 @@ def test_giving_way_in_vain_widens_the_chance() -> None:
     def waits(times: int) -> List[float]:
         result = []
         for seed in range(60):
-            held = HeldUp("robot", 1.0, np.random.default_rng(seed), 0.8)
+            held = HeldUp("robot", 1.0, np.random.default_rng(seed), 0.29)
             for k in range(times):
                 held.gave_way(10.0 * k)
             result.append(wait(held))

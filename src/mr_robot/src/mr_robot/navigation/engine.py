@@ -24,10 +24,11 @@ from mr_robot.navigation.stall import StallWatch
 from mr_robot.navigation.surroundings import Surroundings
 from mr_robot.navigation.yielding import HeldUp, Point, find_retreat
 
-# s without coming nearer for which a robot that drives gets on; after as long without progress, and with nothing in the
-# way, it plans how to turn and back
-STANDING = 2.5
+STANDING = 2.5  # s without progress, and with nothing in the way, after which a robot plans how to turn and back
+STILL = 1.0  # s without driving after which a robot that has to give way does
 CREEPING = 0.05  # m/s
+TO_AND_FRO = 3.0  # s for which driving without coming nearer counts as getting on
+GIVE_WAY_TIME, GIVE_WAY_FACTOR, GIVE_WAY_MOST = 10.0, 2.0, 30.0  # s, plus so often the way at full speed, up to s
 PASSING_NEAR = 2.5  # m within which a robot that passes is waited for
 INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan
 
@@ -53,7 +54,7 @@ class Navigator:
         self._route = Route(self.options)
         self._motion = Motion(self.options)
         self._follower = Follower(self._motion, self.options)
-        self._held_up = HeldUp(name, self.options.yield_patience, self._random, self.options.passing_distance)
+        self._held_up = HeldUp(name, self.options.yield_patience, self._random, self.options.largest_robot_radius)
         self._stall = StallWatch(self.options.controller_period)
         self._clock = Clock()
         self._mode_until = 0.0
@@ -170,7 +171,7 @@ class Navigator:
         stuck = now - self._route.progress_at > STANDING and self._blocker(pose) is None
         velocity = self._follow(now, way, pose, obstacles, stuck)
         drives = velocity is not None and abs(velocity[0]) + 0.1 * abs(velocity[1]) > CREEPING
-        if self._held(now, pose, drives and now - self._route.nearer_at < STANDING):
+        if self._held(now, pose, drives and now - self._route.nearer_at < TO_AND_FRO):
             return self._begin_to_give_way(now, pose, costs)
         if now - self._route.progress_at > self.options.blocked_timeout:
             hint = "" if self._blocker(pose) is None else "; an obstacle that is not in the map is near"
@@ -222,18 +223,20 @@ class Navigator:
         self._held_up.gave_way(now)
         self._follower.drop_manoeuvre()
         self._gives_way_since = now
-        self._mode_until = now + self.options.blocked_timeout
+        left = math.inf if self._retreat is None else self._retreat.cost_at(pose[0], pose[1])
+        self._mode_until = now + min(
+            GIVE_WAY_TIME + GIVE_WAY_FACTOR * left / self.options.max_linear_velocity, GIVE_WAY_MOST
+        )
         return self._brake()
 
     def _give_way(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
         retreat = self._retreat
-        away = retreat is not None and math.dist(pose[:2], retreat.goal) < self.options.xy_goal_tolerance
-        if retreat is None or away or now >= self._mode_until:
+        if retreat is None or now >= self._mode_until or math.dist(pose[:2], retreat.goal) < 0.2:
             self.mode = Mode.WAIT
             self._follower.drop_manoeuvre()
             self._mode_until = now + 1.5 + 3.0 * self._random.random()
             return self._brake()
-        velocity = self._follow(now, retreat, pose, obstacles, now - self._moved_at > self.options.yield_patience)
+        velocity = self._follow(now, retreat, pose, obstacles, now - self._moved_at > STILL)
         return self._brake() if velocity is None else Command(*velocity, Status.ACTIVE)
 
     def _lets_pass(self, now: float, pose: Pose) -> bool:

@@ -10,7 +10,6 @@ from mr_grid import Pose
 from mr_robot import _navigation
 
 PROGRESS = 0.1  # m of motion that count as one: less is SLAM's
-REACH = 1.4  # m within which what the map does not know counts as in the way, and other robots count
 LONGEST_DETOUR = 5.0  # m that a robot goes out of its way, around what moves or to let it pass
 AT_REST = 8.0  # s after which what has not moved is taken to stay, and what was to pass is no longer waited for
 

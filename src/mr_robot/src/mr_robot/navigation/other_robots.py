@@ -7,10 +7,11 @@ from typing import Dict, List, Mapping, Tuple
 import numpy as np
 
 from mr_grid import Pose, is_place
-from mr_robot.navigation.options import AT_REST, PROGRESS, REACH, NavigationOptions, Scan
+from mr_robot.navigation.options import AT_REST, PROGRESS, NavigationOptions, Scan
 
 Point = Tuple[float, float]
 
+NEAR = 1.5  # m within which a robot that says where it is counts where the laser is blind
 RIM = 0.04  # m by which the rim that its footprint takes up lies within the radius of the largest robot
 LATELY = 6.0  # s for which a reported position counts
 SOON = (0.3, 0.6, 0.9, 1.2)  # s, when a robot is where it will be if it drives on: as long as motions look ahead
@@ -82,7 +83,7 @@ class OtherRobots:
         of way, whose name sorts earlier, also where it will be soon, so that one of two robots that drive towards the
         same place lets the other pass."""
         places = np.array([place for name in self.lately(now) for place in self._ground_of(name, now)]).reshape(-1, 2)
-        near = places[np.hypot(*(places - pose[:2]).T) < REACH]
+        near = places[np.hypot(*(places - pose[:2]).T) < NEAR]
         blind = near[scan.blind_to(pose.apply_inverse(near))] if len(near) else near
         rims = (blind[:, None, :] + self._rim[None, :, :]).reshape(-1, 2)
         return np.hstack([rims, np.tile(self._margins, (len(rims), 1))])

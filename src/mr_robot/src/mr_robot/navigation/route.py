@@ -11,8 +11,12 @@ from mr_robot.navigation.command import GivenUp
 from mr_robot.navigation.options import AT_REST, LONGEST_DETOUR, PROGRESS, NavigationOptions
 from mr_robot.navigation.planner import CostMap, Plan, plan
 
+NO_WAY_CHECKS = 3  # plans that must fail before a goal is called unreachable
+NO_WAY_PAUSE = 0.25  # s between them
 LONGER = 1.0  # m by which a way has to have grown to count as another
-TIME_FACTOR = 5.0  # times what the way takes at full speed, for a goal, beside what it may be blocked
+TO_AND_FRO_LIMIT = 2.0  # times the timeout of a blocked way, for which a robot may give way and come back
+TIME_ALLOWED = 30.0  # s for any goal, plus
+TIME_FACTOR = 5.0  # times what the way takes at full speed
 
 
 @dataclass
@@ -24,7 +28,7 @@ class _Goal:
     nearest: float = math.inf  # least way left so far through the map alone, m
     nearest_at: float = -math.inf  # since when
     blocked_since: Optional[float] = None
-    no_way_since: Optional[float] = None
+    failed_plans: int = 0
 
 
 class Route:
@@ -110,14 +114,14 @@ class Route:
         if known is None:
             self._without_way(now, target, costs)
             return
-        goal.no_way_since = None
+        goal.failed_plans = 0
         around = plan(costs, moving, pose, target, radius, known, narrow) if len(moving) else known
         way = self._prefer(now, pose, known, around)
         left = way.cost_at(pose[0], pose[1])
         if self.plan is None or left > goal.best + LONGER:
             goal.best = left + PROGRESS
         if goal.deadline == math.inf:
-            goal.deadline = now + options.blocked_timeout + TIME_FACTOR * left / options.max_linear_velocity
+            goal.deadline = now + TIME_ALLOWED + TIME_FACTOR * left / options.max_linear_velocity
         self.plan = way
 
     def _prefer(self, now: float, pose: Pose, known: Plan, around: Optional[Plan]) -> Plan:
@@ -135,7 +139,7 @@ class Route:
             goal.blocked_since = now
         timeout = self._options.blocked_timeout
         # Who gives way and comes back comes nearer each time, but not nearer than before.
-        goal.blocked_since = max(goal.blocked_since, min(self.nearer_at, goal.nearest_at + timeout))
+        goal.blocked_since = max(goal.blocked_since, min(self.nearer_at, goal.nearest_at + TO_AND_FRO_LIMIT * timeout))
         waited = now - goal.blocked_since
         if around is not None and waited > AT_REST:
             return around
@@ -155,10 +159,10 @@ class Route:
                 goal.blocked_since = now
             if now - goal.blocked_since <= self._options.blocked_timeout:
                 return
-        if goal.no_way_since is None:
-            goal.no_way_since = now
-        elif now > goal.no_way_since:
+        goal.failed_plans += 1
+        if goal.failed_plans >= NO_WAY_CHECKS:
             raise GivenUp(f"no way to ({target[0]:.2f}, {target[1]:.2f}): {self._why_no_way(target, costs)}")
+        self._planned_at = now - self._options.plan_period + NO_WAY_PAUSE
 
     def _why_no_way(self, target: Tuple[float, float], costs: CostMap) -> str:
         grid = costs.grid

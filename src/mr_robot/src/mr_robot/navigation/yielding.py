@@ -12,11 +12,12 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_robot import _navigation
-from mr_robot.navigation.options import LONGEST_DETOUR, PROGRESS, REACH
+from mr_robot.navigation.options import LONGEST_DETOUR, PROGRESS
 from mr_robot.navigation.planner import CostMap, Plan, plan
 
 Point = Tuple[float, float]
 
+REACH = 1.4  # m within which something that the map does not know counts as in the way
 SPREAD, LARGEST_SPREAD = 3.0, 12.0  # times the patience
 AGAIN = 30.0  # s within which giving way once more shows that it was in vain
 WINNER_PATIENCE = 6.0  # s a robot with the right of way waits before it gives way nevertheless
@@ -27,10 +28,10 @@ SLOWEST = 2.0  # times a free cell's cost; what narrow places cost on other ways
 class HeldUp:
     """Decides when a robot that something holds up has to give way."""
 
-    def __init__(self, name: str, patience: float, random: np.random.Generator, robot_size: float) -> None:
-        """`patience`: s. `robot_size`: m around a reported position in which the hits of a robot lie."""
+    def __init__(self, name: str, patience: float, random: np.random.Generator, robot_radius: float) -> None:
+        """`patience`: s. `robot_radius`: of the largest robot of the team, m."""
         self._name = name
-        self._robot_size = robot_size
+        self._robot_size = round(2.0 * robot_radius + 0.12, 3)  # m around a reported position in which its hits lie
         self._patience = patience
         self._random = random
         self._since: Optional[float] = None
