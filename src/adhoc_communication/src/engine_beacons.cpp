@@ -98,24 +98,24 @@ void Engine::Implementation::maintain(Time now) {
   for (const auto& [source, receiver] : receivers_.all()) receiver->expire(now);
   expire_waiting_sends(now);
   distributor_.expire(now);
-  settle_memberships(now);
+  memberships_.expire(now);
+  carry_out_memberships(now);
 }
 
 void Engine::Implementation::announce_changes(Time now) {
   for (const std::string& name : directory_.take_taken_names()) report(NameTaken{name});
   for (const routing::DirectoryChange& change : directory_.take_changes()) {
     happened(now);
-    const std::string group = multicast::group_of(change.robot);
     if (change.appeared) {
       report(RobotAppeared{change.robot});
-      member_returned(change.robot, change.boot, now);
-      if (options_.join_groups_automatically || groups_.memberships.count(group) != 0) start_join(group, now);
+      if (own_group_.comes_back(change.robot, change.boot)) admit_member(change.robot, now);
+      memberships_.appeared(change.robot);
+      carry_out_memberships(now);
       continue;
     }
     report(RobotLost{change.robot});
-    member_lost(change.robot, change.boot, now);
-    const auto membership = groups_.memberships.find(group);
-    if (membership != groups_.memberships.end()) membership->second.joined = false;
+    if (own_group_.lose(change.robot, change.boot)) leave_out(change.robot, change.robot + " was lost", now);
+    memberships_.lost(change.robot);
   }
 }
 

@@ -15,7 +15,9 @@
 #include "busy_map.hpp"
 #include "identity.hpp"
 #include "multicast/distributor.hpp"
-#include "multicast/groups.hpp"
+#include "multicast/group_sends.hpp"
+#include "multicast/memberships.hpp"
+#include "multicast/own_group.hpp"
 #include "outbox.hpp"
 #include "random.hpp"
 #include "routing/router.hpp"
@@ -94,17 +96,18 @@ class Engine::Implementation : private Outbox {
   };
   using StreamKey = std::pair<std::string, std::uint8_t>;
 
-  enum class Purpose { kHost, kFanOut, kCatchUp, kJoin, kLeave, kMembersRequest, kConfirmation, kInternal };
+  enum class Purpose { kHost, kFanOut, kCatchUp, kWord, kMembersRequest, kInternal };
   /// A packet not finished yet.
   struct Sending {
     Purpose purpose = Purpose::kHost;
     std::string destination;
-    std::string group;  ///< that is joined or left
+    std::string group;  ///< of which its root is told or asked something
     SendId parent = 0;  ///< of kFanOut: the group send
     std::size_t octets = 0;
     std::optional<std::pair<std::uint8_t, std::uint32_t>> copy{};  ///< stream and number, of a copy of a group packet
     Priority priority = Priority::kNormal;
-    Time lifetime{0};  ///< 0: none
+    Time lifetime{0};              ///< 0: none
+    multicast::Word::Kind word{};  ///< of kWord
   };
 
   void touch(Time now) {
@@ -211,32 +214,23 @@ class Engine::Implementation : private Outbox {
 
   // engine_groups.cpp: membership.
   bool takes_part(const MacAddress& root) const;
-  void settle_memberships(Time now);
-  void end_join(const std::string& group, const std::string& failure, Time now);
-  void turned_away(const std::string& group, std::size_t members, Time now);
-  std::size_t most_members() const;
+  void carry_out_memberships(Time now);
   std::set<MacAddress> ways_to_members() const;
   void send_members(const std::string& robot, Time now);
-  void start_leave(const std::string& group, Time now);
-  void member_lost(const std::string& member, wire::BootTag boot, Time now);
-  void member_returned(const std::string& member, wire::BootTag boot, Time now);
-  void start_join(const std::string& group, Time now);
-  void finish_membership(const Sending& sending, bool delivered, const std::string& reason, Time now);
   void on_group_packet(const std::string& source, const transport::Packet& packet, Time now);
   void on_members(const std::string& group, const std::vector<std::string>& members, Time now);
   void request_members(const std::string& group, Time now);
   void fail_waiting_sends(const std::string& group, const std::string& reason, Time now);
   void expire_waiting_sends(Time now);
   void admit_member(const std::string& member, Time now);
-  void remove_member(const std::string& member, const std::string& reason, Time now);
+  void leave_out(const std::string& member, const std::string& reason, Time now);
   void send_copy(const std::string& member, const multicast::HeldPacket& packet, Purpose purpose, SendId parent,
                  Time now);
   void copy_finished(const Sending& copy);
   void on_copy(const std::string& source, const transport::Packet& packet, Time now);
   void finish_group_members(Time now);
   void take_group_packets(Time now);
-  SendId send_control(const std::string& destination, transport::PacketKind kind, const std::string& group,
-                      Bytes payload, Purpose purpose, Time now);
+  void send_control(Sending sending, transport::PacketKind kind, Bytes payload, Time now);
 
   EngineOptions options_;
   Identity self_;
@@ -258,7 +252,9 @@ class Engine::Implementation : private Outbox {
   transport::BroadcastReceiver broadcast_receiver_;
   transport::FloodRelay flood_;
   multicast::Distributor distributor_;
-  multicast::Groups groups_;
+  multicast::OwnGroup own_group_;
+  multicast::Memberships memberships_;
+  multicast::GroupSends group_sends_;
 
   std::map<MacAddress, std::vector<transport::HopFrame>> held_;  ///< by destination, while its route is repaired
   std::size_t held_frames_ = 0;

@@ -42,9 +42,7 @@ QueueState Engine::Implementation::queues() const { return {host_sends_, octets_
 
 std::vector<std::string> Engine::Implementation::groups() const {
   std::vector<std::string> result{multicast::group_of(self_.name)};
-  for (const auto& [group, membership] : groups_.memberships) {
-    if (membership.joined || membership.joining) result.push_back(group);
-  }
+  for (std::string& group : memberships_.groups()) result.push_back(std::move(group));
   return result;
 }
 

@@ -40,6 +40,9 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       flood_(*this, random_),
       distributor_(self_, router_, *this, random_, air_, reassembly_, options_.max_packet_size,
                    static_cast<std::uint16_t>(room(options_, wire::kGroupDataHeaderSize))),
+      own_group_(static_cast<std::size_t>(options_.mtu) - wire::kHeaderSize - wire::kTagSize -
+                 wire::kActivationHeaderSize),
+      memberships_(directory_, options_.join_groups_automatically, own_group_.most()),
       now_(now),
       beacon_due_(now),
       beacon_spacing_(options_.beacon_interval),

@@ -29,8 +29,8 @@ std::vector<TableFill> Engine::Implementation::tables() const {
       {"octets of sends", octets_waiting_, kMostSendOctets + options_.max_packet_size},
       {"events", events_.size(), 2 * kMostEvents},
       {"octets of events", event_octets_, std::max(kMostEventOctets, options_.max_packet_size)},
-      {"members", groups_.members.size(), multicast::Groups::kMostMembers},
-      {"groups", groups_.memberships.size(), multicast::Groups::kMostGroups},
+      {"members", own_group_.size(), multicast::OwnGroup::kMostMembers},
+      {"groups", memberships_.size(), multicast::Memberships::kMostGroups},
       {"runs with keys", guard_.sessions(), security::FrameGuard::kMostSessions},
   };
 }

@@ -115,10 +115,7 @@ void Engine::Implementation::deliver_packet(Carrier carrier, const std::string& 
       return malformed();
     return on_group_packet(source, *packet, now);
   }
-  if (const auto left = groups_.memberships.find(packet->group);
-      left != groups_.memberships.end() && !left->second.wanted) {
-    return;
-  }
+  if (memberships_.refuses(packet->group)) return;
   auto& by_hops = statistics_.packets_received_by_hops;
   if (by_hops.size() < hops) by_hops.resize(hops);
   ++by_hops[hops - 1];
