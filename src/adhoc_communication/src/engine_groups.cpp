@@ -187,10 +187,14 @@ void Engine::Implementation::expire_waiting_sends(Time now) {
   for (const std::string& group : overdue.groups_to_ask) request_members(group, now);
 }
 
+const multicast::Tree* Engine::Implementation::tree_of(const MacAddress& root) const {
+  const auto found = distributor_.branches().find(root);
+  return found == distributor_.branches().end() ? nullptr : &found->second.tree;
+}
+
 /// The children in the tree, and for members that no packet has made part of it yet the neighbours that will be.
 std::set<MacAddress> Engine::Implementation::ways_to_members() const {
-  const auto found = distributor_.trees().find(self_.address);
-  const multicast::Tree* tree = found == distributor_.trees().end() ? nullptr : &found->second;
+  const multicast::Tree* tree = tree_of(self_.address);
   std::set<MacAddress> ways;
   for (const std::string& name : own_group_.names()) {
     const auto address = directory_.address_of(name);
@@ -212,8 +216,8 @@ GroupState Engine::Implementation::group_state(const std::string& group) const {
   }
   if (!root) return state;
   const auto address = directory_.address_of(*root);
-  const auto tree = address ? distributor_.trees().find(*address) : distributor_.trees().end();
-  const bool on_tree = tree != distributor_.trees().end() && tree->second.upstream;
+  const multicast::Tree* tree = address ? tree_of(*address) : nullptr;
+  const bool on_tree = tree != nullptr && tree->upstream;
   const multicast::Membership* membership = memberships_.find(group);
   const bool wanted = membership != nullptr && membership->wanted;
   if (!wanted && !on_tree) return state;
@@ -225,12 +229,12 @@ GroupState Engine::Implementation::group_state(const std::string& group) const {
   state.activated = state.connected = on_tree || (wanted && membership->joined);
   const routing::Route* route = address ? router_.route_to(*address, now_) : nullptr;
   if (on_tree) {
-    for (const auto& [child, members] : tree->second.children) state.downlinks.push_back(name_or_address(child));
+    for (const auto& [child, members] : tree->children) state.downlinks.push_back(name_or_address(child));
   }
   if (!on_tree && route == nullptr) return state;
   const std::string hops = std::to_string(route == nullptr ? 1 : route->hops);
-  state.route_uplink = "Next hop:" + name_or_address(on_tree ? *tree->second.upstream : route->next_hop) +
-                       " RD:" + hops + " HOBS:" + hops + " CH:" + hops;
+  state.route_uplink = "Next hop:" + name_or_address(on_tree ? *tree->upstream : route->next_hop) + " RD:" + hops +
+                       " HOBS:" + hops + " CH:" + hops;
   return state;
 }
 

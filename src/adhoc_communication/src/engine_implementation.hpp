@@ -215,6 +215,7 @@ class Engine::Implementation : private Outbox {
   // engine_groups.cpp: membership.
   bool takes_part(const MacAddress& root) const;
   void carry_out_memberships(Time now);
+  const multicast::Tree* tree_of(const MacAddress& root) const;
   std::set<MacAddress> ways_to_members() const;
   void send_members(const std::string& robot, Time now);
   void on_group_packet(const std::string& source, const transport::Packet& packet, Time now);

@@ -31,7 +31,8 @@ std::vector<LinkState> Engine::Implementation::links() const {
 
 std::vector<TreeState> Engine::Implementation::trees() const {
   std::vector<TreeState> result;
-  for (const auto& [root, tree] : distributor_.trees()) {
+  for (const auto& [root, branch] : distributor_.branches()) {
+    const multicast::Tree& tree = branch.tree;
     const std::set<MacAddress> children = tree.child_addresses();
     result.push_back({root, tree.boot, tree.epoch, tree.upstream, {children.begin(), children.end()}});
   }

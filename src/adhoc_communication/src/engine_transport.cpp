@@ -194,7 +194,7 @@ void Engine::Implementation::serve_stream(const StreamKey& key, Stream& stream, 
 void Engine::Implementation::fail_unreachable(Time now) {
   for (const routing::DiscoveryFailure& failure : router_.take_failures(now)) {
     if (failure.repair) {
-      distributor_.unreachable(failure.target.address, {}, true);
+      distributor_.unreachable(failure.target.address, {}, true, now);
       touched_ = true;  // own packets may wait for that route, too
       continue;
     }
@@ -206,7 +206,7 @@ void Engine::Implementation::fail_unreachable(Time now) {
     const std::string reason = failure.elapsed > Time(0)
                                    ? "no route to " + name + " after " + seconds_text(failure.elapsed)
                                    : "no route to " + name + ": too many searches at once";
-    distributor_.unreachable(failure.target.address, reason, false);
+    distributor_.unreachable(failure.target.address, reason, false, now);
     for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
       Stream* stream = streams_.find({name, priority});
       if (stream == nullptr) continue;
