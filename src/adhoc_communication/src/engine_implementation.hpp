@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "adhoc_communication/engine.hpp"
+#include "api/event_queue.hpp"
 #include "busy_map.hpp"
 #include "identity.hpp"
 #include "multicast/distributor.hpp"
@@ -19,6 +19,7 @@
 #include "multicast/memberships.hpp"
 #include "multicast/own_group.hpp"
 #include "outbox.hpp"
+#include "presence/beacon_rhythm.hpp"
 #include "random.hpp"
 #include "routing/router.hpp"
 #include "security/frame_guard.hpp"
@@ -42,10 +43,8 @@ class Engine::Implementation : private Outbox {
   static constexpr std::size_t kMostStreams = 1024;           ///< robots and priorities; idle ones make room
   static constexpr std::size_t kMostReceivers =
       1024;  ///< robots whose packets are put together; the one idle longest makes room
-  static constexpr std::size_t kMostHeld = 512;     ///< frames of others that wait for a repair; further ones are lost
-  static constexpr std::size_t kMostEvents = 4096;  ///< the oldest received packet is dropped beyond
-  static constexpr std::size_t kMostEventOctets = 32'000'000;  ///< of received packets, if it is more than one
-  static constexpr std::size_t kMostFloodOctets = 64'000;      ///< of one, unpacked; of a robot's words on groups, too
+  static constexpr std::size_t kMostHeld = 512;  ///< frames of others that wait for a repair; further ones are lost
+  static constexpr std::size_t kMostFloodOctets = 64'000;  ///< of one, unpacked; of a robot's words on groups, too
 
   Implementation(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now);
 
@@ -55,7 +54,7 @@ class Engine::Implementation : private Outbox {
   SendId broadcast(BroadcastRequest request, Time now);
   std::vector<Frame> poll(Time now);
   Time next_deadline() const;
-  std::optional<Event> next_event();
+  std::optional<Event> next_event() { return events_.next(); }
   void join_group(const std::string& group, Time now);
   void leave_group(const std::string& group, Time now);
   GroupState group_state(const std::string& group) const;
@@ -129,14 +128,11 @@ class Engine::Implementation : private Outbox {
   bool lost_artificially(wire::FrameType type);
   void malformed() { ++statistics_.frames_dropped.malformed; }
   bool proves_itself(const security::OpenedFrame& opened, Time now);
-  void greet(Time now);
   Link& link(const MacAddress& neighbor);
 
   // engine_beacons.cpp: presence.
   void send_beacon(Time now);
   wire::Beacon plain_beacon(Time now) const;
-  Time next_interval(Time now);
-  void happened(Time now);
   void probe(const MacAddress& neighbor, Time now);
   void on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon, Time now);
   void maintain(Time now);
@@ -200,8 +196,7 @@ class Engine::Implementation : private Outbox {
   void finish(SendId id, bool delivered, const std::string& reason, Time now, bool superseded = false);
   void finish_fan_out_part(SendId parent, const std::string& member, bool delivered, const std::string& reason,
                            Time now);
-  void report(Event event);
-  void drop_oldest_packet();
+  void report(Event event) { events_.add(std::move(event)); }
 
   // engine_terms.cpp: sends that end before they are delivered.
   bool takes_place(SendId id, const transport::SendTerms::Subject& subject, const transport::Image& image, Time now);
@@ -238,6 +233,7 @@ class Engine::Implementation : private Outbox {
   Statistics statistics_;
   security::FrameGuard guard_;
   Random random_;
+  presence::BeaconRhythm rhythm_;
   routing::Neighbors neighbors_;
   routing::LivingRuns runs_;
   routing::RobotDirectory directory_;
@@ -270,10 +266,6 @@ class Engine::Implementation : private Outbox {
   std::uint64_t last_group_counter_ = 0;
   int group_pair_ = 0;  ///< counts frames to groups; 0 and 1 are a pair
   Time now_{0};
-  Time beacon_due_{0};
-  Time last_beacon_{-1};
-  Time beacon_spacing_;
-  Time last_happened_;
   std::uint16_t beacons_sent_ = 0;
   Time started_{0};
   Time expected_poll_ = Time::max();
@@ -285,8 +277,7 @@ class Engine::Implementation : private Outbox {
   MacAddress last_link_served_{};
   StreamKey last_stream_served_;
   std::vector<Frame> out_;
-  std::deque<Event> events_;
-  std::size_t event_octets_ = 0;  ///< payloads of the packets among them
+  EventQueue events_;
 };
 
 }  // namespace adhoc_communication

@@ -202,32 +202,6 @@ void Engine::Implementation::finish_fan_out_part(SendId parent, const std::strin
   finish(parent, failures->empty(), failures->empty() ? "" : "not delivered to " + *failures, now);
 }
 
-void Engine::Implementation::report(Event event) {
-  const auto* packet = std::get_if<PacketReceived>(&event);
-  const std::size_t octets = packet == nullptr ? 0 : packet->payload.size();
-  if (events_.size() >= kMostEvents) drop_oldest_packet();
-  while (event_octets_ > 0 && event_octets_ + octets > kMostEventOctets) drop_oldest_packet();
-  event_octets_ += octets;
-  events_.push_back(std::move(event));
-}
-
-/// Ends of sends and changes of the team are few and must not be lost.
-void Engine::Implementation::drop_oldest_packet() {
-  const auto oldest = std::find_if(events_.begin(), events_.end(),
-                                   [](const Event& kept) { return std::holds_alternative<PacketReceived>(kept); });
-  if (oldest == events_.end()) return;
-  event_octets_ -= std::get<PacketReceived>(*oldest).payload.size();
-  events_.erase(oldest);
-}
-
-std::optional<Event> Engine::Implementation::next_event() {
-  if (events_.empty()) return std::nullopt;
-  Event event = std::move(events_.front());
-  events_.pop_front();
-  if (const auto* packet = std::get_if<PacketReceived>(&event)) event_octets_ -= packet->payload.size();
-  return event;
-}
-
 std::vector<std::string> Engine::Implementation::neighbors() const {
   std::vector<std::string> names;
   for (const auto& [address, neighbor] : neighbors_.all()) {
