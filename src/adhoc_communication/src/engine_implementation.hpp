@@ -27,6 +27,7 @@
 #include "transport/broadcast.hpp"
 #include "transport/fair_share.hpp"
 #include "transport/flood.hpp"
+#include "transport/held_frames.hpp"
 #include "transport/hop_receiver.hpp"
 #include "transport/hop_sender.hpp"
 #include "transport/packet_image.hpp"
@@ -43,7 +44,6 @@ class Engine::Implementation : private Outbox {
   static constexpr std::size_t kMostStreams = 1024;           ///< robots and priorities; idle ones make room
   static constexpr std::size_t kMostReceivers =
       1024;  ///< robots whose packets are put together; the one idle longest makes room
-  static constexpr std::size_t kMostHeld = 512;  ///< frames of others that wait for a repair; further ones are lost
   static constexpr std::size_t kMostFloodOctets = 64'000;  ///< of one, unpacked; of a robot's words on groups, too
 
   Implementation(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now);
@@ -143,7 +143,6 @@ class Engine::Implementation : private Outbox {
 
   // engine_repair.cpp: what was under way over a link that is lost.
   void link_lost(const MacAddress& neighbor, Time now);
-  bool hold(const MacAddress& destination, transport::HopFrame frame);
   void release_held(Time now);
 
   // engine_transport.cpp: packets.
@@ -253,9 +252,7 @@ class Engine::Implementation : private Outbox {
   multicast::Memberships memberships_;
   multicast::GroupSends group_sends_;
 
-  std::map<MacAddress, std::vector<transport::HopFrame>> held_;  ///< by destination, while its route is repaired
-  std::size_t held_frames_ = 0;
-
+  transport::HeldFrames held_;
   std::map<SendId, Sending> sendings_;
   transport::SendTerms terms_;
   std::size_t host_sends_ = 0;

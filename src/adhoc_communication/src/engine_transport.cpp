@@ -44,7 +44,7 @@ void Engine::Implementation::forward(const MacAddress& from, Message message, Fr
   ++message.hops;
   if (route == nullptr &&
       (router_.repairing(destination) || router_.repair_late(destination, message.source, from, now))) {
-    hold(destination, {type, to_bytes(message), priority, from});
+    held_.add(destination, {type, to_bytes(message), priority, from});
     return;
   }
   if (route == nullptr || route->next_hop == from) return router_.no_route_for(destination, from, now);
