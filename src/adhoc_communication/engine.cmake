@@ -17,12 +17,13 @@ endforeach()
 set(ADHOC_ENGINE_DIR ${CMAKE_CURRENT_LIST_DIR})
 file(GLOB ADHOC_ENGINE_SOURCES CONFIGURE_DEPENDS
   ${ADHOC_ENGINE_DIR}/src/*.cpp
+  ${ADHOC_ENGINE_DIR}/src/api/*.cpp
+  ${ADHOC_ENGINE_DIR}/src/presence/*.cpp
   ${ADHOC_ENGINE_DIR}/src/wire/*.cpp
   ${ADHOC_ENGINE_DIR}/src/routing/*.cpp
   ${ADHOC_ENGINE_DIR}/src/security/*.cpp
   ${ADHOC_ENGINE_DIR}/src/transport/*.cpp
-  ${ADHOC_ENGINE_DIR}/src/multicast/*.cpp
-  ${ADHOC_ENGINE_DIR}/src/link/medium*.cpp)
+  ${ADHOC_ENGINE_DIR}/src/multicast/*.cpp)
 
 add_library(adhoc_engine STATIC ${ADHOC_ENGINE_SOURCES})
 set_target_properties(adhoc_engine PROPERTIES POSITION_INDEPENDENT_CODE ON)
@@ -36,11 +37,18 @@ if(ADHOC_SANITIZE)
   target_link_libraries(adhoc_engine PUBLIC -fsanitize=address,undefined)
 endif()
 
+# The simulated radio, which a robot's node does not link.
+file(GLOB ADHOC_MEDIUM_SOURCES CONFIGURE_DEPENDS ${ADHOC_ENGINE_DIR}/src/medium/*.cpp)
+add_library(adhoc_medium STATIC ${ADHOC_MEDIUM_SOURCES} ${ADHOC_ENGINE_DIR}/src/propagation/path_loss.cpp)
+set_target_properties(adhoc_medium PROPERTIES POSITION_INDEPENDENT_CODE ON)
+target_compile_options(adhoc_medium PRIVATE -Wall -Wextra -Werror)
+target_link_libraries(adhoc_medium PUBLIC adhoc_engine)
+
 # Robots in one process on the simulated radio.
 add_library(adhoc_simulation STATIC EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/src/simulation/team.cpp)
 set_target_properties(adhoc_simulation PROPERTIES POSITION_INDEPENDENT_CODE ON)
 target_compile_options(adhoc_simulation PRIVATE -Wall -Wextra -Werror)
-target_link_libraries(adhoc_simulation PUBLIC adhoc_engine)
+target_link_libraries(adhoc_simulation PUBLIC adhoc_medium)
 
 # What tests and benchmarks of the engine share.
 add_library(adhoc_engine_test_support STATIC EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/test/engine/host.cpp
@@ -89,7 +97,7 @@ endif()
 
 # The simulated radio alone.
 add_executable(bench_medium EXCLUDE_FROM_ALL ${ADHOC_ENGINE_DIR}/test/engine/bench_medium.cpp)
-target_link_libraries(bench_medium adhoc_engine)
+target_link_libraries(bench_medium adhoc_medium)
 if(COMMAND catkin_package)
   install(TARGETS bench_medium RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION} OPTIONAL)
 endif()

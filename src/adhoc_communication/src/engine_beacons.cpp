@@ -12,15 +12,13 @@ constexpr std::size_t kHeardSize = 7;
 constexpr std::size_t kMostHeard = 24;  ///< in one beacon; with more, they take turns
 constexpr std::size_t kRumorSize = 20 + wire::kLongestName;
 constexpr std::size_t kMostRumors = 16;
-constexpr Time kIdleInterval = std::chrono::seconds(1);
-constexpr Time kQuiet = std::chrono::seconds(1);  ///< after this long without events beacons back off
 
 }  // namespace
 
 void Engine::Implementation::send_beacon(Time now) {
   const std::size_t room =
       static_cast<std::size_t>(std::min(options_.mtu, 1500)) - wire::kHeaderSize - wire::kTagSize - kBeaconFixedSize;
-  const Time interval = next_interval(now);
+  const Time interval = rhythm_.next(now);
   wire::Beacon beacon = plain_beacon(now);
   beacon.number = ++beacons_sent_;
   beacon.interval_ms = static_cast<std::uint32_t>(interval / std::chrono::milliseconds(1));
@@ -30,9 +28,6 @@ void Engine::Implementation::send_beacon(Time now) {
   beacon.rumors = directory_.take_rumors(
       rumors, [&](const MacAddress& robot, wire::BootTag boot) { return !neighbors_.all_hear(robot, boot, now); });
   broadcast(wire::FrameType::kBeacon, to_bytes(beacon));
-  last_beacon_ = now;
-  // A tenth of randomness keeps the beacons of robots started together from meeting again and again.
-  beacon_due_ = now + interval * 19 / 20 + random_.delay(interval / 10);
 }
 
 wire::Beacon Engine::Implementation::plain_beacon(Time now) const {
@@ -42,22 +37,6 @@ wire::Beacon Engine::Implementation::plain_beacon(Time now) const {
   beacon.number = beacons_sent_;
   beacon.name = self_.name;
   return beacon;
-}
-
-/// Twice the one before, up to kIdleInterval, while nothing happens.
-Time Engine::Implementation::next_interval(Time now) {
-  const Time shortest = options_.beacon_interval;
-  const bool quiet = now - last_happened_ >= kQuiet;
-  beacon_spacing_ = quiet ? std::min(2 * beacon_spacing_, std::max(shortest, kIdleInterval)) : shortest;
-  return beacon_spacing_;
-}
-
-/// Presence is told often again, at once if the next beacon is far.
-void Engine::Implementation::happened(Time now) {
-  last_happened_ = now;
-  if (beacon_spacing_ <= options_.beacon_interval) return;
-  beacon_spacing_ = options_.beacon_interval;
-  beacon_due_ = std::min(beacon_due_, now + random_.delay(options_.beacon_interval));
 }
 
 /// Asks a neighbour that has become quiet for an acknowledgment: a few beacons may just have been lost.
@@ -98,24 +77,24 @@ void Engine::Implementation::maintain(Time now) {
   for (const auto& [source, receiver] : receivers_.all()) receiver->expire(now);
   expire_waiting_sends(now);
   distributor_.expire(now);
-  settle_memberships(now);
+  memberships_.expire(now);
+  carry_out_memberships(now);
 }
 
 void Engine::Implementation::announce_changes(Time now) {
   for (const std::string& name : directory_.take_taken_names()) report(NameTaken{name});
   for (const routing::DirectoryChange& change : directory_.take_changes()) {
-    happened(now);
-    const std::string group = multicast::group_of(change.robot);
+    rhythm_.happened(now);
     if (change.appeared) {
       report(RobotAppeared{change.robot});
-      member_returned(change.robot, change.boot, now);
-      if (options_.join_groups_automatically || groups_.memberships.count(group) != 0) start_join(group, now);
+      if (own_group_.comes_back(change.robot, change.boot)) admit_member(change.robot, now);
+      memberships_.appeared(change.robot);
+      carry_out_memberships(now);
       continue;
     }
     report(RobotLost{change.robot});
-    member_lost(change.robot, change.boot, now);
-    const auto membership = groups_.memberships.find(group);
-    if (membership != groups_.memberships.end()) membership->second.joined = false;
+    if (own_group_.lose(change.robot, change.boot)) leave_out(change.robot, change.robot + " was lost", now);
+    memberships_.lost(change.robot);
   }
 }
 

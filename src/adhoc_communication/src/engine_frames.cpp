@@ -45,7 +45,7 @@ void Engine::Implementation::transmit(FrameType type, std::uint8_t flags, const 
                                       std::uint32_t link_sequence, std::uint64_t counter, const Bytes& body, Time now) {
   const wire::FrameHeader header{type, flags, self_.address, self_.boot_id, counter, next_hop, link_sequence};
   Frame frame{next_hop, self_.address, guard_.close(header, body), is_control(type, flags)};
-  if (type != FrameType::kBeacon && type != FrameType::kHopAcknowledgment) happened(now);
+  if (type != FrameType::kBeacon && type != FrameType::kHopAcknowledgment) rhythm_.happened(now);
   ++statistics_.frames_sent;
   ++statistics_.frames_sent_by_type[static_cast<std::size_t>(type)];
   statistics_.bytes_sent += frame.bytes.size() + wire::kEthernetHeaderSize;
@@ -91,15 +91,8 @@ bool Engine::Implementation::proves_itself(const security::OpenedFrame& opened, 
     return true;
   }
   ++statistics_.frames_dropped.unproven;
-  if (beacon && neighbors_.candidate(header.sender, wire::boot_tag(header.boot_id), now)) greet(now);
+  if (beacon && neighbors_.candidate(header.sender, wire::boot_tag(header.boot_id), now)) rhythm_.greet(now);
   return false;
-}
-
-/// Newcomers, and those whose link had failed, are greeted soon, so that both sides know at once that the link works
-/// both ways.
-void Engine::Implementation::greet(Time now) {
-  const Time earliest = last_beacon_ < Time(0) ? now : last_beacon_ + std::chrono::milliseconds(50);
-  beacon_due_ = std::min(beacon_due_, std::max(earliest, now + random_.delay(std::chrono::milliseconds(10))));
 }
 
 void Engine::Implementation::set_keys(std::vector<TeamKey> keys) {
@@ -116,8 +109,8 @@ bool Engine::Implementation::hear(const wire::FrameHeader& header, Time now) {
   const routing::Neighbor* before = neighbors_.find(header.sender);
   const bool restarted = before != nullptr && before->boot != boot;
   if (before == nullptr || restarted || neighbors_.is_lost(*before, now)) {
-    happened(now);
-    greet(now);
+    rhythm_.happened(now);
+    rhythm_.greet(now);
   }
   if (restarted) link_lost(header.sender, now);
   if (neighbors_.heard(header.sender, boot, now) == nullptr) return false;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,11 +11,15 @@
 #include <vector>
 
 #include "adhoc_communication/engine.hpp"
+#include "api/event_queue.hpp"
 #include "busy_map.hpp"
 #include "identity.hpp"
 #include "multicast/distributor.hpp"
-#include "multicast/groups.hpp"
+#include "multicast/group_sends.hpp"
+#include "multicast/memberships.hpp"
+#include "multicast/own_group.hpp"
 #include "outbox.hpp"
+#include "presence/beacon_rhythm.hpp"
 #include "random.hpp"
 #include "routing/router.hpp"
 #include "security/frame_guard.hpp"
@@ -24,6 +27,7 @@
 #include "transport/broadcast.hpp"
 #include "transport/fair_share.hpp"
 #include "transport/flood.hpp"
+#include "transport/held_frames.hpp"
 #include "transport/hop_receiver.hpp"
 #include "transport/hop_sender.hpp"
 #include "transport/packet_image.hpp"
@@ -40,10 +44,7 @@ class Engine::Implementation : private Outbox {
   static constexpr std::size_t kMostStreams = 1024;           ///< robots and priorities; idle ones make room
   static constexpr std::size_t kMostReceivers =
       1024;  ///< robots whose packets are put together; the one idle longest makes room
-  static constexpr std::size_t kMostHeld = 512;     ///< frames of others that wait for a repair; further ones are lost
-  static constexpr std::size_t kMostEvents = 4096;  ///< the oldest received packet is dropped beyond
-  static constexpr std::size_t kMostEventOctets = 32'000'000;  ///< of received packets, if it is more than one
-  static constexpr std::size_t kMostFloodOctets = 64'000;      ///< of one, unpacked; of a robot's words on groups, too
+  static constexpr std::size_t kMostFloodOctets = 64'000;  ///< of one, unpacked; of a robot's words on groups, too
 
   Implementation(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now);
 
@@ -53,7 +54,7 @@ class Engine::Implementation : private Outbox {
   SendId broadcast(BroadcastRequest request, Time now);
   std::vector<Frame> poll(Time now);
   Time next_deadline() const;
-  std::optional<Event> next_event();
+  std::optional<Event> next_event() { return events_.next(); }
   void join_group(const std::string& group, Time now);
   void leave_group(const std::string& group, Time now);
   GroupState group_state(const std::string& group) const;
@@ -94,17 +95,18 @@ class Engine::Implementation : private Outbox {
   };
   using StreamKey = std::pair<std::string, std::uint8_t>;
 
-  enum class Purpose { kHost, kFanOut, kCatchUp, kJoin, kLeave, kMembersRequest, kConfirmation, kInternal };
+  enum class Purpose { kHost, kFanOut, kCatchUp, kWord, kMembersRequest, kInternal };
   /// A packet not finished yet.
   struct Sending {
     Purpose purpose = Purpose::kHost;
     std::string destination;
-    std::string group;  ///< that is joined or left
+    std::string group;  ///< of which its root is told or asked something
     SendId parent = 0;  ///< of kFanOut: the group send
     std::size_t octets = 0;
     std::optional<std::pair<std::uint8_t, std::uint32_t>> copy{};  ///< stream and number, of a copy of a group packet
     Priority priority = Priority::kNormal;
-    Time lifetime{0};  ///< 0: none
+    Time lifetime{0};              ///< 0: none
+    multicast::Word::Kind word{};  ///< of kWord
   };
 
   void touch(Time now) {
@@ -126,14 +128,11 @@ class Engine::Implementation : private Outbox {
   bool lost_artificially(wire::FrameType type);
   void malformed() { ++statistics_.frames_dropped.malformed; }
   bool proves_itself(const security::OpenedFrame& opened, Time now);
-  void greet(Time now);
   Link& link(const MacAddress& neighbor);
 
   // engine_beacons.cpp: presence.
   void send_beacon(Time now);
   wire::Beacon plain_beacon(Time now) const;
-  Time next_interval(Time now);
-  void happened(Time now);
   void probe(const MacAddress& neighbor, Time now);
   void on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon, Time now);
   void maintain(Time now);
@@ -144,7 +143,6 @@ class Engine::Implementation : private Outbox {
 
   // engine_repair.cpp: what was under way over a link that is lost.
   void link_lost(const MacAddress& neighbor, Time now);
-  bool hold(const MacAddress& destination, transport::HopFrame frame);
   void release_held(Time now);
 
   // engine_transport.cpp: packets.
@@ -197,8 +195,7 @@ class Engine::Implementation : private Outbox {
   void finish(SendId id, bool delivered, const std::string& reason, Time now, bool superseded = false);
   void finish_fan_out_part(SendId parent, const std::string& member, bool delivered, const std::string& reason,
                            Time now);
-  void report(Event event);
-  void drop_oldest_packet();
+  void report(Event event) { events_.add(std::move(event)); }
 
   // engine_terms.cpp: sends that end before they are delivered.
   bool takes_place(SendId id, const transport::SendTerms::Subject& subject, const transport::Image& image, Time now);
@@ -211,38 +208,31 @@ class Engine::Implementation : private Outbox {
 
   // engine_groups.cpp: membership.
   bool takes_part(const MacAddress& root) const;
-  void settle_memberships(Time now);
-  void end_join(const std::string& group, const std::string& failure, Time now);
-  void turned_away(const std::string& group, std::size_t members, Time now);
-  std::size_t most_members() const;
+  void carry_out_memberships(Time now);
+  const multicast::Tree* tree_of(const MacAddress& root) const;
   std::set<MacAddress> ways_to_members() const;
   void send_members(const std::string& robot, Time now);
-  void start_leave(const std::string& group, Time now);
-  void member_lost(const std::string& member, wire::BootTag boot, Time now);
-  void member_returned(const std::string& member, wire::BootTag boot, Time now);
-  void start_join(const std::string& group, Time now);
-  void finish_membership(const Sending& sending, bool delivered, const std::string& reason, Time now);
   void on_group_packet(const std::string& source, const transport::Packet& packet, Time now);
   void on_members(const std::string& group, const std::vector<std::string>& members, Time now);
   void request_members(const std::string& group, Time now);
   void fail_waiting_sends(const std::string& group, const std::string& reason, Time now);
   void expire_waiting_sends(Time now);
   void admit_member(const std::string& member, Time now);
-  void remove_member(const std::string& member, const std::string& reason, Time now);
+  void leave_out(const std::string& member, const std::string& reason, Time now);
   void send_copy(const std::string& member, const multicast::HeldPacket& packet, Purpose purpose, SendId parent,
                  Time now);
   void copy_finished(const Sending& copy);
   void on_copy(const std::string& source, const transport::Packet& packet, Time now);
   void finish_group_members(Time now);
   void take_group_packets(Time now);
-  SendId send_control(const std::string& destination, transport::PacketKind kind, const std::string& group,
-                      Bytes payload, Purpose purpose, Time now);
+  void send_control(Sending sending, transport::PacketKind kind, Bytes payload, Time now);
 
   EngineOptions options_;
   Identity self_;
   Statistics statistics_;
   security::FrameGuard guard_;
   Random random_;
+  presence::BeaconRhythm rhythm_;
   routing::Neighbors neighbors_;
   routing::LivingRuns runs_;
   routing::RobotDirectory directory_;
@@ -258,11 +248,11 @@ class Engine::Implementation : private Outbox {
   transport::BroadcastReceiver broadcast_receiver_;
   transport::FloodRelay flood_;
   multicast::Distributor distributor_;
-  multicast::Groups groups_;
+  multicast::OwnGroup own_group_;
+  multicast::Memberships memberships_;
+  multicast::GroupSends group_sends_;
 
-  std::map<MacAddress, std::vector<transport::HopFrame>> held_;  ///< by destination, while its route is repaired
-  std::size_t held_frames_ = 0;
-
+  transport::HeldFrames held_;
   std::map<SendId, Sending> sendings_;
   transport::SendTerms terms_;
   std::size_t host_sends_ = 0;
@@ -273,10 +263,6 @@ class Engine::Implementation : private Outbox {
   std::uint64_t last_group_counter_ = 0;
   int group_pair_ = 0;  ///< counts frames to groups; 0 and 1 are a pair
   Time now_{0};
-  Time beacon_due_{0};
-  Time last_beacon_{-1};
-  Time beacon_spacing_;
-  Time last_happened_;
   std::uint16_t beacons_sent_ = 0;
   Time started_{0};
   Time expected_poll_ = Time::max();
@@ -288,8 +274,7 @@ class Engine::Implementation : private Outbox {
   MacAddress last_link_served_{};
   StreamKey last_stream_served_;
   std::vector<Frame> out_;
-  std::deque<Event> events_;
-  std::size_t event_octets_ = 0;  ///< payloads of the packets among them
+  EventQueue events_;
 };
 
 }  // namespace adhoc_communication

@@ -31,7 +31,8 @@ std::vector<LinkState> Engine::Implementation::links() const {
 
 std::vector<TreeState> Engine::Implementation::trees() const {
   std::vector<TreeState> result;
-  for (const auto& [root, tree] : distributor_.trees()) {
+  for (const auto& [root, branch] : distributor_.branches()) {
+    const multicast::Tree& tree = branch.tree;
     const std::set<MacAddress> children = tree.child_addresses();
     result.push_back({root, tree.boot, tree.epoch, tree.upstream, {children.begin(), children.end()}});
   }
@@ -42,9 +43,7 @@ QueueState Engine::Implementation::queues() const { return {host_sends_, octets_
 
 std::vector<std::string> Engine::Implementation::groups() const {
   std::vector<std::string> result{multicast::group_of(self_.name)};
-  for (const auto& [group, membership] : groups_.memberships) {
-    if (membership.joined || membership.joining) result.push_back(group);
-  }
+  for (std::string& group : memberships_.groups()) result.push_back(std::move(group));
   return result;
 }
 

@@ -29,6 +29,7 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       self_{options_.robot_name, address, boot_id, wire::boot_tag(boot_id)},
       guard_(self_, options_.keys, statistics_.frames_dropped),
       random_(seed),
+      rhythm_(options_.beacon_interval, random_, now),
       neighbors_(options_.timings, options_.beacon_interval),
       directory_(runs_, self_.name),
       router_(self_, options_, neighbors_, runs_, directory_, *this, random_, now),
@@ -40,10 +41,10 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       flood_(*this, random_),
       distributor_(self_, router_, *this, random_, air_, reassembly_, options_.max_packet_size,
                    static_cast<std::uint16_t>(room(options_, wire::kGroupDataHeaderSize))),
+      own_group_(static_cast<std::size_t>(options_.mtu) - wire::kHeaderSize - wire::kTagSize -
+                 wire::kActivationHeaderSize),
+      memberships_(directory_, options_.join_groups_automatically, own_group_.most()),
       now_(now),
-      beacon_due_(now),
-      beacon_spacing_(options_.beacon_interval),
-      last_happened_(now),
       started_(now) {
   security::wipe(options_.keys);
 }
@@ -54,7 +55,7 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   if (now - kTolerableLateness > expected_poll_) {
     for (const auto& [neighbor, link] : links_.busy()) link->sender.excuse_silence(now);
   }
-  if (beacon_due_ <= now) {
+  if (rhythm_.due() <= now) {
     maintain(now);
     send_beacon(now);
   }
@@ -98,7 +99,7 @@ Time Engine::Implementation::acknowledgment_due(const transport::HopReceiver& re
 
 Time Engine::Implementation::next_deadline() const {
   if (touched_) return now_;
-  Time next = std::min({beacon_due_, router_.next_deadline(), flood_.next_deadline(), distributor_.next_deadline(),
+  Time next = std::min({rhythm_.due(), router_.next_deadline(), flood_.next_deadline(), distributor_.next_deadline(),
                         terms_.next_deadline()});
   for (const auto& [neighbor, link] : links_.busy()) {
     next = std::min(next, link->sender.next_deadline());

@@ -41,34 +41,22 @@ void Engine::Implementation::link_lost(const MacAddress& neighbor, Time now) {
   for (transport::HopFrame& frame : frames) {
     const std::optional<Way> way = way_of(frame);
     if (way && way->source != self_.address && router_.repairing(way->destination)) {
-      hold(way->destination, std::move(frame));
+      held_.add(way->destination, std::move(frame));
     }
   }
   distributor_.link_lost(neighbor, now);
 }
 
-bool Engine::Implementation::hold(const MacAddress& destination, transport::HopFrame frame) {
-  if (held_frames_ >= kMostHeld) return false;
-  held_[destination].push_back(std::move(frame));
-  ++held_frames_;
-  return true;
-}
-
 /// The repair has succeeded or failed. A way back to the source is none: it has learned of the new route itself.
 void Engine::Implementation::release_held(Time now) {
-  for (auto iterator = held_.begin(); iterator != held_.end();) {
-    if (router_.repairing(iterator->first)) {
-      ++iterator;
-      continue;
-    }
-    const routing::Route* route = router_.route_to(iterator->first, now);
-    for (transport::HopFrame& frame : iterator->second) {
+  const auto decided = [this](const MacAddress& destination) { return !router_.repairing(destination); };
+  for (auto& [destination, frames] : held_.take(decided)) {
+    const routing::Route* route = router_.route_to(destination, now);
+    for (transport::HopFrame& frame : frames) {
       if (route != nullptr && way_of(frame)->source != route->next_hop) {
         link(route->next_hop).sender.enqueue(std::move(frame));
       }
     }
-    held_frames_ -= iterator->second.size();
-    iterator = held_.erase(iterator);
   }
 }
 

@@ -13,24 +13,17 @@ EngineOptions Engine::Implementation::options() const {
 void Engine::Implementation::succeed(Implementation& former, Time now) {
   former.end("the interface has changed", now);
   events_ = std::move(former.events_);
-  event_octets_ = former.event_octets_;
   statistics_ = former.statistics_;
   next_send_id_ = former.next_send_id_;
-  for (const auto& [group, membership] : former.groups_.memberships) {
-    multicast::Membership& kept = groups_.memberships[group];
-    kept.wanted = membership.wanted;
-    kept.left = membership.left;
-  }
+  memberships_.succeed(former.memberships_);
 }
 
 /// Everything that the host waits for, and all robots.
 void Engine::Implementation::end(const std::string& reason, Time now) {
   while (!sendings_.empty()) finish(sendings_.begin()->first, false, reason, now);
   for (const SendId id : flood_.take_waiting()) report(SendFinished{id, false, reason, false});
-  for (auto& [group, membership] : groups_.memberships) {
-    if (!std::exchange(membership.asked_by_host, false)) continue;
-    report(GroupChangeFinished{group, true, false, "cannot join " + group + ": " + reason});
-  }
+  memberships_.end(reason);
+  carry_out_memberships(now);
   for (const std::string& robot : directory_.names()) report(RobotLost{robot});
 }
 

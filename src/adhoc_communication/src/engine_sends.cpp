@@ -131,23 +131,18 @@ void Engine::Implementation::start_group_send(SendId id, const std::string& grou
   if (group == multicast::group_of(self_.name)) {
     return send_to_own_group(id, image, priority, now);
   }
-  const auto membership = groups_.memberships.find(group);
-  if (membership == groups_.memberships.end() || !membership->second.joined) {
-    return finish(id, false, "this robot is not a member of " + group, now);
-  }
-  auto& waiting = groups_.waiting[group];
-  waiting.push_back({id, std::move(image), priority, now + multicast::Groups::kMembersPatience});
-  if (waiting.size() > 1) return;
-  request_members(group, now);
+  if (!memberships_.joined(group)) return finish(id, false, "this robot is not a member of " + group, now);
+  const Time give_up = now + multicast::Memberships::kMembersPatience;
+  if (group_sends_.wait(group, {id, std::move(image), priority, give_up})) request_members(group, now);
 }
 
 /// Along the tree, but for members that are being sent packets by themselves.
 void Engine::Implementation::send_to_own_group(SendId id, const Image& image, Priority priority, Time now) {
   std::set<MacAddress> on_tree;
   std::vector<std::string> by_themselves;
-  for (const auto& [name, member] : groups_.members) {
+  for (const std::string& name : own_group_.names()) {
     const auto address = directory_.address_of(name);
-    if (member.copies == 0 && address) {
+    if (!own_group_.served_by_copies(name) && address) {
       on_tree.insert(*address);
     } else {
       by_themselves.push_back(name);
@@ -157,18 +152,16 @@ void Engine::Implementation::send_to_own_group(SendId id, const Image& image, Pr
   const Time lifetime = sendings_.at(id).lifetime;
   const Time until = lifetime > Time(0) ? now + lifetime : Time::max();
   const multicast::HeldPacket packet{static_cast<std::uint8_t>(priority), number, image, now, until};
-  multicast::hold(groups_.held, packet, now);
-  if (groups_.members.empty()) return finish(id, true, {}, now);
-  multicast::FanOut& fan_out = groups_.fan_outs[id];
-  fan_out.open = groups_.members.size();
-  fan_out.packet = packet;
+  own_group_.hold(packet, now);
+  if (own_group_.size() == 0) return finish(id, true, {}, now);
+  group_sends_.fan_out(id, own_group_.size(), packet);
   for (const std::string& name : by_themselves) send_copy(name, packet, Purpose::kFanOut, id, now);
 }
 
 void Engine::Implementation::fan_out(SendId id, const std::vector<std::string>& members, const Image& image,
                                      Priority priority, Time now) {
   if (members.empty()) return finish(id, true, {}, now);
-  groups_.fan_outs[id].open = members.size();
+  group_sends_.fan_out(id, members.size());
   for (const std::string& member : members) {
     start_unicast(member, image, priority, {Purpose::kFanOut, member, {}, id}, now);
   }
@@ -191,15 +184,12 @@ void Engine::Implementation::finish(SendId id, bool delivered, const std::string
       return finish_fan_out_part(sending.parent, sending.destination, delivered, reason, now);
     case Purpose::kCatchUp:
       return copy_finished(sending);
-    case Purpose::kConfirmation:
-      if (!delivered) end_join(sending.group, reason, now);
-      return;
     case Purpose::kMembersRequest:
       if (!delivered) fail_waiting_sends(sending.group, reason, now);
       return;
-    case Purpose::kJoin:
-    case Purpose::kLeave:
-      return finish_membership(sending, delivered, reason, now);
+    case Purpose::kWord:
+      memberships_.said({sending.word, sending.group}, delivered, reason, now);
+      return carry_out_memberships(now);
     case Purpose::kInternal:
       return;
   }
@@ -207,42 +197,9 @@ void Engine::Implementation::finish(SendId id, bool delivered, const std::string
 
 void Engine::Implementation::finish_fan_out_part(SendId parent, const std::string& member, bool delivered,
                                                  const std::string& reason, Time now) {
-  const auto found = groups_.fan_outs.find(parent);
-  if (found == groups_.fan_outs.end()) return;
-  if (!delivered) found->second.failures.push_back(member + " (" + reason + ")");
-  if (--found->second.open > 0) return;
-  const std::vector<std::string> failures = std::move(found->second.failures);
-  groups_.fan_outs.erase(found);
-  if (failures.empty()) return finish(parent, true, {}, now);
-  std::string names;
-  for (const std::string& failure : failures) names += (names.empty() ? "" : ", ") + failure;
-  finish(parent, false, "not delivered to " + names, now);
-}
-
-void Engine::Implementation::report(Event event) {
-  const auto* packet = std::get_if<PacketReceived>(&event);
-  const std::size_t octets = packet == nullptr ? 0 : packet->payload.size();
-  if (events_.size() >= kMostEvents) drop_oldest_packet();
-  while (event_octets_ > 0 && event_octets_ + octets > kMostEventOctets) drop_oldest_packet();
-  event_octets_ += octets;
-  events_.push_back(std::move(event));
-}
-
-/// Ends of sends and changes of the team are few and must not be lost.
-void Engine::Implementation::drop_oldest_packet() {
-  const auto oldest = std::find_if(events_.begin(), events_.end(),
-                                   [](const Event& kept) { return std::holds_alternative<PacketReceived>(kept); });
-  if (oldest == events_.end()) return;
-  event_octets_ -= std::get<PacketReceived>(*oldest).payload.size();
-  events_.erase(oldest);
-}
-
-std::optional<Event> Engine::Implementation::next_event() {
-  if (events_.empty()) return std::nullopt;
-  Event event = std::move(events_.front());
-  events_.pop_front();
-  if (const auto* packet = std::get_if<PacketReceived>(&event)) event_octets_ -= packet->payload.size();
-  return event;
+  const auto failures = group_sends_.part_finished(parent, member, delivered, reason);
+  if (!failures) return;
+  finish(parent, failures->empty(), failures->empty() ? "" : "not delivered to " + *failures, now);
 }
 
 std::vector<std::string> Engine::Implementation::neighbors() const {

@@ -27,10 +27,10 @@ std::vector<TableFill> Engine::Implementation::tables() const {
       {"broadcasts put together", broadcast_receiver_.packets(), transport::BroadcastReceiver::kMostPackets},
       {"sends", host_sends_, kMostSends},
       {"octets of sends", octets_waiting_, kMostSendOctets + options_.max_packet_size},
-      {"events", events_.size(), 2 * kMostEvents},
-      {"octets of events", event_octets_, std::max(kMostEventOctets, options_.max_packet_size)},
-      {"members", groups_.members.size(), multicast::Groups::kMostMembers},
-      {"groups", groups_.memberships.size(), multicast::Groups::kMostGroups},
+      {"events", events_.size(), 2 * EventQueue::kMostEvents},
+      {"octets of events", events_.octets(), std::max(EventQueue::kMostOctets, options_.max_packet_size)},
+      {"members", own_group_.size(), multicast::OwnGroup::kMostMembers},
+      {"groups", memberships_.size(), multicast::Memberships::kMostGroups},
       {"runs with keys", guard_.sessions(), security::FrameGuard::kMostSessions},
   };
 }

@@ -35,7 +35,8 @@ bool Engine::Implementation::replace(SendId former, SendId id, const Image& imag
     return broadcasts_[priority].replace(former, id, image, static_cast<std::uint16_t>(broadcast_segment_size_));
   }
   if (waiting.destination == multicast::group_of(self_.name)) return replace_in_own_group(former, id, image, now);
-  if (multicast::root_of(waiting.destination)) return groups_.replace_waiting(waiting.destination, former, id, image);
+  if (multicast::root_of(waiting.destination))
+    return group_sends_.replace_waiting(waiting.destination, former, id, image);
   Stream* stream = streams_.find({waiting.destination, priority});
   return stream != nullptr && stream->sender.replace(former, id, image, static_cast<std::uint16_t>(segment_size_), now);
 }
@@ -43,16 +44,11 @@ bool Engine::Implementation::replace(SendId former, SendId id, const Image& imag
 bool Engine::Implementation::replace_in_own_group(SendId former, SendId id, const Image& image, Time now) {
   const auto number = distributor_.replace(former, id, image, now);
   if (!number) return false;
-  auto fan_out = groups_.fan_outs.extract(former);
   const Time lifetime = sendings_.at(id).lifetime;
-  const multicast::HeldPacket packet{fan_out.mapped().packet.stream, *number, image, now,
+  const multicast::HeldPacket packet{group_sends_.packet_of(former).stream, *number, image, now,
                                      lifetime > Time(0) ? now + lifetime : Time::max()};
-  fan_out.key() = id;
-  fan_out.mapped().packet = packet;
-  groups_.fan_outs.insert(std::move(fan_out));
-  for (multicast::HeldPacket& held : groups_.held) {
-    if (held.stream == packet.stream && held.number == packet.number) held = packet;
-  }
+  group_sends_.replace(former, id, packet);
+  own_group_.replace_held(packet);
   return true;
 }
 
@@ -81,8 +77,8 @@ void Engine::Implementation::drop_from_stream(SendId id, const Sending& sending)
 
 /// Tells which members it has not reached.
 std::string Engine::Implementation::cancel_group_send(SendId id, Time now) {
-  groups_.drop_waiting(sendings_.at(id).destination, id);
-  groups_.fan_outs.erase(id);
+  group_sends_.drop_waiting(sendings_.at(id).destination, id);
+  group_sends_.drop(id);
   std::vector<std::string> missed;
   for (const MacAddress& member : distributor_.drop(id)) missed.push_back(name_or_address(member));
   std::vector<std::pair<SendId, Sending>> parts;

@@ -44,7 +44,7 @@ void Engine::Implementation::forward(const MacAddress& from, Message message, Fr
   ++message.hops;
   if (route == nullptr &&
       (router_.repairing(destination) || router_.repair_late(destination, message.source, from, now))) {
-    hold(destination, {type, to_bytes(message), priority, from});
+    held_.add(destination, {type, to_bytes(message), priority, from});
     return;
   }
   if (route == nullptr || route->next_hop == from) return router_.no_route_for(destination, from, now);
@@ -115,10 +115,7 @@ void Engine::Implementation::deliver_packet(Carrier carrier, const std::string& 
       return malformed();
     return on_group_packet(source, *packet, now);
   }
-  if (const auto left = groups_.memberships.find(packet->group);
-      left != groups_.memberships.end() && !left->second.wanted) {
-    return;
-  }
+  if (memberships_.refuses(packet->group)) return;
   auto& by_hops = statistics_.packets_received_by_hops;
   if (by_hops.size() < hops) by_hops.resize(hops);
   ++by_hops[hops - 1];
@@ -197,7 +194,7 @@ void Engine::Implementation::serve_stream(const StreamKey& key, Stream& stream, 
 void Engine::Implementation::fail_unreachable(Time now) {
   for (const routing::DiscoveryFailure& failure : router_.take_failures(now)) {
     if (failure.repair) {
-      distributor_.unreachable(failure.target.address, {}, true);
+      distributor_.unreachable(failure.target.address, {}, true, now);
       touched_ = true;  // own packets may wait for that route, too
       continue;
     }
@@ -209,7 +206,7 @@ void Engine::Implementation::fail_unreachable(Time now) {
     const std::string reason = failure.elapsed > Time(0)
                                    ? "no route to " + name + " after " + seconds_text(failure.elapsed)
                                    : "no route to " + name + ": too many searches at once";
-    distributor_.unreachable(failure.target.address, reason, false);
+    distributor_.unreachable(failure.target.address, reason, false, now);
     for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
       Stream* stream = streams_.find({name, priority});
       if (stream == nullptr) continue;

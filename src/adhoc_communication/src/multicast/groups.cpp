@@ -1,7 +1,5 @@
 #include "multicast/groups.hpp"
 
-#include <algorithm>
-
 #include "transport/hop_sender.hpp"
 #include "wire/messages.hpp"
 
@@ -11,37 +9,6 @@ std::optional<std::string> root_of(const std::string& group) {
   const std::string prefix = kPrefix;
   if (group.size() <= prefix.size() || group.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
   return group.substr(prefix.size());
-}
-
-bool Groups::replace_waiting(const std::string& group, SendId former, SendId id, const transport::Image& image) {
-  const auto sends = waiting.find(group);
-  if (sends == waiting.end()) return false;
-  for (WaitingSend& send : sends->second) {
-    if (send.id != former) continue;
-    send.id = id;
-    send.image = image;
-    return true;
-  }
-  return false;
-}
-
-void Groups::drop_waiting(const std::string& group, SendId id) {
-  const auto sends = waiting.find(group);
-  if (sends == waiting.end()) return;
-  auto& all = sends->second;
-  all.erase(std::remove_if(all.begin(), all.end(), [id](const WaitingSend& send) { return send.id == id; }), all.end());
-  if (all.empty()) waiting.erase(sends);
-}
-
-void hold(std::deque<HeldPacket>& held, HeldPacket packet, Time now) {
-  held.push_back(std::move(packet));
-  std::size_t octets = 0;
-  for (const HeldPacket& kept : held) octets += kept.image->size();
-  while (!held.empty() && (now - held.front().sent >= Groups::kHeld || held.size() > Groups::kMostHeld ||
-                           octets > Groups::kMostHeldOctets)) {
-    octets -= held.front().image->size();
-    held.pop_front();
-  }
 }
 
 Bytes encode_copy(const HeldPacket& packet) {

@@ -6,7 +6,6 @@
 #include <optional>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "multicast/distribution.hpp"
 #include "routing/sequence_number.hpp"
@@ -15,12 +14,27 @@
 
 namespace adhoc_communication::multicast {
 
+/// The room of a packet that is being put together, given back with it.
+class Room {
+ public:
+  Room(transport::Reassembly& reassembly, const transport::Reassembly::Key& key) : reassembly_(reassembly), key_(key) {}
+  ~Room() { reassembly_.release(key_); }
+  Room(const Room&) = delete;
+  Room& operator=(const Room&) = delete;
+
+  const transport::Reassembly::Key& key() const { return key_; }
+
+ private:
+  transport::Reassembly& reassembly_;
+  transport::Reassembly::Key key_;
+};
+
 struct Transfer {
   std::unique_ptr<GroupPacket> packet;
   std::unique_ptr<Distribution> to_children;
-  std::optional<transport::Reassembly::Key> room;  ///< not at the root, which holds the packet anyway
-  std::uint8_t hops = 1;                           ///< from the root to this robot
-  std::uint16_t round = 0;                         ///< greatest one heard from upstream
+  std::unique_ptr<Room> room;  ///< none at the root, which holds the packet anyway
+  std::uint8_t hops = 1;       ///< from the root to this robot
+  std::uint16_t round = 0;     ///< greatest one heard from upstream
   std::optional<Time> report_due;
   std::optional<std::pair<std::uint32_t, std::uint32_t>> told;  ///< epoch and coverage of the last report "complete"
   Time last_news{0};
@@ -36,10 +50,11 @@ struct GroupStream {
   bool started = false;
   std::uint32_t next = 0;             ///< at the root: number of the next packet; elsewhere: next one to deliver
   std::optional<std::uint32_t> base;  ///< packets before are finished at the root; not known from copies
-  /// At the root: numbers on their way to members by themselves.
-  std::multiset<std::uint32_t, routing::SequenceOrder> copies;
   Transfers transfers;
   Time told_no_room{-1};  ///< last
 };
+
+/// Whether packet `a` comes before packet `b` of its stream.
+inline bool before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) < 0; }
 
 }  // namespace adhoc_communication::multicast

@@ -54,4 +54,48 @@ std::optional<MacAddress> Tree::remove(const MacAddress& address) {
   return std::nullopt;
 }
 
+std::set<MacAddress> Tree::ways_to(const std::set<MacAddress>& members) const {
+  std::set<MacAddress> ways;
+  for (const auto& [child, behind] : children) {
+    const bool leads_there = std::any_of(members.begin(), members.end(), [&, &reached = behind](const auto& member) {
+      return reached.count(member) != 0;
+    });
+    if (leads_there) ways.insert(child);
+  }
+  return ways;
+}
+
+std::set<MacAddress> Tree::keep_attached(const std::map<MacAddress, std::set<MacAddress>>& before,
+                                         std::set<MacAddress> members) {
+  for (const auto& [child, behind] : before) {
+    for (const MacAddress& address : behind) {
+      if (members.erase(address) != 0) children[child].insert(address);
+    }
+  }
+  return members;
+}
+
+std::set<MacAddress> Tree::changed_children(const std::map<MacAddress, std::set<MacAddress>>& before, bool anew) const {
+  std::set<MacAddress> changed;
+  for (const auto& [child, behind] : children) {
+    const auto found = before.find(child);
+    if (anew || found == before.end() || found->second != behind) changed.insert(child);
+  }
+  for (const auto& [child, behind] : before) {
+    if (!anew && children.count(child) == 0) changed.insert(child);
+  }
+  return changed;
+}
+
+void Tree::leave() {
+  if (children.empty() && unrouted.empty()) upstream.reset();
+}
+
+void Tree::next_epoch() {
+  ++epoch;
+  children.clear();
+  unrouted.clear();
+  refused.clear();
+}
+
 }  // namespace adhoc_communication::multicast

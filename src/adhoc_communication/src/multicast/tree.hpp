@@ -25,6 +25,7 @@ struct Tree {
   std::map<MacAddress, std::set<MacAddress>> children;  ///< members by the neighbour through which they are reached
   std::set<MacAddress> unrouted;                        ///< members without route so far
   std::map<MacAddress, std::set<MacAddress>> refused;   ///< by member: the children that have refused it in this epoch
+  std::map<MacAddress, Time> activated_again;           ///< children that did not know their place, and when last
   Time last_used{0};
 
   std::set<MacAddress> child_addresses() const;
@@ -37,6 +38,17 @@ struct Tree {
   bool holds(const MacAddress& member) const;
   /// Takes the member away from whoever has it. Returns the child that had it.
   std::optional<MacAddress> remove(const MacAddress& member);
+  /// The children behind which these members are.
+  std::set<MacAddress> ways_to(const std::set<MacAddress>& members) const;
+  /// Who was attached `before` stays where it was. Returns the other members.
+  std::set<MacAddress> keep_attached(const std::map<MacAddress, std::set<MacAddress>>& before,
+                                     std::set<MacAddress> members);
+  /// Those to which other members are entrusted than `before`, and those pruned; all if the tree is built anew.
+  std::set<MacAddress> changed_children(const std::map<MacAddress, std::set<MacAddress>>& before, bool anew) const;
+  /// With nobody behind it, this robot may get another place in the tree of the same epoch.
+  void leave();
+  /// At the root: nobody has a place yet.
+  void next_epoch();
 };
 
 }  // namespace adhoc_communication::multicast

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "link/mac_address.hpp"
-#include "link/medium_path_loss.hpp"
+#include "propagation/path_loss.hpp"
 
 namespace adhoc_communication {
 namespace {

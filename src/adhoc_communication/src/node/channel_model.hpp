@@ -8,7 +8,7 @@
 #include <string>
 
 #include "adhoc_communication/types.hpp"
-#include "link/medium_position.hpp"
+#include "propagation/position.hpp"
 
 namespace adhoc_communication {
 

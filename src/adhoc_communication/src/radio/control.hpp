@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "link/medium.hpp"
+#include "medium/medium.hpp"
 
 namespace adhoc_communication {
 

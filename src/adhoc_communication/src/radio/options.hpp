@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "link/medium_options.hpp"
+#include "medium/options.hpp"
 
 namespace adhoc_communication {
 

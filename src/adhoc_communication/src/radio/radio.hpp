@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "link/medium.hpp"
+#include "medium/medium.hpp"
 #include "radio/listening_socket.hpp"
 #include "radio/options.hpp"
 #include "radio/port.hpp"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "link/medium_walls.hpp"
+#include "medium/walls.hpp"
 
 namespace adhoc_communication {
 

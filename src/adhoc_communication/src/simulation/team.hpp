@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "adhoc_communication/engine.hpp"
-#include "link/medium.hpp"
+#include "medium/medium.hpp"
 
 namespace adhoc_communication {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "link/medium.hpp"
+#include "medium/medium.hpp"
 #include "random_waypoint.hpp"
 
 namespace adhoc_communication {

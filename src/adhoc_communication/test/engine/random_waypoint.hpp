@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "adhoc_communication/types.hpp"
-#include "link/medium_position.hpp"
+#include "propagation/position.hpp"
 #include "random.hpp"
 
 namespace adhoc_communication {

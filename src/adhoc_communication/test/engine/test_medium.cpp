@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "link/medium.hpp"
+#include "medium/medium.hpp"
 #include "payloads.hpp"
 #include "random_waypoint.hpp"
 #include "simulation/team.hpp"

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "link/mac_address.hpp"
-#include "link/medium_path_loss.hpp"
 #include "node/channel_model.hpp"
+#include "propagation/path_loss.hpp"
 
 namespace adhoc_communication {
 namespace {

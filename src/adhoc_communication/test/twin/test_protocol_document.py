@@ -64,7 +64,8 @@ def test_the_document_shows_every_example() -> None:
 def durations_in_the_code() -> Dict[str, str]:
     """Constants of the engine by file and name."""
     units = {"microseconds": "us", "milliseconds": "ms", "seconds": "s"}
-    files = [path for part in ("routing", "transport", "multicast") for path in (SOURCES / part).glob("*.[ch]pp")]
+    layers = ("api", "presence", "routing", "transport", "multicast")
+    files = [path for layer in layers for path in (SOURCES / layer).glob("*.[ch]pp")]
     found = {}
     for path in [*files, *SOURCES.glob("engine*.cpp")]:
         constants = re.findall(

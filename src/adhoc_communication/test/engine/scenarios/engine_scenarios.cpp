@@ -15,17 +15,19 @@ using adhoc_communication::RunOptions;
 using adhoc_communication::Scenario;
 
 constexpr char kUsage[] =
-    "engine_scenarios [--seed N] [--count N] [--events N] [--trace] [--keep-going]\n"
+    "engine_scenarios [--seed N] [--count N] [--events N] [--trace] [--hashes] [--keep-going]\n"
     "  --seed N      first seed (1)\n"
     "  --count N     scenarios to play, one per seed (1)\n"
     "  --events N    end each scenario after so many events\n"
     "  --trace       print every event\n"
+    "  --hashes      print a hash of the events of each seed, to compare two versions of the engine\n"
     "  --keep-going  play the other seeds, too, after a broken promise\n";
 
 struct Arguments {
   std::uint64_t seed = 1;
   std::uint64_t count = 1;
   bool keep_going = false;
+  bool hashes = false;
   RunOptions run;
 };
 
@@ -53,6 +55,8 @@ Arguments parse(int argc, char** argv) {
       arguments.run.most_events = number(option, argv[++i]);
     } else if (option == "--trace") {
       arguments.run.trace = true;
+    } else if (option == "--hashes") {
+      arguments.hashes = true;
     } else if (option == "--keep-going") {
       arguments.keep_going = true;
     } else if (option == "--help") {
@@ -84,6 +88,10 @@ int main(int argc, char** argv) {
     events += outcome.events;
     sends += outcome.sends;
     deliveries += outcome.deliveries;
+    if (arguments.hashes) {
+      std::printf("seed %llu: %016llx\n", static_cast<unsigned long long>(scenario.seed),
+                  static_cast<unsigned long long>(outcome.trace_hash));
+    }
     if (outcome.violation.empty()) continue;
     ++violations;
     report(scenario, outcome);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "adhoc_communication/options.hpp"
-#include "link/medium.hpp"
+#include "medium/medium.hpp"
 
 namespace adhoc_communication {
 

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "link/medium_grid.hpp"
-#include "link/medium_options.hpp"
-#include "link/medium_position.hpp"
-#include "link/medium_shadowing.hpp"
+#include "medium/grid.hpp"
+#include "medium/options.hpp"
+#include "medium/shadowing.hpp"
+#include "propagation/position.hpp"
 
 namespace adhoc_communication {
 

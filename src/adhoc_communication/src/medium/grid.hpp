@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "link/medium_position.hpp"
+#include "propagation/position.hpp"
 
 namespace adhoc_communication {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "adhoc_communication/types.hpp"
-#include "link/medium_reach.hpp"
+#include "medium/reach.hpp"
 
 namespace adhoc_communication {
 

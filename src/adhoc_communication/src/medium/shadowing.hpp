@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "link/medium_position.hpp"
+#include "propagation/position.hpp"
 
 namespace adhoc_communication {
 

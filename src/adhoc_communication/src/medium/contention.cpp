@@ -1,4 +1,4 @@
-#include "link/medium_contention.hpp"
+#include "medium/contention.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "link/medium.hpp"
+#include "medium/medium.hpp"
 
 #include <algorithm>
 #include <cmath>

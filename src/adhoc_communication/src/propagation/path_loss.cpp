@@ -1,4 +1,4 @@
-#include "link/medium_path_loss.hpp"
+#include "propagation/path_loss.hpp"
 
 #include <cmath>
 #include <limits>

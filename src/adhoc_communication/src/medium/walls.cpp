@@ -1,4 +1,4 @@
-#include "link/medium_walls.hpp"
+#include "medium/walls.hpp"
 
 #include <algorithm>
 #include <cmath>

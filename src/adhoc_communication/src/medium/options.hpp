@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "adhoc_communication/types.hpp"
-#include "link/medium_path_loss.hpp"
-#include "link/medium_rates.hpp"
-#include "link/medium_shadowing.hpp"
-#include "link/medium_walls.hpp"
+#include "medium/rates.hpp"
+#include "medium/shadowing.hpp"
+#include "medium/walls.hpp"
+#include "propagation/path_loss.hpp"
 
 namespace adhoc_communication {
 

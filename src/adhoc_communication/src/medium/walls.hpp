@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "link/medium_position.hpp"
+#include "propagation/position.hpp"
 
 namespace adhoc_communication {
 

@@ -1,4 +1,4 @@
-#include "link/medium_reach.hpp"
+#include "medium/reach.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "link/medium_options.hpp"
+#include "medium/options.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "adhoc_communication/types.hpp"
-#include "link/medium_contention.hpp"
-#include "link/medium_options.hpp"
-#include "link/medium_reach.hpp"
+#include "medium/contention.hpp"
+#include "medium/options.hpp"
+#include "medium/reach.hpp"
 #include "random.hpp"
 
 namespace adhoc_communication {

@@ -1,4 +1,4 @@
-#include "link/medium_grid.hpp"
+#include "medium/grid.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "link/medium_rates.hpp"
+#include "medium/rates.hpp"
 
 namespace adhoc_communication {
 

@@ -1,4 +1,4 @@
-#include "link/medium_shadowing.hpp"
+#include "medium/shadowing.hpp"
 
 #include <algorithm>
 #include <cmath>

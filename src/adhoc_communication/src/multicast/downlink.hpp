@@ -1,0 +1,41 @@
+// Packets to the children: frames, questions, and what the children report.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "multicast/branches.hpp"
+#include "multicast/sink.hpp"
+#include "outbox.hpp"
+
+namespace adhoc_communication::multicast {
+
+/// A frame for all children, or for the only one that still misses something.
+struct GroupFrame {
+  MacAddress destination{};
+  Bytes body;
+};
+
+class Downlink {
+ public:
+  Downlink(Outbox& outbox, Branches& branches) : outbox_(outbox), branches_(branches) {}
+
+  /// Asks children that owe an answer. Returns those that are of no use any more.
+  /// `base`: the packets before are finished at the root.
+  std::vector<MacAddress> ask(const Place& place, std::uint32_t base, Time now);
+  bool has_frame(std::uint8_t priority) const;
+  /// From whom the frames come that wait; all zero for those of the own group.
+  void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const;
+  /// The packet whose turn it is, of those that came from there; one root after the other.
+  std::optional<Place> next(std::uint8_t priority, const MacAddress& previous_hop);
+  GroupFrame frame(const Place& place, std::uint32_t base, bool follows, Time now);
+
+ private:
+  static wire::GroupData header(const Place& place, std::uint32_t base);
+
+  Outbox& outbox_;
+  Branches& branches_;
+  MacAddress last_root_served_{};
+};
+
+}  // namespace adhoc_communication::multicast

@@ -1,0 +1,182 @@
+#include "multicast/memberships.hpp"
+
+#include <algorithm>
+
+#include "multicast/groups.hpp"
+#include "texts.hpp"
+
+namespace adhoc_communication::multicast {
+
+void Memberships::join(const std::string& group) {
+  if (memberships_.count(group) == 0 && memberships_.size() >= kMostGroups) {
+    return ends_.push_back(
+        {group, true, false,
+         "already a member of " + std::to_string(memberships_.size()) + " groups, no more are kept"});
+  }
+  Membership& membership = memberships_[group];
+  membership.wanted = true;
+  membership.left = false;
+  if (membership.joined) return ends_.push_back({group, true, true, {}});
+  membership.asked_by_host = true;
+  start_join(group);
+}
+
+void Memberships::leave(const std::string& group) {
+  const auto found = memberships_.find(group);
+  if (found == memberships_.end() || !found->second.wanted) {
+    return ends_.push_back({group, false, false, "this robot is not a member of " + group});
+  }
+  if (found->second.asked_by_host) ends_.push_back({group, true, false, group + " was left before it was joined"});
+  // Left at once for this robot; the root hears of it as soon as it can be reached.
+  found->second = Membership{};
+  found->second.wanted = false;
+  start_leave(group);
+  ends_.push_back({group, false, true, {}});
+}
+
+void Memberships::start_join(const std::string& group) {
+  if (memberships_.count(group) == 0 && memberships_.size() >= kMostGroups) return;
+  Membership& membership = memberships_[group];
+  if (!membership.wanted || membership.joining || membership.joined) return;
+  membership.joining = true;
+  words_.push_back({Word::Kind::kJoin, group});
+}
+
+void Memberships::start_leave(const std::string& group) {
+  memberships_[group].leaving = true;
+  words_.push_back({Word::Kind::kLeave, group});
+}
+
+void Memberships::appeared(const std::string& root) {
+  const std::string group = group_of(root);
+  if (automatic_ || memberships_.count(group) != 0) start_join(group);
+}
+
+void Memberships::lost(const std::string& root) {
+  const auto membership = memberships_.find(group_of(root));
+  if (membership != memberships_.end()) membership->second.joined = false;
+}
+
+/// By itself, when the root is there.
+void Memberships::expire(Time now) {
+  std::vector<std::string> unconfirmed;
+  for (auto& [group, membership] : memberships_) {
+    if (membership.confirmed_by && *membership.confirmed_by <= now) unconfirmed.push_back(group);
+    const bool settled =
+        membership.wanted ? membership.joined || membership.joining : membership.leaving || membership.left;
+    if (settled || membership.retry_at > now) continue;
+    const auto address = directory_.address_of(*root_of(group));
+    if (!address || !directory_.find(*address)->announced) continue;
+    if (membership.wanted) {
+      start_join(group);
+    } else {
+      start_leave(group);
+    }
+  }
+  for (const std::string& group : unconfirmed) {
+    end_join(group, "the root did not answer within " + seconds_text(kMembersPatience), now);
+  }
+}
+
+void Memberships::said(const Word& word, bool delivered, const std::string& reason, Time now) {
+  if (word.kind == Word::Kind::kConfirmation) {
+    if (!delivered) end_join(word.group, reason, now);
+    return;
+  }
+  const auto found = memberships_.find(word.group);
+  if (found == memberships_.end()) return;
+  Membership& membership = found->second;
+  membership.retry_at = now + kRetry;
+  if (word.kind == Word::Kind::kLeave) return left(word.group, delivered);
+  membership.joining = false;
+  membership.joined = delivered && membership.wanted && !membership.turned_away;
+  if (std::exchange(membership.turned_away, false)) membership.retry_at = now + kFullRetry;
+  if (!membership.asked_by_host) return;
+  if (!delivered) return end_join(word.group, reason, now);
+  membership.confirmed_by = now + kMembersPatience;
+  words_.push_back({Word::Kind::kConfirmation, word.group});
+}
+
+void Memberships::left(const std::string& group, bool delivered) {
+  Membership& membership = memberships_.at(group);
+  membership.leaving = false;
+  membership.left = delivered && !membership.wanted;
+  if (membership.left && !automatic_) memberships_.erase(group);
+}
+
+/// A join that the host has asked for has come to its end.
+void Memberships::end_join(const std::string& group, const std::string& failure, Time now) {
+  const auto found = memberships_.find(group);
+  if (found == memberships_.end() || !found->second.asked_by_host) return;
+  found->second.asked_by_host = false;
+  found->second.confirmed_by.reset();
+  if (failure.empty()) return ends_.push_back({group, true, true, {}});
+  const bool known = directory_.address_of(*root_of(group)).has_value();
+  found->second.joined = false;
+  found->second.retry_at = std::max(found->second.retry_at, now + kRetry);
+  if (!automatic_ || !known) memberships_.erase(found);
+  ends_.push_back({group, true, false, "cannot join " + group + ": " + failure});
+}
+
+void Memberships::named(const std::string& group, bool this_robot, std::size_t members, Time now) {
+  if (this_robot) return end_join(group, {}, now);
+  turned_away(group, members, now);
+}
+
+/// The root does not count this robot among its members.
+void Memberships::turned_away(const std::string& group, std::size_t members, Time now) {
+  const auto found = memberships_.find(group);
+  if (found == memberships_.end() || !found->second.wanted) return;
+  found->second.turned_away = found->second.joining;
+  if (found->second.joining) return;
+  const bool full = members >= most_members_;
+  found->second.joined = false;
+  found->second.retry_at = now + (full ? kFullRetry : Time(0));
+  end_join(group,
+           full ? "it is full (" + std::to_string(members) + " members)" : "its root does not take this robot in", now);
+}
+
+const Membership* Memberships::find(const std::string& group) const {
+  const auto found = memberships_.find(group);
+  return found == memberships_.end() ? nullptr : &found->second;
+}
+
+bool Memberships::joined(const std::string& group) const {
+  const Membership* membership = find(group);
+  return membership != nullptr && membership->joined;
+}
+
+bool Memberships::refuses(const std::string& group) const {
+  const Membership* membership = find(group);
+  return membership != nullptr && !membership->wanted;
+}
+
+bool Memberships::takes_part(const std::string& group) const {
+  const Membership* membership = find(group);
+  return membership != nullptr && !membership->left;
+}
+
+std::vector<std::string> Memberships::groups() const {
+  std::vector<std::string> result;
+  for (const auto& [group, membership] : memberships_) {
+    if (membership.joined || membership.joining) result.push_back(group);
+  }
+  return result;
+}
+
+void Memberships::end(const std::string& reason) {
+  for (auto& [group, membership] : memberships_) {
+    if (!std::exchange(membership.asked_by_host, false)) continue;
+    ends_.push_back({group, true, false, "cannot join " + group + ": " + reason});
+  }
+}
+
+void Memberships::succeed(const Memberships& former) {
+  for (const auto& [group, membership] : former.memberships_) {
+    Membership& kept = memberships_[group];
+    kept.wanted = membership.wanted;
+    kept.left = membership.left;
+  }
+}
+
+}  // namespace adhoc_communication::multicast

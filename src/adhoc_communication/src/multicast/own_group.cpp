@@ -1,0 +1,79 @@
+#include "multicast/own_group.hpp"
+
+#include <algorithm>
+
+namespace adhoc_communication::multicast {
+
+std::vector<std::string> OwnGroup::names() const {
+  std::vector<std::string> result;
+  for (const auto& [name, copies] : members_) result.push_back(name);
+  return result;
+}
+
+OwnGroup::Admission OwnGroup::admit(const std::string& robot) {
+  const bool known = holds(robot);
+  if (!known && members_.size() >= most_) return Admission::kFull;
+  members_.emplace(robot, 0);
+  absent_.erase(robot);
+  return known ? Admission::kKnown : Admission::kNew;
+}
+
+bool OwnGroup::leave(const std::string& robot) {
+  absent_.erase(robot);
+  return members_.erase(robot) != 0;
+}
+
+bool OwnGroup::lose(const std::string& robot, wire::BootTag boot) {
+  if (members_.erase(robot) == 0) return false;
+  if (absent_.size() < kMostMembers) absent_[robot] = boot;
+  return true;
+}
+
+bool OwnGroup::comes_back(const std::string& robot, wire::BootTag boot) {
+  const auto absent = absent_.find(robot);
+  if (absent == absent_.end()) return false;
+  const bool same_run = absent->second == boot;
+  absent_.erase(absent);
+  return same_run;
+}
+
+void OwnGroup::copy_started(const std::string& robot) {
+  if (const auto member = members_.find(robot); member != members_.end()) ++member->second;
+}
+
+void OwnGroup::copy_finished(const std::string& robot) {
+  const auto member = members_.find(robot);
+  if (member != members_.end() && member->second > 0) --member->second;
+}
+
+bool OwnGroup::served_by_copies(const std::string& robot) const {
+  const auto member = members_.find(robot);
+  return member != members_.end() && member->second > 0;
+}
+
+void OwnGroup::hold(HeldPacket packet, Time now) {
+  held_.push_back(std::move(packet));
+  std::size_t octets = 0;
+  for (const HeldPacket& kept : held_) octets += kept.image->size();
+  while (!held_.empty() &&
+         (now - held_.front().sent >= kHeld || held_.size() > kMostHeld || octets > kMostHeldOctets)) {
+    octets -= held_.front().image->size();
+    held_.pop_front();
+  }
+}
+
+void OwnGroup::replace_held(const HeldPacket& packet) {
+  for (HeldPacket& held : held_) {
+    if (held.stream == packet.stream && held.number == packet.number) held = packet;
+  }
+}
+
+std::vector<HeldPacket> OwnGroup::held_for_newcomers(Time now) const {
+  std::vector<HeldPacket> result;
+  for (const HeldPacket& packet : held_) {
+    if (now - packet.sent < kHeld && now < packet.until) result.push_back(packet);
+  }
+  return result;
+}
+
+}  // namespace adhoc_communication::multicast

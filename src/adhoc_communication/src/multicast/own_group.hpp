@@ -1,0 +1,59 @@
+// The group of which this robot is the root: who belongs to it, and what is kept for members that come late.
+#pragma once
+
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "multicast/groups.hpp"
+
+namespace adhoc_communication::multicast {
+
+class OwnGroup {
+ public:
+  static constexpr std::size_t kMostMembers = wire::kMostMembersOfActivation;
+  static constexpr Time kHeld = std::chrono::seconds(5);
+  static constexpr std::size_t kMostHeldOctets = 4'000'000;
+  static constexpr std::size_t kMostHeld = 256;
+
+  /// `room`: octets for the members in one activation, which has to name all.
+  explicit OwnGroup(std::size_t room) : most_(std::min(kMostMembers, room / MacAddress{}.size())) {}
+
+  std::size_t most() const { return most_; }
+  std::size_t size() const { return members_.size(); }
+  bool holds(const std::string& robot) const { return members_.count(robot) != 0; }
+  /// Without this robot.
+  std::vector<std::string> names() const;
+
+  enum class Admission { kFull, kKnown, kNew };
+  Admission admit(const std::string& robot);
+  /// The robot has left: it is none and does not become one again by coming back. False if it was none.
+  bool leave(const std::string& robot);
+  /// A member that falls silent stays one as long as it runs: it need not have noticed. False if it was none.
+  bool lose(const std::string& robot, wire::BootTag boot);
+  /// True for the run of a member that had been lost.
+  bool comes_back(const std::string& robot, wire::BootTag boot);
+
+  // Packets on their way to a member by themselves; while there are any, the tree leaves it out.
+  void copy_started(const std::string& robot);
+  void copy_finished(const std::string& robot);
+  bool served_by_copies(const std::string& robot) const;
+
+  /// Keeps a packet, and forgets those that are too old or too many.
+  void hold(HeldPacket packet, Time now);
+  /// Puts a packet in the place of the held one of the same number.
+  void replace_held(const HeldPacket& packet);
+  /// Packets that are still of use to a newcomer.
+  std::vector<HeldPacket> held_for_newcomers(Time now) const;
+
+ private:
+  std::size_t most_;
+  std::map<std::string, std::size_t> members_;   ///< the number of copies on their way to each
+  std::map<std::string, wire::BootTag> absent_;  ///< members that fell silent, and their run
+  std::deque<HeldPacket> held_;
+};
+
+}  // namespace adhoc_communication::multicast

@@ -1,0 +1,227 @@
+#include "multicast/sink.hpp"
+
+#include <algorithm>
+
+namespace adhoc_communication::multicast {
+
+using wire::FrameType;
+
+void Sink::evicted(Branch& branch, const transport::Reassembly::Key& key) {
+  branch.streams[key.carrier - transport::Reassembly::kGroup].transfers.erase(key.packet);
+}
+
+void Sink::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Branch* branch,
+                   Time now) {
+  const bool question = data.octets.empty();
+  if (branch == nullptr || !branch->tree.upstream || (question && branch->tree.upstream != from)) {
+    if (question) disown(from, data);
+    return;
+  }
+  branch->tree.last_used = now;
+  const bool from_upstream = branch->tree.upstream == from;
+  if (from_upstream) {
+    measure(*branch, counter, data.follows, now);
+    pass_over(data.root, branch->streams[data.stream], data.base);
+  }
+  Transfer* transfer = transfer_for(*branch, data, now);
+  if (transfer == nullptr) return;
+  transfer->last_news = now;
+  if (!question && transfer->packet->take(data.block, data.symbol, data.octets)) {
+    made_progress(*transfer, data.octets.size(), now);
+    deliver(data.root, branch->streams[data.stream]);
+  }
+  if (!from_upstream || !data.report) return;
+  transfer->round = std::max(transfer->round, data.round);
+  if (question) return report({data.root, *branch, data.stream, data.packet, *transfer}, true);
+  transfer->report_due = now + random_.delay(kReportJitter);
+}
+
+/// The rhythm of frames that follow one another without a gap tells how fast the air is.
+void Sink::measure(Branch& branch, std::uint64_t counter, bool follows, Time now) {
+  if (follows && counter == branch.last_counter + 1) {
+    branch.measured_counter = counter;
+    branch.spacing = now - branch.last_arrival;
+  }
+  branch.last_counter = counter;
+  branch.last_arrival = now;
+}
+
+void Sink::made_progress(const Transfer& transfer, std::size_t octets, Time now) {
+  if (!transfer.room) return;
+  reassembly_.progress(transfer.room->key(), octets, now);
+  if (transfer.packet->complete()) reassembly_.keep(transfer.room->key());
+}
+
+Transfer* Sink::transfer_for(Branch& branch, const wire::GroupData& data, Time now) {
+  GroupStream& stream = branch.streams[data.stream];
+  if (!stream.base) stream.base = data.base;
+  if (!std::exchange(stream.started, true)) stream.next = data.base;
+  const auto found = stream.transfers.find(data.packet);
+  if (found == stream.transfers.end()) return admit(branch, data, now);
+  const GroupPacket& packet = *found->second.packet;
+  const bool same = packet.total() == data.total && packet.segment_size() == data.segment_size;
+  return same ? &found->second : nullptr;
+}
+
+Transfer* Sink::admit(Branch& branch, const wire::GroupData& data, Time now) {
+  const Tree& tree = branch.tree;
+  GroupStream& stream = branch.streams[data.stream];
+  if (data.total > largest_packet_ || stream.transfers.size() >= kMostTransfers) return nullptr;
+  if (data.packet - *stream.base >= kPacketsAhead) return nullptr;
+  const auto carrier = static_cast<std::uint8_t>(transport::Reassembly::kGroup + data.stream);
+  const transport::Reassembly::Key room{data.root, tree.boot, carrier, data.packet};
+  if (!reassembly_.admit(room, data.total, data.packet == stream.next, now)) {
+    tell_no_room(tree, data, stream, now);
+    return nullptr;
+  }
+  Transfer& transfer = stream.transfers[data.packet];
+  transfer.room = std::make_unique<Room>(reassembly_, room);
+  transfer.packet = std::make_unique<GroupPacket>(data.total, data.segment_size);
+  transfer.to_children = std::make_unique<Distribution>(*transfer.packet, branch.round_trip, first_parity_);
+  transfer.to_children->set_children(tree.coverages(), true, now);
+  transfer.hops = data.hops;
+  for (const auto& [child, members] : tree.children) {
+    for (const MacAddress& member : members) router_.used(data.root, member, *tree.upstream, now);
+  }
+  return &transfer;
+}
+
+/// Until there is room, the upstream neighbour keeps its frames and asks now and then.
+void Sink::tell_no_room(const Tree& tree, const wire::GroupData& data, GroupStream& stream, Time now) {
+  const bool question = data.octets.empty();
+  if (!question && now - stream.told_no_room < kNoRoomInterval) return;
+  stream.told_no_room = now;
+  wire::GroupReport report;
+  report.root = data.root;
+  report.root_boot = data.root_boot;
+  report.stream = data.stream;
+  report.packet = data.packet;
+  report.epoch = tree.epoch;
+  report.round = data.round;
+  report.coverage = tree.own_coverage(self_.address);
+  report.first_block = wire::kNoRoom;
+  outbox_.unicast(*tree.upstream, FrameType::kGroupReport, to_bytes(report));
+}
+
+/// The root has finished the packets before `base`: with what did not get here by then it has given up.
+void Sink::pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base) {
+  if (!stream.started || (stream.base && !before(*stream.base, base))) return;
+  stream.base = base;
+  skip_to(root, stream, base);
+  for (auto transfer = stream.transfers.begin(); transfer != stream.transfers.end();) {
+    const auto candidate = transfer++;
+    if (before(candidate->first, base)) stream.transfers.erase(candidate);
+  }
+  deliver(root, stream);
+}
+
+/// What is missing before `number` will not come any more.
+void Sink::skip_to(const MacAddress& root, GroupStream& stream, std::uint32_t number) {
+  while (before(stream.next, number)) {
+    const auto found = stream.transfers.find(stream.next);
+    if (found == stream.transfers.end() || !found->second.packet->complete()) {
+      // Nothing between two packets that are here: a long gap is not walked through.
+      const auto later = stream.transfers.upper_bound(stream.next);
+      stream.next = later == stream.transfers.end() || before(number, later->first) ? number : later->first;
+    } else {
+      deliver(root, stream);
+    }
+  }
+}
+
+void Sink::deliver(const MacAddress& root, GroupStream& stream) {
+  for (;;) {
+    const auto found = stream.transfers.find(stream.next);
+    if (found == stream.transfers.end() || !found->second.packet->complete()) return;
+    arrived_.push_back({root, found->second.packet->image(), found->second.hops});
+    ++stream.next;
+  }
+}
+
+void Sink::take_copy(const MacAddress& root, Branch& branch, std::uint8_t stream_number, std::uint32_t number,
+                     const Bytes& image, Time now) {
+  branch.tree.last_used = now;
+  GroupStream& stream = branch.streams[stream_number];
+  if (!std::exchange(stream.started, true)) stream.next = number;
+  if (before(number, stream.next)) return;
+  // Copies come in order: all before this one have come, or never will. That says nothing of robots behind this one.
+  skip_to(root, stream, number);
+  if (before(number, stream.next)) return;
+  arrived_.push_back({root, image, 1});
+  const auto found = stream.transfers.find(number);
+  if (found != stream.transfers.end() && found->second.packet->fill(image)) {
+    made_progress(found->second, image.size(), now);
+  }
+  stream.next = number + 1;
+  deliver(root, stream);
+}
+
+/// A question about a tree to which this robot does not belong in that way: the other one has to be told.
+void Sink::disown(const MacAddress& from, const wire::GroupData& question) {
+  wire::GroupReport report;
+  report.root = question.root;
+  report.root_boot = question.root_boot;
+  report.stream = question.stream;
+  report.packet = question.packet;
+  outbox_.unicast(from, FrameType::kGroupReport, to_bytes(report));
+}
+
+/// This robot has not only got the packet but delivered it in its turn, and so have all behind it.
+bool Sink::settled(const Place& place) {
+  return place.transfer.packet->complete() && before(place.number, place.branch.streams[place.stream].next) &&
+         place.transfer.to_children->done() && place.branch.tree.unrouted.empty();
+}
+
+void Sink::tell_complete(const Place& place) {
+  const Tree& tree = place.branch.tree;
+  if (place.root == self_.address || !tree.upstream || !settled(place)) return;
+  const std::pair state(tree.epoch, tree.own_coverage(self_.address));
+  if (place.transfer.told == state) return;
+  place.transfer.told = state;
+  report(place, true);
+}
+
+void Sink::report_if_due(const Place& place, Time now) {
+  if (place.transfer.report_due && *place.transfer.report_due <= now) report(place, false);
+}
+
+void Sink::report(const Place& place, bool reliably) {
+  const Branch& branch = place.branch;
+  const Tree& tree = branch.tree;
+  Transfer& transfer = place.transfer;
+  transfer.report_due.reset();
+  if (!tree.upstream) return;
+  const std::vector<Block>& blocks = transfer.packet->blocks();
+  wire::GroupReport report;
+  report.root = place.root;
+  report.root_boot = tree.boot;
+  report.stream = place.stream;
+  report.packet = place.number;
+  report.epoch = tree.epoch;
+  report.round = transfer.round;
+  report.complete = settled(place);
+  report.coverage = tree.own_coverage(self_.address);
+  report.measured_counter = branch.measured_counter;
+  report.spacing_ns = static_cast<std::uint32_t>(std::min<Time::rep>(branch.spacing.count(), UINT32_MAX));
+  while (report.first_block < blocks.size() && blocks[report.first_block].complete()) ++report.first_block;
+  for (std::size_t block = report.first_block; block < blocks.size(); ++block) {
+    if (report.missing.size() >= wire::kMostBlocksOfReport) break;
+    report.missing.push_back(blocks[block].missing_for_report());
+  }
+  if (reliably) {
+    outbox_.unicast(*tree.upstream, FrameType::kGroupReport, to_bytes(report));
+  } else {
+    outbox_.unicast_once(*tree.upstream, FrameType::kGroupReport, to_bytes(report));
+  }
+}
+
+void Sink::expire(Branch& branch, Time now) {
+  for (GroupStream& stream : branch.streams) {
+    for (auto transfer = stream.transfers.begin(); transfer != stream.transfers.end();) {
+      const bool idle = now - transfer->second.last_news >= kIdleTransfer;
+      transfer = idle ? stream.transfers.erase(transfer) : std::next(transfer);
+    }
+  }
+}
+
+}  // namespace adhoc_communication::multicast

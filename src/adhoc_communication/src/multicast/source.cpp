@@ -1,0 +1,165 @@
+#include "multicast/source.hpp"
+
+#include <algorithm>
+
+namespace adhoc_communication::multicast {
+namespace {
+
+bool is_little(const Transfer& transfer) {
+  return transfer.packet->total() <= Source::kFewFrames * std::size_t{transfer.packet->segment_size()};
+}
+
+}  // namespace
+
+bool Source::wants_fresh_tree(const Branch& own) {
+  const bool at_work = std::any_of(own.streams.begin(), own.streams.end(),
+                                   [](const GroupStream& stream) { return !stream.transfers.empty(); });
+  fresh_ = own.tree.epoch == 0 || (stale_ && !at_work);
+  if (!fresh_) return false;
+  stale_ = false;
+  left_out_.clear();
+  return true;
+}
+
+std::optional<std::set<MacAddress>> Source::wants_tree_anew(const Branch& own) {
+  if (!std::exchange(build_anew_, false)) return std::nullopt;
+  stale_ = false;
+  left_out_.clear();
+  std::set<MacAddress> members;
+  for (const auto& [child, behind] : own.tree.children) members.insert(behind.begin(), behind.end());
+  for (const GroupStream& stream : own.streams) {
+    for (const auto& [number, transfer] : stream.transfers) members.insert(transfer.open.begin(), transfer.open.end());
+  }
+  return members;
+}
+
+std::uint32_t Source::start(Branch& own, SendId id, Priority priority, transport::Image image,
+                            const std::set<MacAddress>& members, Time now) {
+  GroupStream& stream = own.streams[static_cast<std::size_t>(priority)];
+  const std::uint32_t number = stream.next++;
+  if (members.empty()) return number;
+  Transfer& transfer = stream.transfers[number];
+  begin(own, transfer, id, std::move(image), now);
+  transfer.open = members;
+  return number;
+}
+
+void Source::begin(Branch& own, Transfer& transfer, SendId id, transport::Image image, Time now) {
+  transfer.to_children.reset();  // before the packet that it refers to
+  transfer.packet = std::make_unique<GroupPacket>(*image, segment_size_);
+  transfer.to_children = std::make_unique<Distribution>(*transfer.packet, own.round_trip, first_parity_);
+  transfer.to_children->set_children(own.tree.coverages(), true, now);
+  transfer.hops = 0;
+  transfer.id = id;
+  transfer.image = std::move(image);
+  transfer.last_news = now;
+}
+
+std::optional<std::uint32_t> Source::replace(Branch& own, SendId former, SendId id, const transport::Image& image,
+                                             Time now) {
+  for (std::size_t priority = 0; priority < own.streams.size(); ++priority) {
+    for (auto& [number, transfer] : own.streams[priority].transfers) {
+      if (transfer.id != former) continue;
+      if (transfer.to_children->begun() || copies_[priority].count(number) != 0) return std::nullopt;
+      begin(own, transfer, id, image, now);
+      own.busy = true;
+      return number;
+    }
+  }
+  return std::nullopt;
+}
+
+std::set<MacAddress> Source::drop(Branch& own, SendId id) {
+  for (GroupStream& stream : own.streams) {
+    for (auto& [number, transfer] : stream.transfers) {
+      if (transfer.id == id) return std::exchange(transfer.open, {});
+    }
+  }
+  return {};
+}
+
+void Source::finish_member(Transfer& transfer, const MemberEnd& end) {
+  if (transfer.open.erase(end.member) != 0) ends_.push_back(end);
+}
+
+void Source::give_up(Branch& own, const MacAddress& member, bool by_copy, const std::string& reason) {
+  refusals_.erase(member);
+  for (GroupStream& stream : own.streams) {
+    for (auto& [number, transfer] : stream.transfers) {
+      finish_member(transfer, {transfer.id, member, false, by_copy, reason});
+    }
+  }
+}
+
+void Source::drop_member(Branch& own, const MacAddress& member, const std::string& reason) {
+  give_up(own, member, false, reason);
+}
+
+void Source::reached(Transfer& transfer, const std::set<MacAddress>& members) {
+  for (const MacAddress& member : members) {
+    refusals_.erase(member);
+    finish_member(transfer, {transfer.id, member, true, false, {}});
+  }
+}
+
+/// Once is bad luck, and a new tree gets there; a member refused again is served by itself. To be served by itself with
+/// a few frames costs less than a new tree.
+void Source::left_over(Branch& own, const LeftOver& left_over) {
+  for (const MacAddress& member : left_over.members) {
+    if (left_over.final) {
+      give_up(own, member, false, left_over.reason);
+      continue;
+    }
+    const Awaited waiting = awaited(own, member);
+    if (waiting == Awaited::kNothing) continue;  // the next packet for it looks for a way anew
+    if (waiting == Awaited::kLittle) refused_with_little(member);
+    if (waiting == Awaited::kLittle || ++refusals_[member] >= kMostRefusals) {
+      give_up(own, member, true, left_over.reason);
+    } else {
+      build_anew_ = true;
+    }
+  }
+}
+
+void Source::refused_with_little(const MacAddress& member) {
+  if (fresh_) {
+    left_out_.insert(member);
+  } else if (left_out_.count(member) == 0) {
+    stale_ = true;
+  }
+}
+
+/// What still has to reach the member.
+Source::Awaited Source::awaited(const Branch& own, const MacAddress& member) {
+  Awaited most = Awaited::kNothing;
+  for (const GroupStream& stream : own.streams) {
+    for (const auto& [number, transfer] : stream.transfers) {
+      if (transfer.open.count(member) != 0)
+        most = std::max(most, is_little(transfer) ? Awaited::kLittle : Awaited::kMuch);
+    }
+  }
+  return most;
+}
+
+void Source::copy_finished(std::uint8_t stream, std::uint32_t number) {
+  auto& copies = copies_[stream];
+  if (const auto found = copies.find(number); found != copies.end()) copies.erase(found);
+}
+
+std::uint32_t Source::oldest_open(const Branch& own, std::uint8_t stream) const {
+  std::uint32_t oldest = own.streams[stream].next;
+  for (const auto& [number, transfer] : own.streams[stream].transfers)
+    oldest = before(number, oldest) ? number : oldest;
+  for (const std::uint32_t number : copies_[stream]) oldest = before(number, oldest) ? number : oldest;
+  return oldest;
+}
+
+void Source::remove_finished(Branch& own) {
+  for (GroupStream& stream : own.streams) {
+    for (auto transfer = stream.transfers.begin(); transfer != stream.transfers.end();) {
+      transfer = transfer->second.open.empty() ? stream.transfers.erase(transfer) : std::next(transfer);
+    }
+  }
+}
+
+}  // namespace adhoc_communication::multicast

@@ -1,0 +1,84 @@
+// The packets of the own group: which members each still has to reach, and by which way.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "multicast/branches.hpp"
+#include "multicast/tree_builder.hpp"
+
+namespace adhoc_communication::multicast {
+
+/// What became of a packet at one member.
+struct MemberEnd {
+  SendId id = 0;
+  MacAddress member{};
+  bool delivered = false;
+  bool by_copy = false;  ///< the tree does not get it there: it has to be sent to this member by itself
+  std::string reason;
+};
+
+/// Works on the own branch, which the callers hand over.
+class Source {
+ public:
+  static constexpr int kMostRefusals = 2;       ///< of a member, before it is served by itself
+  static constexpr std::size_t kFewFrames = 8;  ///< for which no way is looked for where the tree has failed
+
+  Source(std::uint16_t segment_size, std::uint8_t first_parity)
+      : segment_size_(segment_size), first_parity_(first_parity) {}
+
+  /// Before a packet: the tree reaches somebody no more, or there is none yet. To be asked once.
+  bool wants_fresh_tree(const Branch& own);
+  /// While packets are on their way: a new tree with these members. To be asked once.
+  std::optional<std::set<MacAddress>> wants_tree_anew(const Branch& own);
+
+  /// The number of the packet; one MemberEnd follows for each of `members`, who are in the tree.
+  std::uint32_t start(Branch& own, SendId id, Priority priority, transport::Image image,
+                      const std::set<MacAddress>& members, Time now);
+  /// Puts another packet in the place of one not begun yet, for the same members. Its number; nothing if it has begun,
+  /// or goes to members by itself as well.
+  std::optional<std::uint32_t> replace(Branch& own, SendId former, SendId id, const transport::Image& image, Time now);
+  /// Members are to pass the packet over. Returns those that it has not reached.
+  std::set<MacAddress> drop(Branch& own, SendId id);
+  void drop_member(Branch& own, const MacAddress& member, const std::string& reason);
+  /// All behind a child have it.
+  void reached(Transfer& transfer, const std::set<MacAddress>& members);
+  void left_over(Branch& own, const LeftOver& left_over);
+
+  /// A packet goes to a member by itself: until that has ended, members are not told to pass it over.
+  void copy_started(std::uint8_t stream, std::uint32_t number) { copies_[stream].insert(number); }
+  void copy_finished(std::uint8_t stream, std::uint32_t number);
+  /// The first packet that the tree or a copy still has to bring to somebody.
+  std::uint32_t oldest_open(const Branch& own, std::uint8_t stream) const;
+
+  /// Forgets packets whose members all have come to an end.
+  static void remove_finished(Branch& own);
+  std::vector<MemberEnd> take_ends() { return std::exchange(ends_, {}); }
+
+ private:
+  enum class Awaited { kNothing, kLittle, kMuch };
+
+  void begin(Branch& own, Transfer& transfer, SendId id, transport::Image image, Time now);
+  void finish_member(Transfer& transfer, const MemberEnd& end);
+  static Awaited awaited(const Branch& own, const MacAddress& member);
+  void refused_with_little(const MacAddress& member);
+  void give_up(Branch& own, const MacAddress& member, bool by_copy, const std::string& reason);
+
+  std::uint16_t segment_size_;
+  std::uint8_t first_parity_;
+  std::map<MacAddress, int> refusals_;
+  bool build_anew_ = false;
+  bool stale_ = false;             ///< the tree reaches somebody no more; the next packet gets a new one
+  bool fresh_ = true;              ///< the tree has just been built
+  std::set<MacAddress> left_out_;  ///< members that the fresh tree did not reach: another one would not, either
+  /// Numbers on their way to members by themselves.
+  std::array<std::multiset<std::uint32_t, routing::SequenceOrder>, transport::kPriorities> copies_;
+  std::vector<MemberEnd> ends_;
+};
+
+}  // namespace adhoc_communication::multicast

@@ -1,0 +1,148 @@
+// A robot's branches of trees, and the packets of the own group on theirs.
+#include <gtest/gtest.h>
+
+#include "multicast/source.hpp"
+
+namespace adhoc_communication::multicast {
+namespace {
+
+using namespace std::chrono_literals;
+
+const Identity kSelf{"self", {2, 0, 0, 0, 0, 1}, {}, 7};
+const MacAddress kA = {2, 0, 0, 0, 0, 0xa}, kB = {2, 0, 0, 0, 0, 0xb}, kC = {2, 0, 0, 0, 0, 0xc};
+
+transport::Image image(std::size_t octets) { return std::make_shared<const Bytes>(octets); }
+
+/// The root of a tree with A behind A, B and C behind B.
+struct Root {
+  Root() : source(1000, 0), own(branches.of(kSelf.address, kSelf.boot, 0s)) {
+    source.wants_fresh_tree(own);
+    own.tree.next_epoch();
+    own.tree.children = {{kA, {kA}}, {kB, {kB, kC}}};
+  }
+  std::uint32_t send(SendId id, std::size_t octets, const std::set<MacAddress>& members) {
+    return source.start(own, id, Priority::kNormal, image(octets), members, 1s);
+  }
+  Branches branches{kSelf};
+  Source source;
+  Branch& own;
+};
+
+constexpr auto kStream = static_cast<std::uint8_t>(Priority::kNormal);
+
+TEST(Branches, AnotherRunOfTheRootGetsANewOne) {
+  Branches branches(kSelf);
+  branches.of(kA, 1, 0s).tree.epoch = 5;
+  EXPECT_EQ(branches.of(kA, 1, 1s).tree.epoch, 5u);
+  EXPECT_EQ(branches.find(kA, 2), nullptr);
+  EXPECT_EQ(branches.of(kA, 2, 1s).tree.epoch, 0u);
+  EXPECT_EQ(branches.find(kA, 1), nullptr);
+}
+
+TEST(Branches, IdleOnesAreForgottenButNotTheOwn) {
+  Branches branches(kSelf);
+  branches.of(kSelf.address, 7, 0s);
+  branches.of(kA, 1, 0s);
+  branches.expire(Branches::kIdleTree - 1ns);
+  EXPECT_EQ(branches.all().size(), 2u);
+  branches.expire(Branches::kIdleTree);
+  EXPECT_EQ(branches.all().size(), 1u);
+  EXPECT_NE(branches.own(), nullptr);
+}
+
+TEST(Branches, OfTooManyTheOneIdleLongestMakesRoom) {
+  Branches branches(kSelf);
+  branches.of(kSelf.address, 7, 0s);
+  for (std::size_t i = 1; i <= Branches::kMostTrees; ++i) {
+    branches.of({4, 0, 0, 0, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i)}, 1, i * 1s);
+  }
+  EXPECT_EQ(branches.all().size(), Branches::kMostTrees);
+  EXPECT_NE(branches.own(), nullptr);
+  EXPECT_EQ(branches.find({4, 0, 0, 0, 0, 1}, 1), nullptr);
+}
+
+TEST(Branches, RoomIsGivenBackWithThePacket) {
+  transport::Reassembly reassembly(1000);
+  Branches branches(kSelf);
+  Branch& branch = branches.of(kA, 1, 0s);
+  const transport::Reassembly::Key key{kA, 1, transport::Reassembly::kGroup, 3};
+  ASSERT_TRUE(reassembly.admit(key, 500, true, 0s));
+  branch.streams[0].transfers[3].room = std::make_unique<Room>(reassembly, key);
+  EXPECT_EQ(reassembly.packets(), 1u);
+  branches.expire(Branches::kIdleTree);
+  EXPECT_EQ(reassembly.packets(), 0u);
+}
+
+TEST(Tree, TellsWhichChildrenHearOfAChange) {
+  Tree tree;
+  tree.children = {{kA, {kA}}, {kB, {kB, kC}}};
+  const auto before = tree.children;
+  EXPECT_EQ(tree.ways_to({kC}), std::set<MacAddress>{kB});
+  EXPECT_TRUE(tree.changed_children(before, false).empty());
+  EXPECT_EQ(tree.changed_children(before, true), (std::set<MacAddress>{kA, kB}));
+  tree.children = {{kB, {kB}}};
+  EXPECT_EQ(tree.changed_children(before, false), (std::set<MacAddress>{kA, kB})) << "one pruned, one with less";
+  EXPECT_EQ(tree.keep_attached(before, {kA, kC, {9}}), std::set<MacAddress>{{9}});
+}
+
+TEST(Source, APacketEndsWhenEachMemberHasComeToAnEnd) {
+  Root root;
+  root.send(1, 500, {kA, kB, kC});
+  Transfer& transfer = root.own.streams[kStream].transfers.begin()->second;
+  root.source.reached(transfer, {kB, kC});
+  root.source.reached(transfer, {kB, kC});
+  EXPECT_EQ(root.source.take_ends().size(), 2u) << "each once";
+  Source::remove_finished(root.own);
+  EXPECT_EQ(root.own.streams[kStream].transfers.size(), 1u);
+  root.source.drop_member(root.own, kA, "lost");
+  const auto ends = root.source.take_ends();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_FALSE(ends[0].delivered || ends[0].by_copy);
+  Source::remove_finished(root.own);
+  EXPECT_TRUE(root.own.streams[kStream].transfers.empty());
+}
+
+TEST(Source, MembersPassNothingOverThatACopyStillBrings) {
+  Root root;
+  const std::uint32_t first = root.send(1, 500, {kA});
+  const std::uint32_t second = root.send(2, 500, {kA});
+  root.source.copy_started(kStream, first);
+  root.source.drop_member(root.own, kA, "lost");
+  Source::remove_finished(root.own);
+  EXPECT_EQ(root.source.oldest_open(root.own, kStream), first);
+  root.source.copy_finished(kStream, first);
+  EXPECT_EQ(root.source.oldest_open(root.own, kStream), second + 1);
+}
+
+TEST(Source, AMemberLeftOverGetsALittlePacketByItselfAndALargeOneByANewTree) {
+  Root root;
+  root.send(1, 500, {kC});
+  root.source.left_over(root.own, {{kC}, "refused", false});
+  auto ends = root.source.take_ends();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_TRUE(ends[0].by_copy);
+  EXPECT_FALSE(root.source.wants_tree_anew(root.own));
+
+  root.send(2, 100'000, {kA, kC});
+  root.source.left_over(root.own, {{kC}, "refused", false});
+  EXPECT_TRUE(root.source.take_ends().empty());
+  EXPECT_EQ(root.source.wants_tree_anew(root.own), (std::set<MacAddress>{kA, kB, kC}));
+  EXPECT_FALSE(root.source.wants_tree_anew(root.own)) << "asked once";
+  root.source.left_over(root.own, {{kC}, "refused", false});
+  ends = root.source.take_ends();
+  ASSERT_EQ(ends.size(), 1u) << "the second time";
+  EXPECT_TRUE(ends[0].by_copy);
+}
+
+TEST(Source, OnlyAPacketNotBegunIsReplaced) {
+  Root root;
+  const std::uint32_t number = root.send(1, 500, {kA});
+  EXPECT_EQ(root.source.replace(root.own, 1, 2, image(600), 2s), number);
+  EXPECT_FALSE(root.source.replace(root.own, 1, 3, image(600), 2s)) << "it has gone";
+  root.own.streams[kStream].transfers.at(number).to_children->next(2s);
+  EXPECT_FALSE(root.source.replace(root.own, 2, 3, image(600), 2s)) << "some of it was sent";
+  EXPECT_EQ(root.source.drop(root.own, 2), std::set<MacAddress>{kA});
+}
+
+}  // namespace
+}  // namespace adhoc_communication::multicast

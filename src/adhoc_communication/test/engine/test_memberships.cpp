@@ -1,0 +1,205 @@
+// What a robot is to the groups of others, and what the root of a group keeps of its members.
+#include <gtest/gtest.h>
+
+#include "multicast/group_sends.hpp"
+#include "multicast/memberships.hpp"
+#include "multicast/own_group.hpp"
+
+namespace adhoc_communication::multicast {
+namespace {
+
+using namespace std::chrono_literals;
+using Kind = Word::Kind;
+
+constexpr char kGroup[] = "mc_root";
+
+struct Fixture {
+  explicit Fixture(bool automatic) : memberships(directory, automatic, 10) {}
+  void root_is_heard(Time now) { directory.life_sign({2, 0, 0, 0, 0, 1}, "root", 1, ++alive, 1, now); }
+  std::vector<Kind> words() {
+    std::vector<Kind> kinds;
+    for (const Word& word : memberships.take_words()) kinds.push_back(word.kind);
+    return kinds;
+  }
+  routing::LivingRuns runs;
+  routing::RobotDirectory directory{runs, "self"};
+  std::uint32_t alive = 0;
+  Memberships memberships;
+};
+
+using Kinds = std::vector<Kind>;
+
+TEST(Memberships, AJoinOfTheHostEndsWhenTheRootHasNamedThisRobot) {
+  Fixture robot(false);
+  robot.memberships.join(kGroup);
+  EXPECT_EQ(robot.words(), Kinds{Kind::kJoin});
+  robot.memberships.said({Kind::kJoin, kGroup}, true, {}, 1s);
+  EXPECT_TRUE(robot.memberships.joined(kGroup));
+  EXPECT_EQ(robot.words(), Kinds{Kind::kConfirmation});
+  EXPECT_TRUE(robot.memberships.take_ends().empty());
+  robot.memberships.named(kGroup, true, 1, 2s);
+  const auto ends = robot.memberships.take_ends();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_TRUE(ends[0].joined && ends[0].succeeded);
+}
+
+TEST(Memberships, AJoinThatIsNotConfirmedIsOver) {
+  Fixture robot(false);
+  robot.memberships.join(kGroup);
+  robot.memberships.said({Kind::kJoin, kGroup}, true, {}, 1s);
+  robot.memberships.expire(1s + Memberships::kMembersPatience - 1ns);
+  EXPECT_TRUE(robot.memberships.take_ends().empty());
+  robot.memberships.expire(1s + Memberships::kMembersPatience);
+  const auto ends = robot.memberships.take_ends();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_FALSE(ends[0].succeeded);
+  EXPECT_EQ(robot.memberships.size(), 0u);
+}
+
+TEST(Memberships, WhatHappensByItselfIsTriedAgainWhenTheRootIsThere) {
+  Fixture robot(true);
+  robot.root_is_heard(1s);
+  robot.memberships.appeared("root");
+  EXPECT_EQ(robot.words(), Kinds{Kind::kJoin});
+  robot.memberships.said({Kind::kJoin, kGroup}, false, "no route", 2s);
+  robot.memberships.expire(2s + Memberships::kRetry - 1ns);
+  EXPECT_EQ(robot.words(), Kinds{});
+  robot.memberships.expire(2s + Memberships::kRetry);
+  EXPECT_EQ(robot.words(), Kinds{Kind::kJoin});
+  EXPECT_TRUE(robot.memberships.take_ends().empty()) << "nobody has asked";
+}
+
+TEST(Memberships, AFullRootIsNotAskedAgainSoon) {
+  Fixture robot(true);
+  robot.root_is_heard(1s);
+  robot.memberships.appeared("root");
+  robot.words();
+  robot.memberships.named(kGroup, false, 10, 2s);  // overtakes the acknowledgment of the join
+  robot.memberships.said({Kind::kJoin, kGroup}, true, {}, 2s);
+  EXPECT_FALSE(robot.memberships.joined(kGroup));
+  robot.memberships.expire(2s + Memberships::kFullRetry - 1ns);
+  EXPECT_EQ(robot.words(), Kinds{});
+  robot.memberships.expire(2s + Memberships::kFullRetry);
+  EXPECT_EQ(robot.words(), Kinds{Kind::kJoin});
+}
+
+TEST(Memberships, ALeaveLastsAndIsToldUntilTheRootHasHeardOfIt) {
+  Fixture robot(true);
+  robot.root_is_heard(1s);
+  robot.memberships.appeared("root");
+  robot.memberships.said({Kind::kJoin, kGroup}, true, {}, 1s);
+  robot.words();
+  robot.memberships.leave(kGroup);
+  EXPECT_EQ(robot.words(), Kinds{Kind::kLeave});
+  EXPECT_TRUE(robot.memberships.refuses(kGroup));
+  EXPECT_TRUE(robot.memberships.takes_part(kGroup)) << "the root does not know yet";
+  robot.memberships.said({Kind::kLeave, kGroup}, false, "no route", 2s);
+  robot.memberships.expire(2s + Memberships::kRetry);
+  EXPECT_EQ(robot.words(), Kinds{Kind::kLeave});
+  robot.memberships.said({Kind::kLeave, kGroup}, true, {}, 5s);
+  EXPECT_FALSE(robot.memberships.takes_part(kGroup));
+  robot.memberships.appeared("root");
+  robot.memberships.expire(100s);
+  EXPECT_EQ(robot.words(), Kinds{});
+}
+
+TEST(Memberships, AnotherRunKeepsWhatTheHostWanted) {
+  Fixture former(true), robot(true);
+  former.memberships.join("mc_a");
+  former.memberships.join("mc_b");
+  former.memberships.leave("mc_b");
+  former.memberships.take_ends();
+  former.memberships.end("restart");
+  ASSERT_EQ(former.memberships.take_ends().size(), 1u) << "the join of mc_a";
+  robot.memberships.succeed(former.memberships);
+  EXPECT_FALSE(robot.memberships.refuses("mc_a"));
+  EXPECT_TRUE(robot.memberships.refuses("mc_b"));
+  EXPECT_TRUE(robot.memberships.groups().empty()) << "the root has not heard of this run";
+}
+
+TEST(Memberships, TheTableIsBounded) {
+  Fixture robot(false);
+  for (std::size_t i = 0; i <= Memberships::kMostGroups; ++i) robot.memberships.join("mc_" + std::to_string(i));
+  EXPECT_EQ(robot.memberships.size(), Memberships::kMostGroups);
+  const auto ends = robot.memberships.take_ends();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_FALSE(ends[0].succeeded);
+}
+
+HeldPacket packet(std::uint32_t number, std::size_t octets, Time sent, Time until = Time::max()) {
+  return {0, number, std::make_shared<const Bytes>(octets), sent, until};
+}
+
+TEST(OwnGroup, ALostMemberComesBackOnlyAsTheSameRun) {
+  OwnGroup group(1000);
+  EXPECT_EQ(group.admit("a"), OwnGroup::Admission::kNew);
+  EXPECT_EQ(group.admit("a"), OwnGroup::Admission::kKnown);
+  EXPECT_TRUE(group.lose("a", 7));
+  EXPECT_FALSE(group.holds("a"));
+  EXPECT_FALSE(group.comes_back("a", 8)) << "another run has to join";
+  group.admit("a");
+  group.lose("a", 7);
+  EXPECT_TRUE(group.comes_back("a", 7));
+  group.admit("a");
+  group.lose("a", 7);
+  group.leave("a");
+  EXPECT_FALSE(group.comes_back("a", 7)) << "it has left meanwhile";
+}
+
+TEST(OwnGroup, HasTheMembersThatOneActivationNames) {
+  OwnGroup group(13);
+  EXPECT_EQ(group.most(), 2u);
+  group.admit("a");
+  group.admit("b");
+  EXPECT_EQ(group.admit("c"), OwnGroup::Admission::kFull);
+  EXPECT_EQ(group.names(), (std::vector<std::string>{"a", "b"}));
+}
+
+TEST(OwnGroup, ServesAMemberByCopiesUntilTheLastHasEnded) {
+  OwnGroup group(1000);
+  group.admit("a");
+  group.copy_started("a");
+  group.copy_started("a");
+  group.copy_finished("a");
+  EXPECT_TRUE(group.served_by_copies("a"));
+  group.copy_finished("a");
+  EXPECT_FALSE(group.served_by_copies("a"));
+}
+
+TEST(OwnGroup, KeepsPacketsForNewcomersWhileTheyAreOfUse) {
+  OwnGroup group(1000);
+  group.hold(packet(1, 100, 0s), 0s);
+  group.hold(packet(2, 100, 1s, 2s), 1s);
+  EXPECT_EQ(group.held_for_newcomers(1s).size(), 2u);
+  EXPECT_EQ(group.held_for_newcomers(2s).size(), 1u) << "the lifetime of one is over";
+  EXPECT_EQ(group.held_for_newcomers(OwnGroup::kHeld).size(), 0u);
+  group.hold(packet(3, OwnGroup::kMostHeldOctets - 100, 1s), 1s);
+  EXPECT_EQ(group.held_for_newcomers(1s).size(), 2u) << "the oldest made room";
+}
+
+TEST(GroupSends, EachHasItsOwnPatienceAndTheRootIsAskedAgainForTheOthers) {
+  GroupSends sends;
+  const auto image = std::make_shared<const Bytes>(10);
+  EXPECT_TRUE(sends.wait(kGroup, {1, image, Priority::kNormal, 5s}));
+  EXPECT_FALSE(sends.wait(kGroup, {2, image, Priority::kNormal, 7s}));
+  EXPECT_TRUE(sends.take_overdue(4s).sends.empty());
+  auto overdue = sends.take_overdue(5s);
+  EXPECT_EQ(overdue.sends, std::vector<SendId>{1});
+  EXPECT_EQ(overdue.groups_to_ask, std::vector<std::string>{kGroup});
+  overdue = sends.take_overdue(7s);
+  EXPECT_EQ(overdue.sends, std::vector<SendId>{2});
+  EXPECT_TRUE(overdue.groups_to_ask.empty());
+  EXPECT_TRUE(sends.wait(kGroup, {3, image, Priority::kNormal, 20s})) << "nothing waits any more";
+}
+
+TEST(GroupSends, AFanOutEndsWithItsLastMember) {
+  GroupSends sends;
+  sends.fan_out(1, 3);
+  EXPECT_FALSE(sends.part_finished(1, "a", false, "far"));
+  EXPECT_FALSE(sends.part_finished(1, "b", true, {}));
+  EXPECT_EQ(sends.part_finished(1, "c", false, "lost"), "a (far), c (lost)");
+  EXPECT_FALSE(sends.part_finished(1, "c", true, {})) << "it has ended";
+}
+
+}  // namespace
+}  // namespace adhoc_communication::multicast
