@@ -1,7 +1,7 @@
 // The simulated radio where frames for one robot and frames for everybody differ.
 #include <gtest/gtest.h>
 
-#include "link/medium.hpp"
+#include "medium/medium.hpp"
 #include "simulation/team.hpp"
 #include "wire/frame_header.hpp"
 
