@@ -4,8 +4,9 @@ centralized one the base pauses the team and lets it go on."""
 
 from typing import Dict
 
-from mr_measures.record.files import read_record
 from team_missions import KILLED, Mission, processes_of
+
+from mr_measures.record.files import read_record
 
 
 def test_every_robot_finishes(mission: Mission) -> None:

@@ -10,7 +10,7 @@ import subprocess
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Sequence
+from typing import Any, Mapping, Sequence
 
 from mr_launch.soak.faults import DISK_MB, Fault, partitions
 from mr_launch.soak.leftovers import Leftovers
@@ -42,7 +42,7 @@ class Outcome:
     left: list[str]
     said: list[str]
     faults: list[Fault]
-    restarts: dict[str, dict[str, int]]
+    restarts: Mapping[str, Mapping[str, int]]
     samples: Samples
     exploring: tuple[float, float] = (0.0, 0.0)
     hold: tuple[float, float] = (0.0, 0.0)
