@@ -7,10 +7,10 @@
 namespace adhoc_communication {
 namespace {
 
-std::string mode_name(unsigned mode) {
-  if (mode == IW_MODE_INFRA) return "a station of an access point (mode managed)";
-  if (mode == IW_MODE_MASTER) return "an access point (mode AP)";
-  return "in monitor mode";
+std::string in_words(unsigned mode) {
+  if (mode == IW_MODE_INFRA) return "is a station of an access point (mode managed)";
+  if (mode == IW_MODE_MASTER) return "is an access point (mode AP)";
+  return "is in monitor mode";
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ std::optional<std::string> objection(const std::string& interface, const Interfa
       kind.wireless_mode && (*kind.wireless_mode == IW_MODE_INFRA || *kind.wireless_mode == IW_MODE_MASTER ||
                              *kind.wireless_mode == IW_MODE_MONITOR);
   if (!is_wrong) return std::nullopt;
-  return name + " is " + mode_name(*kind.wireless_mode) + ", where robots do not hear each other directly: set it to " +
+  return name + " " + in_words(*kind.wireless_mode) + ", where robots do not hear each other directly: set it to " +
          "ad hoc (\"sudo iw dev " + interface + " set type ibss\") or mesh mode, see docs/tutorials/radio.md";
 }
 
