@@ -17,7 +17,7 @@ def verify(directory: pathlib.Path, unit: str) -> str:
     """What systemd has to say about a unit of that directory; programs are looked for below it."""
     program = shutil.which("systemd-analyze")
     if program is None:
-        pytest.skip("systemd-analyze is not here")
+        pytest.skip("systemd is not installed")
     environment = {**os.environ, "SYSTEMD_UNIT_PATH": f"{directory}:"}
     done = subprocess.run([program, "verify", "--man=no", unit], env=environment, capture_output=True, text=True)
     ours = (unit.split("@")[0], str(directory))

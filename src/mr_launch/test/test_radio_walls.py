@@ -9,7 +9,7 @@ import pytest
 
 from mr_launch import isolation
 from mr_launch.arguments import parse_arguments
-from mr_launch.plan import Plan, radio_command
+from mr_launch.plan import RADIO_CONTROL, Plan, radio_command
 from mr_launch.programs import find_executable
 from mr_launch.world import find_world, write_walls
 from mr_sim.raster import rasterise
@@ -68,7 +68,7 @@ def test_who_is_behind_a_wall_is_heard_unless_walls_weaken_the_radio(tmp_path, a
     """Frame 1 is sent while bob is behind a wall and carol in sight, frame 2 when bob is in sight, too."""
     with running_radio(tmp_path, *arguments) as plan, contextlib.ExitStack() as stack:
         alice, bob, carol = (stack.enter_context(connected(plan.socket("hub"))) for _ in range(3))
-        control = stack.enter_context(connected(plan.socket("radio")))
+        control = stack.enter_context(connected(plan.socket(RADIO_CONTROL)))
 
         def place(**positions):
             lines = [f"position {name} {x} {y}" for name, (x, y) in positions.items()]

@@ -12,6 +12,7 @@ from typing import Sequence
 from mr_launch import isolation
 from mr_launch.arguments import Options, choose_robots, parse_arguments
 from mr_launch.errors import UserError
+from mr_launch.exit_codes import BAD_CALL, INTERRUPTED
 from mr_launch.outside import run_team
 from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
@@ -19,9 +20,6 @@ from mr_launch.results import write_begun
 from mr_launch.running_state import running_team
 from mr_launch.world import check_start, find_world, keep_generated, presets_of, robots_of, warning_of
 from mr_page.server import listening_sockets
-
-BAD_CALL = 2
-INTERRUPTED = 130
 
 
 def team(arguments: Sequence[str]) -> int:

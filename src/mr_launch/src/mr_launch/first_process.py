@@ -12,11 +12,10 @@ from typing import Callable, Sequence
 
 from mr_launch import isolation
 from mr_launch.errors import TeamFailure
+from mr_launch.exit_codes import INTERRUPTED
 from mr_launch.hub_cleanup import end_descendants
 from mr_launch.lifeline import Lifeline
 from mr_launch.outside import become_subreaper
-
-INTERRUPTED = 130
 
 
 def make_private_file_system(kind: str, private: str, hosts: Sequence[str]) -> None:

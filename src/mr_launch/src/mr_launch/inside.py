@@ -13,7 +13,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from mr_launch.errors import TeamFailure
-from mr_launch.first_process import INTERRUPTED, hold_lifeline, make_private_file_system
+from mr_launch.exit_codes import FAILED, INTERRUPTED, OK
+from mr_launch.first_process import hold_lifeline, make_private_file_system
 from mr_launch.lifeline import Lifeline
 from mr_launch.mission import Interrupted, Mission, Outcome
 from mr_launch.plan import Plan
@@ -24,8 +25,6 @@ from mr_launch.results import print_results, write_results
 from mr_launch.team import Team
 from mr_launch.truth import Truth
 from mr_launch.view import View
-
-OK, NOT_FINISHED = 0, 1
 
 
 class Run:
@@ -64,14 +63,14 @@ class Run:
         except TeamFailure as failure:
             self.outcome.reason, self.outcome.failed = str(failure), True
             self.view.notice(f"team: {failure}")
-            return NOT_FINISHED
+            return FAILED
         except Interrupted:
             self.outcome.reason = "interrupted"
             self.view.notice("team: interrupted, winding up")
             return INTERRUPTED
         if outcome.reason:
             self.view.notice(f"team: {outcome.reason}")
-            return NOT_FINISHED
+            return FAILED
         return OK
 
     def _failures(self) -> list[str]:
@@ -98,7 +97,7 @@ class Run:
             record = write_results(self._plan_of_results(), self.outcome, self.server, self.truth, cpu)
         except OSError as error:
             self.view.notice(f"team: results cannot be written to {error.filename or self.plan.out}: {error.strerror}")
-            return code or NOT_FINISHED
+            return code or FAILED
         print_results(self.plan, record)
         return code
 
@@ -123,7 +122,7 @@ def main() -> int:
         return Run(plan, lifeline, page).run()
     except TeamFailure as failure:
         print(f"team: {failure}", file=sys.stderr)
-        return NOT_FINISHED
+        return FAILED
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ from mr_launch.arguments import Options
 
 FIRST_PORT = 11311
 RADIO_INTERFACE = "radio0"
+RADIO_CONTROL = "radio"  # control socket of the radio daemon
 SLOWEST_RADIO = 0.001  # the least real-time factor that the radio daemon takes
 BASE = "base"  # name of the base station of a centralized team
 PLAN_FILE = "plan.json"  # in the output folder, from the start: what the mission was to be
@@ -145,7 +146,7 @@ def radio_command(plan: Plan, walls: Walls | None = None) -> list[str]:
         command += ["--walls", walls.file, "--walls-resolution", f"{walls.resolution:.6f}"]
         command += ["--walls-origin", "{:.6f},{:.6f}".format(*walls.origin)]
         command += ["--wall-attenuation", f"{options.wall_attenuation:g}"]
-    command += ["--control", plan.socket("radio"), "--statistics", str(Path(plan.out) / "radio.json")]
+    command += ["--control", plan.socket(RADIO_CONTROL), "--statistics", str(Path(plan.out) / "radio.json")]
     return command
 
 
@@ -154,7 +155,7 @@ def world_command(plan: Plan) -> list[str]:
     command = [plan.programs["world"], "--world", plan.world, "--socket", plan.socket("world")]
     command += ["--robots", str(len(plan.robots)), "--rtf", f"{options.rtf:g}", "--seed", str(options.seed)]
     command += ["--odometry", options.odometry]
-    command += ["--radio-control", plan.socket("radio"), "--trace", str(Path(plan.out) / "truth.csv")]
+    command += ["--radio-control", plan.socket(RADIO_CONTROL), "--trace", str(Path(plan.out) / "truth.csv")]
     return command
 
 
@@ -173,7 +174,7 @@ def page_command(plan: Plan, descriptor: int) -> list[str]:
     """The server of the team's page, on a listening socket of the machine's own network."""
     command = [sys.executable, "-m", "mr_page.team_page", "--descriptor", str(descriptor)]
     title = f"{plan.options.world}, {len(plan.robots)} robot{'s' if len(plan.robots) > 1 else ''}"
-    return [*command, "--feeds", page_socket(plan), "--radio", plan.socket("radio"), "--title", title]
+    return [*command, "--feeds", page_socket(plan), "--radio", plan.socket(RADIO_CONTROL), "--title", title]
 
 
 def key_command(plan: Plan) -> list[str]:

@@ -18,6 +18,7 @@ from mr_launch.errors import TeamFailure
 from mr_launch.network import end_all_in_namespace, hold_namespace, lay_cable, switch_ipv6_off
 from mr_launch.nodes import MOST_RESTARTS, NodeWatch
 from mr_launch.plan import (
+    RADIO_CONTROL,
     Plan,
     RobotPlan,
     base_position,
@@ -172,7 +173,7 @@ class Team:
         weakened = self.plan.options.wall_attenuation > 0.0
         walls = write_walls(self.plan.world, self.plan.socket("walls.pgm")) if weakened else None
         radio = self._start("radio", radio_command(self.plan, walls), {})
-        control = Path(self.plan.socket("radio"))
+        control = Path(self.plan.socket(RADIO_CONTROL))
         end = time.monotonic() + 15.0
         while not control.exists() and not stopped():
             if radio.process.poll() is not None:
@@ -185,7 +186,7 @@ class Team:
 
     def _tell_radio(self, command: str) -> None:
         with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control:
-            control.connect(self.plan.socket("radio"))
+            control.connect(self.plan.socket(RADIO_CONTROL))
             control.send(command.encode())
 
     def _write_state(self) -> None:

@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import Sequence
 
 from mr_launch.errors import UserError
+from mr_launch.exit_codes import BAD_CALL, FAILED, INTERRUPTED, OK
 from mr_launch.recordings.bags import SECOND
-from mr_launch.recordings.recording import Recording, find_recording
-
-OK, FAILED, BAD_CALL, INTERRUPTED = 0, 1, 2, 130
+from mr_launch.recordings.recording import WHAT_IS_FOUND, Recording, find_recording
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -22,8 +21,7 @@ def make_parser() -> argparse.ArgumentParser:
         epilog="Exit code: 0 written, 1 it could not be written, 2 bad options or bags, 130 interrupted.",
     )
     add = parser.add_argument
-    add("mission", metavar="MISSION", type=Path, help="output folder of the team runner; of a real robot its folder of "
-        "bags or one bag; a folder with several of these")  # fmt: skip
+    add("mission", metavar="MISSION", type=Path, help=WHAT_IS_FOUND)
     add("--out", type=Path, metavar="FILE.mcap", help="default: mission.mcap in MISSION, NAME.mcap beside a bag")
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--topics", nargs="+", default=[], metavar="NAME", help="only these, as a robot calls them "

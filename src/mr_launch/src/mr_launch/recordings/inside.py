@@ -13,7 +13,8 @@ from typing import Callable
 
 from mr_launch import isolation
 from mr_launch.errors import TeamFailure
-from mr_launch.first_process import INTERRUPTED, hold_lifeline, make_private_file_system
+from mr_launch.exit_codes import FAILED, INTERRUPTED, OK
+from mr_launch.first_process import hold_lifeline, make_private_file_system
 from mr_launch.lifeline import Lifeline
 from mr_launch.mission import Interrupted
 from mr_launch.network import hold_namespace
@@ -25,7 +26,6 @@ from mr_launch.reports import ReportServer
 from mr_launch.running_state import remove_state, write_state
 from mr_launch.team import NODES_PATIENCE
 
-OK, FAILED = 0, 1
 READY_PATIENCE = 90.0  # s of real time for masters and nodes
 STANDSTILL_PATIENCE = 30.0  # s of real time without recorded time
 SAVE_PATIENCE = 15.0  # s of real time for the maps

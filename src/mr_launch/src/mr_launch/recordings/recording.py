@@ -8,6 +8,9 @@ from pathlib import Path
 from mr_launch.errors import UserError
 from mr_launch.plan import PLAN_FILE, Plan, bag_name
 
+WHAT_IS_FOUND = (
+    "output folder of the team runner; of a real robot its folder of bags or one bag; a folder with several of these"
+)
 ROBOTS_OWN = "topics_"  # with what robot.launch begins the names of its bags; the folder is called as the robot then
 
 

@@ -16,14 +16,14 @@ from typing import Iterator, Sequence
 
 from explorer.options import STRATEGIES
 from mr_launch import isolation
-from mr_launch.commands import BAD_CALL, INTERRUPTED
 from mr_launch.errors import UserError
+from mr_launch.exit_codes import BAD_CALL, INTERRUPTED
 from mr_launch.outside import run_inside
 from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, initial_poses
 from mr_launch.programs import find_played, free_ports
 from mr_launch.recordings.bags import SECOND, Span, opened
 from mr_launch.recordings.cut import cut, is_played
-from mr_launch.recordings.recording import Recording, find_recording
+from mr_launch.recordings.recording import WHAT_IS_FOUND, Recording, find_recording
 from mr_launch.recordings.replay_plan import PlayedRobot, ReplayPlan
 from mr_launch.recordings.survey import Survey, clock_shifts
 
@@ -39,8 +39,7 @@ def make_parser() -> argparse.ArgumentParser:
         epilog="Exit code: 0 played to the end, 1 a node failed, 2 bad options or bags, 130 interrupted.",
     )
     add = parser.add_argument
-    add("mission", metavar="MISSION", type=Path, help="output folder of the team runner; of a real robot its folder of "
-        "bags or one bag; a folder with several of these")  # fmt: skip
+    add("mission", metavar="MISSION", type=Path, help=WHAT_IS_FOUND)
     add("--compute", nargs="+", choices=COMPUTED, default=[], metavar="NODE", help="map_merger, explorer: run "
         "them again; what they published then is not played")  # fmt: skip
     add("--rate", type=float, default=1.0, metavar="F", help="recorded over real seconds (default: %(default)s)")

@@ -11,11 +11,11 @@ import time
 from pathlib import Path
 from typing import Sequence
 
+from mr_launch.exit_codes import FAILED, OK
 from mr_launch.soak.faults import disturbed, full_disk
 from mr_launch.soak.missions import ROBOTS, Outcome, SoakMission
 from mr_launch.soak.rows import rows_of
 
-OK, MISSED, BAD_CALL = 0, 1, 2
 HOLD_SHARE = 0.25  # of the whole time
 
 
@@ -55,7 +55,7 @@ def main(arguments: Sequence[str]) -> int:
     if options.out:
         options.out.parent.mkdir(parents=True, exist_ok=True)
         options.out.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
-    return OK if all(entry["holds"] for entry in rows) else MISSED
+    return OK if all(entry["holds"] for entry in rows) else FAILED
 
 
 def soak(folder: Path, world: str, seed: int, seconds: float) -> list[Outcome]:

@@ -11,6 +11,9 @@ import subprocess
 from pathlib import Path
 from typing import Iterator, NamedTuple
 
+from mr_launch.isolation import PRIVATE_MOUNT
+from mr_launch.plan import RADIO_CONTROL
+
 _NODE = re.compile(r"__log:=\S*/logs/(?P<robot>[^/\s]+)/nodes/(?P<node>\w+?)(?:-\d+)?\.log")
 
 
@@ -61,7 +64,7 @@ class RunningMission:
         """A line for the control socket of the radio daemon."""
         init = json.loads(self.path("team.json").read_text())["init"]
         with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control:
-            control.connect(f"/proc/{init}/root/dev/shm/radio")
+            control.connect(f"/proc/{init}/root{PRIVATE_MOUNT}/{RADIO_CONTROL}")
             control.send(line.encode() + b"\n")
 
     def enter(self, robot: str, *command: str) -> str:
