@@ -5,13 +5,16 @@ from typing import Optional
 from explorer.agreement import Agreement
 from explorer.announcing import Announcing
 from explorer.answer import Answer
-from explorer.auctions import Auctions, comparable
+from explorer.answering import Answering
+from explorer.auctions import Auctions
 from explorer.claim import OwnClaim
+from explorer.course import Course
 from explorer.departure import Departure
 from explorer.driver import Driver, GoalEvent, at_home
 from explorer.ending import Ending
 from explorer.foreign import ForeignFrontiers
 from explorer.hearing import Hearing
+from explorer.homecoming import Homecoming
 from explorer.journal import Journal
 from explorer.leftovers import sentence
 from explorer.memory import Memory
@@ -31,9 +34,6 @@ from explorer.status import Counters, State
 from explorer.strategies.strategy import Strategy
 from explorer.team import Team
 from explorer.verdicts import Verdicts
-from mr_grid import Pose
-
-MAXIMUM_CLAIMED = 5000  # elements of one claim that are read
 
 
 class Exploration:
@@ -53,11 +53,9 @@ class Exploration:
         name = options.robot_name
         self._name, self.strategy, self._emit = name, strategy, emit
         self._senses, self._perception, self._foreign = senses, perception, foreign
-        self.state, self.text = State.STARTING, "waits for the map"
-        self.started_at: Optional[float] = None
-        self.finished_at: Optional[float] = None
         self._autostart = options.autostart
         self.orders = Orders(options)
+        self._course = Course(self.orders)
         self.team = Team(name, options.claim_timeout)
         self._departure = Departure(name, options.field_of_view, options.largest_robot_radius, self.team)
         self.verdicts = Verdicts()
@@ -79,7 +77,27 @@ class Exploration:
             strategy, self.driver, self.claim, self.auctions, self.sharing, self.team, name, emit
         )
         self._scenes = SceneMaker(name, senses, perception, self.verdicts, self.team, foreign, self.claim)
+        self._homecoming = Homecoming(self._course, self.orders, self.driver, senses, perception, self._outcomes)
+        self._answering = Answering(
+            name, strategy, senses, perception, foreign, self.team, self.auctions, self._selection, self._scenes
+        )
         self._journal = Journal(options, emit)
+
+    @property
+    def state(self) -> State:
+        return self._course.state
+
+    @property
+    def text(self) -> str:
+        return self._course.text
+
+    @property
+    def started_at(self) -> Optional[float]:
+        return self._course.started_at
+
+    @property
+    def finished_at(self) -> Optional[float]:
+        return self._course.finished_at
 
     # ---- input ----------------------------------------------------------------------------------------------------
 
@@ -87,37 +105,12 @@ class Exploration:
         """False if it was started or stopped before."""
         if self.started_at is not None or self.finished_at is not None:
             return False
-        self.started_at = now
+        self._course.started_at = now
         self._journal.start(now)
         return True
 
     def take_auction(self, auction: Auction, now: float) -> None:
-        if auction.robot == self._name or self.team.peer(auction.robot) is None:
-            return
-        self.team.heard(auction.robot)
-        if not auction.status:
-            self.auctions.take_bids(auction)
-            # Without a transform nobody can tell what is on offer.
-            known = self._foreign.has_transform(auction.robot)
-            self.team.answered(auction.robot, bool(auction.available) or not known)
-        elif auction.start:
-            self._answer(auction, now)
-        elif auction.finished:
-            bid = self.auctions.take_end(auction)
-            self.team.claim(auction.robot, auction.occupied[:MAXIMUM_CLAIMED], now, bid)
-            if self._perception.ways is not None and self._senses.pose is not None:
-                self._selection.settle(auction.robot, self._scenes.scene(now))
-
-    def _answer(self, auction: Auction, now: float) -> None:
-        self.auctions.take_start(auction, now)
-        at_rest = self.finished_at is not None or self.orders.halt
-        if at_rest or self._senses.pose is None or not comparable(auction, self._foreign, self._name):
-            self.auctions.refuse(auction)
-        elif self._perception.ways is None:
-            self.auctions.answer(auction, (), lambda _: -1.0, self._foreign)
-        else:
-            scene = self._scenes.scene(now)
-            self.auctions.answer(auction, scene.candidates, lambda c: self.strategy.bid(scene, c), self._foreign)
+        self._answering.take(auction, self.finished_at is not None or bool(self.orders.halt), now)
 
     def take_result(self, goal_id: int, outcome: str, text: str, now: float) -> None:
         event = self.driver.take_result(goal_id, outcome, text, now)
@@ -140,7 +133,7 @@ class Exploration:
         if self.orders.paused or self.state == State.FINISHED:
             return Answer(False, "is paused already" if self.orders.paused else f"has ended: {self.text}")
         self._halt(PAUSED, now)
-        self._be(State.WAITING, PAUSED)
+        self._course.be(State.WAITING, PAUSED)
         return Answer(True, "paused")
 
     def return_now(self, now: float) -> Answer:
@@ -151,7 +144,7 @@ class Exploration:
             return Answer(False, "is called back already" if self.orders.halt else f"has ended: {self.text}")
         self._halt(CALLED, now)
         self.driver.begin_home()
-        self._be(State.RETURNING, f"{CALLED}, drives home")
+        self._course.be(State.RETURNING, f"{CALLED}, drives home")
         return Answer(True, "drives home")
 
     def _halt(self, how: str, now: float) -> None:
@@ -177,7 +170,7 @@ class Exploration:
         self.driver.drop()
         if self.finished_at is None:
             self._end(STOPPED, now)
-        self._be(State.FINISHED, "stopped")
+        self._course.be(State.FINISHED, "stopped")
         return Answer(True, "stopped")
 
     def go_home(self, now: float) -> Answer:
@@ -191,7 +184,7 @@ class Exploration:
         if self.finished_at is None:
             self._end(SENT_HOME, now)
         self.driver.begin_home()
-        self._be(State.RETURNING, f"{self.orders.ended_by}, drives home")
+        self._course.be(State.RETURNING, f"{self.orders.ended_by}, drives home")
         return Answer(True, "drives home")
 
     @property
@@ -208,7 +201,7 @@ class Exploration:
         if self.state == State.FINISHED:
             return
         if self.started_at is None or self._senses.map is None or self._senses.pose is None:
-            self._be(State.STARTING, f"waits for {self._awaited}")
+            self._course.be(State.STARTING, f"waits for {self._awaited}")
         elif self.orders.paused:
             self._stand(now)
         elif self.orders.halt:
@@ -250,9 +243,9 @@ class Exploration:
     def _reopen(self) -> None:
         self.driver.drop()
         self.ending.look_again()
-        self.finished_at, self.orders.ended_by = None, None
+        self._course.finished_at, self.orders.ended_by = None, None
         self._emit(Note("something new is to be explored; goes on"))
-        self._be(State.EXPLORING, "goes on")
+        self._course.be(State.EXPLORING, "goes on")
 
     def _perceive(self, now: float) -> None:
         heard = self.agreement.heard(now)
@@ -266,7 +259,7 @@ class Exploration:
 
     def _stand(self, now: float) -> None:
         """What a paused robot does: the others may need what it sees."""
-        self._be(State.WAITING, PAUSED)
+        self._course.be(State.WAITING, PAUSED)
         if self.finished_at is None:
             self._perceive(now)
             self.sharing.share(now)
@@ -274,14 +267,7 @@ class Exploration:
     def _come_back(self, now: float) -> None:
         self._perceive(now)
         self.sharing.share(now)
-        here, home = self._senses.pose, self._senses.home
-        assert here is not None and home is not None
-        if self.driver.home_is_over(here, home):
-            self.driver.drop()
-            self._be(State.WAITING, f"{CALLED}, {_whereabouts(here, home)}")
-        else:
-            self._be(State.RETURNING, f"{CALLED}, drives home")
-            self._head_home(here, home, now)
+        self._homecoming.follow_call(now)
 
     def _explore(self, now: float) -> None:
         here = self._senses.pose
@@ -303,7 +289,7 @@ class Exploration:
         self._allocate(scene, now, not awaited)
         self.sharing.share(now)
         if awaited:
-            self._be(State.WAITING, f"lets {', '.join(awaited)} drive off first")
+            self._course.be(State.WAITING, f"lets {', '.join(awaited)} drive off first")
         else:
             self._tell_state()
 
@@ -319,11 +305,11 @@ class Exploration:
     def _tell_state(self) -> None:
         goal = self.driver.goal
         if goal is not None:
-            self._be(State.EXPLORING, f"drives to ({goal.pose.x:.1f}, {goal.pose.y:.1f})")
+            self._course.be(State.EXPLORING, f"drives to ({goal.pose.x:.1f}, {goal.pose.y:.1f})")
         elif any(cluster.reachable for cluster in self._perception.clusters):
-            self._be(State.WAITING, "frontiers are left, none is for this robot now")
+            self._course.be(State.WAITING, "frontiers are left, none is for this robot now")
         else:
-            self._be(State.WAITING, "sees no frontier, waits for the map to confirm it")
+            self._course.be(State.WAITING, "sees no frontier, waits for the map to confirm it")
 
     def _take_event(self, event: GoalEvent, now: float) -> None:
         assert self._senses.pose is not None
@@ -336,7 +322,7 @@ class Exploration:
 
     def _end(self, reason: str, now: float) -> None:
         """Of the exploration; `reason` in words."""
-        self.finished_at, self.orders.ended_by = now, reason
+        self._course.finished_at, self.orders.ended_by = now, reason
         self.driver.drop()
         self._give_up_claim(now)
         how = "finished" if self.orders.complete else "ended"
@@ -353,57 +339,22 @@ class Exploration:
             self._selection.finish(self._scenes.scene(now))
 
     def _drive_home(self, now: float) -> None:
-        here, home = self._senses.pose, self._senses.home
-        assert here is not None and home is not None
-        ended_by = self.orders.ended_by
         if self._perception.ways is None:
             self._perceive(now)  # after a crash
-        if not self.orders.homeward or self.driver.home_is_over(here, home):
-            self.driver.drop()
-            self._be(State.FINISHED, f"{ended_by}, {_whereabouts(here, home)}")
-            return
-        self._be(State.RETURNING, f"{ended_by}, drives home")
-        self._head_home(here, home, now)
-
-    def _head_home(self, here: Pose, home: Pose, now: float) -> None:
-        event = self.driver.watch(here, now, self._perception.rest_of_way)
-        if event is not None:
-            self._take_event(event, now)
-            self.driver.end_home(FAILED, now)
-        if self.driver.goal is None and self.driver.may_send(now):
-            self.driver.send(home, here, now, self._perception.way(here, home))
-
-    def _be(self, state: State, text: str) -> None:
-        self.state, self.text = state, text
+        self._homecoming.end_mission(now)
 
     # ---- memory ---------------------------------------------------------------------------------------------------
 
     @property
     def memory(self) -> Memory:
         """What is to be kept of this mission."""
-        orders = self.orders
-        return Memory(
-            self._senses.home, self.started_at, self.finished_at, orders.ended_by or "", orders.homeward, orders.halt,
-            float(round(self._senses.distance)),
-        )  # fmt: skip
+        return self._course.memory(self._senses)
 
     def recall(self, memory: Memory, now: float) -> None:
-        """Goes on with a mission of which only this was kept. Times that lie in the future are of another clock: such a
-        mission starts anew, as when the clock is set back."""
-        if memory.home is not None and self._senses.home is None:
-            self._senses.home = memory.home
-        if memory.started_at is None:
-            return
-        same_clock = memory.started_at <= now
-        self.started_at = memory.started_at if same_clock else now
-        self._journal.start(self.started_at)
-        self._senses.distance = memory.distance if same_clock else 0.0
-        self.orders.halt = memory.halt
-        if memory.ended_by and (same_clock or memory.ended_by == STOPPED):
-            self.orders.ended_by, self.orders.homeward = memory.ended_by, memory.homeward
-            self.finished_at = memory.finished_at if same_clock else now
-        if memory.ended_by == STOPPED and not memory.homeward:
-            self._be(State.FINISHED, STOPPED)
+        """Goes on with a mission of which only this was kept."""
+        self._course.recall(memory, self._senses, now)
+        if self.started_at is not None:
+            self._journal.start(self.started_at)
 
     # ---- figures --------------------------------------------------------------------------------------------------
 
@@ -420,10 +371,7 @@ class Exploration:
         )
 
     def exploration_time(self, now: float) -> float:
-        """Seconds from the start of the mission, fixed once finished (T_r)."""
-        if self.started_at is None:
-            return 0.0
-        return (self.finished_at if self.finished_at is not None else now) - self.started_at
+        return self._course.exploration_time(now)
 
     def scene(self, now: float) -> Optional[Scene]:
         """What the robot knows now; None before it has perceived a map."""
@@ -433,7 +381,3 @@ class Exploration:
     def unreachable_count(self) -> int:
         """Frontiers that are given up, or that no reachable place sees."""
         return self._perception.unreachable(self.verdicts)
-
-
-def _whereabouts(here: Pose, home: Pose) -> str:
-    return "at home" if at_home(here, home) else "away from home"

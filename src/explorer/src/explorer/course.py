@@ -1,0 +1,53 @@
+"""How far one mission has come, and what of that outlives the node."""
+
+from typing import Optional
+
+from explorer.memory import Memory
+from explorer.orders import STOPPED, Orders
+from explorer.senses import Senses
+from explorer.status import State
+
+
+class Course:
+    """`started_at`, `finished_at`: of the exploration, s, None while it has not come to that; `state`, `text`: what the
+    robot does, the latter in words."""
+
+    def __init__(self, orders: Orders) -> None:
+        self._orders = orders
+        self.state, self.text = State.STARTING, "waits for the map"
+        self.started_at: Optional[float] = None
+        self.finished_at: Optional[float] = None
+
+    def be(self, state: State, text: str) -> None:
+        self.state, self.text = state, text
+
+    def exploration_time(self, now: float) -> float:
+        """Seconds from the start of the mission, fixed once finished (T_r)."""
+        if self.started_at is None:
+            return 0.0
+        return (self.finished_at if self.finished_at is not None else now) - self.started_at
+
+    def memory(self, senses: Senses) -> Memory:
+        """What is to be kept of this mission."""
+        orders = self._orders
+        return Memory(
+            senses.home, self.started_at, self.finished_at, orders.ended_by or "", orders.homeward, orders.halt,
+            float(round(senses.distance)),
+        )  # fmt: skip
+
+    def recall(self, memory: Memory, senses: Senses, now: float) -> None:
+        """Goes on with a mission of which only this was kept. Times that lie in the future are of another clock: such a
+        mission starts anew, as when the clock is set back."""
+        if memory.home is not None and senses.home is None:
+            senses.home = memory.home
+        if memory.started_at is None:
+            return
+        same_clock = memory.started_at <= now
+        self.started_at = memory.started_at if same_clock else now
+        senses.distance = memory.distance if same_clock else 0.0
+        self._orders.halt = memory.halt
+        if memory.ended_by and (same_clock or memory.ended_by == STOPPED):
+            self._orders.ended_by, self._orders.homeward = memory.ended_by, memory.homeward
+            self.finished_at = memory.finished_at if same_clock else now
+        if memory.ended_by == STOPPED and not memory.homeward:
+            self.be(State.FINISHED, STOPPED)

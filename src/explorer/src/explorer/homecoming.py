@@ -1,0 +1,71 @@
+"""The way home: after the exploration, or called back from it."""
+
+from typing import Tuple
+
+from explorer.course import Course
+from explorer.driver import Driver, at_home
+from explorer.messages import FAILED
+from explorer.orders import CALLED, Orders
+from explorer.outcomes import Outcomes
+from explorer.perception import Perception
+from explorer.senses import Senses
+from explorer.status import State
+from mr_grid import Pose
+
+
+class Homecoming:
+    """To be used once the robot has a pose."""
+
+    def __init__(
+        self,
+        course: Course,
+        orders: Orders,
+        driver: Driver,
+        senses: Senses,
+        perception: Perception,
+        outcomes: Outcomes,
+    ) -> None:
+        self._course, self._orders, self._driver = course, orders, driver
+        self._senses, self._perception, self._outcomes = senses, perception, outcomes
+
+    def follow_call(self, now: float) -> None:
+        """A step of a robot that was called back; it waits at home, or where it cannot come nearer."""
+        if self._over:
+            self._driver.drop()
+            self._course.be(State.WAITING, f"{CALLED}, {self._whereabouts}")
+        else:
+            self._course.be(State.RETURNING, f"{CALLED}, drives home")
+            self._head_home(now)
+
+    def end_mission(self, now: float) -> None:
+        """A step of a robot whose exploration has ended."""
+        ended_by = self._orders.ended_by
+        if not self._orders.homeward or self._over:
+            self._driver.drop()
+            self._course.be(State.FINISHED, f"{ended_by}, {self._whereabouts}")
+        else:
+            self._course.be(State.RETURNING, f"{ended_by}, drives home")
+            self._head_home(now)
+
+    def _poses(self) -> Tuple[Pose, Pose]:
+        here, home = self._senses.pose, self._senses.home
+        assert here is not None and home is not None
+        return here, home
+
+    @property
+    def _over(self) -> bool:
+        return self._driver.home_is_over(*self._poses())
+
+    @property
+    def _whereabouts(self) -> str:
+        return "at home" if at_home(*self._poses()) else "away from home"
+
+    def _head_home(self, now: float) -> None:
+        here, home = self._poses()
+        event = self._driver.watch(here, now, self._perception.rest_of_way)
+        if event is not None:
+            self._outcomes.take(event, here, now)
+            self._perception.touch()
+            self._driver.end_home(FAILED, now)
+        if self._driver.goal is None and self._driver.may_send(now):
+            self._driver.send(home, here, now, self._perception.way(here, home))
