@@ -203,9 +203,9 @@ def test_what_a_map_knew_goes_to_the_runner(tmp_path):
 
 
 def test_plain_lines_say_it_all():
-    row = RobotRow("robot_0", "exploring", 0.5, 12.34, (1.0, 2.0), ["robot_1"], [], "")
+    row = RobotRow("robot_0", "exploring", 0.5, 12.34, (-0.04, 2.0), ["robot_1"], [], "")
     lines = plain_lines(Picture("exploring", 61.0, 900.0, 0.99, [row]))
     assert lines[0] == "exploring, 61 s of 900 s, real-time factor 0.99"
     assert lines[1].strip() == (
-        "robot_0: exploring, explored 50.0 %, 12.3 m, goal (1.0, 2.0), neighbours robot_1, merged with nobody"
+        "robot_0: exploring, explored 50.0 %, 12.3 m, goal (0.0, 2.0), neighbours robot_1, merged with nobody"
     )

@@ -62,10 +62,15 @@ def header(picture: Picture) -> str:
     return f"{picture.phase}, {picture.elapsed:.0f} s of {picture.limit:.0f} s{factor}"
 
 
+def place(goal: tuple[float, float]) -> str:
+    x, y = (round(value, 1) + 0.0 for value in goal)  # no "-0.0"
+    return f"({x}, {y})"
+
+
 def plain_lines(picture: Picture) -> list[str]:
     lines = [header(picture)]
     for row in picture.robots:
-        goal = "no goal" if row.goal is None else f"goal ({row.goal[0]:.1f}, {row.goal[1]:.1f})"
+        goal = "no goal" if row.goal is None else f"goal {place(row.goal)}"
         lines.append(
             f"  {row.name}: {row.state}, explored {percent(row.coverage)}, {row.distance:.1f} m, {goal}, "
             f"neighbours {listed(row.neighbors)}, merged with {listed(row.merged)}"
@@ -78,7 +83,7 @@ def live_table(picture: Picture) -> Group:
     for title in ("robot", "state", "explored", "distance", "goal", "neighbours", "merged"):
         table.add_column(title, justify="right" if title in ("explored", "distance") else "left")
     for index, row in enumerate(picture.robots):
-        goal = "-" if row.goal is None else f"({row.goal[0]:.1f}, {row.goal[1]:.1f})"
+        goal = "-" if row.goal is None else place(row.goal)
         table.add_row(
             Text(row.name, style=COLOURS[index % len(COLOURS)]),
             Text(row.state, style="green" if row.state == "finished" else ""),

@@ -75,6 +75,7 @@ class Replay:
         self._follow()
         if SAVE in self.plan.compute:
             self._save_maps()
+        say(f"replay: played to the end, {self.plan.seconds:.0f} s")
         return OK
 
     def _start(self, robot: PlayedRobot) -> None:
