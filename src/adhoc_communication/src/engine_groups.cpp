@@ -109,7 +109,8 @@ void Engine::Implementation::send_copy(const std::string& name, const multicast:
 }
 
 void Engine::Implementation::copy_finished(const Sending& copy) {
-  if (copy.copy) distributor_.copy_finished(copy.copy->first, copy.copy->second);
+  if (!copy.copy) return;
+  distributor_.copy_finished(copy.copy->first, copy.copy->second);
   own_group_.copy_finished(copy.destination);
 }
 

@@ -9,7 +9,7 @@ void EventQueue::add(Event event) {
   const auto* packet = std::get_if<PacketReceived>(&event);
   const std::size_t octets = packet == nullptr ? 0 : packet->payload.size();
   if (events_.size() >= kMostEvents) drop_oldest_packet();
-  while (octets_ > 0 && octets_ + octets > kMostOctets) drop_oldest_packet();
+  while (octets > 0 && octets_ > 0 && octets_ + octets > kMostOctets) drop_oldest_packet();
   octets_ += octets;
   events_.push_back(std::move(event));
 }

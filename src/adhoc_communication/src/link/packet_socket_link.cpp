@@ -112,8 +112,10 @@ void PacketSocketLink::open() {
   setsockopt(descriptor.get(), SOL_SOCKET, SO_RCVBUF, &buffer_size, sizeof buffer_size);
   const int with_arrival = 1;
   setsockopt(descriptor.get(), SOL_SOCKET, SO_TIMESTAMPNS, &with_arrival, sizeof with_arrival);
+  FileDescriptor control = open_control_socket(interface_);
+  // All three or none: a link that knows the new interface does not look for it again.
   index_ = static_cast<int>(index);
-  control_socket_ = open_control_socket(interface_);
+  control_socket_ = std::move(control);
   socket_ = std::move(descriptor);
   read_interface();
 }

@@ -68,6 +68,8 @@ void Medium::set_up(Node node, bool up, Time now) {
 void Medium::transmit(Node node, const Frame& frame, Time now) {
   NodeState& state = nodes_.at(node);
   if (state.address != frame.source) {
+    const auto former = state.address ? by_address_.find(*state.address) : by_address_.end();
+    if (former != by_address_.end() && former->second == node) by_address_.erase(former);
     state.address = frame.source;
     by_address_[frame.source] = node;
   }
@@ -169,10 +171,8 @@ void Medium::land(Time at, std::vector<Delivery>& out) {
 void Medium::arrive(Flight& flight, Time at, std::vector<Delivery>& out) {
   const bool answered = flight.first && is_repeated(flight.frame);
   if (flight.first && !answered) go_on(flight.sender, at);
-  const std::size_t before = out.size();
   const bool delayed = flight.first && repeat_or_delay(flight, at);
-  if (!delayed) deliver(flight, out);
-  const bool lost = !delayed && out.size() == before;
+  const bool lost = !delayed && !deliver(flight, out);
   if (!answered || (lost && try_again(flight, at))) return;
   go_on(flight.sender, at);
 }
@@ -195,7 +195,8 @@ bool Medium::try_again(const Flight& flight, Time at) {
   return true;
 }
 
-void Medium::deliver(const Flight& flight, std::vector<Delivery>& out) {
+bool Medium::deliver(const Flight& flight, std::vector<Delivery>& out) {
+  bool arrived = false;
   for (const Hearer& hearer : reach_.hearers(flight.sender)) {
     const NodeState& receiver = nodes_[hearer.node];
     if (!receiver.up || !addressed(flight.frame, receiver) || !survives(flight, hearer)) continue;
@@ -204,9 +205,11 @@ void Medium::deliver(const Flight& flight, std::vector<Delivery>& out) {
       continue;
     }
     count(flight.sender, &Counters::delivered);
+    arrived |= receiver.address == flight.frame.destination;
     out.push_back({hearer.node, flight.frame});
     if (options().corruption > 0 && random_.chance(options().corruption)) corrupt(out.back().frame.bytes);
   }
+  return arrived;
 }
 
 bool Medium::repeat_or_delay(const Flight& flight, Time at) {

@@ -104,7 +104,8 @@ class Medium {
   void attempt(Node node, Time at);
   void land(Time at, std::vector<Delivery>& out);
   void arrive(Flight& flight, Time at, std::vector<Delivery>& out);
-  void deliver(const Flight& flight, std::vector<Delivery>& out);
+  /// Whether the robot that it is for has got it.
+  bool deliver(const Flight& flight, std::vector<Delivery>& out);
   void go_on(Node sender, Time at);
   bool try_again(const Flight& flight, Time at);
   bool repeat_or_delay(const Flight& flight, Time at);  ///< true if the frame itself arrives later

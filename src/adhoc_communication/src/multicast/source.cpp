@@ -57,6 +57,9 @@ void Source::begin(Branch& own, Transfer& transfer, SendId id, transport::Image 
 
 std::optional<std::uint32_t> Source::replace(Branch& own, SendId former, SendId id, const transport::Image& image,
                                              Time now) {
+  // Of one member it has ended already: the count of the rest is the former's.
+  const auto is_former = [&](const MemberEnd& end) { return end.id == former; };
+  if (std::any_of(ends_.begin(), ends_.end(), is_former)) return std::nullopt;
   for (std::size_t priority = 0; priority < own.streams.size(); ++priority) {
     for (auto& [number, transfer] : own.streams[priority].transfers) {
       if (transfer.id != former) continue;

@@ -144,5 +144,13 @@ TEST(Source, OnlyAPacketNotBegunIsReplaced) {
   EXPECT_EQ(root.source.drop(root.own, 2), std::set<MacAddress>{kA});
 }
 
+TEST(Source, APacketThatHasEndedForOneMemberIsNotReplacedForTheRest) {
+  Root root;
+  root.send(1, 500, {kA, kB});
+  root.source.drop_member(root.own, kA, "lost");
+  EXPECT_FALSE(root.source.replace(root.own, 1, 2, image(600), 2s));
+  EXPECT_EQ(root.source.take_ends().size(), 1u);
+}
+
 }  // namespace
 }  // namespace adhoc_communication::multicast

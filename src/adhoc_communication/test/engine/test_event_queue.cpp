@@ -33,5 +33,12 @@ TEST(EventQueue, OctetsAreBoundedButForOnePacket) {
   EXPECT_FALSE(events.next());
 }
 
+TEST(EventQueue, TheEndOfASendMakesNoRoomForItself) {
+  EventQueue events;
+  events.add(packet("a", EventQueue::kMostOctets + 1));
+  events.add(SendFinished{1, true, {}, false});
+  EXPECT_EQ(std::get<PacketReceived>(*events.next()).source, "a");
+}
+
 }  // namespace
 }  // namespace adhoc_communication

@@ -90,6 +90,18 @@ TEST(MediumRates, AUnicastThatNobodyAnswersIsRepeatedAndABroadcastIsNot) {
   EXPECT_LT(waited, 254 * 9us);
 }
 
+TEST(MediumRates, OnlyItsReceiverAnswersAUnicast) {
+  MediumOptions options = repeating(7);
+  options.loss = 0.99999;
+  Medium medium(options, 1);
+  add_line(medium, {0, 1});
+  const auto bystander = medium.add_node("silent");  // its address is not known before it sends
+  medium.set_position(bystander, 1, 1);
+  medium.set_link_loss(0, bystander, 0.0);
+  outcome(medium, frame_of(0, 1), 1s);
+  EXPECT_EQ(medium.counters().repeated, 7u);
+}
+
 TEST(MediumRates, RetriesGetThroughWhatTheLossOfOneTryWouldStop) {
   MediumOptions options = repeating(7);
   options.loss = 0.3;
