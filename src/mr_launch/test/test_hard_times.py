@@ -50,10 +50,11 @@ def test_the_runner_reads_what_is_said_of_the_recording_and_of_this_start_only(t
     log = tmp_path / "robot_0.log"
     log.write_text("[explorer-4] process has died [pid 1, exit code 1, cmd x].\n")
     watch = NodeWatch(log, begin=log.stat().st_size)
-    assert watch.failures() == [] and watch.news == []
+    assert watch.failures() == [] and watch.take_news() == []
     with log.open("a") as file:
         file.write("record: less than 200 MB are free\n[bag-8] process has finished cleanly\n")
-    assert watch.failures() == [] and watch.news == ["less than 200 MB are free"]
+    assert watch.failures() == [] and watch.take_news() == ["less than 200 MB are free"]
+    assert watch.take_news() == [], "each once, whatever other robots say in between"
 
 
 def test_time_goes_on_by_the_robots_clocks_when_the_trace_has_ended():

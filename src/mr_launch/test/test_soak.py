@@ -1,7 +1,6 @@
 """What a soak concludes from what it saw. The missions themselves run in `make soak`."""
 
 import contextlib
-import math
 import os
 import subprocess
 import sys
@@ -13,7 +12,7 @@ from mr_launch.soak.faults import NODES, disturbed, full_disk, partitions
 from mr_launch.soak.leftovers import Leftovers
 from mr_launch.soak.memory import Sample, Samples, cpu_share, memory_of, slope
 from mr_launch.soak.missions import ROBOTS, Outcome
-from mr_launch.soak.rows import rows_of
+from mr_launch.soak.rows import OWN_NODES, rows_of
 from mr_launch.soak.running import Node, RunningMission
 
 
@@ -23,13 +22,17 @@ def samples(rate, noise=0.0, begin=100.0, first=50.0):
     return [Sample(begin + second, round(1e6 * first), own[second], 0.05 * second) for second in range(121)]
 
 
+AT_REST = dict.fromkeys(OWN_NODES, 0.0)
+
+
 def outcome(rates, **changes):
     taken = Samples()
     for number, (name, rate) in enumerate(rates.items()):
         for robot in ROBOTS:
             taken.by_node[Node(robot, name, number)] = samples(rate if robot == "robot_1" else 0.0)
     values = {
-        "name": "rest", "code": 0, "stuck": [], "left": [], "said": [], "faults": disturbed(ROBOTS, 0), "restarts": {},
+        "name": "rest", "code": 0, "stuck": [], "left": [], "said": [], "faults": disturbed(ROBOTS, 0), "omitted": [],
+        "restarts": {},
         "samples": taken, "exploring": (100.0, 220.0), "hold": (100.0, 220.0), **changes,
     }  # fmt: skip
     return Outcome(**values)
@@ -50,18 +53,20 @@ def test_slopes_and_shares():
 
 
 def test_a_leak_of_one_robot_is_seen():
-    rows = found(outcome({"explorer": 0.1, "map_merger": 0.5}))
+    rows = found(outcome({**AT_REST, "explorer": 0.1, "map_merger": 0.5}))
     leak = rows["memory at rest: slope of map_merger, worst robot"]
     assert not leak["holds"] and leak["value"] == pytest.approx(0.5, abs=0.01)
     assert rows["memory at rest: slope of explorer, worst robot"]["holds"]
 
 
 def test_what_one_robot_needs():
-    rows = found(outcome(dict.fromkeys(("explorer", "map_merger", "slam"), 0.0)))
+    rows = found(outcome({**AT_REST, "slam": 0.0}))
     cpu, memory = (rows[f"own nodes of a robot, R = 3: {what}, worst robot"] for what in ("CPU", "memory (PSS)"))
-    assert cpu["value"] == pytest.approx(0.1) and memory["value"] == pytest.approx(100.0), "SLAM is not counted"
+    assert cpu["value"] == pytest.approx(0.2) and memory["value"] == pytest.approx(200.0), "SLAM is not counted"
     assert cpu["holds"] and memory["holds"]
-    assert found(outcome({}))["own nodes of a robot, R = 3: memory (PSS), worst robot"]["value"] == math.inf
+    rows = found(outcome(dict(list(AT_REST.items())[1:])))
+    assert not any(rows[what]["holds"] for what in rows if what.startswith("own nodes"))
+    assert not rows[f"memory at rest: slope of {OWN_NODES[0]}"]["holds"], "it was not seen"
 
 
 @pytest.mark.parametrize(
@@ -73,16 +78,22 @@ def test_what_one_robot_needs():
     ],
 )
 def test_what_was_not_survived(changes, what):
-    rows = found(outcome({"explorer": 0.0}), outcome({"explorer": 0.0}, **changes))
+    rows = found(outcome(AT_REST), outcome(AT_REST, **changes))
     assert not rows[what]["holds"] and not rows["soak: missions survived"]["holds"]
     assert rows["survived: master restart"]["value"] == 1 and rows["survived: master restart"]["bar"] == "2 of 2"
-    assert all(row["holds"] for row in found(outcome({"explorer": 0.0})).values())
+    assert all(row["holds"] for row in found(outcome(AT_REST)).values())
+
+
+def test_a_fault_that_could_not_be_done_is_no_fault_survived():
+    done, omitted = disturbed(ROBOTS, 0)[:1], disturbed(ROBOTS, 0)[1:]
+    rows = found(outcome(AT_REST, faults=done, omitted=omitted))
+    assert not rows["faults that could not be done"]["holds"] and "survived: master restart" not in rows
 
 
 @pytest.mark.parametrize(("lines", "holds"), [(1, True), (0, False), (2, False)])
 def test_a_full_disk_is_one_line_of_each_robot(lines, holds):
     said = [f"team: {robot}: less than 200 MB are free in /x" for robot in ROBOTS] * lines
-    rows = found(outcome({"explorer": 0.0}, said=said, faults=full_disk(ROBOTS, 0)))
+    rows = found(outcome(AT_REST, said=said, faults=full_disk(ROBOTS, 0)))
     assert rows["rest: lines of each robot"]["holds"] == holds
 
 

@@ -140,7 +140,8 @@ TEST(Errors, A7_5_ALostRouteIsKeptInvalidWithItsNumberRaised) {
   EXPECT_FALSE(star.entry(far)->valid);
   EXPECT_EQ(star.entry(far)->sequence, 41u);
   EXPECT_EQ(star.entry(far)->expires, lost + robot_timings().delete_period);
-  for (const auto& destination : star.sent<wire::RouteError>().at(0).message.destinations) {
+  const auto errors = star.sent<wire::RouteError>();
+  for (const auto& destination : errors.at(0).message.destinations) {
     if (destination.address == far.address) EXPECT_EQ(destination.sequence, 41u);
   }
 }

@@ -26,6 +26,7 @@ def guarded(command: Sequence[str], folder: Path, least: int) -> int:
             process.send_signal(signal.SIGINT)
             if _runs(process, PATIENCE):
                 process.kill()
+                process.wait()
             return _said(folder, least)
     if process.returncode and free(folder) < least:
         return _said(folder, least)
@@ -33,8 +34,11 @@ def guarded(command: Sequence[str], folder: Path, least: int) -> int:
 
 
 def free(folder: Path) -> int:
-    """Octets that users may still write in `folder`."""
-    status = os.statvfs(folder)
+    """Octets that users may still write in `folder`; none where it is gone."""
+    try:
+        status = os.statvfs(folder)
+    except OSError:
+        return 0
     return status.f_bavail * status.f_frsize
 
 

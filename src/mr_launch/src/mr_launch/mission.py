@@ -114,16 +114,13 @@ class Mission:
     def _start(self) -> None:
         self._may_start = True
         self._wait_until(
-            lambda: all(report.started or report.start_error for report in self.reports),
+            lambda: all(report.started for report in self.reports),
             30.0,
             lambda: (
                 "no answer to explorer/start from "
                 + ", ".join(report.robot for report in self.reports if not report.started)
             ),
         )
-        for report in self.reports:
-            if report.start_error:
-                raise TeamFailure(f"explorer of {report.robot} does not start: {report.start_error}")
         self.outcome.start = min(report.start_time for report in self.reports)
         self.on_start()
 
@@ -132,6 +129,8 @@ class Mission:
         if not self._may_start:
             return
         for report in self.reports:
+            if report.start_error:
+                raise TeamFailure(f"explorer of {report.robot} does not start: {report.start_error}")
             if not report.missing and not report.started and self._asked.get(report.robot) is not report:
                 self._asked[report.robot] = report
                 self._server.request(report.robot, request="start")

@@ -11,6 +11,7 @@ from typing import Any, Iterable, Mapping
 from mr_grid import Pose
 from mr_measures.record.beliefs import Beliefs
 
+LONGEST_TEXT = 500  # characters of what a node says
 MOST_EVENTS = 1000  # that wait for the next report; beyond, the oldest are lost
 PARTS = ("adhoc_communication", "map", "map_merger", "explorer", "move_base")
 
@@ -59,7 +60,7 @@ class Digest:
     def goal_end(self, name: str, outcome: str, text: str, now: float) -> None:
         """That of a former goal is no news: the one after has replaced it."""
         if name == self._goal:
-            self._happened("goal_end", now, outcome=outcome, text=text)
+            self._happened("goal_end", now, outcome=outcome, text=text[:LONGEST_TEXT])
 
     def auction(self, number: int, clusters: int, now: float) -> None:
         """The robot opens one."""
@@ -72,15 +73,14 @@ class Digest:
 
     def note(self, text: str, warning: bool, now: float) -> None:
         """What one of its nodes says."""
-        self._happened("note", now, text=text, warning=warning)
+        self._happened("note", now, text=text[:LONGEST_TEXT], warning=warning)
 
     def _happened(self, kind: str, at: float, **values: Any) -> None:
         self._events.append({"kind": kind, "at": at, **values})
 
     def report(self, now: float) -> dict[str, Any]:
         """Each event is in one report only."""
-        events = list(self._events)
-        self._events.clear()
+        events = [self._events.popleft() for _ in range(len(self._events))]  # others may append meanwhile
         return {"robot": self.robot, "time": now, "missing": self.missing, "events": events, **self._values}
 
 

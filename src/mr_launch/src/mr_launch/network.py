@@ -37,7 +37,10 @@ def hold_namespace(name: str, children: Children, log: Path, environment: Mappin
 
 def end_all_in_namespace(holder: int) -> None:
     """Kills what runs in the network namespace that process `holder` keeps, but for the holder."""
-    network = os.readlink(f"/proc/{holder}/ns/net")
+    try:
+        network = os.readlink(f"/proc/{holder}/ns/net")
+    except OSError as error:
+        raise TeamFailure(f"the network namespace of process {holder} is gone: {error.strerror}") from None
     for entry in Path("/proc").iterdir():
         with contextlib.suppress(OSError, ValueError):
             if int(entry.name) != holder and os.readlink(entry / "ns" / "net") == network:

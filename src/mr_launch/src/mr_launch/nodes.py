@@ -80,6 +80,7 @@ class NodeWatch:
         self._respawns = respawns
         self.restarts: dict[str, int] = {}
         self._news: list[str] = []
+        self._told = 0
 
     def failures(self) -> list[NodeEnd]:
         """Ends that the mission does not survive. The others are counted in `restarts`."""
@@ -103,7 +104,7 @@ class NodeWatch:
         self._news = [found["text"] for found in _RECORDING.finditer(output)]
         return parse_ends(output)
 
-    @property
-    def news(self) -> list[str]:
-        """What people should know and the mission survives, all of it so far."""
-        return list(self._news)
+    def take_news(self) -> list[str]:
+        """What people should know and the mission survives, each once."""
+        new, self._told = self._news[self._told :], len(self._news)
+        return new

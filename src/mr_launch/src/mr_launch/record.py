@@ -169,7 +169,9 @@ def _with_sums(team: TeamSeries, robots: Sequence[RobotSeries]) -> TeamSeries:
     sums = {}
     for name in ("distance", "bytes", "frames"):
         columns = [(np.array(robot.time), np.array(getattr(robot, name))) for robot in robots]
-        total = sum(column[np.searchsorted(times, team.time, side="right") - 1] for times, column in columns)
+        total = sum(
+            column[np.maximum(np.searchsorted(times, team.time, side="right") - 1, 0)] for times, column in columns
+        )
         sums[name] = tuple(np.asarray(total).round(4).tolist())
     return TeamSeries(team.time, team.explored, team.coverage, **sums)
 

@@ -106,6 +106,7 @@ class ReportServer:
 
     def begin_anew(self, robot: str) -> None:
         """What the robot said before it was started again no longer counts."""
+        self.logs[robot].begin_anew(self.reports[robot].time)
         self.reports[robot] = RobotReport(robot)
 
     def close(self) -> None:

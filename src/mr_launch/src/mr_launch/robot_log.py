@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, Iterable, Mapping, Sequence
 
 import numpy as np
 
 from mr_grid import Pose
-from mr_measures.record.logs import GoalLog, NoteLog
+from mr_measures.record.logs import CANCELLED, GoalLog, NoteLog
 from mr_measures.record.mission_record import Note
 from mr_measures.record.robot_record import Auction, Goal, Merge
 from mr_measures.record.series import RobotSeries
@@ -35,7 +36,7 @@ class Sample:
 
 class RobotLog:
     """Times as they come, in s of simulation time; what it gives counts from `start`, that of the mission. The length
-    of a mission bounds the samples, the pace of an explorer the rest."""
+    of a mission bounds the samples, the pace of an explorer the rest. What is no event is a note."""
 
     def __init__(self) -> None:
         self._samples: list[Sample] = []
@@ -43,16 +44,36 @@ class RobotLog:
         self._auctions: list[Auction] = []
         self._merges: list[Merge] = []
         self._notes = NoteLog()
+        self._former = Sample(0.0)  # counts of the starts before this one
+        self._former_goals = 0
+
+    def begin_anew(self, at: float) -> None:
+        """The robot is started again, with another map: it drives nowhere, believes nothing and counts from zero."""
+        self._goals.end(at, CANCELLED)
+        believed = {one.partner: one.transform for one in self._merges}
+        self._merges += [Merge(partner, at, None) for partner, place in believed.items() if place is not None]
+        self._former = self._samples[-1] if self._samples else self._former
+        self._former_goals = len(self._goals.goals)
 
     def take(self, sample: Sample, events: Iterable[Mapping[str, Any]]) -> None:
-        """Raises KeyError, TypeError or ValueError for an event that is none."""
+        # A clock that was wrong for one reading must not stop the series until the others have caught up.
+        while self._samples and self._samples[-1].time > sample.time:
+            self._samples.pop()
         if not self._samples or sample.time - self._samples[-1].time >= 0.5 * SERIES_PERIOD:
-            self._samples.append(sample)
+            sums = {name: getattr(sample, name) + getattr(self._former, name) for name in ("bytes", "frames", "bids")}
+            self._samples.append(replace(sample, **sums))
         for event in events:
-            self._happened(**event)
+            try:
+                self._happened(**event)
+            except (KeyError, TypeError, ValueError) as error:
+                text = f"an event that the monitor told is left out: {error!r}"
+                self._notes.add(Note(sample.time, text=text, warning=True))
 
     def _happened(self, kind: str, at: float, **values: Any) -> None:
+        if not _finite([at, *values.values()]):
+            raise ValueError(f"{kind} with a number that is not finite")
         if kind == "goal":
+            values["id"] += self._former_goals
             self._goals.begin(Goal(at, **values))
         elif kind == "goal_end":
             self._goals.end(at, **values)
@@ -87,12 +108,20 @@ class RobotLog:
         if not motion.size:
             return RobotSeries()
         moments = np.arange(0.0, float(motion["time"][-1]) + 1e-9, SERIES_PERIOD)
-        rows = np.searchsorted(motion["time"], moments)
+        rows = np.minimum(np.searchsorted(motion["time"], moments), len(motion) - 1)
         told = np.array([sample.time - start for sample in self._samples])
         latest = np.searchsorted(told, motion["time"][rows], side="right") - 1
         samples = [self._samples[index] if index >= 0 else Sample(0.0) for index in latest]
         columns: dict[str, Any] = {name: tuple(getattr(sample, name) for sample in samples) for name in TOLD}
         return RobotSeries(**{**_motion_columns(motion, rows), **columns})
+
+
+def _finite(values: Iterable[Any]) -> bool:
+    """Of all numbers in them, and in lists of them."""
+    return all(
+        _finite(value) if isinstance(value, list) else not isinstance(value, float) or math.isfinite(value)
+        for value in values
+    )
 
 
 def _since(at: float, start: float) -> float:

@@ -50,7 +50,6 @@ class Team:
         self._page = page
         self._holders: dict[str, int] = {}
         self._watches: dict[str, list[NodeWatch]] = {}  # one for each start of a robot
-        self._told = 0
         self.starts: dict[str, Pose] = {}  # true poses of robots that were started again, when they were
         self.place: Callable[[str], Pose | None] = lambda robot: None
         self.on_restart: Callable[[str], None] = lambda robot: None
@@ -119,11 +118,12 @@ class Team:
 
     def news(self) -> list[str]:
         """What people should know and the mission survives, each once."""
-        found = [
-            f"{name}: {text}" for name, watches in self._watches.items() for watch in watches for text in watch.news
+        return [
+            f"{name}: {text}"
+            for name, watches in self._watches.items()
+            for watch in watches
+            for text in watch.take_news()
         ]
-        new, self._told = found[self._told :], max(self._told, len(found))
-        return new
 
     @property
     def restarts(self) -> dict[str, dict[str, int]]:

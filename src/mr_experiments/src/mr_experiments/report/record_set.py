@@ -86,7 +86,8 @@ class RecordSet:
                 ("version", [r.versions for r in records]),
             ):
                 for name in sorted({key for value in values for key in value} - {"seed"}):
-                    found = sorted({json.dumps(value.get(name), sort_keys=True) for value in values})
+                    # What is noted of an attempt without a record says little.
+                    found = sorted({json.dumps(value[name], sort_keys=True) for value in values if name in value})
                     if len(found) > 1:
                         sentences.append(f"{where}: {what} {name} is not the same in all trials ({', '.join(found)})")
         return sentences

@@ -86,7 +86,11 @@ class Replay:
             holder = hold_namespace(robot.name, self._children, self.plan.log_folder() / "network.log", surroundings)
             self._holders[robot.name] = holder.process.pid
             prefix = namespace_prefix(holder.process.pid)
-            subprocess.run([*prefix, "ip", "link", "set", "lo", "up"], check=True)
+            done = subprocess.run(
+                [*prefix, "ip", "link", "set", "lo", "up"], capture_output=True, text=True, check=False
+            )
+            if done.returncode:
+                raise TeamFailure(f"no loopback for {robot.name}: {done.stderr.strip()}")
         command = [*prefix, *launch_command(self.plan, robot)]
         child = self._children.start(robot.name, command, log, {**surroundings, **environment(self.plan, robot)})
         self._launches.append(child)

@@ -39,7 +39,7 @@ class ReplayPlan:
         return str(Path(self.private) / name)
 
     def log_folder(self, robot: str = "") -> Path:
-        return Path(self.out) / "logs" / robot
+        return Path(self.out) / "replay_logs" / robot  # "logs" is that of a mission
 
     def to_json(self) -> str:
         return json.dumps(asdict(self))

@@ -11,10 +11,12 @@ import time
 from pathlib import Path
 from typing import Sequence
 
+from mr_launch.errors import UserError
 from mr_launch.exit_codes import FAILED, OK
 from mr_launch.soak.faults import disturbed, full_disk
 from mr_launch.soak.missions import ROBOTS, Outcome, SoakMission
 from mr_launch.soak.rows import rows_of
+from mr_launch.world import find_world
 
 HOLD_SHARE = 0.25  # of the whole time
 
@@ -49,11 +51,19 @@ def main(arguments: Sequence[str]) -> int:
         parser.error(f"--minutes {options.minutes:g} is out of range: 5 to 1440")
     if os.geteuid() != 0:
         parser.error("a soak needs root, for disks and namespaces of its own")
+    try:
+        find_world(options.world)
+        if options.out:
+            options.out.parent.mkdir(parents=True, exist_ok=True)
+            options.out.touch()
+    except UserError as error:
+        parser.error(str(error))
+    except OSError as error:
+        parser.error(f"--out {options.out} cannot be written: {error.strerror}")
     with tempfile.TemporaryDirectory(prefix="soak-") as name:
         folder = (options.keep or Path(name)).absolute()
-        rows = rows_of(list(soak(folder, options.world, options.seed, 60.0 * options.minutes)))
+        rows = rows_of(soak(folder, options.world, options.seed, 60.0 * options.minutes))
     if options.out:
-        options.out.parent.mkdir(parents=True, exist_ok=True)
         options.out.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
     return OK if all(entry["holds"] for entry in rows) else FAILED
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from typing import Callable
 
+from mr_launch.disk_guard import free
 from mr_launch.soak.running import RunningMission
 
 NODES = ("explorer", "map_merger", "adhoc_communication", "move_base")
@@ -15,12 +15,13 @@ BALLAST = "ballast"
 
 @dataclass(frozen=True)
 class Fault:
-    """`at`: s after the robots began to explore; `kind`: what it counts as in the table."""
+    """`at`: s after the robots began to explore; `kind`: what it counts as in the table; `do`: False if it could not be
+    done."""
 
     at: float
     kind: str
     what: str
-    do: Callable[[RunningMission], object]
+    do: Callable[[RunningMission], bool]
 
 
 def disturbed(robots: list[str], rotation: int) -> list[Fault]:
@@ -46,7 +47,7 @@ def full_disk(robots: list[str], rotation: int) -> list[Fault]:
         Fault(15.0, "full disk", f"{LEFT_MB} MB are left", lambda mission: fill(mission, LEFT_MB)),
         Fault(30.0, "full disk", "nothing is left", lambda mission: fill(mission, 0)),
         _kill(36.0, victim, "map_merger", "full disk"),
-        Fault(60.0, "full disk", "there is room again", lambda mission: mission.path(BALLAST).unlink()),
+        Fault(60.0, "full disk", "there is room again", make_room),
     ]
 
 
@@ -63,19 +64,23 @@ def partitions(robots: list[str], seconds: float) -> list[Fault]:
     return faults
 
 
-def fill(mission: RunningMission, left_mb: int) -> None:
+def make_room(mission: RunningMission) -> bool:
+    mission.path(BALLAST).unlink()
+    return True
+
+
+def fill(mission: RunningMission, left_mb: int) -> bool:
     """Writes until so many MB are free on the disk of the output folder."""
     path = mission.path(BALLAST)
     with path.open("ab", buffering=0) as file:
         while True:
-            status = os.statvfs(path.parent)
-            wanted = status.f_bavail * status.f_frsize - left_mb * 1000000
+            wanted = free(path.parent) - left_mb * 1000000
             if wanted <= 0:
-                return
+                return True
             try:
                 file.write(b"\0" * min(wanted, 1 << 20))
             except OSError:
-                return
+                return True
 
 
 def _kill(at: float, robot: str, node: str, kind: str = "node kill") -> Fault:

@@ -33,8 +33,9 @@ ON_SMALL_DISK = (
 
 @dataclass
 class Outcome:
-    """`stuck`: robots that did not finish; `said`: lines of the runner that begin with its name; `exploring`,
-    `hold`: real times between which all robots explored, or stood."""
+    """`stuck`: robots that did not finish; `said`: lines of the runner that begin with its name; `faults`: what was
+    done, `omitted`: what was to be done and could not; `exploring`, `hold`: real times between which all robots
+    explored, or stood."""
 
     name: str
     code: int
@@ -42,6 +43,7 @@ class Outcome:
     left: list[str]
     said: list[str]
     faults: list[Fault]
+    omitted: list[Fault]
     restarts: Mapping[str, Mapping[str, int]]
     samples: Samples
     exploring: tuple[float, float] = (0.0, 0.0)
@@ -74,6 +76,8 @@ class SoakMission:
                                        start_new_session=True)  # fmt: skip
         self._mission, self._samples = RunningMission(process, self._out), Samples()
         self._leftovers = Leftovers(self._mission)
+        self._done: list[Fault] = []
+        self._omitted: list[Fault] = []
         try:
             self._until(lambda: "\nexploring" in log.read_text(errors="replace"), READY_PATIENCE)
             begin = time.monotonic()
@@ -90,7 +94,8 @@ class SoakMission:
             stuck=[name for name in ROBOTS if not _finished(record, name)],
             left=self._leftovers.found(),
             said=[line.replace(f"{self._folder}/", "") for line in text.splitlines() if line.startswith("team: ")],
-            faults=list(faults) + (partitions(ROBOTS, hold) if hold else []),
+            faults=self._done,
+            omitted=self._omitted,
             restarts=record.restarts if record else {},
             samples=self._samples,
             exploring=(begin, begin + EXPLORING_S),
@@ -120,7 +125,7 @@ class SoakMission:
         """One robot is paused before it finishes, so the mission stays; when the others have ended, the time counts."""
         self._until(lambda: time.monotonic() - begin > EXPLORING_S, LIMIT_S)
         self._mission.enter(ROBOTS[0], "rosservice", "call", "/explorer/pause")
-        self._until(lambda: self._others_stand(), LIMIT_S)
+        self._until(self._others_stand, LIMIT_S)
         start = time.monotonic()
         self._disturb(partitions(ROBOTS, seconds), start)
         self._until(lambda: time.monotonic() - start > seconds, seconds + 60.0)
@@ -136,10 +141,11 @@ class SoakMission:
     def _disturb(self, faults: Sequence[Fault], begin: float) -> None:
         for fault in faults:
             self._until(lambda due=begin + fault.at: time.monotonic() >= due, LIMIT_S)  # type: ignore[misc]
-            if self._mission.process.poll() is not None:
-                return
-            with contextlib.suppress(OSError, subprocess.TimeoutExpired):
-                fault.do(self._mission)
+            done = False
+            if self._mission.process.poll() is None:
+                with contextlib.suppress(OSError):
+                    done = fault.do(self._mission)
+            (self._done if done else self._omitted).append(fault)
 
     def _until(self, done: Any, patience: float) -> None:
         """Samples meanwhile; returns when the mission is over, too."""

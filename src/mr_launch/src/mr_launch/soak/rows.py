@@ -48,6 +48,8 @@ def _faults(outcomes: Sequence[Outcome]) -> list[Row]:
         events = sum(fault.kind == kind for outcome in hit for fault in outcome.faults)
         bar = f"{len(hit)} of {len(hit)}"
         rows.append(row(f"survived: {kind}", bar, good, "missions", good == len(hit), f"{events} events"))
+    omitted = [f"{outcome.name}: {fault.what}" for outcome in outcomes for fault in outcome.omitted]
+    rows.append(row("faults that could not be done", "0", len(omitted), "events", not omitted, "; ".join(omitted)))
     restarts: Counter[str] = Counter()
     for outcome in outcomes:
         for counts in outcome.restarts.values():
@@ -80,6 +82,8 @@ def _memory(outcomes: Sequence[Outcome]) -> list[Row]:
         worst: dict[str, tuple[float, float]] = {}
         for node, samples in outcome.samples.between(settled, end).items():
             worst[node.name] = max(worst.get(node.name, (-math.inf, 0.0)), slope(samples), key=_at_least)
+        for name in sorted(set(OWN_NODES) - set(worst)):
+            rows.append(row(f"memory at rest: slope of {name}", f"<= {SLOPE_BAR:g}", None, "MB/min", False, "not seen"))
         for name, (rate, error) in sorted(worst.items()):
             detail = f"+- {2.0 * error:.3f}, {(end - settled) / 60.0:.1f} min at rest"
             holds = _at_least((rate, error)) <= SLOPE_BAR
@@ -103,8 +107,11 @@ def _resources(outcomes: Sequence[Outcome]) -> list[Row]:
         cpu, pss = [], []
         for robot in ROBOTS:
             own = [samples for node, samples in found.items() if node.robot == robot and node.name in OWN_NODES]
-            cpu.append(sum(cpu_share(samples) for samples in own))
-            pss.append(max((sum(sample.pss for sample in moment) / 1e6 for moment in zip(*own)), default=math.inf))
+            seen = len({node.name for node in found if node.robot == robot and node.name in OWN_NODES})
+            whole = seen == len(OWN_NODES)
+            cpu.append(sum(cpu_share(samples) for samples in own) if whole else math.inf)
+            moments = [sum(sample.pss for sample in moment) / 1e6 for moment in zip(*own)] if whole else []
+            pss.append(max(moments, default=math.inf))
         nodes = f"{', '.join(OWN_NODES)}; by robot"
         what, shown = "own nodes of a robot, R = 3", ", ".join(f"{share:.3f}" for share in cpu)
         rows.append(row(f"{what}: CPU, worst robot", f"<= {CPU_BAR:.0%}", round(max(cpu), 3), "of a core",

@@ -60,25 +60,30 @@ class RunningMission:
             os.kill(pid, signal.SIGKILL)
         return bool(pids)
 
-    def tell_radio(self, line: str) -> None:
+    def tell_radio(self, line: str) -> bool:
         """A line for the control socket of the radio daemon."""
         init = json.loads(self.path("team.json").read_text())["init"]
         with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control:
             control.connect(f"/proc/{init}/root{PRIVATE_MOUNT}/{RADIO_CONTROL}")
             control.send(line.encode() + b"\n")
+        return True
 
     def enter(self, robot: str, *command: str) -> str:
-        """Output of a command in the place of a robot."""
+        """Output of a command in the place of a robot; nothing if it takes a minute."""
         inside = ["nsenter", "--target", str(self.process.pid), "--mount", "--"]
         words = [*inside, "rosrun", "mr_launch", "enter", "--team", str(self.out), robot, *command]
-        done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
+        try:
+            done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
+        except subprocess.TimeoutExpired:
+            return ""
         return done.stdout + done.stderr
 
-    def jump_clock(self, robot: str, seconds: float) -> None:
-        """One reading of the time that is wrong by so much, so that it jumps there and back."""
+    def jump_clock(self, robot: str, seconds: float) -> bool:
+        """One reading of the time that is wrong by so much, so that it jumps there and back; False without a clock."""
         log = self.enter(robot, "timeout", "5", "rostopic", "echo", "-n1", "/clock/clock")
         found = re.search(r"secs: (\d+)", log)
         if found:
             moved = max(0, int(found[1]) + round(seconds))
             self.enter(robot, "timeout", "5", "rostopic", "pub", "-1", "/clock", "rosgraph_msgs/Clock",
                        f"clock: {{secs: {moved}, nsecs: 0}}")  # fmt: skip
+        return found is not None

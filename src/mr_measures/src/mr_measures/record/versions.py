@@ -55,9 +55,9 @@ def code_version(worlds: tuple[Path, ...]) -> str:
             folder = folder_of(package)
         except ResourceNotFound:  # not every installation has all of them
             continue
-        is_source_tree = (folder / "src").is_dir()
-        sources = named(folder, SOURCES) if is_source_tree else _installed(importlib.import_module(module))
-        _add(digest, package, sources)
+        _add(digest, package, named(folder, SOURCES))
+        if not (folder / "src").is_dir():
+            _add(digest, package, _installed(importlib.import_module(module)))
     for folder in worlds:
         _add(digest, "worlds", named(folder, WORLDS))
     return digest.hexdigest()[:12]
