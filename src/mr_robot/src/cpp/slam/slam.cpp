@@ -131,15 +131,15 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   driven_ = doubtful ? stood_driven_ * between(stood_, match.pose) : driven_ * motion;
   pose_ = match.pose;
   odometry_ = odometry;
-  contradicted_ = match.outcome == Outcome::kContradicts;
-  if (elsewhere_.add(match, odometry)) {
+  const bool seen = match.outcome != Outcome::kNothingSeen;
+  if (seen) contradicted_ = match.outcome == Outcome::kContradicts;
+  if (seen && elsewhere_.add(match, odometry)) {
     driven_ = driven_ * between(pose_, *match.elsewhere);
     pose_ = *match.elsewhere;
     contradicted_ = false;
     elsewhere_.clear();
   }
-  const bool says = match.outcome != Outcome::kNothingSeen || verdict == Standing::Verdict::kMoved ||
-                    moved(confirmed_, pose_, kMostBlind, kMostBlind);
+  const bool says = seen || verdict == Standing::Verdict::kMoved || moved(confirmed_, pose_, kMostBlind, kMostBlind);
   if (!contradicted_ && says) {
     confirmed_ = pose_;
     left_confirmed_ = false;

@@ -47,9 +47,10 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
   const Frame to_laser(between(geometry.mount, Pose{}) * between(motion, Pose{}));
   const double middle = geometry.angle_min + 0.5 * static_cast<double>(size - 1) * geometry.angle_increment;
   const std::vector<bool> small = readings_of_small_objects(scan, size);
-  // What comes into the view, and may touch, hides what would be seen.
+  // What comes into the view, and may touch, hides what would be seen. It may be nearer than what counts as a reading.
   const auto hidden = [&](long reading, double range) {
-    return small[reading] || (ranges[reading] < kTouching && ranges[reading] < range - kStep);
+    const float now = ranges[reading];
+    return small[reading] || (now > 0.0F && now < kTouching && now < range - kStep);
   };
   int compared = 0, same = 0, moved = 0;
   for (const Beam& beam : beams_) {
