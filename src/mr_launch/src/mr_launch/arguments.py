@@ -13,6 +13,7 @@ from mr_launch.errors import UserError
 from mr_launch.programs import NAVIGATION, SLAM
 from mr_page.server import PORT as PAGE_PORT
 
+STRATEGY = 7
 LIMITS = {  # option: (lowest, highest, unit)
     "range": (0.1, 10000.0, "m"),
     "loss": (0.0, 0.95, ""),
@@ -103,7 +104,13 @@ def make_parser() -> argparse.ArgumentParser:
         help="output folder (default: out/<time>); out/latest points to the newest one there",
     )
     strategies = "; ".join(f"{number}: {text}" for number, text in STRATEGIES.items())
-    add("--strategy", type=int, default=7, metavar="N", help=f"frontier selection: {strategies} (default: 7)")
+    add(
+        "--strategy",
+        type=int,
+        default=STRATEGY,
+        metavar="N",
+        help=f"frontier selection: {strategies} (default: {STRATEGY})",
+    )
     add("--slam", choices=tuple(SLAM), default="ours", help="local SLAM (default: %(default)s)")
     add("--navigation", choices=tuple(NAVIGATION), default="ours", help="navigation (default: %(default)s)")
     add("--no-bag", dest="bag", action="store_false", help="record no bags")

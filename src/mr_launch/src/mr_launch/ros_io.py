@@ -6,7 +6,6 @@ from typing import Any
 
 import actionlib
 
-from mr_grid import Pose
 from mr_measures.record.logs import CANCELLED, REACHED
 
 OUTCOMES = {
@@ -30,12 +29,6 @@ def state_values(message: Any) -> dict[str, Any]:
         "auctions": message.auctions_completed,
         "auctions_uncompleted": message.auctions_uncompleted,
     }
-
-
-def transforms_of(message: Any) -> dict[str, Pose]:
-    """map_merger/MergerStatus: where the maps of other robots lie in the own one."""
-    placed = [other for other in message.robots if other.placed and other.robot != message.robot]
-    return {other.robot: Pose(other.x, other.y, other.yaw) for other in placed}
 
 
 def radio_values(message: Any) -> dict[str, Any]:

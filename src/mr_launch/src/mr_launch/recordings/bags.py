@@ -53,10 +53,13 @@ def span_of(reader: Any) -> Span:
     return Span(int(reader.start_time), int(reader.end_time) - 1)  # rosbags counts 1 ns more
 
 
-def messages(reader: Any, connections: Sequence[Any]) -> Iterator[tuple[Any, int, bytes]]:
-    """Connection, time in ns and octets, in the order of time. Nothing for no connections."""
+def messages(
+    reader: Any, connections: Sequence[Any], start: int | None = None, stop: int | None = None
+) -> Iterator[tuple[Any, int, bytes]]:
+    """Connection, time in ns and octets, in the order of time, from `start` and before `stop`. Nothing for no
+    connections."""
     if connections:
-        yield from reader.messages(connections=connections)
+        yield from reader.messages(connections=connections, start=start, stop=stop)
 
 
 def _check(path: Path) -> None:

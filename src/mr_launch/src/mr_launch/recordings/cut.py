@@ -26,16 +26,16 @@ def is_played(compute: Collection[str]) -> Callable[[Any], bool]:
     return played
 
 
-def cut(reader: Any, target: Path, span: Span, played: Callable[[Any], bool]) -> int:
-    """Writes the messages within `span` and returns how many. It begins, however late the robot's bags do, at the start
-    of the span with the time and with what latched topics held then."""
+def cut(reader: Any, target: Path, span: Span, played: Callable[[Any], bool]) -> None:
+    """Writes the messages within `span`. It begins, however late the robot's bags do, at the start of the span with the
+    time and with what latched topics held then."""
     from rosbags.rosbag1 import Writer
 
     connections = [connection for connection in reader.connections if played(connection)]
     held = {}
     if span.start > reader.start_time:
         kept = [connection for connection in connections if latched(connection)]
-        for connection, _, octets in reader.messages(connections=kept, stop=span.start) if kept else ():
+        for connection, _, octets in messages(reader, kept, stop=span.start):
             held[topic_of(connection), connection.ext.callerid] = (connection, octets)
     with Writer(target) as writer:
         clock = writer.add_connection(*CLOCK[:2], msgdef=CLOCK[2], md5sum=CLOCK[3])
@@ -43,17 +43,14 @@ def cut(reader: Any, target: Path, span: Span, played: Callable[[Any], bool]) ->
         copies = _Copies(writer)
         for connection, octets in held.values():
             copies.write(connection, span.start, octets)
-        for connection, time, octets in messages(reader, connections):
-            if span.start <= time <= span.end:
-                copies.write(connection, time, octets)
-    return copies.count
+        for connection, time, octets in messages(reader, connections, span.start, span.end + 1):
+            copies.write(connection, time, octets)
 
 
 class _Copies:
     """Connections of several bags that say the same are one."""
 
     def __init__(self, writer: Any) -> None:
-        self.count = 0
         self._writer = writer
         self._connections: dict[tuple[Any, ...], Any] = {}
 
@@ -69,4 +66,3 @@ class _Copies:
                 latching=source.ext.latching,
             )
         self._writer.write(self._connections[key], time, octets)
-        self.count += 1

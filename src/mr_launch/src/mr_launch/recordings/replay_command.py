@@ -16,6 +16,7 @@ from typing import Iterator, Sequence
 
 from explorer.options import STRATEGIES
 from mr_launch import isolation
+from mr_launch.arguments import STRATEGY
 from mr_launch.errors import UserError
 from mr_launch.exit_codes import BAD_CALL, INTERRUPTED
 from mr_launch.outside import run_inside
@@ -45,7 +46,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--rate", type=float, default=1.0, metavar="F", help="recorded over real seconds (default: %(default)s)")
     add("--from", dest="first", type=float, default=0.0, metavar="S", help="s of the recording at which to begin")
     add("--to", dest="last", type=float, default=math.inf, metavar="S", help="s of the recording at which to end")
-    add("--strategy", type=int, metavar="N", help="of the explorer (default: that of the mission, else 7)")
+    add("--strategy", type=int, metavar="N", help=f"of the explorer (default: that of the mission, else {STRATEGY})")
     add("--robot", default="", metavar="PRESET", help="what real robots are, as of robot.launch (default: pioneer)")
     add("--out", type=Path, metavar="DIR", help="folder for logs and for what is computed (default: out/replay_<time>)")
     add("--isolation", choices=("auto", "namespaces", "hub"), default="auto", help="as of the team runner")
@@ -152,7 +153,7 @@ def played_spans(recording: Recording, first: float, last: float) -> dict[str, S
 
 def computing_arguments(plan: Plan | None, name: str, options: argparse.Namespace) -> dict[str, str]:
     """Of replayed_robot.launch: what the nodes have to know, from the mission's plan or from the options."""
-    strategy = options.strategy if options.strategy is not None else plan.options.strategy if plan else 7
+    strategy = options.strategy if options.strategy is not None else plan.options.strategy if plan else STRATEGY
     if plan is None:
         return {"robot": options.robot or "pioneer", "frontier_selection": str(strategy)}
     preset = {robot.name: robot.preset for robot in plan.robots}[name]

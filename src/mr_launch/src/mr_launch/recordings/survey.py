@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Mapping
 
 from mr_grid import Pose
+from mr_launch.merger_status import transforms_of
 from mr_launch.recordings.bags import SECOND, Span, messages, span_of, topic_of
 from mr_launch.recordings.clocks import shifts
 
@@ -34,11 +35,7 @@ class Survey:
         self.heard[message.src_robot] = min(delay, self.heard.get(message.src_robot, delay))
 
     def _take_status(self, message: Any, _: int) -> None:
-        self.believed = {
-            other.robot: Pose(other.x, other.y, other.yaw)
-            for other in message.robots
-            if other.placed and other.robot != message.robot
-        }
+        self.believed = transforms_of(message)
 
     def _take_static(self, message: Any, _: int) -> None:
         self.static.update({transform.child_frame_id: transform for transform in message.transforms})
