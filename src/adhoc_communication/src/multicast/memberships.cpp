@@ -74,13 +74,13 @@ void Memberships::expire(Time now) {
     }
   }
   for (const std::string& group : unconfirmed) {
-    end_join(group, "the root did not answer within " + seconds_text(kMembersPatience), now);
+    give_up_join(group, "the root did not answer within " + seconds_text(kMembersPatience), now);
   }
 }
 
 void Memberships::said(const Word& word, bool delivered, const std::string& reason, Time now) {
   if (word.kind == Word::Kind::kConfirmation) {
-    if (!delivered) end_join(word.group, reason, now);
+    if (!delivered) give_up_join(word.group, reason, now);
     return;
   }
   const auto found = memberships_.find(word.group);
@@ -92,7 +92,7 @@ void Memberships::said(const Word& word, bool delivered, const std::string& reas
   membership.joined = delivered && membership.wanted && !membership.turned_away;
   if (std::exchange(membership.turned_away, false)) membership.retry_at = now + kFullRetry;
   if (!membership.asked_by_host) return;
-  if (!delivered) return end_join(word.group, reason, now);
+  if (!delivered) return give_up_join(word.group, reason, now);
   membership.confirmed_by = now + kMembersPatience;
   words_.push_back({Word::Kind::kConfirmation, word.group});
 }
@@ -116,6 +116,16 @@ void Memberships::end_join(const std::string& group, const std::string& failure,
   found->second.retry_at = std::max(found->second.retry_at, now + kRetry);
   if (!automatic_ || !known) memberships_.erase(found);
   ends_.push_back({group, true, false, "cannot join " + group + ": " + failure});
+}
+
+/// The root may have heard of it all the same, so it is told that this robot is none of its members.
+void Memberships::give_up_join(const std::string& group, const std::string& failure, Time now) {
+  const Membership* membership = find(group);
+  if (membership == nullptr || !membership->asked_by_host) return;
+  end_join(group, failure, now);
+  if (automatic_ || !directory_.address_of(*root_of(group))) return;
+  memberships_[group].wanted = false;
+  start_leave(group);
 }
 
 void Memberships::named(const std::string& group, bool this_robot, std::size_t members, Time now) {

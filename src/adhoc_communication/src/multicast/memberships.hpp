@@ -83,6 +83,7 @@ class Memberships {
   void start_join(const std::string& group);
   void start_leave(const std::string& group);
   void end_join(const std::string& group, const std::string& failure, Time now);
+  void give_up_join(const std::string& group, const std::string& failure, Time now);
   void turned_away(const std::string& group, std::size_t members, Time now);
   void left(const std::string& group, bool delivered);
 

@@ -56,6 +56,32 @@ TEST(Memberships, AJoinThatIsNotConfirmedIsOver) {
   EXPECT_EQ(robot.memberships.size(), 0u);
 }
 
+TEST(Memberships, TheRootOfAJoinThatFailedIsToldToForgetIt) {
+  Fixture robot(false);
+  robot.root_is_heard(1s);
+  robot.memberships.join(kGroup);
+  robot.words();
+  robot.memberships.said({Kind::kJoin, kGroup}, false, "no route", 1s);
+  EXPECT_EQ(robot.words(), Kinds{Kind::kLeave}) << "the root may have heard of it all the same";
+  EXPECT_TRUE(robot.memberships.takes_part(kGroup));
+  EXPECT_TRUE(robot.memberships.refuses(kGroup));
+  EXPECT_EQ(robot.memberships.take_ends().size(), 1u);
+  robot.memberships.said({Kind::kLeave, kGroup}, true, {}, 2s);
+  EXPECT_EQ(robot.memberships.size(), 0u);
+}
+
+TEST(Memberships, AConfirmationThatComesLateDoesNotEndAMembership) {
+  Fixture robot(false);
+  robot.root_is_heard(1s);
+  robot.memberships.join(kGroup);
+  robot.memberships.said({Kind::kJoin, kGroup}, true, {}, 1s);
+  robot.memberships.named(kGroup, true, 1, 2s);
+  robot.words();
+  robot.memberships.said({Kind::kConfirmation, kGroup}, false, "no route", 3s);
+  EXPECT_TRUE(robot.memberships.joined(kGroup));
+  EXPECT_EQ(robot.words(), Kinds{});
+}
+
 TEST(Memberships, WhatHappensByItselfIsTriedAgainWhenTheRootIsThere) {
   Fixture robot(true);
   robot.root_is_heard(1s);

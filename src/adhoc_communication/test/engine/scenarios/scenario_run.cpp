@@ -102,6 +102,11 @@ class Run {
       trace_.note(team_.now(), Team::name(robot) + " knows " + appeared->robot);
     } else if (const auto* lost = std::get_if<RobotLost>(&event)) {
       trace_.note(team_.now(), Team::name(robot) + " lost " + lost->robot);
+    } else if (const auto* change = std::get_if<GroupChangeFinished>(&event)) {
+      const std::string what = change->joined ? " joined " : " left ";
+      trace_.note(team_.now(),
+                  Team::name(robot) + what + change->group + (change->succeeded ? "" : ": " + change->reason));
+      if (change->joined && !change->succeeded) deliveries_.left(robot, root_of(change->group));
     }
   }
 
@@ -118,6 +123,8 @@ class Run {
                       std::to_string(table.size) + " entries, at most " + std::to_string(table.most) + " are allowed");
     }
   }
+
+  static std::size_t root_of(const std::string& group) { return std::stoul(group.substr(group.rfind('_') + 1)); }
 
   std::set<std::size_t> members_of(std::size_t root) {
     std::set<std::size_t> members;
