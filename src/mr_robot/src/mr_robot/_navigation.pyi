@@ -9,6 +9,7 @@ _Pose = tuple[float, float, float]
 
 TOUCHING: float
 SLACK: float
+RAMP: float
 
 class Limits:
     curvature: float
@@ -28,9 +29,7 @@ class Horizon:
     def __init__(self) -> None: ...
 
 class Agility:
-    linear: float
-    angular: float
-    def __init__(self, full_speed: float, full_turn: float, acceleration: float) -> None: ...
+    def __init__(self, limits: Limits) -> None: ...
 
 def march(
     slowness: np.ndarray,

@@ -15,7 +15,8 @@ from mr_robot.navigation.clock import Clock
 from mr_robot.navigation.engine import Command, Navigator, Status
 from mr_robot.navigation.obstacles import ObstacleMemory
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan, make_scan
-from mr_robot.navigation.planner import CostMap, plan
+from mr_robot.navigation.planner import CostMap, path, plan
+from mr_robot.navigation.route import Route
 from mr_robot.navigation.stall import StallWatch
 from mr_robot.navigation.surroundings import Surroundings
 from mr_robot.navigation.yielding import HeldUp, find_retreat
@@ -146,7 +147,7 @@ def test_gentle_start_and_cancel() -> None:
 
 LIMITS = _navigation.Limits(0.5, 1.57, 1.0, 3.14)
 FOOTPRINT = _navigation.Footprint(0.22, 0.19)
-AGILITY = _navigation.Agility(0.5, 1.57, 1.0)
+AGILITY = _navigation.Agility(LIMITS)
 
 
 def may_drive(target: Tuple[float, float], obstacle: Tuple[float, float, float, float]) -> bool:
@@ -215,6 +216,39 @@ def test_a_way_out_gains_room_and_never_comes_nearer(points: List[Tuple[float, f
             assert _navigation.clearance(pose, obstacles, FOOTPRINT) > min(before, 0.03) - 0.006
     if len(rows):
         assert _navigation.clearance(tuple(rows[-1][:3]), obstacles, FOOTPRINT) > min(before, 0.03) - 0.003
+
+
+touching = st.tuples(st.floats(-0.22, 0.22), st.sampled_from([-1, 1]), st.floats(-0.01, 0.02)).map(
+    lambda point: (point[0], point[1] * (0.19 + point[2]))
+)
+
+
+@given(st.lists(touching, min_size=2, max_size=4), st.sampled_from([(3.0, 2.0), (0.3, 2.0), (1.0, 3.5)]))
+def test_a_manoeuvre_begins_with_a_motion_that_may_be_made(
+    points: List[Tuple[float, float]], goal: Tuple[float, float]
+) -> None:
+    obstacles = np.array([(1.0 + x, 2.0 + y, 0.0, 0.0) for x, y in points])
+    assume(-0.02 < _navigation.clearance((1.0, 2.0, 0.0), obstacles, FOOTPRINT))
+    rows = plan_out(obstacles, goal)
+    if len(rows):
+        assert may_begin(rows, obstacles)
+
+
+def may_begin(rows: np.ndarray, obstacles: np.ndarray) -> bool:
+    seconds = rows[1, 4] - rows[0, 4]
+    way = rows[1, 3] * math.dist(rows[0, :2], rows[1, :2])
+    horizon = _navigation.Horizon()
+    horizon.duration, horizon.slack = _navigation.RAMP, _navigation.SLACK
+    target = (way / seconds, (rows[1, 2] - rows[0, 2]) / seconds)
+    return _navigation.is_clear((1.0, 2.0, 0.0), (0.0, 0.0), target, obstacles, LIMITS, FOOTPRINT, horizon)
+
+
+def test_out_backwards_past_a_jamb_that_the_body_seems_to_touch() -> None:
+    """Every plan began with a motion that was not clear, twice a second for the rest of the mission."""
+    jamb = np.array([(1.0 - 0.169, 2.0 - 0.185, 0.0, 0.0), (1.0 - 0.218, 2.0 - 0.177, 0.0, 0.0)])
+    rows = plan_out(jamb, (0.3, 2.0))
+    assert len(rows) > 1 and may_begin(rows, jamb)
+    assert rows[1, 3] >= 0.0, "nothing leads straight back"
 
 
 def test_out_of_a_niche_backwards_and_turned_where_there_is_room() -> None:
@@ -327,6 +361,26 @@ def test_a_new_goal_does_not_stop_the_robot() -> None:
         pose = Pose(pose[0] + 0.1 * command.linear * math.cos(yaw), pose[1] + 0.1 * command.linear * math.sin(yaw), yaw)
         speeds.append(command.linear)
     assert min(speeds[8:]) > 0.3
+
+
+def test_a_way_around_what_is_at_rest_is_kept() -> None:
+    """A robot set out around its mates at home, held its way for blocked no longer, and came back, to and fro."""
+    cells = np.zeros((240, 80), np.int8)
+    cells[:, 39:41] = 100
+    cells[15:35, 39:41] = cells[190:215, 39:41] = 0  # two doors, 9 m from one another
+    costs, route = CostMap(OccupancyGrid.of(cells, 0.05), NavigationOptions()), Route(NavigationOptions())
+    at_rest = np.array([(2.0, y) for y in np.arange(0.75, 1.8, 0.05)])
+    place, goal = np.array((1.0, 1.25)), Pose(3.0, 1.25, 0.0)
+    route.set_goal(goal, 0.0)
+    for step in range(700):
+        pose = Pose(*place, 0.0)
+        route.update(0.1 * step, pose, costs, at_rest)
+        assert route.plan is not None
+        route.advance(0.1 * step, pose)
+        ahead = path(route.plan, pose)[:3][-1]
+        if np.hypot(*(at_rest - ahead).T).min() > 0.4:
+            place = place + 0.04 * (ahead - place) / max(math.dist(ahead, place), 0.04)
+    assert math.dist(place, goal[:2]) < 0.1
 
 
 def test_blocked_wheels_are_noticed_soon() -> None:

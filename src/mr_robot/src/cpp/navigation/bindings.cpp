@@ -159,6 +159,7 @@ PYBIND11_MODULE(_navigation, module) {
   module.doc() = "Hot loops of the navigation engine. SI units, poses as (x, y, yaw).";
   module.attr("TOUCHING") = kTouching;
   module.attr("SLACK") = kSlack;
+  module.attr("RAMP") = kRamp;
   py::class_<Limits>(module, "Limits")
       .def(py::init([](double linear, double angular, double linear_acceleration, double angular_acceleration) {
              return Limits{linear, angular, linear_acceleration, angular_acceleration};
@@ -246,13 +247,7 @@ PYBIND11_MODULE(_navigation, module) {
              py::arg("goal"), py::arg("pose"), py::arg("velocity"), py::arg("obstacles"), py::arg("limits"),
              py::arg("footprint"), py::arg("horizon"), py::arg("period"),
              "(found, linear, angular, seconds to the goal, clearance).");
-  py::class_<Agility>(module, "Agility")
-      .def(py::init([](double full_speed, double full_turn, double acceleration) {
-             return Agility{full_speed, full_turn, acceleration};
-           }),
-           py::arg("full_speed"), py::arg("full_turn"), py::arg("acceleration"))
-      .def_readwrite("linear", &Agility::linear)
-      .def_readwrite("angular", &Agility::angular);
+  py::class_<Agility>(module, "Agility").def(py::init<const Limits&>(), py::arg("limits"));
   module.def(
       "manoeuvre",
       [](const Floats& cost, double resolution, const Pair& origin, const Pair& goal, const Triple& pose,

@@ -48,7 +48,12 @@ class Search {
  public:
   Search(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles, const Footprint& footprint,
          const Agility& agility)
-      : field_(field), start_(start), agility_(agility), body_(start, kReach + kCell, obstacles, footprint) {
+      : field_(field),
+        start_(start),
+        obstacles_(obstacles),
+        footprint_(footprint),
+        agility_(agility),
+        body_(start, kReach + kCell, obstacles, footprint) {
     at_start_ = body_.clearance(start);
     least_ = std::min(kTouching, at_start_ - kSlack);
     starts_roomy_ = body_.roomy(start);
@@ -75,8 +80,8 @@ class Search {
   // s by the field from there.
   double left(const Pose& pose) const {
     const double cost = cost_at(field_, pose.x, pose.y);
-    if (std::isfinite(cost)) return cost * field_.resolution / agility_.full_speed;
-    return (std::isfinite(start_cost_) ? start_cost_ * field_.resolution + 2.0 * kReach : 0.0) / agility_.full_speed;
+    if (std::isfinite(cost)) return cost * field_.resolution / agility_.limits.linear;
+    return (std::isfinite(start_cost_) ? start_cost_ * field_.resolution + 2.0 * kReach : 0.0) / agility_.limits.linear;
   }
 
   static std::uint64_t key(const Pose& pose, double direction) {
@@ -99,7 +104,7 @@ class Search {
     double total = node.price + left(node.pose);
     if (const auto direction = downhill(field_, node.pose.x, node.pose.y)) {
       const double error = std::abs(std::remainder(*direction - node.pose.yaw, 2.0 * M_PI));
-      total += (roomy ? 1.0 : kTightCost) * error / agility_.full_turn;
+      total += (roomy ? 1.0 : kTightCost) * error / agility_.limits.angular;
     }
     if (total >= best_total_) return;
     best_total_ = total;
@@ -131,7 +136,8 @@ class Search {
     if (room < least_ || body_.clearance(along(node.pose, 0.5 * way, 0.5 * turn)) < least_) return -1;
     double seconds = std::abs(way) / agility_.linear;
     if (direction == 0.0) seconds = std::abs(turn) / agility_.angular;
-    if (node.parent >= 0 && direction != node.direction) seconds += 2.0 * agility_.linear / agility_.acceleration;
+    if (from == 0 && !begins({way / seconds, turn / seconds})) return -1;
+    if (node.parent >= 0 && direction != node.direction) seconds += 2.0 * agility_.linear / agility_.limits.linear_acceleration;
     const double tight = std::clamp((kTight - room) / kTight, 0.0, 1.0);
     const Node next{end,
                     node.seconds + seconds,
@@ -143,6 +149,14 @@ class Search {
     const auto number = static_cast<std::int32_t>(nodes_.size() - 1);
     open_.push({next.price + left(end), number});
     return number;
+  }
+
+  // Whether the robot, which stands, may set off like that.
+  bool begins(const Velocity& target) const {
+    Horizon horizon;
+    horizon.duration = kRamp;
+    horizon.slack = kSlack;
+    return is_clear(start_, {0.0, 0.0}, target, obstacles_, agility_.limits, footprint_, horizon);
   }
 
   std::vector<Waypoint> way_to(std::int32_t end) const {
@@ -157,6 +171,8 @@ class Search {
 
   const Field& field_;
   Pose start_;
+  const std::vector<Obstacle>& obstacles_;
+  Footprint footprint_;
   Agility agility_;
   Body body_;
   double at_start_ = 0.0, least_ = 0.0, start_cost_ = 0.0;

@@ -1,6 +1,7 @@
 // Motions where a body has little room: a search over x, y and heading with the footprint.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "rollout.hpp"
@@ -13,18 +14,20 @@ struct Waypoint {
   double seconds;    // from the start on
 };
 
+// How a robot drives in a manoeuvre.
 struct Agility {
-  double full_speed, full_turn;  // m/s and rad/s, where there is room again
-  double acceleration;           // m/s^2
-  double linear = 0.25;          // m/s, ahead and back
-  double angular = 0.8;          // rad/s
+  explicit Agility(const Limits& limits)
+      : limits(limits), linear(std::min(0.25, limits.linear)), angular(std::min(0.8, limits.angular)) {}
+  Limits limits;   // where there is room again
+  double linear;   // m/s, ahead and back
+  double angular;  // rad/s
 };
 
 // The way that leads soonest to the goal of the field, up to where the robot has room to turn or where what is known
 // around it ends (Dolgov, Thrun, Montemerlo and Diebel, Path planning for autonomous vehicles in unknown
 // semi-structured environments, 2010). Ahead and back are the same but for the turns between them; it turns only where
-// the footprint does, comes no nearer to obstacles than kTouching, and from nearer not much nearer. Where no such way
-// is found, one to the roomiest pose. Empty if there is no better pose than the present one.
+// the footprint does, comes no nearer to obstacles than kTouching, and from nearer not much nearer; its first motion is
+// one that `is_clear` allows a robot that stands. Where no such way is found, one to the roomiest pose. Empty if there is no better pose than the present one.
 std::vector<Waypoint> manoeuvre(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles,
                                 const Footprint& footprint, const Agility& agility);
 

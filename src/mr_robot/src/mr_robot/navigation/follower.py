@@ -38,7 +38,7 @@ class Follower:
         self.gained_room = False
         if self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, tight, stuck):
             self._planned_at = now
-            self._manoeuvre = plan_manoeuvre(way, pose, tight, self._motion.footprint, self._options)
+            self._manoeuvre = plan_manoeuvre(way, pose, tight, self._motion.footprint, self._motion.limits)
         if self._manoeuvre is not None:
             target = self._manoeuvre.velocity(pose, self._options.controller_period)
             if target is not None:

@@ -8,7 +8,6 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_robot import _navigation
-from mr_robot.navigation.options import NavigationOptions
 from mr_robot.navigation.planner import Plan
 
 AHEAD, ASIDE, TURN = 1.0, 8.0, 2.5  # 1/s, 1/m^2 and 1/s by which errors are made good
@@ -17,17 +16,12 @@ OVERTIME = 1.0  # s after the end in which the last error is made good
 
 
 def plan_manoeuvre(
-    way: Plan, pose: Pose, obstacles: np.ndarray, footprint: _navigation.Footprint, options: NavigationOptions
+    way: Plan, pose: Pose, obstacles: np.ndarray, footprint: _navigation.Footprint, limits: _navigation.Limits
 ) -> Optional["Manoeuvre"]:
     """From a pose with little room on along the way, or to the nearest pose with room; None: nothing is better than to
     stay. `obstacles`: rows (x, y, margin, reaction time)."""
-    agility = _navigation.Agility(
-        options.max_linear_velocity, options.max_angular_velocity, options.linear_acceleration
-    )
-    agility.linear = min(agility.linear, options.max_linear_velocity)
-    agility.angular = min(agility.angular, options.max_angular_velocity)
     rows = _navigation.manoeuvre(
-        way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, obstacles, footprint, agility
+        way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, obstacles, footprint, _navigation.Agility(limits)
     )
     return Manoeuvre(rows) if len(rows) > 1 else None
 

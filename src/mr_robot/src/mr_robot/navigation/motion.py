@@ -16,7 +16,6 @@ from mr_robot.navigation.planner import Plan
 
 LOOK_AHEAD = 0.5  # m that a robot drives before it is where it has looked: it turns no sharper than it sees
 REACHED = 0.7  # times the tolerance of goals, within which the way ends
-RAMP = 0.4  # s of motion that have to be clear
 STOP: Velocity = (0.0, 0.0)
 
 
@@ -27,7 +26,7 @@ class Motion:
         self.velocity = STOP
         self.footprint = _navigation.Footprint(options.footprint_length / 2.0, options.footprint_width / 2.0)
         self._options = options
-        self._limits = _navigation.Limits(
+        self.limits = _navigation.Limits(
             options.max_linear_velocity,
             options.max_angular_velocity,
             options.linear_acceleration,
@@ -36,7 +35,7 @@ class Motion:
 
     def see(self, scan: Scan) -> None:
         """No bend is sharper than the robot can look into."""
-        self._limits.curvature = 2.0 * scan.half_view / LOOK_AHEAD
+        self.limits.curvature = 2.0 * scan.half_view / LOOK_AHEAD
 
     def along(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Optional[Velocity]:
         """None where nothing is safe, not even to brake gently."""
@@ -44,14 +43,14 @@ class Motion:
         horizon.goal_radius = REACHED * self._options.xy_goal_tolerance
         found, linear, angular, _, _ = _navigation.choose_velocity(
             way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, self.velocity, obstacles,
-            self._limits, self.footprint, horizon, self._options.controller_period,
+            self.limits, self.footprint, horizon, self._options.controller_period,
         )  # fmt: skip
         return (linear, angular) if found else None
 
-    def is_clear(self, pose: Pose, obstacles: np.ndarray, target: Velocity, duration: float = RAMP) -> bool:
+    def is_clear(self, pose: Pose, obstacles: np.ndarray, target: Velocity, duration: float = _navigation.RAMP) -> bool:
         horizon = _navigation.Horizon()
         horizon.duration, horizon.slack = duration, _navigation.SLACK
-        return _navigation.is_clear(pose, self.velocity, target, obstacles, self._limits, self.footprint, horizon)
+        return _navigation.is_clear(pose, self.velocity, target, obstacles, self.limits, self.footprint, horizon)
 
     def towards(self, target: Velocity) -> Velocity:
         """As near to it as accelerations allow."""

@@ -28,6 +28,7 @@ class _Goal:
     nearest: float = math.inf  # least way left so far through the map alone, m
     nearest_at: float = -math.inf  # since when
     blocked_since: Optional[float] = None
+    goes_around: bool = False  # what blocks the way is at rest
     failed_plans: int = 0
 
 
@@ -121,8 +122,13 @@ class Route:
         if self.plan is None or left > goal.best + LONGER:
             goal.best = left + PROGRESS
         if goal.deadline == math.inf:
-            goal.deadline = now + TIME_ALLOWED + TIME_FACTOR * left / options.max_linear_velocity
+            self._allow(left, now)
         self.plan = way
+
+    def _allow(self, left: float, now: float) -> None:
+        """Time for a way of `left` m."""
+        assert self._goal is not None
+        self._goal.deadline = now + TIME_ALLOWED + TIME_FACTOR * left / self._options.max_linear_velocity
 
     def _prefer(self, now: float, pose: Pose, known: Plan, around: Optional[Plan]) -> Plan:
         """Around what moves when that is not far; else up to it, waiting. Raises GivenUp when it has not moved for
@@ -133,15 +139,19 @@ class Route:
         if left < goal.nearest - PROGRESS:
             goal.nearest, goal.nearest_at = left, now
         if around is not None and around.cost_at(pose[0], pose[1]) - left <= LONGEST_DETOUR:
-            goal.blocked_since = None
+            goal.blocked_since, goal.goes_around = None, False
             return around
         if goal.blocked_since is None:
             goal.blocked_since = now
+        if around is not None and goal.goes_around:
+            return around
         timeout = self._options.blocked_timeout
         # Who gives way and comes back comes nearer each time, but not nearer than before.
         goal.blocked_since = max(goal.blocked_since, min(self.nearer_at, goal.nearest_at + TO_AND_FRO_LIMIT * timeout))
         waited = now - goal.blocked_since
         if around is not None and waited > AT_REST:
+            goal.goes_around, self.nearer_at = True, now
+            self._allow(around.cost_at(pose[0], pose[1]), now)
             return around
         if waited <= timeout:
             return known
