@@ -228,7 +228,7 @@ def test_a_manoeuvre_begins_with_a_motion_that_may_be_made(
     points: List[Tuple[float, float]], goal: Tuple[float, float]
 ) -> None:
     obstacles = np.array([(1.0 + x, 2.0 + y, 0.0, 0.0) for x, y in points])
-    assume(-0.02 < _navigation.clearance((1.0, 2.0, 0.0), obstacles, FOOTPRINT))
+    assume(_navigation.clearance((1.0, 2.0, 0.0), obstacles, FOOTPRINT) > -0.02)
     rows = plan_out(obstacles, goal)
     if len(rows):
         assert may_begin(rows, obstacles)

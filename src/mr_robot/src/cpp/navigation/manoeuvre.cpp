@@ -137,7 +137,8 @@ class Search {
     double seconds = std::abs(way) / agility_.linear;
     if (direction == 0.0) seconds = std::abs(turn) / agility_.angular;
     if (from == 0 && !begins({way / seconds, turn / seconds})) return -1;
-    if (node.parent >= 0 && direction != node.direction) seconds += 2.0 * agility_.linear / agility_.limits.linear_acceleration;
+    if (node.parent >= 0 && direction != node.direction)
+      seconds += 2.0 * agility_.linear / agility_.limits.linear_acceleration;
     const double tight = std::clamp((kTight - room) / kTight, 0.0, 1.0);
     const Node next{end,
                     node.seconds + seconds,

@@ -24,10 +24,11 @@ struct Agility {
 };
 
 // The way that leads soonest to the goal of the field, up to where the robot has room to turn or where what is known
-// around it ends (Dolgov, Thrun, Montemerlo and Diebel, Path planning for autonomous vehicles in unknown
-// semi-structured environments, 2010). Ahead and back are the same but for the turns between them; it turns only where
-// the footprint does, comes no nearer to obstacles than kTouching, and from nearer not much nearer; its first motion is
-// one that `is_clear` allows a robot that stands. Where no such way is found, one to the roomiest pose. Empty if there is no better pose than the present one.
+// around it ends (Dolgov, Thrun, Montemerlo and Diebel, Path planning for autonomous vehicles in unknown semi-
+// structured environments, 2010). Ahead and back are the same but for the turns between them; it turns only where the
+// footprint does, comes no nearer to obstacles than kTouching, and from nearer not much nearer; its first motion is
+// one that `is_clear` allows a robot that stands. Where no such way is found, one to the roomiest pose. Empty if there
+// is no better pose than the present one.
 std::vector<Waypoint> manoeuvre(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles,
                                 const Footprint& footprint, const Agility& agility);
 

@@ -10,7 +10,7 @@ namespace mr_robot::navigation {
 
 constexpr double kTouching = 0.03;  // m to obstacles, less than which may be a touch: poses and points are inexact
 constexpr double kSlack = 0.002;    // m that a motion may come nearer to what the body touches already
-constexpr double kRamp = 0.4;      // s of a motion that have to be clear when it begins
+constexpr double kRamp = 0.4;       // s of a motion that have to be clear when it begins
 
 struct Pose {
   double x, y, yaw;  // m, rad

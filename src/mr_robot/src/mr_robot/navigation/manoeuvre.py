@@ -20,8 +20,9 @@ def plan_manoeuvre(
 ) -> Optional["Manoeuvre"]:
     """From a pose with little room on along the way, or to the nearest pose with room; None: nothing is better than to
     stay. `obstacles`: rows (x, y, margin, reaction time)."""
+    agility = _navigation.Agility(limits)
     rows = _navigation.manoeuvre(
-        way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, obstacles, footprint, _navigation.Agility(limits)
+        way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, obstacles, footprint, agility
     )
     return Manoeuvre(rows) if len(rows) > 1 else None
 
