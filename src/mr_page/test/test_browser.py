@@ -4,9 +4,12 @@ import asyncio
 import os
 
 import pytest
+from serving import served
 
 from mr_page.browser import browser, program
+from mr_page.commands import ORDERS, Answer, Order
 from mr_page.played_team import played_team
+from mr_page.state import PageState
 
 if program() is None and not os.environ.get("REQUIRE_BROWSER"):
     pytest.skip("no headless Chromium: run tools/install_dependencies browser", allow_module_level=True)
@@ -172,3 +175,34 @@ def test_a_phone_shows_everything_in_its_width(team, dark):
             assert tab.errors == []
 
     asyncio.run(run())
+
+
+def test_a_base_station_orders_one_robot_by_its_radio():
+    """Of the others it knows what they have told over the radio."""
+    heard = {"state": "exploring", "text": "drives to a frontier", "merging": "", "area": 90, "in_reach": True,
+             "age": 0, "order": "", "answered": True, "answer": "", "number": 0}  # fmt: skip
+    state, asked = PageState(), []
+    state.put("base", "about", {"base": True, "start": None})
+    state.put("base", "time", 5.0)
+    state.put("base", "services", {f"{way}{order}": True for way in ("team_", "pass_on_") for order in ORDERS})
+    away = {**heard, "in_reach": False}
+    state.put("base", "team", {"text": "", "robots": {"anna": heard, "bob": away}})
+
+    async def command(robot, order):
+        asked.append((robot, order))
+        return Answer(False, "pause: no robot is in reach; bob get it when they are back")
+
+    async def run():
+        async with served(state, command) as address, browser() as one:
+            tab = await one.open(f"http://{address}/", 1300, 850)
+            await tab.wait_for("document.querySelectorAll('#robots tr').length === 3")
+            await tab.click("#robots tr:nth-child(3)")
+            await tab.wait_for("document.querySelector('#commands select').value === 'pass_on_base bob'")
+            await tab.click("#command-start")
+            assert await tab.run(text("#answer")) == "bob has begun already"
+            await tab.click("#command-pause")
+            await tab.wait_for(f"{text('#answer')}.includes('get it when they are back')")
+            assert tab.errors == []
+
+    asyncio.run(run())
+    assert asked == [("base", Order("pass_on_pause", "bob"))]

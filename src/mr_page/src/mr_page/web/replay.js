@@ -128,7 +128,7 @@ function fillHead() {
   badge.textContent = status;
   badge.classList.add(data.outcome.status || "unknown");
   const time = data.exploration_time === null ? "" : `explored in ${clock(data.exploration_time)}`;
-  byId("reason").textContent = [data.outcome.reason, time].filter(Boolean).join(" · ");
+  byId("reason").textContent = byId("reason").title = [data.outcome.reason, time].filter(Boolean).join(" · ");
   byId("failure").hidden = !data.outcome.traceback;
   byId("traceback").textContent = data.outcome.traceback;
   byId("notes").append(...data.notes.map((note) => make("li", note)));

@@ -30,9 +30,9 @@ const PANELS_PERIOD = 250; // ms; nobody reads faster
 let view = null; // number of the robot whose map is shown, TEAM, or null until there is one
 let chosen = null; // name of that robot, empty for the team; null until somebody has chosen
 let connected = false;
-let panelsAt = 0; // when tables and panels were filled, ms
+let panelsAt = -Infinity; // when tables and panels were filled, ms
 const refresh = () => {
-  panelsAt = 0;
+  panelsAt = -Infinity;
   redraw();
 };
 const theme = new Theme(refresh);
@@ -106,6 +106,12 @@ function redraw() {
   requestAnimationFrame((now) => { waiting = false; frame(now); });
 }
 
+/** So that tables and panels have what was told last when nothing more is told. */
+let later = null;
+function redrawLater() {
+  later ??= setTimeout(() => { later = null; redraw(); }, PANELS_PERIOD);
+}
+
 function frame(now) {
   if (findShown()) redraw();
   findView();
@@ -114,7 +120,10 @@ function frame(now) {
   if (connection.lookAt(shown.mapsOf(view))) past.askAgain();
   describeMaps();
   map.draw(shown.scene(view, map.show));
-  if (now - panelsAt < PANELS_PERIOD) return;
+  if (now - panelsAt < PANELS_PERIOD) {
+    redrawLater();
+    return;
+  }
   panelsAt = now;
   fillTable();
   tabs.fill(shown, view);
