@@ -101,13 +101,13 @@ bench-page: build
 	@tools/install_dependencies browser
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_page bench_page --out out/bench/page.json
 
-# Missions with all that goes wrong in the field, as root: two hours. SOAK_MINUTES=10, as nightly, runs each kind once, in a quarter of an hour.
+# Missions with all that goes wrong in the field, as root: two hours. SOAK_MINUTES=30, as nightly, runs each kind once or twice.
 SOAK_MINUTES ?= 120
 soak: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_launch soak --minutes $(SOAK_MINUTES) --out out/bench/soak.json
 
 nightly:
-	@$(MAKE) soak SOAK_MINUTES=10
+	@$(MAKE) soak SOAK_MINUTES=30
 
 lint: dependencies
 	@$(ENVIRONMENT) tools/lint

@@ -38,7 +38,11 @@ def test_defaults():
         (["--robots", "0"], "--robots 0: a team has at least one robot"),
         (["--robots", "two"], "argument --robots: invalid int value: 'two'"),
         (["--strategy", "8"], "--strategy 8 is unknown"),
-        (["--slam", "karto"], "argument --slam: invalid choice: 'karto'"),
+        (
+            ["--slam", "karto"],
+            "argument --slam: 'karto' is unknown; there are ours, gmapping, slam_toolbox, hector, and FILE",
+        ),
+        (["--navigation", "/no.launch"], "argument --navigation: there is no file '/no.launch'"),
         (["--wrold", "x"], "unrecognized arguments: --wrold x"),
     ],
 )
@@ -84,3 +88,9 @@ def test_output_folder_that_cannot_be_made(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(UserError, match="cannot write to the output folder"):
         make_output_folder(plan_with(tmp_path / "file" / "out"))
+
+
+def test_a_launch_file_of_ones_own_is_found_from_anywhere(tmp_path, monkeypatch):
+    (tmp_path / "own.launch").touch()
+    monkeypatch.chdir(tmp_path)
+    assert parse_arguments(["--slam", "own.launch"]).slam == str(tmp_path / "own.launch")

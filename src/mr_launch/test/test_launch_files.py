@@ -14,6 +14,7 @@ from mr_launch.nodes import RESPAWNED
 from mr_launch.recorder import record_command
 
 PACKAGE = Path(__file__).resolve().parents[1]
+EXAMPLES = PACKAGE.parents[1] / "docs" / "examples"
 LAUNCH_FILES = sorted((PACKAGE / "launch").glob("*.launch"))
 NEEDED = {  # arguments without a default
     "robot.launch": [],
@@ -112,6 +113,43 @@ def test_slam_and_navigation_of_others(arguments, nodes, words, packages):
     assert found == {"/adhoc_communication", "/map_merger", "/explorer", "/slam", "/move_base"} | nodes
     parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", *others, packages=packages))
     assert {name: parameters[name] for name in words} == words
+
+
+def test_slam_and_navigation_of_ones_own(tmp_path):
+    """The example of the documentation, and a launch file for navigation."""
+    own = tmp_path / "own navigation.launch"
+    names = ("map_frame", "velocity_topic", "robot_name", "robot_parameters")
+    own.write_text(
+        "<launch>" + "".join(f"<arg name='{name}'/><param name='{name}' value='$(arg {name})'/>" for name in names)
+        + "</launch>"
+    )  # fmt: skip
+    arguments = (
+        "robot_name:=anna", "scan_topic:=laser", "velocity_topic:=drive", "robot_parameters:=/tmp/own",
+        f"slam:={EXAMPLES / 'my_slam.launch'}", f"navigation:={own}",
+    )  # fmt: skip
+    assert nodes_of("robot.launch", *arguments) == {"/adhoc_communication", "/map_merger", "/explorer", "/slam"}
+    parameters = parameters_of("robot.launch", *arguments)
+    assert [parameters[f"/{name}"] for name in names] == ["map", "drive", "anna", "/tmp/own/move_base.yaml"]
+    told = {
+        name: parameters[f"/slam/{name}"] for name in ("map_frame", "scan_topic", "base_frame", "map_update_interval")
+    }
+    assert told == {
+        "map_frame": "map",
+        "scan_topic": "laser",
+        "base_frame": "base_footprint",
+        "map_update_interval": 1.0,
+    }
+
+
+@pytest.mark.parametrize("name", ["robot.launch", "base_station.launch"])
+def test_a_link_of_ones_own_takes_the_place_of_the_interface(name, tmp_path):
+    arguments = (*(("robot_parameters:=" + str(tmp_path),) if name == "robot.launch" else ()), "interface:=tun0")
+    assert parameters_of(name, *arguments)["/adhoc_communication/interface"] == "tun0"
+    config = loaded(name, *arguments, "link:=/links/udp.py:UdpLink")
+    (node,) = [node for node in config.nodes if node.name == "link"]
+    hub = config.params["/adhoc_communication/interface"].value
+    assert hub.startswith("hub:/") and node.respawn
+    assert node.args == f"--link '/links/udp.py:UdpLink' --interface 'tun0' --hub '{hub[4:]}'"
 
 
 def test_a_base_station_has_no_body():
@@ -256,6 +294,7 @@ def test_an_own_robot(tmp_path):
         (["slam:=hector"], "slam:=hector needs the package hector_mapping, which is not installed"),
         (["navigation:=move_base_flex"], "navigation:=move_base_flex needs the package mbf_costmap_nav"),
         (["slam:=karto"], "slam:=karto is unknown; there are ours, gmapping, slam_toolbox, hector, none"),
+        (["slam:=/no.launch"], "slam:=/no.launch: there is no such file"),
     ],
 )
 def test_what_cannot_be_is_refused_before_anything_starts(arguments, part):

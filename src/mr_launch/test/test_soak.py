@@ -12,14 +12,20 @@ from mr_launch.soak.faults import NODES, disturbed, full_disk, partitions
 from mr_launch.soak.leftovers import Leftovers
 from mr_launch.soak.memory import Sample, Samples, cpu_share, memory_of, slope
 from mr_launch.soak.missions import ROBOTS, Outcome
-from mr_launch.soak.rows import OWN_NODES, rows_of
+from mr_launch.soak.rows import LEAST_HOLD_S, OWN_NODES, SETTLE_S, rows_of
 from mr_launch.soak.running import Node, RunningMission
 
+BEGIN, END = 100.0, 100.0 + LEAST_HOLD_S
 
-def samples(rate, noise=0.0, begin=100.0, first=50.0):
-    """Two minutes; `rate` in MB per minute, `noise` in MB."""
-    own = [round(1e6 * (first + rate * second / 60.0 + noise * (-1) ** second)) for second in range(121)]
-    return [Sample(begin + second, round(1e6 * first), own[second], 0.05 * second) for second in range(121)]
+
+def samples(rate, noise=0.0, first=50.0, settles=0.0):
+    """From BEGIN to END; `rate` in MB per minute, `noise` in MB, `settles`: MB that are added in the first minutes."""
+
+    def own(second):
+        return first + rate * second / 60.0 + noise * (-1) ** second + settles * min(1.0, second / SETTLE_S)
+
+    seconds = range(round(END - BEGIN) + 1)
+    return [Sample(BEGIN + second, round(1e6 * first), round(1e6 * own(second)), 0.05 * second) for second in seconds]
 
 
 AT_REST = dict.fromkeys(OWN_NODES, 0.0)
@@ -33,7 +39,7 @@ def outcome(rates, **changes):
     values = {
         "name": "rest", "code": 0, "stuck": [], "left": [], "said": [], "faults": disturbed(ROBOTS, 0), "omitted": [],
         "restarts": {},
-        "samples": taken, "exploring": (100.0, 220.0), "hold": (100.0, 220.0), **changes,
+        "samples": taken, "exploring": (BEGIN, 220.0), "hold": (BEGIN, END), **changes,
     }  # fmt: skip
     return Outcome(**values)
 
@@ -57,6 +63,22 @@ def test_a_leak_of_one_robot_is_seen():
     leak = rows["memory at rest: slope of map_merger, worst robot"]
     assert not leak["holds"] and leak["value"] == pytest.approx(0.5, abs=0.01)
     assert rows["memory at rest: slope of explorer, worst robot"]["holds"]
+
+
+def test_what_settles_after_a_mission_is_no_leak_and_a_leak_is_not_hidden_by_it():
+    taken = outcome(AT_REST)
+    for node in list(taken.samples.by_node):
+        taken.samples.by_node[node] = samples(0.0, settles=5.0)
+    assert all(row["holds"] for row in found(taken).values())
+    for node in list(taken.samples.by_node):
+        taken.samples.by_node[node] = samples(0.3, settles=5.0)
+    assert not found(taken)["memory at rest: slope of map_merger, worst robot"]["holds"]
+
+
+def test_a_rest_that_is_cut_short_says_nothing():
+    rows = found(outcome(AT_REST, hold=(BEGIN, END - 120.0)))
+    short = rows["memory at rest: time to look at it"]
+    assert not short["holds"] and short["value"] == 8.0 and not any("slope" in what for what in rows)
 
 
 def test_what_one_robot_needs():
@@ -140,4 +162,4 @@ def test_nodes_are_told_by_their_logs(tmp_path):
 def test_bad_options(capsys):
     with pytest.raises(SystemExit) as stopped:
         main(["--minutes", "1"])
-    assert stopped.value.code == 2 and "--minutes 1 is out of range: 5 to 1440" in capsys.readouterr().err
+    assert stopped.value.code == 2 and "--minutes 1 is out of range: 30 to 1440" in capsys.readouterr().err

@@ -15,8 +15,8 @@ from mr_page.update import decoded
 PATIENCE = 5.0  # s
 
 
-async def unasked(robot, command):
-    return Answer(True, f"{command} of {robot}")
+async def unasked(robot, order):
+    return Answer(True, f"{order.command} of {robot}")
 
 
 @contextlib.asynccontextmanager
@@ -54,6 +54,11 @@ class Guest:
         if message is None:
             return None
         return json.loads(message) if isinstance(message, str) else decoded(message)
+
+    async def hear_past(self):
+        while (message := await self.hear()).moment is None:
+            pass
+        return message
 
     async def hear_answer(self):
         while not isinstance(message := await self.hear(), dict):

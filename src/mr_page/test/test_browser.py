@@ -4,9 +4,12 @@ import asyncio
 import os
 
 import pytest
+from serving import served
 
 from mr_page.browser import browser, program
+from mr_page.commands import ORDERS, Answer, Order
 from mr_page.played_team import played_team
+from mr_page.state import PageState
 
 if program() is None and not os.environ.get("REQUIRE_BROWSER"):
     pytest.skip("no headless Chromium: run tools/install_dependencies browser", allow_module_level=True)
@@ -39,6 +42,8 @@ def test_the_page_is_clicked_through(team):
             await views(tab)
             await panels(tab)
             await orders(tab)
+            await orders_by_radio(tab)
+            await the_past(tab)
             await looks(tab)
             assert tab.errors == []
 
@@ -75,10 +80,7 @@ async def orders(tab):
     await tab.wait_for(f"{text('#robots tr:nth-child(1) td:nth-child(2)')} === 'paused'")
     await tab.click("#command-radio_off")  # there is no radio daemon here
     await tab.wait_for(f"{text('#answer')}.includes('radio daemon does not answer')")
-    await tab.run(  # synthetic robot_0 passes orders on, but only to pause
-        "(() => { const s = document.querySelector('#commands select'); s.value = 'team_robot_0';"
-        " s.dispatchEvent(new Event('change')); })()"
-    )
+    await address(tab, "team_robot_0")  # synthetic robot_0 passes orders on, to all only to pause
     await tab.click("#command-resume")
     assert await tab.run(text("#answer")) == "robot_0 offers no service mission_control/resume"
     await tab.click("#command-pause")
@@ -87,6 +89,62 @@ async def orders(tab):
     await tab.click("#robots tr:nth-child(1)")
     await tab.click("#command-resume")
     await tab.wait_for(f"{text('#robots tr:nth-child(1) td:nth-child(2)')} === 'exploring'")
+
+
+async def address(tab, key):
+    await tab.run(
+        f"(() => {{ const s = document.querySelector('#commands select'); s.value = '{key}';"
+        " s.dispatchEvent(new Event('change')); })()"
+    )
+
+
+async def orders_by_radio(tab):
+    """To one robot, through another one."""
+    groups = "[...document.querySelectorAll('#commands optgroup')].map((g) => [g.label, g.children.length])"
+    assert await tab.run(groups) == [["by the radio of robot_0", 8]]
+    await address(tab, "pass_on_robot_0 robot_4")
+    await tab.click("#command-start")
+    assert await tab.run(text("#answer")) == "robot_4 has begun already"
+    await tab.click("#command-stop")
+    assert await tab.run(text("#answer")) == "robot_0 offers no service mission_control/order"
+    state = text("#robots tr:nth-child(5) td:nth-child(2)")
+    for command, shown in (("pause", "paused"), ("resume", "exploring")):
+        await tab.click(f"#command-{command}")
+        await tab.wait_for(f"{text('#answer')} === 'robot_0: {command}: sent to robot_4'")
+        await tab.wait_for(f"{state} === '{shown}'")
+    await tab.click("#tab-log")
+    await tab.wait_for(f"{text('#events')}.includes('robot_4: resume: done')")
+
+
+async def the_past(tab):
+    """Robot 3 drives; then it is seen where it was, while the mission goes on, and again where it is."""
+    driven = "parseFloat(document.querySelector('#robots tr:nth-child(4) td:nth-child(3)').textContent)"
+    time = f"{text('#clock')}.split(' / ')"
+    assert (
+        await tab.run(f"new Set({time}).size") == 1
+        and await tab.run("document.getElementById('live').ariaPressed") == "true"
+    )
+    begin, then = await tab.run(f"[document.getElementById('slider').value, {driven}]")
+    await tab.wait_for(f"{driven} > {then} + 3")
+    slider = "const s = document.getElementById('slider');"
+    await tab.run(f"(() => {{ {slider} s.value = {begin}; s.dispatchEvent(new Event('input')); }})()")
+    await tab.click("#play")  # stand still there
+    await tab.wait_for(f"{text('#reason')}.includes('as it was at') && {driven} <= {then}")
+    assert await tab.run(DRAWN) > 0.3
+    was = await tab.run(f"[{driven}, {text('#reason')}, {time}[1]]")
+    await tab.click("#robots tr:nth-child(4)")
+    await tab.wait_for(f"{text('#source')}.startsWith('The map of robot_3') && {DRAWN} > 0.3")
+    await tab.wait_for(f"{time}[1] !== '{was[2]}'")
+    assert await tab.run(f"[{driven}, {text('#reason')}]") == was[:2]
+    await tab.click("#robots tr:nth-child(4)")
+    await tab.click("#command-pause")  # orders are for what is happening
+    await tab.click("#live")
+    await tab.wait_for(f"{driven} > {then} + 3 && !{text('#reason')}.includes('as it was')")
+    await tab.click("#command-resume")
+    await tab.run("document.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft' }))")
+    await tab.wait_for(f"{text('#reason')}.includes('as it was at')")
+    await tab.click("#speeds button:nth-child(3)")  # twenty seconds in one: soon there again
+    await tab.wait_for(f"!{text('#reason')}.includes('as it was')")
 
 
 async def looks(tab):
@@ -117,3 +175,34 @@ def test_a_phone_shows_everything_in_its_width(team, dark):
             assert tab.errors == []
 
     asyncio.run(run())
+
+
+def test_a_base_station_orders_one_robot_by_its_radio():
+    """Of the others it knows what they have told over the radio."""
+    heard = {"state": "exploring", "text": "drives to a frontier", "merging": "", "area": 90, "in_reach": True,
+             "age": 0, "order": "", "answered": True, "answer": "", "number": 0}  # fmt: skip
+    state, asked = PageState(), []
+    state.put("base", "about", {"base": True, "start": None})
+    state.put("base", "time", 5.0)
+    state.put("base", "services", {f"{way}{order}": True for way in ("team_", "pass_on_") for order in ORDERS})
+    away = {**heard, "in_reach": False}
+    state.put("base", "team", {"text": "", "robots": {"anna": heard, "bob": away}})
+
+    async def command(robot, order):
+        asked.append((robot, order))
+        return Answer(False, "pause: no robot is in reach; bob get it when they are back")
+
+    async def run():
+        async with served(state, command) as address, browser() as one:
+            tab = await one.open(f"http://{address}/", 1300, 850)
+            await tab.wait_for("document.querySelectorAll('#robots tr').length === 3")
+            await tab.click("#robots tr:nth-child(3)")
+            await tab.wait_for("document.querySelector('#commands select').value === 'pass_on_base bob'")
+            await tab.click("#command-start")
+            assert await tab.run(text("#answer")) == "bob has begun already"
+            await tab.click("#command-pause")
+            await tab.wait_for(f"{text('#answer')}.includes('get it when they are back')")
+            assert tab.errors == []
+
+    asyncio.run(run())
+    assert asked == [("base", Order("pass_on_pause", "bob"))]

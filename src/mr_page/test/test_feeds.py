@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mr_grid import OccupancyGrid
-from mr_page.commands import Answer
+from mr_page.commands import Answer, Order
 from mr_page.feeds import FeedLink, FeedServer
 from mr_page.radio_switch import RadioSwitch
 from mr_page.state import PageState
@@ -63,23 +63,25 @@ def test_what_feeds_tell_is_there(tmp_path):
 def test_commands_reach_the_robot_and_answers_come_back(tmp_path):
     async def run():
         server = FeedServer(PageState(), str(tmp_path / "feeds"))
-        assert "does not feed this page" in (await server.command("a", "pause")).text
+        assert "does not feed this page" in (await server.command("a", Order("pause"))).text
         link = FeedLink(str(tmp_path / "feeds"), "a")
 
         def robot():
             got = []
             while len(got) < 2:
-                for command in link.commands(PATIENCE):
-                    got.append(command)
-                    link.answer(Answer(command == "pause", f"{command} it is"))
+                for order in link.orders(PATIENCE):
+                    got.append(order)
+                    link.answer(Answer(order.command == "pause", f"{order.command} {order.to}"))
 
         thread = threading.Thread(target=robot)
         thread.start()
         await until(lambda: server._feeds)
-        answers = await asyncio.gather(server.command("a", "pause"), server.command("a", "stop"))
-        assert answers == [(True, "pause it is"), (False, "stop it is")]
+        answers = await asyncio.gather(
+            server.command("a", Order("pause")), server.command("a", Order("pass_on_stop", "b"))
+        )
+        assert answers == [(True, "pause "), (False, "pass_on_stop b")]
         await asyncio.to_thread(thread.join)
-        waiting = asyncio.ensure_future(server.command("a", "pause"))
+        waiting = asyncio.ensure_future(server.command("a", Order("pause")))
         await asyncio.sleep(0)
         link.close()
         assert "gone" in (await waiting).text
@@ -117,7 +119,7 @@ def test_radios_are_switched(tmp_path):
             server = FeedServer(state, str(tmp_path / "feeds"), RadioSwitch(path))
             link = FeedLink(str(tmp_path / "feeds"), "robot_1")
             await until(lambda: state.get("robot_1", "switchable"))
-            answer = await server.command("robot_1", "radio_off")
+            answer = await server.command("robot_1", Order("radio_off"))
             assert answer == (True, "radio of robot_1 off") and state.get("robot_1", "radio_off") is True
             link.close()
             server.close()
@@ -134,7 +136,7 @@ def test_radios_that_cannot_be_switched(tmp_path):
 
     async def run():
         server = FeedServer(PageState(), str(tmp_path / "feeds"))
-        assert "only radios of simulated robots" in (await server.command("a", "radio_off")).text
+        assert "only radios of simulated robots" in (await server.command("a", Order("radio_off"))).text
         server.close()
 
     asyncio.run(run())

@@ -93,3 +93,28 @@ def test_streams_are_told_on_where_they_stopped():
 def test_a_run_that_begins_anew_forgets_the_former():
     updates = [told("a", x=1), {"anew": ["a"], "robots": {"a": {"values": {"y": 2}}}}]
     assert played(updates, "live.robots.map((r) => r.values)") == [{"y": 2}]
+
+
+TILE = "Object.assign(new Uint8Array(1024), [%d])"
+MOMENT = '{ anew: %s, robots: { a: { values: { time: %d } } }, maps: [["a", "local", 0.05, 0, 0, 0]], tiles: [%s] }'
+
+
+def moment(time, *tiles, anew=("a",)):
+    """`tiles`: column and first octet of each."""
+    told = ", ".join(
+        f'{{ robot: "a", kind: "local", row: 0, column: {column}, octets: {TILE % octet} }}' for column, octet in tiles
+    )
+    return MOMENT % (json.dumps(anew), time, told)
+
+
+def test_the_past_is_shown_whole_and_paints_only_what_differs():
+    """Tiles that are another one, gone, the same and new; a robot that was not there."""
+    script = SCRIPT % (
+        "[]",
+        "(() => {"
+        f"live.become({moment(1, (0, 1), (1, 2), (2, 3), anew=('a', 'b'))}); const map = live.robots[0].maps.local;"
+        f"const before = map.version; live.become({moment(2, (0, 9), (2, 3), (3, 4))});"
+        "return [live.robots.map((r) => [r.name, r.values.time]), map === live.robots[0].maps.local,"
+        " [0, 1, 2, 3].map((c) => map._tiles.get(`0 ${c}`).octets[0]), map.version - before]; })()",
+    )
+    assert node(script) == [[["a", 2]], True, [9, 0, 3, 4], 3]

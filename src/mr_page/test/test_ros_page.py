@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from serving import Guest
 
+from mr_page.commands import ORDERS
+
 NODE = Path(__file__).resolve().parents[1] / "nodes" / "page"
 PATIENCE = 20.0  # s
 
@@ -111,8 +113,12 @@ def messages():
 def test_what_is_published_is_shown_and_orders_are_called(page):
     import rospy
     import tf2_ros
+    from explorer.srv import OrderRobots, OrderRobotsResponse
     from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
     from std_srvs.srv import Trigger, TriggerResponse
+
+    def passed_on(request):
+        return OrderRobotsResponse(True, f"{request.order}: sent to {' '.join(request.robots)}")
 
     publishers = [latched(topic, message) for topic, message in messages().items()]
     transform = TransformStamped(child_frame_id="chassis")
@@ -123,6 +129,7 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
     services = [
         rospy.Service("explorer/pause", Trigger, lambda _: TriggerResponse(True, "paused")),
         rospy.Service("mission_control/pause", Trigger, lambda _: TriggerResponse(True, "all paused")),
+        rospy.Service("mission_control/order", OrderRobots, passed_on),
     ]
     seen = asyncio.run(look(page))
     for service in services:
@@ -136,8 +143,14 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
     assert seen["team"]["robots"]["robot_1"]["state"] == "exploring" and seen["team"]["robots"]["robot_1"]["area"] == 9
     assert seen["frontiers"] == [[5.0, 6.0]] and seen["clusters"] == [[], [], [], [[1.0, 1.0]]]
     assert seen["network"]["links"] == [{"robot": "robot_1", "two_way": True, "loss": 0.25, "waiting": 0}]
-    assert [command for command, there in seen["services"].items() if there] == ["pause", "team_pause"]
-    assert seen["answers"] == ["paused", "all paused", "the service explorer/stop does not answer"]
+    offered = ["pause", "team_pause", *(f"pass_on_{order}" for order in ORDERS)]
+    assert [command for command, there in seen["services"].items() if there] == offered
+    assert seen["answers"] == [
+        "paused",
+        "all paused",
+        "the service explorer/stop does not answer",
+        "stop: sent to robot_1",
+    ]
     assert {kind: len(tiles) for kind, tiles in seen["tiles"].items()} == {"local": 2, "global": 2}
     assert len(publishers) == 10
 
@@ -165,7 +178,9 @@ async def look(page):
     end = time.monotonic() + PATIENCE
 
     def complete():
-        whole = seen.keys() >= WANTED and len(seen["clusters"]) == 4 and seen["pose"] and seen["services"]["team_pause"]
+        whole = (
+            seen.keys() >= WANTED and len(seen["clusters"]) == 4 and seen["pose"] and seen["services"]["pass_on_stop"]
+        )
         return whole and all(len(found) == 2 for found in tiles.values())
 
     while not complete():
@@ -178,9 +193,9 @@ async def look(page):
             tiles[kind].add(place)
             assert np.frombuffer(cells, dtype=np.uint8)[0] == 0b01010101
     answers = []
-    for command in ("pause", "team_pause", "stop"):
-        await guest.say(robot="robot_0", command=command)
-        answers.append((await guest.hear_answer())["text"].partition(":")[0])
+    for command, to in (("pause", ""), ("team_pause", ""), ("stop", ""), ("pass_on_stop", "robot_1")):
+        await guest.say(robot="robot_0", command=command, to=to)
+        answers.append((await guest.hear_answer())["text"].partition(": service")[0].partition(": timeout")[0])
     return {**seen, "tiles": tiles, "answers": answers}
 
 

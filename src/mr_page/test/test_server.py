@@ -14,6 +14,7 @@ from mr_page.commands import Answer
 from mr_page.server import MAX_VIEWERS, is_own_name, listening_sockets
 from mr_page.state import PageState
 from mr_page.tiles import TILE
+from mr_page.update import Changes
 
 
 def state_with_a_map(side=2 * TILE):
@@ -58,26 +59,62 @@ def test_orders_go_to_the_robot_and_answers_come_back():
     async def run():
         state, asked = state_with_a_map(), []
 
-        async def command(robot, name):
-            asked.append((robot, name))
+        async def command(robot, order):
+            asked.append((robot, *order))
             return Answer(False, "is paused already")
 
         async with served(state, command) as address:
             guest = await Guest.at(address)
             await guest.say(robot="a", command="pause")
             assert await guest.hear_answer() == {
-                "robot": "a", "command": "pause", "done": False, "text": "is paused already",
+                "robot": "a", "command": "pause", "to": "", "done": False, "text": "is paused already",
             }  # fmt: skip
             await guest.say(robot="a", command="explode")
             assert "there is no command 'explode'" in (await guest.hear_answer())["text"]
             await guest.say(robot="b", command="pause")
             assert "there is no robot 'b'" in (await guest.hear_answer())["text"]
-        assert asked == [("a", "pause")]
+            await guest.say(robot="a", command="pass_on_stop")
+            assert "needs a robot to pass it on to" in (await guest.hear_answer())["text"]
+            await guest.say(robot="a", command="stop", to="c")
+            assert "stop is not passed on" in (await guest.hear_answer())["text"]
+            await guest.say(robot="a", command="pass_on_stop", to="c")
+            assert (await guest.hear_answer())["to"] == "c"
+        assert asked == [("a", "pause", ""), ("a", "pass_on_stop", "c")]
 
     asyncio.run(run())
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"maps": 3}', '{"maps": [[1, 2, 3]]}', '{"robot": "a"}'])
+def test_a_viewer_sees_what_was_and_still_what_becomes_new():
+    async def run():
+        state = state_with_a_map()
+        async with served(state) as address:
+            guest = await Guest.at(address)
+            await guest.say(past=3.0)  # nobody has told the time, so there is no past
+            assert (await guest.hear_past()).moment == (None, 3.0)
+            state.put("a", "time", 100.0)
+            while not (was := await asked_for_past(guest, 50.0)).anew:
+                pass
+            assert was.robots["a"].values["pose"] == [1.0, 2.0, 0.0] and not was.tiles
+            await guest.say(maps=[["a", "local"]])
+            state.put("a", "pose", [3.0, 2.0, 0.0])
+            was = await asked_for_past(guest, 50.0)
+            assert len(was.tiles) == 4 and was.robots["a"].values["pose"] == [1.0, 2.0, 0.0]
+            state.put("a", "x", 1)
+            while "x" not in (await guest.hear()).robots.get("a", Changes()).values:
+                pass
+
+    asyncio.run(run())
+
+
+async def asked_for_past(guest, time):
+    await guest.say(past=time)
+    return await guest.hear_past()
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "[]", "{}", '{"maps": 3}', '{"maps": [[1, 2, 3]]}', '{"robot": "a"}', '{"past": "x"}', '{"past": NaN}'],
+)
 def test_who_sends_nonsense_is_closed_and_nobody_else(text):
     async def run():
         state = state_with_a_map()

@@ -89,3 +89,14 @@ def test_points_are_thinned(state, watch):
     watch.points("frontiers", [(0.1 * i, 0.0) for i in range(5000)])
     watch.points("plan", [])
     assert 0.5 * POINTS < len(state.get("robot_0", "frontiers")) <= POINTS and state.get("robot_0", "plan") == []
+
+
+def test_answers_over_the_radio_are_events(state, watch):
+    def told(number, answered, answer):
+        return {"robots": {"b": {"order": "pause", "answered": answered, "answer": answer, "number": number}}}
+
+    for now, values in enumerate(
+        (told(3, True, "of old"), told(3, False, "of old"), told(4, True, "paused"), told(4, True, "paused"))
+    ):
+        watch.team(values, float(now))
+    assert items(state, "events") == [[2.0, "command", "b: pause: paused", "b"]]

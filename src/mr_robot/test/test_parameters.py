@@ -150,6 +150,17 @@ def test_packages_of_others_have_to_be_installed():
         check_alternative("slam", "karto", {}.get)
 
 
+def test_launch_files_of_ones_own_have_to_be_there(tmp_path, capsys):
+    own = tmp_path / "own.launch"
+    own.touch()
+    check_alternative("slam", str(own), {}.get)
+    with pytest.raises(PlatformError, match=r"navigation:=/x\.launch: there is no such file"):
+        check_alternative("navigation", "/x.launch", {}.get)
+    assert main(["--robot", "turtlebot", "--slam", str(own)]) == 2, "it would listen to another topic"
+    assert f"{own} does not read the topic 'scan' of the preset" in capsys.readouterr().err
+    assert main(["--robot", "turtlebot", "--slam", str(own), "--scan-topic", "scan"]) == 0
+
+
 def test_topics_that_are_renamed_by_the_launch_file_are_accepted(monkeypatch):
     monkeypatch.setattr(files, "find_package", lambda name: "/x")
     assert main(["--robot", "turtlebot", "--slam", "gmapping", "--scan-topic", "scan"]) == 0

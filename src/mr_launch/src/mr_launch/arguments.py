@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import time
 from dataclasses import asdict, dataclass
-from typing import Any, NoReturn, Sequence
+from typing import Any, Callable, Collection, NoReturn, Sequence
 
 from explorer.options import STRATEGIES
 from mr_launch.errors import UserError
 from mr_launch.programs import NAVIGATION, SLAM
 from mr_page.server import PORT as PAGE_PORT
+from mr_robot.platforms.alternatives import OWN
 
 STRATEGY = 7
 LIMITS = {  # option: (lowest, highest, unit)
@@ -59,6 +61,20 @@ class Options:
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise UserError(f"{message} (--help lists the options)")
+
+
+def _alternative_of(known: Collection[str]) -> Callable[[str], str]:
+    def alternative(text: str) -> str:
+        """A known name, or the whole path of a launch file that is there."""
+        if text in known:
+            return text
+        if not text.endswith(OWN):
+            raise argparse.ArgumentTypeError(f"{text!r} is unknown; there are {', '.join(known)}, and FILE{OWN}")
+        if not os.path.isfile(text):
+            raise argparse.ArgumentTypeError(f"there is no file {text!r}")
+        return os.path.abspath(text)
+
+    return alternative
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -111,8 +127,9 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="N",
         help=f"frontier selection: {strategies} (default: {STRATEGY})",
     )
-    add("--slam", choices=tuple(SLAM), default="ours", help="local SLAM (default: %(default)s)")
-    add("--navigation", choices=tuple(NAVIGATION), default="ours", help="navigation (default: %(default)s)")
+    for role, known in (("slam", SLAM), ("navigation", NAVIGATION)):
+        there = f"{', '.join(known)}, or a launch file of your own (default: ours)"
+        add(f"--{role}", type=_alternative_of(known), default="ours", metavar="NAME|FILE.launch", help=there)
     add("--no-bag", dest="bag", action="store_false", help="record no bags")
     add("--initial-poses", action="store_true", help="tell the robots each other's start poses")
     add(

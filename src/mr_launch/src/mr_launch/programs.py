@@ -50,8 +50,10 @@ SYSTEM = ("roslaunch", "ip", "unshare", "nsenter", "setpriv")
 
 
 def find_programs(slam: str, navigation: str) -> dict[str, str]:
-    """Paths of all programs that the runner starts itself. Raises UserError that names every missing one."""
-    wanted = [*PROGRAMS.values(), *NODES, SLAM[slam], NAVIGATION[navigation]]
+    """Paths of all programs that the runner starts itself. `slam`, `navigation`: names, or launch files of one's own.
+    Raises UserError that names every missing one."""
+    wanted = [*PROGRAMS.values(), *NODES]
+    wanted += [known[name] for known, name in ((SLAM, slam), (NAVIGATION, navigation)) if name in known]
     _refuse_missing(wanted)
     return {**{key: find_executable(*program) or "" for key, program in PROGRAMS.items()}, **_system_programs()}
 

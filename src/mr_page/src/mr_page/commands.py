@@ -5,9 +5,13 @@ from __future__ import annotations
 from typing import Awaitable, Callable, NamedTuple
 
 ORDERS = ("start", "pause", "resume", "return_now", "stop", "go_home")
-SERVICES = {  # command: service at the robot's own master (std_srvs/Trigger); which of them there are is looked up
-    **{order: f"explorer/{order}" for order in ORDERS},  # for this robot
-    **{f"team_{order}": f"mission_control/{order}" for order in ORDERS},  # for all that its radio reaches
+TEAM = "team_"  # before the name of an order to all that the robot's radio reaches
+PASS_ON = "pass_on_"  # before the name of one to a single robot that it reaches
+ORDER_SERVICE = "mission_control/order"  # explorer/OrderRobots
+SERVICES = {  # command: service at the robot's own master; which of them there are is looked up
+    **{order: f"explorer/{order}" for order in ORDERS},  # std_srvs/Trigger, for this robot
+    **{f"{TEAM}{order}": f"mission_control/{order}" for order in ORDERS},  # std_srvs/Trigger
+    **{f"{PASS_ON}{order}": ORDER_SERVICE for order in ORDERS},
 }
 RADIO = {"radio_off": "down", "radio_on": "up"}  # command: word for the radio daemon of a simulated team
 COMMANDS = (*SERVICES, *RADIO)
@@ -18,5 +22,22 @@ class Answer(NamedTuple):
     text: str
 
 
-Command = Callable[[str, str], Awaitable[Answer]]
-"""Asks a robot (by name) for something of COMMANDS."""
+class Order(NamedTuple):
+    """`command` of COMMANDS; `to`: the robot to which one that begins with PASS_ON is passed on."""
+
+    command: str
+    to: str = ""
+
+    def fault(self) -> str:
+        """What is wrong with it, one sentence; empty: nothing."""
+        if self.command not in COMMANDS:
+            return f"there is no command {self.command!r}; there are {', '.join(COMMANDS)}"
+        if self.command.startswith(PASS_ON) != bool(self.to):
+            return (
+                f"{self.command} needs a robot to pass it on to" if not self.to else f"{self.command} is not passed on"
+            )
+        return ""
+
+
+Command = Callable[[str, Order], Awaitable[Answer]]
+"""Asks a robot (by name) for something."""

@@ -15,20 +15,25 @@ from pathlib import Path
 from typing import Any
 
 WEB = Path(__file__).parent / "web"
+# For a browser the page is the only source of what it runs, and its server the only one that it talks to.
+POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'"
 IMPORT = re.compile(r'^import \{ ?([\w, ]+?) ?\} from "\./([\w/]+\.js)";$', re.MULTILINE)
 EXPORT = re.compile(r"^export ((?:async )?(?:function|class|const)) (\w+)", re.MULTILINE)
 
 
 def self_contained(name: str, title: str, data: Any = None) -> str:
-    """The page `web/<name>.html` with its module `<name>.js`, the styles and data of plain JSON (None: none)."""
+    """The page of the module `web/<name>.js`: the frame that pages share, `<name>.html` beside the map, the styles and
+    data of plain JSON (None: none)."""
     text = json.dumps(data, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
     parts = {
+        "policy": POLICY,
+        "aside": _read(f"{name}.html"),
         "title": html.escape(title),
         "style": _read("page.css"),
         "data": text.replace("<", "\\u003c"),  # so that no name or text can end the script element
         "script": script(f"{name}.js"),
     }
-    return re.sub(r"@@(title|style|data|script)@@", lambda match: parts[match.group(1)], _read(f"{name}.html"))
+    return re.sub(r"@@(\w+)@@", lambda match: parts[match.group(1)], _read("frame.html"))
 
 
 @lru_cache(maxsize=8)

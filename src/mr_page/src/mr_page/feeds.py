@@ -13,7 +13,7 @@ from tornado.ioloop import IOLoop
 from tornado.iostream import IOStream, StreamClosedError
 from tornado.netutil import add_accept_handler, bind_unix_socket
 
-from mr_page.commands import SERVICES, Answer
+from mr_page.commands import SERVICES, Answer, Order
 from mr_page.radio_switch import RadioSwitch
 from mr_page.state import PageState
 from mr_page.update import decoded
@@ -42,14 +42,14 @@ class FeedServer:
         for feed in list(self._feeds.values()):
             feed.stream.close()
 
-    async def command(self, robot: str, command: str) -> Answer:
+    async def command(self, robot: str, order: Order) -> Answer:
         """Have it done by the robot's feed, or by the radio daemon."""
-        if command not in SERVICES:
-            return self._switch(robot, command)
+        if order.command not in SERVICES:
+            return self._switch(robot, order.command)
         feed = self._feeds.get(robot)
         if feed is None:
             return Answer(False, f"{robot} does not feed this page at the moment")
-        return await feed.ask(command)
+        return await feed.ask(order)
 
     def _switch(self, robot: str, command: str) -> Answer:
         if self._radio is None:
@@ -111,11 +111,11 @@ class _Feed:
         self.stream = stream
         self._waiting: list[asyncio.Future[Answer]] = []
 
-    async def ask(self, command: str) -> Answer:
+    async def ask(self, order: Order) -> Answer:
         answer: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
         self._waiting.append(answer)
         try:
-            await self.stream.write(framed(command.encode()))
+            await self.stream.write(framed(json.dumps(order).encode()))
             return await asyncio.wait_for(answer, PATIENCE)
         except StreamClosedError:
             return Answer(False, "the robot's feed is gone")
@@ -148,7 +148,7 @@ class FeedLink:
     def answer(self, answer: Answer) -> None:
         self.send(json.dumps({"done": answer.done, "text": answer.text}).encode())
 
-    def commands(self, seconds: float) -> list[str]:
+    def orders(self, seconds: float) -> list[Order]:
         """Those that come within `seconds`; returns at the first."""
         self._socket.settimeout(seconds)
         try:
@@ -160,7 +160,7 @@ class FeedLink:
         if not data:
             raise ConnectionError("the page's server is gone")
         self._buffer += data
-        return [message.decode() for message in self._messages()]
+        return [Order(*json.loads(message)) for message in self._messages()]
 
     def close(self) -> None:
         self._socket.close()

@@ -12,10 +12,9 @@ import time
 from pathlib import Path
 from typing import Iterator
 
-from mr_page.commands import Answer
 from mr_page.feeds import FeedLink
 from mr_page.server import listening_sockets
-from mr_page.synthetic_team import STEP, SyntheticRobot, SyntheticTeam
+from mr_page.synthetic_team import STEP, SyntheticTeam
 from mr_page.update import encoded
 from mr_page.viewer import Viewer
 
@@ -63,17 +62,9 @@ class PlayedTeam:
                 update = viewer.update(time.monotonic())
                 if update is not None:
                     link.send(encoded(update))
-                for command in link.commands(0.001):
-                    link.answer(obeyed(robot, command))
+                for order in link.orders(0.001):
+                    link.answer(self._team.obey(robot, order))
             self._stop.wait(TURN)
-
-
-def obeyed(robot: SyntheticRobot, command: str) -> Answer:
-    """Synthetic robots can pause and go on."""
-    if command not in ("pause", "resume"):
-        return Answer(False, f"{command} is not made up")
-    robot.paused = command == "pause"
-    return Answer(True, "paused" if robot.paused else "goes on")
 
 
 def _connected(path: str, robot: str) -> FeedLink:

@@ -12,6 +12,7 @@ import rospy
 import tf2_ros
 from adhoc_communication.msg import MmListOfPoints, NetworkState
 from explorer.msg import ExplorationState, ExplorationStatus, TeamOverview
+from explorer.srv import OrderRobots
 from map_merger.msg import MergerStatus
 from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import GridCells, OccupancyGrid, Path
@@ -22,7 +23,7 @@ from visualization_msgs.msg import MarkerArray
 
 from mr_grid import GridError, Pose
 from mr_grid.ros import grid_value, yaw_of
-from mr_page.commands import SERVICES, Answer
+from mr_page.commands import ORDER_SERVICE, PASS_ON, SERVICES, Answer, Order
 from mr_page.ros_values import (
     LEVELS,
     decision_values,
@@ -98,19 +99,19 @@ class RobotFeed:
             if offered is not None:
                 self._watch.services(offered)
 
-    def command(self, name: str) -> Answer:
+    def command(self, order: Order) -> Answer:
         """Calls the service of a command; blocks."""
-        if name not in SERVICES:
+        if order.command not in SERVICES:
             return Answer(False, "only radios of simulated robots can be switched from the page of their team")
-        service = SERVICES[name]
+        service = SERVICES[order.command]
         try:
             rospy.wait_for_service(service, timeout=0.5)
-            response = rospy.ServiceProxy(service, Trigger)()
+            response = _called(service, order)
             answer = Answer(response.success, response.message)
         except (rospy.ServiceException, rospy.ROSException) as error:
             answer = Answer(False, f"the service {service} does not answer: {error}")
         with self.lock:
-            self._watch.answered(name, answer.done, answer.text, rospy.get_time())
+            self._watch.answered(order.command, answer.done, answer.text, rospy.get_time())
         return answer
 
     def _pose(self) -> Pose | None:
@@ -174,9 +175,16 @@ class RobotFeed:
         self._watch.network(network_values(message), rospy.get_time())
 
     def _on_team(self, message: TeamOverview) -> None:
-        self._watch.team(team_values(message))
+        self._watch.team(team_values(message), rospy.get_time())
 
     def _on_log(self, message: Log) -> None:
         if message.level in LEVELS:
             text = re.sub(r"\x1b\[[0-9;]*m", "", message.msg)
             self._watch.log(LEVELS[message.level], message.name, text, rospy.get_time())
+
+
+def _called(service: str, order: Order) -> Any:
+    """The response of the service of an order. Raises rospy.ServiceException."""
+    if service == ORDER_SERVICE:
+        return rospy.ServiceProxy(service, OrderRobots)(order.command[len(PASS_ON) :], [order.to])
+    return rospy.ServiceProxy(service, Trigger)()

@@ -13,7 +13,7 @@ import rospy
 import yaml  # type: ignore[import-untyped]
 
 from mr_grid import Pose
-from mr_page.commands import Answer
+from mr_page.commands import Answer, Order
 from mr_page.feeds import FeedLink
 from mr_page.ros_feed import RobotFeed
 from mr_page.server import ADDRESS, PORT, PageServer, listening_sockets, quiet_logs
@@ -86,8 +86,8 @@ def feed_team(feed: RobotFeed, robot: str, path: str) -> None:
 def _feed(feed: RobotFeed, link: FeedLink) -> None:
     viewer = Viewer(feed.state)
     while not rospy.is_shutdown():
-        for command in link.commands(PERIOD):
-            link.answer(feed.command(command))
+        for order in link.orders(PERIOD):
+            link.answer(feed.command(order))
         feed.tick()
         with feed.lock:
             update = viewer.update(time.monotonic())
@@ -103,8 +103,8 @@ def serve(feed: RobotFeed, given: Parameters) -> None:
 
 
 async def _serve(feed: RobotFeed, robot: str, sockets: list[socket.socket]) -> None:
-    async def command(_robot: str, name: str) -> Answer:
-        return await asyncio.to_thread(feed.command, name)
+    async def command(_robot: str, order: Order) -> Answer:
+        return await asyncio.to_thread(feed.command, order)
 
     shown = PageState()
     server = PageServer(shown, robot, command)

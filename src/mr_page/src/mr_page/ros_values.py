@@ -60,6 +60,7 @@ def team_values(message: Any) -> dict[str, Any]:
             "order": member.order,
             "answered": member.answered,
             "answer": told.order_answer,
+            "number": told.order_number,
         }
     return {"text": message.text, "robots": robots}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ipaddress
 import json
 import logging
@@ -14,18 +15,17 @@ from tornado.netutil import bind_sockets
 from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
-from mr_page.commands import COMMANDS, Answer, Command
-from mr_page.document import self_contained
+from mr_page.commands import Answer, Command, Order
+from mr_page.document import POLICY, self_contained
+from mr_page.past import Past
 from mr_page.state import PageState
-from mr_page.update import encoded
+from mr_page.update import Update, encoded
 from mr_page.viewer import PERIOD, Viewer
 
 PORT = 8088
 ADDRESS = "localhost"
 MAX_VIEWERS = 16
 MAX_REQUEST = 4096  # octets of a message from a browser
-# For a browser the page is the only source of what it runs and talks to.
-POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'"
 
 
 class PageServer:
@@ -43,6 +43,7 @@ class PageServer:
         self._state = state
         self._command = command
         self._viewers: set[_Live] = set()
+        self._past = Past(state)
         self._ticks = PeriodicCallback(self._tell, 1000.0 * PERIOD / 3.0)
         self._ticks.start()
 
@@ -68,15 +69,19 @@ class PageServer:
     def leave(self, viewer: _Live) -> None:
         self._viewers.discard(viewer)
 
-    async def order(self, robot: str, command: str) -> Answer:
+    async def order(self, robot: str, order: Order) -> Answer:
         """What a viewer asks of a robot."""
-        if command not in COMMANDS:
-            return Answer(False, f"there is no command {command!r}; there are {', '.join(COMMANDS)}")
-        if robot not in self._state.robots:
-            return Answer(False, f"there is no robot {robot!r} here")
-        return await self._command(robot, command)
+        fault = order.fault()
+        if not fault and robot not in self._state.robots:
+            fault = f"there is no robot {robot!r} here"
+        return Answer(False, fault) if fault else await self._command(robot, order)
+
+    def past(self, time: float, viewer: Viewer) -> Update | None:
+        """What a viewer would have seen at `time` of the team's clock, s."""
+        return self._past.at(time, viewer.wants)
 
     def _tell(self) -> None:
+        self._past.note(IOLoop.current().time())
         for viewer in list(self._viewers):
             viewer.tell()
 
@@ -128,13 +133,16 @@ class _Live(_Handler, WebSocketHandler):
         self._server.leave(self)
 
     async def on_message(self, message: str | bytes) -> None:
-        """{"maps": [[robot, kind]]}: the maps that are looked at; {"command": ..., "robot": ...}: an order."""
+        """{"maps": [[robot, kind]]}: the maps that are looked at; {"past": s}: show what was at that time of the team's
+        clock; {"command": ..., "robot": ..., "to": robot that it is to be passed on to}: an order."""
         try:
             request = json.loads(message)
             if "maps" in request:
                 self._look_at({(str(robot), str(kind)) for robot, kind in request["maps"]})
+            elif "past" in request:
+                await self._show_past(float(request["past"]))
             else:
-                await self._order(str(request["robot"]), str(request["command"]))
+                await self._order(str(request["robot"]), Order(str(request["command"]), str(request.get("to", ""))))
         except (ValueError, KeyError, TypeError, AttributeError):
             self.close(1007, "this is no request of a page")
 
@@ -142,12 +150,18 @@ class _Live(_Handler, WebSocketHandler):
         if self._viewer is not None:
             self._viewer.wants = lambda robot, kind: (robot, kind) in maps
 
-    async def _order(self, robot: str, command: str) -> None:
-        answer = await self._server.order(robot, command)
-        try:
-            await self.write_message({"robot": robot, "command": command, "done": answer.done, "text": answer.text})
-        except WebSocketClosedError:
+    async def _show_past(self, time: float) -> None:
+        if self._viewer is None:
             return
+        update = self._server.past(time, self._viewer)
+        with contextlib.suppress(WebSocketClosedError):
+            await self.write_message(encoded(update or Update(moment=(None, time))), binary=True)
+
+    async def _order(self, robot: str, order: Order) -> None:
+        answer = await self._server.order(robot, order)
+        told = {"robot": robot, "command": order.command, "to": order.to, "done": answer.done, "text": answer.text}
+        with contextlib.suppress(WebSocketClosedError):
+            await self.write_message(told)
 
     def tell(self) -> None:
         """Send what is new, unless the last update is still on its way."""

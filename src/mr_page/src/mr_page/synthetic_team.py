@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
+from mr_page.commands import PASS_ON, Answer, Order
 from mr_page.state import PageState
 from mr_page.watch import RobotWatch
 
@@ -21,7 +22,8 @@ REACH = 40.0  # m of the radio
 SPEED = 0.5  # m/s
 STEP = 0.1  # s
 MAP_PERIOD = 2.0  # s
-COMMANDS = ("start", "pause", "resume", "stop", "go_home", "team_pause")
+COMMANDS = ("start", "pause", "resume", "stop", "go_home")
+CONTROL = ("team_pause", "pass_on_start", "pass_on_pause", "pass_on_resume")  # offered by the first robot
 
 
 def floor() -> np.ndarray:
@@ -62,7 +64,11 @@ class SyntheticRobot:
         self.map_due = 0.3 * number
         self._rng = rng
         self.watch.about(start=[round(value, 4) for value in self.place], base=False)
-        self.watch.services({command: command != ("team_pause" if number else "go_home") for command in COMMANDS})
+        self.watch.services({
+            **{command: number > 0 or command != "go_home" for command in COMMANDS},
+            **{command: number == 0 for command in CONTROL},
+        })  # fmt: skip
+        self.orders: list[str] = []  # that were passed on to it
 
     @staticmethod
     def centre(room: tuple[int, int]) -> tuple[float, float]:
@@ -146,6 +152,17 @@ class SyntheticTeam:
                 robot.map_due = self.now + MAP_PERIOD
                 self._tell_maps(robot)
 
+    def obey(self, robot: SyntheticRobot, order: Order) -> Answer:
+        """Synthetic robots can pause and go on; the first one passes that on."""
+        command = order.command.removeprefix(PASS_ON)
+        if command not in ("pause", "resume"):
+            return Answer(False, f"{command} is not made up")
+        for other in self.robots if order.to else [robot]:
+            if order.to in ("", other.name):
+                other.paused = command == "pause"
+                other.orders += [command] if order.to else []
+        return Answer(True, f"{command}: sent to {order.to}" if order.to else "paused" if robot.paused else "goes on")
+
     def _move(self, seconds: float) -> None:
         self.now += seconds
         for robot in self.robots:
@@ -169,6 +186,7 @@ class SyntheticTeam:
             self._tell_exploration(robot)
             robot.watch.merger(self._merger(robot), self.now)
             robot.watch.network(self._network(robot), self.now)
+        self.robots[0].watch.team(self._overview(), self.now)
 
     def _tell_exploration(self, robot: SyntheticRobot) -> None:
         begun = self.now > 100.0
@@ -198,6 +216,17 @@ class SyntheticTeam:
         robot.watch.cluster(0, frontiers[:8])
         robot.watch.cluster(1, frontiers[20:26])
         robot.watch.points("plan", [robot.local(*robot.position), place])
+
+    def _overview(self) -> dict[str, Any]:
+        members = {
+            robot.name: {
+                "state": "exploring", "text": "drives to a frontier", "merging": "", "area": 100, "in_reach": True,
+                "age": 0, "order": (robot.orders or [""])[-1], "answered": True, "answer": "done",
+                "number": len(robot.orders),
+            }
+            for robot in self.robots[1:]
+        }  # fmt: skip
+        return {"text": "", "robots": members}
 
     @staticmethod
     def _beside(robot: SyntheticRobot, angle: float) -> tuple[float, float]:

@@ -5,7 +5,8 @@ A message is the length of a JSON text (4 octets, big endian), the text, then th
     {"anew": [names of robots of which nothing holds that was told before],
      "robots": {name: {"values": {name: value}, "streams": {name: [number of the first, [items]]}}},
      "maps": [[robot, kind, resolution m, x m, y m, yaw rad]],
-     "tiles": [[robot, kind, row, column]], "rest": tiles that are still to come}
+     "tiles": [[robot, kind, row, column]], "rest": tiles that are still to come,
+     "moment": [s or null, s], if this is all that was known at times from the one to the other}
 """
 
 from __future__ import annotations
@@ -32,13 +33,16 @@ class Changes:
 @dataclass
 class Update:
     """`anew`: robots that are to be forgotten first; `lattices`: maps that begin (robot, kind, lattice); `tiles`: their
-    cells (robot, kind, place, cells); `rest`: tiles that are left for the next updates."""
+    cells (robot, kind, place, cells); `rest`: tiles that are left for the next updates; `moment`: times of the
+    past between which this was all that was known (s of the team's clock; the first None: from the beginning), None for
+    what has changed."""
 
     anew: list[str] = field(default_factory=list)
     robots: dict[str, Changes] = field(default_factory=dict)
     lattices: list[tuple[str, str, Lattice]] = field(default_factory=list)
     tiles: list[tuple[str, str, Place, bytes]] = field(default_factory=list)
     rest: int = 0
+    moment: tuple[float | None, float] | None = None
 
     def __bool__(self) -> bool:
         return bool(self.anew or self.robots or self.lattices or self.tiles)
@@ -51,6 +55,7 @@ def encoded(update: Update) -> bytes:
         "maps": [[robot, kind, lattice.resolution, *lattice.corner] for robot, kind, lattice in update.lattices],
         "tiles": [[robot, kind, *place] for robot, kind, place, _ in update.tiles],
         "rest": update.rest,
+        **({} if update.moment is None else {"moment": update.moment}),
     }
     text = json.dumps(document, separators=(",", ":"), allow_nan=False).encode()
     return b"".join([LENGTH.pack(len(text)), text, *(cells for _, _, _, cells in update.tiles)])
@@ -88,6 +93,7 @@ def decoded(message: bytes) -> Update:
                 for index, (robot, kind, row, column) in enumerate(document["tiles"])
             ],
             int(document["rest"]),
+            tuple(document["moment"]) if "moment" in document else None,
         )
     except (struct.error, KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"no update of a page: {error}") from error

@@ -37,6 +37,7 @@ class RobotWatch:
         self._logged: tuple[int, int] = (0, 0)  # second, and lines in it
         self._lines: dict[tuple[str, str], float] = {}  # node and text: when it was told
         self._stage: str | None = None
+        self._answers: dict[str, int] = {}  # robot: number of the order that it has answered last
 
     def about(self, **values: Any) -> None:
         """What does not change: `start` (its map frame in the world, if known), `base` (a base station), ..."""
@@ -119,9 +120,13 @@ class RobotWatch:
         thinned = points[:: -(-len(points) // POINTS) or 1]
         self._state.put(self._robot, name, [[round(x, 2), round(y, 2)] for x, y in thinned])
 
-    def team(self, values: Values) -> None:
+    def team(self, values: Values, now: float) -> None:
         """Of explorer/TeamOverview: what the others have told over the radio."""
         self._state.put(self._robot, "team", dict(values))
+        for name, member in values["robots"].items():
+            if member["answered"] and member["number"] != self._answers.get(name, member["number"]):
+                self._event(now, "command", f"{name}: {member['order']}: {member['answer']}", name)
+            self._answers[name] = member["number"]
 
     def peers(self, places: Mapping[str, tuple[float, float]]) -> None:
         """Where other robots are."""

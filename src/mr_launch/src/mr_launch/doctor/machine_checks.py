@@ -43,7 +43,8 @@ def check_interface(facts: Facts) -> Iterator[Finding]:
 def check_hub(facts: Facts) -> Iterator[Finding]:
     if facts.hub is not None and facts.hub.fault:
         what = f"no radio answers at hub socket {facts.hub.path} ({facts.hub.fault})"
-        yield Finding("interface", what, f"rosrun adhoc_communication radio --hub {facts.hub.path}")
+        remedy = f"rosrun adhoc_communication radio --hub {facts.hub.path}; with link:= see the log of the node link"
+        yield Finding("interface", what, remedy)
 
 
 def check_rights(facts: Facts) -> Iterator[Finding]:

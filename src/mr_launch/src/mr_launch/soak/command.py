@@ -15,18 +15,20 @@ from mr_launch.errors import UserError
 from mr_launch.exit_codes import FAILED, OK
 from mr_launch.soak.faults import disturbed, full_disk
 from mr_launch.soak.missions import ROBOTS, Outcome, SoakMission
-from mr_launch.soak.rows import rows_of
+from mr_launch.soak.rows import LEAST_HOLD_S, rows_of
 from mr_launch.world import find_world
 
 HOLD_SHARE = 0.25  # of the whole time
+SHORTEST, LONGEST = 30.0, 1440.0  # min: one mission of each kind, and the rest
 
 
 def make_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="soak",
         description="Three robots, mission after mission, with partitions, killed nodes, masters that restart, a full "
-        "disk and clocks that jump. In the first one nothing is killed, and the robots stand for a quarter of the time "
-        "to look at their memory. Needs root, for disks and namespaces of its own.",
+        "disk and clocks that jump. In the first one nothing is killed, and the robots stand for a quarter of the "
+        f"time, {LEAST_HOLD_S / 60.0:g} min at least, to look at their memory. Needs root, for disks and namespaces of "
+        "its own.",
         epilog="Exit code: 0 all was survived and nothing left, 1 not, 2 bad options.",
     )
     add = parser.add_argument
@@ -35,7 +37,7 @@ def make_parser() -> argparse.ArgumentParser:
         type=float,
         default=120.0,
         metavar="M",
-        help="5 to 1440; the last mission ends later (default: %(default)s)",
+        help=f"{SHORTEST:g} to {LONGEST:g}; the last mission ends later (default: %(default)s)",
     )
     add("--world", default="office26x15", metavar="NAME", help="as of the team runner (default: %(default)s)")
     add("--seed", type=int, default=1, metavar="N", help="of the first mission (default: %(default)s)")
@@ -47,8 +49,8 @@ def make_parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str]) -> int:
     parser = make_parser()
     options = parser.parse_args(arguments)
-    if not 5.0 <= options.minutes <= 1440.0:
-        parser.error(f"--minutes {options.minutes:g} is out of range: 5 to 1440")
+    if not SHORTEST <= options.minutes <= LONGEST:
+        parser.error(f"--minutes {options.minutes:g} is out of range: {SHORTEST:g} to {LONGEST:g}")
     if os.geteuid() != 0:
         parser.error("a soak needs root, for disks and namespaces of its own")
     try:
@@ -71,7 +73,7 @@ def main(arguments: Sequence[str]) -> int:
 def soak(folder: Path, world: str, seed: int, seconds: float) -> list[Outcome]:
     """One mission at rest, then disturbed ones and such on a full disk in turns, at least one of each."""
     end = time.monotonic() + seconds
-    outcomes = [_run(SoakMission("rest", folder / "0_rest", world, seed), hold=HOLD_SHARE * seconds)]
+    outcomes = [_run(SoakMission("rest", folder / "0_rest", world, seed), hold=max(HOLD_SHARE * seconds, LEAST_HOLD_S))]
     turn = 0
     while turn < 2 or time.monotonic() < end:
         number = seed + turn + 1

@@ -13,7 +13,10 @@ Row = dict[str, Any]
 OWN_NODES = ("adhoc_communication", "map_merger", "explorer", "move_base")  # a robot's, without simulator and SLAM
 CPU_BAR, PSS_BAR_MB = 0.20, 350.0
 SLOPE_BAR = 0.2  # MB per minute of any node, less twice the standard error
-SETTLE_SHARE = 0.25  # of the hold, before memory is looked at
+# After a mission caches fill, allocators reach their high-water mark and the last registrations end: some MB in the
+# first minutes, without a leak. A late step of 1 MB is a slope of 0.15 MB per minute in ten minutes, of 1.5 in one.
+SETTLE_S, WATCHED_S = 300.0, 600.0  # of the hold: before memory is looked at, and for which it is at least
+LEAST_HOLD_S = SETTLE_S + WATCHED_S
 
 
 def row(what: str, bar: str, value: Any, unit: str, holds: bool, detail: str) -> Row:
@@ -78,7 +81,11 @@ def _memory(outcomes: Sequence[Outcome]) -> list[Row]:
         start, end = outcome.hold
         if end <= start:
             continue
-        settled = start + SETTLE_SHARE * (end - start)
+        settled = start + SETTLE_S
+        if end - settled < WATCHED_S:
+            what, detail = "memory at rest: time to look at it", "the mission ended before"
+            rows.append(row(what, f">= {WATCHED_S / 60.0:g}", round((end - settled) / 60.0, 1), "min", False, detail))
+            continue
         worst: dict[str, tuple[float, float]] = {}
         for node, samples in outcome.samples.between(settled, end).items():
             worst[node.name] = max(worst.get(node.name, (-math.inf, 0.0)), slope(samples), key=_at_least)

@@ -28,36 +28,53 @@ const RADIO = {
 };
 const COMMANDS = { ...ORDERS, ...RADIO };
 const TEAM = "team_"; // before the name of an order to all that a robot's radio reaches
+const PASS_ON = "pass_on_"; // before the name of one to a single robot that it reaches
 
-/** Why a robot cannot be asked for it, in words; empty if it can. */
-export function whyNot(robot, command) {
+/** Why a robot cannot be asked for an order, in words; empty if it can. `way`: TEAM, PASS_ON (to the robot `to`) or nothing. */
+export function whyNot(robot, order, way = "", to = "") {
   const { values, name } = robot;
   if (values.lost) return `there is no news of ${name}`;
-  if (command in RADIO) {
-    const why = values.switchable ? RADIO[command].not(values) : "has no simulated radio";
+  if (order in RADIO) {
+    const why = values.switchable ? RADIO[order].not(values) : "has no simulated radio";
     return why && `${name} ${why}`;
   }
-  const team = command.startsWith(TEAM), order = team ? command.slice(TEAM.length) : command;
-  if (!values.services?.[command]) return `${name} offers no service ${team ? "mission_control" : "explorer"}/${order}`;
-  const why = team ? "" : ORDERS[order].not(values);
-  return why && `${name} ${why}`;
+  if (!values.services?.[way + order]) return `${name} offers no service ${SERVICES[way](order)}`;
+  if (way === TEAM) return "";
+  const why = way === PASS_ON ? whyNotHeard(values.team?.robots[to], order) : ORDERS[order].not(values);
+  return why && `${to || name} ${why}`;
+}
+
+const SERVICES = {
+  "": (order) => `explorer/${order}`, [TEAM]: (order) => `mission_control/${order}`, [PASS_ON]: () => "mission_control/order",
+};
+
+/** The same of one that has told how it is over the radio, which does not say whether it is paused. */
+function whyNotHeard(heard, order) {
+  return heard?.state && order !== "resume" ? ORDERS[order].not({ state: { state: heard.state } }) : "";
 }
 
 /** Whether a robot can pass orders on to the others. */
 const controls = ({ values }) => Object.keys(ORDERS).some((order) => values.services?.[TEAM + order]);
 
-/** Whom buttons can be for: [{key, text, robots, team: orders are for all that the robot's radio reaches}]. */
+/** Whom buttons can be for: [{key, text, group, robots, way, to}], see whyNot. */
 function addressees(robots) {
   const bodies = robots.filter((robot) => robot.hasBody), found = bodies.length > 1 ? [{ key: "", text: "all robots", robots: bodies }] : [];
   found.push(...bodies.map((robot) => ({ key: robot.name, text: robot.name, robots: [robot] })));
-  const passing = robots.filter(controls);
-  return [...found, ...passing.map((robot) => ({
-    key: `${TEAM}${robot.name}`, text: `all that ${robot.name} reaches`, robots: [robot], team: true,
-  }))];
+  return [...found.map((one) => ({ ...one, group: "", way: "", to: "" })), ...robots.filter(controls).flatMap(passing)];
+}
+
+/** Those to whom a robot passes orders on. */
+function passing(robot) {
+  const shared = { group: `by the radio of ${robot.name}`, robots: [robot] };
+  const others = Object.keys(robot.values.team?.robots ?? {});
+  return [
+    { ...shared, key: `${TEAM}${robot.name}`, text: `all that ${robot.name} reaches`, way: TEAM, to: "" },
+    ...others.map((to) => ({ ...shared, key: `${PASS_ON}${robot.name} ${to}`, text: to, way: PASS_ON, to })),
+  ];
 }
 
 export class CommandBar {
-  /** `order(robot, command)` sends one. */
+  /** `order(robot, command, to)` sends one. */
   constructor(order) {
     this._order = order;
     this._addressees = [];
@@ -81,10 +98,11 @@ export class CommandBar {
     this._show();
   }
 
-  /** For the robot with this name; empty: for all. */
+  /** For the robot with this name, if need be by the radio of another one; empty: for all. */
   choose(name) {
-    if (!this._addressees.some(({ key }) => key === name)) return;
-    this._select.value = name;
+    const found = this._addressees.find(({ key }) => key === name) ?? this._addressees.find(({ to }) => to && to === name);
+    if (!found) return;
+    this._select.value = found.key;
     this._show();
   }
 
@@ -102,17 +120,17 @@ export class CommandBar {
   }
 
   _press(name) {
-    const reasons = this._reasons(name), { robots, team } = this._chosen(), able = robots.filter((_, i) => !reasons[i]);
+    const reasons = this._reasons(name), { robots, way, to } = this._chosen(), able = robots.filter((_, i) => !reasons[i]);
     if (!able.length) return this._say(this._buttons[name].title, false);
-    this._say(`${COMMANDS[name].text}: ${able.map((robot) => robot.name).join(", ")} …`, true);
-    for (const robot of able) this._order(robot.name, team && name in ORDERS ? TEAM + name : name);
+    this._say(`${COMMANDS[name].text}: ${to || able.map((robot) => robot.name).join(", ")} …`, true);
+    for (const robot of able) this._order(robot.name, name in ORDERS ? way + name : name, to);
   }
 
   /** Why each of those addressed cannot do it; empty where it can. */
   _reasons(name) {
-    const { robots, team } = this._chosen();
-    if (name in RADIO && (team || robots.length !== 1)) return ["choose a robot first"];
-    return robots.map((robot) => whyNot(robot, team ? TEAM + name : name));
+    const { robots, way, to } = this._chosen();
+    if (name in RADIO && (way || robots.length !== 1)) return ["choose a robot first"];
+    return robots.map((robot) => whyNot(robot, name, way, to));
   }
 
   _say(text, good) {
@@ -121,14 +139,21 @@ export class CommandBar {
   }
 
   _chosen() {
-    return this._addressees.find(({ key }) => key === this._select.value) ?? { robots: [], team: false };
+    return this._addressees.find(({ key }) => key === this._select.value) ?? { robots: [], way: "", to: "" };
   }
 
   _fillSelect() {
     const key = JSON.stringify(this._addressees.map((one) => one.key)), before = this._select.value;
     if (key === this._key) return;
     this._key = key;
-    this._select.replaceChildren(...this._addressees.map((one) => new Option(one.text, one.key)));
+    const labels = [...new Set(this._addressees.map(({ group }) => group))];
+    this._select.replaceChildren(...labels.flatMap((label) => {
+      const options = this._addressees.filter(({ group }) => group === label).map((one) => new Option(one.text, one.key));
+      if (!label) return options;
+      const group = Object.assign(make("optgroup"), { label });
+      group.append(...options);
+      return [group];
+    }));
     this._select.hidden = this._addressees.length < 2;
     if (this._addressees.some((one) => one.key === before)) this._select.value = before;
   }

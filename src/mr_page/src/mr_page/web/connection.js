@@ -3,7 +3,7 @@
 const TILE_OCTETS = 1024;
 const RETRY = 1500; // ms
 
-/** {anew, robots, maps, tiles: [{robot, kind, row, column, octets}], rest} of a message. */
+/** {anew, robots, maps, tiles: [{robot, kind, row, column, octets}], rest, moment (of what was)} of a message. */
 export function decoded(buffer) {
   const length = new DataView(buffer).getUint32(0);
   const document = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
@@ -14,9 +14,10 @@ export function decoded(buffer) {
 }
 
 export class Connection {
-  /** `took(update)`; `answered({robot, command, done, text})`; `changed(connected)`. */
-  constructor({ took, answered, changed }) {
+  /** `took(update)`; `tookPast(update)`; `answered({robot, command, to, done, text})`; `changed(connected)`. */
+  constructor({ took, tookPast, answered, changed }) {
     this._took = took;
+    this._tookPast = tookPast;
     this._answered = answered;
     this._changed = changed;
     this._socket = null;
@@ -24,16 +25,32 @@ export class Connection {
     this._open();
   }
 
-  /** The maps that are looked at, [[robot, kind]]. */
+  /** The maps that are looked at, [[robot, kind]]. Whether they are others than before. */
   lookAt(maps) {
     const text = JSON.stringify(maps);
-    if (text === this._maps) return;
+    if (text === this._maps) return false;
     this._maps = text;
     this._send(`{"maps":${text}}`);
+    return true;
   }
 
-  order(robot, command) {
-    this._send(JSON.stringify({ robot, command }));
+  /** `to`: the robot to which it is to be passed on, empty: to none. */
+  order(robot, command, to) {
+    this._send(JSON.stringify(to ? { robot, command, to } : { robot, command }));
+  }
+
+  /** What was at a time of the team's clock comes to `tookPast(update)`. */
+  askForPast(time) {
+    this._send(JSON.stringify({ past: time }));
+  }
+
+  _heard(data) {
+    if (typeof data === "string") {
+      this._answered(JSON.parse(data));
+      return;
+    }
+    const update = decoded(data);
+    if (update.moment === undefined) this._took(update); else this._tookPast(update);
   }
 
   _send(text) {
@@ -47,7 +64,7 @@ export class Connection {
       this._changed(true);
       this._send(`{"maps":${this._maps}}`);
     };
-    socket.onmessage = ({ data }) => (typeof data === "string" ? this._answered(JSON.parse(data)) : this._took(decoded(data)));
+    socket.onmessage = ({ data }) => this._heard(data);
     socket.onclose = () => {
       this._changed(false);
       setTimeout(() => this._open(), RETRY);

@@ -22,7 +22,7 @@ class LiveRobot {
     this.shift = 0; // s that its clock is ahead of the team's
     this._streams = {};
     this._ends = {}; // number of the next item of each
-    this.maps = { local: new TiledMap(), global: new TiledMap() };
+    this.maps = emptyMaps();
     this.path = { x: [], y: [], run: 0 };
   }
 
@@ -95,6 +95,7 @@ class LiveRobot {
 }
 
 const pose = ([x, y, yaw]) => ({ x, y, yaw });
+const emptyMaps = () => ({ local: new TiledMap(), global: new TiledMap() });
 
 export class Live {
   constructor(theme) {
@@ -105,6 +106,20 @@ export class Live {
   /** Forget everything: what comes next is told whole. */
   reset() {
     this.robots = [];
+  }
+
+  /** Know what an update tells and nothing else. Pictures of maps are kept and painted where they differ. */
+  become(update) {
+    const kept = new Map(this.robots.map((robot) => [robot.name, robot.maps]));
+    this.robots = [];
+    for (const name of update.anew) this._find(name).maps = kept.get(name) ?? emptyMaps();
+    for (const { name, maps } of this.robots) {
+      for (const [kind, map] of Object.entries(maps)) {
+        const lattice = update.maps.find(([robot, one]) => robot === name && one === kind)?.slice(2);
+        map.become(lattice, update.tiles.filter((tile) => tile.robot === name && tile.kind === kind));
+      }
+    }
+    this.apply({ ...update, anew: [], maps: [], tiles: [] });
   }
 
   apply(update) {

@@ -39,6 +39,12 @@ export class MapView {
     byId("fit").addEventListener("click", () => this.camera.showAll());
   }
 
+  /** {key: what it does}. */
+  get keys() {
+    const { camera } = this;
+    return { "+": () => camera.zoom(1.4), "-": () => camera.zoom(1 / 1.4), "0": () => camera.showAll() };
+  }
+
   /** Whether a layer is to be chosen from. */
   offer(name, there) {
     this._boxes[name].hidden = !there;

@@ -246,9 +246,11 @@ export class LogPanel {
     setText(this._count ??= this.element.appendChild(make("p", "", "hint")), count ? `${count} errors` : "");
   }
 
+  /** What is told next is told whole. */
   reset() {
     this.events = [];
     this._list?.clear();
+    this._seen = new WeakMap();
   }
 
   /** To the newest. */

@@ -6,6 +6,8 @@ import { byId, bytes, clock, setName, setText } from "./dom.js";
 import { Live, TEAM } from "./live.js";
 import { MapView } from "./map_view.js";
 import { AreaPanel, ChoicePanel, LogPanel, PlacePanel, RadioPanel, Tabs } from "./panels.js";
+import { Past } from "./past.js";
+import { Playback } from "./playback.js";
 import { RobotTable } from "./robot_table.js";
 import { Theme } from "./theme.js";
 import { TimeLine } from "./time_line.js";
@@ -28,15 +30,17 @@ const PANELS_PERIOD = 250; // ms; nobody reads faster
 let view = null; // number of the robot whose map is shown, TEAM, or null until there is one
 let chosen = null; // name of that robot, empty for the team; null until somebody has chosen
 let connected = false;
-let panelsAt = 0; // when tables and panels were filled, ms
-const theme = new Theme(() => {
-  panelsAt = 0;
+let panelsAt = -Infinity; // when tables and panels were filled, ms
+const refresh = () => {
+  panelsAt = -Infinity;
   redraw();
-});
+};
+const theme = new Theme(refresh);
 const live = new Live(theme);
+const playback = new Playback({ live: true, changed: refresh });
 const map = new MapView(theme, LAYERS, () => redraw());
-const marks = new TimeLine(theme, null);
-const table = new RobotTable(theme, COLUMNS, (index) => choose(view === index && live.hasTeamView ? "" : live.robots[index].name));
+const marks = new TimeLine(theme, (time) => playback.seek(time));
+const table = new RobotTable(theme, COLUMNS, (index) => choose(view === index && shown.hasTeamView ? "" : shown.robots[index].name));
 const log = new LogPanel();
 const tabs = new Tabs([new AreaPanel(theme), new ChoicePanel(theme), new PlacePanel(theme), new RadioPanel(theme), log]);
 const connection = new Connection({
@@ -46,37 +50,53 @@ const connection = new Connection({
     if (update.tiles.length && !update.rest) window.page.mapsAt ??= performance.now();
     redraw();
   },
+  tookPast: (update) => {
+    past.take(update);
+    refresh();
+  },
   answered: (answer) => commands.answered(answer),
   changed: (now) => {
     connected = now;
     if (now) {
       live.reset();
       log.reset();
+      past.reset();
     }
     redraw();
   },
 });
-const commands = new CommandBar((robot, command) => connection.order(robot, command));
+const past = new Past(theme, (time) => connection.askForPast(time));
+const commands = new CommandBar((robot, command, to) => connection.order(robot, command, to));
+let shown = live; // what is to be seen: it, or the past
 
 /** The robots that can be looked at as the options of the list of views, and the view that is chosen. */
 function findView() {
-  const names = live.robots.filter((robot) => robot.told).map((robot) => robot.name);
-  const options = [...(live.hasTeamView ? [["the team", ""]] : []), ...names.map((name) => [name, name])];
+  const names = shown.robots.filter((robot) => robot.told).map((robot) => robot.name);
+  const options = [...(shown.hasTeamView ? [["the team", ""]] : []), ...names.map((name) => [name, name])];
   const select = byId("view"), key = JSON.stringify(options);
   if (select.dataset.key !== key) {
     select.dataset.key = key;
     select.replaceChildren(...options.map(([text, value]) => new Option(text, value)));
   }
   const wanted = options.find(([, value]) => value === chosen) ?? options[0];
-  view = !wanted ? null : wanted[1] === "" ? TEAM : live.number(wanted[1]);
+  view = !wanted ? null : wanted[1] === "" ? TEAM : shown.number(wanted[1]);
   if (wanted) select.value = wanted[1];
+}
+
+/** What is to be seen at the place on the time line: what is told now, or what was told then. */
+function findShown() {
+  playback.extend(live.begin, live.now);
+  const moving = playback.step(performance.now()), before = shown;
+  if (!playback.following) past.lookAt(playback.time);
+  shown = playback.following || !past.known ? live : past.team;
+  if (shown !== before) log.reset();
+  return moving;
 }
 
 function choose(name) {
   chosen = name;
-  panelsAt = 0;
   commands.choose(name);
-  redraw();
+  refresh();
 }
 
 let waiting = false;
@@ -86,52 +106,63 @@ function redraw() {
   requestAnimationFrame((now) => { waiting = false; frame(now); });
 }
 
+/** So that tables and panels have what was told last when nothing more is told. */
+let later = null;
+function redrawLater() {
+  later ??= setTimeout(() => { later = null; redraw(); }, PANELS_PERIOD);
+}
+
 function frame(now) {
+  if (findShown()) redraw();
   findView();
   fillHead();
   if (view === null) return;
-  connection.lookAt(live.mapsOf(view));
+  if (connection.lookAt(shown.mapsOf(view))) past.askAgain();
   describeMaps();
-  map.draw(live.scene(view, map.show));
-  if (now - panelsAt < PANELS_PERIOD) return;
+  map.draw(shown.scene(view, map.show));
+  if (now - panelsAt < PANELS_PERIOD) {
+    redrawLater();
+    return;
+  }
   panelsAt = now;
   fillTable();
-  tabs.fill(live, view);
-  const span = { begin: live.begin, end: Math.max(live.now, live.begin + 10), now: live.now };
+  tabs.fill(shown, view);
+  const span = { begin: live.begin, end: Math.max(live.now, live.begin + 10), now: playback.time };
   marks.draw(span, log.events, live.robots.map((robot) => robot.stream("choices").map(([time]) => time)));
   commands.fill(live.robots);
 }
 
 function fillHead() {
-  const told = live.robots.filter((robot) => robot.told && robot.hasBody), stages = told.map((robot) => robot.stage);
+  const told = shown.robots.filter((robot) => robot.told && robot.hasBody), stages = told.map((robot) => robot.stage);
   const finished = told.filter(({ values }) => values.state?.finished).length;
-  const base = live.robots.find((robot) => robot.told && !robot.hasBody);
+  const base = shown.robots.find((robot) => robot.told && !robot.hasBody);
   const none = base ? "base station" : "waiting for robots";
   const badge = !connected ? "no connection" : !told.length ? none : finished === told.length ? "finished" : "";
   const stage = badge || ["exploring", "returning", "waiting", "paused", "starting"].find((one) => stages.includes(one)) || "–";
   setText(byId("status"), stage);
   setName(byId("status"), `badge ${connected ? { finished: "finished", exploring: "exploring" }[stage] ?? "" : "failed"}`);
-  setText(byId("clock"), clock(live.now - live.begin));
-  const one = told.length === 1 ? told[0] : live.robots[view] ?? base;
+  const one = told.length === 1 ? told[0] : shown.robots[view] ?? base;
   const texts = one?.told ? [one.values.state?.text, one.values.decision?.ended_by, one.values.team?.text] : [];
   const rest = Math.max(...told.map(({ values }) => values.decision?.rest ?? -1));
-  const reason = [rest > 0 ? `about ${clock(rest)} left` : "", ...texts].filter(Boolean).join(" · ");
+  const when = shown === live ? "" : `as it was at ${clock(shown.now - live.begin)}`;
+  const reason = [when, rest > 0 ? `about ${clock(rest)} left` : "", ...texts].filter(Boolean).join(" · ");
   setText(byId("reason"), reason);
   byId("reason").title = reason;
+  document.body.classList.toggle("past", shown !== live);
   setText(byId("summary"), told.length > 1 ? `${finished} of ${told.length} finished` : "");
 }
 
 function describeMaps() {
   map.offer("merged", view !== TEAM);
-  const shown = live.robots[view], lost = view === TEAM ? [] : live.robots.filter(({ name }) => !shown.placeOf(name));
+  const robot = shown.robots[view], lost = view === TEAM ? [] : shown.robots.filter(({ name }) => !robot.placeOf(name));
   const missing = lost.length ? `; not placed: ${lost.map(({ name }) => name).join(", ")}` : "";
-  const text = view === TEAM ? "The robots' own maps, each where it began" : `The map of ${shown.name}, and what each robot saw of it`;
+  const text = view === TEAM ? "The robots' own maps, each where it began" : `The map of ${robot.name}, and what each robot saw of it`;
   setText(byId("source"), text + missing);
 }
 
 function fillTable() {
-  const links = live.links();
-  table.fill(live.robots.map((robot, index) => {
+  const links = shown.links();
+  table.fill(shown.robots.map((robot, index) => {
     const { values } = robot, area = values.decision?.area ?? robot.heard?.area, others = values.merger?.robots.filter((other) => other.robot !== robot.name);
     const linked = links.filter(({ a, b }) => a === index || b === index).length;
     return {
@@ -159,16 +190,8 @@ function heardOf({ name, heard }) {
   return age === null ? `${name} has told nothing yet` : `${told || name}${age >= 10 ? `, ${age} s ago` : ""}`;
 }
 
-const KEYS = { "+": () => map.camera.zoom(1.4), "-": () => map.camera.zoom(1 / 1.4), "0": () => map.camera.showAll() };
-
-document.addEventListener("keydown", (event) => {
-  const busy = event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === "SELECT";
-  if (!busy && KEYS[event.key]) KEYS[event.key]();
-});
+playback.keys(map.keys);
 byId("view").addEventListener("change", (event) => choose(event.target.value));
 byId("theme").addEventListener("click", () => theme.apply(!theme.dark));
-new ResizeObserver(() => {
-  panelsAt = 0;
-  redraw();
-}).observe(document.body);
+new ResizeObserver(refresh).observe(document.body);
 redraw();

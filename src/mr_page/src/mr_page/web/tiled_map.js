@@ -3,6 +3,7 @@
 const TILE = 64; // cells a side
 const MOST_PIXELS = 2048; // a side of the picture; larger maps are painted coarser
 const OCCUPIED = 2;
+const BLANK = new Uint8Array((TILE * TILE) / 4);
 
 export class TiledMap {
   constructor() {
@@ -29,6 +30,20 @@ export class TiledMap {
     this._tiles.set(key, { row, column, octets, box: boxOf(octets) });
     this._dirty.add(key);
     this.version++;
+  }
+
+  /** Be the map of these tiles [{row, column, octets}] on a lattice [m a cell, x, y, yaw], undefined: of nothing. */
+  become(lattice, tiles) {
+    const same = lattice && this._lattice && Object.values(this._lattice).every((value, i) => value === lattice[i]);
+    if (!same && lattice) this.restart(...lattice);
+    const wanted = new Set(tiles.map(({ row, column }) => `${row} ${column}`));
+    for (const [key, { row, column }] of this._tiles) if (!wanted.has(key)) this._setIfOther(row, column, BLANK);
+    for (const { row, column, octets } of tiles) this._setIfOther(row, column, octets);
+  }
+
+  _setIfOther(row, column, octets) {
+    const before = this._tiles.get(`${row} ${column}`)?.octets ?? BLANK;
+    if (octets.some((value, i) => value !== before[i])) this.set(row, column, octets);
   }
 
   /** [left, bottom, right, top] of what is known in m from the lattice's corner, null while nothing is. */

@@ -1,5 +1,6 @@
 """Which SLAM and which navigation a robot may run, and which package each comes from."""
 
+import os
 from typing import Callable, Dict, Optional
 
 from mr_robot.platforms.platform import PlatformError
@@ -9,16 +10,23 @@ SLAM = {"gmapping": "gmapping", "slam_toolbox": "slam_toolbox", "hector": "hecto
 NAVIGATION = {"move_base": "move_base", "move_base_flex": "mbf_costmap_nav"}
 ALTERNATIVES: Dict[str, Dict[str, str]] = {"slam": SLAM, "navigation": NAVIGATION}
 """{argument: {value beside ours and none: package}}."""
+OWN = ".launch"
+"""How the path of a launch file of one's own ends, which takes the place of a value."""
 
 
 def check_alternative(argument: str, value: str, find: Callable[[str], Optional[str]]) -> None:
-    """Raises PlatformError for a value that is unknown, or whose package is not installed. `find` gives the folder of a
-    package, None if there is none."""
+    """Raises PlatformError for a value that is unknown, or whose package or file is not there. `find` gives the folder
+    of a package, None if there is none."""
     packages = ALTERNATIVES[argument]
     if value in (OURS, NONE):
         return
+    if value.endswith(OWN):
+        if not os.path.isfile(value):
+            raise PlatformError(f"{argument}:={value}: there is no such file")
+        return
     if value not in packages:
-        raise PlatformError(f"{argument}:={value} is unknown; there are {OURS}, {', '.join(packages)}, {NONE}")
+        there = f"{OURS}, {', '.join(packages)}, {NONE}, and launch files of your own (FILE{OWN})"
+        raise PlatformError(f"{argument}:={value} is unknown; there are {there}")
     package = packages[value]
     if find(package) is None:
         raise PlatformError(

@@ -9,7 +9,7 @@ from typing import Dict, NoReturn, Optional, Sequence
 
 import yaml  # type: ignore[import-untyped]
 
-from mr_robot.platforms.alternatives import ALTERNATIVES, NAVIGATION, NONE, OURS, check_alternative, find_package
+from mr_robot.platforms.alternatives import ALTERNATIVES, NAVIGATION, NONE, OURS, OWN, check_alternative, find_package
 from mr_robot.platforms.parameters import (
     Parameters,
     explorer_parameters,
@@ -56,7 +56,8 @@ def argument_parser() -> argparse.ArgumentParser:
     for option in _OVERRIDES:
         add(f"--{option.replace('_', '-')}", default="", help="instead of the preset's")
     for argument, packages in ALTERNATIVES.items():
-        add(f"--{argument}", default=OURS, help=f"{OURS}, {', '.join(packages)} or {NONE} (default: %(default)s)")
+        there = f"{OURS}, {', '.join(packages)}, {NONE} or FILE{OWN}"
+        add(f"--{argument}", default=OURS, help=f"{there} (default: %(default)s)")
     add("--urdf", action="store_true", help="print the robot as URDF instead of the parameters")
     add("--out", default="", metavar="FOLDER", help="write NODE.yaml for each node there, too (default: no files)")
     return parser
@@ -107,10 +108,13 @@ def _below(prefix: str, frames: Frames) -> Frames:
 def _check_remappings(platform: Platform, given: argparse.Namespace) -> None:
     """Nodes of other packages have no parameters for their topics: the launch file has to rename these."""
     topics = platform.topics
-    renamed = [("slam", "gmapping", "scan_topic", topics.scan, Topics.scan)]
-    renamed += [("navigation", node, "velocity_topic", topics.velocity, Topics.velocity) for node in NAVIGATION]
-    for role, node, option, topic, usual in renamed:
-        if getattr(given, role) == node and topic not in (usual, getattr(given, option)):
+    renamed = [
+        ("slam", ("gmapping",), "scan_topic", topics.scan, Topics.scan),
+        ("navigation", tuple(NAVIGATION), "velocity_topic", topics.velocity, Topics.velocity),
+    ]
+    for role, nodes, option, topic, usual in renamed:
+        node = getattr(given, role)
+        if (node in nodes or node.endswith(OWN)) and topic not in (usual, getattr(given, option)):
             raise PlatformError(
                 f"{node} does not read the topic {topic!r} of the preset: add the argument {option}:={topic}"
             )
