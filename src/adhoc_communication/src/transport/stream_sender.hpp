@@ -25,6 +25,8 @@ class StreamSender {
   /// Until a packet that the receiver had no room for is offered again, and until it is given up.
   static constexpr Time kRoomRetry = std::chrono::milliseconds(100);
   static constexpr Time kRoomPatience = std::chrono::seconds(60);
+  /// New routes that nothing gets through put off every timer. After so long, more questions than allowed are enough.
+  static constexpr Time kNoProgress = std::chrono::seconds(30);
 
   struct GivenUp {
     SendId id;
@@ -99,6 +101,8 @@ class StreamSender {
   std::deque<Outgoing>::iterator find_id(SendId id);
   std::vector<GivenUp> give_up_refused(Time now);
   wire::Data segment(Outgoing& packet, std::uint32_t index, Time now);
+  void progressed(Time now);
+  bool hopeless(int most_resends, Time now) const;
   void take(Outgoing& packet, const wire::PartialPacket& partial, Time now);
   void take_one(Outgoing& packet, std::uint32_t index, Time now);
   void learn_from(const Segment& segment, Time now);
@@ -127,6 +131,8 @@ class StreamSender {
   bool progress_ = false;
   bool probing_ = false;
   int resends_ = 0;
+  int questions_ = 0;      ///< since something was acknowledged: resends, and segments repeated over a new route
+  Time progressed_at_{0};  ///< when something was acknowledged, or the first packet came
   Time waiting_since_{0};
   RoundTrip round_trip_{std::chrono::milliseconds(300), std::chrono::milliseconds(150), std::chrono::seconds(1)};
 };

@@ -106,6 +106,27 @@ TEST(StreamSender, WhatIsFollowedBySilenceWasTheRepetition) {
   EXPECT_GE(stream.repeats(300, silent_until), 125);
 }
 
+/// Each put off the timer of the stream, so the send had no end.
+TEST(StreamSender, RoutesThatNothingGetsThroughEndTheSend) {
+  Stream stream;
+  std::vector<StreamSender::GivenUp> given_up;
+  for (Time now = 0ms; now < 60s && given_up.empty(); now += 100ms) {
+    stream.sender.route_changed(now);
+    given_up = stream.sender.expire(10, now);
+    if (stream.sender.has_segment()) stream.send(now);
+  }
+  ASSERT_EQ(given_up.size(), 1u);
+  EXPECT_EQ(given_up.front().elapsed, StreamSender::kNoProgress);
+}
+
+TEST(StreamSender, WhoHasAskedLittleIsNotDisappointed) {
+  Stream stream;
+  stream.send(0s);
+  stream.sender.route_missing(40s);
+  stream.sender.route_changed(41s);
+  EXPECT_TRUE(stream.sender.expire(10, 41s).empty());
+}
+
 TEST(HopReceiver, AcknowledgesWhenFramesStopOrAreMany) {
   HopReceiver receiver(1);
   std::uint32_t sequence = 0;
