@@ -13,8 +13,8 @@ namespace adhoc_communication::routing {
 /// a run heard within kHeardRecently is not displaced by what others tell. Of runs only told of, the newer one counts,
 /// until the other one goes on to raise its life sign; such a run is then not displaced without need a second time.
 ///
-/// What an ended run has sent can be played back to robots that did not hear it then. But a life sign grows once a second
-/// for as long as the run lives, so what is played back is behind by as much as it was delayed.
+/// What an ended run has sent can be played back to robots that did not hear it then. But a life sign grows once a
+/// second for as long as the run lives, so what is played back is behind by as much as it was delayed.
 ///
 /// At most kMostRobots; the one without news for longest makes room.
 class LivingRuns {
@@ -29,7 +29,8 @@ class LivingRuns {
   static constexpr Time kBeaconDelay = std::chrono::seconds(2);
   static constexpr Time kRumorDelay = std::chrono::seconds(10);
 
-  /// A beacon of the robot itself carries this life sign; to be told before the frame is heard(). Of use to former runs.
+  /// A beacon of the robot itself carries this life sign; to be told before the frame is heard(). Of use to former
+  /// runs.
   void beacon(const MacAddress& robot, wire::BootTag boot, std::uint32_t sign, Time now);
   /// A frame of the robot itself. False if it belongs to a former run and may be a late or recorded one.
   bool heard(const MacAddress& robot, wire::BootTag boot, std::uint64_t counter, Time now);
@@ -60,7 +61,7 @@ class LivingRuns {
     Time heard = -kHeardRecently;  ///< itself
     Time signed_at{0};
     Time defended = -kHeardRecently;  ///< its sign was raised, or it displaced a run that had one
-    bool reinstated = false;  ///< it was displaced wrongly before
+    bool reinstated = false;          ///< it was displaced wrongly before
     Time news{0};
     std::vector<FormerRun> former;  ///< newest last
   };

@@ -17,8 +17,8 @@ namespace adhoc_communication {
 class DeliveryInvariants {
  public:
   static constexpr Time kPatience = std::chrono::seconds(60);  ///< within which every send has to end
-  /// The engine promises an end after so much silence (`num_e2e_retrans` questions, a second each at most), not after so
-  /// much time. Where hops repeat nothing, each segment may take that long, and those behind it wait.
+  /// The engine promises an end after so much silence (`num_e2e_retrans` questions, a second each at most), not after
+  /// so much time. Where hops repeat nothing, each segment may take that long, and those behind it wait.
   static constexpr Time kSilence = std::chrono::seconds(11);
   static constexpr std::size_t kSmallestSegment = 256;
 
