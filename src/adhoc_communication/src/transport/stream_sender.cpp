@@ -160,6 +160,7 @@ void StreamSender::begin_anew(Outgoing& packet, Time now) {
 
 void StreamSender::progressed(Time now) {
   resends_ = 0;
+  sooner_ = Time(0);
   questions_ = 0;
   waiting_since_ = now;
   progressed_at_ = now;
@@ -264,6 +265,7 @@ void StreamSender::receiver_restarted() {
   newest_acknowledged_ = Time(-1);
   newest_doubtful_ = Time(-1);
   resends_ = 0;
+  sooner_ = Time(0);
 }
 
 void StreamSender::route_changed(Time now) {
@@ -284,7 +286,7 @@ void StreamSender::probe() {
   }
 }
 
-std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time now) {
+std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time now, Random& random) {
   if (paused_until_ && *paused_until_ <= now) paused_until_.reset();
   std::vector<GivenUp> given_up = give_up_refused(now);
   const bool over = hopeless(most_resends, now);
@@ -295,6 +297,7 @@ std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time n
   if (!over && resends_ < most_resends) {
     ++resends_;
     ++questions_;
+    sooner_ = random.delay(backoff() / 3);
     waiting_since_ = now;
     last_expiry_ = now;
     probe();
@@ -335,10 +338,11 @@ std::vector<SendId> StreamSender::abandon() {
   unstarted_ = 0;
   paused_until_.reset();
   resends_ = 0;
+  sooner_ = Time(0);
   return ids;
 }
 
-Time StreamSender::timeout() const { return std::min(round_trip_.timeout() * (2 + resends_) / 2, kLongestBackoff); }
+Time StreamSender::backoff() const { return std::min(round_trip_.timeout() * (2 + resends_) / 2, kLongestBackoff); }
 
 Time StreamSender::next_deadline() const {
   const Time silence = on_the_way_ == 0 ? Time::max() : waiting_since_ + timeout();

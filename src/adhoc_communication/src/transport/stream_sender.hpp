@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "random.hpp"
 #include "routing/sequence_number.hpp"
 #include "transport/packet_image.hpp"
 #include "transport/round_trip.hpp"
@@ -57,8 +58,9 @@ class StreamSender {
   void route_missing(Time now) { waiting_since_ = now; }
 
   /// Sends the probe that is due. Returns the packets given up: after `most_resends` of them without progress, or for
-  /// want of room.
-  std::vector<GivenUp> expire(int most_resends, Time now);
+  /// want of room. Two who do not hear each other and asked at once would collide for ever, so each asks a little
+  /// sooner than its timer says.
+  std::vector<GivenUp> expire(int most_resends, Time now, Random& random);
   /// Gives up everything, for a reason the caller knows.
   std::vector<SendId> abandon();
   Time next_deadline() const;
@@ -111,7 +113,8 @@ class StreamSender {
   void mark_lost(Outgoing& packet, std::uint32_t index);
   void receiver_restarted();
   void probe();
-  Time timeout() const;
+  Time backoff() const;
+  Time timeout() const { return backoff() - sooner_; }
   const Outgoing* unstarted() const;
 
   std::uint8_t stream_;
@@ -131,6 +134,7 @@ class StreamSender {
   bool progress_ = false;
   bool probing_ = false;
   int resends_ = 0;
+  Time sooner_{0};         ///< the next resend than its backoff
   int questions_ = 0;      ///< since something was acknowledged: resends, and segments repeated over a new route
   Time progressed_at_{0};  ///< when something was acknowledged, or the first packet came
   Time waiting_since_{0};

@@ -36,6 +36,9 @@ INSTANTIATE_TEST_SUITE_P(EndedRunPlayedBackOutOfContact, Scenarios, testing::Val
 /// Sends that end after more than a minute, since hops repeat nothing and up to a third of the frames is lost.
 INSTANTIATE_TEST_SUITE_P(ManySegmentsWithoutRepetition, Scenarios, testing::Values(615, 2236, 3199));
 
+/// Once ended with a failed send: two robots that do not hear each other repeated in step, and collided each time.
+INSTANTIATE_TEST_SUITE_P(HiddenFromEachOther, Scenarios, testing::Values(2101));
+
 TEST(Scenarios, AreTheSameForTheSameSeed) {
   EXPECT_EQ(run(make_scenario(3)).trace_hash, run(make_scenario(3)).trace_hash);
   EXPECT_NE(run(make_scenario(3)).trace_hash, run(make_scenario(4)).trace_hash);
