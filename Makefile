@@ -21,14 +21,21 @@ dependencies:
 # Each prints its table and writes rows of JSON below out/bench.
 bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim bench-page
 
+RADIO_ROWS = $(patsubst %,out/bench/adhoc%.json,_adversaries _scenarios _engine _memory _medium _hosts) out/bench/adhoc.json
+
+# Publishes docs/results/radio.md: half an hour on two idle cores.
 bench-adhoc: build
-	@tools/build --target adhoc_communication_benchmarks
+	@tools/build --target adhoc_communication_benchmarks adhoc_communication_engine_test engine_scenarios
 	@mkdir -p out/bench && $(ENVIRONMENT) missed=0; \
+	rosrun adhoc_communication bench_adversaries --out out/bench/adhoc_adversaries.json || missed=1; \
+	build/devel/lib/adhoc_communication/engine_scenarios --seed 10001 --count 1000 --keep-going --json out/bench/adhoc_scenarios.json || missed=1; \
 	rosrun adhoc_communication bench_namespaces --out out/bench/adhoc.json || missed=1; \
 	rosrun adhoc_communication bench_hosts --out out/bench/adhoc_hosts.json || missed=1; \
 	rosrun adhoc_communication bench_memory --json out/bench/adhoc_memory.json || missed=1; \
 	rosrun adhoc_communication bench_medium --json out/bench/adhoc_medium.json || missed=1; \
 	rosrun adhoc_communication bench_engine --minutes 0.5 --json out/bench/adhoc_engine.json || missed=1; \
+	rosrun mr_experiments publish bench $(RADIO_ROWS) docs/results/data/radio.csv; \
+	rosrun mr_experiments publish pages docs/results/radio.md; \
 	exit $$missed
 
 # A thousand transfers for each number of hops and each loss, a hundred robots for ten virtual minutes: about an hour.

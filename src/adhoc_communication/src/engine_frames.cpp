@@ -65,7 +65,7 @@ void Engine::Implementation::receive(const Frame& frame, Time now) {
   if (lost_artificially(header.type)) return;
   ++statistics_.frames_received_by_type[static_cast<std::size_t>(header.type)];
   if (!guard_.proven(header) && !proves_itself(*opened, now)) return;
-  if (!runs_.heard(header.sender, boot, header.counter, now)) return;
+  if (!lives(*opened, now)) return;
   if (!hear(header, now)) return;
 
   if (header.next_hop != wire::kEverybody && (header.flags & wire::kWantsAcknowledgment) != 0) {
@@ -93,6 +93,16 @@ bool Engine::Implementation::proves_itself(const security::OpenedFrame& opened, 
   ++statistics_.frames_dropped.unproven;
   if (beacon && neighbors_.candidate(header.sender, wire::boot_tag(header.boot_id), now)) rhythm_.greet(now);
   return false;
+}
+
+/// The frame is one of the run that lives.
+bool Engine::Implementation::lives(const security::OpenedFrame& opened, Time now) {
+  const wire::FrameHeader& header = opened.header;
+  const wire::BootTag boot = wire::boot_tag(header.boot_id);
+  if (header.type == FrameType::kBeacon && !runs_.lives(header.sender, boot)) {
+    if (const auto beacon = wire::read_beacon(opened.body)) runs_.beacon(header.sender, boot, beacon->alive, now);
+  }
+  return runs_.heard(header.sender, boot, header.counter, now);
 }
 
 void Engine::Implementation::set_keys(std::vector<TeamKey> keys) {

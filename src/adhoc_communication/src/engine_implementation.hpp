@@ -128,6 +128,7 @@ class Engine::Implementation : private Outbox {
   bool lost_artificially(wire::FrameType type);
   void malformed() { ++statistics_.frames_dropped.malformed; }
   bool proves_itself(const security::OpenedFrame& opened, Time now);
+  bool lives(const security::OpenedFrame& opened, Time now);
   Link& link(const MacAddress& neighbor);
 
   // engine_beacons.cpp: presence.

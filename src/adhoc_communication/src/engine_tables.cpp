@@ -10,6 +10,10 @@ std::vector<TableFill> Engine::Implementation::tables() const {
   for (const auto& [destination, route] : router_.table().routes()) {
     precursors = std::max(precursors, route.precursors.size());
   }
+  std::size_t members_of_tree = 0;
+  for (const auto& [root, branch] : distributor_.branches()) {
+    members_of_tree = std::max(members_of_tree, branch.tree.largest_table());
+  }
   return {
       {"neighbours", neighbors_.all().size(), routing::Neighbors::kMostNeighbors},
       {"links", links_.size(), routing::Neighbors::kMostNeighbors},
@@ -30,6 +34,9 @@ std::vector<TableFill> Engine::Implementation::tables() const {
       {"events", events_.size(), 2 * EventQueue::kMostEvents},
       {"octets of events", events_.octets(), std::max(EventQueue::kMostOctets, options_.max_packet_size)},
       {"members", own_group_.size(), multicast::OwnGroup::kMostMembers},
+      {"members lost", own_group_.absent(), multicast::OwnGroup::kMostAbsent},
+      {"trees", distributor_.branches().size(), multicast::Branches::kMostTrees},
+      {"members of a tree", members_of_tree, wire::kMostMembersOfActivation},
       {"groups", memberships_.size(), multicast::Memberships::kMostGroups},
       {"runs with keys", guard_.sessions(), security::FrameGuard::kMostSessions},
   };

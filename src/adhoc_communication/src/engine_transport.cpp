@@ -184,7 +184,7 @@ void Engine::Implementation::serve_stream(const StreamKey& key, Stream& stream, 
     stream.next_hop = route->next_hop;
     stream.sender.route_changed(now);
   }
-  for (const auto& [id, elapsed, no_room] : stream.sender.expire(options_.num_e2e_retrans, now)) {
+  for (const auto& [id, elapsed, no_room] : stream.sender.expire(options_.num_e2e_retrans, now, random_)) {
     finish(id, false,
            key.first + (no_room ? " had no room for it for " : " did not acknowledge within ") + seconds_text(elapsed),
            now);

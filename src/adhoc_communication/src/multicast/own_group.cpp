@@ -14,27 +14,36 @@ OwnGroup::Admission OwnGroup::admit(const std::string& robot) {
   const bool known = holds(robot);
   if (!known && members_.size() >= most_) return Admission::kFull;
   members_.emplace(robot, 0);
-  absent_.erase(robot);
+  forget_absent(robot);
   return known ? Admission::kKnown : Admission::kNew;
 }
 
 bool OwnGroup::leave(const std::string& robot) {
-  absent_.erase(robot);
+  forget_absent(robot);
   return members_.erase(robot) != 0;
 }
 
 bool OwnGroup::lose(const std::string& robot, wire::BootTag boot) {
   if (members_.erase(robot) == 0) return false;
-  if (absent_.size() < kMostMembers) absent_[robot] = boot;
+  absent_.emplace_back(robot, boot);
+  if (absent_.size() > kMostAbsent) absent_.pop_front();
   return true;
 }
 
 bool OwnGroup::comes_back(const std::string& robot, wire::BootTag boot) {
-  const auto absent = absent_.find(robot);
+  const auto absent = find_absent(robot);
   if (absent == absent_.end()) return false;
   const bool same_run = absent->second == boot;
   absent_.erase(absent);
   return same_run;
+}
+
+OwnGroup::Absent::iterator OwnGroup::find_absent(const std::string& robot) {
+  return std::find_if(absent_.begin(), absent_.end(), [&](const auto& absent) { return absent.first == robot; });
+}
+
+void OwnGroup::forget_absent(const std::string& robot) {
+  if (const auto absent = find_absent(robot); absent != absent_.end()) absent_.erase(absent);
 }
 
 void OwnGroup::copy_started(const std::string& robot) {

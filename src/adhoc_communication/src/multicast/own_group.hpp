@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "multicast/groups.hpp"
@@ -15,6 +16,7 @@ namespace adhoc_communication::multicast {
 class OwnGroup {
  public:
   static constexpr std::size_t kMostMembers = wire::kMostMembersOfActivation;
+  static constexpr std::size_t kMostAbsent = kMostMembers;
   static constexpr Time kHeld = std::chrono::seconds(5);
   static constexpr std::size_t kMostHeldOctets = 4'000'000;
   static constexpr std::size_t kMostHeld = 256;
@@ -24,6 +26,7 @@ class OwnGroup {
 
   std::size_t most() const { return most_; }
   std::size_t size() const { return members_.size(); }
+  std::size_t absent() const { return absent_.size(); }
   bool holds(const std::string& robot) const { return members_.count(robot) != 0; }
   /// Without this robot.
   std::vector<std::string> names() const;
@@ -32,7 +35,8 @@ class OwnGroup {
   Admission admit(const std::string& robot);
   /// The robot has left: it is none and does not become one again by coming back. False if it was none.
   bool leave(const std::string& robot);
-  /// A member that falls silent stays one as long as it runs: it need not have noticed. False if it was none.
+  /// A member that falls silent stays one as long as it runs: it need not have noticed. Of more than kMostAbsent the
+  /// one lost longest ago is forgotten, and has to join again. False if it was none.
   bool lose(const std::string& robot, wire::BootTag boot);
   /// True for the run of a member that had been lost.
   bool comes_back(const std::string& robot, wire::BootTag boot);
@@ -50,9 +54,14 @@ class OwnGroup {
   std::vector<HeldPacket> held_for_newcomers(Time now) const;
 
  private:
+  using Absent = std::deque<std::pair<std::string, wire::BootTag>>;
+
+  Absent::iterator find_absent(const std::string& robot);
+  void forget_absent(const std::string& robot);
+
   std::size_t most_;
-  std::map<std::string, std::size_t> members_;   ///< the number of copies on their way to each
-  std::map<std::string, wire::BootTag> absent_;  ///< members that fell silent, and their run
+  std::map<std::string, std::size_t> members_;  ///< the number of copies on their way to each
+  Absent absent_;                               ///< members that fell silent, and their run; the latest last
   std::deque<HeldPacket> held_;
 };
 

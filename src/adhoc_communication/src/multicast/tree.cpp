@@ -1,6 +1,7 @@
 #include "multicast/tree.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace adhoc_communication::multicast {
 
@@ -85,6 +86,24 @@ std::set<MacAddress> Tree::changed_children(const std::map<MacAddress, std::set<
     if (!anew && children.count(child) == 0) changed.insert(child);
   }
   return changed;
+}
+
+void Tree::forget_former_children() {
+  for (auto entry = activated_again.begin(); entry != activated_again.end();) {
+    entry = children.count(entry->first) != 0 ? std::next(entry) : activated_again.erase(entry);
+  }
+}
+
+void Tree::forget_refusals_of_others(const std::set<MacAddress>& members) {
+  for (auto entry = refused.begin(); entry != refused.end();) {
+    entry = members.count(entry->first) != 0 ? std::next(entry) : refused.erase(entry);
+  }
+}
+
+std::size_t Tree::largest_table() const {
+  std::size_t held = unrouted.size();
+  for (const auto& [child, members] : children) held += members.size();
+  return std::max({held, refused.size(), activated_again.size()});
 }
 
 void Tree::leave() {

@@ -24,8 +24,9 @@ struct Tree {
   bool member = false;                                  ///< this robot itself belongs to the group
   std::map<MacAddress, std::set<MacAddress>> children;  ///< members by the neighbour through which they are reached
   std::set<MacAddress> unrouted;                        ///< members without route so far
-  std::map<MacAddress, std::set<MacAddress>> refused;   ///< by member: the children that have refused it in this epoch
-  std::map<MacAddress, Time> activated_again;           ///< children that did not know their place, and when last
+  /// By member: the children that have refused it in this epoch.
+  std::map<MacAddress, std::set<MacAddress>> refused;
+  std::map<MacAddress, Time> activated_again;  ///< children that did not know their place, and when last
   Time last_used{0};
 
   std::set<MacAddress> child_addresses() const;
@@ -45,6 +46,12 @@ struct Tree {
                                      std::set<MacAddress> members);
   /// Those to which other members are entrusted than `before`, and those pruned; all if the tree is built anew.
   std::set<MacAddress> changed_children(const std::map<MacAddress, std::set<MacAddress>>& before, bool anew) const;
+  /// Of who is no child any more it does not matter when it was activated again.
+  void forget_former_children();
+  /// Of who is not to be reached any more it does not matter who has refused it.
+  void forget_refusals_of_others(const std::set<MacAddress>& members);
+  /// The most entries that any of its tables has; kMostMembersOfActivation at most, since the members are no more.
+  std::size_t largest_table() const;
   /// With nobody behind it, this robot may get another place in the tree of the same epoch.
   void leave();
   /// At the root: nobody has a place yet.

@@ -74,6 +74,7 @@ void TreeBuilder::build_anew(Tree& own, const std::set<MacAddress>& members, Tim
 }
 
 void TreeBuilder::prune(Tree& own, const MacAddress& member) {
+  own.refused.erase(member);
   const auto child = own.remove(member);
   if (!child) return;
   activate(self_.address, own, {*child});
@@ -92,9 +93,10 @@ void TreeBuilder::activate(const MacAddress& root, const Tree& tree, const std::
 }
 
 void TreeBuilder::activate_again(const MacAddress& root, Tree& tree, const MacAddress& child, Time now) {
-  Time& last = tree.activated_again[child];
-  if (now - last < kActivationInterval) return;
-  last = now;
+  tree.forget_former_children();
+  const auto [last, first] = tree.activated_again.emplace(child, now);
+  if (!first && now - last->second < kActivationInterval) return;
+  last->second = now;
   activate(root, tree, {child});
 }
 
@@ -114,6 +116,7 @@ void TreeBuilder::on_activation(const MacAddress& from, const wire::GroupActivat
   tree.upstream = from;
   tree.unrouted.clear();
   std::set<MacAddress> members(activation.members.begin(), activation.members.end());
+  tree.forget_refusals_of_others(members);
   const bool asked = members.erase(self_.address) != 0;
   tree.member = asked && takes_part;
   if (!anew) members = tree.keep_attached(before, std::move(members));

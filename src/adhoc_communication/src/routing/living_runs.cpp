@@ -7,12 +7,21 @@
 
 namespace adhoc_communication::routing {
 
+void LivingRuns::beacon(const MacAddress& robot, wire::BootTag boot, std::uint32_t sign, Time now) {
+  const auto known = robots_.find(robot);
+  FormerRun* run = known == robots_.end() ? nullptr : former(known->second, boot);
+  if (run == nullptr || !in_step(*run, sign, kBeaconDelay, now)) return;
+  // Sooner, the delay alone would let anything pass.
+  if (now - run->signed_at > kBeaconDelay) run->alive_at = now;
+}
+
 bool LivingRuns::heard(const MacAddress& robot, wire::BootTag boot, std::uint64_t counter, Time now) {
   Runs& runs = runs_of(robot, boot, now);
   if (runs.boot != boot) {
     if (FormerRun* run = former(runs, boot)) {
       if (counter <= run->counter) return false;
       run->counter = counter;
+      if (now - run->alive_at >= kHeardRecently) return false;
       if (++run->frames < kFramesThatProveLife && now - runs.heard < kHeardRecently) return false;
     }
     displace(runs, boot);
@@ -30,9 +39,9 @@ bool LivingRuns::told(const MacAddress& robot, wire::BootTag boot, Time now) {
     return true;
   }
   if (now - runs.heard < kHeardRecently || former(runs, boot) != nullptr) return false;
-  if (runs.reinstated && now - runs.signed_at < kHeardRecently) return false;
+  if (runs.reinstated && now - runs.defended < kHeardRecently) return false;
   // Who was told of by requests only has no life sign, so a chain of such runs does not put off the one that lives.
-  if (runs.sign != 0) runs.signed_at = now;
+  if (runs.sign != 0) runs.defended = now;
   displace(runs, boot);
   runs.news = now;
   return true;
@@ -44,8 +53,9 @@ bool LivingRuns::told_alive(const MacAddress& robot, wire::BootTag boot, std::ui
     Runs& runs = known->second;
     const bool lives_elsewhere = now - runs.heard < kHeardRecently;
     if (FormerRun* run = former(runs, boot)) {
-      const bool goes_on = is_newer(sign, run->sign + kSecondsThatProveLife);
-      if (lives_elsewhere || !goes_on || now - runs.signed_at < kHeardRecently) return false;
+      const bool grown = run->sign != 0 && is_newer(sign, run->sign + kSecondsThatProveLife);
+      const bool goes_on = in_step(*run, sign, kRumorDelay, now) && grown;
+      if (lives_elsewhere || !goes_on || now - runs.defended < kHeardRecently) return false;
       displace(runs, boot);
       runs.reinstated = true;
     }
@@ -55,6 +65,7 @@ bool LivingRuns::told_alive(const MacAddress& robot, wire::BootTag boot, std::ui
   if (runs.sign == 0 || is_newer(sign, runs.sign)) {
     runs.sign = sign;
     runs.signed_at = now;
+    runs.defended = now;
   }
   return true;
 }
@@ -97,6 +108,18 @@ LivingRuns::FormerRun* LivingRuns::former(Runs& runs, wire::BootTag boot) {
   return found == runs.former.end() ? nullptr : &*found;
 }
 
+/// Whether the run can have lived until shortly before now, by a sign known since a while ago. The first one that is
+/// heard of tells nothing.
+bool LivingRuns::in_step(FormerRun& run, std::uint32_t sign, Time delay, Time now) {
+  if (run.sign == 0) {
+    run.sign = sign;
+    run.signed_at = now;
+    return false;
+  }
+  const std::chrono::seconds lived(static_cast<std::int32_t>(sign - run.sign));
+  return lived + delay >= now - run.signed_at;
+}
+
 /// Those of which nothing but a claim was heard go first: any number of them can be made up.
 void LivingRuns::forget_one(Runs& runs) {
   const auto claim = std::find_if(runs.former.begin(), runs.former.end(),
@@ -105,17 +128,19 @@ void LivingRuns::forget_one(Runs& runs) {
 }
 
 void LivingRuns::displace(Runs& runs, wire::BootTag boot) {
-  FormerRun next{boot, 0, 0, 0};
+  FormerRun next;
   if (const FormerRun* known = former(runs, boot)) next = *known;
   runs.former.erase(
       std::remove_if(runs.former.begin(), runs.former.end(), [boot](const FormerRun& run) { return run.boot == boot; }),
       runs.former.end());
-  runs.former.push_back({runs.boot, runs.sign, runs.counter, 0});
+  runs.former.push_back({runs.boot, runs.sign, runs.signed_at, runs.counter, runs.heard, 0});
   if (runs.former.size() > kMostFormerRuns) forget_one(runs);
   runs.boot = boot;
   runs.sign = next.sign;
+  runs.signed_at = next.signed_at;
   runs.counter = next.counter;
   runs.reinstated = false;
+  runs.heard = -kHeardRecently;
 }
 
 }  // namespace adhoc_communication::routing

@@ -13,6 +13,9 @@ namespace adhoc_communication::routing {
 /// a run heard within kHeardRecently is not displaced by what others tell. Of runs only told of, the newer one counts,
 /// until the other one goes on to raise its life sign; such a run is then not displaced without need a second time.
 ///
+/// What an ended run has sent can be played back to robots that did not hear it then. But a life sign grows once a
+/// second for as long as the run lives, so what is played back is behind by as much as it was delayed.
+///
 /// At most kMostRobots; the one without news for longest makes room.
 class LivingRuns {
  public:
@@ -22,7 +25,13 @@ class LivingRuns {
   static constexpr Time kForget = std::chrono::seconds(60);
   static constexpr int kFramesThatProveLife = 3;             ///< of a former run, while another one is heard
   static constexpr std::uint32_t kSecondsThatProveLife = 2;  ///< by which its life sign has to have grown
+  /// How far behind the life sign may be of a former run: in its own beacon, and in what others tell.
+  static constexpr Time kBeaconDelay = std::chrono::seconds(2);
+  static constexpr Time kRumorDelay = std::chrono::seconds(10);
 
+  /// A beacon of the robot itself carries this life sign; to be told before the frame is heard(). Of use to former
+  /// runs.
+  void beacon(const MacAddress& robot, wire::BootTag boot, std::uint32_t sign, Time now);
   /// A frame of the robot itself. False if it belongs to a former run and may be a late or recorded one.
   bool heard(const MacAddress& robot, wire::BootTag boot, std::uint64_t counter, Time now);
   /// Somebody says that this run of the robot did something. False if that is not to be believed.
@@ -40,7 +49,9 @@ class LivingRuns {
   struct FormerRun {
     wire::BootTag boot = 0;
     std::uint32_t sign = 0;
+    Time signed_at{0};          ///< when that sign was told first
     std::uint64_t counter = 0;  ///< greatest one heard
+    Time alive_at{0};           ///< when its own frames last showed that they are not recorded
     int frames = 0;             ///< heard since it is a former one
   };
   struct Runs {
@@ -48,8 +59,9 @@ class LivingRuns {
     std::uint32_t sign = 0;
     std::uint64_t counter = 0;
     Time heard = -kHeardRecently;  ///< itself
-    Time signed_at = -kHeardRecently;
-    bool reinstated = false;  ///< it was displaced wrongly before
+    Time signed_at{0};
+    Time defended = -kHeardRecently;  ///< its sign was raised, or it displaced a run that had one
+    bool reinstated = false;          ///< it was displaced wrongly before
     Time news{0};
     std::vector<FormerRun> former;  ///< newest last
   };
@@ -57,6 +69,7 @@ class LivingRuns {
   Runs& runs_of(const MacAddress& robot, wire::BootTag boot, Time now);
   void make_room(Time now);
   static FormerRun* former(Runs& runs, wire::BootTag boot);
+  static bool in_step(FormerRun& run, std::uint32_t sign, Time delay, Time now);
   static void forget_one(Runs& runs);
   static void displace(Runs& runs, wire::BootTag boot);
 

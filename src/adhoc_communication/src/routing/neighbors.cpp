@@ -60,6 +60,7 @@ std::vector<wire::HeardNeighbor> Neighbors::next_candidates(std::size_t most, Ti
 Neighbor* Neighbors::heard(const MacAddress& address, wire::BootTag boot, Time now) {
   auto found = neighbors_.find(address);
   if (found == neighbors_.end()) {
+    if (neighbors_.size() >= kMostNeighbors) make_room();
     if (neighbors_.size() >= kMostNeighbors) return nullptr;
     found = neighbors_.emplace(address, Neighbor{}).first;
     found->second.boot = boot;
@@ -75,6 +76,13 @@ Neighbor* Neighbors::heard(const MacAddress& address, wire::BootTag boot, Time n
   neighbor.failed = false;
   candidates_.erase({address, boot});
   return &neighbor;
+}
+
+void Neighbors::make_room() {
+  const auto worth = [](const auto& item) { return std::pair(item.second.listed.has_value(), item.second.last_heard); };
+  const auto least = std::min_element(neighbors_.begin(), neighbors_.end(),
+                                      [&](const auto& a, const auto& b) { return worth(a) < worth(b); });
+  if (!least->second.listed) neighbors_.erase(least);
 }
 
 void Neighbors::beacon(const MacAddress& address, const wire::Beacon& beacon, wire::NeighborTag self, Time now) {

@@ -34,7 +34,8 @@ struct Neighbor {
   Time named{-1};   ///< when a beacon of this robot named it
 };
 
-/// At most kMostNeighbors; further robots are not taken in until one falls silent.
+/// At most kMostNeighbors. A newcomer takes the place of the one heard longest ago of those that have not said that
+/// they hear this robot; while all have, it has to wait until one falls silent.
 class Neighbors {
  public:
   static constexpr std::size_t kMostNeighbors = 250;
@@ -47,7 +48,7 @@ class Neighbors {
   /// A robot heard that has not proved yet that it is alive now: it is only named in beacons. False when it was known
   /// already.
   bool candidate(const MacAddress& address, wire::BootTag boot, Time now);
-  /// Any frame. Null when the table is full.
+  /// Any frame. Null when there is no room.
   Neighbor* heard(const MacAddress& address, wire::BootTag boot, Time now);
   void beacon(const MacAddress& address, const wire::Beacon& beacon, wire::NeighborTag self, Time now);
   /// It acknowledged a frame, so it hears this robot.
@@ -109,6 +110,7 @@ class Neighbors {
   };
   using Candidates = std::map<std::pair<MacAddress, wire::BootTag>, Candidate>;
 
+  void make_room();
   bool waits(const Candidate& candidate, Time now) const;
   std::vector<wire::HeardNeighbor> next_candidates(std::size_t most, Time now);
 

@@ -6,7 +6,7 @@
 namespace adhoc_communication::transport {
 
 void StreamSender::add(SendId id, Image image, std::uint16_t segment_size, Time now) {
-  if (packets_.empty()) waiting_since_ = now;
+  if (packets_.empty()) progressed(now);
   const std::size_t count = (image->size() + segment_size - 1) / segment_size;
   packets_.push_back({id,
                       next_number_++,
@@ -139,8 +139,7 @@ std::vector<SendId> StreamSender::acknowledged(const wire::TransportAcknowledgme
   }
   pass_over_dropped();
   if (progress_) {
-    resends_ = 0;
-    waiting_since_ = now;
+    progressed(now);
     mark_overtaken();
   }
   return finished;
@@ -156,8 +155,15 @@ void StreamSender::begin_anew(Outgoing& packet, Time now) {
   ++packet.attempt;
   if (!packet.refused_since) packet.refused_since = now;
   paused_until_ = now + kRoomRetry;
+  progressed(now);
+}
+
+void StreamSender::progressed(Time now) {
   resends_ = 0;
+  sooner_ = Time(0);
+  questions_ = 0;
   waiting_since_ = now;
+  progressed_at_ = now;
 }
 
 /// Takes its segments from those on the way and those lost.
@@ -259,10 +265,12 @@ void StreamSender::receiver_restarted() {
   newest_acknowledged_ = Time(-1);
   newest_doubtful_ = Time(-1);
   resends_ = 0;
+  sooner_ = Time(0);
 }
 
 void StreamSender::route_changed(Time now) {
   waiting_since_ = now;
+  if (on_the_way_ > 0 || !lost_.empty()) ++questions_;
   if (lost_.empty()) probe();
 }
 
@@ -278,15 +286,18 @@ void StreamSender::probe() {
   }
 }
 
-std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time now) {
+std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time now, Random& random) {
   if (paused_until_ && *paused_until_ <= now) paused_until_.reset();
   std::vector<GivenUp> given_up = give_up_refused(now);
-  if (on_the_way_ == 0 || waiting_since_ + timeout() > now) return given_up;
+  const bool over = hopeless(most_resends, now);
+  if (!over && (on_the_way_ == 0 || waiting_since_ + timeout() > now)) return given_up;
   // First copies would have been followed by others: it was the repetition that arrived.
   newest_acknowledged_ = std::max(newest_acknowledged_, std::exchange(newest_doubtful_, Time(-1)));
   mark_overtaken();
-  if (resends_ < most_resends) {
+  if (!over && resends_ < most_resends) {
     ++resends_;
+    ++questions_;
+    sooner_ = random.delay(backoff() / 3);
     waiting_since_ = now;
     last_expiry_ = now;
     probe();
@@ -297,9 +308,12 @@ std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time n
     if (!packets_.front().dropped) given_up.push_back({packets_.front().id, now - packets_.front().added, false});
     pop_front();
   }
-  resends_ = 0;
-  waiting_since_ = now;
+  progressed(now);
   return given_up;
+}
+
+bool StreamSender::hopeless(int most_resends, Time now) const {
+  return !packets_.empty() && questions_ > most_resends && now - progressed_at_ >= kNoProgress;
 }
 
 std::vector<StreamSender::GivenUp> StreamSender::give_up_refused(Time now) {
@@ -324,10 +338,11 @@ std::vector<SendId> StreamSender::abandon() {
   unstarted_ = 0;
   paused_until_.reset();
   resends_ = 0;
+  sooner_ = Time(0);
   return ids;
 }
 
-Time StreamSender::timeout() const { return std::min(round_trip_.timeout() * (2 + resends_) / 2, kLongestBackoff); }
+Time StreamSender::backoff() const { return std::min(round_trip_.timeout() * (2 + resends_) / 2, kLongestBackoff); }
 
 Time StreamSender::next_deadline() const {
   const Time silence = on_the_way_ == 0 ? Time::max() : waiting_since_ + timeout();

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "random.hpp"
 #include "routing/sequence_number.hpp"
 #include "transport/packet_image.hpp"
 #include "transport/round_trip.hpp"
@@ -25,6 +26,8 @@ class StreamSender {
   /// Until a packet that the receiver had no room for is offered again, and until it is given up.
   static constexpr Time kRoomRetry = std::chrono::milliseconds(100);
   static constexpr Time kRoomPatience = std::chrono::seconds(60);
+  /// New routes that nothing gets through put off every timer. After so long, more questions than allowed are enough.
+  static constexpr Time kNoProgress = std::chrono::seconds(30);
 
   struct GivenUp {
     SendId id;
@@ -55,8 +58,9 @@ class StreamSender {
   void route_missing(Time now) { waiting_since_ = now; }
 
   /// Sends the probe that is due. Returns the packets given up: after `most_resends` of them without progress, or for
-  /// want of room.
-  std::vector<GivenUp> expire(int most_resends, Time now);
+  /// want of room. Two who do not hear each other and asked at once would collide for ever, so each asks a little
+  /// sooner than its timer says.
+  std::vector<GivenUp> expire(int most_resends, Time now, Random& random);
   /// Gives up everything, for a reason the caller knows.
   std::vector<SendId> abandon();
   Time next_deadline() const;
@@ -99,6 +103,8 @@ class StreamSender {
   std::deque<Outgoing>::iterator find_id(SendId id);
   std::vector<GivenUp> give_up_refused(Time now);
   wire::Data segment(Outgoing& packet, std::uint32_t index, Time now);
+  void progressed(Time now);
+  bool hopeless(int most_resends, Time now) const;
   void take(Outgoing& packet, const wire::PartialPacket& partial, Time now);
   void take_one(Outgoing& packet, std::uint32_t index, Time now);
   void learn_from(const Segment& segment, Time now);
@@ -107,7 +113,8 @@ class StreamSender {
   void mark_lost(Outgoing& packet, std::uint32_t index);
   void receiver_restarted();
   void probe();
-  Time timeout() const;
+  Time backoff() const;
+  Time timeout() const { return backoff() - sooner_; }
   const Outgoing* unstarted() const;
 
   std::uint8_t stream_;
@@ -127,6 +134,9 @@ class StreamSender {
   bool progress_ = false;
   bool probing_ = false;
   int resends_ = 0;
+  Time sooner_{0};         ///< the next resend than its backoff
+  int questions_ = 0;      ///< since something was acknowledged: resends, and segments repeated over a new route
+  Time progressed_at_{0};  ///< when something was acknowledged, or the first packet came
   Time waiting_since_{0};
   RoundTrip round_trip_{std::chrono::milliseconds(300), std::chrono::milliseconds(150), std::chrono::seconds(1)};
 };

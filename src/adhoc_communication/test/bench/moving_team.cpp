@@ -6,8 +6,9 @@
 namespace adhoc_communication::bench {
 namespace {
 
-MediumOptions radio() {
+MediumOptions radio(bool contention) {
   MediumOptions medium;
+  medium.contention = contention;
   medium.range = MovingTeam::kReach;
   return medium;
 }
@@ -21,8 +22,8 @@ WaypointOptions square() {
 
 }  // namespace
 
-MovingTeam::MovingTeam(std::size_t robots, const EngineOptions& options, std::uint64_t seed)
-    : team_(radio(), seed), good_since_(robots * robots, Time::max()), lossy_(robots * robots, false) {
+MovingTeam::MovingTeam(std::size_t robots, const EngineOptions& options, std::uint64_t seed, bool contention)
+    : team_(radio(contention), seed), good_since_(robots * robots, Time::max()), lossy_(robots * robots, false) {
   for (std::size_t robot = 0; robot < robots; ++robot) {
     robots_.emplace_back(square(), seed * 7919 + robot);
     const Position position = robots_.back().at(Time(0));

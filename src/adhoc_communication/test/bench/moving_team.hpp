@@ -17,7 +17,8 @@ class MovingTeam {
   static constexpr double kReach = 25.0;                         ///< metres
   static constexpr double kGoodLoss = 0.3;
 
-  MovingTeam(std::size_t robots, const EngineOptions& options, std::uint64_t seed);
+  /// `contention`: all on one channel; otherwise each has its own to send on.
+  MovingTeam(std::size_t robots, const EngineOptions& options, std::uint64_t seed, bool contention);
 
   Team& team() { return team_; }
   /// Lets the robots drive and talk for kStep.

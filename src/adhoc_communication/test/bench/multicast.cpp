@@ -11,6 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr std::uint64_t kSeeds = 10;
 constexpr std::size_t kSymbolRoom = 1500 - wire::kHeaderSize - wire::kTagSize - wire::kGroupDataHeaderSize;
 
 /// Sends per frame that the best code needs on average: frames until the worst of `children` has any `frames` of them.
@@ -90,26 +91,47 @@ Outcome send_to_all(std::size_t robots, const Place& place, std::size_t octets, 
   return outcome;
 }
 
-Row row_of(const std::string& what, double bar, const Outcome& outcome, int members, int packets,
-           const std::string& detail) {
-  const bool complete = outcome.complete == members * packets;
-  return {what,
-          format("<= %.3f", bar),
-          outcome.sends_per_frame,
-          "sends/frame",
-          outcome.sends_per_frame <= bar && complete,
-          format("complete %.0f of %.0f, ", outcome.complete, members * packets) +
-              format("feedback %.1f %% of the air, %.3f s each", 100 * outcome.feedback, outcome.time) + detail};
+/// The worst of the seeds has to reach the bar.
+Row row_of(const std::string& what, double bar, const std::vector<Outcome>& outcomes, int members, int packets,
+           double ideal) {
+  std::vector<double> sends, feedback, times;
+  int complete = 0;
+  for (const Outcome& outcome : outcomes) {
+    sends.push_back(outcome.sends_per_frame);
+    feedback.push_back(100 * outcome.feedback);
+    times.push_back(outcome.time);
+    complete += outcome.complete;
+  }
+  const int expected = members * packets * static_cast<int>(outcomes.size());
+  const double worst = quantile(sends, 1.0);
+  return {
+      what + ": worst",
+      format("<= %.3f", bar),
+      worst,
+      "sends/frame",
+      worst <= bar && complete == expected,
+      format("median %.3f of %.0f seeds, ideal %.2f", quantile(sends, 0.5), static_cast<double>(sends.size()), ideal) +
+          format("; complete %.0f of %.0f", complete, expected) +
+          format("; feedback %.1f %% of the air, at most %.1f; %.3f s each", quantile(feedback, 0.5),
+                 quantile(feedback, 1.0), quantile(times, 0.5))};
+}
+
+template <typename Place>
+std::vector<Outcome> by_seed(std::size_t robots, const Place& place, std::size_t octets, int packets, double loss) {
+  std::vector<Outcome> outcomes;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    outcomes.push_back(send_to_all(robots, place, octets, packets, loss, seed));
+  }
+  return outcomes;
 }
 
 Row one_hop(std::size_t octets, int packets, double loss, double bar, const std::string& what) {
   const auto star = [](Team& team) {
     for (int i = 0; i < 9; ++i) team.add();
   };
-  const Outcome outcome = send_to_all(9, star, octets, packets, loss, 1);
   const int frames = octets > kSymbolRoom ? 128 : 1;
-  return row_of(what + format(" to 8 members in one hop, loss %.0f %%", 100 * loss), bar, outcome, 8, packets,
-                format("; ideal %.2f", ideal_sends(frames, 8, loss)));
+  return row_of(what + format(" to 8 members in one hop, loss %.0f %%", 100 * loss), bar,
+                by_seed(9, star, octets, packets, loss), 8, packets, ideal_sends(frames, 8, loss));
 }
 
 /// Two relays behind the root, three members behind each.
@@ -121,18 +143,16 @@ Row tree(double loss) {
       for (int leaf = -1; leaf <= 1; ++leaf) team.add({}, 15, side * 8 + leaf);
     }
   };
-  const Outcome outcome = send_to_all(9, place, 1'000'000, 2, loss, 3);
   const double ideal = loss > 0 ? ideal_sends(128, 2, loss) + 2 * ideal_sends(128, 3, loss) : 3;
   return row_of(format("1 MB over a tree of two relays with three members each, loss %.0f %%", 100 * loss), 1.2 * ideal,
-                outcome, 8, 2, format("; ideal %.2f", ideal));
+                by_seed(9, place, 1'000'000, 1, loss), 8, 1, ideal);
 }
 
 Row line(double loss) {
-  const Outcome outcome = send_to_all(
-      6, [](Team& team) { team.add_line(6); }, 1'000'000, 2, loss, 5);
+  const auto place = [](Team& team) { team.add_line(6); };
   const double ideal = loss > 0 ? 5 * ideal_sends(128, 1, loss) : 5;
-  return row_of(format("1 MB over a line of 5 hops, loss %.0f %%", 100 * loss), 1.2 * ideal, outcome, 5, 2,
-                format("; ideal %.2f", ideal));
+  return row_of(format("1 MB over a line of 5 hops, loss %.0f %%", 100 * loss), 1.2 * ideal,
+                by_seed(6, place, 1'000'000, 1, loss), 5, 1, ideal);
 }
 
 }  // namespace
@@ -140,10 +160,10 @@ Row line(double loss) {
 std::vector<Row> multicast_rows(const Effort& effort) {
   const int trials = effort.trials;
   std::vector<Row> rows;
-  rows.push_back(one_hop(1'000'000, std::max(2, trials / 4), 0.1, 1.35, "1 MB"));
-  rows.push_back(one_hop(1'000'000, std::max(2, trials / 4), 0.3, 1.75, "1 MB"));
-  rows.push_back(one_hop(1000, 20 * trials, 0.1, 1.9, "1 frame"));
-  rows.push_back(one_hop(1000, 20 * trials, 0.3, 3.1, "1 frame"));
+  rows.push_back(one_hop(1'000'000, 1, 0.1, 1.35, "1 MB"));
+  rows.push_back(one_hop(1'000'000, 1, 0.3, 1.75, "1 MB"));
+  rows.push_back(one_hop(1000, 2 * trials, 0.1, 1.9, "1 frame"));
+  rows.push_back(one_hop(1000, 2 * trials, 0.3, 3.1, "1 frame"));
   for (const double loss : {0.0, 0.1, 0.3}) rows.push_back(tree(loss));
   for (const double loss : {0.1, 0.3}) rows.push_back(line(loss));
   return rows;

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "host.hpp"
-#include "security/frame_guard.hpp"
+#include "insider.hpp"
 #include "transport/packet_image.hpp"
 
 namespace adhoc_communication {
@@ -51,44 +51,6 @@ void say(Stage& stage, Host& host, const wire::Flood& flood) {
   stage.say_octets(host, wire::FrameType::kFlood, wire::to_bytes(flood));
   stage.run_for(1ms);
 }
-
-/// Somebody with the key who is nobody of the team, and whoever else he says he is.
-class Insider {
- public:
-  Insider(Team& team, const Host& host)
-      : team_(team),
-        host_(host),
-        self_{host.name, host.address, host.boot_id, host.boot()},
-        guard_(self_, {TeamKey{7}}, dropped_) {}
-  void say(std::size_t robot, wire::FrameType type, const Bytes& body) {
-    wire::FrameHeader header;
-    header.type = type;
-    header.sender = host_.address;
-    header.boot_id = host_.boot_id;
-    header.counter = ++counter_;
-    header.next_hop = wire::kEverybody;
-    team_.engine(robot).receive({wire::kEverybody, host_.address, guard_.close(header, body)}, team_.now());
-  }
-  /// A beacon that names the robot's present run, as only who hears it can.
-  void prove(std::size_t robot) {
-    wire::Beacon beacon;
-    beacon.name = host_.name;
-    beacon.alive = 1;
-    beacon.number = ++number_;
-    beacon.heard_count = 1;
-    beacon.heard.push_back({wire::neighbor_tag(wire::boot_tag(team_.boot_id(robot))), 0});
-    say(robot, wire::FrameType::kBeacon, wire::to_bytes(beacon));
-  }
-
- private:
-  Team& team_;
-  Host host_;
-  Identity self_;
-  FramesDropped dropped_;
-  security::FrameGuard guard_;
-  std::uint64_t counter_ = 0;
-  std::uint16_t number_ = 0;
-};
 
 /// A bomb of zeros in one frame took ten megabytes.
 TEST(Adversary, AFloodUnpacksToLittle) {
@@ -226,7 +188,7 @@ TEST(Adversary, AnInsiderDoesNotDeafenTheTeam) {
   team.add(sealed());
   team.add(sealed());
   team.run_for(2s);
-  Insider insider(team, make_host(5));
+  Insider insider(team, make_host(5), sealed().keys);
   insider.prove(0);
   Host displaced = make_host(0);
   displaced.address = Team::address(1);

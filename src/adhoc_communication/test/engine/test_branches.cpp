@@ -73,6 +73,22 @@ TEST(Branches, RoomIsGivenBackWithThePacket) {
   EXPECT_EQ(reassembly.packets(), 0u);
 }
 
+/// Both grew with every neighbour that came by in an epoch.
+TEST(Tree, RemembersNothingOfFormerChildrenAndMembers) {
+  Tree tree;
+  for (std::uint8_t i = 0; i < 250; ++i) {
+    const MacAddress passer_by = {2, 1, 0, 0, 0, i};
+    tree.children = {{kA, {kA}}, {passer_by, {kB}}};
+    tree.forget_former_children();
+    tree.activated_again[passer_by] = 1s;
+    tree.refused[passer_by] = {kA};
+    tree.forget_refusals_of_others({passer_by, kB});
+    EXPECT_LE(tree.largest_table(), 2u);
+  }
+  EXPECT_EQ(tree.activated_again.size(), 1u);
+  EXPECT_EQ(tree.refused.size(), 1u);
+}
+
 TEST(Tree, TellsWhichChildrenHearOfAChange) {
   Tree tree;
   tree.children = {{kA, {kA}}, {kB, {kB, kC}}};

@@ -28,6 +28,7 @@ constexpr std::uint32_t kSegments = 600;
 struct Stream {
   StreamSender sender{0, 1, StreamSender::kWindow};
   std::set<std::uint32_t> received;
+  Random random{1};
 
   Stream() { sender.add(1, std::make_shared<Bytes>(10 * kSegments), 10, 0ms); }
 
@@ -102,8 +103,29 @@ TEST(StreamSender, WhatIsFollowedBySilenceWasTheRepetition) {
   stream.receive(0, 1);
   stream.acknowledge(310ms);
   const Time silent_until = stream.sender.next_deadline();
-  stream.sender.expire(10, silent_until);
+  stream.sender.expire(10, silent_until, stream.random);
   EXPECT_GE(stream.repeats(300, silent_until), 125);
+}
+
+/// Each put off the timer of the stream, so the send had no end.
+TEST(StreamSender, RoutesThatNothingGetsThroughEndTheSend) {
+  Stream stream;
+  std::vector<StreamSender::GivenUp> given_up;
+  for (Time now = 0ms; now < 60s && given_up.empty(); now += 100ms) {
+    stream.sender.route_changed(now);
+    given_up = stream.sender.expire(10, now, stream.random);
+    if (stream.sender.has_segment()) stream.send(now);
+  }
+  ASSERT_EQ(given_up.size(), 1u);
+  EXPECT_EQ(given_up.front().elapsed, StreamSender::kNoProgress);
+}
+
+TEST(StreamSender, WhoHasAskedLittleIsNotDisappointed) {
+  Stream stream;
+  stream.send(0s);
+  stream.sender.route_missing(40s);
+  stream.sender.route_changed(41s);
+  EXPECT_TRUE(stream.sender.expire(10, 41s, stream.random).empty());
 }
 
 TEST(HopReceiver, AcknowledgesWhenFramesStopOrAreMany) {

@@ -223,6 +223,22 @@ TEST(Hardship, WithoutHopRepetitionTheEndsStillRepeat) {
   ASSERT_EQ(team.received(1).size(), 1u);
 }
 
+/// Their questions came at the same instants for ever, and collided at the robot between them.
+TEST(Hardship, WhoDoNotHearEachOtherDoNotAskInStep) {
+  EngineOptions options;
+  options.num_link_retrans = 0;
+  MediumOptions medium;
+  medium.contention = true;
+  Team team(medium, 3);
+  team.add_line(3, options);
+  team.run_for(1s);
+  const SendId left = team.send(0, "robot_1", noise(1000));
+  const SendId right = team.send(2, "robot_1", noise(1000));
+  ASSERT_TRUE(finish(team, 0, left) && finish(team, 2, right));
+  EXPECT_TRUE(team.finished(0, left)->delivered) << team.finished(0, left)->reason;
+  EXPECT_TRUE(team.finished(2, right)->delivered) << team.finished(2, right)->reason;
+}
+
 TEST(Hardship, TenMegabytes) {
   Team team;
   team.add_line(2);

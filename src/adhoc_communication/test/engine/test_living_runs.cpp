@@ -68,9 +68,43 @@ TEST(LivingRuns, HearsayDoesNotDisplaceARunHeardLately) {
 TEST(LivingRuns, ARunHeardItselfIsReinstatedAtOnceWhereTheOtherIsNotHeard) {
   LivingRuns runs;
   runs.heard(kRobot, kLiving, 5, 10s);
+  runs.told_alive(kRobot, kLiving, 30, 10s);
   runs.told(kRobot, kForged, 13s);
+  runs.beacon(kRobot, kLiving, 33, 13s);
   EXPECT_TRUE(runs.heard(kRobot, kLiving, 6, 13s));
   EXPECT_TRUE(runs.lives(kRobot, kLiving));
+}
+
+/// A frame that nobody had heard then, from before the robot's crash, displaced the run that was known by hearsay.
+TEST(LivingRuns, A2_5_WhatAnEndedRunSaidUnheardDoesNotBringItBack) {
+  for (const std::uint32_t last_sign : {30u, 32u}) {
+    LivingRuns runs;
+    runs.heard(kRobot, kEnded, 40, 10s);
+    runs.told_alive(kRobot, kEnded, 30, 10s);
+    runs.told_alive(kRobot, kLiving, 1, 14s);
+    for (std::uint64_t counter = 41; counter <= 80; ++counter) {
+      runs.beacon(kRobot, kEnded, last_sign, 20s + counter * 1ms);
+      EXPECT_FALSE(runs.heard(kRobot, kEnded, counter, 20s + counter * 1ms)) << counter;
+    }
+    runs.told_alive(kRobot, kEnded, 33, 24s);
+    EXPECT_TRUE(runs.lives(kRobot, kLiving));
+  }
+}
+
+/// Of a run told of by requests only, the first life sign may be a recorded one; a row of them has to grow.
+TEST(LivingRuns, ARunWithoutALifeSignHasToShowTwo) {
+  for (const bool lives : {true, false}) {
+    LivingRuns runs;
+    runs.told(kRobot, kLiving, 10s);
+    runs.told(kRobot, kForged, 10s);
+    std::uint64_t counter = 0;
+    for (std::uint32_t second = 0; second < 4; ++second) {
+      EXPECT_FALSE(runs.lives(kRobot, kLiving)) << second;
+      runs.beacon(kRobot, kLiving, 50 + (lives ? second : 0), 20s + second * 1s);
+      runs.heard(kRobot, kLiving, ++counter, 20s + second * 1s);
+    }
+    EXPECT_EQ(runs.lives(kRobot, kLiving), lives);
+  }
 }
 
 TEST(LivingRuns, LateFramesOfAnEndedRunDoNotBringItBack) {

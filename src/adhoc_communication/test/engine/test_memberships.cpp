@@ -172,6 +172,23 @@ TEST(OwnGroup, ALostMemberComesBackOnlyAsTheSameRun) {
   EXPECT_FALSE(group.comes_back("a", 7)) << "it has left meanwhile";
 }
 
+TEST(OwnGroup, OfTooManyLostTheOneLostLongestAgoHasToJoinAgain) {
+  OwnGroup group(10'000);
+  const auto lose = [&](std::size_t number) {
+    group.admit("robot_" + std::to_string(number));
+    group.lose("robot_" + std::to_string(number), 7);
+  };
+  for (std::size_t number = 0; number <= OwnGroup::kMostAbsent; ++number) lose(number);
+  lose(1);  // once more: the latest
+  EXPECT_EQ(group.absent(), OwnGroup::kMostAbsent);
+  lose(1000);
+  EXPECT_EQ(group.absent(), OwnGroup::kMostAbsent);
+  EXPECT_FALSE(group.comes_back("robot_0", 7));
+  EXPECT_FALSE(group.comes_back("robot_2", 7));
+  EXPECT_TRUE(group.comes_back("robot_1", 7));
+  EXPECT_TRUE(group.comes_back("robot_3", 7));
+}
+
 TEST(OwnGroup, HasTheMembersThatOneActivationNames) {
   OwnGroup group(13);
   EXPECT_EQ(group.most(), 2u);

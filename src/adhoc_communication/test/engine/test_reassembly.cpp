@@ -185,7 +185,7 @@ struct Joined {
   void acknowledge() { sender.acknowledged(receiver.acknowledge(2), now); }
   void later(Time by) {
     now += by;
-    EXPECT_TRUE(sender.expire(10, now).empty());
+    EXPECT_TRUE(sender.expire(10, now, random).empty());
   }
 
   const transport::Image image = std::make_shared<Bytes>(noise(90'000));
@@ -194,6 +194,7 @@ struct Joined {
   transport::StreamSender sender{2, 1, transport::StreamSender::kWindow};
   std::vector<Bytes> arrived;
   Time now{0};
+  Random random{1};
 };
 
 TEST(Reassembly, APacketThatHadToMakeRoomIsBegunAnew) {
@@ -242,7 +243,7 @@ TEST(Reassembly, ASendWithoutRoomFailsAfterAMinute) {
     if (joined.sender.has_segment()) acknowledgment.refused = {{1, joined.sender.next_segment(joined.now).attempt}};
     joined.sender.acknowledged(acknowledgment, joined.now);
     joined.now = std::max(joined.now + 1ms, joined.sender.next_deadline());
-    given_up = joined.sender.expire(10, joined.now);
+    given_up = joined.sender.expire(10, joined.now, joined.random);
   }
   ASSERT_EQ(given_up.size(), 1u);
   EXPECT_TRUE(given_up[0].no_room);

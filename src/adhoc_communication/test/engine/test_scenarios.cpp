@@ -30,6 +30,15 @@ INSTANTIATE_TEST_SUITE_P(MemberOfAFormerRun, Scenarios, testing::Values(395));
 /// Once ended with a send without end: the timer of the stream had grown by what it took itself.
 INSTANTIATE_TEST_SUITE_P(TimerThatLearnedFromItself, Scenarios, testing::Values(794));
 
+/// Once ended with a stored number that went back to that of an ended run: a recorded frame of it brought it back where
+/// the present run was known by hearsay only.
+INSTANTIATE_TEST_SUITE_P(EndedRunPlayedBackOutOfContact, Scenarios, testing::Values(336));
+/// Sends that end after more than a minute, since hops repeat nothing and up to a third of the frames is lost.
+INSTANTIATE_TEST_SUITE_P(ManySegmentsWithoutRepetition, Scenarios, testing::Values(615, 2236, 3199));
+
+/// Once ended with a failed send: two robots that do not hear each other repeated in step, and collided each time.
+INSTANTIATE_TEST_SUITE_P(HiddenFromEachOther, Scenarios, testing::Values(2101));
+
 TEST(Scenarios, AreTheSameForTheSameSeed) {
   EXPECT_EQ(run(make_scenario(3)).trace_hash, run(make_scenario(3)).trace_hash);
   EXPECT_NE(run(make_scenario(3)).trace_hash, run(make_scenario(4)).trace_hash);
@@ -132,13 +141,31 @@ TEST(DeliveryInvariants, SeeWhatIsAlteredDoubledOrMisled) {
 }
 
 TEST(DeliveryInvariants, SeeSendsThatEndWronglyOrNot) {
-  EXPECT_THROW(OnePacket().invariants.finished(0, {1, true, ""}), Violation) << "not delivered";
+  EXPECT_THROW(OnePacket().invariants.finished(0, {1, true, ""}, 1s), Violation) << "not delivered";
   EXPECT_THROW(OnePacket().invariants.check_patience(61s), Violation);
-  EXPECT_THROW(OnePacket().invariants.finished(0, {1, false, ""}), Violation) << "no reason";
+  EXPECT_THROW(OnePacket().invariants.finished(0, {1, false, ""}, 1s), Violation) << "no reason";
   OnePacket one;
-  one.invariants.finished(0, {1, false, "no route"});
-  EXPECT_THROW(one.invariants.finished(0, {1, false, "no route"}), Violation) << "twice";
+  one.invariants.finished(0, {1, false, "no route"}, 1s);
+  EXPECT_THROW(one.invariants.finished(0, {1, false, "no route"}, 1s), Violation) << "twice";
   EXPECT_NO_THROW(one.invariants.check_patience(61s));
+}
+
+/// A queue without repetition on hops may take its time, but not fall silent.
+TEST(DeliveryInvariants, SeeSilenceWhereHopsRepeatNothing) {
+  DeliveryInvariants invariants(2, false);
+  invariants.booted(0);
+  Action action;
+  action.kind = Action::Kind::kUnicast;
+  action.other = 1;
+  action.size = 1000;
+  for (SendId id = 1; id <= 2; ++id) {
+    invariants.request(action, 0s);
+    invariants.accepted(id, {});
+  }
+  EXPECT_NO_THROW(invariants.check_patience(100s));
+  invariants.finished(0, {1, false, "robot_1 did not acknowledge"}, 100s);
+  EXPECT_NO_THROW(invariants.check_patience(200s));
+  EXPECT_THROW(invariants.check_patience(205s), Violation);
 }
 
 TEST(DeliveryInvariants, SeeAMemberLeftOut) {
@@ -151,9 +178,9 @@ TEST(DeliveryInvariants, SeeAMemberLeftOut) {
     invariants.accepted(1, {1});
     invariants.members(0, member_stays ? std::set<std::size_t>{1, 2} : std::set<std::size_t>{2});
     if (member_stays) {
-      EXPECT_THROW(invariants.finished(0, {1, true, ""}), Violation);
+      EXPECT_THROW(invariants.finished(0, {1, true, ""}, 1s), Violation);
     } else {
-      EXPECT_NO_THROW(invariants.finished(0, {1, true, ""}));
+      EXPECT_NO_THROW(invariants.finished(0, {1, true, ""}, 1s));
     }
   }
 }

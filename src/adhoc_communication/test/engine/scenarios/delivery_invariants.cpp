@@ -111,7 +111,7 @@ bool DeliveryInvariants::has(std::size_t robot, const Packet& packet) const {
   return found != packet.received_by.end() && found->first == robot;
 }
 
-void DeliveryInvariants::finished(std::size_t robot, const SendFinished& end) {
+void DeliveryInvariants::finished(std::size_t robot, const SendFinished& end, Time now) {
   const SendKey key{robot, runs_[robot], end.id};
   if (over_.count(key) != 0) {
     throw Violation("send " + std::to_string(end.id) + " of " + Team::name(robot) + " ended twice");
@@ -123,6 +123,7 @@ void DeliveryInvariants::finished(std::size_t robot, const SendFinished& end) {
   const Packet& packet = packets_[found->second];
   open_.erase(found);
   over_.insert(key);
+  ended_at_[{robot, packet.action.priority}] = now;
   if (end.delivered != end.reason.empty()) {
     throw Violation(about(packet.action) + " ended with the contradiction delivered = " +
                     std::to_string(end.delivered) + ", reason '" + end.reason + "'");
@@ -168,9 +169,16 @@ bool DeliveryInvariants::awaits_group(std::size_t root) const {
 void DeliveryInvariants::check_patience(Time now) const {
   for (const auto& [key, number] : open_) {
     const Packet& packet = packets_[number];
-    if (now - packet.sent < kPatience) continue;
+    if (now < latest_end(packet)) continue;
     throw Violation(about(packet.action) + " has not ended after " + seconds_text(now - packet.sent));
   }
+}
+
+Time DeliveryInvariants::latest_end(const Packet& packet) const {
+  if (hops_repeat_) return packet.sent + kPatience;
+  const auto before = ended_at_.find({packet.action.robot, packet.action.priority});
+  const Time first_in_line = before == ended_at_.end() ? packet.sent : std::max(packet.sent, before->second);
+  return first_in_line + kPatience + static_cast<int>(1 + packet.action.size / kSmallestSegment) * kSilence;
 }
 
 }  // namespace adhoc_communication

@@ -17,8 +17,13 @@ namespace adhoc_communication {
 class DeliveryInvariants {
  public:
   static constexpr Time kPatience = std::chrono::seconds(60);  ///< within which every send has to end
+  /// The engine promises an end after so much silence (`num_e2e_retrans` questions, a second each at most), not after
+  /// so much time. Where hops repeat nothing, each segment may take that long, and those behind it wait.
+  static constexpr Time kSilence = std::chrono::seconds(11);
+  static constexpr std::size_t kSmallestSegment = 256;
 
-  explicit DeliveryInvariants(std::size_t robots) : runs_(robots, 0) {}
+  explicit DeliveryInvariants(std::size_t robots, bool hops_repeat = true)
+      : hops_repeat_(hops_repeat), runs_(robots, 0) {}
 
   void booted(std::size_t robot) { ++runs_[robot]; }
   void crashed(std::size_t robot);
@@ -33,7 +38,7 @@ class DeliveryInvariants {
 
   /// Throws Violation.
   void received(std::size_t robot, const PacketReceived& packet);
-  void finished(std::size_t robot, const SendFinished& end);
+  void finished(std::size_t robot, const SendFinished& end, Time now);
   /// Members of the group of `root` now: only who stays one until the send ends is owed the packet.
   void members(std::size_t root, const std::set<std::size_t>& members);
   /// The robot takes nothing more that is sent to that group.
@@ -67,12 +72,15 @@ class DeliveryInvariants {
   void check_addressee(std::size_t robot, const Packet& packet) const;
   void check_order(std::size_t robot, const Packet& packet, std::size_t number);
   bool has(std::size_t robot, const Packet& packet) const;
+  Time latest_end(const Packet& packet) const;
 
+  const bool hops_repeat_;
   std::vector<int> runs_;
   std::vector<Packet> packets_;
   std::map<SendKey, std::size_t> open_;
   std::set<SendKey> over_;
   std::map<Stream, std::size_t> latest_;
+  std::map<std::pair<std::size_t, Priority>, Time> ended_at_;  ///< when a send of that robot and priority ended last
   std::size_t delivered_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <string>
 
 #include "scenario_run.hpp"
@@ -16,17 +17,20 @@ using adhoc_communication::Scenario;
 
 constexpr char kUsage[] =
     "engine_scenarios [--seed N] [--count N] [--events N] [--trace] [--hashes] [--keep-going]\n"
+    "                 [--json FILE]\n"
     "  --seed N      first seed (1)\n"
     "  --count N     scenarios to play, one per seed (1)\n"
     "  --events N    end each scenario after so many events\n"
     "  --trace       print every event\n"
     "  --hashes      print a hash of the events of each seed, to compare two versions of the engine\n"
-    "  --keep-going  play the other seeds, too, after a broken promise\n";
+    "  --keep-going  play the other seeds, too, after a broken promise\n"
+    "  --json FILE   write what was found as the row of a benchmark\n";
 
 struct Arguments {
   std::uint64_t seed = 1;
   std::uint64_t count = 1;
   bool keep_going = false;
+  std::string json;
   bool hashes = false;
   RunOptions run;
 };
@@ -57,6 +61,8 @@ Arguments parse(int argc, char** argv) {
       arguments.run.trace = true;
     } else if (option == "--hashes") {
       arguments.hashes = true;
+    } else if (option == "--json" && i + 1 < argc) {
+      arguments.json = argv[++i];
     } else if (option == "--keep-going") {
       arguments.keep_going = true;
     } else if (option == "--help") {
@@ -67,6 +73,13 @@ Arguments parse(int argc, char** argv) {
     }
   }
   return arguments;
+}
+
+void write_row(const std::string& file, std::uint64_t seeds, std::uint64_t events, std::uint64_t violations) {
+  std::ofstream(file) << "[\n  {\"what\": \"broken promises in random scenarios\", \"bar\": \"0\", \"value\": "
+                      << violations << ", \"unit\": \"\", \"holds\": " << (violations == 0 ? "true" : "false")
+                      << ", \"detail\": \"" << events << " events, " << seeds
+                      << " seeds, a third of them on one channel, half of these contended\"}\n]\n";
 }
 
 void report(const Scenario& scenario, const Outcome& outcome) {
@@ -102,5 +115,6 @@ int main(int argc, char** argv) {
               static_cast<unsigned long long>(played), static_cast<unsigned long long>(events),
               static_cast<double>(events) / seconds, static_cast<unsigned long long>(sends),
               static_cast<unsigned long long>(deliveries), static_cast<unsigned long long>(violations));
+  if (!arguments.json.empty()) write_row(arguments.json, played, events, violations);
   return violations == 0 ? 0 : 1;
 }

@@ -33,6 +33,7 @@ class Generator {
     draw_sends();
     draw_memberships();
     draw_keys();
+    draw_contention();
     std::stable_sort(scenario_.actions.begin(), scenario_.actions.end(),
                      [](const Action& a, const Action& b) { return a.at < b.at; });
     return std::move(scenario_);
@@ -110,6 +111,13 @@ class Generator {
     if (random_.chance(0.2)) options.hop_limit_min = 1;
     if (random_.chance(0.2)) options.max_frame_size = 400;
     options.join_groups_automatically = random_.chance(0.7);
+  }
+
+  /// Last, so that all else is as without it.
+  void draw_contention() {
+    MediumOptions& medium = scenario_.medium;
+    medium.contention = medium.shared && random_.chance(0.5);
+    medium.shared = medium.shared && !medium.contention;
   }
 
   TeamKey any_key() {
@@ -286,11 +294,14 @@ std::string describe(const Scenario& scenario) {
   const MediumOptions& medium = scenario.medium;
   std::ostringstream text;
   text << scenario.topology << " of " << scenario.places.size() << " robots, "
-       << (medium.shared ? "one channel" : "a channel each") << " of " << medium.bit_rate / 1e6 << " Mbit/s, loss "
-       << medium.loss << ", duplication " << medium.duplication << ", reordering " << medium.reordering
-       << ", corruption " << medium.corruption << "; " << (scenario.options.keys.empty() ? "open" : "sealed")
-       << ", num_link_retrans " << scenario.options.num_link_retrans << ", hop_limit_min "
-       << scenario.options.hop_limit_min << ", max_frame_size " << scenario.options.max_frame_size
+       << (medium.contention ? "a contended channel"
+           : medium.shared   ? "one channel"
+                             : "a channel each")
+       << " of " << medium.bit_rate / 1e6 << " Mbit/s, loss " << medium.loss << ", duplication " << medium.duplication
+       << ", reordering " << medium.reordering << ", corruption " << medium.corruption << "; "
+       << (scenario.options.keys.empty() ? "open" : "sealed") << ", num_link_retrans "
+       << scenario.options.num_link_retrans << ", hop_limit_min " << scenario.options.hop_limit_min
+       << ", max_frame_size " << scenario.options.max_frame_size
        << (scenario.options.join_groups_automatically ? "" : ", no automatic joins");
   return text.str();
 }

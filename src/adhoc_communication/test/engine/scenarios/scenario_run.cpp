@@ -30,7 +30,7 @@ class Run {
         team_(scenario.medium, scenario.seed),
         routes_(scenario.places.size()),
         trees_(scenario.places.size()),
-        deliveries_(scenario.places.size()),
+        deliveries_(scenario.places.size(), scenario.options.num_link_retrans > 0),
         trace_(options.trace),
         random_(scenario.seed ^ 0x7265706c6179) {
     watch();
@@ -97,7 +97,7 @@ class Run {
     } else if (const auto* end = std::get_if<SendFinished>(&event)) {
       trace_.note(team_.now(), Team::name(robot) + " finished send " + std::to_string(end->id) + ": " +
                                    (end->delivered ? "delivered" : end->reason));
-      deliveries_.finished(robot, *end);
+      deliveries_.finished(robot, *end, team_.now());
     } else if (const auto* appeared = std::get_if<RobotAppeared>(&event)) {
       trace_.note(team_.now(), Team::name(robot) + " knows " + appeared->robot);
     } else if (const auto* lost = std::get_if<RobotLost>(&event)) {

@@ -1,0 +1,279 @@
+// What an adversary does for seconds on end to a team that works, open and sealed. In a sealed team he has the key, or
+// plays back what he has recorded. Nobody is deafened, every packet arrives, and every table keeps its bound.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "host.hpp"
+#include "insider.hpp"
+#include "transport/packet_image.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+using transport::PacketKind;
+
+constexpr std::size_t kRobots = 3;
+constexpr std::size_t kLargest = 1'000'000;
+constexpr Time kStep = 10ms;
+constexpr int kSteps = 500;
+
+class AdversarySuite : public testing::TestWithParam<bool> {
+ protected:
+  using Attack = std::function<void(int step, std::size_t robot)>;
+
+  AdversarySuite() {
+    options_.max_packet_size = kLargest;
+    if (GetParam()) options_.keys = {TeamKey{7}};
+    for (std::size_t robot = 0; robot < kRobots; ++robot) team_.add(options_);
+    team_.run_for(3s);
+    forget();
+  }
+
+  Insider insider() { return Insider(team_, make_host(5), options_.keys); }
+  void forget() {
+    for (std::size_t robot = 0; robot < kRobots; ++robot) {
+      team_.presence(robot).clear();
+      team_.received(robot).clear();
+    }
+  }
+
+  /// The attack goes on for five seconds, at each robot in each step, while each robot sends to the next one.
+  void withstand(const Attack& attack) {
+    std::vector<std::pair<std::size_t, SendId>> sends;
+    for (int step = 0; step < kSteps; ++step) {
+      for (std::size_t robot = 0; robot < kRobots; ++robot) attack(step, robot);
+      if (step % 50 == 0) {
+        for (std::size_t robot = 0; robot < kRobots; ++robot) {
+          const std::string next = Team::name((robot + 1) % kRobots);
+          sends.emplace_back(robot, team_.send(robot, next, noise(step % 100 == 0 ? 3'000 : 60'000)));
+        }
+      }
+      team_.run_for(kStep);
+      expect_bounds();
+    }
+    team_.run_for(3s);
+    for (const auto& [robot, id] : sends) expect_delivered(robot, id);
+    for (std::size_t robot = 0; robot < kRobots; ++robot) expect_nobody_lost(robot);
+  }
+
+  void expect_delivered(std::size_t robot, SendId id) {
+    const SendFinished* end = team_.finished(robot, id);
+    ASSERT_NE(end, nullptr) << Team::name(robot);
+    EXPECT_TRUE(end->delivered) << Team::name(robot) << ": " << end->reason;
+  }
+  void expect_nobody_lost(std::size_t robot) {
+    for (const auto& [at, word] : team_.presence(robot)) {
+      EXPECT_NE(word.rfind("-robot_", 0), 0u) << Team::name(robot) << " was told " << word;
+    }
+  }
+  void expect_bounds() {
+    for (std::size_t robot = 0; robot < kRobots; ++robot) {
+      for (const TableFill& table : team_.engine(robot).tables()) ASSERT_LE(table.size, table.most) << table.table;
+    }
+  }
+
+  EngineOptions options_;
+  Team team_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Open, AdversarySuite, testing::Values(false));
+INSTANTIATE_TEST_SUITE_P(Sealed, AdversarySuite, testing::Values(true));
+
+std::vector<wire::Rumor> rumors_of_strangers(std::size_t first, std::size_t count, std::uint32_t alive) {
+  std::vector<wire::Rumor> rumors;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Host host = make_host(first + i);
+    rumors.push_back({host.address, host.boot(), alive, 1, host.name});
+  }
+  return rumors;
+}
+
+/// One segment each of packets of the largest size, of ten robots that do not exist.
+TEST_P(AdversarySuite, ForgedSizesBlockNoReassembly) {
+  Insider forger = insider();
+  std::uint32_t packet = 0;
+  withstand([&](int step, std::size_t robot) {
+    if (step % 20 == 0) forger.prove(robot, rumors_of_strangers(20, 10, static_cast<std::uint32_t>(step + 1)));
+    wire::Data data = data_for(forger.robot(robot), make_host(20 + static_cast<std::size_t>(step) % 10), ++packet);
+    data.stream = static_cast<std::uint8_t>(step % 4);
+    data.total = kLargest;
+    data.segment_size = 1400;
+    data.octets.assign(1400, 0);
+    data.index = static_cast<std::uint32_t>(step) % 700;
+    forger.say(robot, data);
+    wire::BroadcastData broadcast{packet, 0, kLargest, 1400, Bytes(1400)};
+    forger.say(robot, wire::FrameType::kBroadcastData, wire::to_bytes(broadcast));
+  });
+}
+
+/// All that a former run of a robot has sent, again and again.
+TEST_P(AdversarySuite, ReplayedRunsChangeNothing) {
+  std::vector<Frame> recorded;
+  team_.on_transmission = [&](std::size_t robot, const Frame& frame) {
+    if (robot == 1) recorded.push_back(frame);
+  };
+  for (int i = 0; i < 20; ++i) {
+    team_.send(1, i % 2 == 0 ? "robot_0" : "robot_2", noise(5'000));
+    team_.run_for(100ms);
+  }
+  team_.on_transmission = nullptr;
+  team_.restart(1);
+  team_.run_for(2s);
+  ASSERT_GT(recorded.size(), 100u);
+  forget();
+  std::size_t next = 0;
+  withstand([&](int, std::size_t robot) {
+    for (int i = 0; i < 3; ++i) team_.engine(robot).receive(recorded[next++ % recorded.size()], team_.now());
+  });
+}
+
+/// Requests, replies, packets, acknowledgments, floods, places in trees and rumours of runs that do not exist.
+TEST_P(AdversarySuite, DisplacedRunsAreNotBelieved) {
+  Insider liar = insider();
+  withstand([&](int step, std::size_t robot) {
+    if (step % 20 == 0) liar.prove(robot);
+    Host displaced = liar.robot((robot + 1 + static_cast<std::size_t>(step) % 2) % kRobots);
+    displaced.boot_id = {0x99, static_cast<std::uint8_t>(step >> 8), static_cast<std::uint8_t>(step)};
+    displaced.sequence = 1'000'000 + static_cast<std::uint32_t>(step);
+    switch (step % 7) {
+      case 0:
+        return liar.say(robot, request_for(make_host(8), displaced, static_cast<std::uint32_t>(step)));
+      case 1:
+        return liar.say(robot, reply_about(displaced, make_host(8)));
+      case 2:
+        return liar.say(robot, data_for(liar.robot(robot), displaced));
+      case 3: {
+        wire::TransportAcknowledgment acknowledgment;
+        acknowledgment.source = displaced.address;
+        acknowledgment.source_boot = displaced.boot();
+        acknowledgment.destination = Team::address(robot);
+        acknowledgment.destination_boot = wire::boot_tag(team_.boot_id(robot));
+        acknowledgment.next = 1'000'000;
+        return liar.say(robot, wire::FrameType::kTransportAcknowledgment, wire::to_bytes(acknowledgment));
+      }
+      case 4: {
+        wire::Flood flood;
+        flood.source = displaced.address;
+        flood.source_boot = displaced.boot();
+        flood.source_name = displaced.name;
+        flood.id = static_cast<std::uint32_t>(step);
+        return liar.say(robot, wire::FrameType::kFlood, wire::to_bytes(flood));
+      }
+      case 5:
+        return liar.say(robot, wire::GroupActivation{displaced.address, displaced.boot(), 1, {Team::address(robot)}});
+      default:
+        return liar.prove(robot, {{displaced.address, displaced.boot(), 1'000'000, 1, displaced.name}});
+    }
+  });
+}
+
+/// A megabyte of zeros in a hundred octets: as packets, floods, broadcasts, lists of members and copies.
+TEST_P(AdversarySuite, BombsTakeLittle) {
+  Insider bomber = insider();
+  const auto bomb = [](PacketKind kind, const std::string& group) {
+    return transport::encode({kind, kind == PacketKind::kUser ? std::uint8_t{'A'} : std::uint8_t{0}, group,
+                              kind == PacketKind::kUser ? "topic" : "", Bytes(kLargest - 100)});
+  };
+  const std::vector<transport::Image> bombs = {
+      bomb(PacketKind::kUser, ""), bomb(PacketKind::kGroupMembers, "mc_host_5"),
+      bomb(PacketKind::kGroupCopy, "mc_host_5"), bomb(PacketKind::kGroupJoin, "mc_robot_0")};
+  std::vector<std::uint32_t> packets(kRobots, 0);
+  withstand([&](int step, std::size_t robot) {
+    if (step % 20 == 0) bomber.prove(robot);
+    const transport::Image& image = bombs[static_cast<std::size_t>(step) % bombs.size()];
+    ASSERT_LT(image->size(), 1000u);
+    wire::Data data = data_for(bomber.robot(robot), bomber.host(), ++packets[robot]);
+    data.total = static_cast<std::uint32_t>(image->size());
+    data.octets = *image;
+    bomber.say(robot, data);
+    wire::Flood flood;
+    flood.source = bomber.host().address;
+    flood.source_boot = bomber.host().boot();
+    flood.source_name = bomber.host().name;
+    flood.id = static_cast<std::uint32_t>(step);
+    flood.image = *image;
+    bomber.say(robot, wire::FrameType::kFlood, wire::to_bytes(flood));
+    team_.received(robot).clear();
+  });
+  EXPECT_GE(team_.engine(0).statistics().frames_dropped.malformed, static_cast<std::uint64_t>(kSteps))
+      << "every flood and the words on groups";
+}
+
+/// Beacons of a thousand robots that do not hear the team: in a sealed team they are to prove themselves, in an open
+/// one they are neighbours. A robot that starts meanwhile is known all the same.
+TEST_P(AdversarySuite, CandidateFloodsKeepNoNewcomerOut) {
+  std::deque<Insider> strangers;
+  for (std::size_t i = 0; i < 1000; ++i) strangers.emplace_back(team_, make_host(100 + i), options_.keys);
+  std::size_t next = 0;
+  withstand([&](int step, std::size_t robot) {
+    for (int i = 0; i < 2; ++i) {
+      Insider& stranger = strangers[next++ % strangers.size()];
+      wire::Beacon beacon;
+      beacon.name = stranger.host().name;
+      beacon.alive = 1;
+      stranger.say(robot, beacon);
+    }
+    if (step == 300 && robot == 0) team_.add(options_);
+  });
+  for (std::size_t robot = 0; robot < kRobots; ++robot) {
+    const std::vector<std::string> neighbors = team_.engine(robot).neighbors();
+    EXPECT_NE(std::find(neighbors.begin(), neighbors.end(), "robot_3"), neighbors.end()) << Team::name(robot);
+  }
+}
+
+/// He joins, acknowledges nothing, claims that other trees hold, refuses what is not his, and gives out places in trees
+/// of others. Those that are members all the time get every packet, in order.
+TEST_P(AdversarySuite, HostileMembersHoldUpNobody) {
+  Insider member = insider();
+  member.prove(0);
+  wire::Data join = data_for(member.robot(0), member.host(), 1);
+  const transport::Image image = transport::encode({PacketKind::kGroupJoin, 0, "mc_robot_0", {}, {}});
+  join.stream = 0;
+  join.total = static_cast<std::uint32_t>(image->size());
+  join.octets = *image;
+  member.say(0, join);
+  team_.run_for(20ms);
+  ASSERT_EQ(team_.engine(0).group_state("mc_robot_0").members.size(), kRobots);
+  const wire::BootTag root_boot = wire::boot_tag(team_.boot_id(0));
+  std::vector<SendId> sends;
+  withstand([&](int step, std::size_t robot) {
+    if (step % 20 == 0) member.prove(robot);
+    if (robot == 0 && step % 100 == 0) sends.push_back(team_.send(0, "mc_robot_0", noise(20'000)));
+    wire::GroupReport report;
+    report.root = Team::address(0);
+    report.root_boot = root_boot;
+    report.stream = static_cast<std::uint8_t>(Priority::kNormal);
+    report.packet = static_cast<std::uint32_t>(step / 100 + 1);
+    report.epoch = static_cast<std::uint32_t>(step);
+    report.coverage = 0x1234;
+    report.complete = step % 3 == 0;
+    member.say(robot, report);
+    member.say(robot, wire::GroupRefusal{Team::address(0),
+                                         root_boot,
+                                         static_cast<std::uint32_t>(step % 10),
+                                         {Team::address(1), Team::address(2), member.host().address}});
+    member.say(robot, wire::GroupActivation{Team::address(0),
+                                            root_boot,
+                                            1000 + static_cast<std::uint32_t>(step),
+                                            {Team::address(robot), Team::address((robot + 1) % kRobots)}});
+  });
+  ASSERT_EQ(sends.size(), 5u);
+  ASSERT_TRUE(team_.run_until_done([&] { return team_.finished(0, sends.back()) != nullptr; }, 60s));
+  for (std::size_t robot = 1; robot < kRobots; ++robot) {
+    std::size_t packets = 0;
+    for (const Team::Received& received : team_.received(robot)) packets += received.packet.group == "mc_robot_0";
+    EXPECT_EQ(packets, sends.size()) << Team::name(robot);
+  }
+  for (const SendId id : sends) {
+    const std::string& reason = team_.finished(0, id)->reason;
+    EXPECT_EQ(reason.find("robot_"), std::string::npos) << reason;
+  }
+}
+
+}  // namespace
+}  // namespace adhoc_communication
