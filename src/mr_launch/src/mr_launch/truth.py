@@ -34,6 +34,13 @@ class Track:
             self.distance += math.dist(row[2:4], self._rows[-1][2:4])
         self._rows.append(row)
 
+    def at(self, time: float) -> Pose | None:
+        """The pose of the row nearest to this simulation time (s), in the frame of the world."""
+        after = bisect_left(self._rows, (time,))
+        near = self._rows[max(after - 1, 0) : after + 1]
+        row = min(near, key=lambda row: abs(row[0] - time), default=None)
+        return None if row is None else Pose(*row[2:5])
+
     def records(self, start: float = -math.inf, end: float = math.inf) -> np.ndarray:
         """Rows between two simulation times (s), both included, as `mr_measures.motion` has them."""
         return records_of(self._rows[bisect_left(self._rows, (start,)) : bisect_right(self._rows, (end, math.inf))])
