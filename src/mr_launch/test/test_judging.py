@@ -71,9 +71,11 @@ def test_a_robot_without_a_witness_and_a_loss_are_not_judged():
     assert judge.judge("a", entries, BEGIN) == entries and judge.judge("b", entries, BEGIN) == entries
 
 
-def test_the_true_pose_at_a_time_is_that_of_the_nearest_row():
+def test_the_true_pose_at_a_time_lies_between_two_rows():
     track = Track()
     assert track.at(1.0) is None
     for step in range(3):
-        track.add((0.05 * step, 0.0, float(step), 0.0, 0.0, 0.0, 0.0, 0, 0))
-    assert [track.at(time).x for time in (-1.0, 0.02, 0.03, 0.1, 9.0)] == [0.0, 0.0, 1.0, 2.0, 2.0]
+        track.add((0.05 * step, 0.0, float(step), 0.0, 0.4 * step, 0.0, 0.0, 0, 0))
+    assert [track.at(time) for time in (-1.0, 0.2)] == [None, None]
+    assert [track.at(time).x for time in (0.0, 0.02, 0.05, 0.1)] == pytest.approx([0.0, 0.4, 1.0, 2.0])
+    assert track.at(0.075).yaw == pytest.approx(0.6)

@@ -35,11 +35,13 @@ class Track:
         self._rows.append(row)
 
     def at(self, time: float) -> Pose | None:
-        """The pose of the row nearest to this simulation time (s), in the frame of the world."""
-        after = bisect_left(self._rows, (time,))
-        near = self._rows[max(after - 1, 0) : after + 1]
-        row = min(near, key=lambda row: abs(row[0] - time), default=None)
-        return None if row is None else Pose(*row[2:5])
+        """The pose at this simulation time (s), in the frame of the world; None outside of the trace."""
+        index = bisect_left(self._rows, (time,))
+        if index == len(self._rows) or (index == 0 and self._rows[0][0] > time):
+            return None
+        after, before = self._rows[index], self._rows[max(index - 1, 0)]
+        share = (time - before[0]) / (after[0] - before[0]) if after[0] > before[0] else 0.0
+        return Pose(*before[2:5]).interpolate(Pose(*after[2:5]), share)
 
     def records(self, start: float = -math.inf, end: float = math.inf) -> np.ndarray:
         """Rows between two simulation times (s), both included, as `mr_measures.motion` has them."""
