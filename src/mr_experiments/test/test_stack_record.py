@@ -12,8 +12,9 @@ from mr_experiments.report.report import make_report
 from mr_experiments.sweep.record import run_trial
 from mr_experiments.trial.trial import Trial
 from mr_grid import OccupancyGrid, Pose
+from mr_launch.begun import begun_record
 from mr_launch.mission import Outcome
-from mr_launch.record import Course, Ran, Seen, begun_record, mission_record
+from mr_launch.record import Course, Ran, Seen, mission_record
 from mr_launch.reports import RobotReport
 from mr_launch.robot_log import RobotLog, Sample
 from mr_launch.truth import Track

@@ -6,11 +6,12 @@ from __future__ import annotations
 import platform
 import time
 from dataclasses import dataclass, replace
-from typing import Any, Mapping, Sequence
+from typing import Mapping, Sequence
 
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
+from mr_launch.begun import asked_settings
 from mr_launch.judging import Judge, Witness
 from mr_launch.mission import Outcome
 from mr_launch.plan import Plan, RobotPlan
@@ -24,7 +25,6 @@ from mr_measures.record.logs import NoteLog
 from mr_measures.record.mission_record import (
     FAILED,
     FINISHED,
-    STACK,
     UNFINISHED,
     Asked,
     Measured,
@@ -37,7 +37,6 @@ from mr_measures.record.parts import motion_of
 from mr_measures.record.robot_record import MapFigures, RobotRecord
 from mr_measures.record.series import RobotSeries, TeamSeries
 
-NO_END = "the runner was ended before it could write what became of the mission, or it still runs"
 MAP_IS_LOST = {"slam", "roslaunch"}  # if one of them ends: that of its robot
 Processors = Mapping[str, Mapping[str, float]]  # shares of a core by robot and process
 
@@ -76,11 +75,6 @@ class Ran:
     real_time_factor: float | None
 
 
-def begun_record(plan: Plan, versions: Mapping[str, str]) -> MissionRecord:
-    """Of a mission that has only been asked for: what is left of it if its runner does not come to its end."""
-    return MissionRecord(Asked(_asked(plan)), schema.Outcome(FAILED, 0.0, NO_END), versions=versions)
-
-
 def mission_record(
     plan: Plan,
     outcome: Outcome,
@@ -96,7 +90,7 @@ def mission_record(
     status = FAILED if outcome.failed else FINISHED if complete else UNFINISHED
     duration = max(0.0, outcome.end - outcome.start)
     return MissionRecord(
-        Asked(_asked(plan)),
+        Asked(asked_settings(plan)),
         schema.Outcome(status, round(duration, 3), outcome.reason),
         _team(exploration_time, robots, seen, outcome),
         robots,
@@ -106,37 +100,6 @@ def mission_record(
         restarts={name: dict(counts) for name, counts in outcome.restarts.items() if counts},
         measured=_measured(ran, duration),
     )
-
-
-def _asked(plan: Plan) -> dict[str, Any]:
-    """Settings have the names that they have in virtual time."""
-    options = plan.options
-    return {
-        "world": options.world,
-        "robots": len(plan.robots),
-        "seed": options.seed,
-        "scenario": STACK,
-        "strategy": options.strategy,
-        "limit": options.duration,
-        "fast": False,
-        "radio": {
-            "range": options.range,
-            "loss": options.loss,
-            "wall_attenuation": options.wall_attenuation,
-            "sealed": not options.open,
-        },
-        "known_poses": options.initial_poses,
-        "starts": [list(robot.start) for robot in plan.robots] if options.starts else [],
-        "topology": options.topology,
-        "base": None if plan.base is None else list(plan.base.start[:2]),
-        "odometry": options.odometry,
-        "slam": options.slam,
-        "navigation": options.navigation,
-        "real_time_factor": options.rtf,
-        "isolation": plan.isolation,
-        "respawn": options.respawn,
-        "bag": options.bag,
-    }
 
 
 def _judge_of(seen: Seen, outcome: Outcome) -> Judge:

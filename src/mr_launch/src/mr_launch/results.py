@@ -24,15 +24,6 @@ if TYPE_CHECKING:
     from mr_measures.record.mission_record import MissionRecord
 
 
-def write_begun(plan: Plan) -> None:
-    """The record of a mission that begins; whoever counts missions finds it, however this one ends."""
-    from mr_launch.record import begun_record
-    from mr_measures.record.files import write_record
-    from mr_measures.record.versions import versions
-
-    write_record(begun_record(plan, versions("mr_launch", project_worlds())), Path(plan.out) / STACK_RECORD)
-
-
 def write_results(
     plan: Plan,
     outcome: Outcome,
