@@ -1,8 +1,8 @@
 """The playback tests see what they are there for: with one transform reversed or one bid dropped they fail.
 
 Each mutation replaces one line in a copy of the package, which comes first on PYTHONPATH while the same rostest runs.
-adhoc_communication is compiled: there the bid is dropped on its way to the radio, in a copy of the bag. What does not come
-is not waited for as long as without a mutation; unchanged copies pass in that time, too.
+adhoc_communication is compiled: there the bid is dropped on its way to the radio, in a copy of the bag. What does not
+come is not waited for as long as without a mutation; unchanged copies pass in that time, too.
 """
 
 import importlib
