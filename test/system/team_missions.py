@@ -26,22 +26,23 @@ class Mission(NamedTuple):
 def run_of(topology: str, out: Path) -> Mission:
     command = ["rosrun", "mr_launch", "team", "--world", "small8x8", "--robots", "2", "--loss", "0.1", "--seed", "3"]
     disturbed = topology == "distributed"
-    run = subprocess.Popen(
-        [*command, "--topology", topology, "--duration", "300", "--out", str(out), *["--respawn"] * disturbed],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
+    told = out.with_name(f"{out.name}.log")
+    with told.open("wb") as log:
+        run = subprocess.Popen(
+            [*command, "--topology", topology, "--duration", "300", "--out", str(out), *["--respawn"] * disturbed],
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+        )
     try:
-        while "state: 1" not in enter(out, "robot_0", *LOOK, "/explorer/state").stdout:
-            assert run.poll() is None, run.stdout and run.stdout.read()
-            time.sleep(0.3)
+        while "robot_0: exploring" not in told.read_text():
+            assert run.poll() is None, told.read_text()
+            time.sleep(0.05)
         visit, orders = (disturb(out), "") if disturbed else ((), order(out))
-        output, _ = run.communicate(timeout=LIMIT_S)
+        run.wait(timeout=LIMIT_S)
     finally:
         run.terminate()
-    return Mission(run.returncode, output, out, visit, orders)
+    return Mission(run.returncode, told.read_text(), out, visit, orders)
 
 
 def order(out: Path) -> str:

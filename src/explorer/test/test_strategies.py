@@ -119,7 +119,7 @@ def test_bid_of_strategy_7() -> None:
     assert travel_bid(5.0, 4.0) < travel_bid(5.0, 0.0)
     assert travel_bid(5.0, 0.0, turn=1.0) > travel_bid(5.0, 0.0)
     assert travel_bid(5.0, 0.0, detour=3.0) > travel_bid(5.0, 0.0)
-    assert travel_bid(0.0, 1000.0) >= 0.0
+    assert travel_bid(-100.0, 0.0) == 0.0, "no bid is below 0, which means none"
 
 
 def test_larger_teams_bid_the_way_with_the_turn() -> None:

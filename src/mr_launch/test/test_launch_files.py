@@ -22,6 +22,13 @@ NEEDED = {  # arguments without a default
     "replayed_robot.launch": ["robot_name:=robot_0", "bag:=/x", "report_socket:=/x"],
     "robot_under_one_master.launch": ["number:=0", "robots:=2"],
     "simulated_robot.launch": ["robot_name:=robot_0", "world_socket:=/x"],
+    "team_base_station.launch": [
+        "name:=base",
+        "interface:=radio0",
+        "key_file:=/x",
+        "team:=pioneer",
+        "report_socket:=/x",
+    ],
     "team_robot.launch": [
         "robot_name:=robot_0",
         "interface:=radio0",
@@ -373,6 +380,7 @@ def test_parameter_files_hold_known_parameters(name, known):
 def test_nodes_of_a_base_station():
     nodes = nodes_of("base_station.launch")
     assert nodes == {"/adhoc_communication", "/map_merger", "/mission_control"}
+    assert nodes_of("team_base_station.launch") == {*nodes, "/monitor"}
     parameters = parameters_of("base_station.launch", "name:=7")
     assert parameters["/map_merger/has_local_map"] is False
     assert {parameters[f"/map_merger/{key}"] for key in ("robot_name", "base_station")} == {"7"}

@@ -1,15 +1,18 @@
 """Whatever ends a team, nothing stays: real namespaces and interfaces, dummy programs."""
 
+import functools
+import itertools
 import json
 import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
-from mr_launch.record import NO_END
+from mr_launch.begun import NO_END
 from mr_measures.record.files import read_record
 
 HERE = Path(__file__).resolve().parent
@@ -19,12 +22,30 @@ NEW_WORLD = ["unshare", "--pid", "--net", "--mount", "--fork", "--kill-child", "
 CODES = {"finish": 0, "interrupt": 130, "terminate": 130, "kill": -9, "kill-tree": -9, "crash": 1}
 
 
-@pytest.fixture
-def folder():
-    """Open to the unprivileged user of some tests, which pytest's own folders are not."""
+class Ended(NamedTuple):
+    """A team that was ended; `found` as `leftovers.py` prints it."""
+
+    found: dict
+    output: str
+    folder: Path
+
+
+@pytest.fixture(scope="module")
+def team():
+    """Gives the team of `run` for these arguments, one for all tests. In folders that are open to the unprivileged user
+    of some tests, which pytest's own are not."""
     with tempfile.TemporaryDirectory(prefix="leaves_nothing-") as name:
         os.chmod(name, 0o777)
-        yield Path(name)
+        numbers = itertools.count()
+
+        @functools.lru_cache(maxsize=None)
+        def ended(isolation, end, outer):
+            folder = Path(name, str(next(numbers)))
+            folder.mkdir()
+            folder.chmod(0o777)
+            return Ended(*run(folder, isolation, end, outer_namespaces(outer)), folder)
+
+        yield ended
 
 
 def run(folder, isolation, end, outer):
@@ -50,9 +71,9 @@ CASES = [(kind, end) for kind in ("root", "user", "hub") for end in CODES if (ki
 
 
 @pytest.mark.parametrize(("kind", "end"), CASES)
-def test_nothing_is_left(folder, kind, end):
+def test_nothing_is_left(team, kind, end):
     isolation = {"root": "namespaces", "user": "namespaces", "hub": "hub"}[kind]
-    found, output = run(folder, isolation, end, outer_namespaces(kind))
+    found, output, _ = team(isolation, end, kind)
     assert found["left"] == {}, output
     assert found["code"] == CODES[end], output
     assert found["processes_during"] > 3 or end in ("finish", "crash"), output
@@ -61,13 +82,13 @@ def test_nothing_is_left(folder, kind, end):
 @pytest.mark.skipif(
     os.geteuid() != 0, reason="needs root to become another user; test_nothing_is_left[user] covers the rest"
 )
-def test_unprivileged_user(folder):
-    found, output = run(folder, "user namespaces", "finish", outer_namespaces("root"))
+def test_unprivileged_user(team):
+    found, output, _ = team("user namespaces", "finish", "root")
     assert (found["code"], found["left"]) == (0, {}), output
 
 
-def test_crash_names_node_and_log(folder):
-    _, output = run(folder, "namespaces", "crash", outer_namespaces("root"))
+def test_crash_names_node_and_log(team):
+    output = team("namespaces", "crash", "root").output
     assert "explorer of robot_1 died (exit code 3); log: /x/explorer-4*.log" in output
     assert "Traceback" not in output
 
@@ -81,8 +102,8 @@ ENDS = [
 
 
 @pytest.mark.parametrize(("end", "status", "reason"), ENDS)
-def test_every_mission_has_a_record(folder, end, status, reason):
-    run(folder, "namespaces", end, outer_namespaces("root"))
+def test_every_mission_has_a_record(team, end, status, reason):
+    folder = team("namespaces", end, "root").folder
     record = read_record(folder / "out" / "record.json")
     assert record.outcome.status == status and record.outcome.reason.startswith(reason)
     assert record.code and record.asked.settings["isolation"] == "namespaces"

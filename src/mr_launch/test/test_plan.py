@@ -192,8 +192,9 @@ def test_robots_and_base_know_who_merges():
     assert (arguments["topology"], arguments["base_station"]) == ("centralized", "base")
     command = launch_command(centralized(isolation.HUB, "--initial-poses"), CENTRALIZED)
     arguments = launch_arguments(command)
-    assert "base_station.launch" in command
+    assert "team_base_station.launch" in command
     assert (arguments["name"], arguments["interface"]) == ("base", "hub:/private/hub")
+    assert arguments["report_socket"] == "/private/reports"
     assert set(json.loads(arguments["initial_poses"])) == {"robot_0", "a_robot_with_a_long_name"}
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from mr_grid import Pose
-from mr_launch.monitor import MOST_EVENTS, Digest
-from mr_launch.reports import RobotReport
+from mr_launch.monitor import MOST_EVENTS, Digest, RunnerLink
+from mr_launch.reports import ReportServer, RobotReport
 from mr_launch.robot_log import RobotLog, Sample
 from mr_measures.motion import RECORD
 from mr_measures.record.mission_record import Note
@@ -61,6 +61,15 @@ def test_transforms_are_told_when_they_have_changed():
     digest.believes({}, 7.0)
     assert told(digest, log).sees_merges
     assert log.merges(START, ["a", "b"]) == (Merge("b", 0.0, near), Merge("b", 1.0, None))
+
+
+def test_poses_are_told_as_the_robot_drives():
+    digest, log = Digest("a"), RobotLog()
+    for step in range(5):
+        digest.located(Pose(0.05 * step, 1.0, 0.1 * step), 7.0 + step)
+    told(digest, log)
+    assert [time for time, _ in log.poses] == [7.0, 9.0, 11.0]
+    assert log.poses[1][1] == pytest.approx(Pose(0.1, 1.0, 0.2))
 
 
 def test_auctions_bids_and_notes():
@@ -150,6 +159,26 @@ def test_series_have_what_was_told_last_at_each_second_of_true_motion():
     assert series.explored == (0.0, 1.0, 1.0, 0.0, 0.0) and series.own == (0.0, 0.0, 0.0, 2.0, 2.0)
     assert series.bytes == (0, 0, 0, 70, 70) and series.frames[-1] == 7 and series.bids == (0, 0, 0, 1, 1)
     assert series.state == (0, 1, 1, 2, 2) and series.neighbors == ((), ("b",), ("b",), (), ())
+
+
+def test_a_base_station_is_no_robot_and_goes_by_the_robots_clock(tmp_path):
+    """It has no simulation time: its node tells that of the computer."""
+    server = ReportServer(str(tmp_path / "reports"), ["a", "b"], "base")
+    base, link = Digest("base"), RunnerLink(str(tmp_path / "reports"))
+    server.wait(1.0)  # for the connection
+    for second in (7.0, 8.0):
+        for report in server.reports.values():
+            report.time = second
+        base.set(radio={"bytes_sent": 100 * second, "frames_sent": second})
+        base.note("map_merger: hello", False, 1.7e9 + second)
+        link.send(base.report(1.7e9 + second))
+        server.wait(1.0)
+    told = server.logs["base"].samples_at(np.array([6.0, 7.5, 8.5]))
+    assert [(one.bytes, one.frames) for one in told] == [(0, 0), (700, 7), (800, 8)]
+    assert [note.at for note in server.logs["base"].notes(START, "base")] == [1.0, 2.0]
+    server.begin_anew("base")
+    assert list(server.reports) == ["a", "b"]
+    server.close()
 
 
 def test_without_motion_there_is_no_series():

@@ -197,7 +197,9 @@ def state_to(status: Status) -> ExplorationState:
         frontiers=status.frontiers,
         clusters=status.clusters,
         unreachable=status.unreachable,
+        goals=status.counters.goals,
         goals_reached=status.counters.goals_reached,
+        goals_failed=status.counters.goals_failed,
         auctions_completed=status.counters.auctions_completed,
         auctions_uncompleted=status.counters.auctions_uncompleted,
     )

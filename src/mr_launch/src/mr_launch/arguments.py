@@ -7,12 +7,10 @@ import math
 import os
 import time
 from dataclasses import asdict, dataclass
-from typing import Any, Callable, Collection, NoReturn, Sequence
+from typing import Any, Callable, Collection, Mapping, NoReturn, Sequence
 
-from explorer.options import STRATEGIES
 from mr_launch.errors import UserError
 from mr_launch.programs import NAVIGATION, SLAM
-from mr_page.server import PORT as PAGE_PORT
 from mr_robot.platforms.alternatives import OWN
 
 STRATEGY = 7
@@ -77,7 +75,16 @@ def _alternative_of(known: Collection[str]) -> Callable[[str], str]:
     return alternative
 
 
+def known_strategies() -> Mapping[int, str]:
+    """Numbers and titles."""
+    from explorer.options import STRATEGIES  # slow to import; many processes need the options' type alone
+
+    return STRATEGIES
+
+
 def make_parser() -> argparse.ArgumentParser:
+    from mr_page.server import PORT  # as above
+
     parser = _Parser(
         prog="team",
         description="A team of robots, each with its own ROS master and its own radio, explores a Stage world.",
@@ -119,7 +126,7 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="DIR",
         help="output folder (default: out/<time>); out/latest points to the newest one there",
     )
-    strategies = "; ".join(f"{number}: {text}" for number, text in STRATEGIES.items())
+    strategies = "; ".join(f"{number}: {text}" for number, text in known_strategies().items())
     add(
         "--strategy",
         type=int,
@@ -147,9 +154,9 @@ def make_parser() -> argparse.ArgumentParser:
         type=int,
         nargs="?",
         default=0,
-        const=PAGE_PORT,
+        const=PORT,
         metavar="PORT",
-        help=f"serve a status page at http://localhost:PORT (default of PORT: {PAGE_PORT})",
+        help=f"serve a status page at http://localhost:PORT (default of PORT: {PORT})",
     )
     add("--respawn", action="store_true", help="a node that ends is started again; else the mission ends with it")
     add("--quiet", action="store_true", help="print only notices, errors and the final table")
@@ -170,8 +177,9 @@ def parse_arguments(arguments: Sequence[str], now: float | None = None) -> Optio
         value = values[name.replace("-", "_")]
         if not (math.isfinite(value) and lowest <= value <= highest):
             raise UserError(f"--{name} {value:g} is out of range: {lowest:g} to {highest:g} {unit}".rstrip())
-    if values["strategy"] not in STRATEGIES:
-        known = ", ".join(f"{number} ({text})" for number, text in STRATEGIES.items())
+    strategies = known_strategies()
+    if values["strategy"] not in strategies:
+        known = ", ".join(f"{number} ({text})" for number, text in strategies.items())
         raise UserError(f"--strategy {values['strategy']} is unknown; there are {known}")
     if values["robots"] is not None and values["robots"] < 1:
         raise UserError(f"--robots {values['robots']}: a team has at least one robot")

@@ -1,4 +1,4 @@
-"""The commands ``team`` and ``enter``: check everything, then start."""
+"""The command ``team``: checks everything, then starts."""
 
 from __future__ import annotations
 
@@ -11,13 +11,12 @@ from typing import Sequence
 
 from mr_launch import isolation
 from mr_launch.arguments import Options, choose_robots, parse_arguments
+from mr_launch.begun import write_begun
 from mr_launch.errors import UserError
 from mr_launch.exit_codes import BAD_CALL, INTERRUPTED
 from mr_launch.outside import run_team
 from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
-from mr_launch.results import write_begun
-from mr_launch.running_state import running_team
 from mr_launch.world import check_start, find_world, keep_generated, presets_of, robots_of, warning_of
 from mr_page.server import listening_sockets
 
@@ -122,30 +121,3 @@ def keep_plan(plan: Plan) -> None:
         path.write_text(plan.to_json() + "\n", encoding="utf-8")
     except OSError as error:
         raise UserError(f"cannot write {path}: {error.strerror}") from None
-
-
-def enter(arguments: Sequence[str]) -> int:
-    """``rosrun mr_launch enter [--team FOLDER] ROBOT COMMAND...``; replaces this process by the command."""
-    try:
-        command = enter_command(list(arguments))
-    except UserError as error:
-        print(f"enter: {error}", file=sys.stderr)
-        return BAD_CALL
-    os.execvp(command[0], command)
-
-
-def enter_command(words: list[str]) -> list[str]:
-    folder = Path("out/latest")
-    if words[:1] == ["--team"] and len(words) > 1:
-        folder, words = Path(words[1]), words[2:]
-    if not words or words[0].startswith("-"):
-        raise UserError("usage: rosrun mr_launch enter [--team FOLDER] ROBOT [COMMAND...]")
-    robot, command = words[0], words[1:] or [os.environ.get("SHELL", "/bin/sh")]
-    state = running_team(folder)
-    if robot not in state["robots"]:
-        raise UserError(f"no robot {robot} in this team; there are {', '.join(state['robots'])}")
-    entry = state["robots"][robot]
-    environment = {**entry["environment"], "PATH": isolation.search_path(os.environ.get("PATH", ""))}
-    return isolation.command_inside(
-        state["isolation"], state["init"], entry["holder"], environment, os.getcwd(), command
-    )

@@ -39,11 +39,13 @@ class Run:
         self.outcome = Outcome()
         self._cpu: dict[int, tuple[str, float, int]] = {}
         self._cpu_time = 0.0
+        self._begun = time.time()
 
     def run(self) -> int:
         hosts = [host.name for host in self.plan.hosts]
         make_private_file_system(self.plan.isolation, self.plan.private, hosts)
-        self.server = ReportServer(self.plan.socket("reports"), list(self.truth.tracks))
+        base = "" if self.plan.base is None else self.plan.base.name
+        self.server = ReportServer(self.plan.socket("reports"), list(self.truth.tracks), base)
         self.mission = Mission(
             self.plan, self.server, self.truth, self._failures, self.lifeline.stop.is_set, self.view.show
         )
@@ -94,7 +96,8 @@ class Run:
         self.server.close()
         self.truth.update()
         try:
-            record = write_results(self._plan_of_results(), self.outcome, self.server, self.truth, cpu)
+            plan = self._plan_of_results()
+            record = write_results(plan, self.outcome, self.server, self.truth, self._begun, cpu)
         except OSError as error:
             self.view.notice(f"team: results cannot be written to {error.filename or self.plan.out}: {error.strerror}")
             return code or FAILED

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 import select
 import socket
 from collections import deque
 from typing import Any, Iterable, Mapping
 
 from mr_grid import Pose
+from mr_measures.drift import SPACING
 from mr_measures.record.beliefs import Beliefs
 
 LONGEST_TEXT = 500  # characters of what a node says
@@ -29,6 +31,7 @@ class Digest:
         self._goals = 0
         self._goal = ""  # move_base's name of the present one
         self._bids = 0
+        self._place: Pose | None = None  # told last
 
     def seen(self, part: str) -> None:
         """This part of the robot is up."""
@@ -51,6 +54,12 @@ class Digest:
         for name, transform in self._beliefs.changes(transforms):
             place = None if transform is None else [round(value, 5) for value in transform]
             self._happened("merge", now, partner=name, transform=place)
+
+    def located(self, pose: Pose, at: float) -> None:
+        """Where the robot believed to be at `at`, in its map. Told often enough for `mr_measures.drift.Track`."""
+        if self._place is None or math.dist(pose[:2], self._place[:2]) >= 0.5 * SPACING:
+            self._place = pose
+            self._happened("pose", at, place=[round(value, 5) for value in pose])
 
     def goal(self, name: str, x: float, y: float, now: float) -> None:
         """Somebody sends the robot there; `name`: by which move_base tells its end. m, frame ``map``."""

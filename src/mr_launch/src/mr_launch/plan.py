@@ -237,10 +237,11 @@ def _base_command(plan: Plan, base: RobotPlan) -> list[str]:
         "team": plan.team,
         "initial_poses": initial_poses(plan) if plan.options.initial_poses else "{}",
         "log_path": str(plan.log_folder(base)),
+        "report_socket": plan.socket("reports"),
         "page_team": page_socket(plan),
         "respawn": _word(plan.options.respawn),
     }
-    return _roslaunch(plan, base, "base_station.launch", arguments)
+    return _roslaunch(plan, base, "team_base_station.launch", arguments)
 
 
 def _word(value: bool) -> str:

@@ -1,14 +1,18 @@
 """record.json: a mission of the ROS stack as `mr_measures.record` has it, so that reports, replays and comparisons take
-it like one in virtual time. What the runner does not know is absent: whether transforms are right."""
+it like one in virtual time. What the runner does not know is absent: maps on the way, and a hash of all frames."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Mapping, Sequence
+import platform
+import time
+from dataclasses import dataclass, replace
+from typing import Mapping, Sequence
 
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
+from mr_launch.begun import asked_settings
+from mr_launch.judging import Judge, Witness
 from mr_launch.mission import Outcome
 from mr_launch.plan import Plan, RobotPlan
 from mr_launch.reports import RobotReport
@@ -21,7 +25,6 @@ from mr_measures.record.logs import NoteLog
 from mr_measures.record.mission_record import (
     FAILED,
     FINISHED,
-    STACK,
     UNFINISHED,
     Asked,
     Measured,
@@ -34,7 +37,7 @@ from mr_measures.record.parts import motion_of
 from mr_measures.record.robot_record import MapFigures, RobotRecord
 from mr_measures.record.series import RobotSeries, TeamSeries
 
-NO_END = "the runner was ended before it could write what became of the mission, or it still runs"
+MAP_IS_LOST = {"slam", "roslaunch"}  # if one of them ends: that of its robot
 Processors = Mapping[str, Mapping[str, float]]  # shares of a core by robot and process
 
 
@@ -53,71 +56,64 @@ class Course:
     known: np.ndarray | None = None
 
 
-def begun_record(plan: Plan, versions: Mapping[str, str]) -> MissionRecord:
-    """Of a mission that has only been asked for: what is left of it if its runner does not come to its end."""
-    return MissionRecord(Asked(_asked(plan)), schema.Outcome(FAILED, 0.0, NO_END), versions=versions)
+@dataclass(frozen=True)
+class Seen:
+    """What the runner has seen. `courses`: of all robots, in the plan's order; `base`: what the base station told, if
+    there is one; `reference`: (N, 2) the reference cells, m, world frame, None if nobody computed them."""
+
+    courses: Sequence[Course]
+    base: RobotLog | None = None
+    reference: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Ran:
+    """How it ran on the computer. `begun`: s since the epoch."""
+
+    begun: float
+    cpu: Processors
+    real_time_factor: float | None
 
 
 def mission_record(
     plan: Plan,
     outcome: Outcome,
-    courses: Sequence[Course],
-    cpu: Processors,
-    real_time_factor: float | None,
+    seen: Seen,
+    ran: Ran,
     versions: Mapping[str, str],
 ) -> MissionRecord:
-    """`courses`: of all robots, in the plan's order."""
-    robots = {course.plan.name: _robot(course, outcome, plan) for course in courses}
+    courses, judge = seen.courses, _judge_of(seen, outcome)
+    robots = {course.plan.name: _robot(course, outcome, plan, judge) for course in courses}
     ends = [robot.finished_at for robot in robots.values()]
     complete = bool(ends) and None not in ends and not outcome.failed
-    time = max(end for end in ends if end is not None) if complete else None
+    exploration_time = max(end for end in ends if end is not None) if complete else None
     status = FAILED if outcome.failed else FINISHED if complete else UNFINISHED
     duration = max(0.0, outcome.end - outcome.start)
     return MissionRecord(
-        Asked(_asked(plan)),
+        Asked(asked_settings(plan)),
         schema.Outcome(status, round(duration, 3), outcome.reason),
-        _team(time, robots, [course.known for course in courses], outcome),
+        _team(exploration_time, robots, seen, outcome),
         robots,
         versions,
         maps={course.plan.name: _maps(course) for course in courses if course.merged is not None},
-        notes=_notes(courses, outcome),
+        notes=_notes(plan, seen, outcome),
         restarts={name: dict(counts) for name, counts in outcome.restarts.items() if counts},
-        measured=_measured(cpu, real_time_factor, duration),
+        measured=_measured(ran, duration),
     )
 
 
-def _asked(plan: Plan) -> dict[str, Any]:
-    """Settings have the names that they have in virtual time."""
-    options = plan.options
-    return {
-        "world": options.world,
-        "robots": len(plan.robots),
-        "seed": options.seed,
-        "scenario": STACK,
-        "strategy": options.strategy,
-        "limit": options.duration,
-        "fast": False,
-        "radio": {
-            "range": options.range,
-            "loss": options.loss,
-            "wall_attenuation": options.wall_attenuation,
-            "sealed": not options.open,
-        },
-        "known_poses": options.initial_poses,
-        "starts": [list(robot.start) for robot in plan.robots] if options.starts else [],
-        "topology": options.topology,
-        "base": None if plan.base is None else list(plan.base.start[:2]),
-        "odometry": options.odometry,
-        "slam": options.slam,
-        "navigation": options.navigation,
-        "real_time_factor": options.rtf,
-        "isolation": plan.isolation,
-        "respawn": options.respawn,
-        "bag": options.bag,
+def _judge_of(seen: Seen, outcome: Outcome) -> Judge:
+    """Of robots whose map was lost on the way, with SLAM or with all of them, there is no witness."""
+    witnesses = {
+        course.plan.name: Witness(course.plan.start, course.log.poses, course.track.at, course.known)
+        for course in seen.courses
+        if course.known is not None and not MAP_IS_LOST & outcome.restarts.get(course.plan.name, {}).keys()
     }
+    nowhere = np.zeros((0, 2))
+    return Judge(nowhere, {}) if seen.reference is None else Judge(seen.reference, witnesses)
 
 
-def _robot(course: Course, outcome: Outcome, plan: Plan) -> RobotRecord:
+def _robot(course: Course, outcome: Outcome, plan: Plan, judge: Judge) -> RobotRecord:
     report, log, start = course.report, course.log, outcome.start
     finished_at = None
     if report.exploration_finished:
@@ -125,7 +121,7 @@ def _robot(course: Course, outcome: Outcome, plan: Plan) -> RobotRecord:
     records = course.track.records(start, outcome.end).copy()
     records["time"] -= start
     motion = motion_of(records, 0.0, outcome.end - start if finished_at is None else finished_at)
-    goals = log.goals(start)
+    merges = log.merges(start, [robot.name for robot in plan.robots])
     return RobotRecord(
         start=Pose(*(round(value, 5) for value in course.plan.start)),
         distance=motion.distance,
@@ -140,26 +136,37 @@ def _robot(course: Course, outcome: Outcome, plan: Plan) -> RobotRecord:
             "bids": report.bids,
             "auctions_completed": report.auctions,
             "auctions_uncompleted": report.auctions_uncompleted,
-            "goals": len(goals),
+            "goals": report.goals,
             "goals_reached": report.goals_reached,
+            "goals_failed": report.goals_failed,
             "unreachable_frontiers": report.unreachable,
         },
-        goals=goals,
+        goals=log.goals(start),
         auctions=log.auctions(start),
-        merges=log.merges(start, [robot.name for robot in plan.robots]) if report.sees_merges else None,
+        merges=judge.judge(course.plan.name, merges, start) if report.sees_merges else None,
         series=log.series(start, records),
     )
 
 
-def _team(
-    time: float | None, robots: Mapping[str, RobotRecord], known: Sequence[np.ndarray | None], outcome: Outcome
-) -> Team:
-    """`time`: T. Without what one of the robots knew nothing is said of what they knew together."""
-    since = [one for one in known if one is not None]
-    if not known or len(since) < len(known):
-        return Team(time)
-    series = team_series(since, outcome.start, outcome.end)
-    return Team(time, overlap_of(since, outcome.end), _with_sums(series, [robot.series for robot in robots.values()]))
+def _team(exploration_time: float | None, robots: Mapping[str, RobotRecord], seen: Seen, outcome: Outcome) -> Team:
+    """Without what one of the robots knew nothing is said of what they knew together."""
+    since = [course.known for course in seen.courses if course.known is not None]
+    if not since or len(since) < len(seen.courses):
+        return Team(exploration_time)
+    series = _with_sums(team_series(since, outcome.start, outcome.end), [robot.series for robot in robots.values()])
+    if seen.base is not None and series.bytes:
+        series = _with_base(series, seen.base, outcome.start)
+    return Team(exploration_time, overlap_of(since, outcome.end), series)
+
+
+def _with_base(team: TeamSeries, base: RobotLog, start: float) -> TeamSeries:
+    """With what the base station has sent by its times."""
+    told = base.samples_at(start + np.array(team.time))
+    return replace(
+        team,
+        bytes=tuple(total + sample.bytes for total, sample in zip(team.bytes, told)),
+        frames=tuple(total + sample.frames for total, sample in zip(team.frames, told)),
+    )
 
 
 def _with_sums(team: TeamSeries, robots: Sequence[RobotSeries]) -> TeamSeries:
@@ -181,24 +188,29 @@ def _maps(course: Course) -> RobotMaps:
     return RobotMaps(None if merged is None else picture_of(merged), None if own is None else picture_of(own))
 
 
-def _notes(courses: Sequence[Course], outcome: Outcome) -> tuple[Note, ...]:
-    """Those of the runner, then those of all robots by time."""
+def _notes(plan: Plan, seen: Seen, outcome: Outcome) -> tuple[Note, ...]:
+    """Those of the runner, then those of all robots and of the base by time."""
     log = NoteLog()
-    told = [note for course in courses for note in course.log.notes(outcome.start, course.plan.name)]
+    told = [note for course in seen.courses for note in course.log.notes(outcome.start, course.plan.name)]
+    if seen.base is not None and plan.base is not None:
+        told += seen.base.notes(outcome.start, plan.base.name)
     for note in [*(Note(0.0, "", text, True) for text in outcome.notes), *sorted(told, key=lambda note: note.at)]:
         log.add(note)
     return tuple(log.notes)
 
 
-def _measured(cpu: Processors, factor: float | None, duration: float) -> Measured:
+def _measured(ran: Ran, duration: float) -> Measured:
     """`duration`: s of simulation. Processor seconds of each kind of node, of all robots together and of each."""
+    factor = ran.real_time_factor
     wall = duration / factor if factor else duration
     by_host = {
-        host: {process: round(share * wall, 3) for process, share in shares.items()} for host, shares in cpu.items()
+        host: {process: round(share * wall, 3) for process, share in shares.items()} for host, shares in ran.cpu.items()
     }
     spent: dict[str, float] = {}
     for processes in by_host.values():
         for process, seconds in processes.items():
             spent[process] = round(spent.get(process, 0.0) + seconds, 3)
     rounded = None if factor is None else round(factor, 3)
-    return Measured(round(wall, 3), round(sum(spent.values()), 3), rounded, spent, cpu_by_host=by_host)
+    started = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(ran.begun))
+    cpu = round(sum(spent.values()), 3)
+    return Measured(round(wall, 3), cpu, rounded, spent, platform.node(), started, by_host)

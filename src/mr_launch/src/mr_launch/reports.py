@@ -7,6 +7,7 @@ import json
 import os
 import selectors
 import socket
+import statistics
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -34,7 +35,9 @@ class RobotReport:
     goal: tuple[float, float] | None = None
     frontiers: int = 0
     unreachable: int = 0
+    goals: int = 0
     goals_reached: int = 0
+    goals_failed: int = 0
     auctions: int = 0
     auctions_uncompleted: int = 0
     bids: int = 0
@@ -67,12 +70,14 @@ class RobotReport:
 
 
 class ReportServer:
-    """Accepts the monitors of all robots and keeps the latest report of each, and a log. Never blocks longer than
-    asked."""
+    """Accepts the monitors of all robots and of the base station and keeps the latest report of each, and a log. Never
+    blocks longer than asked."""
 
-    def __init__(self, path: str, robots: list[str]) -> None:
+    def __init__(self, path: str, robots: list[str], base: str = "") -> None:
+        """`base`: name of the base station; empty: there is none."""
         self.reports = {name: RobotReport(name) for name in robots}
-        self.logs = {name: RobotLog() for name in robots}
+        self._bases = {base: RobotReport(base)} if base else {}
+        self.logs = {name: RobotLog() for name in [*robots, *self._bases]}
         self._links: dict[str, socket.socket] = {}
         self._buffers: dict[socket.socket, bytes] = {}
         self._selector = selectors.DefaultSelector()
@@ -106,8 +111,12 @@ class ReportServer:
 
     def begin_anew(self, robot: str) -> None:
         """What the robot said before it was started again no longer counts."""
-        self.logs[robot].begin_anew(self.reports[robot].time)
-        self.reports[robot] = RobotReport(robot)
+        side = self._side(robot)
+        self.logs[robot].begin_anew(side[robot].time)
+        side[robot] = RobotReport(robot)
+
+    def _side(self, name: str) -> dict[str, RobotReport]:
+        return self._bases if name in self._bases else self.reports
 
     def close(self) -> None:
         for link in list(self._buffers):
@@ -135,12 +144,19 @@ class ReportServer:
     def _take(self, link: socket.socket, line: bytes) -> None:
         try:
             values = json.loads(line)
-            report = self.reports[values["robot"]]
+            if values["robot"] in self._bases:
+                values = self._on_the_robots_clock(values)
+            report = self._side(values["robot"])[values["robot"]]
             self._links[report.robot] = link
             report.update(values)
             self.logs[report.robot].take(report.sample(), values.get("events", ()))
         except (ValueError, KeyError, TypeError):
             return
+
+    def _on_the_robots_clock(self, values: dict[str, Any]) -> dict[str, Any]:
+        """What a base station has told: it has no simulation time, and tells what is new about once a second."""
+        now = statistics.median_low([report.time for report in self.reports.values()])
+        return {**values, "time": now, "events": [{**event, "at": now} for event in values.get("events", ())]}
 
     def _drop(self, link: socket.socket) -> None:
         self._selector.unregister(link)

@@ -24,20 +24,16 @@ if TYPE_CHECKING:
     from mr_measures.record.mission_record import MissionRecord
 
 
-def write_begun(plan: Plan) -> None:
-    """The record of a mission that begins; whoever counts missions finds it, however this one ends."""
-    from mr_launch.record import begun_record
-    from mr_measures.record.files import write_record
-    from mr_measures.record.versions import versions
-
-    write_record(begun_record(plan, versions("mr_launch", project_worlds())), Path(plan.out) / STACK_RECORD)
-
-
 def write_results(
-    plan: Plan, outcome: Outcome, server: ReportServer, truth: Truth, cpu: Mapping[str, Mapping[str, float]]
+    plan: Plan,
+    outcome: Outcome,
+    server: ReportServer,
+    truth: Truth,
+    begun: float,
+    cpu: Mapping[str, Mapping[str, float]],
 ) -> MissionRecord:
-    """Write everything that the mission gave, however it ended, and return its record."""
-    from mr_launch.record import Course, mission_record  # what it needs is slow to import
+    """Write everything that the mission gave, however it ended, and return its record. `begun`: s since the epoch."""
+    from mr_launch.record import Course, Ran, Seen, mission_record  # what it needs is slow to import
     from mr_measures.record.files import write_record
     from mr_measures.record.versions import versions
 
@@ -55,7 +51,9 @@ def write_results(
     ]  # fmt: skip
     factor = truth.real_time_factor(outcome.start, last_finish(list(server.reports.values()), outcome))
     made = versions("mr_launch", project_worlds())
-    record = mission_record(plan, outcome, courses, cpu, factor, made)
+    base = None if plan.base is None else server.logs[plan.base.name]
+    seen, ran = Seen(courses, base, measures.reference), Ran(begun, cpu, factor)
+    record = mission_record(plan, outcome, seen, ran, made)
     write_record(record, Path(plan.out) / STACK_RECORD)
     draw(plan, outcome, grids, record, truth)
     return record

@@ -43,6 +43,7 @@ class RobotLog:
         self._goals = GoalLog()
         self._auctions: list[Auction] = []
         self._merges: list[Merge] = []
+        self.poses: list[tuple[float, Pose]] = []  # where the robot believed to be, in its map, and when
         self._notes = NoteLog()
         self._former = Sample(0.0)  # counts of the starts before this one
         self._former_goals = 0
@@ -82,6 +83,8 @@ class RobotLog:
         elif kind == "merge":
             place = values["transform"]
             self._merges.append(Merge(values["partner"], at, None if place is None else Pose(*place)))
+        elif kind == "pose":
+            self.poses.append((at, Pose(*values["place"])))
         elif kind == "note":
             self._notes.add(Note(at, **values))
         else:
@@ -103,15 +106,18 @@ class RobotLog:
     def notes(self, start: float, robot: str) -> tuple[Note, ...]:
         return tuple(replace(note, at=_since(note.at, start), robot=robot) for note in self._notes.notes)
 
+    def samples_at(self, times: np.ndarray) -> list[Sample]:
+        """What was told last at each of the times."""
+        latest = np.searchsorted([sample.time for sample in self._samples], times, side="right") - 1
+        return [self._samples[index] if index >= 0 else Sample(0.0) for index in latest]
+
     def series(self, start: float, motion: np.ndarray) -> RobotSeries:
         """`motion`: true, as in `mr_measures.motion`, times since the start. At each second what was told last."""
         if not motion.size:
             return RobotSeries()
         moments = np.arange(0.0, float(motion["time"][-1]) + 1e-9, SERIES_PERIOD)
         rows = np.minimum(np.searchsorted(motion["time"], moments), len(motion) - 1)
-        told = np.array([sample.time - start for sample in self._samples])
-        latest = np.searchsorted(told, motion["time"][rows], side="right") - 1
-        samples = [self._samples[index] if index >= 0 else Sample(0.0) for index in latest]
+        samples = self.samples_at(motion["time"][rows] + start)
         columns: dict[str, Any] = {name: tuple(getattr(sample, name) for sample in samples) for name in TOLD}
         return RobotSeries(**{**_motion_columns(motion, rows), **columns})
 

@@ -25,7 +25,9 @@ def state_values(message: Any) -> dict[str, Any]:
         "goal": [message.goal.x, message.goal.y] if message.has_goal else None,
         "frontiers": message.frontiers,
         "unreachable": message.unreachable,
+        "goals": message.goals,
         "goals_reached": message.goals_reached,
+        "goals_failed": message.goals_failed,
         "auctions": message.auctions_completed,
         "auctions_uncompleted": message.auctions_uncompleted,
     }

@@ -34,6 +34,15 @@ class Track:
             self.distance += math.dist(row[2:4], self._rows[-1][2:4])
         self._rows.append(row)
 
+    def at(self, time: float) -> Pose | None:
+        """The pose at this simulation time (s), in the frame of the world; None outside of the trace."""
+        index = bisect_left(self._rows, (time,))
+        if index == len(self._rows) or (index == 0 and self._rows[0][0] > time):
+            return None
+        after, before = self._rows[index], self._rows[max(index - 1, 0)]
+        share = (time - before[0]) / (after[0] - before[0]) if after[0] > before[0] else 0.0
+        return Pose(*before[2:5]).interpolate(Pose(*after[2:5]), share)
+
     def records(self, start: float = -math.inf, end: float = math.inf) -> np.ndarray:
         """Rows between two simulation times (s), both included, as `mr_measures.motion` has them."""
         return records_of(self._rows[bisect_left(self._rows, (start,)) : bisect_right(self._rows, (end, math.inf))])

@@ -209,6 +209,11 @@ class Measures:
         self._slam = slam
         self._truth = load_truth(truth_file)
 
+    @property
+    def reference(self) -> np.ndarray | None:
+        """(N, 2) the reference cells, m, world frame; None if nobody has computed them."""
+        return None if self._truth is None else self._truth.reference
+
     def of(self, grid: OccupancyGrid | None, start: Pose) -> MapFigures:
         """Of one robot's final map. Its error is against missions in virtual time: those of a host in real time would
         take an hour for each world."""

@@ -75,3 +75,14 @@ def overlap(
     in_source = source_track.drifted(start.inverse().apply(target_track.straightened(in_target)))
     both = source.values_at(in_source) >= 0
     return in_target[both], in_source[both]
+
+
+def places_in_both(
+    known: np.ndarray, target_start: Pose, target_track: Track, source_start: Pose, source_track: Track
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of places `known` (n, 2) by both, world frame, in which the starts are, too."""
+    some = known[:: max(1, math.ceil(len(known) / MOST_POINTS))]
+    return (
+        target_track.drifted(target_start.apply_inverse(some)),
+        source_track.drifted(source_start.apply_inverse(some)),
+    )

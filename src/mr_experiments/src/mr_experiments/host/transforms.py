@@ -7,12 +7,12 @@ from typing import Sequence
 import numpy as np
 
 from map_merger.benchmark import classify
-from map_merger.transform import displacement, rotation_between
 from mr_experiments.host.robot import Robot
 from mr_grid import Pose
-from mr_measures.drift import FEWEST_POINTS, Track, best_rigid_fit, overlap
+from mr_measures.drift import Track, overlap
 from mr_measures.occupancy import occupancy_of
 from mr_measures.record.beliefs import Beliefs
+from mr_measures.record.judgement import judged, true_transform
 from mr_measures.record.robot_record import Merge
 
 
@@ -40,29 +40,9 @@ class MergeLog:
             self.entries[robot.name].append(entry)
 
     def _entry(self, robot: Robot, other: Robot, transform: Pose, now: float) -> Merge:
-        true, points = self._truth(robot, other)
-        offsets = displacement(transform, true, points)
-        turn = rotation_between(transform, true)
-        kind = classify(offsets, turn)
-        return Merge(
-            other.name,
-            round(now, 3),
-            Pose(round(transform.x, 4), round(transform.y, 4), round(transform.yaw, 5)),
-            round(float(offsets.max()), 4),
-            round(turn, 5),
-            kind,
-            kind != "wrong",
-        )
-
-    def _truth(self, robot: Robot, other: Robot) -> tuple[Pose, np.ndarray]:
-        """The best rigid fit over what both maps know, and those places (n, 2) in the other's map. Where they share too
-        little, that of the starts and all of the other's map."""
+        """Judged by the places that both maps know now."""
         start = Pose(*self._starts[robot.name].between(self._starts[other.name]))
         target, source = occupancy_of(robot.local_map), occupancy_of(other.local_map)
-        target_points, source_points = overlap(
-            target, self._tracks[robot.name], source, self._tracks[other.name], start
-        )
-        if len(source_points) >= FEWEST_POINTS:
-            return best_rigid_fit(target_points, source_points), source_points
-        places = source.info.centres_of(np.argwhere(source.cells >= 0))
-        return start, places if len(places) else np.zeros((1, 2))
+        shared = overlap(target, self._tracks[robot.name], source, self._tracks[other.name], start)
+        true, points = true_transform(start, *shared, lambda: source.info.centres_of(np.argwhere(source.cells >= 0)))
+        return judged(other.name, now, transform, true, points, classify)

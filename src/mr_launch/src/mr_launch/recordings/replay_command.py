@@ -14,9 +14,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Iterator, Sequence
 
-from explorer.options import STRATEGIES
 from mr_launch import isolation
-from mr_launch.arguments import STRATEGY
+from mr_launch.arguments import STRATEGY, known_strategies
 from mr_launch.errors import UserError
 from mr_launch.exit_codes import BAD_CALL, INTERRUPTED
 from mr_launch.outside import run_inside
@@ -90,8 +89,8 @@ def check(options: argparse.Namespace) -> None:
         raise UserError(f"--rate {options.rate:g} is out of range: 0.01 to {FASTEST:g}")
     if not 0.0 <= options.first < options.last:
         raise UserError(f"--from {options.first:g} --to {options.last:g}: nothing lies between")
-    if options.strategy is not None and options.strategy not in STRATEGIES:
-        known = ", ".join(f"{number} ({text})" for number, text in STRATEGIES.items())
+    if options.strategy is not None and options.strategy not in known_strategies():
+        known = ", ".join(f"{number} ({text})" for number, text in known_strategies().items())
         raise UserError(f"--strategy {options.strategy} is unknown; there are {known}")
 
 

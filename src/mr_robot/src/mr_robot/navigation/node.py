@@ -167,11 +167,12 @@ class MoveBaseNode:
         elif command.status is Status.ABORTED:
             rospy.logwarn(command.text)
             self._server.set_aborted(MoveBaseResult(), command.text)
-        elif pose is not None:
-            self._report(now, pose)
+        elif located is not None:
+            self._report(now, *located)
 
-    def _report(self, now: float, pose: Pose) -> None:
-        stamp, frame = rospy.Time.from_sec(now), self._frames["map_frame"]
+    def _report(self, now: float, pose: Pose, stamp: rospy.Time) -> None:
+        """`stamp`: of the pose, which is older than `now`: a robot that turns is elsewhere by then."""
+        frame = self._frames["map_frame"]
         if not 0.0 <= now - self._fed_back_at < FEEDBACK_PERIOD:
             self._fed_back_at = now
             self._server.publish_feedback(ros_io.feedback_message(pose, frame, stamp))
