@@ -8,6 +8,8 @@
 
 #include "link/mac_address.hpp"
 #include "node/end_node.hpp"
+#include "node/payload.hpp"
+#include "node/ros_topics.hpp"
 #include "security/cipher.hpp"
 
 namespace adhoc_communication {
@@ -59,10 +61,8 @@ Node::Node(const NodeOptions& options)
   auto link = captured(open_link_for(options_));
   ROS_INFO("%s on interface %s with address %s", options_.engine.robot_name.c_str(), options_.interface.c_str(),
            to_text(link->address()).c_str());
-  injector_ = std::make_unique<Injector>(
-      node_, name_prefix_, topic_filter(),
-      [this](const std::string& robot, const TypeName& type) { relay_->ask(robot, type); },
-      [this](const PacketReceived& request) { relay_->answer(request); });
+  injector_ =
+      std::make_unique<Injector>(std::make_unique<RosTopics>(node_, name_prefix_), topic_filter(), inbox_calls());
   relay_ = std::make_unique<TopicRelay>(node_, name_prefix_, options_.engine.robot_name);
   discovery_ = std::make_unique<Discovery>(node_, service_prefix_ + options_.topic_new_robot,
                                            service_prefix_ + options_.topic_remove_robot);
@@ -116,6 +116,12 @@ HostCallbacks Node::callbacks() {
           [](const std::string& robot) {
             ROS_ERROR("Two robots are called %s: give each its own ~robot_name", robot.c_str());
           }};
+}
+
+InboxCalls Node::inbox_calls() {
+  return {decode, [this](const std::string& robot, const TypeName& type) { relay_->ask(robot, type); },
+          [this](const PacketReceived& request) { relay_->answer(request); },
+          [](const std::string& text) { ROS_ERROR("%s", text.c_str()); }};
 }
 
 /// What this node publishes itself, other robots may not.

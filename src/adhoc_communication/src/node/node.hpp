@@ -43,6 +43,7 @@ class Node {
   NodeState state(const Snapshot& snapshot) const;
   void shut_down();
   TopicFilter topic_filter() const;
+  InboxCalls inbox_calls();
   void reread_keys(const ros::WallTimerEvent&);
 
   NodeOptions options_;

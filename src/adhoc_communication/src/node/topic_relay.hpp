@@ -4,7 +4,6 @@
 #include <ros/node_handle.h>
 #include <ros/subscriber.h>
 
-#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <map>
@@ -14,8 +13,8 @@
 #include <vector>
 
 #include "node/engine_host.hpp"
-#include "node/relay_table.hpp"
 #include "node/service_pool.hpp"
+#include "relay/relay_table.hpp"
 
 namespace topic_tools {
 class ShapeShifter;
@@ -60,8 +59,7 @@ class TopicRelay {
 
   ros::NodeHandle node_;
   const std::string prefix_;
-  Send send_;
-  std::atomic<int> answers_under_way_{0};
+  Send send_;  ///< of the thread
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

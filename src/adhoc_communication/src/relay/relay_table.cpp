@@ -1,4 +1,4 @@
-#include "node/relay_table.hpp"
+#include "relay/relay_table.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -236,6 +236,7 @@ RelayTable::Waiting RelayTable::take_first(Relay& relay) {
 }
 
 std::optional<RelayTable::Transfer> RelayTable::next(Time now) {
+  if (auto letter = letters_.next(next_number_)) return Transfer{next_number_++, std::move(*letter)};
   auto iterator = relays_.upper_bound(last_served_);
   for (std::size_t visited = 0; visited < relays_.size(); ++visited, ++iterator) {
     if (iterator == relays_.end()) iterator = relays_.begin();
@@ -292,6 +293,7 @@ std::optional<RelayTable::InFlight> RelayTable::end_transfer(std::uint64_t numbe
 void RelayTable::superseded(std::uint64_t number) { end_transfer(number, false); }
 
 void RelayTable::finished(std::uint64_t number, bool delivered, const std::string& reason, Time now) {
+  if (letters_.ended(number)) return;
   const std::optional<InFlight> transfer = end_transfer(number, delivered);
   if (!transfer) return;
   Relay& relay = relays_.at(transfer->relay);
@@ -306,18 +308,20 @@ void RelayTable::finished(std::uint64_t number, bool delivered, const std::strin
 }
 
 Time RelayTable::next_deadline() const {
-  Time next = Time::max();
+  Time next = letters_.ready() ? Time::zero() : Time::max();
   for (const auto& [id, relay] : relays_) {
     if (ready(relay)) next = std::min(next, relay.due);
   }
   return next;
 }
 
-RelayTable::Message RelayTable::answer(const TypeName& type) const {
+void RelayTable::answer(const PacketReceived& request) {
+  const SerializedMessage asked = decode_any_message(request);
+  const TypeName type = type_of(asked);
   for (const auto& [id, relay] : relays_) {
-    if (relay.last && type_of(*relay.last) == type) return relay.last;
+    if (!relay.last || !(type_of(*relay.last) == type)) continue;
+    return letters_.answer(request.source, type, relay.last->definition);
   }
-  return nullptr;
 }
 
 }  // namespace adhoc_communication

@@ -13,21 +13,11 @@
 #include <vector>
 
 #include "adhoc_communication/types.hpp"
-#include "node/payload.hpp"
+#include "relay/letters.hpp"
+#include "relay/message.hpp"
+#include "relay/relay_entry.hpp"
 
 namespace adhoc_communication {
-
-/// One local topic carried to one destination.
-struct RelayEntry {
-  std::string topic;
-  std::string destination;  ///< robot, mc_<robot>, or empty for a one-hop broadcast
-  Priority priority = Priority::kNormal;
-  double rate = 0.0;         ///< messages per second at most; 0: every message
-  bool latched = false;      ///< the last message is sent to a destination that appears
-  std::string remote_topic;  ///< as the receiver publishes it; empty: `topic`
-  double lifetime = 0.0;     ///< seconds after which a message is of no use any more; 0: none
-  bool newest_only = false;  ///< a newer message takes the place of one that is not on its way yet
-};
 
 /// A relay and what it has done.
 struct RelayReport {
@@ -70,20 +60,23 @@ class RelayTable {
   /// Who belongs to the own group now; newcomers are sent what is latched.
   void group_members(const std::vector<std::string>& members, Time now);
 
+  // Definitions.
+  /// A robot is to be asked for one.
+  void ask(const std::string& robot, const TypeName& type) { letters_.ask(robot, type); }
+  /// Another robot asks for one, which it gets if a relay carries that type. Throws PayloadError.
+  void answer(const PacketReceived& request);
+
   struct Transfer {
     std::uint64_t number = 0;
     SendRequest request;
   };
-  /// The next message to send; each has to be reported with finished().
+  /// The next message or letter to send; each has to be reported with finished().
   std::optional<Transfer> next(Time now);
   void finished(std::uint64_t number, bool delivered, const std::string& reason, Time now);
   /// Instead of finished(): a newer message has taken its place.
   void superseded(std::uint64_t number);
   /// When next() may have something by the passing of time alone; Time::max() if never.
   Time next_deadline() const;
-
-  /// The message whose definition a robot asks for, if a relay carries that type.
-  Message answer(const TypeName& type) const;
 
  private:
   struct Waiting {
@@ -128,6 +121,7 @@ class RelayTable {
 
   const std::string own_name_;
   std::map<Id, Relay> relays_;
+  Letters letters_;
   std::set<std::string> robots_;
   std::set<std::string> members_;
   std::set<Lesson> known_;

@@ -6,7 +6,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "node/relay_table.hpp"
+#include "relay/relay_table.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -34,7 +34,7 @@ SerializedMessage content(const RelayTable::Transfer& transfer) {
   PacketReceived packet;
   packet.payload_type = transfer.request.payload_type;
   packet.payload = transfer.request.payload;
-  return decode(packet);
+  return decode_any_message(packet);
 }
 
 std::string octets(const RelayTable::Transfer& transfer) {
@@ -404,15 +404,43 @@ TEST(RelayTable, RequestHasTopicPriorityAndDestinationOfItsEntry) {
   EXPECT_EQ(transfer->request.destination, "bob");
 }
 
+PacketReceived question(const std::string& type, const std::string& md5sum) {
+  PacketReceived packet;
+  packet.source = "carol";
+  packet.payload_type = static_cast<std::uint8_t>(PayloadType::kDefinitionRequest);
+  packet.payload = encode_message_by_type({type, md5sum, {}, {}, false});
+  return packet;
+}
+
 TEST(RelayTable, AnswersWhoLacksADefinition) {
   RelayTable table("self");
   const auto id = table.add(to("bob"));
-  EXPECT_EQ(table.answer({"pkg/Type", kMd5sum}), nullptr);
+  table.answer(question("pkg/Type", kMd5sum));
+  EXPECT_EQ(table.next_deadline(), Time::max()) << "nothing of that type has come yet";
   table.offer(id, message("1"), 0s);
-  ASSERT_NE(table.answer({"pkg/Type", kMd5sum}), nullptr);
-  EXPECT_EQ(table.answer({"pkg/Type", kMd5sum})->definition, "float64 x");
-  EXPECT_EQ(table.answer({"pkg/Type", std::string(32, 'b')}), nullptr);
-  EXPECT_EQ(table.answer({"pkg/Other", kMd5sum}), nullptr);
+  table.answer(question("pkg/Type", std::string(32, 'b')));
+  table.answer(question("pkg/Other", kMd5sum));
+  EXPECT_FALSE(table.next(0s));
+  table.answer(question("pkg/Type", kMd5sum));
+  EXPECT_EQ(table.next_deadline(), Time::zero());
+  const auto answer = table.next(0s);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->request.destination, "carol");
+  EXPECT_EQ(type_of(*answer), 'D');
+  EXPECT_EQ(content(*answer).definition, "float64 x");
+  EXPECT_EQ(octets(*answer), "");
+  EXPECT_THROW(table.answer(question("none", kMd5sum)), PayloadError);
+}
+
+TEST(RelayTable, AsksAheadOfMessages) {
+  RelayTable table("self");
+  table.offer(table.add(to("bob")), message("1"), 0s);
+  table.ask("carol", {"pkg/Type", kMd5sum});
+  const auto question = table.next(0s);
+  ASSERT_TRUE(question);
+  EXPECT_EQ(question->request.destination, "carol");
+  EXPECT_EQ(type_of(*question), 'd');
+  EXPECT_EQ(content(*question).type, "pkg/Type");
 }
 
 std::string refusal(RelayTable& table, const RelayEntry& entry) {

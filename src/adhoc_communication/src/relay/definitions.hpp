@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "adhoc_communication/types.hpp"
-#include "node/payload.hpp"
+#include "relay/message.hpp"
 
 namespace adhoc_communication {
 
