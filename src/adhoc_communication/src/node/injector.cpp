@@ -14,7 +14,7 @@ namespace adhoc_communication {
 namespace {
 
 constexpr std::size_t kMaxQueuedPackets = 1000;
-constexpr std::size_t kMaxQueuedOctets = 100'000'000;
+constexpr std::size_t kMaxQueuedOctets = 16'000'000;       ///< if it is more than one packet
 constexpr std::chrono::milliseconds kConnectionPeriod{5};  ///< in which it is looked whether subscribers have connected
 
 }  // namespace
@@ -35,7 +35,8 @@ Injector::~Injector() {
 
 void Injector::inject(PacketReceived packet) {
   std::unique_lock<std::mutex> lock(mutex_);
-  if (queue_.size() >= kMaxQueuedPackets || queued_octets_ + packet.payload.size() > kMaxQueuedOctets) {
+  if (queue_.size() >= kMaxQueuedPackets ||
+      (!queue_.empty() && queued_octets_ + packet.payload.size() > kMaxQueuedOctets)) {
     ++dropped_;
     lock.unlock();
     ROS_ERROR_THROTTLE(5.0, "Packets arrive faster than they can be published; one for topic '%s' was dropped",

@@ -1,3 +1,4 @@
+#include <malloc.h>
 #include <ros/ros.h>
 #include <unistd.h>
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -44,6 +45,13 @@ void end_on_sigterm() {
   std::signal(SIGTERM, [](int) { ros::requestShutdown(); });
 }
 
+/// Blocks from this size on go back to the system as soon as they are free. By itself, the C library keeps what large
+/// packets took.
+void return_large_blocks() {
+  constexpr int kLarge = 256 * 1024;
+  mallopt(M_MMAP_THRESHOLD, kLarge);
+}
+
 int list_parameters() {
   for (const auto& parameter : adhoc_communication::parameters()) {
     std::cout << parameter.name << '\t' << parameter.type << '\t' << parameter.default_value << '\t'
@@ -57,6 +65,7 @@ int list_parameters() {
 int main(int argc, char** argv) {
   adhoc_communication::lower_capabilities();  // before the first thread, which would keep them
   if (argc > 1 && std::strcmp(argv[1], "--list-parameters") == 0) return list_parameters();
+  return_large_blocks();
   ros::init(argc, argv, "adhoc_communication");
   end_on_sigterm();
   const ros::NodeHandle keeps_ros_running;  // roscpp shuts down, its console too, when the last handle goes

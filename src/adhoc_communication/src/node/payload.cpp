@@ -43,11 +43,15 @@ SerializedMessage decode_as(const PacketReceived& packet) {
   return ready(message);
 }
 
+/// A text may be large: it is copied once, behind its length and the sender.
 SerializedMessage decode_string(const PacketReceived& packet) {
   RecvString message;
   message.src_robot = packet.source;
-  message.data.assign(packet.payload.begin(), packet.payload.end());
-  return ready(message);
+  SerializedMessage result = ready(message);
+  ros::serialization::OStream length(result.bytes.data() + result.bytes.size() - 4, 4);
+  length.next(static_cast<std::uint32_t>(packet.payload.size()));
+  result.bytes.insert(result.bytes.end(), packet.payload.begin(), packet.payload.end());
+  return result;
 }
 
 SerializedMessage decode_by_type(const PacketReceived& packet) {

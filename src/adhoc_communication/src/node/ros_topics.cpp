@@ -2,14 +2,43 @@
 
 #include <ros/master.h>
 #include <ros/publisher.h>
+#include <ros/serialization.h>
 #include <ros/this_node.h>
-#include <topic_tools/shape_shifter.h>
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "relay/topic_name.hpp"
+
+// What roscpp needs to know of a type that it publishes: here the octets are there already.
+namespace ros {
+namespace message_traits {
+template <>
+struct IsMessage<adhoc_communication::SerializedMessage> : TrueType {};
+template <>
+struct MD5Sum<adhoc_communication::SerializedMessage> {
+  static const char* value(const adhoc_communication::SerializedMessage& message) { return message.md5sum.c_str(); }
+};
+template <>
+struct DataType<adhoc_communication::SerializedMessage> {
+  static const char* value(const adhoc_communication::SerializedMessage& message) { return message.type.c_str(); }
+};
+}  // namespace message_traits
+namespace serialization {
+template <>
+struct Serializer<adhoc_communication::SerializedMessage> {
+  template <typename Stream>
+  static void write(Stream& stream, const adhoc_communication::SerializedMessage& message) {
+    std::copy(message.bytes.begin(), message.bytes.end(),
+              stream.advance(static_cast<std::uint32_t>(message.bytes.size())));
+  }
+  static std::uint32_t serializedLength(const adhoc_communication::SerializedMessage& message) {
+    return static_cast<std::uint32_t>(message.bytes.size());
+  }
+};
+}  // namespace serialization
+}  // namespace ros
 
 namespace adhoc_communication {
 namespace {
@@ -38,14 +67,7 @@ class RosPublication : public Publication {
 
   std::size_t subscribers() const override { return publisher_.getNumSubscribers(); }
 
-  void publish(const SerializedMessage& message) override {
-    topic_tools::ShapeShifter shape;
-    shape.morph(message.md5sum, message.type, message.definition, "1");
-    ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),  // an input stream only reads
-                                       static_cast<std::uint32_t>(message.bytes.size()));
-    shape.read(stream);
-    publisher_.publish(shape);
-  }
+  void publish(const SerializedMessage& message) override { publisher_.publish(message); }
 
  private:
   ros::Publisher publisher_;

@@ -23,6 +23,12 @@ void Inbox::take(PacketReceived packet, Time now) {
   } catch (const std::exception& error) {
     drop(packet, error.what());
   }
+  tell_of_topics_given_up();
+}
+
+void Inbox::release(Time now) {
+  topics_.release_all(now);
+  tell_of_topics_given_up();
 }
 
 void Inbox::carry_out(PacketReceived& packet, Time now) {
@@ -34,7 +40,9 @@ void Inbox::carry_out(PacketReceived& packet, Time now) {
   SerializedMessage message = calls_.decode(packet);
   // Unasked definitions are not kept: nobody can fill the memory with them.
   if (is_definition && definitions_.awaits({message.type, message.md5sum})) learn_definition(message, now);
-  if (!is_definition && complete(message, packet, now)) publish(packet, std::move(message), now);
+  if (is_definition || !complete(message, packet, now)) return;
+  packet.payload = {};  // large ones are not to be in memory twice
+  publish(packet, std::move(message), now);
 }
 
 void Inbox::check_topic(const std::string& topic) const {
@@ -64,7 +72,7 @@ void Inbox::learn_definition(const SerializedMessage& message, Time now) {
 }
 
 /// False when the message has to wait for its definition.
-bool Inbox::complete(SerializedMessage& message, const PacketReceived& packet, Time now) {
+bool Inbox::complete(SerializedMessage& message, PacketReceived& packet, Time now) {
   const TypeName type{message.type, message.md5sum};
   if (type_of(packet) == PayloadType::kAnyMessage) {
     const std::string* known = definitions_.find(type);
@@ -77,7 +85,9 @@ bool Inbox::complete(SerializedMessage& message, const PacketReceived& packet, T
     message.definition = *definition;
     return true;
   }
-  if (definitions_.hold(packet, type, now)) calls_.ask(packet.source, type);
+  const std::string source = packet.source;
+  message.bytes = {};
+  if (definitions_.hold(std::move(packet), type, now)) calls_.ask(source, type);
   return false;
 }
 
@@ -103,9 +113,19 @@ TopicTable::Topic& Inbox::topic_for(const std::string& name, const SerializedMes
 
 void Inbox::drop(const PacketReceived& packet, const std::string& reason) {
   ++dropped_;
-  if (told_.size() >= kMostTold || !told_.insert(packet.topic).second) return;
-  calls_.tell("A packet of " + std::to_string(packet.payload.size()) + " octets from " + packet.source +
-              " for topic '" + escaped(packet.topic) + "' is not published: " + reason + " (reported once per topic)");
+  if (topics_told_.size() >= kMostTold || !topics_told_.insert(packet.topic).second) return;
+  calls_.tell("A packet from " + packet.source + " for topic '" + escaped(packet.topic) +
+              "' is not published: " + reason + " (reported once per topic)");
+}
+
+void Inbox::tell_of_topics_given_up() {
+  for (const auto& [topic, source] : topics_.take_given_up()) {
+    if (robots_told_.size() >= kMostTold || !robots_told_.insert(source).second) continue;
+    calls_.tell("Topic '" + topic + "' of " + source +
+                " is given up: messages of latched topics would keep more than " +
+                size_text(TopicTable::kMostKeptOfASource) + " of one robot, or " +
+                size_text(TopicTable::kMostKeptOctets) + " of all (reported once per robot)");
+  }
 }
 
 std::uint64_t Inbox::take_dropped() { return std::exchange(dropped_, 0) + definitions_.take_dropped(); }

@@ -57,10 +57,26 @@ void TopicTable::put_out(Topic& topic, const SerializedMessage& message) {
   if (!topic.latched) return;
   kept_octets_ += message.bytes.size() - topic.kept;
   topic.kept = message.bytes.size();
-  const Predicate keeps = [&](const Topic& other) { return other.kept > 0 && &other != &topic; };
-  const Predicate of_source = [&](const Topic& other) { return keeps(other) && other.source == topic.source; };
-  while (kept_of(topic.source) > kMostKeptOfASource && count(of_source) > 0) forget_least_used(of_source);
-  while (kept_octets_ > kMostKeptOctets && count(keeps) > 0) forget_least_used(keeps);
+  make_room_beside(topic);
+}
+
+void TopicTable::make_room_beside(const Topic& topic) {
+  const auto keeps = [&](const Topic& other) { return other.kept > 0 && &other != &topic; };
+  const auto give_up_of = [&](const std::string& source) {
+    const auto oldest = least_used([&](const Topic& other) { return keeps(other) && other.source == source; });
+    if (oldest == topics_.end()) return false;
+    given_up_.push_back({oldest->first, source});
+    forget(oldest);
+    return true;
+  };
+  const auto keeps_less = [&](const auto& a, const auto& b) {
+    return (keeps(a.second) ? kept_of(a.second.source) : 0) < (keeps(b.second) ? kept_of(b.second.source) : 0);
+  };
+  while (kept_of(topic.source) > kMostKeptOfASource && give_up_of(topic.source)) continue;
+  while (kept_octets_ > kMostKeptOctets &&
+         give_up_of(std::max_element(topics_.begin(), topics_.end(), keeps_less)->second.source)) {
+    continue;
+  }
 }
 
 std::size_t TopicTable::kept_of(const std::string& source) const {
@@ -74,15 +90,19 @@ std::size_t TopicTable::count(const Predicate& counts) const {
       std::count_if(topics_.begin(), topics_.end(), [&](const auto& item) { return counts(item.second); }));
 }
 
-void TopicTable::forget_least_used(const Predicate& candidate) {
+std::map<std::string, TopicTable::Topic>::iterator TopicTable::least_used(const Predicate& candidate) {
   auto oldest = topics_.end();
   for (auto topic = topics_.begin(); topic != topics_.end(); ++topic) {
     if (!candidate(topic->second)) continue;
     if (oldest == topics_.end() || topic->second.used < oldest->second.used) oldest = topic;
   }
-  for (const SerializedMessage& message : oldest->second.waiting) waiting_octets_ -= message.bytes.size() + kOverhead;
-  kept_octets_ -= oldest->second.kept;
-  topics_.erase(oldest);
+  return oldest;
+}
+
+void TopicTable::forget(std::map<std::string, Topic>::iterator topic) {
+  for (const SerializedMessage& message : topic->second.waiting) waiting_octets_ -= message.bytes.size() + kOverhead;
+  kept_octets_ -= topic->second.kept;
+  topics_.erase(topic);
 }
 
 }  // namespace adhoc_communication

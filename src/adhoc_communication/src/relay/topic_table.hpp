@@ -7,6 +7,8 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "adhoc_communication/types.hpp"
 #include "relay/local_topics.hpp"
@@ -15,15 +17,16 @@
 namespace adhoc_communication {
 
 /// When the table is full, or a robot has brought more topics than its share, the one used longest ago makes room: of
-/// all, or of that robot's. The same goes for the octets of the messages that latched topics keep.
+/// all, or of that robot's. When latched topics keep too many octets, it is that of the robot who keeps most, or of the
+/// one beyond its share; a single message may be larger than that.
 class TopicTable {
  public:
   static constexpr std::size_t kMostTopics = 256;
   static constexpr std::size_t kMostOfASource = 64;
-  static constexpr std::size_t kMostKeptOctets = 64'000'000;     ///< latched
-  static constexpr std::size_t kMostKeptOfASource = 32'000'000;  ///< of these, if it is more than one message
-  static constexpr std::size_t kMostWaiting = 100;               ///< messages of one topic
-  static constexpr std::size_t kMostWaitingOctets = 32'000'000;  ///< of all
+  static constexpr std::size_t kMostKeptOctets = 12'000'000;    ///< latched, if it is more than one message
+  static constexpr std::size_t kMostKeptOfASource = 6'000'000;  ///< of these, likewise
+  static constexpr std::size_t kMostWaiting = 100;              ///< messages of one topic
+  static constexpr std::size_t kMostWaitingOctets = 8'000'000;  ///< of all
   static constexpr Time kLongestConnection = std::chrono::seconds(1);
 
   struct Topic {
@@ -52,18 +55,29 @@ class TopicTable {
   /// Publishes what has waited for subscribers that have connected, or long enough.
   void release_all(Time now);
 
+  struct GivenUp {
+    std::string topic;
+    std::string source;
+  };
+  /// Topics given up since the last call because of the octets that latched ones keep.
+  std::vector<GivenUp> take_given_up() { return std::exchange(given_up_, {}); }
+
  private:
   using Predicate = std::function<bool(const Topic&)>;
 
   void release(Topic& topic, Time now);
   void put_out(Topic& topic, const SerializedMessage& message);
+  void make_room_beside(const Topic& topic);
   std::size_t kept_of(const std::string& source) const;
   std::size_t count(const Predicate& counts) const;
-  void forget_least_used(const Predicate& candidate);
+  void forget_least_used(const Predicate& candidate) { forget(least_used(candidate)); }
+  std::map<std::string, Topic>::iterator least_used(const Predicate& candidate);
+  void forget(std::map<std::string, Topic>::iterator topic);
 
   std::map<std::string, Topic> topics_;
   std::size_t waiting_octets_ = 0;
   std::size_t kept_octets_ = 0;
+  std::vector<GivenUp> given_up_;
 };
 
 }  // namespace adhoc_communication

@@ -140,6 +140,15 @@ TEST_F(InboxTest, SubscribersOfANewTopicMissNothing) {
   EXPECT_FALSE(inbox.anything_waits());
 }
 
+TEST_F(InboxTest, ARobotWhoseTopicsKeepTooMuchIsNamedOnce) {
+  const std::string large(2'500'000, 'x');
+  for (int i = 0; i < 5; ++i) inbox.take(any("bomb_" + std::to_string(i), large), i * 1s);
+  EXPECT_EQ(local.advertised.size(), 2u);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("Topic '/bomb_0' of bob is given up"), std::string::npos) << told[0];
+  EXPECT_EQ(inbox.take_dropped(), 0u);
+}
+
 TEST_F(InboxTest, WhatDoesNotUnpackAsItSaysIsRefused) {
   SendRequest request{"here", "scan", static_cast<std::uint8_t>(PayloadType::kAnyMessage),
                       any("scan", std::string(1000, 'x')).payload};

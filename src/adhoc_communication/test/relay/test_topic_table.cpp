@@ -44,20 +44,24 @@ TEST_F(TopicTableTest, OneThatWaitsForSubscribersHoldsUpNoOther) {
 }
 
 TEST_F(TopicTableTest, LatchedMessagesAreBoundedByTheirOctets) {
-  const SerializedMessage large{"pkg/Type", "", "", Bytes(10'000'000), false};
-  const auto keep = [&](const std::string& name, const std::string& source, Time now) {
+  const auto keep = [&](const std::string& name, const std::string& source, Time now, std::size_t octets = 2'500'000) {
     if (!table.knows(name)) add(name, now, source).latched = true;
-    table.publish(*table.find(name, now), large, now);
+    table.publish(*table.find(name, now), {"pkg/Type", "", "", Bytes(octets), false}, now);
   };
   keep("/mine", "carol", 0s);
   for (int i = 0; i < 8; ++i) keep("/bomb_" + std::to_string(i), "bob", 1s + i * 1ms);
-  EXPECT_EQ(table.size(), 4u);
+  EXPECT_EQ(table.size(), 3u) << "bob's share has room for two";
   EXPECT_TRUE(table.knows("/mine"));
   EXPECT_TRUE(table.knows("/bomb_7"));
+  EXPECT_EQ(table.take_given_up().size(), 6u);
   for (int i = 0; i < 8; ++i) keep("/other_" + std::to_string(i), "dave_" + std::to_string(i), 2s + i * 1ms);
-  EXPECT_EQ(table.size(), 6u);
+  EXPECT_EQ(table.size(), 4u);
+  EXPECT_FALSE(table.knows("/bomb_6")) << "bob keeps most";
   for (int i = 0; i < 8; ++i) keep("/other_7", "dave_7", 3s + i * 1ms);
-  EXPECT_EQ(table.size(), 6u);
+  EXPECT_EQ(table.size(), 4u);
+  keep("/huge", "erin", 4s, 20'000'000);
+  EXPECT_EQ(table.size(), 1u);
+  EXPECT_TRUE(table.knows("/huge"));
 }
 
 TEST_F(TopicTableTest, SubscribersThatNeverConnectAreWaitedForASecond) {
