@@ -102,7 +102,10 @@ void Node::carry_relays() {
 }
 
 HostCallbacks Node::callbacks() {
-  return {[this](PacketReceived packet) { injector_->inject(std::move(packet)); },
+  return {[this](PacketReceived packet) {
+            if (!packet.group.empty()) relay_->group_packet(packet);
+            injector_->inject(std::move(packet));
+          },
           [this](const std::string& robot) {
             discovery_->announce(robot);
             relay_->robot_appeared(robot);
@@ -121,6 +124,7 @@ HostCallbacks Node::callbacks() {
 InboxCalls Node::inbox_calls() {
   return {decode, [this](const std::string& robot, const TypeName& type) { relay_->ask(robot, type); },
           [this](const PacketReceived& request) { relay_->answer(request); },
+          [this](const PacketReceived& word) { relay_->new_member(word); },
           [](const std::string& text) { ROS_ERROR("%s", text.c_str()); }};
 }
 

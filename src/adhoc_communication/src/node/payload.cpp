@@ -85,6 +85,8 @@ SerializedMessage decode_by_type(const PacketReceived& packet) {
     case PayloadType::kMessageByType:
     case PayloadType::kDefinitionRequest:
       return decode_any_message(packet);
+    case PayloadType::kNewMember:
+      throw PayloadError("is no message");
   }
   throw PayloadError("has the unknown payload type " + std::to_string(packet.payload_type));
 }

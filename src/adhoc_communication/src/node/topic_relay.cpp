@@ -106,6 +106,17 @@ void TopicRelay::group_members(const std::vector<std::string>& members) {
   changed_.notify_one();
 }
 
+void TopicRelay::group_packet(const PacketReceived& packet) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  table_.group_packet(packet);
+}
+
+void TopicRelay::new_member(const PacketReceived& word) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  table_.new_member(word, steady_now());
+  changed_.notify_one();
+}
+
 void TopicRelay::ask(const std::string& robot, const TypeName& type) {
   const std::lock_guard<std::mutex> lock(mutex_);
   table_.ask(robot, type);

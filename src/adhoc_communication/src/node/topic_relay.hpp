@@ -46,10 +46,13 @@ class TopicRelay {
   void robot_appeared(const std::string& robot);
   void robot_lost(const std::string& robot);
   void group_members(const std::vector<std::string>& members);
+  void group_packet(const PacketReceived& packet);
   /// Asks a robot for the definition of a message it has sent. Callable from any thread, without waiting.
   void ask(const std::string& robot, const TypeName& type);
   /// Another robot asks for a definition.
   void answer(const PacketReceived& request);
+  /// The root of a group names a new member.
+  void new_member(const PacketReceived& word);
 
  private:
   void run();

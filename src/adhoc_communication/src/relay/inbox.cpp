@@ -34,6 +34,7 @@ void Inbox::release(Time now) {
 void Inbox::carry_out(PacketReceived& packet, Time now) {
   if (!unpack(packet)) throw PayloadError("it is not what it says that it unpacks to");
   if (type_of(packet) == PayloadType::kDefinitionRequest) return calls_.answer(packet);
+  if (type_of(packet) == PayloadType::kNewMember) return calls_.new_member(packet);
   definitions_.expire(now);
   const bool is_definition = type_of(packet) == PayloadType::kDefinition;
   if (!is_definition) check_topic(local_.full_name(packet.topic));

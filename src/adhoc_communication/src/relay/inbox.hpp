@@ -24,6 +24,8 @@ struct InboxCalls {
   std::function<void(const std::string& robot, const TypeName& type)> ask;
   /// Another robot asks for one.
   std::function<void(const PacketReceived& request)> answer;
+  /// The root of a group names a new member.
+  std::function<void(const PacketReceived& word)> new_member;
   /// One sentence for people.
   std::function<void(const std::string& text)> tell;
 };

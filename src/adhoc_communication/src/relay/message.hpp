@@ -27,6 +27,7 @@ enum class PayloadType : std::uint8_t {
   kMessageByType = 'x',      ///< without: the receiver has been sent the definition before, or asks for it
   kDefinition = 'D',         ///< a definition alone
   kDefinitionRequest = 'd',  ///< asks for it
+  kNewMember = 'n',          ///< from the root of a group to a source of latched messages: who has joined
 };
 
 /// What identifies a definition.

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "adhoc_communication/types.hpp"
+#include "relay/group_news.hpp"
 #include "relay/letters.hpp"
 #include "relay/message.hpp"
 #include "relay/relay_entry.hpp"
@@ -44,9 +45,10 @@ class RelayTable {
   static constexpr std::size_t kMostOctets = 64'000'000;  ///< of all waiting and latched messages
   static constexpr std::size_t kMostInFlight = 4;         ///< messages of one relay
   static constexpr std::size_t kMostKnown = 4096;         ///< pairs of destination and type
+  static constexpr std::size_t kMostOwed = 256;           ///< late members of a group, for one relay
   static constexpr Time kRetry = std::chrono::seconds(1);
 
-  explicit RelayTable(std::string own_name) : own_name_(std::move(own_name)) {}
+  explicit RelayTable(std::string own_name) : own_name_(std::move(own_name)), own_group_("mc_" + own_name_) {}
 
   /// Throws std::invalid_argument with one sentence for an entry that cannot work, is there already, or is too many.
   Id add(RelayEntry entry);
@@ -57,8 +59,14 @@ class RelayTable {
   void offer(Id id, Message message, Time now);
   void robot_appeared(const std::string& robot, Time now);
   void robot_lost(const std::string& robot);
-  /// Who belongs to the own group now; newcomers are sent what is latched.
+
+  // Groups: a robot that joins late is sent by itself what is latched, the newest of each relay.
+  /// Who belongs to the own group now. Others who have sent it latched messages are told of newcomers.
   void group_members(const std::vector<std::string>& members, Time now);
+  /// A packet has come for a group.
+  void group_packet(const PacketReceived& packet);
+  /// The root of another group names a new member. Throws PayloadError.
+  void new_member(const PacketReceived& word, Time now);
 
   // Definitions.
   /// A robot is to be asked for one.
@@ -107,6 +115,7 @@ class RelayTable {
   void check(const RelayEntry& entry) const;
   bool present(const std::string& destination) const;
   bool ready(const Relay& relay) const;
+  std::set<std::string>::iterator next_owed(const Relay& relay) const;
   bool teaches(const std::string& destination, const Message& message) const;
   void drop_expired(Relay& relay, Time now);
   Waiting take_first(Relay& relay);
@@ -115,13 +124,16 @@ class RelayTable {
   void drop_oldest(Relay& relay);
   void enqueue(Relay& relay, Waiting message);
   void enqueue_last(Relay& relay, const std::string& destination, Time now);
+  void owe(const std::string& group, const std::string& member, Time now);
   void remember_last(Relay& relay, Message message);
   Transfer start(Id id, Relay& relay, Time now);
   void forget(const std::string& destination);
 
   const std::string own_name_;
+  const std::string own_group_;
   std::map<Id, Relay> relays_;
   Letters letters_;
+  GroupNews news_;
   std::set<std::string> robots_;
   std::set<std::string> members_;
   std::set<Lesson> known_;

@@ -4,6 +4,7 @@
 #include "adhoc_communication/compression.hpp"
 #include "fake_topics.hpp"
 #include "relay/definition_md5.hpp"
+#include "relay/group_news.hpp"
 #include "relay/inbox.hpp"
 
 namespace adhoc_communication {
@@ -42,11 +43,13 @@ class InboxTest : public testing::Test {
   Texts told;
   Texts asked;
   Texts answered;
+  Texts joined;
   Inbox inbox{local,
               TopicFilter("* /odom", "*/denied"),
               {decode_any_message,
                [this](const std::string& robot, const TypeName& type) { asked.push_back(robot + " " + type.type); },
                [this](const PacketReceived& request) { answered.push_back(request.source); },
+               [this](const PacketReceived& word) { joined.push_back(GroupNews::member_in(word)); },
                [this](const std::string& text) { told.push_back(text); }}};
 };
 
@@ -101,6 +104,20 @@ TEST_F(InboxTest, ADefinitionHasToHaveItsSum) {
 TEST_F(InboxTest, QuestionsAreHandedOn) {
   inbox.take(packet(PayloadType::kDefinitionRequest, "definition", ""), 0s);
   EXPECT_EQ(answered, Texts{"bob"});
+}
+
+TEST_F(InboxTest, WordOfANewMemberIsHandedOn) {
+  PacketReceived word;
+  word.source = "alice";
+  word.topic = "new_member";
+  word.payload_type = static_cast<std::uint8_t>(PayloadType::kNewMember);
+  word.payload = {'c', 'a', 'r', 'o', 'l'};
+  inbox.take(word, 0s);
+  EXPECT_EQ(joined, Texts{"carol"});
+  word.payload = {'\n'};
+  inbox.take(word, 0s);
+  EXPECT_EQ(joined.size(), 1u);
+  EXPECT_EQ(inbox.take_dropped(), 1u);
 }
 
 TEST_F(InboxTest, WhatIsRefusedIsCountedAndToldOncePerTopic) {
