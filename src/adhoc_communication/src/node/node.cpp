@@ -18,7 +18,6 @@ namespace {
 constexpr double kStateInterval = 1.0;    // s
 constexpr double kKeyFileInterval = 0.5;  // s
 constexpr std::uint64_t kMegabyte = 1'000'000;
-constexpr double kTimeForResponse = 0.1;  // s, in which the answer of shut_down reaches its caller
 
 /// The link first, because it fails most: only then does the rest of the node come into being.
 std::unique_ptr<Link> open_link_for(NodeOptions& options) {
@@ -184,10 +183,8 @@ void Node::tell_state(const ros::WallTimerEvent&) {
 }
 
 void Node::shut_down() {
-  if (shutting_down_.exchange(true)) return;
   ROS_INFO("Shutting down as asked by service shut_down");
-  shut_down_timer_ = node_.createWallTimer(
-      ros::WallDuration(kTimeForResponse), [](const ros::WallTimerEvent&) { ros::requestShutdown(); }, true);
+  asked_to_end = true;
 }
 
 }  // namespace adhoc_communication
