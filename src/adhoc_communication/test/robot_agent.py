@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Beside a robot's master: reads requests as JSON lines, answers and reports received messages as JSON lines.
 
-Requests: ready (service) | listen (topic) | status | call (service, fields) | place (robot, x, y) |
+Requests: ready (service) | listen (topic) | status | packets_waiting | call (service, fields) | place (robot, x, y) |
 send_map (dst_robot, topic, seed, cells) | stream (dst_robot, topic, seconds).
 """
 
@@ -17,7 +17,7 @@ import genpy
 import numpy as np
 import rospy
 import rosservice
-from adhoc_communication.msg import Status
+from adhoc_communication.msg import NetworkState, Status
 from adhoc_communication.srv import SendOccupancyGrid, SendString
 from nav_msgs.msg import OccupancyGrid, Odometry
 
@@ -107,6 +107,10 @@ class Agent:
             return {}
         return {name: getattr(self.status, name) for name in ("robots", "neighbors", "packets_received_by_hops")}
 
+    def packets_waiting(self, _request):
+        """Packets of calls under way."""
+        return {"packets": rospy.wait_for_message(PREFIX + "network_state", NetworkState).packets_waiting}
+
     def call(self, request):
         service = request["service"] if request["service"].startswith("/") else PREFIX + request["service"]
         service_class = rosservice.get_service_class_by_name(rospy.resolve_name(service))
@@ -131,7 +135,13 @@ class Agent:
 
 def serve(agent, request):
     handlers = {"ready": agent.ready, "listen": agent.listen, "status": agent.get_status}
-    handlers.update(call=agent.call, send_map=agent.send_map, place=agent.place, stream=agent.stream)
+    handlers.update(
+        packets_waiting=agent.packets_waiting,
+        call=agent.call,
+        send_map=agent.send_map,
+        place=agent.place,
+        stream=agent.stream,
+    )
     begin = time.monotonic()
     try:
         answer = handlers[request["do"]](request)

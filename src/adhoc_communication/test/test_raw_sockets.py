@@ -4,7 +4,11 @@
 Run by catkin; by hand: /usr/bin/python3 test_raw_sockets.py [-k test_name]
 """
 
+import ctypes
 import os
+import select
+import socket
+import stat
 import sys
 import tempfile
 import time
@@ -12,6 +16,8 @@ import unittest
 
 import pytest
 from namespaces import Robot, Team, Unavailable, enter_own_network, program, wait_until
+
+LIBC = ctypes.CDLL(None, use_errno=True)
 
 pytestmark = pytest.mark.skipif("ADHOC_TEST_SKIP" in os.environ, reason=os.environ.get("ADHOC_TEST_SKIP", ""))
 
@@ -77,6 +83,118 @@ def expect_map(test, sender, receiver, cells=1000):
     received = receiver.agent.next_message()
     test.assertEqual(received["md5"], sent["md5"])
     test.assertEqual(received["latched"], "1")
+
+
+ETHERTYPE = 0x88B5
+PACKET_OUTGOING = 4
+PIDFD_GETFD = 438  # a system call without a function in Python
+
+
+class FramesOf:
+    """What a robot sends from now on, as whole Ethernet frames, at the radio's end of its cable."""
+
+    def __init__(self, cable):
+        self._socket = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETHERTYPE))
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 16_000_000)
+        self._socket.bind((cable, ETHERTYPE))
+        self._socket.setblocking(False)
+        self._frames = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._socket.close()
+
+    def so_far(self):
+        while select.select([self._socket], [], [], 0)[0]:
+            octets, address = self._socket.recvfrom(65536)
+            if address[2] != PACKET_OUTGOING:
+                self._frames.append(octets)
+        return self._frames
+
+
+def begin_map(robot, to, cells=1000):
+    return robot.agent.begin(do="send_map", dst_robot=to, topic="map_from_afar", seed=7, cells=cells)
+
+
+class ChangedInterface(unittest.TestCase):
+    """As by NetworkManager, or by a replugged radio."""
+
+    ADDRESS, MTU = "02:00:00:00:09:09", 1200
+
+    def test_another_address_and_mtu_while_maps_are_under_way(self):
+        with Team(["robot_0", "robot_1"], radio_options=["--bit-rate", "2e6"]) as team:
+            team.wait_for_robots()
+            here, there = team["robot_0"], team["robot_1"]
+            here.agent.listen("adhoc_communication/remove_robot")
+            with FramesOf("air1") as frames:
+                under_way = begin_map(there, "robot_0")  # 4 s of air
+                wait_until(lambda: any(len(frame) > 1400 for frame in frames.so_far()), 20, "the map is under way")
+            there.run(["ip", "link", "set", "radio0", "address", self.ADDRESS, "mtu", str(self.MTU)])
+            self.assertIn("the interface has changed", under_way.get(timeout=20)["error"])
+            self.assertIn("robot_1", bytes.fromhex(here.agent.next_message()["octets_hex"]).decode())
+            team.wait_for_robots()
+            with FramesOf("air1") as frames:
+                expect_map(self, there, here, cells=200)
+                sent = frames.so_far()
+            self.assertEqual({frame[6:12].hex(":") for frame in sent}, {self.ADDRESS})
+            longest = max(len(frame) for frame in sent)
+            self.assertLessEqual(longest, self.MTU + 14)
+            self.assertGreater(longest, self.MTU - 100)
+            there.agent.listen("greeting")
+            answer = here.agent.call("send_string", dst_robot="robot_1", topic="greeting", data="again")
+            self.assertEqual(answer.get("response"), {"status": 1}, answer)
+            self.assertEqual(text_in(there.agent.next_message()), ("robot_0", "again"))
+            self.assertIsNone(there.node.poll())
+
+
+class EndUnderLoad(unittest.TestCase):
+    def test_every_call_ends_with_a_reason_and_the_node_at_once(self):
+        with Team(["robot_0", "robot_1"], radio_options=["--bit-rate", "1e6"]) as team:
+            team.wait_for_robots()
+            here, there = team["robot_0"], team["robot_1"]
+            under_way = [begin_map(here, destination) for destination in ("robot_1", "mc_robot_0", "robot_1")]
+            under_way.append(begin_map(there, "robot_0"))
+            for robot, packets in ((here, 3), (there, 1)):
+                wait_until(
+                    lambda robot=robot, packets=packets: robot.agent.ask(do="packets_waiting")["packets"] >= packets,
+                    20,
+                    "all are under way",
+                )
+            begin = time.monotonic()
+            here.node.terminate()
+            self.assertEqual(here.node.wait(timeout=20), 0)
+            self.assertLess(time.monotonic() - begin, 5.0)
+            for call in under_way[:3]:
+                self.assertIn("the node is shutting down", call.get(timeout=20)["error"])
+            self.assertIsNotNone(under_way[3].get(timeout=60)["error"])
+            self.assertIsNone(there.node.poll())
+
+
+class Bands(unittest.TestCase):
+    """Which frames go by which socket is tested beside the link itself."""
+
+    def test_the_node_has_a_socket_of_higher_priority(self):
+        with Team(["robot_0"]) as team:
+            self.assertEqual(sorted(priorities_of_packet_sockets(team["robot_0"].node.pid)), [0, 256 + 6])
+
+
+def priorities_of_packet_sockets(pid):
+    """SO_PRIORITY of each packet socket of another process."""
+    process = os.pidfd_open(pid)
+    priorities = []
+    for number in map(int, os.listdir(f"/proc/{pid}/fd")):
+        copy = LIBC.syscall(PIDFD_GETFD, process, number, 0)
+        assert copy >= 0, os.strerror(ctypes.get_errno())
+        if stat.S_ISSOCK(os.fstat(copy).st_mode):
+            with socket.socket(fileno=copy) as other:
+                if other.family == socket.AF_PACKET:
+                    priorities.append(other.getsockopt(socket.SOL_SOCKET, socket.SO_PRIORITY))
+        else:
+            os.close(copy)
+    os.close(process)
+    return priorities
 
 
 class ThreeMasters(unittest.TestCase):

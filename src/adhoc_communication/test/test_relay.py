@@ -152,6 +152,20 @@ class NewRobot(unittest.TestCase):
                 listener.wait_for(lambda messages: len(messages) >= 1)
         relay("alice", action=srv.RelayRequest.REMOVE, topic="/alice/target", destination="carol")
 
+    def test_latched_message_for_the_group_of_another_reaches_who_joins_late(self):
+        """Only alice knows that carol has joined; she tells bob."""
+        relay("bob", action=srv.RelayRequest.ADD, topic="/bob/found", destination="mc_alice", latched=True,
+              remote_topic="found_by_bob")  # fmt: skip
+        with Listener("/alice/found_by_bob", PointStamped) as at_alice:
+            found = publisher("/bob/found", PointStamped)
+            for x in (1.0, 2.0):
+                found.publish(PointStamped(point=Point(x=x)))
+            at_alice.wait_for(lambda messages: messages and messages[-1].point.x == 2.0)
+        with Listener("/carol/found_by_bob", PointStamped) as at_carol, Carol():
+            at_carol.wait_for(lambda messages: messages and messages[-1].point.x == 2.0)
+            self.assertEqual(len(at_carol.messages), 1, "the newest alone")
+        relay("bob", action=srv.RelayRequest.REMOVE, topic="/bob/found", destination="mc_alice")
+
 
 class Service(unittest.TestCase):
     def test_relay_comes_and_goes_at_run_time(self):

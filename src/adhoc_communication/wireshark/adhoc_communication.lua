@@ -30,6 +30,7 @@ local PAYLOAD_TYPES = {
   [0x43] = "control (C)", [0x46] = "frontier (F)", [0x63] = "cluster (c)", [0x61] = "auction (a)",
   [0x54] = "twist (T)", [0x51] = "quaternion (Q)", [0x52] = "robot update (R)", [0x58] = "any message (X)",
   [0x78] = "message without definition (x)", [0x44] = "definition (D)", [0x64] = "definition request (d)",
+  [0x6E] = "new member (n)",
 }
 
 local YES_NO = { "Set", "Not set" }

@@ -1,3 +1,5 @@
+#include <malloc.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <unistd.h>
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -10,6 +12,7 @@
 
 #include "link/capability.hpp"
 #include "link/link.hpp"
+#include "node/end_node.hpp"
 #include "node/node.hpp"
 #include "node/options.hpp"
 
@@ -39,9 +42,24 @@ NodeOptions read_parameters() {
   return options;
 }
 
-/// roscpp sees to SIGINT only; service managers and containers end programs with SIGTERM.
-void end_on_sigterm() {
-  std::signal(SIGTERM, [](int) { ros::requestShutdown(); });
+/// Terminals end programs with SIGINT, service managers and containers with SIGTERM. roscpp would see to the first one
+/// only, and close connections before calls have got their answer.
+void end_on_signals() {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { adhoc_communication::asked_to_end = true; });
+}
+
+void serve_until_the_end() {
+  const ros::WallDuration longest_wait(0.1);
+  while (ros::ok() && !adhoc_communication::asked_to_end) {
+    ros::getGlobalCallbackQueue()->callAvailable(longest_wait);
+  }
+}
+
+/// Blocks from this size on go back to the system as soon as they are free. By itself, the C library keeps what large
+/// packets took.
+void return_large_blocks() {
+  constexpr int kLarge = 256 * 1024;
+  mallopt(M_MMAP_THRESHOLD, kLarge);
 }
 
 int list_parameters() {
@@ -57,8 +75,9 @@ int list_parameters() {
 int main(int argc, char** argv) {
   adhoc_communication::lower_capabilities();  // before the first thread, which would keep them
   if (argc > 1 && std::strcmp(argv[1], "--list-parameters") == 0) return list_parameters();
-  ros::init(argc, argv, "adhoc_communication");
-  end_on_sigterm();
+  return_large_blocks();
+  ros::init(argc, argv, "adhoc_communication", ros::init_options::NoSigintHandler);
+  end_on_signals();
   const ros::NodeHandle keeps_ros_running;  // roscpp shuts down, its console too, when the last handle goes
   try {
     const NodeOptions options = read_parameters();
@@ -67,7 +86,7 @@ int main(int argc, char** argv) {
       const std::string complaint = adhoc_communication::set_transmit_power(options.interface, options.channel.p_tx);
       if (!complaint.empty()) ROS_WARN("%s", complaint.c_str());
     }
-    ros::spin();
+    serve_until_the_end();
   } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());
     return 1;

@@ -1,7 +1,7 @@
 #include "node/network_state.hpp"
 
 #include "link/mac_address.hpp"
-#include "node/relay_options.hpp"
+#include "relay/relay_entry.hpp"
 
 namespace adhoc_communication {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "node/engine_host.hpp"
 #include "node/injector.hpp"
-#include "node/relay_table.hpp"
+#include "relay/relay_table.hpp"
 
 namespace adhoc_communication {
 

@@ -8,6 +8,8 @@
 
 #include "link/mac_address.hpp"
 #include "node/end_node.hpp"
+#include "node/payload.hpp"
+#include "node/ros_topics.hpp"
 #include "security/cipher.hpp"
 
 namespace adhoc_communication {
@@ -16,7 +18,6 @@ namespace {
 constexpr double kStateInterval = 1.0;    // s
 constexpr double kKeyFileInterval = 0.5;  // s
 constexpr std::uint64_t kMegabyte = 1'000'000;
-constexpr double kTimeForResponse = 0.1;  // s, in which the answer of shut_down reaches its caller
 
 /// The link first, because it fails most: only then does the rest of the node come into being.
 std::unique_ptr<Link> open_link_for(NodeOptions& options) {
@@ -59,10 +60,8 @@ Node::Node(const NodeOptions& options)
   auto link = captured(open_link_for(options_));
   ROS_INFO("%s on interface %s with address %s", options_.engine.robot_name.c_str(), options_.interface.c_str(),
            to_text(link->address()).c_str());
-  injector_ = std::make_unique<Injector>(
-      node_, name_prefix_, topic_filter(),
-      [this](const std::string& robot, const TypeName& type) { relay_->ask(robot, type); },
-      [this](const PacketReceived& request) { relay_->answer(request); });
+  injector_ =
+      std::make_unique<Injector>(std::make_unique<RosTopics>(node_, name_prefix_), topic_filter(), inbox_calls());
   relay_ = std::make_unique<TopicRelay>(node_, name_prefix_, options_.engine.robot_name);
   discovery_ = std::make_unique<Discovery>(node_, service_prefix_ + options_.topic_new_robot,
                                            service_prefix_ + options_.topic_remove_robot);
@@ -102,7 +101,10 @@ void Node::carry_relays() {
 }
 
 HostCallbacks Node::callbacks() {
-  return {[this](PacketReceived packet) { injector_->inject(std::move(packet)); },
+  return {[this](PacketReceived packet) {
+            if (!packet.group.empty()) relay_->group_packet(packet);
+            injector_->inject(std::move(packet));
+          },
           [this](const std::string& robot) {
             discovery_->announce(robot);
             relay_->robot_appeared(robot);
@@ -116,6 +118,13 @@ HostCallbacks Node::callbacks() {
           [](const std::string& robot) {
             ROS_ERROR("Two robots are called %s: give each its own ~robot_name", robot.c_str());
           }};
+}
+
+InboxCalls Node::inbox_calls() {
+  return {decode, [this](const std::string& robot, const TypeName& type) { relay_->ask(robot, type); },
+          [this](const PacketReceived& request) { relay_->answer(request); },
+          [this](const PacketReceived& word) { relay_->new_member(word); },
+          [](const std::string& text) { ROS_ERROR("%s", text.c_str()); }};
 }
 
 /// What this node publishes itself, other robots may not.
@@ -174,10 +183,8 @@ void Node::tell_state(const ros::WallTimerEvent&) {
 }
 
 void Node::shut_down() {
-  if (shutting_down_.exchange(true)) return;
   ROS_INFO("Shutting down as asked by service shut_down");
-  shut_down_timer_ = node_.createWallTimer(
-      ros::WallDuration(kTimeForResponse), [](const ros::WallTimerEvent&) { ros::requestShutdown(); }, true);
+  asked_to_end = true;
 }
 
 }  // namespace adhoc_communication

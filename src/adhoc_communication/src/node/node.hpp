@@ -6,7 +6,6 @@
 #include <ros/subscriber.h>
 #include <ros/wall_timer.h>
 
-#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,6 +42,7 @@ class Node {
   NodeState state(const Snapshot& snapshot) const;
   void shut_down();
   TopicFilter topic_filter() const;
+  InboxCalls inbox_calls();
   void reread_keys(const ros::WallTimerEvent&);
 
   NodeOptions options_;
@@ -63,8 +63,6 @@ class Node {
   ros::Publisher network_state_publisher_;
   ros::Publisher diagnostics_publisher_;
   ros::WallTimer state_timer_;
-  std::atomic<bool> shutting_down_{false};
-  ros::WallTimer shut_down_timer_;
   std::optional<FileWatch> key_file_;
   ros::WallTimer key_timer_;
   std::vector<ros::Subscriber> ground_truth_;

@@ -9,7 +9,7 @@
 
 #include "adhoc_communication/options.hpp"
 #include "node/channel_model.hpp"
-#include "node/relay_table.hpp"
+#include "relay/relay_table.hpp"
 
 namespace XmlRpc {
 class XmlRpcValue;

@@ -14,11 +14,7 @@
 #include <nav_msgs/OccupancyGrid.h>
 #include <ros/message_traits.h>
 
-#include <regex>
-#include <vector>
-
 #include "node/checked_stream.hpp"
-#include "texts.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -47,32 +43,15 @@ SerializedMessage decode_as(const PacketReceived& packet) {
   return ready(message);
 }
 
+/// A text may be large: it is copied once, behind its length and the sender.
 SerializedMessage decode_string(const PacketReceived& packet) {
   RecvString message;
   message.src_robot = packet.source;
-  message.data.assign(packet.payload.begin(), packet.payload.end());
-  return ready(message);
-}
-
-SerializedMessage decode_any_message(const PacketReceived& packet) {
-  SerializedMessage message;
-  CheckedStream stream(packet.payload.data(), packet.payload.size());
-  stream.next(message.type);
-  stream.next(message.md5sum);
-  stream.next(message.definition);
-  check_type(message.type, message.md5sum);
-  message.bytes.assign(stream.getData(), stream.getData() + stream.getLength());
-  return message;
-}
-
-SerializedMessage decode_message_by_type(const PacketReceived& packet) {
-  SerializedMessage message;
-  CheckedStream stream(packet.payload.data(), packet.payload.size());
-  stream.next(message.type);
-  stream.next(message.md5sum);
-  check_type(message.type, message.md5sum);
-  message.bytes.assign(stream.getData(), stream.getData() + stream.getLength());
-  return message;
+  SerializedMessage result = ready(message);
+  ros::serialization::OStream length(result.bytes.data() + result.bytes.size() - 4, 4);
+  length.next(static_cast<std::uint32_t>(packet.payload.size()));
+  result.bytes.insert(result.bytes.end(), packet.payload.begin(), packet.payload.end());
+  return result;
 }
 
 SerializedMessage decode_by_type(const PacketReceived& packet) {
@@ -103,46 +82,16 @@ SerializedMessage decode_by_type(const PacketReceived& packet) {
       return decode_as<CMgrRobotUpdate>(packet);
     case PayloadType::kAnyMessage:
     case PayloadType::kDefinition:
-      return decode_any_message(packet);
     case PayloadType::kMessageByType:
     case PayloadType::kDefinitionRequest:
-      return decode_message_by_type(packet);
+      return decode_any_message(packet);
+    case PayloadType::kNewMember:
+      throw PayloadError("is no message");
   }
   throw PayloadError("has the unknown payload type " + std::to_string(packet.payload_type));
 }
 
-/// Texts as ROS serialises them, then the octets.
-Bytes with_texts(const std::vector<const std::string*>& texts, const Bytes& octets) {
-  ros::serialization::LStream length;
-  for (const std::string* text : texts) length.next(*text);
-  Bytes bytes(length.getLength());
-  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-  for (const std::string* text : texts) stream.next(*text);
-  bytes.insert(bytes.end(), octets.begin(), octets.end());
-  return bytes;
-}
-
 }  // namespace
-
-void check_type(const std::string& type, const std::string& md5sum) {
-  static const std::regex type_pattern("[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*");
-  static const std::regex md5sum_pattern("[0-9a-f]{32}");
-  constexpr std::size_t kLongestType = 256;
-  if (type.size() > kLongestType || !std::regex_match(type, type_pattern)) {
-    throw PayloadError("type '" + escaped(type.substr(0, kLongestType)) + "' is not of the form package/Name");
-  }
-  if (md5sum.size() > kLongestType || !std::regex_match(md5sum, md5sum_pattern)) {
-    throw PayloadError("md5sum '" + escaped(md5sum.substr(0, kLongestType)) + "' is not 32 hexadecimal digits");
-  }
-}
-
-Bytes encode_any_message(const SerializedMessage& message) {
-  return with_texts({&message.type, &message.md5sum, &message.definition}, message.bytes);
-}
-
-Bytes encode_message_by_type(const SerializedMessage& message) {
-  return with_texts({&message.type, &message.md5sum}, message.bytes);
-}
 
 SerializedMessage decode(const PacketReceived& packet) {
   try {

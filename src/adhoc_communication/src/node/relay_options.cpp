@@ -2,17 +2,12 @@
 
 #include <xmlrpcpp/XmlRpcValue.h>
 
-#include <array>
 #include <stdexcept>
-
-#include "node/injector.hpp"
 
 namespace adhoc_communication {
 namespace {
 
 using XmlRpc::XmlRpcValue;
-
-const std::array<const char*, 4> kPriorities = {"control", "position", "normal", "bulk"};
 
 std::string text_field(XmlRpcValue& value, const std::string& name) {
   if (value.getType() != XmlRpcValue::TypeString)
@@ -70,25 +65,6 @@ RelayEntry parse_relay(XmlRpcValue& value) {
 }
 
 }  // namespace
-
-Priority parse_priority(const std::string& text) {
-  if (text.empty()) return Priority::kNormal;
-  for (std::size_t i = 0; i < kPriorities.size(); ++i) {
-    if (text == kPriorities[i]) return static_cast<Priority>(i);
-  }
-  throw std::invalid_argument("has the priority '" + text + "', which is none of control, position, normal, bulk");
-}
-
-std::string to_text(Priority priority) { return kPriorities.at(static_cast<std::size_t>(priority)); }
-
-void check_topics(const RelayEntry& entry) {
-  try {
-    local_topic("", entry.topic);
-    if (!entry.remote_topic.empty()) local_topic("", entry.remote_topic);
-  } catch (const PayloadError& error) {
-    throw std::invalid_argument("names a " + std::string(error.what()));
-  }
-}
 
 std::vector<RelayEntry> parse_relays(const XmlRpcValue& value) {
   XmlRpcValue list(value);  // XmlRpcValue has no const iteration

@@ -1,10 +1,10 @@
-// Relays as parameters and services give them.
+// Relays as a parameter gives them.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "node/relay_table.hpp"
+#include "relay/relay_entry.hpp"
 
 namespace XmlRpc {
 class XmlRpcValue;
@@ -12,14 +12,7 @@ class XmlRpcValue;
 
 namespace adhoc_communication {
 
-/// Reads control, position, normal or bulk; an empty text means normal. Throws std::invalid_argument.
-Priority parse_priority(const std::string& text);
-std::string to_text(Priority priority);
-
 /// The value of ~relay, a list of structs. Throws std::invalid_argument with what follows "parameter ~relay = ... ".
 std::vector<RelayEntry> parse_relays(const XmlRpc::XmlRpcValue& value);
-
-/// Throws std::invalid_argument unless both topics are valid ROS names.
-void check_topics(const RelayEntry& entry);
 
 }  // namespace adhoc_communication

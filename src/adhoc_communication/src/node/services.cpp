@@ -24,10 +24,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "node/injector.hpp"
 #include "node/message_kinds.hpp"
 #include "node/network_state.hpp"
-#include "node/relay_options.hpp"
+#include "relay/topic_name.hpp"
 
 namespace adhoc_communication {
 namespace {

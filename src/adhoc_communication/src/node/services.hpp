@@ -13,8 +13,8 @@
 #include "node/payload.hpp"
 #include "node/service_log.hpp"
 #include "node/service_pool.hpp"
-#include "node/topic_filter.hpp"
 #include "node/topic_relay.hpp"
+#include "relay/topic_filter.hpp"
 
 namespace adhoc_communication {
 

@@ -8,16 +8,13 @@
 
 #include "link/steady_now.hpp"
 #include "node/end_node.hpp"
-#include "node/injector.hpp"
-#include "node/relay_options.hpp"
+#include "relay/topic_name.hpp"
 #include "run_guarded.hpp"
 
 namespace adhoc_communication {
 namespace {
 
-constexpr std::uint32_t kSubscriberQueue = 256;     // emptied at once: what has to wait, waits in the table
-const char* const kDefinitionTopic = "definition";  // nobody publishes it, but a packet needs a topic
-constexpr int kMostAnswers = 16;                    ///< definitions on their way to those who asked
+constexpr std::uint32_t kSubscriberQueue = 256;  // emptied at once: what has to wait, waits in the table
 
 SerializedMessage serialized(const topic_tools::ShapeShifter& shape) {
   SerializedMessage message{shape.getDataType(), shape.getMD5Sum(), shape.getMessageDefinition(), Bytes(shape.size())};
@@ -32,10 +29,7 @@ TopicRelay::TopicRelay(ros::NodeHandle node, std::string prefix, const std::stri
     : node_(std::move(node)), prefix_(std::move(prefix)), table_(own_name) {}
 
 void TopicRelay::start(Send send) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    send_ = std::move(send);
-  }
+  send_ = std::move(send);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -112,37 +106,27 @@ void TopicRelay::group_members(const std::vector<std::string>& members) {
   changed_.notify_one();
 }
 
-/// A request that does not arrive is made again with the next message of that type.
+void TopicRelay::group_packet(const PacketReceived& packet) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  table_.group_packet(packet);
+}
+
+void TopicRelay::new_member(const PacketReceived& word) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  table_.new_member(word, steady_now());
+  changed_.notify_one();
+}
+
 void TopicRelay::ask(const std::string& robot, const TypeName& type) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (stopping_ || !send_) return;
-  }
-  const SerializedMessage request{type.type, type.md5sum, {}, {}, false};
-  send_({robot, kDefinitionTopic, static_cast<std::uint8_t>(PayloadType::kDefinitionRequest),
-         encode_message_by_type(request), Priority::kNormal},
-        [](const Outcome&) {});
+  const std::lock_guard<std::mutex> lock(mutex_);
+  table_.ask(robot, type);
+  changed_.notify_one();
 }
 
 void TopicRelay::answer(const PacketReceived& request) {
-  SerializedMessage asked;
-  try {
-    asked = decode(request);
-  } catch (const PayloadError&) {
-    return;
-  }
-  RelayTable::Message known;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    known = table_.answer({asked.type, asked.md5sum});
-    if (!known || stopping_ || !send_ || answers_under_way_ >= kMostAnswers) return;
-  }
-  asked.definition = known->definition;
-  asked.bytes.clear();
-  ++answers_under_way_;
-  send_({request.source, request.topic, static_cast<std::uint8_t>(PayloadType::kDefinition), encode_any_message(asked),
-         Priority::kNormal},
-        [this](const Outcome&) { --answers_under_way_; });
+  const std::lock_guard<std::mutex> lock(mutex_);
+  table_.answer(request);
+  changed_.notify_one();
 }
 
 void TopicRelay::send(RelayTable::Transfer transfer) {

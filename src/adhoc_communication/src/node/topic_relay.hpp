@@ -4,7 +4,6 @@
 #include <ros/node_handle.h>
 #include <ros/subscriber.h>
 
-#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <map>
@@ -14,8 +13,8 @@
 #include <vector>
 
 #include "node/engine_host.hpp"
-#include "node/relay_table.hpp"
 #include "node/service_pool.hpp"
+#include "relay/relay_table.hpp"
 
 namespace topic_tools {
 class ShapeShifter;
@@ -47,10 +46,13 @@ class TopicRelay {
   void robot_appeared(const std::string& robot);
   void robot_lost(const std::string& robot);
   void group_members(const std::vector<std::string>& members);
+  void group_packet(const PacketReceived& packet);
   /// Asks a robot for the definition of a message it has sent. Callable from any thread, without waiting.
   void ask(const std::string& robot, const TypeName& type);
   /// Another robot asks for a definition.
   void answer(const PacketReceived& request);
+  /// The root of a group names a new member.
+  void new_member(const PacketReceived& word);
 
  private:
   void run();
@@ -60,8 +62,7 @@ class TopicRelay {
 
   ros::NodeHandle node_;
   const std::string prefix_;
-  Send send_;
-  std::atomic<int> answers_under_way_{0};
+  Send send_;  ///< of the thread
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

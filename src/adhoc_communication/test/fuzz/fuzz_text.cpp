@@ -12,8 +12,8 @@
 
 #include "link/mac_address.hpp"
 #include "node/key_file.hpp"
-#include "node/topic_filter.hpp"
 #include "radio/control.hpp"
+#include "relay/topic_filter.hpp"
 
 namespace adhoc_communication {
 namespace {

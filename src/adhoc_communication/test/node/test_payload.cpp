@@ -9,7 +9,6 @@
 
 #include <random>
 
-#include "node/injector.hpp"
 #include "node/message_kinds.hpp"
 #include "node/payload.hpp"
 
@@ -101,15 +100,6 @@ TEST(Payload, AlteredBytesAreDecodedOrRefusedNeverWorse) {
   }
 }
 
-TEST(Payload, AnyMessageKeepsTypeDefinitionAndBytes) {
-  const SerializedMessage sent{"std_msgs/UInt8", "7c8164229e7d2c17eb95e9231617fdee", "uint8 data\n", {42}};
-  const auto received = decode(packet(PayloadType::kAnyMessage, encode_any_message(sent)));
-  EXPECT_EQ(received.type, sent.type);
-  EXPECT_EQ(received.md5sum, sent.md5sum);
-  EXPECT_EQ(received.definition, sent.definition);
-  EXPECT_EQ(received.bytes, sent.bytes);
-}
-
 TEST(Payload, MessageOfAnyTypeCarriesItsDefinitionAndYieldsWhenItIsLarge) {
   SerializedMessage sent{"std_msgs/UInt8", "7c8164229e7d2c17eb95e9231617fdee", "uint8 data\n", {42}};
   const SendRequest small = any_message_request("bob", "level", sent);
@@ -120,45 +110,6 @@ TEST(Payload, MessageOfAnyTypeCarriesItsDefinitionAndYieldsWhenItIsLarge) {
   EXPECT_EQ(any_message_request("bob", "level", sent).priority, Priority::kBulk);
   sent.md5sum = "none";
   EXPECT_THROW(any_message_request("bob", "level", sent), PayloadError);
-}
-
-TEST(Payload, MessageWithoutDefinitionKeepsTypeAndBytes) {
-  const SerializedMessage sent{"std_msgs/UInt8", "7c8164229e7d2c17eb95e9231617fdee", "uint8 data\n", {42}};
-  const Bytes payload = encode_message_by_type(sent);
-  EXPECT_LT(payload.size(), encode_any_message(sent).size());
-  const auto received = decode(packet(PayloadType::kMessageByType, payload));
-  EXPECT_EQ(received.type, sent.type);
-  EXPECT_EQ(received.md5sum, sent.md5sum);
-  EXPECT_EQ(received.definition, "");
-  EXPECT_EQ(received.bytes, sent.bytes);
-  for (std::size_t size = 0; size < payload.size() - sent.bytes.size(); ++size) {
-    const Bytes cut(payload.begin(), payload.begin() + static_cast<long>(size));
-    EXPECT_THROW(decode(packet(PayloadType::kMessageByType, cut)), PayloadError) << size;
-  }
-}
-
-TEST(Payload, TypeAndChecksumHaveToLookLikeSuch) {
-  const std::string md5sum = "7c8164229e7d2c17eb95e9231617fdee";
-  EXPECT_NO_THROW(check_type("std_msgs/UInt8", md5sum));
-  for (const char* type : {"", "UInt8", "std_msgs/", "/UInt8", "std_msgs/UInt8/x", "std msgs/UInt8", "*"}) {
-    EXPECT_THROW(check_type(type, md5sum), PayloadError) << type;
-  }
-  for (const char* text : {"", "*", "7c8164229e7d2c17eb95e9231617fde", "7C8164229E7D2C17EB95E9231617FDEE"}) {
-    EXPECT_THROW(check_type("std_msgs/UInt8", text), PayloadError) << text;
-  }
-}
-
-TEST(LocalTopic, PrefixOnlyInSimulationMode) {
-  EXPECT_EQ(local_topic("", "frontiers"), "frontiers");
-  EXPECT_EQ(local_topic("", "/frontiers"), "/frontiers");
-  EXPECT_EQ(local_topic("/robot_1/", "frontiers"), "/robot_1/frontiers");
-  EXPECT_EQ(local_topic("/robot_1/", "/frontiers"), "/robot_1/frontiers");
-}
-
-TEST(LocalTopic, RefusesWhatIsNoTopicName) {
-  for (const char* topic : {"", "~private", "with space", "1st", "a-b", "\xff"}) {
-    EXPECT_THROW(local_topic("", topic), PayloadError) << topic;
-  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "node/relay_table.hpp"
+#include "relay/relay_table.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -153,7 +153,7 @@ void RelayTable::enqueue_last(Relay& relay, const std::string& destination, Time
   relay.due = std::min(relay.due, now);
   if (destination == relay.entry.destination) {
     enqueue(relay, {relay.last, destination, relay.last_expires});
-  } else {
+  } else if (relay.owed.size() < kMostOwed) {
     relay.owed.insert(destination);
   }
 }
@@ -170,9 +170,10 @@ void RelayTable::robot_lost(const std::string& robot) {
   forget(robot);
   robots_.erase(robot);
   members_.erase(robot);
+  news_.lost(robot);
   for (auto& [id, relay] : relays_) {
-    relay.owed.erase(robot);
     if (group_root(relay.entry.destination) != robot) continue;
+    relay.owed.clear();
     while (!relay.waiting.empty()) drop_oldest(relay);
   }
 }
@@ -190,24 +191,48 @@ void RelayTable::forget(const std::string& destination) {
 
 void RelayTable::group_members(const std::vector<std::string>& members, Time now) {
   const std::set<std::string> present(members.begin(), members.end());
-  for (auto& [id, relay] : relays_) {
-    if (relay.entry.destination != "mc_" + own_name_) continue;
-    for (const std::string& member : members_) {
-      if (present.count(member) == 0) relay.owed.erase(member);
-    }
-    for (const std::string& member : present) {
-      if (members_.count(member) == 0) enqueue_last(relay, member, now);
+  for (const std::string& member : members_) {
+    if (present.count(member) != 0) continue;
+    news_.left(member);
+    for (auto& [id, relay] : relays_) {
+      if (relay.entry.destination == own_group_) relay.owed.erase(member);
     }
   }
+  for (const std::string& member : present) {
+    if (members_.count(member) != 0) continue;
+    news_.joined(member, now);
+    owe(own_group_, member, now);
+  }
   members_ = present;
+}
+
+void RelayTable::group_packet(const PacketReceived& packet) {
+  if (packet.group == own_group_) news_.heard(packet);
+}
+
+void RelayTable::new_member(const PacketReceived& word, Time now) {
+  const std::string member = GroupNews::member_in(word);
+  if (member != own_name_) owe("mc_" + word.source, member, now);
+}
+
+void RelayTable::owe(const std::string& group, const std::string& member, Time now) {
+  for (auto& [id, relay] : relays_) {
+    if (relay.entry.destination == group) enqueue_last(relay, member, now);
+  }
 }
 
 /// Apart from its rate.
 bool RelayTable::ready(const Relay& relay) const {
   if (relay.in_flight >= kMostInFlight) return false;
   if (!relay.waiting.empty()) return !teaches(relay.waiting.front().destination, relay.waiting.front().message);
-  return std::any_of(relay.owed.begin(), relay.owed.end(),
-                     [&](const std::string& destination) { return !teaches(destination, relay.last); });
+  return next_owed(relay) != relay.owed.end();
+}
+
+/// Who is there, and is not being taught the definition.
+std::set<std::string>::iterator RelayTable::next_owed(const Relay& relay) const {
+  return std::find_if(relay.owed.begin(), relay.owed.end(), [&](const std::string& destination) {
+    return present(destination) && !teaches(destination, relay.last);
+  });
 }
 
 /// A definition of that type is on its way there.
@@ -223,8 +248,7 @@ void RelayTable::drop_expired(Relay& relay, Time now) {
 /// ready() holds.
 RelayTable::Waiting RelayTable::take_first(Relay& relay) {
   if (relay.waiting.empty()) {
-    const auto owed = std::find_if(relay.owed.begin(), relay.owed.end(),
-                                   [&](const std::string& destination) { return !teaches(destination, relay.last); });
+    const auto owed = next_owed(relay);
     Waiting first{relay.last, *owed, relay.last_expires};
     relay.owed.erase(owed);
     return first;
@@ -236,6 +260,8 @@ RelayTable::Waiting RelayTable::take_first(Relay& relay) {
 }
 
 std::optional<RelayTable::Transfer> RelayTable::next(Time now) {
+  if (auto letter = letters_.next(next_number_)) return Transfer{next_number_++, std::move(*letter)};
+  if (auto word = news_.next(next_number_, now)) return Transfer{next_number_++, std::move(*word)};
   auto iterator = relays_.upper_bound(last_served_);
   for (std::size_t visited = 0; visited < relays_.size(); ++visited, ++iterator) {
     if (iterator == relays_.end()) iterator = relays_.begin();
@@ -292,6 +318,7 @@ std::optional<RelayTable::InFlight> RelayTable::end_transfer(std::uint64_t numbe
 void RelayTable::superseded(std::uint64_t number) { end_transfer(number, false); }
 
 void RelayTable::finished(std::uint64_t number, bool delivered, const std::string& reason, Time now) {
+  if (letters_.ended(number) || news_.ended(number, delivered, now)) return;
   const std::optional<InFlight> transfer = end_transfer(number, delivered);
   if (!transfer) return;
   Relay& relay = relays_.at(transfer->relay);
@@ -299,25 +326,28 @@ void RelayTable::finished(std::uint64_t number, bool delivered, const std::strin
   if (delivered) return;
   relay.last_failure = reason;
   const bool still_the_last = relay.last == transfer->message.message;
-  if (!still_the_last || !present(transfer->message.destination)) return;
+  const bool owed = transfer->message.destination != relay.entry.destination;  // by itself, also after it was away
+  if (!still_the_last || (!owed && !present(relay.entry.destination))) return;
   const Time due = std::max(relay.due, now + kRetry);
   enqueue_last(relay, transfer->message.destination, now);
   relay.due = due;
 }
 
 Time RelayTable::next_deadline() const {
-  Time next = Time::max();
+  Time next = letters_.ready() ? Time::zero() : news_.next_deadline();
   for (const auto& [id, relay] : relays_) {
     if (ready(relay)) next = std::min(next, relay.due);
   }
   return next;
 }
 
-RelayTable::Message RelayTable::answer(const TypeName& type) const {
+void RelayTable::answer(const PacketReceived& request) {
+  const SerializedMessage asked = decode_any_message(request);
+  const TypeName type = type_of(asked);
   for (const auto& [id, relay] : relays_) {
-    if (relay.last && type_of(*relay.last) == type) return relay.last;
+    if (!relay.last || !(type_of(*relay.last) == type)) continue;
+    return letters_.answer(request.source, type, relay.last->definition);
   }
-  return nullptr;
 }
 
 }  // namespace adhoc_communication

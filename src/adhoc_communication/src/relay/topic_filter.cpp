@@ -1,4 +1,4 @@
-#include "node/topic_filter.hpp"
+#include "relay/topic_filter.hpp"
 
 #include <fnmatch.h>
 

@@ -9,17 +9,17 @@
 #include <vector>
 
 #include "adhoc_communication/types.hpp"
-#include "node/payload.hpp"
+#include "relay/message.hpp"
 
 namespace adhoc_communication {
 
 /// A definition is identified by type and MD5 sum, whoever sent it; the first one received counts.
 class Definitions {
  public:
-  static constexpr std::size_t kMostDefinitions = 256;        ///< the one received first makes room
-  static constexpr std::size_t kMostOctets = 8'000'000;       ///< of all definitions, likewise
-  static constexpr std::size_t kMostHeld = 64;                ///< messages that wait; the oldest is dropped
-  static constexpr std::size_t kMostHeldOctets = 32'000'000;  ///< likewise
+  static constexpr std::size_t kMostDefinitions = 256;       ///< the one received first makes room
+  static constexpr std::size_t kMostOctets = 8'000'000;      ///< of all definitions, likewise
+  static constexpr std::size_t kMostHeld = 64;               ///< messages that wait; the oldest is dropped
+  static constexpr std::size_t kMostHeldOctets = 8'000'000;  ///< likewise, if it is more than one message
   static constexpr Time kPatience = std::chrono::seconds(10);
   static constexpr Time kAskAgain = std::chrono::seconds(1);
 

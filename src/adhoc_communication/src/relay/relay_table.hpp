@@ -13,21 +13,12 @@
 #include <vector>
 
 #include "adhoc_communication/types.hpp"
-#include "node/payload.hpp"
+#include "relay/group_news.hpp"
+#include "relay/letters.hpp"
+#include "relay/message.hpp"
+#include "relay/relay_entry.hpp"
 
 namespace adhoc_communication {
-
-/// One local topic carried to one destination.
-struct RelayEntry {
-  std::string topic;
-  std::string destination;  ///< robot, mc_<robot>, or empty for a one-hop broadcast
-  Priority priority = Priority::kNormal;
-  double rate = 0.0;         ///< messages per second at most; 0: every message
-  bool latched = false;      ///< the last message is sent to a destination that appears
-  std::string remote_topic;  ///< as the receiver publishes it; empty: `topic`
-  double lifetime = 0.0;     ///< seconds after which a message is of no use any more; 0: none
-  bool newest_only = false;  ///< a newer message takes the place of one that is not on its way yet
-};
 
 /// A relay and what it has done.
 struct RelayReport {
@@ -54,9 +45,10 @@ class RelayTable {
   static constexpr std::size_t kMostOctets = 64'000'000;  ///< of all waiting and latched messages
   static constexpr std::size_t kMostInFlight = 4;         ///< messages of one relay
   static constexpr std::size_t kMostKnown = 4096;         ///< pairs of destination and type
+  static constexpr std::size_t kMostOwed = 256;           ///< late members of a group, for one relay
   static constexpr Time kRetry = std::chrono::seconds(1);
 
-  explicit RelayTable(std::string own_name) : own_name_(std::move(own_name)) {}
+  explicit RelayTable(std::string own_name) : own_name_(std::move(own_name)), own_group_("mc_" + own_name_) {}
 
   /// Throws std::invalid_argument with one sentence for an entry that cannot work, is there already, or is too many.
   Id add(RelayEntry entry);
@@ -67,23 +59,32 @@ class RelayTable {
   void offer(Id id, Message message, Time now);
   void robot_appeared(const std::string& robot, Time now);
   void robot_lost(const std::string& robot);
-  /// Who belongs to the own group now; newcomers are sent what is latched.
+
+  // Groups: a robot that joins late is sent by itself what is latched, the newest of each relay.
+  /// Who belongs to the own group now. Others who have sent it latched messages are told of newcomers.
   void group_members(const std::vector<std::string>& members, Time now);
+  /// A packet has come for a group.
+  void group_packet(const PacketReceived& packet);
+  /// The root of another group names a new member. Throws PayloadError.
+  void new_member(const PacketReceived& word, Time now);
+
+  // Definitions.
+  /// A robot is to be asked for one.
+  void ask(const std::string& robot, const TypeName& type) { letters_.ask(robot, type); }
+  /// Another robot asks for one, which it gets if a relay carries that type. Throws PayloadError.
+  void answer(const PacketReceived& request);
 
   struct Transfer {
     std::uint64_t number = 0;
     SendRequest request;
   };
-  /// The next message to send; each has to be reported with finished().
+  /// The next message or letter to send; each has to be reported with finished().
   std::optional<Transfer> next(Time now);
   void finished(std::uint64_t number, bool delivered, const std::string& reason, Time now);
   /// Instead of finished(): a newer message has taken its place.
   void superseded(std::uint64_t number);
   /// When next() may have something by the passing of time alone; Time::max() if never.
   Time next_deadline() const;
-
-  /// The message whose definition a robot asks for, if a relay carries that type.
-  Message answer(const TypeName& type) const;
 
  private:
   struct Waiting {
@@ -114,6 +115,7 @@ class RelayTable {
   void check(const RelayEntry& entry) const;
   bool present(const std::string& destination) const;
   bool ready(const Relay& relay) const;
+  std::set<std::string>::iterator next_owed(const Relay& relay) const;
   bool teaches(const std::string& destination, const Message& message) const;
   void drop_expired(Relay& relay, Time now);
   Waiting take_first(Relay& relay);
@@ -122,12 +124,16 @@ class RelayTable {
   void drop_oldest(Relay& relay);
   void enqueue(Relay& relay, Waiting message);
   void enqueue_last(Relay& relay, const std::string& destination, Time now);
+  void owe(const std::string& group, const std::string& member, Time now);
   void remember_last(Relay& relay, Message message);
   Transfer start(Id id, Relay& relay, Time now);
   void forget(const std::string& destination);
 
   const std::string own_name_;
+  const std::string own_group_;
   std::map<Id, Relay> relays_;
+  Letters letters_;
+  GroupNews news_;
   std::set<std::string> robots_;
   std::set<std::string> members_;
   std::set<Lesson> known_;

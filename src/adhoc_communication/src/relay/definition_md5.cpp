@@ -1,4 +1,4 @@
-#include "node/definition_md5.hpp"
+#include "relay/definition_md5.hpp"
 
 #include <array>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "node/payload.hpp"
+#include "relay/message.hpp"
 #include "texts.hpp"
 
 namespace adhoc_communication {

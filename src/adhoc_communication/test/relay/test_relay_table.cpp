@@ -6,7 +6,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "node/relay_table.hpp"
+#include "relay/relay_table.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -34,7 +34,7 @@ SerializedMessage content(const RelayTable::Transfer& transfer) {
   PacketReceived packet;
   packet.payload_type = transfer.request.payload_type;
   packet.payload = transfer.request.payload;
-  return decode(packet);
+  return decode_any_message(packet);
 }
 
 std::string octets(const RelayTable::Transfer& transfer) {
@@ -295,6 +295,7 @@ TEST(RelayTable, LatchedMessageOfTheOwnGroupGoesToEachNewMemberAlone) {
   ASSERT_TRUE(to_group);
   EXPECT_EQ(to_group->request.destination, "mc_self");
   table.finished(to_group->number, true, "", 0s);
+  table.robot_appeared("bob", 1s);
   table.group_members({"bob"}, 1s);
   const auto to_bob = table.next(1s);
   ASSERT_TRUE(to_bob);
@@ -338,12 +339,135 @@ TEST(RelayTable, NewMessageToTheGroupReachesLateMembersWithIt) {
   const auto id = table.add(entry);
   table.offer(id, message("old"), 0s);
   deliver_all(table, 0s);
+  table.robot_appeared("bob", 1s);
   table.group_members({"bob"}, 1s);
   table.offer(id, message("new"), 1s);
   const auto transfer = table.next(1s);
   ASSERT_TRUE(transfer);
   EXPECT_EQ(transfer->request.destination, "mc_self");
   EXPECT_FALSE(table.next(1s));
+}
+
+PacketReceived new_member(const std::string& root, const std::string& member) {
+  PacketReceived word;
+  word.source = root;
+  word.payload_type = static_cast<std::uint8_t>(PayloadType::kNewMember);
+  word.payload.assign(member.begin(), member.end());
+  return word;
+}
+
+TEST(RelayTable, LatchedMessageOfAnotherGroupGoesToEachNewMemberAlone) {
+  RelayTable table("self");
+  RelayEntry entry = to("mc_alice");
+  entry.latched = true;
+  const auto id = table.add(entry);
+  entry.topic = "not latched";
+  entry.latched = false;
+  const auto passing = table.add(entry);
+  for (const char* robot : {"alice", "carol", "dave"}) table.robot_appeared(robot, 0s);
+  for (const char* text : {"old", "new"}) table.offer(id, message(text), 0s);
+  table.offer(passing, message("gone"), 0s);
+  EXPECT_EQ(deliver_all(table, 0s).size(), 3u);
+  table.new_member(new_member("alice", "carol"), 1s);
+  table.new_member(new_member("alice", "self"), 1s);
+  table.new_member(new_member("bob", "dave"), 1s);
+  const auto transfer = table.next(1s);
+  ASSERT_TRUE(transfer);
+  EXPECT_EQ(transfer->request.destination, "carol");
+  EXPECT_EQ(octets(*transfer), "new");
+  EXPECT_EQ(type_of(*transfer), 'X') << "carol does not know what the group knows";
+  EXPECT_FALSE(table.next(1s));
+}
+
+TEST(RelayTable, NewMembersAreServedWhenTheyAreThereAndBounded) {
+  RelayTable table("self");
+  RelayEntry entry = to("mc_alice");
+  entry.latched = true;
+  const auto id = table.add(entry);
+  table.robot_appeared("alice", 0s);
+  table.offer(id, message("1"), 0s);
+  EXPECT_EQ(deliver_all(table, 0s).size(), 1u);
+  for (int i = 0; i < 1000; ++i) table.new_member(new_member("alice", "robot_" + std::to_string(1000 + i)), 2s);
+  EXPECT_FALSE(table.next(2s)) << "none of them is there";
+  table.robot_appeared("robot_1007", 3s);
+  const auto transfer = table.next(3s);
+  ASSERT_TRUE(transfer);
+  table.robot_lost("robot_1007");
+  table.finished(transfer->number, false, "no route", 4s);
+  EXPECT_FALSE(table.next(10s));
+  for (int i = 0; i < 1000; ++i) table.robot_appeared("robot_" + std::to_string(1000 + i), 10s);
+  EXPECT_EQ(deliver_all(table, 10s).size(), RelayTable::kMostOwed);
+}
+
+/// A packet for the group of `self` as a relay of `source` sends it.
+PacketReceived relayed(const std::string& source, bool latched) {
+  PacketReceived packet;
+  packet.source = source;
+  packet.group = "mc_self";
+  packet.payload_type = static_cast<std::uint8_t>(PayloadType::kMessageByType);
+  packet.latched = latched;
+  return packet;
+}
+
+/// The destinations of what is to be sent now, and the members named to them.
+std::vector<std::string> words(RelayTable& table, Time now, bool delivered = true) {
+  std::vector<std::string> result;
+  std::vector<std::uint64_t> numbers;
+  while (const auto transfer = table.next(now)) {
+    EXPECT_EQ(type_of(*transfer), 'n');
+    const Bytes& member = transfer->request.payload;
+    result.push_back(transfer->request.destination + " " + std::string(member.begin(), member.end()));
+    numbers.push_back(transfer->number);
+  }
+  for (const std::uint64_t number : numbers) table.finished(number, delivered, "", now);
+  return result;
+}
+
+TEST(RelayTable, TheRootTellsSourcesOfLatchedMessagesOfNewMembers) {
+  using Words = std::vector<std::string>;
+  RelayTable table("self");
+  table.group_packet(relayed("bob", true));
+  table.group_packet(relayed("passing", false));
+  PacketReceived of_another_group = relayed("dave", true);
+  of_another_group.group = "mc_alice";
+  table.group_packet(of_another_group);
+  table.group_members({"bob", "carol"}, 0s);
+  EXPECT_EQ(words(table, 0s), Words{"bob carol"});
+  table.group_members({"bob", "carol"}, 1s);
+  EXPECT_EQ(words(table, 1s), Words{});
+  table.group_members({"bob", "carol", "erin"}, 2s);
+  EXPECT_EQ(words(table, 2s, false), Words{"bob erin"});
+  EXPECT_EQ(words(table, 2500ms), Words{});
+  EXPECT_EQ(table.next_deadline(), 3s);
+  EXPECT_EQ(words(table, 3s), Words{"bob erin"}) << "until it arrives";
+  table.robot_lost("bob");
+  table.group_members({"carol", "erin", "frank"}, 4s);
+  EXPECT_EQ(words(table, 4s), Words{});
+}
+
+TEST(RelayTable, WordOfAMemberThatHasLeftIsNotRepeated) {
+  RelayTable table("self");
+  table.group_packet(relayed("bob", true));
+  table.group_members({"carol"}, 0s);
+  const auto word = table.next(0s);
+  ASSERT_TRUE(word);
+  table.group_members({}, 1s);
+  table.finished(word->number, false, "", 1s);
+  EXPECT_EQ(table.next_deadline(), Time::max());
+}
+
+TEST(RelayTable, WordsAndSourcesAreBounded) {
+  RelayTable table("self");
+  for (int i = 0; i < 1000; ++i) table.group_packet(relayed("source_" + std::to_string(i), true));
+  std::vector<std::string> members;
+  for (int i = 0; i < 200; ++i) members.push_back("member_" + std::to_string(i));
+  table.group_members(members, 0s);
+  std::size_t count = 0;
+  while (const auto word = table.next(0s)) {
+    table.finished(word->number, true, "", 0s);
+    ++count;
+  }
+  EXPECT_EQ(count, GroupNews::kMostWords);
 }
 
 TEST(RelayTable, MessageIsOfNoUseAfterItsLifetime) {
@@ -404,15 +528,43 @@ TEST(RelayTable, RequestHasTopicPriorityAndDestinationOfItsEntry) {
   EXPECT_EQ(transfer->request.destination, "bob");
 }
 
+PacketReceived question(const std::string& type, const std::string& md5sum) {
+  PacketReceived packet;
+  packet.source = "carol";
+  packet.payload_type = static_cast<std::uint8_t>(PayloadType::kDefinitionRequest);
+  packet.payload = encode_message_by_type({type, md5sum, {}, {}, false});
+  return packet;
+}
+
 TEST(RelayTable, AnswersWhoLacksADefinition) {
   RelayTable table("self");
   const auto id = table.add(to("bob"));
-  EXPECT_EQ(table.answer({"pkg/Type", kMd5sum}), nullptr);
+  table.answer(question("pkg/Type", kMd5sum));
+  EXPECT_EQ(table.next_deadline(), Time::max()) << "nothing of that type has come yet";
   table.offer(id, message("1"), 0s);
-  ASSERT_NE(table.answer({"pkg/Type", kMd5sum}), nullptr);
-  EXPECT_EQ(table.answer({"pkg/Type", kMd5sum})->definition, "float64 x");
-  EXPECT_EQ(table.answer({"pkg/Type", std::string(32, 'b')}), nullptr);
-  EXPECT_EQ(table.answer({"pkg/Other", kMd5sum}), nullptr);
+  table.answer(question("pkg/Type", std::string(32, 'b')));
+  table.answer(question("pkg/Other", kMd5sum));
+  EXPECT_FALSE(table.next(0s));
+  table.answer(question("pkg/Type", kMd5sum));
+  EXPECT_EQ(table.next_deadline(), Time::zero());
+  const auto answer = table.next(0s);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->request.destination, "carol");
+  EXPECT_EQ(type_of(*answer), 'D');
+  EXPECT_EQ(content(*answer).definition, "float64 x");
+  EXPECT_EQ(octets(*answer), "");
+  EXPECT_THROW(table.answer(question("none", kMd5sum)), PayloadError);
+}
+
+TEST(RelayTable, AsksAheadOfMessages) {
+  RelayTable table("self");
+  table.offer(table.add(to("bob")), message("1"), 0s);
+  table.ask("carol", {"pkg/Type", kMd5sum});
+  const auto question = table.next(0s);
+  ASSERT_TRUE(question);
+  EXPECT_EQ(question->request.destination, "carol");
+  EXPECT_EQ(type_of(*question), 'd');
+  EXPECT_EQ(content(*question).type, "pkg/Type");
 }
 
 std::string refusal(RelayTable& table, const RelayEntry& entry) {

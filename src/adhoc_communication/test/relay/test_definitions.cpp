@@ -1,7 +1,7 @@
 // Definitions learnt, messages that wait for theirs.
 #include <gtest/gtest.h>
 
-#include "node/definitions.hpp"
+#include "relay/definitions.hpp"
 
 namespace adhoc_communication {
 namespace {

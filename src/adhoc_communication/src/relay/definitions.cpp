@@ -1,4 +1,4 @@
-#include "node/definitions.hpp"
+#include "relay/definitions.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,42 +1,29 @@
 // Which topics are kept, and which messages wait for subscribers.
 #include <gtest/gtest.h>
 
-#include <set>
-
-#include "node/topic_table.hpp"
+#include "fake_topics.hpp"
+#include "relay/topic_table.hpp"
 
 namespace adhoc_communication {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// How many subscribers have connected to each topic.
-std::map<std::string, std::size_t> connected;
-
-struct FakePublisher {
-  std::string topic;
-  std::size_t getNumSubscribers() const { return connected[topic]; }
-};
-using Table = TopicTable<FakePublisher>;
-
 class TopicTableTest : public testing::Test {
  protected:
-  void SetUp() override { connected.clear(); }
-
-  Table::Topic& add(const std::string& name, Time now, const std::string& source = "bob", std::size_t subscribers = 0) {
-    return table.add(name, {"pkg/Type", "", source, {name}, subscribers}, now);
+  TopicTable::Topic& add(const std::string& name, Time now, const std::string& source = "bob",
+                         std::size_t subscribers = 0) {
+    return table.add(name, {"pkg/Type", "", source, local.advertise(name, {}, false), subscribers}, now);
   }
   void publish(const std::string& name, const std::string& octets, Time now) {
-    table.publish(*table.find(name, now), {"pkg/Type", "", "", Bytes(octets.begin(), octets.end()), false}, now, note);
+    table.publish(*table.find(name, now), {"pkg/Type", "", "", Bytes(octets.begin(), octets.end()), false}, now);
   }
-  void release(Time now) { table.release_all(now, note); }
+  void release(Time now) { table.release_all(now); }
 
-  Table table;
-  std::vector<std::string> published;
-  std::function<void(const Table::Topic&, const SerializedMessage&)> note = [this](const Table::Topic& topic,
-                                                                                   const SerializedMessage& message) {
-    published.push_back(topic.publisher.topic + " " + std::string(message.bytes.begin(), message.bytes.end()));
-  };
+  FakeTopics local;
+  std::vector<std::string>& published = local.published;
+  std::map<std::string, std::size_t>& connected = local.connected;
+  TopicTable table;
 };
 
 TEST_F(TopicTableTest, OneThatWaitsForSubscribersHoldsUpNoOther) {
@@ -57,21 +44,24 @@ TEST_F(TopicTableTest, OneThatWaitsForSubscribersHoldsUpNoOther) {
 }
 
 TEST_F(TopicTableTest, LatchedMessagesAreBoundedByTheirOctets) {
-  const SerializedMessage large{"pkg/Type", "", "", Bytes(10'000'000), false};
-  const auto ignore = [](const Table::Topic&, const SerializedMessage&) {};
-  const auto keep = [&](const std::string& name, const std::string& source, Time now) {
+  const auto keep = [&](const std::string& name, const std::string& source, Time now, std::size_t octets = 2'500'000) {
     if (!table.knows(name)) add(name, now, source).latched = true;
-    table.publish(*table.find(name, now), large, now, ignore);
+    table.publish(*table.find(name, now), {"pkg/Type", "", "", Bytes(octets), false}, now);
   };
   keep("/mine", "carol", 0s);
   for (int i = 0; i < 8; ++i) keep("/bomb_" + std::to_string(i), "bob", 1s + i * 1ms);
-  EXPECT_EQ(table.size(), 4u);
+  EXPECT_EQ(table.size(), 3u) << "bob's share has room for two";
   EXPECT_TRUE(table.knows("/mine"));
   EXPECT_TRUE(table.knows("/bomb_7"));
+  EXPECT_EQ(table.take_given_up().size(), 6u);
   for (int i = 0; i < 8; ++i) keep("/other_" + std::to_string(i), "dave_" + std::to_string(i), 2s + i * 1ms);
-  EXPECT_EQ(table.size(), 6u);
+  EXPECT_EQ(table.size(), 4u);
+  EXPECT_FALSE(table.knows("/bomb_6")) << "bob keeps most";
   for (int i = 0; i < 8; ++i) keep("/other_7", "dave_7", 3s + i * 1ms);
-  EXPECT_EQ(table.size(), 6u);
+  EXPECT_EQ(table.size(), 4u);
+  keep("/huge", "erin", 4s, 20'000'000);
+  EXPECT_EQ(table.size(), 1u);
+  EXPECT_TRUE(table.knows("/huge"));
 }
 
 TEST_F(TopicTableTest, SubscribersThatNeverConnectAreWaitedForASecond) {
@@ -85,32 +75,33 @@ TEST_F(TopicTableTest, SubscribersThatNeverConnectAreWaitedForASecond) {
 
 TEST_F(TopicTableTest, WhatWaitsIsBounded) {
   add("/slow", 0s, "bob", 1);
-  for (std::size_t i = 0; i < Table::kMostWaiting; ++i) publish("/slow", "x", 0s);
-  EXPECT_EQ(published.size(), Table::kMostWaiting);
+  for (std::size_t i = 0; i < TopicTable::kMostWaiting; ++i) publish("/slow", "x", 0s);
+  EXPECT_EQ(published.size(), TopicTable::kMostWaiting);
   published.clear();
   add("/large", 0s, "bob", 1);
-  publish("/large", std::string(Table::kMostWaitingOctets, 'x'), 0s);
+  publish("/large", std::string(TopicTable::kMostWaitingOctets, 'x'), 0s);
   EXPECT_EQ(published.size(), 1u);
   EXPECT_FALSE(table.anything_waits());
 }
 
 TEST_F(TopicTableTest, ARobotLosesItsOwnTopicsBeyondItsShare) {
   add("/honest", 0s, "alice");
-  for (std::size_t i = 0; i < 2 * Table::kMostTopics; ++i) add("/flood_" + std::to_string(i), 1s + i * 1ms, "mallory");
-  EXPECT_EQ(table.size(), 1 + Table::kMostOfASource);
+  for (std::size_t i = 0; i < 2 * TopicTable::kMostTopics; ++i)
+    add("/flood_" + std::to_string(i), 1s + i * 1ms, "mallory");
+  EXPECT_EQ(table.size(), 1 + TopicTable::kMostOfASource);
   EXPECT_TRUE(table.knows("/honest"));
   EXPECT_FALSE(table.knows("/flood_0"));
-  EXPECT_TRUE(table.knows("/flood_" + std::to_string(2 * Table::kMostTopics - 1)));
+  EXPECT_TRUE(table.knows("/flood_" + std::to_string(2 * TopicTable::kMostTopics - 1)));
 }
 
 TEST_F(TopicTableTest, TheLeastUsedMakesRoom) {
-  const std::size_t share = Table::kMostOfASource;
-  for (std::size_t i = 0; i < Table::kMostTopics; ++i) {
+  const std::size_t share = TopicTable::kMostOfASource;
+  for (std::size_t i = 0; i < TopicTable::kMostTopics; ++i) {
     add("/topic_" + std::to_string(i), i * 1ms, "robot_" + std::to_string(i / share));
   }
   table.find("/topic_0", 10s);
   add("/new", 11s, "robot_9");
-  EXPECT_EQ(table.size(), Table::kMostTopics);
+  EXPECT_EQ(table.size(), TopicTable::kMostTopics);
   EXPECT_TRUE(table.knows("/topic_0"));
   EXPECT_FALSE(table.knows("/topic_1"));
 }
@@ -118,7 +109,7 @@ TEST_F(TopicTableTest, TheLeastUsedMakesRoom) {
 TEST_F(TopicTableTest, AForgottenTopicTakesWhatWaitsWithIt) {
   add("/slow", 0s, "bob", 1);
   publish("/slow", "1", 0s);
-  for (std::size_t i = 0; i < Table::kMostOfASource; ++i) add("/topic_" + std::to_string(i), 1s);
+  for (std::size_t i = 0; i < TopicTable::kMostOfASource; ++i) add("/topic_" + std::to_string(i), 1s);
   EXPECT_FALSE(table.anything_waits());
 }
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "node/options.hpp"
-#include "node/topic_filter.hpp"
+#include "relay/topic_filter.hpp"
 
 namespace adhoc_communication {
 namespace {

@@ -10,8 +10,8 @@
 #include <std_msgs/Empty.h>
 #include <std_msgs/String.h>
 
-#include "node/definition_md5.hpp"
-#include "node/payload.hpp"
+#include "relay/definition_md5.hpp"
+#include "relay/message.hpp"
 
 namespace adhoc_communication {
 namespace {

@@ -1,0 +1,134 @@
+#include "relay/inbox.hpp"
+
+#include <exception>
+#include <utility>
+
+#include "adhoc_communication/compression.hpp"
+#include "relay/definition_md5.hpp"
+#include "texts.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+PayloadType type_of(const PacketReceived& packet) { return static_cast<PayloadType>(packet.payload_type); }
+
+}  // namespace
+
+Inbox::Inbox(LocalTopics& local, TopicFilter filter, InboxCalls calls)
+    : local_(local), filter_(std::move(filter)), calls_(std::move(calls)) {}
+
+void Inbox::take(PacketReceived packet, Time now) {
+  try {
+    carry_out(packet, now);
+  } catch (const std::exception& error) {
+    drop(packet, error.what());
+  }
+  tell_of_topics_given_up();
+}
+
+void Inbox::release(Time now) {
+  topics_.release_all(now);
+  tell_of_topics_given_up();
+}
+
+void Inbox::carry_out(PacketReceived& packet, Time now) {
+  if (!unpack(packet)) throw PayloadError("it is not what it says that it unpacks to");
+  if (type_of(packet) == PayloadType::kDefinitionRequest) return calls_.answer(packet);
+  if (type_of(packet) == PayloadType::kNewMember) return calls_.new_member(packet);
+  definitions_.expire(now);
+  const bool is_definition = type_of(packet) == PayloadType::kDefinition;
+  if (!is_definition) check_topic(local_.full_name(packet.topic));
+  SerializedMessage message = calls_.decode(packet);
+  // Unasked definitions are not kept: nobody can fill the memory with them.
+  if (is_definition && definitions_.awaits({message.type, message.md5sum})) learn_definition(message, now);
+  if (is_definition || !complete(message, packet, now)) return;
+  packet.payload = {};  // large ones are not to be in memory twice
+  publish(packet, std::move(message), now);
+}
+
+void Inbox::check_topic(const std::string& topic) const {
+  if (!filter_.admits(topic)) {
+    throw PayloadError("other robots may not publish '" + topic + "' here (parameters inject_allow, inject_deny)");
+  }
+  if (topics_.knows(topic) || filter_.names(topic)) return;
+  if (local_.others_publish(topic)) {
+    throw PayloadError("nodes of this robot publish '" + topic + "', so others may not, unless inject_allow names it");
+  }
+}
+
+/// The MD5 sum is what subscribers and other senders go by, so it has to be that of the definition.
+void Inbox::learn_definition(const SerializedMessage& message, Time now) {
+  if (md5_of_definition(message.type, message.definition) != message.md5sum) {
+    throw PayloadError("the definition of " + message.type + " does not have the MD5 sum " + message.md5sum);
+  }
+  for (const PacketReceived& waited : definitions_.learn({message.type, message.md5sum}, message.definition)) {
+    try {
+      SerializedMessage complete = calls_.decode(waited);
+      complete.definition = message.definition;
+      publish(waited, std::move(complete), now);
+    } catch (const std::exception& error) {
+      drop(waited, error.what());
+    }
+  }
+}
+
+/// False when the message has to wait for its definition.
+bool Inbox::complete(SerializedMessage& message, PacketReceived& packet, Time now) {
+  const TypeName type{message.type, message.md5sum};
+  if (type_of(packet) == PayloadType::kAnyMessage) {
+    const std::string* known = definitions_.find(type);
+    if (known == nullptr && !message.definition.empty()) learn_definition(message, now);
+    if (known != nullptr) message.definition = *known;
+    return true;
+  }
+  if (type_of(packet) != PayloadType::kMessageByType) return true;
+  if (const std::string* definition = definitions_.find(type)) {
+    message.definition = *definition;
+    return true;
+  }
+  const std::string source = packet.source;
+  message.bytes = {};
+  if (definitions_.hold(std::move(packet), type, now)) calls_.ask(source, type);
+  return false;
+}
+
+void Inbox::publish(const PacketReceived& packet, SerializedMessage message, Time now) {
+  TopicTable::Topic& topic = topic_for(local_.full_name(packet.topic), message, packet, now);
+  topics_.publish(topic, std::move(message), now);
+}
+
+TopicTable::Topic& Inbox::topic_for(const std::string& name, const SerializedMessage& message,
+                                    const PacketReceived& packet, Time now) {
+  if (TopicTable::Topic* known = topics_.find(name, now)) {
+    if (known->md5sum == message.md5sum && known->type == message.type) return *known;
+    throw PayloadError("topic '" + name + "' carries " + known->type + " here, so " + message.type +
+                       " cannot be published on it");
+  }
+  // Who comes late must not drive on an old command.
+  const bool latched = packet.latched && message.type != "geometry_msgs/Twist";
+  TopicTable::Topic topic{message.type, message.md5sum, packet.source, local_.advertise(name, message, latched)};
+  topic.subscribers = local_.subscribers(name);
+  topic.latched = latched;
+  return topics_.add(name, std::move(topic), now);
+}
+
+void Inbox::drop(const PacketReceived& packet, const std::string& reason) {
+  ++dropped_;
+  if (topics_told_.size() >= kMostTold || !topics_told_.insert(packet.topic).second) return;
+  calls_.tell("A packet from " + packet.source + " for topic '" + escaped(packet.topic) +
+              "' is not published: " + reason + " (reported once per topic)");
+}
+
+void Inbox::tell_of_topics_given_up() {
+  for (const auto& [topic, source] : topics_.take_given_up()) {
+    if (robots_told_.size() >= kMostTold || !robots_told_.insert(source).second) continue;
+    calls_.tell("Topic '" + topic + "' of " + source +
+                " is given up: messages of latched topics would keep more than " +
+                size_text(TopicTable::kMostKeptOfASource) + " of one robot, or " +
+                size_text(TopicTable::kMostKeptOctets) + " of all (reported once per robot)");
+  }
+}
+
+std::uint64_t Inbox::take_dropped() { return std::exchange(dropped_, 0) + definitions_.take_dropped(); }
+
+}  // namespace adhoc_communication

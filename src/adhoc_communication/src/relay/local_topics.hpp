@@ -1,0 +1,41 @@
+// The topics of this robot, as whoever hosts a relay offers them.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include "relay/message.hpp"
+
+namespace adhoc_communication {
+
+/// A topic that nodes of this robot can subscribe to, until this is destroyed.
+class Publication {
+ public:
+  Publication() = default;
+  virtual ~Publication() = default;
+  Publication(const Publication&) = delete;
+  Publication& operator=(const Publication&) = delete;
+
+  virtual std::size_t subscribers() const = 0;  ///< that have connected
+  virtual void publish(const SerializedMessage& message) = 0;
+};
+
+class LocalTopics {
+ public:
+  LocalTopics() = default;
+  virtual ~LocalTopics() = default;
+  LocalTopics(const LocalTopics&) = delete;
+  LocalTopics& operator=(const LocalTopics&) = delete;
+
+  /// One topic has one name. Throws PayloadError for what is no valid name.
+  virtual std::string full_name(const std::string& topic) const = 0;
+  /// Nodes of this robot besides this one publish it.
+  virtual bool others_publish(const std::string& full_name) const = 0;
+  virtual std::size_t subscribers(const std::string& full_name) const = 0;  ///< that have connected or are to
+  /// A topic of the type of `message`. Throws PayloadError.
+  virtual std::unique_ptr<Publication> advertise(const std::string& full_name, const SerializedMessage& message,
+                                                 bool latched) = 0;
+};
+
+}  // namespace adhoc_communication

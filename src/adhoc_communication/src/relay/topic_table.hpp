@@ -1,0 +1,83 @@
+// The topics that packets of other robots are published on, and the messages that wait for subscribers to connect.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adhoc_communication/types.hpp"
+#include "relay/local_topics.hpp"
+#include "relay/message.hpp"
+
+namespace adhoc_communication {
+
+/// When the table is full, or a robot has brought more topics than its share, the one used longest ago makes room: of
+/// all, or of that robot's. When latched topics keep too many octets, it is that of the robot who keeps most, or of the
+/// one beyond its share; a single message may be larger than that.
+class TopicTable {
+ public:
+  static constexpr std::size_t kMostTopics = 256;
+  static constexpr std::size_t kMostOfASource = 64;
+  static constexpr std::size_t kMostKeptOctets = 12'000'000;    ///< latched, if it is more than one message
+  static constexpr std::size_t kMostKeptOfASource = 6'000'000;  ///< of these, likewise
+  static constexpr std::size_t kMostWaiting = 100;              ///< messages of one topic
+  static constexpr std::size_t kMostWaitingOctets = 8'000'000;  ///< of all
+  static constexpr Time kLongestConnection = std::chrono::seconds(1);
+
+  struct Topic {
+    std::string type;
+    std::string md5sum;
+    std::string source;  ///< the robot that brought it
+    std::unique_ptr<Publication> publication;
+    std::size_t subscribers = 0;  ///< that are to connect
+    bool latched = false;
+    std::size_t kept = 0;  ///< octets of the message that late subscribers get
+    Time connects_until{0};
+    Time used{0};
+    std::deque<SerializedMessage> waiting{};  ///< until they have
+    bool connecting = true;
+  };
+
+  Topic* find(const std::string& name, Time now);
+  bool knows(const std::string& name) const { return topics_.count(name) != 0; }
+  std::size_t size() const { return topics_.size(); }
+  bool anything_waits() const { return waiting_octets_ > 0; }
+
+  Topic& add(const std::string& name, Topic topic, Time now);
+  /// What subscribers do not get because they are still connecting is lost to them: until they have, the messages of
+  /// that topic wait, and no others.
+  void publish(Topic& topic, SerializedMessage message, Time now);
+  /// Publishes what has waited for subscribers that have connected, or long enough.
+  void release_all(Time now);
+
+  struct GivenUp {
+    std::string topic;
+    std::string source;
+  };
+  /// Topics given up since the last call because of the octets that latched ones keep.
+  std::vector<GivenUp> take_given_up() { return std::exchange(given_up_, {}); }
+
+ private:
+  using Predicate = std::function<bool(const Topic&)>;
+
+  void release(Topic& topic, Time now);
+  void put_out(Topic& topic, const SerializedMessage& message);
+  void make_room_beside(const Topic& topic);
+  std::size_t kept_of(const std::string& source) const;
+  std::size_t count(const Predicate& counts) const;
+  void forget_least_used(const Predicate& candidate) { forget(least_used(candidate)); }
+  std::map<std::string, Topic>::iterator least_used(const Predicate& candidate);
+  void forget(std::map<std::string, Topic>::iterator topic);
+
+  std::map<std::string, Topic> topics_;
+  std::size_t waiting_octets_ = 0;
+  std::size_t kept_octets_ = 0;
+  std::vector<GivenUp> given_up_;
+};
+
+}  // namespace adhoc_communication

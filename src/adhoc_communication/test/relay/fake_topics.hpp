@@ -1,0 +1,51 @@
+// Local topics in memory, with subscribers as a test has them.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "relay/local_topics.hpp"
+#include "relay/topic_name.hpp"
+
+namespace adhoc_communication {
+
+class FakeTopics : public LocalTopics {
+ public:
+  std::map<std::string, std::size_t> expected;   ///< subscribers that a topic has or is to have
+  std::map<std::string, std::size_t> connected;  ///< those that it has
+  std::set<std::string> of_others;               ///< topics that other nodes publish
+  std::map<std::string, bool> advertised;        ///< and whether they are latched
+  std::vector<std::string> published;            ///< topic and octets
+
+  std::string full_name(const std::string& topic) const override { return local_topic("/", topic); }
+  bool others_publish(const std::string& name) const override { return of_others.count(name) != 0; }
+  std::size_t subscribers(const std::string& name) const override {
+    const auto found = expected.find(name);
+    return found == expected.end() ? 0 : found->second;
+  }
+  std::unique_ptr<Publication> advertise(const std::string& name, const SerializedMessage&, bool latched) override {
+    advertised[name] = latched;
+    return std::make_unique<FakePublication>(*this, name);
+  }
+
+ private:
+  class FakePublication : public Publication {
+   public:
+    FakePublication(FakeTopics& topics, std::string name) : topics_(topics), name_(std::move(name)) {}
+    ~FakePublication() override { topics_.advertised.erase(name_); }
+
+    std::size_t subscribers() const override { return topics_.connected[name_]; }
+    void publish(const SerializedMessage& message) override {
+      topics_.published.push_back(name_ + " " + std::string(message.bytes.begin(), message.bytes.end()));
+    }
+
+   private:
+    FakeTopics& topics_;
+    const std::string name_;
+  };
+};
+
+}  // namespace adhoc_communication

@@ -1,0 +1,184 @@
+// What is published of packets of other robots, what waits, and what is told.
+#include <gtest/gtest.h>
+
+#include "adhoc_communication/compression.hpp"
+#include "fake_topics.hpp"
+#include "relay/definition_md5.hpp"
+#include "relay/group_news.hpp"
+#include "relay/inbox.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::string kType = "pkg/Type";
+const std::string kDefinition = "float64 x\n";
+std::string sum() { return md5_of_definition(kType, kDefinition); }
+
+PacketReceived packet(PayloadType payload_type, const std::string& topic, const std::string& octets,
+                      const std::string& source = "bob") {
+  const SerializedMessage message{kType, sum(), kDefinition, Bytes(octets.begin(), octets.end()), false};
+  const bool with_definition = payload_type == PayloadType::kAnyMessage || payload_type == PayloadType::kDefinition;
+  PacketReceived result;
+  result.source = source;
+  result.topic = topic;
+  result.payload_type = static_cast<std::uint8_t>(payload_type);
+  result.payload = with_definition ? encode_any_message(message) : encode_message_by_type(message);
+  return result;
+}
+PacketReceived any(const std::string& topic, const std::string& octets) {
+  return packet(PayloadType::kAnyMessage, topic, octets);
+}
+PacketReceived by_type(const std::string& topic, const std::string& octets, const std::string& source = "bob") {
+  return packet(PayloadType::kMessageByType, topic, octets, source);
+}
+PacketReceived definition() { return packet(PayloadType::kDefinition, "definition", ""); }
+
+class InboxTest : public testing::Test {
+ protected:
+  using Texts = std::vector<std::string>;
+
+  FakeTopics local;
+  Texts told;
+  Texts asked;
+  Texts answered;
+  Texts joined;
+  Inbox inbox{local,
+              TopicFilter("* /odom", "*/denied"),
+              {decode_any_message,
+               [this](const std::string& robot, const TypeName& type) { asked.push_back(robot + " " + type.type); },
+               [this](const PacketReceived& request) { answered.push_back(request.source); },
+               [this](const PacketReceived& word) { joined.push_back(GroupNews::member_in(word)); },
+               [this](const std::string& text) { told.push_back(text); }}};
+};
+
+TEST_F(InboxTest, PublishesUnderOneNameAndLatchesAsTheSender) {
+  PacketReceived passing = any("//scan/", "1");
+  passing.latched = false;
+  inbox.take(passing, 0s);
+  inbox.take(any("map", "2"), 0s);
+  EXPECT_EQ(local.published, (Texts{"/scan 1", "/map 2"}));
+  EXPECT_EQ(local.advertised, (std::map<std::string, bool>{{"/scan", false}, {"/map", true}}));
+  EXPECT_TRUE(told.empty());
+}
+
+TEST_F(InboxTest, WhoComesLateDoesNotDriveOnAnOldCommand) {
+  PacketReceived command;
+  command.topic = "drive";
+  command.payload_type = static_cast<std::uint8_t>(PayloadType::kAnyMessage);
+  const std::string fields = "float64 x\n";
+  command.payload =
+      encode_any_message({"geometry_msgs/Twist", md5_of_definition("geometry_msgs/Twist", fields), fields, {1}, false});
+  inbox.take(command, 0s);
+  EXPECT_EQ(local.advertised, (std::map<std::string, bool>{{"/drive", false}}));
+}
+
+TEST_F(InboxTest, AMessageWaitsForItsDefinitionAndIsAskedForOnce) {
+  inbox.take(by_type("scan", "1"), 0s);
+  inbox.take(by_type("scan", "2"), 100ms);
+  EXPECT_EQ(asked, Texts{"bob pkg/Type"});
+  EXPECT_TRUE(local.published.empty());
+  inbox.take(definition(), 200ms);
+  inbox.take(by_type("scan", "3"), 300ms);
+  EXPECT_EQ(local.published, (Texts{"/scan 1", "/scan 2", "/scan 3"}));
+  EXPECT_EQ(inbox.take_dropped(), 0u);
+}
+
+TEST_F(InboxTest, AnUnaskedDefinitionIsNotKept) {
+  inbox.take(definition(), 0s);
+  inbox.take(by_type("scan", "1"), 0s);
+  EXPECT_EQ(asked.size(), 1u);
+}
+
+TEST_F(InboxTest, ADefinitionHasToHaveItsSum) {
+  inbox.take(by_type("scan", "1"), 0s);
+  PacketReceived forged = definition();
+  forged.payload = encode_any_message({kType, sum(), "float64 y\n", {}, false});
+  inbox.take(forged, 0s);
+  EXPECT_TRUE(local.published.empty());
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("does not have the MD5 sum"), std::string::npos) << told[0];
+}
+
+TEST_F(InboxTest, QuestionsAreHandedOn) {
+  inbox.take(packet(PayloadType::kDefinitionRequest, "definition", ""), 0s);
+  EXPECT_EQ(answered, Texts{"bob"});
+}
+
+TEST_F(InboxTest, WordOfANewMemberIsHandedOn) {
+  PacketReceived word;
+  word.source = "alice";
+  word.topic = "new_member";
+  word.payload_type = static_cast<std::uint8_t>(PayloadType::kNewMember);
+  word.payload = {'c', 'a', 'r', 'o', 'l'};
+  inbox.take(word, 0s);
+  EXPECT_EQ(joined, Texts{"carol"});
+  word.payload = {'\n'};
+  inbox.take(word, 0s);
+  EXPECT_EQ(joined.size(), 1u);
+  EXPECT_EQ(inbox.take_dropped(), 1u);
+}
+
+TEST_F(InboxTest, WhatIsRefusedIsCountedAndToldOncePerTopic) {
+  for (int i = 0; i < 3; ++i) inbox.take(any("/denied", "x"), 0s);
+  inbox.take(any("not a topic", "x"), 0s);
+  EXPECT_EQ(inbox.take_dropped(), 4u);
+  EXPECT_EQ(inbox.take_dropped(), 0u);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_NE(told[0].find("other robots may not publish '/denied' here"), std::string::npos) << told[0];
+  EXPECT_NE(told[1].find("is not a valid topic name"), std::string::npos) << told[1];
+}
+
+TEST_F(InboxTest, WhatOwnNodesPublishIsRefusedUnlessNamed) {
+  local.of_others = {"/scan", "/odom"};
+  inbox.take(any("scan", "1"), 0s);
+  inbox.take(any("odom", "2"), 0s);
+  EXPECT_EQ(local.published, Texts{"/odom 2"});
+}
+
+TEST_F(InboxTest, ATopicHasOneType) {
+  inbox.take(any("scan", "1"), 0s);
+  PacketReceived other = any("scan", "2");
+  other.payload = encode_any_message({"pkg/Other", md5_of_definition("pkg/Other", ""), "", {2}, false});
+  inbox.take(other, 0s);
+  EXPECT_EQ(local.published, Texts{"/scan 1"});
+  EXPECT_EQ(inbox.take_dropped(), 1u);
+}
+
+TEST_F(InboxTest, SubscribersOfANewTopicMissNothing) {
+  local.expected["/scan"] = 1;
+  inbox.take(any("scan", "1"), 0s);
+  EXPECT_TRUE(inbox.anything_waits());
+  inbox.take(any("map", "2"), 1ms);
+  local.connected["/scan"] = 1;
+  inbox.release(10ms);
+  EXPECT_EQ(local.published, (Texts{"/map 2", "/scan 1"}));
+  EXPECT_FALSE(inbox.anything_waits());
+}
+
+TEST_F(InboxTest, ARobotWhoseTopicsKeepTooMuchIsNamedOnce) {
+  const std::string large(2'500'000, 'x');
+  for (int i = 0; i < 5; ++i) inbox.take(any("bomb_" + std::to_string(i), large), i * 1s);
+  EXPECT_EQ(local.advertised.size(), 2u);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("Topic '/bomb_0' of bob is given up"), std::string::npos) << told[0];
+  EXPECT_EQ(inbox.take_dropped(), 0u);
+}
+
+TEST_F(InboxTest, WhatDoesNotUnpackAsItSaysIsRefused) {
+  SendRequest request{"here", "scan", static_cast<std::uint8_t>(PayloadType::kAnyMessage),
+                      any("scan", std::string(1000, 'x')).payload};
+  pack(request);
+  PacketReceived packed = any("scan", "");
+  packed.payload = request.payload;
+  packed.unpacked_size = request.unpacked_size - 1;
+  inbox.take(packed, 0s);
+  EXPECT_EQ(inbox.take_dropped(), 1u);
+  packed.unpacked_size = request.unpacked_size;
+  inbox.take(packed, 0s);
+  EXPECT_EQ(local.published.size(), 1u);
+}
+
+}  // namespace
+}  // namespace adhoc_communication
