@@ -131,9 +131,9 @@ async def the_past(tab):
     await tab.click("#play")  # stand still there
     await tab.wait_for(f"{text('#reason')}.includes('as it was at') && {driven} <= {then}")
     assert await tab.run(DRAWN) > 0.3
-    was = await tab.run(f"[{driven}, {text('#reason')}, {time}[1]]")
     await tab.click("#robots tr:nth-child(4)")
     await tab.wait_for(f"{text('#source')}.startsWith('The map of robot_3') && {DRAWN} > 0.3")
+    was = await tab.run(f"[{driven}, {text('#reason')}, {time}[1]]")
     await tab.wait_for(f"{time}[1] !== '{was[2]}'")
     assert await tab.run(f"[{driven}, {text('#reason')}]") == was[:2]
     await tab.click("#robots tr:nth-child(4)")
