@@ -56,10 +56,11 @@ def order(out: Path) -> str:
 
 
 def disturb(out: Path) -> tuple:
-    """The doctor's visit to robot_1, while robot_0 loses its explorer; then the other nodes are killed."""
-    kill(out, "robot_0", "explorer")
-    visit = enter(out, "robot_1", "rosrun", "mr_launch", "doctor", "--peers", "robot_0", "--seconds", "2")
+    """The doctor's visit to robot_0, while robot_1 loses its map_merger; then the other nodes are killed. In this
+    order, because maps need their time to be merged again before this short mission ends."""
     kill(out, "robot_1", "map_merger")
+    visit = enter(out, "robot_0", "rosrun", "mr_launch", "doctor", "--peers", "robot_1", "--seconds", "2")
+    kill(out, "robot_0", "explorer")
     kill(out, "robot_0", "adhoc_communication")
     return visit.returncode, visit.stdout + visit.stderr
 
