@@ -7,6 +7,7 @@
 #include <deque>
 
 #include "adhoc_communication/types.hpp"
+#include "transport/air_rate.hpp"
 
 namespace adhoc_communication::transport {
 
@@ -16,10 +17,7 @@ namespace adhoc_communication::transport {
 /// frame never waits long.
 class AirClock {
  public:
-  static constexpr std::size_t kOverheadOctets = 300;  ///< preamble and gaps of a frame, expressed in octets
   static constexpr std::size_t kMostRemembered = 256;
-  static constexpr int kEnoughSamples = 8;
-  static constexpr int kEnoughBounds = 64;
   static constexpr Time kShortestLead = std::chrono::microseconds(150);  ///< within which a host surely wakes up
 
   explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}
@@ -31,37 +29,34 @@ class AirClock {
   void acknowledged_late(std::uint64_t counter, Time spacing, Time now);
 
   /// When a further frame may go to the radio: less than one frame of largest size is ahead of it then.
-  Time ready_at() const {
-    return busy_until_ - std::max(air_time(largest_frame_ + kOverheadOctets) / 2, kShortestLead);
-  }
+  Time ready_at() const { return busy_until_ - std::max(rate_.air_time(largest_frame_) / 2, kShortestLead); }
   /// When all that was handed over is off the air.
   Time idle_at() const { return busy_until_; }
   /// False until the rhythm of the radio is known.
-  bool calibrated() const { return samples_ >= kEnoughSamples || bounds_ >= kEnoughBounds; }
-  double nanoseconds_per_octet() const { return nanoseconds_per_octet_; }
+  bool calibrated() const { return rate_.calibrated(); }
+  const AirRate& rate() const { return rate_; }
 
  private:
   struct Transmission {
     std::uint64_t counter;
     std::size_t octets;
     Time sent;
+    Time gap;  ///< since the hand-over of the frame before
+    bool sampled;
   };
+  using Transmissions = std::deque<Transmission>;
 
-  Time air_time(std::size_t octets) const {
-    return Time(static_cast<Time::rep>(nanoseconds_per_octet_ * static_cast<double>(octets)));
-  }
-  bool take(std::uint64_t counter, Time spacing);
-  Time end_of_rest(Time begin) const;
-  void bound(std::size_t octets, Time longest);
-  void sample(std::size_t octets, Time duration);
+  Transmissions::iterator first_after(std::uint64_t counter);
+  Transmission* find(std::uint64_t counter);
+  bool take(std::uint64_t counter);
+  Time end_of_rest(Time begin);
+  void sample(std::uint64_t counter, Time spacing);
 
   std::size_t largest_frame_;
-  double nanoseconds_per_octet_ = 8e9 / 6e6;  ///< until known better: the slowest rate of 802.11g
-  int samples_ = 0;                           ///< no more than are enough, as with bounds_
-  int bounds_ = 0;
+  AirRate rate_;
   Time busy_until_{0};
-  std::deque<Transmission> on_air_;
-  Transmission before_{};  ///< the last one known to be off the air
+  Transmissions recent_;
+  std::uint64_t off_air_ = 0;  ///< the last frame known to be so
 };
 
 }  // namespace adhoc_communication::transport
