@@ -143,8 +143,8 @@ std::uint32_t Distributor::base_of(const Place& place) const {
   return place.branch.streams[place.stream].base.value_or(place.number);
 }
 
-std::optional<GroupFrame> Distributor::next_frame(std::uint8_t priority, const MacAddress& previous_hop, bool follows,
-                                                  Time now) {
+std::optional<GroupFrame> Distributor::next_frame(std::uint8_t priority, const MacAddress& previous_hop,
+                                                  const std::optional<MacAddress>& follows, Time now) {
   const std::optional<Place> place = downlink_.next(priority, previous_hop);
   if (!place) return std::nullopt;
   return downlink_.frame(*place, base_of(*place), follows, now);

@@ -54,8 +54,10 @@ class Distributor {
   void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const {
     downlink_.add_waiting_hops(priority, hops);
   }
-  /// Nothing if none waits that came from there.
-  std::optional<GroupFrame> next_frame(std::uint8_t priority, const MacAddress& previous_hop, bool follows, Time now);
+  /// Nothing if none waits that came from there. `follows`: where the frame went to which this one may follow without a
+  /// gap.
+  std::optional<GroupFrame> next_frame(std::uint8_t priority, const MacAddress& previous_hop,
+                                       const std::optional<MacAddress>& follows, Time now);
   /// Forgets what has been idle.
   void expire(Time now);
 

@@ -28,7 +28,7 @@ class Downlink {
   void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const;
   /// The packet whose turn it is, of those that came from there; one root after the other.
   std::optional<Place> next(std::uint8_t priority, const MacAddress& previous_hop);
-  GroupFrame frame(const Place& place, std::uint32_t base, bool follows, Time now);
+  GroupFrame frame(const Place& place, std::uint32_t base, const std::optional<MacAddress>& follows, Time now);
 
  private:
   static wire::GroupData header(const Place& place, std::uint32_t base);

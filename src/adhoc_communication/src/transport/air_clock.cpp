@@ -4,18 +4,38 @@
 
 namespace adhoc_communication::transport {
 
-void AirClock::transmitted(std::uint64_t counter, std::size_t octets, Time now) {
+const AirRate& AirClock::rate(const MacAddress& destination) const {
+  const auto kind = kinds_.find(destination);
+  return kind == kinds_.end() ? common_ : kind->second;
+}
+
+/// Of frames for everybody that is never said without a measurement: on Wi-Fi they are unlike all others.
+bool AirClock::calibrated(const MacAddress& destination) const {
+  const auto kind = kinds_.find(destination);
+  if (kind != kinds_.end()) return kind->second.calibrated();
+  return destination != wire::kEverybody && common_.calibrated();
+}
+
+/// A bound may be a loose one: the frame may have waited behind others. By itself it does not make a kind known.
+void AirClock::bound(const Transmission& transmission, Time longest) {
+  const auto kind = kinds_.find(transmission.destination);
+  if (kind != kinds_.end()) kind->second.bound(transmission.octets, longest);
+  common_.bound(transmission.octets, longest);
+}
+
+void AirClock::transmitted(std::uint64_t counter, std::size_t octets, const MacAddress& destination, Time now) {
   const bool follows = !recent_.empty() && recent_.back().counter + 1 == counter;
   const Time gap = follows ? now - recent_.back().sent : Time::max();
   if (recent_.size() == kMostRemembered) recent_.pop_front();
-  recent_.push_back({counter, octets, now, gap, false});
-  busy_until_ = std::max(busy_until_, now) + rate_.air_time(octets);
+  recent_.push_back({counter, octets, destination, now, gap, false});
+  last_destination_ = destination;
+  busy_until_ = std::max(busy_until_, now) + rate(destination).air_time(octets);
 }
 
 void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time arrived) {
   sample(counter, spacing);
   if (!take(counter)) return;
-  if (const Transmission* last = find(counter)) rate_.bound(last->octets, arrived - last->sent);
+  if (const Transmission* last = find(counter)) bound(*last, arrived - last->sent);
   busy_until_ = end_of_rest(arrived);
 }
 
@@ -48,7 +68,7 @@ bool AirClock::take(std::uint64_t counter) {
 Time AirClock::end_of_rest(Time begin) {
   Time end = begin;
   for (auto transmission = first_after(off_air_); transmission != recent_.end(); ++transmission) {
-    end = std::max(end, transmission->sent) + rate_.air_time(transmission->octets);
+    end = std::max(end, transmission->sent) + rate(transmission->destination).air_time(transmission->octets);
   }
   return end;
 }
@@ -59,7 +79,8 @@ void AirClock::sample(std::uint64_t counter, Time spacing) {
   if (transmission == nullptr || counter <= off_air_ || transmission->sampled || transmission->gap >= spacing * 4 / 5)
     return;
   transmission->sampled = true;
-  rate_.sample(transmission->octets, spacing);
+  kinds_[transmission->destination].sample(transmission->octets, spacing);
+  common_.sample(transmission->octets, spacing);
 }
 
 }  // namespace adhoc_communication::transport

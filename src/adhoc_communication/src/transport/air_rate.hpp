@@ -7,6 +7,7 @@
 
 namespace adhoc_communication::transport {
 
+/// Of frames to one neighbour, of those for everybody, or of all.
 class AirRate {
  public:
   static constexpr std::size_t kOverheadOctets = 300;  ///< preamble and gaps of a frame, expressed in octets
