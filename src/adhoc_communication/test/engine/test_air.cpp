@@ -1,8 +1,11 @@
-// What frames of each kind cost.
+// What frames of each kind cost, and what follows from that.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "payloads.hpp"
+#include "routing/link_layer.hpp"
+#include "simulation/team.hpp"
 #include "transport/air_clock.hpp"
 
 namespace adhoc_communication {
@@ -73,6 +76,38 @@ TEST(AirClockKinds, NeighborsThatAreGoneAreForgotten) {
   EXPECT_GT(frame_time(clock, kNear), 450) << "believed to be like all";
   EXPECT_NEAR(frame_time(clock, kFar), 2000, 1);
   EXPECT_NEAR(frame_time(clock, wire::kEverybody), 12'000, 1);
+}
+
+TEST(LinkLayer, IsKnownByTheLossThatItHides) {
+  routing::LinkLayer silent;
+  for (int i = 0; i < 1000; ++i) silent.compare(0.0, 0.0);
+  EXPECT_FALSE(silent.repeats()) << "no loss, no evidence";
+  routing::LinkLayer repeating;
+  for (int i = 0; i < 100; ++i) repeating.compare(0.2, 0.01);
+  EXPECT_TRUE(repeating.repeats());
+  for (int i = 0; i < 500; ++i) repeating.compare(0.2, 0.2);
+  EXPECT_FALSE(repeating.repeats());
+}
+
+/// Robot 0 sends packets to robot 1; the hop ARQ sees what the link layer has left of the loss, beacons see all of it.
+double loss_of_used_link(int unicast_retries) {
+  MediumOptions medium;
+  medium.contention = true;
+  medium.loss = 0.3;
+  medium.rates.unicast_retries = unicast_retries;
+  Team team(medium, 1);
+  team.add_line(2);
+  for (int i = 0; i < 120; ++i) {
+    team.send(0, Team::name(1), noise(5000, static_cast<std::uint64_t>(i)));
+    team.run_for(500ms);
+  }
+  const std::vector<LinkState> links = team.engine(0).links();
+  return links.at(0).loss;
+}
+
+TEST(LinkLayer, CostsAreThoseOfBeaconsWhereItRepeats) {
+  EXPECT_NEAR(loss_of_used_link(0), 0.3, 0.2);
+  EXPECT_GT(loss_of_used_link(7), 0.05) << "not the zero that its retries leave";
 }
 
 }  // namespace
