@@ -240,6 +240,7 @@ class Engine::Implementation : private Outbox {
   std::size_t segment_size_;
   std::size_t broadcast_segment_size_;
   transport::AirClock air_;
+  multicast::Carriage carriage_;
   transport::Reassembly reassembly_;
   BusyMap<MacAddress, Link> links_;
   BusyMap<StreamKey, Stream> streams_;

@@ -21,7 +21,8 @@ namespace adhoc_communication::multicast {
 class Distributor {
  public:
   Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random, transport::AirClock& air,
-              transport::Reassembly& reassembly, std::size_t largest_packet, std::uint16_t segment_size);
+              const Carriage& carriage, transport::Reassembly& reassembly, std::size_t largest_packet,
+              std::uint16_t segment_size);
 
   // At the root.
   /// Sends to `members` along the tree and returns the number of the packet; one MemberEnd follows for each.

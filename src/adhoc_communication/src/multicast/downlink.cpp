@@ -67,8 +67,9 @@ std::optional<Place> Downlink::next(std::uint8_t priority, const MacAddress& pre
 }
 
 GroupFrame Downlink::frame(const Place& place, std::uint32_t base, const std::optional<MacAddress>& follows, Time now) {
-  const Distribution::Outgoing outgoing = place.transfer.to_children->next(now);
-  const MacAddress destination = place.transfer.to_children->only_open_child().value_or(wire::kEverybody);
+  const Distribution::Outgoing outgoing = place.transfer.to_children->next(carriage_, now);
+  const auto only = outgoing.child ? outgoing.child : place.transfer.to_children->only_open_child();
+  const MacAddress destination = only.value_or(wire::kEverybody);
   wire::GroupData data = header(place, base);
   data.report = outgoing.question;
   data.follows = follows == destination;

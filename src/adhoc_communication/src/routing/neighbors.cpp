@@ -167,6 +167,11 @@ double Neighbors::loss(const MacAddress& address) const {
   return link_layer_.repeats() ? neighbor->reported_loss : neighbor->seen_loss.value_or(neighbor->reported_loss);
 }
 
+double Neighbors::beacon_loss(const MacAddress& address) const {
+  const Neighbor* neighbor = find(address);
+  return neighbor == nullptr ? 0.0 : neighbor->reported_loss;
+}
+
 Time Neighbors::patience(const MacAddress& address) const {
   const Neighbor* neighbor = find(address);
   return neighbor == nullptr ? timings_.allowed_hello_loss * own_interval_ : patience(*neighbor);

@@ -91,6 +91,8 @@ class Neighbors {
   /// By which links are compared: that which the hop ARQ sees, or its beacons say where it has seen too little. Where
   /// the link layer hides what frames to one robot lose, that of beacons for all.
   double loss(const MacAddress& address) const;
+  /// Of frames that nobody repeats, as its beacons say.
+  double beacon_loss(const MacAddress& address) const;
 
  private:
   static void count_beacon(Neighbor& neighbor, std::uint16_t number);

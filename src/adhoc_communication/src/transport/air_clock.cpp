@@ -5,14 +5,19 @@
 namespace adhoc_communication::transport {
 
 const AirRate& AirClock::rate(const MacAddress& destination) const {
+  const AirRate* kind = measured(destination);
+  return kind == nullptr ? common_ : *kind;
+}
+
+const AirRate* AirClock::measured(const MacAddress& destination) const {
   const auto kind = kinds_.find(destination);
-  return kind == kinds_.end() ? common_ : kind->second;
+  return kind == kinds_.end() ? nullptr : &kind->second;
 }
 
 /// Of frames for everybody that is never said without a measurement: on Wi-Fi they are unlike all others.
 bool AirClock::calibrated(const MacAddress& destination) const {
-  const auto kind = kinds_.find(destination);
-  if (kind != kinds_.end()) return kind->second.calibrated();
+  const AirRate* kind = measured(destination);
+  if (kind != nullptr) return kind->calibrated();
   return destination != wire::kEverybody && common_.calibrated();
 }
 
@@ -33,14 +38,14 @@ void AirClock::transmitted(std::uint64_t counter, std::size_t octets, const MacA
 }
 
 void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time arrived) {
-  sample(counter, spacing);
+  if (counter > off_air_) sample(counter, spacing, arrived);
   if (!take(counter)) return;
   if (const Transmission* last = find(counter)) bound(*last, arrived - last->sent);
   busy_until_ = end_of_rest(arrived);
 }
 
 void AirClock::acknowledged_late(std::uint64_t counter, Time spacing, Time now) {
-  sample(counter, spacing);
+  sample(counter, spacing, now);
   if (take(counter)) busy_until_ = std::min(busy_until_, end_of_rest(now));
 }
 
@@ -74,13 +79,12 @@ Time AirClock::end_of_rest(Time begin) {
 }
 
 /// A frame handed over as late as it arrived after the one before may have found the radio idle.
-void AirClock::sample(std::uint64_t counter, Time spacing) {
+void AirClock::sample(std::uint64_t counter, Time spacing, Time now) {
   Transmission* transmission = find(counter);
-  if (transmission == nullptr || counter <= off_air_ || transmission->sampled || transmission->gap >= spacing * 4 / 5)
-    return;
+  if (transmission == nullptr || transmission->sampled || transmission->gap >= spacing * 4 / 5) return;
   transmission->sampled = true;
-  kinds_[transmission->destination].sample(transmission->octets, spacing);
-  common_.sample(transmission->octets, spacing);
+  kinds_[transmission->destination].sample(transmission->octets, spacing, now);
+  common_.sample(transmission->octets, spacing, now);
 }
 
 }  // namespace adhoc_communication::transport

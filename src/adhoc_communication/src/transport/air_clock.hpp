@@ -48,6 +48,12 @@ class AirClock {
   Time idle_at() const { return busy_until_; }
   /// What is believed of frames to a neighbour, or to everybody; of a kind that was never measured, what is of all.
   const AirRate& rate(const MacAddress& destination) const;
+  /// Null if it never was measured.
+  const AirRate* measured(const MacAddress& destination) const;
+  /// Air time of a frame of largest size when nobody else sends.
+  Time undisturbed_frame_time(const MacAddress& destination) const {
+    return rate(destination).undisturbed_air_time(largest_frame_);
+  }
   /// False until the rhythm of the radio is known for frames that go there.
   bool calibrated(const MacAddress& destination) const;
 
@@ -66,7 +72,7 @@ class AirClock {
   Transmission* find(std::uint64_t counter);
   bool take(std::uint64_t counter);
   Time end_of_rest(Time begin);
-  void sample(std::uint64_t counter, Time spacing);
+  void sample(std::uint64_t counter, Time spacing, Time now);
   void bound(const Transmission& transmission, Time longest);
 
   std::size_t largest_frame_;

@@ -9,13 +9,17 @@ constexpr double kGain = 0.125;  ///< of a measurement
 
 }  // namespace
 
-void AirRate::sample(std::size_t octets, Time duration) {
+void AirRate::sample(std::size_t octets, Time duration, Time now) {
   const double measured = static_cast<double>(duration.count()) / static_cast<double>(octets + kOverheadOctets);
   const double bounded = std::clamp(measured, nanoseconds_per_octet_ / 16, nanoseconds_per_octet_ * 16);
-  const double gain = std::max(kGain, 1.0 / (samples_ + 1));
+  // Of the first ones, those that others have disturbed are not waited for to be outweighed.
+  const bool undisturbed = samples_ < kEnoughSamples && bounded < nanoseconds_per_octet_;
+  const double gain = undisturbed ? 1.0 : std::max(kGain, 1.0 / (samples_ + 1));
   nanoseconds_per_octet_ += gain * (bounded - nanoseconds_per_octet_);
   nanoseconds_per_octet_ = std::clamp(nanoseconds_per_octet_, 1.0, 100'000.0);
   samples_ = std::min(samples_ + 1, kEnoughSamples);
+  latest_[taken_++ % latest_.size()] = measured;
+  measured_ = now;
 }
 
 /// A relay that passes on each frame as it comes never has two in the radio, and learns from nothing else; and on a
