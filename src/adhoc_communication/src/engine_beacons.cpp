@@ -69,6 +69,7 @@ void Engine::Implementation::maintain(Time now) {
   }
   links_.erase_if([this](const MacAddress& neighbor, const Link&) { return neighbors_.find(neighbor) == nullptr; });
   for (const auto& [neighbor, link] : links_.all()) neighbors_.set_loss(neighbor, link.sender.loss(now));
+  air_.forget_unless([this](const MacAddress& neighbor) { return neighbors_.find(neighbor) != nullptr; });
   for (const MacAddress& neighbor : neighbors_.doubtful(now)) probe(neighbor, now);
   directory_.expire(now);
   runs_.expire(now);

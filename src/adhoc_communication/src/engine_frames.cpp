@@ -49,7 +49,7 @@ void Engine::Implementation::transmit(FrameType type, std::uint8_t flags, const 
   ++statistics_.frames_sent;
   ++statistics_.frames_sent_by_type[static_cast<std::size_t>(type)];
   statistics_.bytes_sent += frame.bytes.size() + wire::kEthernetHeaderSize;
-  air_.transmitted(counter, frame.bytes.size(), now);
+  air_.transmitted(counter, frame.bytes.size(), next_hop, now);
   out_.push_back(std::move(frame));
 }
 

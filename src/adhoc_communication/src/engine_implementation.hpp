@@ -176,7 +176,7 @@ class Engine::Implementation : private Outbox {
   bool pump_groups(const MacAddress& previous_hop, std::uint8_t priority, Time now);
   bool pump_streams(std::uint8_t priority, Time now);
   bool pump_stream(const StreamKey& key, Stream& stream, Time now);
-  bool air_allows(const Link& link, Time now) const;
+  bool air_allows(const MacAddress& neighbor, const Link& link, Time now) const;
   void send_on(const MacAddress& neighbor, Link& link, const transport::HopSender::Outgoing& outgoing,
                std::uint64_t counter, Time now);
   void send_unacknowledged(const MacAddress& neighbor, const transport::HopFrame& frame, Time now);
@@ -241,6 +241,7 @@ class Engine::Implementation : private Outbox {
   std::size_t segment_size_;
   std::size_t broadcast_segment_size_;
   transport::AirClock air_;
+  multicast::Carriage carriage_;
   transport::Reassembly reassembly_;
   BusyMap<MacAddress, Link> links_;
   BusyMap<StreamKey, Stream> streams_;
@@ -262,7 +263,8 @@ class Engine::Implementation : private Outbox {
   std::uint32_t next_flood_id_ = 0;
   std::uint64_t next_counter_ = 1;
   std::uint64_t last_group_counter_ = 0;
-  int group_pair_ = 0;  ///< counts frames to groups; 0 and 1 are a pair
+  MacAddress last_group_destination_ = wire::kEverybody;
+  int group_pair_ = 0;  ///< counts frames of groups to that destination; 0 and 1 are a pair
   Time now_{0};
   std::uint16_t beacons_sent_ = 0;
   Time started_{0};

@@ -36,10 +36,11 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       segment_size_(room(options_, wire::kDataHeaderSize)),
       broadcast_segment_size_(room(options_, wire::kBroadcastDataHeaderSize)),
       air_(static_cast<std::size_t>(std::min(options_.max_frame_size, options_.mtu))),
+      carriage_(air_, neighbors_),
       reassembly_(options_.max_packet_size),
       broadcast_receiver_(options_.max_packet_size, reassembly_),
       flood_(*this, random_),
-      distributor_(self_, router_, *this, random_, air_, reassembly_, options_.max_packet_size,
+      distributor_(self_, router_, *this, random_, air_, carriage_, reassembly_, options_.max_packet_size,
                    static_cast<std::uint16_t>(room(options_, wire::kGroupDataHeaderSize))),
       own_group_(static_cast<std::size_t>(options_.mtu) - wire::kHeaderSize - wire::kTagSize -
                  wire::kActivationHeaderSize),

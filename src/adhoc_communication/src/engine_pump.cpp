@@ -85,7 +85,8 @@ bool Engine::Implementation::pump_broadcasts(std::uint8_t priority, Time now) {
 bool Engine::Implementation::pump_repetitions(std::uint8_t priority, Time now) {
   return visit_after(links_.busy(), last_link_served_, [&](const auto& item) {
     Link& link = *item.second;
-    if (!link.sender.has_resend(priority) || !link.sender.may_resend() || !air_allows(link, now)) return false;
+    if (!link.sender.has_resend(priority) || !link.sender.may_resend() || !air_allows(item.first, link, now))
+      return false;
     last_link_served_ = item.first;
     const std::uint64_t counter = next_counter_++;
     send_on(item.first, link, link.sender.resend(priority, counter, now), counter, now);
@@ -95,7 +96,8 @@ bool Engine::Implementation::pump_repetitions(std::uint8_t priority, Time now) {
 
 bool Engine::Implementation::pump_link(const MacAddress& neighbor, Link& link, std::uint8_t priority,
                                        const MacAddress& previous_hop, Time now) {
-  if (!link.sender.has_waiting(priority, previous_hop) || !link.sender.may_start() || !air_allows(link, now)) {
+  if (!link.sender.has_waiting(priority, previous_hop) || !link.sender.may_start() ||
+      !air_allows(neighbor, link, now)) {
     return false;
   }
   last_link_served_ = neighbor;
@@ -109,14 +111,17 @@ bool Engine::Implementation::pump_link(const MacAddress& neighbor, Link& link, s
   return true;
 }
 
-/// As on a link, of some frames a second follows the first without a gap, which measures the air.
+/// As on a link, of some frames a second follows the first without a gap, which measures the air; where they go to
+/// another destination than before, the first two do.
 bool Engine::Implementation::pump_groups(const MacAddress& previous_hop, std::uint8_t priority, Time now) {
   const bool follows = next_counter_ == last_group_counter_ + 1 && group_pair_ == 1;
   if (air_.ready_at() > now && !follows) return false;
-  const auto frame = distributor_.next_frame(priority, previous_hop, follows, now);
+  const auto before = follows ? std::optional(last_group_destination_) : std::nullopt;
+  const auto frame = distributor_.next_frame(priority, previous_hop, before, now);
   if (!frame) return false;
   last_group_counter_ = next_counter_++;
-  group_pair_ = (group_pair_ + 1) % (air_.calibrated() ? kPairInterval : 2);
+  const bool same = std::exchange(last_group_destination_, frame->destination) == frame->destination;
+  group_pair_ = same ? (group_pair_ + 1) % (air_.calibrated(frame->destination) ? kPairInterval : 2) : 1;
   transmit(FrameType::kGroupData, 0, frame->destination, 0, last_group_counter_, frame->body, now);
   return true;
 }
@@ -131,7 +136,7 @@ bool Engine::Implementation::pump_streams(std::uint8_t priority, Time now) {
 bool Engine::Implementation::pump_stream(const StreamKey& key, Stream& stream, Time now) {
   if (!stream.next_hop || !stream.sender.has_segment()) return false;
   Link& hop = link(*stream.next_hop);
-  if (!hop.sender.may_start() || !air_allows(hop, now)) return false;
+  if (!hop.sender.may_start() || !air_allows(*stream.next_hop, hop, now)) return false;
   last_stream_served_ = key;
   wire::Data data = stream.sender.next_segment(now);
   data.source = self_.address;
@@ -151,8 +156,8 @@ bool Engine::Implementation::pump_stream(const StreamKey& key, Stream& stream, T
 /// Two frames may be on their way to each neighbour even if the air is believed to be slow, as long as that is not for
 /// long. Of a pair that measures the air, the first waits until the radio is idle and the second follows at once, so
 /// that no more is in its hands than otherwise.
-bool Engine::Implementation::air_allows(const Link& link, Time now) const {
-  const bool pair_begins = air_.calibrated() && link.pair == kPairInterval - 1;
+bool Engine::Implementation::air_allows(const MacAddress& neighbor, const Link& link, Time now) const {
+  const bool pair_begins = air_.calibrated(neighbor) && link.pair == kPairInterval - 1;
   if (pair_begins && air_.idle_at() > now && air_.idle_at() <= now + kLongestBacklog) return false;
   if (air_.ready_at() <= now) return true;
   if (options_.num_link_retrans == 0) return false;
@@ -162,8 +167,9 @@ bool Engine::Implementation::air_allows(const Link& link, Time now) const {
 void Engine::Implementation::send_on(const MacAddress& neighbor, Link& link, const HopSender::Outgoing& outgoing,
                                      std::uint64_t counter, Time now) {
   std::uint8_t flags = wire::kWantsAcknowledgment;
-  link.pair = (link.pair + 1) % (air_.calibrated() ? kPairInterval : 2);
-  if (!air_.calibrated() || link.sender.pressing() || link.pair == 1) flags |= wire::kAcknowledgeNow;
+  const bool calibrated = air_.calibrated(neighbor);
+  link.pair = (link.pair + 1) % (calibrated ? kPairInterval : 2);
+  if (!calibrated || link.sender.pressing() || link.pair == 1) flags |= wire::kAcknowledgeNow;
   transmit(outgoing.type, flags, neighbor, outgoing.link_sequence, counter, *outgoing.body, now);
 }
 

@@ -25,7 +25,9 @@ void Distribution::set_children(const std::map<MacAddress, std::uint32_t>& child
     if (known) continue;
     child.missing.assign(sent_.size(), kUnknown);
     child.known_in.assign(sent_.size(), 0);
+    for (const Sent& sent : sent_) child.sent_in.push_back(sent.round);
   }
+  prune_run(now);
 }
 
 bool Distribution::done() const {
@@ -67,31 +69,139 @@ std::optional<Distribution::Place> Distribution::next_unsent() const {
     if (sent_[block].all) continue;
     for (int frame = 0; frame < packet_.blocks()[block].frames(); ++frame) {
       if (!sent_[block].frames.test(static_cast<std::size_t>(frame)) && packet_.blocks()[block].has_frame(frame)) {
-        return Place{block, frame};
+        return Place{block, frame, {}};
       }
     }
   }
   return std::nullopt;
 }
 
-Distribution::Outgoing Distribution::next(Time now) {
-  Place place{};
+Distribution::Place Distribution::next_symbol() const { return repairs_.empty() ? *next_unsent() : repairs_.back(); }
+
+/// It is sent now.
+void Distribution::take_symbol(const Place& place) {
+  Sent& sent = sent_[place.block];
   if (!repairs_.empty()) {
-    place = repairs_.back();
     repairs_.pop_back();
-    --sent_[place.block].repairs_planned;
+    --sent.repairs_planned;
   } else {
-    place = *next_unsent();
-    Sent& sent = sent_[place.block];
     sent.frames.set(static_cast<std::size_t>(place.symbol));
     sent.all = static_cast<int>(sent.frames.count()) == packet_.blocks()[place.block].frames();
   }
-  sent_[place.block].round = round_;
-  Outgoing outgoing{place.block, place.symbol, false, round_};
+  sent.round = round_;
   ++since_question_;
-  outgoing.question = since_question_ >= kFramesPerQuestion || (!has_frame() && nothing_to_come());
-  if (outgoing.question) close_round(now);
+  ++since_trial_;
+}
+
+/// Children that need the symbol: of one not sent before, all that take any.
+std::vector<MacAddress> Distribution::takers(const Place& place) const {
+  std::vector<MacAddress> result;
+  for (const auto& [address, child] : children_) {
+    const bool named =
+        place.targets.empty() || std::find(place.targets.begin(), place.targets.end(), address) != place.targets.end();
+    if (named && child.takes() && child.missing[place.block] != 0) result.push_back(address);
+  }
+  return result;
+}
+
+/// Those of them that are sure to be sent.
+std::size_t Distribution::frames_left() const {
+  std::size_t frames = repairs_.size();
+  for (std::size_t block = 0; block < sent_.size(); ++block) {
+    frames += static_cast<std::size_t>(packet_.blocks()[block].frames()) - sent_[block].frames.count();
+  }
+  return frames;
+}
+
+/// Of the next symbol.
+Way Distribution::way(const Carriage& carriage, Time now) const {
+  const std::vector<MacAddress> targets = takers(next_symbol());
+  if (targets.empty()) return Way::kBroadcast;
+  const Way way = carriage.way(targets, frames_left(), now);
+  return way == Way::kTrial && since_trial_ < trial_interval_ ? Way::kBroadcast : way;
+}
+
+Distribution::Outgoing Distribution::next(const Carriage& carriage, Time now) {
+  if (run_.empty()) {
+    switch (way(carriage, now)) {
+      case Way::kBroadcast:
+        send_to_all(carriage, now);
+        break;
+      case Way::kUnicasts:
+        send_to_each(carriage, kRun, now);
+        break;
+      case Way::kTrial:
+        since_trial_ = 0;
+        trial_interval_ = std::min(2 * trial_interval_, kLongestTrialInterval);
+        send_to_each(carriage, kTrial, now);
+        break;
+    }
+  }
+  const Outgoing outgoing = run_.front();
+  run_.pop_front();
+  if (outgoing.child && outgoing.question) asked(children_.at(*outgoing.child), now);
+  if (run_.empty()) close_run(now);
   return outgoing;
+}
+
+bool Distribution::question_due(const Carriage& carriage, Time now) const {
+  if (since_question_ >= kFramesPerQuestion || (!has_symbol() && nothing_to_come())) return true;
+  if (children_.size() < 2 || frames_left() < Carriage::kWorthATrial || carriage.knows_broadcasts(now)) return false;
+  return since_question_ >= (measured_ ? kFramesOfMeasure : kFramesOfFirstMeasure);
+}
+
+void Distribution::send_to_all(const Carriage& carriage, Time now) {
+  const Place place = next_symbol();
+  take_symbol(place);
+  for (auto& [address, child] : children_) child.sent_in[place.block] = round_;
+  Outgoing outgoing{place.block, place.symbol, question_due(carriage, now), round_, std::nullopt};
+  if (outgoing.question) {
+    const bool early = since_question_ < kFramesPerQuestion && has_symbol();
+    awaits_ = early && !measured_ && !carriage.has_measured_broadcasts();
+    measured_ = measured_ || early;
+    close_round(now);
+    for (auto& [address, child] : children_) asked(child, now);
+  }
+  run_.push_back(outgoing);
+}
+
+/// Up to `most` symbols, as long as that way is the cheaper one for them; of a trial, all of them.
+void Distribution::send_to_each(const Carriage& carriage, std::size_t most, Time now) {
+  std::map<MacAddress, std::vector<Outgoing>> copies;
+  for (std::size_t count = 0; count < most && has_symbol(); ++count) {
+    if (most == kRun && way(carriage, now) != Way::kUnicasts) break;
+    const Place place = next_symbol();
+    take_symbol(place);
+    for (const MacAddress& target : takers(place)) {
+      children_.at(target).sent_in[place.block] = round_;
+      copies[target].push_back({place.block, place.symbol, false, round_, target});
+    }
+  }
+  const bool question = most == kTrial || since_question_ >= kFramesPerQuestion || (!has_symbol() && nothing_to_come());
+  for (auto& [target, outgoing] : copies) {
+    outgoing.back().question = question;
+    run_.insert(run_.end(), outgoing.begin(), outgoing.end());
+  }
+  if (!question) return;
+  close_round(now);
+  asked_.reset();
+  run_asks_ = true;
+}
+
+/// All questions of a round are out.
+void Distribution::close_run(Time now) {
+  if (std::exchange(run_asks_, false)) asked_ = now;
+}
+
+/// What was to go to children that take nothing any more.
+void Distribution::prune_run(Time now) {
+  const auto is_useless = [this](const Outgoing& outgoing) {
+    if (!outgoing.child) return false;
+    const auto child = children_.find(*outgoing.child);
+    return child == children_.end() || !child->second.takes();
+  };
+  run_.erase(std::remove_if(run_.begin(), run_.end(), is_useless), run_.end());
+  if (run_.empty()) close_run(now);
 }
 
 /// A relay that is in the middle of a block waits for the rest before it asks.
@@ -103,11 +213,12 @@ void Distribution::close_round(Time now) {
   since_question_ = 0;
   asked_ = now;
   timing_ = true;
-  for (auto& [address, child] : children_) {
-    child.asked = now;
-    child.question_wait = round_trip_.timeout();
-  }
   ++round_;
+}
+
+void Distribution::asked(Child& child, Time now) const {
+  child.asked = now;
+  child.question_wait = round_trip_.timeout();
 }
 
 std::uint16_t Distribution::question_round() {
@@ -126,8 +237,9 @@ bool Distribution::reported(const MacAddress& from, const wire::GroupReport& rep
   }
   if (std::exchange(child.no_room_since, std::nullopt)) child.progress = now;
   if (report.round + 1 == round_) {
-    if (timing_ && asked_) round_trip_.sample(now - *asked_);
+    if (timing_) round_trip_.sample(now - child.asked);
     timing_ = false;
+    awaits_ = false;
     child.asked = now;
     child.question_wait = kSubtreePatience;
   }
@@ -142,6 +254,7 @@ bool Distribution::reported(const MacAddress& from, const wire::GroupReport& rep
     learn(report.first_block + i, report.missing[i]);
   }
   if (report.complete && covers_all) child.done = true;
+  if (child.done) prune_run(now);
   for (std::size_t block = 0; block < sent_.size(); ++block) plan_repairs(block, overdue(now));
   return child.done;
 }
@@ -153,56 +266,67 @@ void Distribution::wait_for_room(Child& child, Time now) {
   child.question_wait = kRoomRetry;
   child.missing.assign(sent_.size(), kUnknown);
   child.known_in.assign(sent_.size(), 0);
+  prune_run(now);
 }
 
 /// What it said counts everything that was sent of the block.
 bool Distribution::knows(const Child& child, std::size_t block) const {
-  return child.missing[block] == 0 || (child.missing[block] != kUnknown && child.known_in[block] >= sent_[block].round);
+  return child.missing[block] == 0 ||
+         (child.missing[block] != kUnknown && child.known_in[block] >= child.sent_in[block]);
 }
 
 void Distribution::plan_repairs(std::size_t block, bool overdue) {
   Sent& sent = sent_[block];
   if (!sent.all || sent.repairs_planned > 0 || !packet_.blocks()[block].complete()) return;
-  int most = 0;
-  std::uint8_t bits = 0;
+  std::map<MacAddress, std::uint8_t> missing;
   for (const auto& [address, child] : children_) {
     if (!child.takes()) continue;
     if (!knows(child, block)) {
       if (!overdue) return;
       continue;
     }
-    most = std::max<int>(most, child.missing[block]);
-    bits = static_cast<std::uint8_t>(bits | child.missing[block]);
+    if (child.missing[block] != 0) missing[address] = child.missing[block];
   }
-  if (most == 0) return;
   if (packet_.blocks()[block].frames() <= kMostRepeatedFrames) {
-    repeat_frames(block, bits);
+    repeat_frames(block, missing);
   } else {
-    fresh_parity(block, std::min(most, packet_.blocks()[block].frames()));
+    fresh_parity(block, missing);
   }
 }
 
-void Distribution::repeat_frames(std::size_t block, std::uint8_t missing) {
+void Distribution::repeat_frames(std::size_t block, const std::map<MacAddress, std::uint8_t>& missing) {
   for (int frame = packet_.blocks()[block].frames() - 1; frame >= 0; --frame) {
-    if ((missing >> frame & 1) == 0) continue;
-    repairs_.push_back({block, frame});
-    ++sent_[block].repairs_planned;
+    Place place{block, frame, {}};
+    for (const auto& [address, bits] : missing) {
+      if ((bits >> frame & 1) != 0) place.targets.push_back(address);
+    }
+    if (!place.targets.empty()) plan_repair(std::move(place));
   }
+}
+
+void Distribution::plan_repair(Place place) {
+  ++sent_[place.block].repairs_planned;
+  repairs_.push_back(std::move(place));
 }
 
 /// Each round takes symbols not sent before; after kSymbols of them the oldest come again.
-void Distribution::fresh_parity(std::size_t block, int count) {
+void Distribution::fresh_parity(std::size_t block, const std::map<MacAddress, std::uint8_t>& missing) {
   const int frames = packet_.blocks()[block].frames();
   const int parities = kSymbols - frames;
-  Sent& sent = sent_[block];
-  for (int i = 0; i < count; ++i) {
-    repairs_.push_back({block, frames + (first_parity_ + sent.next_parity++) % parities});
-    ++sent.repairs_planned;
+  for (int i = 0; i < frames; ++i) {
+    Place place{block, frames + (first_parity_ + sent_[block].next_parity) % parities, {}};
+    for (const auto& [address, count] : missing) {
+      if (count > i) place.targets.push_back(address);
+    }
+    if (place.targets.empty()) return;
+    ++sent_[block].next_parity;
+    plan_repair(std::move(place));
   }
 }
 
 std::vector<MacAddress> Distribution::poll(Time now) {
   std::vector<MacAddress> to_ask;
+  if (overdue(now)) awaits_ = false;
   if (has_frame() || !packet_.complete()) return to_ask;
   if (overdue(now)) {
     for (std::size_t block = 0; block < sent_.size(); ++block) plan_repairs(block, true);
@@ -232,6 +356,7 @@ std::vector<MacAddress> Distribution::stuck(Time now) const {
 }
 
 Time Distribution::next_deadline() const {
+  if (awaits_ && asked_) return *asked_ + round_trip_.timeout();
   if (has_frame() || !packet_.complete()) return Time::max();
   Time next = Time::max();
   for (const auto& [address, child] : children_) {

@@ -2,14 +2,17 @@
 //
 // Frames go out once; then the children are asked, and as many fresh parity symbols follow as the one that misses most
 // needs, until all have all (of blocks up to 3 frames: the missing frames themselves). Each question closes a round,
-// so that an answer is known to count everything sent before.
+// so that an answer is known to count everything sent before. Where that costs less air, a frame goes to each child by
+// itself, several of them to one child after the other.
 #pragma once
 
 #include <bitset>
+#include <deque>
 #include <map>
 #include <optional>
 #include <vector>
 
+#include "multicast/carriage.hpp"
 #include "multicast/group_packet.hpp"
 #include "transport/round_trip.hpp"
 #include "wire/messages.hpp"
@@ -20,6 +23,13 @@ class Distribution {
  public:
   static constexpr std::size_t kWindow = 4;  ///< blocks on their way at once
   static constexpr int kFramesPerQuestion = 48;
+  /// The same while it is not known what a broadcast costs: at first, and then.
+  static constexpr int kFramesOfFirstMeasure = 2;
+  static constexpr int kFramesOfMeasure = 8;
+  static constexpr std::size_t kRun = 16;   ///< frames to one child, before the next child gets them
+  static constexpr std::size_t kTrial = 2;  ///< the same to learn what that costs
+  static constexpr int kTrialInterval = 8;  ///< frames between two trials, at first; then twice as many, and so on
+  static constexpr int kLongestTrialInterval = 1024;
   static constexpr Time kSubtreePatience = std::chrono::milliseconds(250);  ///< between questions to a child that waits
   static constexpr Time kNoProgress = std::chrono::seconds(10);
   static constexpr Time kNoEnd = std::chrono::seconds(30);
@@ -44,10 +54,11 @@ class Distribution {
     int symbol;
     bool question;
     std::uint16_t round;
+    std::optional<MacAddress> child;  ///< nothing: it is for all of them
   };
-  bool has_frame() const { return !repairs_.empty() || next_unsent().has_value(); }
+  bool has_frame() const { return !run_.empty() || has_symbol(); }
   /// The next frame; has_frame() holds.
-  Outgoing next(Time now);
+  Outgoing next(const Carriage& carriage, Time now);
   /// The round of a question without frame; such a question follows all frames sent.
   std::uint16_t question_round();
 
@@ -64,6 +75,7 @@ class Distribution {
   struct Child {
     std::vector<std::uint8_t> missing;    ///< by block; kUnknown at first
     std::vector<std::uint16_t> known_in;  ///< by block: round that `missing` counts
+    std::vector<std::uint16_t> sent_in;   ///< by block: round of the newest symbol that went to it
     std::uint32_t coverage = 0;
     bool done = false;
     Time asked{0};
@@ -77,26 +89,40 @@ class Distribution {
   struct Sent {
     std::bitset<kMostFramesOfBlock> frames;
     bool all = false;
-    std::uint16_t round = 0;  ///< of the newest symbol
+    std::uint16_t round = 0;  ///< of the newest symbol, to whomever
     int next_parity = 0;
     std::size_t repairs_planned = 0;
   };
   struct Place {
     std::size_t block;
     int symbol;
+    std::vector<MacAddress> targets;  ///< children that it is known to be of use to
   };
   static constexpr std::uint8_t kUnknown = 0xff;
 
+  bool has_symbol() const { return !awaits_ && (!repairs_.empty() || next_unsent().has_value()); }
   std::optional<Place> next_unsent() const;
+  Place next_symbol() const;
+  void take_symbol(const Place& place);
+  std::vector<MacAddress> takers(const Place& place) const;
+  Way way(const Carriage& carriage, Time now) const;
+  std::size_t frames_left() const;
+  bool question_due(const Carriage& carriage, Time now) const;
+  void send_to_all(const Carriage& carriage, Time now);
+  void send_to_each(const Carriage& carriage, std::size_t most, Time now);
+  void close_run(Time now);
+  void prune_run(Time now);
   bool open(std::size_t block) const;
   std::size_t window_end() const;
   bool knows(const Child& child, std::size_t block) const;
   void close_round(Time now);
+  void asked(Child& child, Time now) const;
   bool nothing_to_come() const;
   void wait_for_room(Child& child, Time now);
   void plan_repairs(std::size_t block, bool overdue);
-  void repeat_frames(std::size_t block, std::uint8_t missing);
-  void fresh_parity(std::size_t block, int count);
+  void repeat_frames(std::size_t block, const std::map<MacAddress, std::uint8_t>& missing);
+  void fresh_parity(std::size_t block, const std::map<MacAddress, std::uint8_t>& missing);
+  void plan_repair(Place place);
   bool overdue(Time now) const { return asked_ && now >= *asked_ + round_trip_.timeout(); }
 
   const GroupPacket& packet_;
@@ -105,6 +131,12 @@ class Distribution {
   std::map<MacAddress, Child> children_;
   std::vector<Sent> sent_;
   std::vector<Place> repairs_;  ///< in reverse order
+  std::deque<Outgoing> run_;    ///< decided, and on its way
+  bool run_asks_ = false;       ///< the round is closed when all of them have gone
+  bool measured_ = false;       ///< a question was put early, to learn what a broadcast costs
+  int trial_interval_ = kTrialInterval / 2;
+  int since_trial_ = kTrialInterval;
+  bool awaits_ = false;  ///< the first answer, which tells what a broadcast costs; until it is overdue, nothing is sent
   std::uint16_t round_ = 1;
   int since_question_ = 0;
   std::optional<Time> asked_;  ///< when the last round was closed

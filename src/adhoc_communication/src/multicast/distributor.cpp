@@ -11,15 +11,15 @@ std::uint8_t first_parity(const Identity& self) { return static_cast<std::uint8_
 }  // namespace
 
 Distributor::Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random,
-                         transport::AirClock& air, transport::Reassembly& reassembly, std::size_t largest_packet,
-                         std::uint16_t segment_size)
+                         transport::AirClock& air, const Carriage& carriage, transport::Reassembly& reassembly,
+                         std::size_t largest_packet, std::uint16_t segment_size)
     : self_(self),
       air_(air),
       branches_(self),
       trees_(self, router, outbox, branches_),
       source_(segment_size, first_parity(self)),
       sink_(self, router, outbox, random, reassembly, largest_packet, first_parity(self)),
-      downlink_(outbox, branches_) {}
+      downlink_(outbox, branches_, carriage) {}
 
 /// What changes of trees mean for the packets on them.
 void Distributor::settle(Time now) {
@@ -143,8 +143,8 @@ std::uint32_t Distributor::base_of(const Place& place) const {
   return place.branch.streams[place.stream].base.value_or(place.number);
 }
 
-std::optional<GroupFrame> Distributor::next_frame(std::uint8_t priority, const MacAddress& previous_hop, bool follows,
-                                                  Time now) {
+std::optional<GroupFrame> Distributor::next_frame(std::uint8_t priority, const MacAddress& previous_hop,
+                                                  const std::optional<MacAddress>& follows, Time now) {
   const std::optional<Place> place = downlink_.next(priority, previous_hop);
   if (!place) return std::nullopt;
   return downlink_.frame(*place, base_of(*place), follows, now);

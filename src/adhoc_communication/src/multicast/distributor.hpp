@@ -21,7 +21,8 @@ namespace adhoc_communication::multicast {
 class Distributor {
  public:
   Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random, transport::AirClock& air,
-              transport::Reassembly& reassembly, std::size_t largest_packet, std::uint16_t segment_size);
+              const Carriage& carriage, transport::Reassembly& reassembly, std::size_t largest_packet,
+              std::uint16_t segment_size);
 
   // At the root.
   /// Sends to `members` along the tree and returns the number of the packet; one MemberEnd follows for each.
@@ -54,8 +55,10 @@ class Distributor {
   void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const {
     downlink_.add_waiting_hops(priority, hops);
   }
-  /// Nothing if none waits that came from there.
-  std::optional<GroupFrame> next_frame(std::uint8_t priority, const MacAddress& previous_hop, bool follows, Time now);
+  /// Nothing if none waits that came from there. `follows`: where the frame went to which this one may follow without a
+  /// gap.
+  std::optional<GroupFrame> next_frame(std::uint8_t priority, const MacAddress& previous_hop,
+                                       const std::optional<MacAddress>& follows, Time now);
   /// Forgets what has been idle.
   void expire(Time now);
 

@@ -66,17 +66,18 @@ std::optional<Place> Downlink::next(std::uint8_t priority, const MacAddress& pre
   return Place{last_root_served_, *branch, priority, waiting->first, waiting->second};
 }
 
-GroupFrame Downlink::frame(const Place& place, std::uint32_t base, bool follows, Time now) {
-  const Distribution::Outgoing outgoing = place.transfer.to_children->next(now);
+GroupFrame Downlink::frame(const Place& place, std::uint32_t base, const std::optional<MacAddress>& follows, Time now) {
+  const Distribution::Outgoing outgoing = place.transfer.to_children->next(carriage_, now);
+  const auto only = outgoing.child ? outgoing.child : place.transfer.to_children->only_open_child();
+  const MacAddress destination = only.value_or(wire::kEverybody);
   wire::GroupData data = header(place, base);
   data.report = outgoing.question;
-  data.follows = follows;
+  data.follows = follows == destination;
   data.round = outgoing.round;
   data.block = static_cast<std::uint16_t>(outgoing.block);
   data.symbol = static_cast<std::uint8_t>(outgoing.symbol);
   data.octets = place.transfer.packet->symbol(outgoing.block, outgoing.symbol);
-  const auto only = place.transfer.to_children->only_open_child();
-  return {only.value_or(wire::kEverybody), to_bytes(data)};
+  return {destination, to_bytes(data)};
 }
 
 }  // namespace adhoc_communication::multicast

@@ -10,7 +10,7 @@
 
 namespace adhoc_communication::multicast {
 
-/// A frame for all children, or for the only one that still misses something.
+/// A frame for all children, or for one of them.
 struct GroupFrame {
   MacAddress destination{};
   Bytes body;
@@ -18,7 +18,8 @@ struct GroupFrame {
 
 class Downlink {
  public:
-  Downlink(Outbox& outbox, Branches& branches) : outbox_(outbox), branches_(branches) {}
+  Downlink(Outbox& outbox, Branches& branches, const Carriage& carriage)
+      : outbox_(outbox), branches_(branches), carriage_(carriage) {}
 
   /// Asks children that owe an answer. Returns those that are of no use any more.
   /// `base`: the packets before are finished at the root.
@@ -28,13 +29,14 @@ class Downlink {
   void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const;
   /// The packet whose turn it is, of those that came from there; one root after the other.
   std::optional<Place> next(std::uint8_t priority, const MacAddress& previous_hop);
-  GroupFrame frame(const Place& place, std::uint32_t base, bool follows, Time now);
+  GroupFrame frame(const Place& place, std::uint32_t base, const std::optional<MacAddress>& follows, Time now);
 
  private:
   static wire::GroupData header(const Place& place, std::uint32_t base);
 
   Outbox& outbox_;
   Branches& branches_;
+  const Carriage& carriage_;
   MacAddress last_root_served_{};
 };
 

@@ -171,7 +171,13 @@ Cost Neighbors::cost(const MacAddress& address) const { return link_cost(loss(ad
 
 double Neighbors::loss(const MacAddress& address) const {
   const Neighbor* neighbor = find(address);
-  return neighbor == nullptr ? 0.0 : neighbor->seen_loss.value_or(neighbor->reported_loss);
+  if (neighbor == nullptr) return 0.0;
+  return link_layer_.repeats() ? neighbor->reported_loss : neighbor->seen_loss.value_or(neighbor->reported_loss);
+}
+
+double Neighbors::beacon_loss(const MacAddress& address) const {
+  const Neighbor* neighbor = find(address);
+  return neighbor == nullptr ? 0.0 : neighbor->reported_loss;
 }
 
 Time Neighbors::patience(const MacAddress& address) const {
@@ -261,7 +267,9 @@ std::vector<MacAddress> Neighbors::newly_silent(Time now) {
 
 void Neighbors::set_loss(const MacAddress& address, std::optional<double> loss) {
   const auto found = neighbors_.find(address);
-  if (found != neighbors_.end()) found->second.seen_loss = loss;
+  if (found == neighbors_.end()) return;
+  found->second.seen_loss = loss;
+  if (loss) link_layer_.compare(found->second.reported_loss, *loss);
 }
 
 }  // namespace adhoc_communication::routing

@@ -9,6 +9,7 @@
 
 #include "adhoc_communication/timings.hpp"
 #include "routing/link_cost.hpp"
+#include "routing/link_layer.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::routing {
@@ -88,7 +89,11 @@ class Neighbors {
   std::size_t candidates() const { return candidates_.size(); }
   /// As the hop ARQ sees it; nothing if it has not seen enough lately.
   void set_loss(const MacAddress& address, std::optional<double> loss);
+  /// By which links are compared: that which the hop ARQ sees, or its beacons say where it has seen too little. Where
+  /// the link layer hides what frames to one robot lose, that of beacons for all.
   double loss(const MacAddress& address) const;
+  /// Of frames that nobody repeats, as its beacons say.
+  double beacon_loss(const MacAddress& address) const;
 
  private:
   static void count_beacon(Neighbor& neighbor, std::uint16_t number);
@@ -99,6 +104,7 @@ class Neighbors {
 
   const Timings& timings_;
   Time own_interval_;
+  LinkLayer link_layer_;
   std::map<MacAddress, Neighbor> neighbors_;
   /// A recorded run never proves anything, so each is named ever more rarely, and newcomers come first. The one named
   /// most often makes room.

@@ -3,69 +3,88 @@
 #include <algorithm>
 
 namespace adhoc_communication::transport {
-namespace {
 
-constexpr double kGain = 0.125;  ///< of a measurement
+const AirRate& AirClock::rate(const MacAddress& destination) const {
+  const AirRate* kind = measured(destination);
+  return kind == nullptr ? common_ : *kind;
+}
 
-}  // namespace
+const AirRate* AirClock::measured(const MacAddress& destination) const {
+  const auto kind = kinds_.find(destination);
+  return kind == kinds_.end() ? nullptr : &kind->second;
+}
 
-void AirClock::transmitted(std::uint64_t counter, std::size_t octets, Time now) {
-  if (on_air_.size() == kMostRemembered) on_air_.pop_front();
-  on_air_.push_back({counter, octets + kOverheadOctets, now});
-  busy_until_ = std::max(busy_until_, now) + air_time(octets + kOverheadOctets);
+/// Of frames for everybody that is never said without a measurement: on Wi-Fi they are unlike all others.
+bool AirClock::calibrated(const MacAddress& destination) const {
+  const AirRate* kind = measured(destination);
+  if (kind != nullptr) return kind->calibrated();
+  return destination != wire::kEverybody && common_.calibrated();
+}
+
+/// A bound may be a loose one: the frame may have waited behind others. By itself it does not make a kind known.
+void AirClock::bound(const Transmission& transmission, Time longest) {
+  const auto kind = kinds_.find(transmission.destination);
+  if (kind != kinds_.end()) kind->second.bound(transmission.octets, longest);
+  common_.bound(transmission.octets, longest);
+}
+
+void AirClock::transmitted(std::uint64_t counter, std::size_t octets, const MacAddress& destination, Time now) {
+  const bool follows = !recent_.empty() && recent_.back().counter + 1 == counter;
+  const Time gap = follows ? now - recent_.back().sent : Time::max();
+  if (recent_.size() == kMostRemembered) recent_.pop_front();
+  recent_.push_back({counter, octets, destination, now, gap, false});
+  last_destination_ = destination;
+  busy_until_ = std::max(busy_until_, now) + rate(destination).air_time(octets);
 }
 
 void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time arrived) {
-  if (!take(counter, spacing)) return;
-  if (before_.counter == counter) bound(before_.octets, arrived - before_.sent);
+  if (counter > off_air_) sample(counter, spacing, arrived);
+  if (!take(counter)) return;
+  if (const Transmission* last = find(counter)) bound(*last, arrived - last->sent);
   busy_until_ = end_of_rest(arrived);
 }
 
 void AirClock::acknowledged_late(std::uint64_t counter, Time spacing, Time now) {
-  if (take(counter, spacing)) busy_until_ = std::min(busy_until_, end_of_rest(now));
+  sample(counter, spacing, now);
+  if (take(counter)) busy_until_ = std::min(busy_until_, end_of_rest(now));
 }
 
-/// Removes what is off the air; false if that was known.
-bool AirClock::take(std::uint64_t counter, Time spacing) {
-  if (on_air_.empty() || on_air_.front().counter > counter) return false;
-  while (!on_air_.empty() && on_air_.front().counter <= counter) {
-    const Transmission transmission = on_air_.front();
-    on_air_.pop_front();
-    // A frame handed over as late as it arrived after the one before may have found the radio idle.
-    const bool follows = transmission.counter == before_.counter + 1;
-    const bool together = follows && transmission.sent - before_.sent < spacing * 4 / 5;
-    if (transmission.counter == counter && together) sample(transmission.octets, spacing);
-    before_ = transmission;
-  }
+AirClock::Transmissions::iterator AirClock::first_after(std::uint64_t counter) {
+  return std::upper_bound(
+      recent_.begin(), recent_.end(), counter,
+      [](std::uint64_t number, const Transmission& transmission) { return number < transmission.counter; });
+}
+
+AirClock::Transmission* AirClock::find(std::uint64_t counter) {
+  const auto after = first_after(counter);
+  if (after == recent_.begin() || std::prev(after)->counter != counter) return nullptr;
+  return &*std::prev(after);
+}
+
+/// All up to this frame are off the air; false if that was known, or nothing of the kind was sent.
+bool AirClock::take(std::uint64_t counter) {
+  const auto first = first_after(off_air_);
+  if (first == recent_.end() || first->counter > counter) return false;
+  off_air_ = std::min(counter, recent_.back().counter);
   return true;
 }
 
-/// A frame was not longer on the air than from the hand-over to its arrival. A relay that passes on each frame as it
-/// comes never has two in the radio, and learns from nothing else; and on a shared channel, pairs alone would tell too
-/// late that the others have fallen silent.
-void AirClock::bound(std::size_t octets, Time longest) {
-  const double most = std::max(1.0, static_cast<double>(longest.count()) / static_cast<double>(octets));
-  const double excess = std::max(0.0, nanoseconds_per_octet_ - most);
-  nanoseconds_per_octet_ -= samples_ < kEnoughSamples ? excess : excess * kGain;
-  bounds_ = std::min(bounds_ + 1, kEnoughBounds);
-}
-
 /// Each frame follows the one before as soon as it is there.
-Time AirClock::end_of_rest(Time begin) const {
+Time AirClock::end_of_rest(Time begin) {
   Time end = begin;
-  for (const Transmission& transmission : on_air_) {
-    end = std::max(end, transmission.sent) + air_time(transmission.octets);
+  for (auto transmission = first_after(off_air_); transmission != recent_.end(); ++transmission) {
+    end = std::max(end, transmission->sent) + rate(transmission->destination).air_time(transmission->octets);
   }
   return end;
 }
 
-void AirClock::sample(std::size_t octets, Time duration) {
-  const double measured = static_cast<double>(duration.count()) / static_cast<double>(octets);
-  const double bounded = std::clamp(measured, nanoseconds_per_octet_ / 16, nanoseconds_per_octet_ * 16);
-  const double gain = std::max(kGain, 1.0 / (samples_ + 1));
-  nanoseconds_per_octet_ += gain * (bounded - nanoseconds_per_octet_);
-  nanoseconds_per_octet_ = std::clamp(nanoseconds_per_octet_, 1.0, 100'000.0);
-  samples_ = std::min(samples_ + 1, kEnoughSamples);
+/// A frame handed over as late as it arrived after the one before may have found the radio idle.
+void AirClock::sample(std::uint64_t counter, Time spacing, Time now) {
+  Transmission* transmission = find(counter);
+  if (transmission == nullptr || transmission->sampled || transmission->gap >= spacing * 4 / 5) return;
+  transmission->sampled = true;
+  kinds_[transmission->destination].sample(transmission->octets, spacing, now);
+  common_.sample(transmission->octets, spacing, now);
 }
 
 }  // namespace adhoc_communication::transport

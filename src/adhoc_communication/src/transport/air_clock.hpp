@@ -5,63 +5,83 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <map>
 
 #include "adhoc_communication/types.hpp"
+#include "transport/air_rate.hpp"
+#include "wire/frame_header.hpp"
 
 namespace adhoc_communication::transport {
 
 /// The radio sends in the order of the frame counters, so the acknowledgment of one frame says that all before it are
 /// off the air; and of two frames that lay in the radio together, the distance of their arrivals is the air time of the
 /// second. Keeps one to two frames in the hands of the radio: enough to leave it no gap, few enough that an urgent
-/// frame never waits long.
+/// frame never waits long. On Wi-Fi frames for everybody go at a slow base rate, and those to each neighbour at one of
+/// their own.
 class AirClock {
  public:
-  static constexpr std::size_t kOverheadOctets = 300;  ///< preamble and gaps of a frame, expressed in octets
   static constexpr std::size_t kMostRemembered = 256;
-  static constexpr int kEnoughSamples = 8;
-  static constexpr int kEnoughBounds = 64;
   static constexpr Time kShortestLead = std::chrono::microseconds(150);  ///< within which a host surely wakes up
 
   explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}
 
-  void transmitted(std::uint64_t counter, std::size_t octets, Time now);
+  /// `destination`: a neighbour, or wire::kEverybody.
+  void transmitted(std::uint64_t counter, std::size_t octets, const MacAddress& destination, Time now);
   /// `spacing`: between the arrivals of the frame before and of this one; zero unknown.
   void acknowledged(std::uint64_t counter, Time spacing, Time arrived);
   /// The same where it is not known how long before `now` the frame arrived.
   void acknowledged_late(std::uint64_t counter, Time spacing, Time now);
+  /// Of neighbours that are gone nothing is remembered.
+  template <typename Predicate>
+  void forget_unless(const Predicate& is_known) {
+    for (auto kind = kinds_.begin(); kind != kinds_.end();) {
+      const bool stays = kind->first == wire::kEverybody || is_known(kind->first);
+      kind = stays ? std::next(kind) : kinds_.erase(kind);
+    }
+  }
 
   /// When a further frame may go to the radio: less than one frame of largest size is ahead of it then.
   Time ready_at() const {
-    return busy_until_ - std::max(air_time(largest_frame_ + kOverheadOctets) / 2, kShortestLead);
+    return busy_until_ - std::max(rate(last_destination_).air_time(largest_frame_) / 2, kShortestLead);
   }
   /// When all that was handed over is off the air.
   Time idle_at() const { return busy_until_; }
-  /// False until the rhythm of the radio is known.
-  bool calibrated() const { return samples_ >= kEnoughSamples || bounds_ >= kEnoughBounds; }
-  double nanoseconds_per_octet() const { return nanoseconds_per_octet_; }
+  /// What is believed of frames to a neighbour, or to everybody; of a kind that was never measured, what is of all.
+  const AirRate& rate(const MacAddress& destination) const;
+  /// Null if it never was measured.
+  const AirRate* measured(const MacAddress& destination) const;
+  /// Air time of a frame of largest size when nobody else sends.
+  Time undisturbed_frame_time(const MacAddress& destination) const {
+    return rate(destination).undisturbed_air_time(largest_frame_);
+  }
+  /// False until the rhythm of the radio is known for frames that go there.
+  bool calibrated(const MacAddress& destination) const;
 
  private:
   struct Transmission {
     std::uint64_t counter;
     std::size_t octets;
+    MacAddress destination;
     Time sent;
+    Time gap;  ///< since the hand-over of the frame before
+    bool sampled;
   };
+  using Transmissions = std::deque<Transmission>;
 
-  Time air_time(std::size_t octets) const {
-    return Time(static_cast<Time::rep>(nanoseconds_per_octet_ * static_cast<double>(octets)));
-  }
-  bool take(std::uint64_t counter, Time spacing);
-  Time end_of_rest(Time begin) const;
-  void bound(std::size_t octets, Time longest);
-  void sample(std::size_t octets, Time duration);
+  Transmissions::iterator first_after(std::uint64_t counter);
+  Transmission* find(std::uint64_t counter);
+  bool take(std::uint64_t counter);
+  Time end_of_rest(Time begin);
+  void sample(std::uint64_t counter, Time spacing, Time now);
+  void bound(const Transmission& transmission, Time longest);
 
   std::size_t largest_frame_;
-  double nanoseconds_per_octet_ = 8e9 / 6e6;  ///< until known better: the slowest rate of 802.11g
-  int samples_ = 0;                           ///< no more than are enough, as with bounds_
-  int bounds_ = 0;
+  AirRate common_;                       ///< of all frames, whatever their kind
+  std::map<MacAddress, AirRate> kinds_;  ///< those measured, wire::kEverybody among them
   Time busy_until_{0};
-  std::deque<Transmission> on_air_;
-  Transmission before_{};  ///< the last one known to be off the air
+  Transmissions recent_;
+  std::uint64_t off_air_ = 0;  ///< the last frame known to be so
+  MacAddress last_destination_ = wire::kEverybody;
 };
 
 }  // namespace adhoc_communication::transport

@@ -12,8 +12,9 @@ namespace adhoc_communication::bench {
 namespace {
 
 const std::vector<std::pair<std::string, std::function<std::vector<Row>(const Effort&)>>> kParts = {
-    {"intact", intact_rows}, {"goodput", goodput_rows},   {"multicast", multicast_rows}, {"routes", route_rows},
-    {"idle", idle_rows},     {"priority", priority_rows}, {"mobile", mobile_rows}};
+    {"intact", intact_rows},           {"goodput", goodput_rows}, {"multicast", multicast_rows},
+    {"mixed_rates", mixed_rates_rows}, {"routes", route_rows},    {"idle", idle_rows},
+    {"priority", priority_rows},       {"mobile", mobile_rows}};
 
 int run(const std::string& part, const Effort& effort, const std::string& file) {
   std::vector<Row> rows;

@@ -14,22 +14,6 @@ using namespace std::chrono_literals;
 constexpr std::uint64_t kSeeds = 10;
 constexpr std::size_t kSymbolRoom = 1500 - wire::kHeaderSize - wire::kTagSize - wire::kGroupDataHeaderSize;
 
-/// Sends per frame that the best code needs on average: frames until the worst of `children` has any `frames` of them.
-double ideal_sends(int frames, int children, double loss) {
-  double expected = 0;
-  for (int sent = 0; sent < 40 * frames + 400; ++sent) {
-    double enough = 0;  // probability that one child has got `frames` of `sent`
-    for (int got = frames; got <= sent; ++got) {
-      enough += std::exp(std::lgamma(sent + 1.0) - std::lgamma(got + 1.0) - std::lgamma(sent - got + 1.0) +
-                         got * std::log1p(-loss) + (sent - got) * std::log(loss));
-    }
-    const double missing = 1 - std::pow(std::min(1.0, enough), children);
-    expected += missing;
-    if (sent > frames && missing < 1e-6) break;
-  }
-  return expected / frames;
-}
-
 /// Symbols sent, by robot, and the air time of everything else that groups need.
 struct Count {
   explicit Count(Team& team, std::size_t robots) : symbols(robots) {
@@ -156,6 +140,21 @@ Row line(double loss) {
 }
 
 }  // namespace
+
+double ideal_sends(int frames, int children, double loss) {
+  double expected = 0;
+  for (int sent = 0; sent < 40 * frames + 400; ++sent) {
+    double enough = 0;  // probability that one child has got `frames` of `sent`
+    for (int got = frames; got <= sent; ++got) {
+      enough += std::exp(std::lgamma(sent + 1.0) - std::lgamma(got + 1.0) - std::lgamma(sent - got + 1.0) +
+                         got * std::log1p(-loss) + (sent - got) * std::log(loss));
+    }
+    const double missing = 1 - std::pow(std::min(1.0, enough), children);
+    expected += missing;
+    if (sent > frames && missing < 1e-6) break;
+  }
+  return expected / frames;
+}
 
 std::vector<Row> multicast_rows(const Effort& effort) {
   const int trials = effort.trials;

@@ -37,10 +37,14 @@ std::string format(const char* pattern, double a, double b = 0, double c = 0);
 /// Share of the air that frames of full size leave to their octets, for MediumOptions as by default.
 double capacity();
 
+/// Sends per frame that the best code needs on average: until the worst of `children` has any `frames` of them.
+double ideal_sends(int frames, int children, double loss);
+
 // One function for each group of rows.
 std::vector<Row> intact_rows(const Effort& effort);
 std::vector<Row> goodput_rows(const Effort& effort);
 std::vector<Row> multicast_rows(const Effort& effort);
+std::vector<Row> mixed_rates_rows(const Effort& effort);
 std::vector<Row> route_rows(const Effort& effort);
 std::vector<Row> idle_rows(const Effort& effort);
 std::vector<Row> priority_rows(const Effort& effort);

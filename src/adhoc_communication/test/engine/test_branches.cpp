@@ -155,7 +155,10 @@ TEST(Source, OnlyAPacketNotBegunIsReplaced) {
   const std::uint32_t number = root.send(1, 500, {kA});
   EXPECT_EQ(root.source.replace(root.own, 1, 2, image(600), 2s), number);
   EXPECT_FALSE(root.source.replace(root.own, 1, 3, image(600), 2s)) << "it has gone";
-  root.own.streams[kStream].transfers.at(number).to_children->next(2s);
+  const transport::AirClock air(1500);
+  const Timings timings = robot_timings();
+  const routing::Neighbors neighbors(timings, 250ms);
+  root.own.streams[kStream].transfers.at(number).to_children->next(Carriage(air, neighbors), 2s);
   EXPECT_FALSE(root.source.replace(root.own, 2, 3, image(600), 2s)) << "some of it was sent";
   EXPECT_EQ(root.source.drop(root.own, 2), std::set<MacAddress>{kA});
 }

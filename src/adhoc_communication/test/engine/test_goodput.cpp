@@ -200,21 +200,22 @@ TEST(HopSender, OnlyQuickAnswersOpenTheWholeWindow) {
 /// On a shared channel: learned while another robot was sending, too, and then that one falls silent.
 TEST(AirClock, FramesThatArriveSoonerThanBelievedCorrectTheEstimate) {
   AirClock clock(1500);
+  const MacAddress peer{{2}};
   std::uint64_t counter = 0;
   const auto send = [&](Time now, Time first, Time second) {
-    clock.transmitted(++counter, 1500, now);
-    clock.transmitted(++counter, 1500, now);
+    clock.transmitted(++counter, 1500, peer, now);
+    clock.transmitted(++counter, 1500, peer, now);
     clock.acknowledged(counter, second, now + first + second);
   };
   Time now = 0ms;
   for (int i = 0; i < 20; ++i, now += 10ms) send(now, 600us, 600us);
-  const double shared = clock.nanoseconds_per_octet();
+  const double shared = clock.rate(peer).nanoseconds_per_octet();
   EXPECT_NEAR(shared, 600'000.0 / 1800, 10);
   for (int i = 0; i < 20; ++i, now += 10ms) {
-    clock.transmitted(++counter, 1500, now);
+    clock.transmitted(++counter, 1500, peer, now);
     clock.acknowledged(counter, 0ms, now + 300us);
   }
-  EXPECT_NEAR(clock.nanoseconds_per_octet(), shared / 2, shared / 10);
+  EXPECT_NEAR(clock.rate(peer).nanoseconds_per_octet(), shared / 2, shared / 10);
 }
 
 /// Data frames that the source of a transfer puts on the air for the first time, for each segment.

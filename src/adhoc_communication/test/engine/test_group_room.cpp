@@ -141,7 +141,11 @@ TEST(GroupRoom, IsGivenUpAfterAMinute) {
   multicast::Distribution distribution(packet, round_trip, 0);
   const MacAddress child{{2}};
   distribution.set_children({{child, 0}}, true, 0s);
-  while (distribution.has_frame()) distribution.next(0s);
+  const transport::AirClock air(1500);
+  const Timings timings = robot_timings();
+  const routing::Neighbors neighbors(timings, 250ms);
+  const multicast::Carriage carriage(air, neighbors);
+  while (distribution.has_frame()) distribution.next(carriage, 0s);
   wire::GroupReport report;
   report.first_block = wire::kNoRoom;
   int questions = 0;

@@ -1,0 +1,44 @@
+#include "multicast/carriage.hpp"
+
+#include <algorithm>
+
+namespace adhoc_communication::multicast {
+
+bool Carriage::knows(const MacAddress& destination, Time now) const {
+  const transport::AirRate* rate = air_.measured(destination);
+  return rate != nullptr && rate->measured_lately(now);
+}
+
+bool Carriage::knows_well(const MacAddress& destination, Time now) const {
+  return knows(destination, now) && air_.measured(destination)->measured_often();
+}
+
+/// Seconds of air for a frame that was measured before.
+double Carriage::frame_time(const MacAddress& destination) const {
+  return static_cast<double>(air_.undisturbed_frame_time(destination).count()) * 1e-9;
+}
+
+/// Until it has arrived. Whoever repeats, the link layer or the engine, a frame is as often lost as a beacon.
+double Carriage::tries(const MacAddress& target) const {
+  return 1.0 / (1.0 - std::min(neighbors_.beacon_loss(target), routing::kWorstLoss));
+}
+
+Way Carriage::way(const std::vector<MacAddress>& targets, std::size_t frames, Time now) const {
+  if (!has_measured_broadcasts()) return Way::kBroadcast;
+  double all_tries = 0.0;
+  for (const MacAddress& target : targets) all_tries += tries(target);
+  // Each loss rests on a few beacons, and the greatest of many such numbers is too great: the mean is taken.
+  const double by_broadcast = kClearly * frame_time(wire::kEverybody) * all_tries / static_cast<double>(targets.size());
+  if (std::all_of(targets.begin(), targets.end(), [&](const auto& target) { return knows(target, now); })) {
+    double by_unicasts = 0.0;
+    for (const MacAddress& target : targets) by_unicasts += frame_time(target) * tries(target);
+    if (by_unicasts < by_broadcast) return Way::kUnicasts;
+  }
+  const bool settled =
+      std::all_of(targets.begin(), targets.end(), [&](const auto& target) { return knows_well(target, now); });
+  const double at_best = static_cast<double>((kFastestUnicast * targets.size()).count()) * 1e-9;
+  const bool worth_it = targets.size() > 1 && frames >= kWorthATrial && at_best < by_broadcast;
+  return !settled && worth_it ? Way::kTrial : Way::kBroadcast;
+}
+
+}  // namespace adhoc_communication::multicast

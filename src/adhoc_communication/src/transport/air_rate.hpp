@@ -1,0 +1,52 @@
+// What frames cost in air, learned from those that have arrived.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "adhoc_communication/types.hpp"
+
+namespace adhoc_communication::transport {
+
+/// Of frames to one neighbour, of those for everybody, or of all.
+class AirRate {
+ public:
+  static constexpr std::size_t kOverheadOctets = 300;  ///< preamble and gaps of a frame, expressed in octets
+  static constexpr int kEnoughSamples = 8;
+  static constexpr int kEnoughBounds = 64;
+  static constexpr std::size_t kLatestSamples = 4;
+  static constexpr Time kLatest = std::chrono::seconds(10);  ///< age of a measurement that still tells something
+
+  Time air_time(std::size_t octets) const {
+    return Time(static_cast<Time::rep>(nanoseconds_per_octet_ * static_cast<double>(octets + kOverheadOctets)));
+  }
+  /// The same when nobody else sends: others only make it longer, so that is the least of the latest measurements.
+  Time undisturbed_air_time(std::size_t octets) const {
+    const std::size_t count = std::min(taken_, latest_.size());
+    const double least =
+        count == 0 ? nanoseconds_per_octet_ : *std::min_element(latest_.begin(), latest_.begin() + count);
+    return Time(static_cast<Time::rep>(least * static_cast<double>(octets + kOverheadOctets)));
+  }
+  double nanoseconds_per_octet() const { return nanoseconds_per_octet_; }
+  bool measured_lately(Time now) const { return taken_ > 0 && now - measured_ < kLatest; }
+  /// So often that one disturbed measurement decides nothing.
+  bool measured_often() const { return taken_ >= kLatestSamples; }
+  /// False until the rhythm of the radio is known.
+  bool calibrated() const { return samples_ >= kEnoughSamples || bounds_ >= kEnoughBounds; }
+
+  /// A frame of so many octets was on the air for that long.
+  void sample(std::size_t octets, Time duration, Time now);
+  /// It was not longer on the air than that.
+  void bound(std::size_t octets, Time longest);
+
+ private:
+  double nanoseconds_per_octet_ = 8e9 / 6e6;  ///< until known better: the slowest rate of 802.11g
+  int samples_ = 0;                           ///< no more than are enough, as with bounds_
+  int bounds_ = 0;
+  std::array<double, kLatestSamples> latest_{};
+  std::size_t taken_ = 0;
+  Time measured_{0};  ///< the last time
+};
+
+}  // namespace adhoc_communication::transport

@@ -1,0 +1,227 @@
+// What frames of each kind cost, and what follows from that.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "multicast/carriage.hpp"
+#include "payloads.hpp"
+#include "routing/link_layer.hpp"
+#include "simulation/team.hpp"
+#include "transport/air_clock.hpp"
+#include "wire/messages.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+using multicast::Way;
+
+constexpr std::size_t kOctets = 1500;
+const MacAddress kNear{{2, 1}};
+const MacAddress kFar{{2, 2}};
+const MacAddress kUnknown{{2, 3}};
+
+double microseconds(Time time) { return static_cast<double>(time.count()) * 1e-3; }
+
+double frame_time(const transport::AirClock& clock, const MacAddress& to) {
+  return microseconds(clock.rate(to).air_time(kOctets));
+}
+
+/// A pair of frames that arrive `duration` apart.
+void measure(transport::AirClock& clock, std::uint64_t& counter, const MacAddress& to, Time duration, Time now) {
+  clock.transmitted(++counter, kOctets, to, now);
+  clock.transmitted(++counter, kOctets, to, now);
+  clock.acknowledged_late(counter, duration, now + 2 * duration);
+}
+
+TEST(AirClockKinds, EachNeighborAndBroadcastsHaveTheirRate) {
+  transport::AirClock clock(kOctets);
+  std::uint64_t counter = 0;
+  for (int i = 0; i < 10; ++i) {
+    measure(clock, counter, kNear, 400us, i * 100ms);
+    measure(clock, counter, kFar, 2ms, i * 100ms + 30ms);
+    measure(clock, counter, wire::kEverybody, 12ms, i * 100ms + 50ms);
+  }
+  EXPECT_NEAR(frame_time(clock, kNear), 400, 1);
+  EXPECT_NEAR(frame_time(clock, kFar), 2000, 1);
+  EXPECT_NEAR(frame_time(clock, wire::kEverybody), 12'000, 1);
+  for (const MacAddress& to : {kNear, kFar, wire::kEverybody}) EXPECT_TRUE(clock.calibrated(to));
+  const Time now = 10s;
+  clock.transmitted(++counter, kOctets, kNear, now);
+  EXPECT_NEAR(microseconds(clock.idle_at() - now), 400, 1) << "paced by the rate of its receiver";
+}
+
+TEST(AirClockKinds, OneNeverMeasuredIsBelievedToBeLikeTheOthers) {
+  transport::AirClock clock(kOctets);
+  std::uint64_t counter = 0;
+  for (int i = 0; i < 10; ++i) measure(clock, counter, kNear, 400us, i * 100ms);
+  EXPECT_NEAR(frame_time(clock, kUnknown), 400, 1);
+  EXPECT_TRUE(clock.calibrated(kUnknown));
+  EXPECT_FALSE(clock.calibrated(wire::kEverybody)) << "frames for everybody are measured at once";
+}
+
+TEST(AirClockKinds, ABoundAloneDoesNotMakeAKindKnown) {
+  transport::AirClock clock(kOctets);
+  std::uint64_t counter = 0;
+  for (int i = 0; i < 10; ++i) measure(clock, counter, kNear, 400us, i * 100ms);
+  clock.transmitted(++counter, kOctets, kUnknown, 10s);
+  clock.acknowledged(counter, 0ms, 10s + 5ms);
+  EXPECT_NEAR(frame_time(clock, kUnknown), 400, 1);
+}
+
+TEST(AirClockKinds, NeighborsThatAreGoneAreForgotten) {
+  transport::AirClock clock(kOctets);
+  std::uint64_t counter = 0;
+  measure(clock, counter, kNear, 400us, 0ms);
+  measure(clock, counter, kFar, 2ms, 50ms);
+  measure(clock, counter, wire::kEverybody, 12ms, 100ms);
+  clock.forget_unless([](const MacAddress& neighbor) { return neighbor == kFar; });
+  EXPECT_GT(frame_time(clock, kNear), 450) << "believed to be like all";
+  EXPECT_NEAR(frame_time(clock, kFar), 2000, 1);
+  EXPECT_NEAR(frame_time(clock, wire::kEverybody), 12'000, 1);
+}
+
+TEST(AirClockKinds, AnAnswerThatComesAfterLaterOnesStillMeasures) {
+  transport::AirClock clock(kOctets);
+  std::uint64_t counter = 0;
+  for (const MacAddress& peer : {kNear, kNear, kFar, kFar}) clock.transmitted(++counter, kOctets, peer, 0ms);
+  clock.acknowledged_late(4, 2ms, 6ms);
+  clock.acknowledged_late(2, 400us, 7ms);
+  ASSERT_NE(clock.measured(kNear), nullptr);
+  EXPECT_NEAR(microseconds(clock.undisturbed_frame_time(kNear)), 400, 1);
+  clock.acknowledged_late(2, 100us, 8ms);
+  EXPECT_NEAR(microseconds(clock.undisturbed_frame_time(kNear)), 400, 1) << "each frame measures once";
+}
+
+TEST(AirClockKinds, WhatOthersDisturbedDoesNotCount) {
+  transport::AirClock clock(kOctets);
+  std::uint64_t counter = 0;
+  for (const Time duration : {Time(5ms), Time(400us), Time(3ms), Time(5ms)}) {
+    measure(clock, counter, kNear, duration, counter * 50ms);
+  }
+  EXPECT_NEAR(microseconds(clock.undisturbed_frame_time(kNear)), 400, 1);
+}
+
+TEST(AirClockKinds, OfTheFirstMeasurementsTheShortestCounts) {
+  transport::AirClock clock(kOctets);
+  std::uint64_t counter = 0;
+  measure(clock, counter, kNear, 12ms, 0ms);
+  measure(clock, counter, kNear, 400us, 100ms);
+  EXPECT_NEAR(frame_time(clock, kNear), 750, 1) << "a measurement changes the estimate sixteenfold at most";
+  measure(clock, counter, kNear, 400us, 200ms);
+  EXPECT_NEAR(frame_time(clock, kNear), 400, 1);
+}
+
+class CarriageTest : public ::testing::Test {
+ protected:
+  void know(const MacAddress& to, Time duration) {
+    for (int i = 0; i < 4; ++i) measure(clock_, counter_, to, duration, now_ += 50ms);
+  }
+  Way way(std::size_t frames = 100) const { return carriage_.way({kNear, kFar}, frames, now_); }
+
+  Timings timings_ = robot_timings();
+  routing::Neighbors neighbors_{timings_, 250ms};
+  transport::AirClock clock_{kOctets};
+  multicast::Carriage carriage_{clock_, neighbors_};
+  std::uint64_t counter_ = 0;
+  Time now_ = 1s;
+};
+
+TEST_F(CarriageTest, NothingIsKnown) { EXPECT_EQ(way(), Way::kBroadcast); }
+
+TEST_F(CarriageTest, ATrialOnlyWhereItMayPay) {
+  know(wire::kEverybody, 500us);
+  EXPECT_EQ(way(), Way::kBroadcast) << "two unicasts cannot be cheaper";
+  know(wire::kEverybody, 2ms);
+  EXPECT_EQ(way(), Way::kTrial);
+  EXPECT_EQ(way(multicast::Carriage::kWorthATrial - 1), Way::kBroadcast) << "not for a few frames";
+}
+
+TEST_F(CarriageTest, TheCheaperWayByTheSumOverTheReceivers) {
+  know(wire::kEverybody, 2ms);
+  know(kNear, 400us);
+  know(kFar, 400us);
+  EXPECT_EQ(way(), Way::kUnicasts);
+  know(kFar, 1700us);
+  EXPECT_EQ(way(), Way::kBroadcast);
+  know(wire::kEverybody, 12ms);
+  EXPECT_EQ(way(), Way::kUnicasts);
+}
+
+TEST_F(CarriageTest, WhatWasMeasuredLongAgoIsTriedAnew) {
+  know(wire::kEverybody, 2ms);
+  know(kNear, 400us);
+  know(kFar, 400us);
+  now_ += transport::AirRate::kLatest;
+  know(wire::kEverybody, 2ms);
+  EXPECT_EQ(way(), Way::kTrial);
+}
+
+/// Data frames of a 200 kB packet to the group of robot 0, by themselves to a member and for everybody.
+std::pair<int, int> group_frames(std::size_t members, double broadcast_rate) {
+  MediumOptions medium;
+  medium.contention = true;
+  medium.rates.broadcast = broadcast_rate;
+  medium.rates.unicast = ofdm_rates();
+  medium.rates.unicast_retries = 7;
+  Team team(medium, 1);
+  for (std::size_t i = 0; i <= members; ++i) team.add({}, 0.1 * static_cast<double>(i), 0);
+  team.run_for(8s);
+  std::pair<int, int> counts{0, 0};
+  team.on_transmission = [&](std::size_t, const Frame& frame) {
+    if (frame.bytes[1] != static_cast<std::uint8_t>(wire::FrameType::kGroupData)) return;
+    ++(frame.destination == wire::kEverybody ? counts.second : counts.first);
+  };
+  const Bytes payload = noise(200'000);
+  const SendId id = team.send(0, "mc_robot_0", payload, Priority::kBulk);
+  EXPECT_TRUE(team.run_until_done([&] { return team.finished(0, id) != nullptr; }, 60s));
+  for (std::size_t i = 1; i <= members; ++i) {
+    const bool intact = team.received(i).size() == 1 && team.received(i).back().packet.payload == payload;
+    EXPECT_TRUE(intact) << i;
+  }
+  return counts;
+}
+
+TEST(Carriage, AFewNearMembersGetTheirOwnFramesAndManyOneForAll) {
+  const auto [few_single, few_common] = group_frames(2, 6e6);
+  EXPECT_GT(few_single, 10 * few_common);
+  const auto [many_single, many_common] = group_frames(12, 6e6);
+  EXPECT_GT(many_common, 5 * many_single);
+  const auto [slow_single, slow_common] = group_frames(12, 1e6);
+  EXPECT_GT(slow_single, 10 * slow_common);
+}
+
+TEST(LinkLayer, IsKnownByTheLossThatItHides) {
+  routing::LinkLayer silent;
+  for (int i = 0; i < 1000; ++i) silent.compare(0.0, 0.0);
+  EXPECT_FALSE(silent.repeats()) << "no loss, no evidence";
+  routing::LinkLayer repeating;
+  for (int i = 0; i < 100; ++i) repeating.compare(0.2, 0.01);
+  EXPECT_TRUE(repeating.repeats());
+  for (int i = 0; i < 500; ++i) repeating.compare(0.2, 0.2);
+  EXPECT_FALSE(repeating.repeats());
+}
+
+/// Robot 0 sends packets to robot 1; the hop ARQ sees what the link layer has left of the loss, beacons see all of it.
+double loss_of_used_link(int unicast_retries) {
+  MediumOptions medium;
+  medium.contention = true;
+  medium.loss = 0.3;
+  medium.rates.unicast_retries = unicast_retries;
+  Team team(medium, 1);
+  team.add_line(2);
+  for (int i = 0; i < 120; ++i) {
+    team.send(0, Team::name(1), noise(5000, static_cast<std::uint64_t>(i)));
+    team.run_for(500ms);
+  }
+  const std::vector<LinkState> links = team.engine(0).links();
+  return links.at(0).loss;
+}
+
+TEST(LinkLayer, CostsAreThoseOfBeaconsWhereItRepeats) {
+  EXPECT_NEAR(loss_of_used_link(0), 0.3, 0.2);
+  EXPECT_GT(loss_of_used_link(7), 0.05) << "not the zero that its retries leave";
+}
+
+}  // namespace
+}  // namespace adhoc_communication
