@@ -53,6 +53,7 @@ def publisher(topic, message_class, subscribers=1):
 def fill_what_alice_keeps(everybody):
     """Newcomers to her group get none of the packets from before any more."""
     with Listener("/bob/everybody_of_alice", PointStamped) as listener:
+        wait_until(lambda: everybody.publish(PointStamped()) or listener.messages, "the listener is connected")
         for count in range(1, PACKETS_KEPT_BY_ROOT + 3):
             everybody.publish(PointStamped())
             listener.wait_for(lambda messages, count=count: len(messages) >= count)

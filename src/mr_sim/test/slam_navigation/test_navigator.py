@@ -13,6 +13,8 @@ from mr_robot import _navigation
 from mr_robot.navigation.arrivals import Arrivals
 from mr_robot.navigation.clock import Clock
 from mr_robot.navigation.engine import Command, Navigator, Status
+from mr_robot.navigation.follower import Follower
+from mr_robot.navigation.motion import STOP, Motion
 from mr_robot.navigation.obstacles import ObstacleMemory
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan, make_scan
 from mr_robot.navigation.planner import CostMap, path, plan
@@ -195,11 +197,12 @@ def test_out_along_a_wall_whose_cells_are_not_in_line() -> None:
 corners = st.tuples(st.floats(-0.6, 0.6), st.floats(-0.6, 0.6))
 
 
-def plan_out(obstacles: np.ndarray, goal: Tuple[float, float] = (3.0, 2.0)) -> np.ndarray:
+def plan_out(obstacles: np.ndarray, goal: Tuple[float, float] = (3.0, 2.0), at_once: bool = False) -> np.ndarray:
     """Waypoints from (1, 2, 0) in a room of 4 m x 4 m, rows (x, y, yaw, direction, seconds)."""
     way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), goal, 0.5)
     assert way is not None
-    return _navigation.manoeuvre(way.cost, 0.05, (0.0, 0.0), way.goal, (1.0, 2.0, 0.0), obstacles, FOOTPRINT, AGILITY)
+    start = (1.0, 2.0, 0.0)
+    return _navigation.manoeuvre(way.cost, 0.05, (0.0, 0.0), way.goal, start, obstacles, FOOTPRINT, AGILITY, at_once)
 
 
 @settings(suppress_health_check=[HealthCheck.filter_too_much])
@@ -224,12 +227,12 @@ touching = st.tuples(st.floats(-0.22, 0.22), st.sampled_from([-1, 1]), st.floats
 
 
 @given(st.lists(touching, min_size=2, max_size=4), st.sampled_from([(3.0, 2.0), (0.3, 2.0), (1.0, 3.5)]))
-def test_a_manoeuvre_begins_with_a_motion_that_may_be_made(
+def test_a_manoeuvre_that_has_to_begin_at_once_can(
     points: List[Tuple[float, float]], goal: Tuple[float, float]
 ) -> None:
     obstacles = np.array([(1.0 + x, 2.0 + y, 0.0, 0.0) for x, y in points])
     assume(_navigation.clearance((1.0, 2.0, 0.0), obstacles, FOOTPRINT) > -0.02)
-    rows = plan_out(obstacles, goal)
+    rows = plan_out(obstacles, goal, at_once=True)
     if len(rows):
         assert may_begin(rows, obstacles)
 
@@ -246,9 +249,17 @@ def may_begin(rows: np.ndarray, obstacles: np.ndarray) -> bool:
 def test_out_backwards_past_a_jamb_that_the_body_seems_to_touch() -> None:
     """Every plan began with a motion that was not clear, twice a second for the rest of the mission."""
     jamb = np.array([(1.0 - 0.169, 2.0 - 0.185, 0.0, 0.0), (1.0 - 0.218, 2.0 - 0.177, 0.0, 0.0)])
-    rows = plan_out(jamb, (0.3, 2.0))
-    assert len(rows) > 1 and may_begin(rows, jamb)
-    assert rows[1, 3] >= 0.0, "nothing leads straight back"
+    way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (0.3, 2.0), 0.5)
+    assert way is not None
+    motion = Motion(NavigationOptions())
+    follower, pose = Follower(motion, NavigationOptions()), Pose(1.0, 2.0, 0.0)
+    for step in range(80):
+        motion.velocity = follower.follow(0.1 * step, way, pose, jamb, stuck=True) or STOP
+        yaw = pose.yaw + 0.1 * motion.velocity[1]
+        way_on = 0.1 * motion.velocity[0]
+        pose = Pose(pose.x + way_on * math.cos(yaw), pose.y + way_on * math.sin(yaw), yaw)
+    assert math.dist(pose[:2], (1.0, 2.0)) > 0.3
+    assert _navigation.clearance(tuple(pose), jamb, FOOTPRINT) > 0.0
 
 
 def test_out_of_a_niche_backwards_and_turned_where_there_is_room() -> None:

@@ -251,12 +251,13 @@ PYBIND11_MODULE(_navigation, module) {
   module.def(
       "manoeuvre",
       [](const Floats& cost, double resolution, const Pair& origin, const Pair& goal, const Triple& pose,
-         const Doubles& obstacles, const Footprint& footprint, const Agility& agility) {
+         const Doubles& obstacles, const Footprint& footprint, const Agility& agility, bool at_once) {
         const Field field = to_field(cost, resolution, origin, goal);
-        return to_rows(manoeuvre(field, to_pose(pose), to_obstacles(obstacles), footprint, agility));
+        return to_rows(manoeuvre(field, to_pose(pose), to_obstacles(obstacles), footprint, agility, at_once));
       },
       py::arg("cost"), py::arg("resolution"), py::arg("origin"), py::arg("goal"), py::arg("pose"), py::arg("obstacles"),
-      py::arg("footprint"), py::arg("agility"), "Rows (x, y, yaw, direction, seconds), the first the present pose.");
+      py::arg("footprint"), py::arg("agility"), py::arg("at_once"),
+      "Rows (x, y, yaw, direction, seconds), the first the present pose.");
   module.def(
       "turn_wanted",
       [](const Floats& cost, double resolution, const Pair& origin, const Pair& goal, const Triple& pose) {

@@ -47,12 +47,13 @@ Pose along(const Pose& pose, double way, double turn) {
 class Search {
  public:
   Search(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles, const Footprint& footprint,
-         const Agility& agility)
+         const Agility& agility, bool at_once)
       : field_(field),
         start_(start),
         obstacles_(obstacles),
         footprint_(footprint),
         agility_(agility),
+        at_once_(at_once),
         body_(start, kReach + kCell, obstacles, footprint) {
     at_start_ = body_.clearance(start);
     least_ = std::min(kTouching, at_start_ - kSlack);
@@ -136,7 +137,7 @@ class Search {
     if (room < least_ || body_.clearance(along(node.pose, 0.5 * way, 0.5 * turn)) < least_) return -1;
     double seconds = std::abs(way) / agility_.linear;
     if (direction == 0.0) seconds = std::abs(turn) / agility_.angular;
-    if (from == 0 && !begins({way / seconds, turn / seconds})) return -1;
+    if (from == 0 && at_once_ && !begins({way / seconds, turn / seconds})) return -1;
     if (node.parent >= 0 && direction != node.direction)
       seconds += 2.0 * agility_.linear / agility_.limits.linear_acceleration;
     const double tight = std::clamp((kTight - room) / kTight, 0.0, 1.0);
@@ -175,6 +176,7 @@ class Search {
   const std::vector<Obstacle>& obstacles_;
   Footprint footprint_;
   Agility agility_;
+  bool at_once_;
   Body body_;
   double at_start_ = 0.0, least_ = 0.0, start_cost_ = 0.0;
   bool starts_roomy_ = false;
@@ -188,8 +190,8 @@ class Search {
 }  // namespace
 
 std::vector<Waypoint> manoeuvre(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles,
-                                const Footprint& footprint, const Agility& agility) {
-  return Search(field, start, obstacles, footprint, agility).run();
+                                const Footprint& footprint, const Agility& agility, bool at_once) {
+  return Search(field, start, obstacles, footprint, agility, at_once).run();
 }
 
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint) {

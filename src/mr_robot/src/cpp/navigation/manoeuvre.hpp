@@ -24,13 +24,13 @@ struct Agility {
 };
 
 // The way that leads soonest to the goal of the field, up to where the robot has room to turn or where what is known
-// around it ends (Dolgov, Thrun, Montemerlo and Diebel, Path planning for autonomous vehicles in unknown semi-
-// structured environments, 2010). Ahead and back are the same but for the turns between them; it turns only where the
-// footprint does, comes no nearer to obstacles than kTouching, and from nearer not much nearer; its first motion is
-// one that `is_clear` allows a robot that stands. Where no such way is found, one to the roomiest pose. Empty if there
-// is no better pose than the present one.
+// around it ends (Dolgov, Thrun, Montemerlo and Diebel, Path planning for autonomous vehicles in unknown
+// semi-structured environments, 2010). Ahead and back are the same but for the turns between them; it turns only where
+// the footprint does, comes no nearer to obstacles than kTouching, and from nearer not much nearer. Where no such way
+// is found, one to the roomiest pose. Empty if there is no better pose than the present one. `at_once`: its first
+// motion is one that `is_clear` allows a robot that stands.
 std::vector<Waypoint> manoeuvre(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles,
-                                const Footprint& footprint, const Agility& agility);
+                                const Footprint& footprint, const Agility& agility, bool at_once);
 
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint);
 

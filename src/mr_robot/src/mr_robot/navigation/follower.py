@@ -15,6 +15,7 @@ from mr_robot.navigation.planner import Plan
 
 AWAY = 0.6  # rad to the way from which a robot without room to turn does so at once
 PAUSE = 0.5  # s between plans of manoeuvres
+REFUSALS = 4  # plans in a row that could not be begun, after which one is made that can
 
 
 class Follower:
@@ -24,6 +25,7 @@ class Follower:
         self._options = options
         self._manoeuvre: Optional[Manoeuvre] = None
         self._planned_at = -math.inf
+        self._refusals = 0
 
     def drop_manoeuvre(self) -> None:
         self._manoeuvre = None
@@ -38,13 +40,17 @@ class Follower:
         self.gained_room = False
         if self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, tight, stuck):
             self._planned_at = now
-            self._manoeuvre = plan_manoeuvre(way, pose, tight, self._motion.footprint, self._motion.limits)
+            self._manoeuvre = plan_manoeuvre(
+                way, pose, tight, self._motion.footprint, self._motion.limits, self._refusals >= REFUSALS
+            )
         if self._manoeuvre is not None:
             target = self._manoeuvre.velocity(pose, self._options.controller_period)
             if target is not None:
                 if self._motion.is_clear(pose, tight, target):
+                    self._refusals = 0
                     return self._motion.towards(target)
                 self._manoeuvre = None
+                self._refusals += 1
                 return self._motion.towards(STOP)
             self._manoeuvre = None
             self.gained_room = True

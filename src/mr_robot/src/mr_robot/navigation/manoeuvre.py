@@ -16,13 +16,18 @@ OVERTIME = 1.0  # s after the end in which the last error is made good
 
 
 def plan_manoeuvre(
-    way: Plan, pose: Pose, obstacles: np.ndarray, footprint: _navigation.Footprint, limits: _navigation.Limits
+    way: Plan,
+    pose: Pose,
+    obstacles: np.ndarray,
+    footprint: _navigation.Footprint,
+    limits: _navigation.Limits,
+    at_once: bool,
 ) -> Optional["Manoeuvre"]:
     """From a pose with little room on along the way, or to the nearest pose with room; None: nothing is better than to
-    stay. `obstacles`: rows (x, y, margin, reaction time)."""
+    stay. `obstacles`: rows (x, y, margin, reaction time). `at_once`: it begins with a motion that is clear."""
     agility = _navigation.Agility(limits)
     rows = _navigation.manoeuvre(
-        way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, obstacles, footprint, agility
+        way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, obstacles, footprint, agility, at_once
     )
     return Manoeuvre(rows) if len(rows) > 1 else None
 
