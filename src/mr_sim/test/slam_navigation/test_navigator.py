@@ -246,10 +246,10 @@ def may_begin(rows: np.ndarray, obstacles: np.ndarray) -> bool:
     return _navigation.is_clear((1.0, 2.0, 0.0), (0.0, 0.0), target, obstacles, LIMITS, FOOTPRINT, horizon)
 
 
-def test_out_backwards_past_a_jamb_that_the_body_seems_to_touch() -> None:
+def test_away_from_a_jamb_behind_that_the_body_seems_to_touch() -> None:
     """Every plan began with a motion that was not clear, twice a second for the rest of the mission."""
     jamb = np.array([(1.0 - 0.169, 2.0 - 0.185, 0.0, 0.0), (1.0 - 0.218, 2.0 - 0.177, 0.0, 0.0)])
-    way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (0.3, 2.0), 0.5)
+    way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (1.0, 3.0), 0.5)
     assert way is not None
     motion = Motion(NavigationOptions())
     follower, pose = Follower(motion, NavigationOptions()), Pose(1.0, 2.0, 0.0)
