@@ -35,7 +35,7 @@ def run_of(topology: str, out: Path) -> Mission:
             stderr=subprocess.STDOUT,
         )
     try:
-        while "robot_0: exploring" not in told.read_text():
+        while "state: 1" not in enter(out, "robot_0", *LOOK, "/explorer/state").stdout:  # the runner tells it later
             assert run.poll() is None, told.read_text()
             time.sleep(0.05)
         visit, orders = (disturb(out), "") if disturbed else ((), order(out))
