@@ -6,7 +6,7 @@
 namespace adhoc_communication::multicast {
 
 Distribution::Distribution(const GroupPacket& packet, transport::RoundTrip& round_trip, std::uint8_t first_parity)
-    : packet_(packet), round_trip_(round_trip), first_parity_(first_parity), sent_(packet.blocks().size()) {}
+    : packet_(packet), rounds_(round_trip), first_parity_(first_parity), sent_(packet.blocks().size()) {}
 
 void Distribution::set_children(const std::map<MacAddress, std::uint32_t>& children, bool anew, Time now) {
   for (auto iterator = children_.begin(); iterator != children_.end();) {
@@ -21,7 +21,7 @@ void Distribution::set_children(const std::map<MacAddress, std::uint32_t>& child
     child.done = false;
     child.progress = now;
     child.asked = now;
-    child.question_wait = round_trip_.timeout();
+    child.question_wait = rounds_.patience();
     if (known) continue;
     child.missing.assign(sent_.size(), kUnknown);
     child.known_in.assign(sent_.size(), 0);
@@ -88,9 +88,9 @@ void Distribution::take_symbol(const Place& place) {
     sent.frames.set(static_cast<std::size_t>(place.symbol));
     sent.all = static_cast<int>(sent.frames.count()) == packet_.blocks()[place.block].frames();
   }
-  sent.round = round_;
-  ++since_question_;
-  ++since_trial_;
+  sent.round = rounds_.number();
+  rounds_.sent();
+  trials_.sent();
 }
 
 /// Children that need the symbol: of one not sent before, all that take any.
@@ -118,7 +118,7 @@ Way Distribution::way(const Carriage& carriage, Time now) const {
   const std::vector<MacAddress> targets = takers(next_symbol());
   if (targets.empty()) return Way::kBroadcast;
   const Way way = carriage.way(targets, frames_left(), now);
-  return way == Way::kTrial && since_trial_ < trial_interval_ ? Way::kBroadcast : way;
+  return way == Way::kTrial && !trials_.due() ? Way::kBroadcast : way;
 }
 
 Distribution::Outgoing Distribution::next(const Carriage& carriage, Time now) {
@@ -131,8 +131,7 @@ Distribution::Outgoing Distribution::next(const Carriage& carriage, Time now) {
         send_to_each(carriage, kRun, now);
         break;
       case Way::kTrial:
-        since_trial_ = 0;
-        trial_interval_ = std::min(2 * trial_interval_, kLongestTrialInterval);
+        trials_.begun();
         send_to_each(carriage, kTrial, now);
         break;
     }
@@ -144,22 +143,26 @@ Distribution::Outgoing Distribution::next(const Carriage& carriage, Time now) {
   return outgoing;
 }
 
+bool Distribution::round_is_full() const {
+  return rounds_.frames() >= kFramesPerQuestion || (!has_symbol() && nothing_to_come());
+}
+
 bool Distribution::question_due(const Carriage& carriage, Time now) const {
-  if (since_question_ >= kFramesPerQuestion || (!has_symbol() && nothing_to_come())) return true;
+  if (round_is_full()) return true;
   if (children_.size() < 2 || frames_left() < Carriage::kWorthATrial || carriage.knows_broadcasts(now)) return false;
-  return since_question_ >= (measured_ ? kFramesOfMeasure : kFramesOfFirstMeasure);
+  return rounds_.frames() >= (measured_ ? kFramesOfMeasure : kFramesOfFirstMeasure);
 }
 
 void Distribution::send_to_all(const Carriage& carriage, Time now) {
   const Place place = next_symbol();
   take_symbol(place);
-  for (auto& [address, child] : children_) child.sent_in[place.block] = round_;
-  Outgoing outgoing{place.block, place.symbol, question_due(carriage, now), round_, std::nullopt};
+  for (auto& [address, child] : children_) child.sent_in[place.block] = rounds_.number();
+  Outgoing outgoing{place.block, place.symbol, question_due(carriage, now), rounds_.number(), std::nullopt};
   if (outgoing.question) {
-    const bool early = since_question_ < kFramesPerQuestion && has_symbol();
+    const bool early = rounds_.frames() < kFramesPerQuestion && has_symbol();
     awaits_ = early && !measured_ && !carriage.has_measured_broadcasts();
     measured_ = measured_ || early;
-    close_round(now);
+    rounds_.close(now);
     for (auto& [address, child] : children_) asked(child, now);
   }
   run_.push_back(outgoing);
@@ -173,24 +176,24 @@ void Distribution::send_to_each(const Carriage& carriage, std::size_t most, Time
     const Place place = next_symbol();
     take_symbol(place);
     for (const MacAddress& target : takers(place)) {
-      children_.at(target).sent_in[place.block] = round_;
-      copies[target].push_back({place.block, place.symbol, false, round_, target});
+      children_.at(target).sent_in[place.block] = rounds_.number();
+      copies[target].push_back({place.block, place.symbol, false, rounds_.number(), target});
     }
   }
-  const bool question = most == kTrial || since_question_ >= kFramesPerQuestion || (!has_symbol() && nothing_to_come());
+  const bool question = most == kTrial || round_is_full();
   for (auto& [target, outgoing] : copies) {
     outgoing.back().question = question;
     run_.insert(run_.end(), outgoing.begin(), outgoing.end());
   }
   if (!question) return;
-  close_round(now);
-  asked_.reset();
+  rounds_.close(now);
+  rounds_.ask_later();
   run_asks_ = true;
 }
 
 /// All questions of a round are out.
 void Distribution::close_run(Time now) {
-  if (std::exchange(run_asks_, false)) asked_ = now;
+  if (std::exchange(run_asks_, false)) rounds_.asked(now);
 }
 
 /// What was to go to children that take nothing any more.
@@ -209,21 +212,9 @@ bool Distribution::nothing_to_come() const {
   return std::none_of(sent_.begin(), sent_.end(), [](const Sent& sent) { return sent.frames.any() && !sent.all; });
 }
 
-void Distribution::close_round(Time now) {
-  since_question_ = 0;
-  asked_ = now;
-  timing_ = true;
-  ++round_;
-}
-
 void Distribution::asked(Child& child, Time now) const {
   child.asked = now;
-  child.question_wait = round_trip_.timeout();
-}
-
-std::uint16_t Distribution::question_round() {
-  timing_ = false;  // which question is answered is not known any more (Karn)
-  return round_++;
+  child.question_wait = rounds_.patience();
 }
 
 bool Distribution::reported(const MacAddress& from, const wire::GroupReport& report, bool covers_all, Time now) {
@@ -236,9 +227,7 @@ bool Distribution::reported(const MacAddress& from, const wire::GroupReport& rep
     return false;
   }
   if (std::exchange(child.no_room_since, std::nullopt)) child.progress = now;
-  if (report.round + 1 == round_) {
-    if (timing_) round_trip_.sample(now - child.asked);
-    timing_ = false;
+  if (rounds_.answered(report.round, child.asked, now)) {
     awaits_ = false;
     child.asked = now;
     child.question_wait = kSubtreePatience;
@@ -255,7 +244,7 @@ bool Distribution::reported(const MacAddress& from, const wire::GroupReport& rep
   }
   if (report.complete && covers_all) child.done = true;
   if (child.done) prune_run(now);
-  for (std::size_t block = 0; block < sent_.size(); ++block) plan_repairs(block, overdue(now));
+  for (std::size_t block = 0; block < sent_.size(); ++block) plan_repairs(block, rounds_.overdue(now));
   return child.done;
 }
 
@@ -326,9 +315,9 @@ void Distribution::fresh_parity(std::size_t block, const std::map<MacAddress, st
 
 std::vector<MacAddress> Distribution::poll(Time now) {
   std::vector<MacAddress> to_ask;
-  if (overdue(now)) awaits_ = false;
+  if (rounds_.overdue(now)) awaits_ = false;
   if (has_frame() || !packet_.complete()) return to_ask;
-  if (overdue(now)) {
+  if (rounds_.overdue(now)) {
     for (std::size_t block = 0; block < sent_.size(); ++block) plan_repairs(block, true);
     if (!repairs_.empty()) return to_ask;
   }
@@ -356,7 +345,7 @@ std::vector<MacAddress> Distribution::stuck(Time now) const {
 }
 
 Time Distribution::next_deadline() const {
-  if (awaits_ && asked_) return *asked_ + round_trip_.timeout();
+  if (awaits_ && rounds_.due()) return *rounds_.due();
   if (has_frame() || !packet_.complete()) return Time::max();
   Time next = Time::max();
   for (const auto& [address, child] : children_) {

@@ -14,7 +14,8 @@
 
 #include "multicast/carriage.hpp"
 #include "multicast/group_packet.hpp"
-#include "transport/round_trip.hpp"
+#include "multicast/rounds.hpp"
+#include "multicast/trials.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::multicast {
@@ -28,8 +29,6 @@ class Distribution {
   static constexpr int kFramesOfMeasure = 8;
   static constexpr std::size_t kRun = 16;   ///< frames to one child, before the next child gets them
   static constexpr std::size_t kTrial = 2;  ///< the same to learn what that costs
-  static constexpr int kTrialInterval = 8;  ///< frames between two trials, at first; then twice as many, and so on
-  static constexpr int kLongestTrialInterval = 1024;
   static constexpr Time kSubtreePatience = std::chrono::milliseconds(250);  ///< between questions to a child that waits
   static constexpr Time kNoProgress = std::chrono::seconds(10);
   static constexpr Time kNoEnd = std::chrono::seconds(30);
@@ -60,7 +59,7 @@ class Distribution {
   /// The next frame; has_frame() holds.
   Outgoing next(const Carriage& carriage, Time now);
   /// The round of a question without frame; such a question follows all frames sent.
-  std::uint16_t question_round();
+  std::uint16_t question_round() { return rounds_.question(); }
 
   /// The answer of a child. True when all behind it have the packet.
   bool reported(const MacAddress& child, const wire::GroupReport& report, bool covers_all, Time now);
@@ -107,6 +106,7 @@ class Distribution {
   std::vector<MacAddress> takers(const Place& place) const;
   Way way(const Carriage& carriage, Time now) const;
   std::size_t frames_left() const;
+  bool round_is_full() const;
   bool question_due(const Carriage& carriage, Time now) const;
   void send_to_all(const Carriage& carriage, Time now);
   void send_to_each(const Carriage& carriage, std::size_t most, Time now);
@@ -115,7 +115,6 @@ class Distribution {
   bool open(std::size_t block) const;
   std::size_t window_end() const;
   bool knows(const Child& child, std::size_t block) const;
-  void close_round(Time now);
   void asked(Child& child, Time now) const;
   bool nothing_to_come() const;
   void wait_for_room(Child& child, Time now);
@@ -123,10 +122,10 @@ class Distribution {
   void repeat_frames(std::size_t block, const std::map<MacAddress, std::uint8_t>& missing);
   void fresh_parity(std::size_t block, const std::map<MacAddress, std::uint8_t>& missing);
   void plan_repair(Place place);
-  bool overdue(Time now) const { return asked_ && now >= *asked_ + round_trip_.timeout(); }
 
   const GroupPacket& packet_;
-  transport::RoundTrip& round_trip_;
+  Rounds rounds_;
+  Trials trials_;
   std::uint8_t first_parity_;
   std::map<MacAddress, Child> children_;
   std::vector<Sent> sent_;
@@ -134,13 +133,7 @@ class Distribution {
   std::deque<Outgoing> run_;    ///< decided, and on its way
   bool run_asks_ = false;       ///< the round is closed when all of them have gone
   bool measured_ = false;       ///< a question was put early, to learn what a broadcast costs
-  int trial_interval_ = kTrialInterval / 2;
-  int since_trial_ = kTrialInterval;
   bool awaits_ = false;  ///< the first answer, which tells what a broadcast costs; until it is overdue, nothing is sent
-  std::uint16_t round_ = 1;
-  int since_question_ = 0;
-  std::optional<Time> asked_;  ///< when the last round was closed
-  bool timing_ = false;        ///< the next answer to it measures the round trip
 };
 
 }  // namespace adhoc_communication::multicast
