@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Dict, Iterator, List, NamedTuple, Tuple
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-OTHER_FOLDERS = {"build", "devel", "install", "out", ".git"}
+OTHER_FOLDERS = {"build", "devel", "install", "out", ".git", ".pytest_cache"}
 
 
 class Link(NamedTuple):
