@@ -12,6 +12,7 @@ import pytest
 from live_master import LiveMaster
 
 from mr_launch.errors import UserError
+from mr_launch.exit_codes import FAILED
 from mr_launch.link import MOST_CLIENTS, Hub, link_at, main
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -117,6 +118,20 @@ def test_a_link_that_fails_loses_frames_and_goes_on(tmp_path, wire):
         settle(hub)
         assert anna.recv(99) == b"\2" * 60
     hub.close()
+
+
+def test_a_link_that_is_gone_ends_the_program_with_words(tmp_path):
+    """Its socket stayed readable, and the program turned in a circle without a word."""
+    file = tmp_path / "gone.py"
+    file.write_text(
+        "import socket\nclass Gone:\n    def __init__(self, interface):\n        self.ends = socket.socketpair()\n"
+        "        self.ends[1].close()\n    def fileno(self):\n        return self.ends[0].fileno()\n"
+        "    def send(self, frame):\n        pass\n    def receive(self):\n        raise OSError('the modem is off')\n"
+    )
+    words = [sys.executable, str(PACKAGE / "nodes" / "link"), "--link", f"{file}:Gone", "--hub", str(tmp_path / "hub")]
+    ended = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert ended.returncode == FAILED and ended.stderr == f"link: {file}:Gone is gone: the modem is off\n"
+    assert not (tmp_path / "hub").exists()
 
 
 @pytest.mark.parametrize(

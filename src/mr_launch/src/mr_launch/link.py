@@ -15,7 +15,7 @@ from typing import Callable, NoReturn, Protocol, Sequence
 
 from mr_grid.by_place import PlaceError, object_at
 from mr_launch.errors import UserError
-from mr_launch.exit_codes import BAD_CALL, OK
+from mr_launch.exit_codes import BAD_CALL, FAILED, OK
 
 LARGEST_FRAME = 4096  # octets with the Ethernet header
 MOST_CLIENTS = 8  # the node, and others that look whether somebody answers
@@ -34,7 +34,8 @@ class Link(Protocol):
         """To all that hear this robot. OSError for a frame that cannot be sent, which is lost then."""
 
     def receive(self) -> list[bytes]:
-        """Frames that have come; those of this robot itself do no harm. OSError when there is nothing to be read."""
+        """Frames that have come, or BlockingIOError when none have; those of this robot itself do no harm. Any other
+        OSError means that the link is gone: the program ends and says so."""
 
 
 def link_at(place: str, interface: str) -> Link:
@@ -78,7 +79,7 @@ class Hub:
         self._selector.register(descriptor, selectors.EVENT_READ, lambda: None)
 
     def step(self, timeout: float | None = None) -> None:
-        """Pass on what has come; waits for it up to `timeout` s."""
+        """Pass on what has come; waits for it up to `timeout` s. OSError when the link is gone."""
         for key, _ in self._selector.select(timeout):
             key.data()
 
@@ -112,7 +113,7 @@ class Hub:
                 self._link.send(message)
 
     def _hear(self) -> None:
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(BlockingIOError):
             for frame in self._link.receive():
                 for client in self._named:
                     with contextlib.suppress(OSError):
@@ -153,7 +154,12 @@ def main(arguments: Sequence[str]) -> int:
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda number, _: ends.append(number))
     hub.watch(reader)
-    while not ends:
-        hub.step()
-    hub.close()
+    try:
+        while not ends:
+            hub.step()
+    except OSError as error:
+        print(f"link: {options.link} is gone: {error}", file=sys.stderr)
+        return FAILED
+    finally:
+        hub.close()
     return OK
