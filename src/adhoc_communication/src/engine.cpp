@@ -17,6 +17,7 @@ SendId Engine::broadcast(BroadcastRequest request, Time now) {
 std::vector<Frame> Engine::poll(Time now) { return implementation_->poll(now); }
 Time Engine::next_deadline() const { return implementation_->next_deadline(); }
 std::optional<Event> Engine::next_event() { return implementation_->next_event(); }
+std::vector<Record> Engine::take_records() { return implementation_->take_records(); }
 void Engine::join_group(const std::string& group, Time now) { implementation_->join_group(group, now); }
 void Engine::leave_group(const std::string& group, Time now) { implementation_->leave_group(group, now); }
 GroupState Engine::group_state(const std::string& group) const { return implementation_->group_state(group); }

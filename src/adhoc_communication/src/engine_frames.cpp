@@ -6,6 +6,7 @@
 
 namespace adhoc_communication {
 
+using transport::HopSender;
 using wire::FrameType;
 
 namespace {
@@ -48,7 +49,9 @@ void Engine::Implementation::transmit(FrameType type, std::uint8_t flags, const 
   if (type != FrameType::kBeacon && type != FrameType::kHopAcknowledgment) rhythm_.happened(now);
   ++statistics_.frames_sent;
   ++statistics_.frames_sent_by_type[static_cast<std::size_t>(type)];
-  statistics_.bytes_sent += frame.bytes.size() + wire::kEthernetHeaderSize;
+  const std::size_t octets = frame.bytes.size() + wire::kEthernetHeaderSize;
+  statistics_.bytes_sent += octets;
+  statistics_.bytes_sent_by_type[static_cast<std::size_t>(type)] += octets;
   air_.transmitted(counter, frame.bytes.size(), next_hop, now);
   out_.push_back(std::move(frame));
 }
@@ -57,13 +60,15 @@ void Engine::Implementation::receive(const Frame& frame, Time now) {
   touch(now);
   if (frame.destination != wire::kEverybody && frame.destination != self_.address) return;
   ++statistics_.frames_received;
-  statistics_.bytes_received += frame.bytes.size() + wire::kEthernetHeaderSize;
+  const std::size_t octets = frame.bytes.size() + wire::kEthernetHeaderSize;
+  statistics_.bytes_received += octets;
   const std::optional<security::OpenedFrame> opened = guard_.open(frame, now);
   if (!opened) return;
   const wire::FrameHeader& header = opened->header;
   const wire::BootTag boot = wire::boot_tag(header.boot_id);
   if (lost_artificially(header.type)) return;
   ++statistics_.frames_received_by_type[static_cast<std::size_t>(header.type)];
+  statistics_.bytes_received_by_type[static_cast<std::size_t>(header.type)] += octets;
   if (!guard_.proven(header) && !proves_itself(*opened, now)) return;
   if (!lives(*opened, now)) return;
   if (!hear(header, now)) return;
@@ -72,7 +77,10 @@ void Engine::Implementation::receive(const Frame& frame, Time now) {
     Link& from = link(header.sender);
     if (!from.receiver || from.receiver->boot() != boot) from.receiver.emplace(boot);
     const bool at_once = (header.flags & wire::kAcknowledgeNow) != 0;
-    if (!from.receiver->take(header.link_sequence, header.counter, at_once, now)) return;
+    if (!from.receiver->take(header.link_sequence, header.counter, at_once, now)) {
+      ++statistics_.frames_received_again;
+      return;
+    }
   }
   dispatch(header, opened->body, now);
   forget_evicted(now);
@@ -161,10 +169,15 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
         neighbors_.acknowledged(from, now);
         air_.acknowledged(acknowledgment.newest_counter, Time(acknowledgment.spacing_ns),
                           now - Time(acknowledgment.held_ns));
-        link(from).sender.acknowledged(acknowledgment, now);
+        std::vector<HopSender::Passed> passed;
+        link(from).sender.acknowledged(acknowledgment, now, journal_.kept() ? &passed : nullptr);
+        record_passed(from, std::move(passed), now);
       });
     case FrameType::kData:
-      return with(wire::read_data(body), [&](auto data) { on_data(from, std::move(data), now); });
+      return with(wire::read_data(body), [&](auto data) {
+        ++statistics_.unicast_data.received;
+        on_data(from, std::move(data), now);
+      });
     case FrameType::kTransportAcknowledgment:
       return with(wire::read_transport_acknowledgment(body),
                   [&](auto acknowledgment) { on_transport_acknowledgment(from, std::move(acknowledgment), now); });
@@ -180,8 +193,9 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
     case FrameType::kGroupRefusal:
       return with(wire::read_group_refusal(body), [&](auto refusal) { distributor_.on_refusal(from, refusal, now); });
     case FrameType::kGroupData:
-      return with(wire::read_group_data(body),
-                  [&](auto data) { distributor_.on_data(from, header.counter, data, now); });
+      return with(wire::read_group_data(body), [&](auto data) {
+        if (distributor_.on_data(from, header.counter, data, now)) ++statistics_.group_data.received;
+      });
     case FrameType::kGroupReport:
       return with(wire::read_group_report(body), [&](auto report) { distributor_.on_report(from, report, now); });
   }

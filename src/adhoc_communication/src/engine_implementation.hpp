@@ -12,6 +12,7 @@
 
 #include "adhoc_communication/engine.hpp"
 #include "api/event_queue.hpp"
+#include "api/journal.hpp"
 #include "busy_map.hpp"
 #include "identity.hpp"
 #include "multicast/distributor.hpp"
@@ -55,6 +56,7 @@ class Engine::Implementation : private Outbox {
   std::vector<Frame> poll(Time now);
   Time next_deadline() const;
   std::optional<Event> next_event() { return events_.next(); }
+  std::vector<Record> take_records();
   void join_group(const std::string& group, Time now);
   void leave_group(const std::string& group, Time now);
   GroupState group_state(const std::string& group) const;
@@ -139,6 +141,11 @@ class Engine::Implementation : private Outbox {
   void maintain(Time now);
   void announce_changes(Time now);
 
+  // engine_records.cpp: what hosts may write down.
+  void count_data(DataFrames& frames, bool passed_on, bool again);
+  void record_passed(const MacAddress& neighbor, std::vector<transport::HopSender::Passed> passed, Time now);
+  void record_segments(const StreamKey& key, Stream& stream, Time now);
+
   // engine_restart.cpp
   void end(const std::string& reason, Time now);
 
@@ -205,7 +212,7 @@ class Engine::Implementation : private Outbox {
   void expire_sends(Time now);
   void cancel(SendId id, Time now);
   std::string cancel_group_send(SendId id, Time now);
-  void drop_from_stream(SendId id, const Sending& sending);
+  void drop_from_stream(SendId id, const Sending& sending, Time now);
 
   // engine_groups.cpp: membership.
   bool takes_part(const MacAddress& root) const;
@@ -231,6 +238,7 @@ class Engine::Implementation : private Outbox {
   EngineOptions options_;
   Identity self_;
   Statistics statistics_;
+  Journal journal_;
   security::FrameGuard guard_;
   Random random_;
   presence::BeaconRhythm rhythm_;

@@ -1,4 +1,6 @@
 // What hosts may look at, for status, diagnostics and tests. Nothing here changes the engine.
+#include <algorithm>
+
 #include "engine_implementation.hpp"
 #include "texts.hpp"
 
@@ -39,7 +41,16 @@ std::vector<TreeState> Engine::Implementation::trees() const {
   return result;
 }
 
-QueueState Engine::Implementation::queues() const { return {host_sends_, octets_waiting_, events_.size()}; }
+QueueState Engine::Implementation::queues() const {
+  const auto to_groups = std::count_if(sendings_.begin(), sendings_.end(), [](const auto& item) {
+    return item.second.purpose == Purpose::kHost && multicast::root_of(item.second.destination);
+  });
+  const transport::Reassembly::Fill fill = reassembly_.fill();
+  return {host_sends_,         static_cast<std::size_t>(to_groups),
+          octets_waiting_,     events_.size(),
+          fill.streams,        fill.groups,
+          fill.complete_groups};
+}
 
 std::vector<std::string> Engine::Implementation::groups() const {
   std::vector<std::string> result{multicast::group_of(self_.name)};

@@ -122,6 +122,7 @@ bool Engine::Implementation::pump_groups(const MacAddress& previous_hop, std::ui
   last_group_counter_ = next_counter_++;
   const bool same = std::exchange(last_group_destination_, frame->destination) == frame->destination;
   group_pair_ = same ? (group_pair_ + 1) % (air_.calibrated(frame->destination) ? kPairInterval : 2) : 1;
+  count_data(statistics_.group_data, previous_hop != MacAddress{}, frame->again);
   transmit(FrameType::kGroupData, 0, frame->destination, 0, last_group_counter_, frame->body, now);
   return true;
 }
@@ -138,12 +139,13 @@ bool Engine::Implementation::pump_stream(const StreamKey& key, Stream& stream, T
   Link& hop = link(*stream.next_hop);
   if (!hop.sender.may_start() || !air_allows(*stream.next_hop, hop, now)) return false;
   last_stream_served_ = key;
+  const bool again = stream.sender.repeats();
   wire::Data data = stream.sender.next_segment(now);
   data.source = self_.address;
   data.source_boot = self_.boot;
   data.destination = *stream.address;
   router_.used(self_.address, data.destination, self_.address, now);
-  transport::HopFrame frame{FrameType::kData, to_bytes(data), key.second};
+  transport::HopFrame frame{FrameType::kData, to_bytes(data), key.second, {}, again};
   if (options_.num_link_retrans == 0) {
     send_unacknowledged(*stream.next_hop, frame, now);
     return true;
@@ -170,12 +172,16 @@ void Engine::Implementation::send_on(const MacAddress& neighbor, Link& link, con
   const bool calibrated = air_.calibrated(neighbor);
   link.pair = (link.pair + 1) % (calibrated ? kPairInterval : 2);
   if (!calibrated || link.sender.pressing() || link.pair == 1) flags |= wire::kAcknowledgeNow;
+  if (outgoing.type == FrameType::kData) count_data(statistics_.unicast_data, outgoing.passed_on, outgoing.again);
   transmit(outgoing.type, flags, neighbor, outgoing.link_sequence, counter, *outgoing.body, now);
 }
 
 /// With the repetition on each hop switched off, frames carry no link sequence and nobody acknowledges them.
 void Engine::Implementation::send_unacknowledged(const MacAddress& neighbor, const transport::HopFrame& frame,
                                                  Time now) {
+  if (frame.type == FrameType::kData) {
+    count_data(statistics_.unicast_data, frame.previous_hop != MacAddress{}, frame.again);
+  }
   transmit(frame.type, 0, neighbor, 0, next_counter_++, frame.body, now);
 }
 

@@ -13,6 +13,7 @@ EngineOptions Engine::Implementation::options() const {
 void Engine::Implementation::succeed(Implementation& former, Time now) {
   former.end("the interface has changed", now);
   events_ = std::move(former.events_);
+  journal_ = std::move(former.journal_);
   statistics_ = former.statistics_;
   next_send_id_ = former.next_send_id_;
   memberships_.succeed(former.memberships_);

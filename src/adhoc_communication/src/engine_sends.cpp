@@ -121,7 +121,7 @@ void Engine::Implementation::add_to_stream(SendId id, const std::string& destina
   // Send ids only grow, so a stream that was dropped while idle never uses a packet number twice.
   const auto first_number = static_cast<std::uint32_t>(id);
   Stream& stream = streams_.use(key, [&] {
-    return Stream{transport::StreamSender(key.second, first_number, window), {}, {}};
+    return Stream{transport::StreamSender(key.second, first_number, window, journal_.kept()), {}, {}};
   });
   stream.sender.add(id, std::move(image), static_cast<std::uint16_t>(segment_size_), now);
 }

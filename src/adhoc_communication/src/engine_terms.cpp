@@ -65,14 +65,14 @@ void Engine::Implementation::cancel(SendId id, Time now) {
   } else if (multicast::root_of(sending.destination)) {
     missed = cancel_group_send(id, now);
   } else {
-    drop_from_stream(id, sending);
+    drop_from_stream(id, sending, now);
   }
   finish(id, false, "not delivered" + missed + " within its lifetime of " + lifetime_text(sending.lifetime), now);
 }
 
-void Engine::Implementation::drop_from_stream(SendId id, const Sending& sending) {
+void Engine::Implementation::drop_from_stream(SendId id, const Sending& sending, Time now) {
   Stream* stream = streams_.find({sending.destination, static_cast<std::uint8_t>(sending.priority)});
-  if (stream != nullptr) stream->sender.drop(id);
+  if (stream != nullptr) stream->sender.drop(id, now);
 }
 
 /// Tells which members it has not reached.
@@ -87,7 +87,7 @@ std::string Engine::Implementation::cancel_group_send(SendId id, Time now) {
   }
   for (const auto& [part, sending] : parts) {
     missed.push_back(sending.destination);
-    drop_from_stream(part, sending);
+    drop_from_stream(part, sending, now);
     finish(part, false, {}, now);
   }
   std::string text;

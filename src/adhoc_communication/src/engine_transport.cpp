@@ -164,6 +164,7 @@ void Engine::Implementation::acknowledge_streams(Time now) {
 void Engine::Implementation::serve_streams(Time now) {
   for (const auto& [key, stream] : streams_.busy()) {
     if (!stream->sender.idle()) serve_stream(key, *stream, now);
+    record_segments(key, *stream, now);
   }
   streams_.settle([](Stream& stream) {
     if (stream.sender.idle()) stream.next_hop.reset();
@@ -210,7 +211,8 @@ void Engine::Implementation::fail_unreachable(Time now) {
     for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
       Stream* stream = streams_.find({name, priority});
       if (stream == nullptr) continue;
-      for (const SendId id : stream->sender.abandon()) finish(id, false, reason, now);
+      for (const SendId id : stream->sender.abandon(now)) finish(id, false, reason, now);
+      record_segments({name, priority}, *stream, now);
     }
   }
 }

@@ -4,6 +4,7 @@
 import contextlib
 import io
 import os
+import re
 import subprocess
 import threading
 import time
@@ -294,8 +295,14 @@ class Delivery(unittest.TestCase):
         call("alice", "send_string", dst_robot="bob", topic="logged", data="12345")
         log = Path(rospy.get_param("~log_path")) / "adhoc_communication" / "alice" / "services.csv"
         lines = log.read_text().splitlines()
-        self.assertEqual(lines[0], "#time, service, time_call, time_res, data_size, return")
-        self.assertTrue(any(line.split(", ")[1] == "send_string" and line.endswith(", 5, 1") for line in lines[1:]))
+        self.assertEqual(lines[0], "#time,service,time_call,time_res,data_size,return")
+        self.assertTrue(any(line.split(",")[1] == "send_string" and line.endswith(",5,1") for line in lines[1:]))
+
+    def test_logs_are_those_of_the_table_with_its_columns(self):
+        call("alice", "send_string", dst_robot="bob", topic="logged", data="12345")
+        logs = Path(rospy.get_param("~log_path")) / "adhoc_communication" / "alice"
+        written = {log.name: log.read_text().split("\n", 1)[0].lstrip("#").split(",") for log in logs.glob("*.csv")}
+        self.assertEqual(written, documented_logs())
 
 
 class Failures(unittest.TestCase):
@@ -399,6 +406,12 @@ class Documentation(unittest.TestCase):
         words = [line.split() for line in listed if line.startswith("  --")]
         defaults = {option: default for option, default, *_ in words if not default.isupper()}
         self.assertEqual(table_of_radio_options(), {**defaults, "--walls": "none"})
+
+
+def documented_logs():
+    """File -> columns of the table of docs/logs.md."""
+    rows = re.findall(r"^\| `(\w+\.csv)` \| [^|]* \| ([^|]*) \|", (PACKAGE / "docs" / "logs.md").read_text(), re.M)
+    return {name: re.findall(r"`(\w+)`", columns) for name, columns in rows}
 
 
 def table_of_parameters():

@@ -151,22 +151,29 @@ class WithFullDisk(unittest.TestCase):  # the last by name, because it adds a ro
         folder = Path(rospy.get_param("~folder") + "_full")
         logs = folder / "adhoc_communication" / "dora"
         logs.mkdir(parents=True)
-        for name in ("services", "routing_table", "packet_memory_consumption"):
+        for name in ("services", "routing_table", "packet_memory_consumption", "transport_frames"):
             (logs / f"{name}.csv").symlink_to("/dev/full")
         capture = folder / "dora.pcap"
         capture.symlink_to("/dev/full")
         hub = rospy.get_param("/alice/adhoc_communication/interface")
         parameters = {"robot_name": "dora", "interface": hub, "log_path": folder, "capture_file": capture}
         command = ["rosrun", "adhoc_communication", "adhoc_communication", "__ns:=/dora", "__name:=adhoc_communication"]
-        node = subprocess.Popen(command + [f"_{name}:={value}" for name, value in parameters.items()])
+        command += [f"_{name}:={value}" for name, value in parameters.items()]
+        words = folder / "words"
+        with words.open("w") as file:
+            node = subprocess.Popen(command, stderr=file)
         try:
             wait_for_state("dora", lambda state: len(state.links) == 2)
             self.assertEqual(send("dora", "alice").status, 1)
+            lost = wait_for_state("dora", lambda state: state.log_rows_lost > 0).log_rows_lost
+            self.assertEqual(send("dora", "alice").status, 1)
+            wait_for_state("dora", lambda state: state.log_rows_lost > lost)
             state = wait_for_state("dora", lambda state: state.log_rows_lost > 0 and state.frames_not_captured > 0)
             self.assertGreater(state.frames_not_captured, 10)
             parts = diagnostics("dora", lambda parts: parts["files"].level == DiagnosticStatus.WARN)
             self.assertIn("disk", parts["files"].message)
             self.assertIsNone(node.poll())
+            self.assertEqual(words.read_text().count("Rows of the logs"), 1)
         finally:
             node.terminate()
             node.wait(timeout=20)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adhoc_communication/options.hpp"
+#include "adhoc_communication/records.hpp"
 #include "adhoc_communication/types.hpp"
 
 namespace adhoc_communication {
@@ -37,6 +38,9 @@ class Engine {
   Time next_deadline() const;
 
   std::optional<Event> next_event();
+
+  /// What has happened since the last call, if the options ask for it; to be taken after each poll().
+  std::vector<Record> take_records();
 
   void join_group(const std::string& group, Time now);
   void leave_group(const std::string& group, Time now);

@@ -30,6 +30,7 @@ struct EngineOptions {
   double loss_ratio = 0.0;                ///< artificial loss of received data and acknowledgment frames, 0..1
   bool join_groups_automatically = true;  ///< join mc_<robot> on learning of the robot
   std::vector<TeamKey> keys;              ///< the first seals, all of them open; none: frames are open
+  bool keep_records = false;              ///< of single frames and searches, see records.hpp
 };
 
 /// Throws std::invalid_argument with one sentence that names the option, its value and the allowed range.

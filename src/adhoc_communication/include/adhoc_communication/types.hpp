@@ -186,17 +186,38 @@ struct LinkState {
 
 /// What waits inside the engine.
 struct QueueState {
-  std::size_t packets = 0;  ///< of the host, not finished yet
-  std::size_t octets = 0;   ///< of these packets
-  std::size_t events = 0;   ///< not fetched by the host yet
+  std::size_t packets = 0;        ///< of the host, not finished yet
+  std::size_t group_packets = 0;  ///< those of them that go to a group
+  std::size_t octets = 0;         ///< of all these packets
+  std::size_t events = 0;         ///< not fetched by the host yet
+  // Octets of packets that are being put together.
+  std::size_t stream_octets = 0;          ///< sent to this robot
+  std::size_t group_octets = 0;           ///< on the trees of groups
+  std::size_t complete_group_octets = 0;  ///< complete here, but not yet behind this robot
+};
+
+/// Frames that carry packets.
+struct DataFrames {
+  std::uint64_t sent = 0;             ///< own ones, for the first time
+  std::uint64_t passed_on = 0;        ///< of others, for the first time
+  std::uint64_t sent_again = 0;       ///< own ones repeated, on the first hop or from end to end
+  std::uint64_t passed_on_again = 0;  ///< of others, repeated on this hop
+  std::uint64_t received = 0;         ///< for the first time
 };
 
 struct Statistics {
   /// By frame type, see docs/protocol.md; index 0 is not used.
   static constexpr std::size_t kFrameTypes = 15;
+  using ByType = std::array<std::uint64_t, kFrameTypes>;
 
-  std::array<std::uint64_t, kFrameTypes> frames_sent_by_type{};
-  std::array<std::uint64_t, kFrameTypes> frames_received_by_type{};  ///< without those dropped
+  ByType frames_sent_by_type{};
+  ByType frames_received_by_type{};  ///< without those dropped
+  ByType bytes_sent_by_type{};       ///< with Ethernet headers, as all octets here
+  ByType bytes_received_by_type{};
+  DataFrames unicast_data;
+  DataFrames group_data;
+  std::uint64_t frames_received_again = 0;  ///< that a hop has repeated although they had arrived
+  std::uint64_t records_lost = 0;           ///< that the host did not take in time
   std::uint64_t frames_sent = 0;
   std::uint64_t bytes_sent = 0;
   std::uint64_t frames_received = 0;

@@ -154,10 +154,11 @@ bool Distribution::question_due(const Carriage& carriage, Time now) const {
 }
 
 void Distribution::send_to_all(const Carriage& carriage, Time now) {
+  const bool again = !repairs_.empty();
   const Place place = next_symbol();
   take_symbol(place);
   for (auto& [address, child] : children_) child.sent_in[place.block] = rounds_.number();
-  Outgoing outgoing{place.block, place.symbol, question_due(carriage, now), rounds_.number(), std::nullopt};
+  Outgoing outgoing{place.block, place.symbol, question_due(carriage, now), rounds_.number(), std::nullopt, again};
   if (outgoing.question) {
     const bool early = rounds_.frames() < kFramesPerQuestion && has_symbol();
     awaits_ = early && !measured_ && !carriage.has_measured_broadcasts();
@@ -173,11 +174,12 @@ void Distribution::send_to_each(const Carriage& carriage, std::size_t most, Time
   std::map<MacAddress, std::vector<Outgoing>> copies;
   for (std::size_t count = 0; count < most && has_symbol(); ++count) {
     if (most == kRun && way(carriage, now) != Way::kUnicasts) break;
+    const bool again = !repairs_.empty();
     const Place place = next_symbol();
     take_symbol(place);
     for (const MacAddress& target : takers(place)) {
       children_.at(target).sent_in[place.block] = rounds_.number();
-      copies[target].push_back({place.block, place.symbol, false, rounds_.number(), target});
+      copies[target].push_back({place.block, place.symbol, false, rounds_.number(), target, again});
     }
   }
   const bool question = most == kTrial || round_is_full();

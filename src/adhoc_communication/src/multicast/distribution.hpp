@@ -54,6 +54,7 @@ class Distribution {
     bool question;
     std::uint16_t round;
     std::optional<MacAddress> child;  ///< nothing: it is for all of them
+    bool again;                       ///< a repair
   };
   bool has_frame() const { return !run_.empty() || has_symbol(); }
   /// The next frame; has_frame() holds.

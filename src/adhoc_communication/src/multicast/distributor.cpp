@@ -68,9 +68,9 @@ void Distributor::on_refusal(const MacAddress& from, const wire::GroupRefusal& r
   settle(now);
 }
 
-void Distributor::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Time now) {
-  if (branches_.is_root(data.root)) return;
-  sink_.on_data(from, counter, data, branches_.find(data.root, data.root_boot), now);
+bool Distributor::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Time now) {
+  if (branches_.is_root(data.root)) return false;
+  return sink_.on_data(from, counter, data, branches_.find(data.root, data.root_boot), now);
 }
 
 void Distributor::on_report(const MacAddress& from, const wire::GroupReport& report, Time now) {

@@ -39,7 +39,8 @@ class Distributor {
   // At every robot.
   void on_activation(const MacAddress& from, const wire::GroupActivation& activation, bool takes_part, Time now);
   void on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal, Time now);
-  void on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Time now);
+  /// True when the frame was of use.
+  bool on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Time now);
   void on_report(const MacAddress& from, const wire::GroupReport& report, Time now);
   void evicted(const transport::Reassembly::Key& key);
   void take_copy(const MacAddress& root, wire::BootTag boot, std::uint8_t stream, std::uint32_t number,

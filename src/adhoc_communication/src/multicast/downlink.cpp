@@ -77,7 +77,7 @@ GroupFrame Downlink::frame(const Place& place, std::uint32_t base, const std::op
   data.block = static_cast<std::uint16_t>(outgoing.block);
   data.symbol = static_cast<std::uint8_t>(outgoing.symbol);
   data.octets = place.transfer.packet->symbol(outgoing.block, outgoing.symbol);
-  return {destination, to_bytes(data)};
+  return {destination, to_bytes(data), outgoing.again};
 }
 
 }  // namespace adhoc_communication::multicast

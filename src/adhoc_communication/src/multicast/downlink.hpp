@@ -14,6 +14,7 @@ namespace adhoc_communication::multicast {
 struct GroupFrame {
   MacAddress destination{};
   Bytes body;
+  bool again = false;  ///< it replaces frames that were lost
 };
 
 class Downlink {

@@ -10,12 +10,12 @@ void Sink::evicted(Branch& branch, const transport::Reassembly::Key& key) {
   branch.streams[key.carrier - transport::Reassembly::kGroup].transfers.erase(key.packet);
 }
 
-void Sink::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Branch* branch,
+bool Sink::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Branch* branch,
                    Time now) {
   const bool question = data.octets.empty();
   if (branch == nullptr || !branch->tree.upstream || (question && branch->tree.upstream != from)) {
     if (question) disown(from, data);
-    return;
+    return false;
   }
   branch->tree.last_used = now;
   const bool from_upstream = branch->tree.upstream == from;
@@ -24,16 +24,21 @@ void Sink::on_data(const MacAddress& from, std::uint64_t counter, const wire::Gr
     pass_over(data.root, branch->streams[data.stream], data.base);
   }
   Transfer* transfer = transfer_for(*branch, data, now);
-  if (transfer == nullptr) return;
+  if (transfer == nullptr) return false;
   transfer->last_news = now;
-  if (!question && transfer->packet->take(data.block, data.symbol, data.octets)) {
+  const bool of_use = !question && transfer->packet->take(data.block, data.symbol, data.octets);
+  if (of_use) {
     made_progress(*transfer, data.octets.size(), now);
     deliver(data.root, branch->streams[data.stream]);
   }
-  if (!from_upstream || !data.report) return;
+  if (!from_upstream || !data.report) return of_use;
   transfer->round = std::max(transfer->round, data.round);
-  if (question) return report({data.root, *branch, data.stream, data.packet, *transfer}, true);
-  transfer->report_due = now + random_.delay(kReportJitter);
+  if (question) {
+    report({data.root, *branch, data.stream, data.packet, *transfer}, true);
+  } else {
+    transfer->report_due = now + random_.delay(kReportJitter);
+  }
+  return of_use;
 }
 
 /// The rhythm of frames that follow one another without a gap tells how fast the air is.

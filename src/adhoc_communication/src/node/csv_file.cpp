@@ -5,14 +5,16 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
 
 namespace adhoc_communication {
 
-CsvFile::CsvFile(const std::string& log_path, const std::string& robot, const std::string& name, std::string header)
-    : header_(std::move(header)) {
+CsvFile::CsvFile(const std::string& log_path, const std::string& robot, const std::string& name, std::string header,
+                 std::int64_t most_octets)
+    : header_(std::move(header)), most_octets_(most_octets) {
   if (log_path.empty()) return;
   const auto folder = std::filesystem::path(log_path) / "adhoc_communication" / robot;
   path_ = folder / name;
@@ -26,6 +28,10 @@ CsvFile::CsvFile(const std::string& log_path, const std::string& robot, const st
 void CsvFile::add(const std::string& row) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (path_.empty()) return;
+  if (file_.is_open() && size_ + static_cast<std::int64_t>(row.size()) + 1 > most_octets_) {
+    file_.reset();
+    std::rename(path_.c_str(), (path_ + ".old").c_str());
+  }
   const bool written = (file_.is_open() || begin_file()) && append(row + "\n");
   if (!written) ++rows_lost_;
 }

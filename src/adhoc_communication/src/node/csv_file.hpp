@@ -9,13 +9,16 @@
 
 namespace adhoc_communication {
 
-/// A row that the disk does not take is lost as a whole and counted; the next one is tried again. Callable from any
-/// thread.
+/// A row that the disk does not take is lost as a whole and counted; the next one is tried again. A file that is full
+/// is renamed to <name>.old, in place of the one before. Callable from any thread.
 class CsvFile {
  public:
+  static constexpr std::int64_t kMostOctets = 50'000'000;
+
   /// Writes to <log_path>/adhoc_communication/<robot>/<name>; an empty log_path means no log. Throws
   /// std::invalid_argument when the file cannot be made for another reason than a full disk.
-  CsvFile(const std::string& log_path, const std::string& robot, const std::string& name, std::string header);
+  CsvFile(const std::string& log_path, const std::string& robot, const std::string& name, std::string header,
+          std::int64_t most_octets = kMostOctets);
 
   /// Without the end of the line.
   void add(const std::string& row);
@@ -27,6 +30,7 @@ class CsvFile {
 
   std::string path_;
   std::string header_;
+  std::int64_t most_octets_;
   mutable std::mutex mutex_;
   FileDescriptor file_;
   std::int64_t size_ = 0;

@@ -78,6 +78,7 @@ void EngineHost::work() {
     run_commands(engine_time_);
     transmit(engine_time_);
     report_events();
+    report_records();
     tend_link(engine_time_);
     const std::lock_guard<std::mutex> lock(mutex_);
     if (stopping_) break;
@@ -128,6 +129,11 @@ void EngineHost::report_events() {
     callbacks_.on_warning("frames from " + to_text(*address) +
                           " are dropped: the channel model cannot tell which robot that is; name it in sim_robot_macs");
   }
+}
+
+void EngineHost::report_records() {
+  std::vector<Record> records = engine_.take_records();
+  if (!records.empty() && callbacks_.on_records) callbacks_.on_records(std::move(records), engine_time_);
 }
 
 void EngineHost::report(PacketReceived& packet) { callbacks_.on_packet(std::move(packet)); }

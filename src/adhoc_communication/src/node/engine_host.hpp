@@ -36,6 +36,7 @@ struct HostCallbacks {
   std::function<void(const std::string& text)> on_warning;
   std::function<void(const std::string& text)> on_failure{};      ///< the host is of no use any more
   std::function<void(const std::string& robot)> on_name_taken{};  ///< by two robots
+  std::function<void(std::vector<Record> records, Time now)> on_records{};
 };
 
 /// Is told once how something ended, by the thread of the engine unless the host has stopped; returns at once.
@@ -95,6 +96,7 @@ class EngineHost {
   void run_commands(Time now);
   void transmit(Time now);
   void report_events();
+  void report_records();
   void tend_link(Time now);
   void restart_engine(Time now);
   void report(PacketReceived& packet);

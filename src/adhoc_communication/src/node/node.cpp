@@ -54,7 +54,9 @@ Node::Node(const NodeOptions& options)
       name_prefix_(options.simulation_mode ? "/" + options.engine.robot_name + "/" : ""),
       service_prefix_(name_prefix_ + "adhoc_communication/"),
       log_(options.log_path, options.engine.robot_name),
-      network_logs_(options.log_path, options.engine.robot_name) {
+      network_logs_(options.log_path, options.engine.robot_name),
+      record_log_(options.log_path, options.engine.robot_name) {
+  options_.engine.keep_records = record_log_.wanted();
   if (!options_.key_file.empty()) key_file_.emplace(options_.key_file);  // before reading: no change goes unnoticed
   read_keys_for(options_);
   auto link = captured(open_link_for(options_));
@@ -117,7 +119,8 @@ HostCallbacks Node::callbacks() {
           end_node,
           [](const std::string& robot) {
             ROS_ERROR("Two robots are called %s: give each its own ~robot_name", robot.c_str());
-          }};
+          },
+          [this](std::vector<Record> records, Time now) { record_log_.add(std::move(records), now); }};
 }
 
 InboxCalls Node::inbox_calls() {
@@ -165,7 +168,8 @@ NodeState Node::state(const Snapshot& snapshot) const {
   state.sealed = key_file_.has_value();
   state.relays = relay_->reports();
   state.injector = injector_->report();
-  state.log_rows_lost = log_.rows_lost() + network_logs_.rows_lost();
+  state.log_rows_lost =
+      log_.rows_lost() + network_logs_.rows_lost() + record_log_.rows_lost() + snapshot.statistics.records_lost;
   if (capture_) state.frames_not_captured = capture_->frames_lost();
   return state;
 }
@@ -177,9 +181,17 @@ void Node::tell_state(const ros::WallTimerEvent&) {
   status_publisher_.publish(status_message(snapshot, own));
   network_state_publisher_.publish(network);
   diagnostics_publisher_.publish(diagnostics_.report(network));
-  network_logs_.add(network, unix_milliseconds());
+  network_logs_.add(snapshot, unix_milliseconds());
+  tell_rows_lost(own.log_rows_lost);
   const auto group = snapshot.groups.find("mc_" + options_.engine.robot_name);
   if (group != snapshot.groups.end()) relay_->group_members(group->second.members);
+}
+
+/// Once: what is lost after that is counted.
+void Node::tell_rows_lost(std::uint64_t rows) {
+  if (rows == 0 || std::exchange(disk_full_told_, true)) return;
+  ROS_WARN("Rows of the logs in ~log_path = %s are lost: is the disk full? All else goes on; /diagnostics counts them",
+           options_.log_path.c_str());
 }
 
 void Node::shut_down() {

@@ -21,6 +21,7 @@
 #include "node/network_logs.hpp"
 #include "node/network_state.hpp"
 #include "node/options.hpp"
+#include "node/record_log.hpp"
 #include "node/service_log.hpp"
 #include "node/services.hpp"
 #include "node/topic_relay.hpp"
@@ -40,6 +41,7 @@ class Node {
   void carry_relays();
   void tell_state(const ros::WallTimerEvent&);
   NodeState state(const Snapshot& snapshot) const;
+  void tell_rows_lost(std::uint64_t rows);
   void shut_down();
   TopicFilter topic_filter() const;
   InboxCalls inbox_calls();
@@ -52,6 +54,8 @@ class Node {
   PositionTable positions_;
   ServiceLog log_;
   NetworkLogs network_logs_;
+  RecordLog record_log_;
+  bool disk_full_told_ = false;
   Diagnostics diagnostics_;
   std::shared_ptr<CaptureFile> capture_;
   std::unique_ptr<Injector> injector_;

@@ -49,6 +49,11 @@ class RequestFlood {
   void poll(const Neighbors& neighbors, Time now);
   Time next_deadline() const;
   std::size_t remembered() const { return seen_.size(); }
+  /// Neighbours that the request was heard from.
+  int copies(const wire::RouteRequest& request) const {
+    const auto seen = seen_.find(key(request));
+    return seen == seen_.end() ? 0 : static_cast<int>(seen->second.holders.size());
+  }
 
  private:
   using Key = std::tuple<MacAddress, wire::BootTag, std::uint32_t>;  ///< originator, its run, which counts from 0, id

@@ -43,6 +43,7 @@ std::vector<RouteDiscovery::Step> RouteDiscovery::poll(Time now) {
       ++iterator;
     } else if (!advance(search, now)) {
       failures_.push_back({search.target, now - search.started, search.repair});
+      end(search);
       iterator = searches_.erase(iterator);
     } else {
       if (search.due > now) {
@@ -54,6 +55,20 @@ std::vector<RouteDiscovery::Step> RouteDiscovery::poll(Time now) {
     }
   }
   return steps;
+}
+
+void RouteDiscovery::requested(const Target& target, std::uint32_t id) {
+  const auto found = searches_.find(key(target));
+  if (found == searches_.end()) return;
+  ++found->second.requests;
+  found->second.last_request = id;
+}
+
+/// The destination may have been asked for by its address or by its name.
+void RouteDiscovery::replied(const Target& target) {
+  for (const Key& asked : {Key{target.address, {}}, Key{{}, target.name}}) {
+    if (const auto found = searches_.find(asked); found != searches_.end()) ++found->second.replies;
+  }
 }
 
 /// Takes the next try if the rate limit lets it, and sets when to look again. False when all tries are used up.

@@ -36,6 +36,15 @@ class RouteDiscovery {
     bool repair;
   };
 
+  /// A search that has succeeded or failed.
+  struct Ended {
+    Target target;
+    Time began{0};
+    int requests = 0;
+    int replies = 0;
+    std::uint32_t last_request = 0;  ///< its id
+  };
+
   explicit RouteDiscovery(const EngineOptions& options);
 
   /// Starts a search unless one is running. `last_hops`: length of the route that was lost, 0 if there was none.
@@ -48,6 +57,10 @@ class RouteDiscovery {
   /// The requests due now; failures are kept for take_failures().
   std::vector<Step> poll(Time now);
   std::vector<DiscoveryFailure> take_failures() { return std::exchange(failures_, {}); }
+  /// What became of a step, for the account of its search.
+  void requested(const Target& target, std::uint32_t id);
+  void replied(const Target& target);
+  std::vector<Ended> take_ended() { return std::exchange(ended_, {}); }
   Time next_deadline() const;
   std::size_t searches() const { return searches_.size(); }
   bool searching(const Target& target) const { return searches_.count(key(target)) != 0; }
@@ -60,10 +73,16 @@ class RouteDiscovery {
     int hop_limit = 0;
     int tries = 0;  ///< at this hop limit
     bool repair = false;
+    int requests = 0;
+    int replies = 0;
+    std::uint32_t last_request = 0;
   };
   using Key = std::pair<MacAddress, std::string>;
 
   static Key key(const Target& target);
+  void end(const Search& search) {
+    ended_.push_back({search.target, search.started, search.requests, search.replies, search.last_request});
+  }
   bool advance(Search& search, Time now);
   int next_ring(int hop_limit) const;
   bool is_last_ring(int hop_limit) const { return hop_limit >= last_ring_; }
@@ -76,12 +95,15 @@ class RouteDiscovery {
   RateLimit rate_limit_;
   std::map<Key, Search> searches_;
   std::vector<DiscoveryFailure> failures_;
+  std::vector<Ended> ended_;
 };
 
 template <typename Predicate>
 void RouteDiscovery::finish_if(Predicate found) {
   for (auto iterator = searches_.begin(); iterator != searches_.end();) {
-    iterator = found(iterator->second.target) ? searches_.erase(iterator) : std::next(iterator);
+    const bool ends = found(iterator->second.target);
+    if (ends) end(iterator->second);
+    iterator = ends ? searches_.erase(iterator) : std::next(iterator);
   }
 }
 

@@ -22,6 +22,7 @@ void Router::on_reply(const MacAddress& from, wire::RouteReply reply, Time now) 
   if (!runs_.told(reply.destination, reply.destination_boot, now)) return;
   ++reply.hop_count;
   reply.cost = sum(reply.cost, neighbors_.cost(from));
+  if (reply.originator == self_.address) discovery_.replied({reply.destination, reply.destination_name});
   if (reply.originator == self_.address && better_one_known(reply, now)) return;
   const Time life = std::chrono::milliseconds(std::min(reply.lifetime_ms, kLongestLifetime_ms));
   const bool updated = routes_.update({reply.destination, reply.destination_boot, reply.destination_sequence,

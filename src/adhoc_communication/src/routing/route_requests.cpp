@@ -23,6 +23,7 @@ void Router::send_request(const RouteDiscovery::Step& step, Time now) {
   request.originator_sequence = ++own_sequence_;  // section 6.1: immediately before a discovery
   request.originator_boot = self_.boot;
   request.originator_name = self_.name;
+  discovery_.requested(step.target, request.id);
   flood_.originate(request, self_.address, now);
 }
 
@@ -40,6 +41,7 @@ void Router::on_request(const MacAddress& from, wire::RouteRequest request, Time
   const bool better = routes_.update({request.originator, request.originator_boot, request.originator_sequence,
                                       request.hop_count, request.cost, from, now + reverse_life});
   // A later copy counts only if it came a cheaper way.
+  if (is_destination(request)) record_arrival(request, from, first || better, now);
   if (!first && !better) return;
   directory_.learn(request.originator, request.originator_name, request.originator_boot, request.hop_count, now);
   if (is_destination(request)) return answer_as_destination(request, from, first, now);
@@ -115,6 +117,7 @@ void Router::answer_gratuitously(const wire::RouteRequest& request, const Route&
 
 void Router::forward_request(wire::RouteRequest request, const MacAddress& from, Time now) {
   if (request.hop_limit <= 1 || request.hop_count >= timings_.net_diameter) return;
+  if (journal_.kept()) journal_.add(now, RequestPassedOn{request.id, request.originator_name, from});
   --request.hop_limit;
   // Section 6.5: the copy asks for the newest number known, but the asked one is not believed here.
   if (const Route* known = routes_.find(address_asked(request)); known != nullptr && known->sequence_valid) {

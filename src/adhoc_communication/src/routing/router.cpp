@@ -5,13 +5,14 @@
 namespace adhoc_communication::routing {
 
 Router::Router(const Identity& self, const EngineOptions& options, Neighbors& neighbors, LivingRuns& runs,
-               RobotDirectory& directory, Outbox& outbox, Random& random, Time now)
+               RobotDirectory& directory, Outbox& outbox, Random& random, Journal& journal, Time now)
     : self_(self),
       timings_(options.timings),
       neighbors_(neighbors),
       runs_(runs),
       directory_(directory),
       outbox_(outbox),
+      journal_(journal),
       routes_(options.timings),
       discovery_(options),
       flood_(options.timings, outbox, random),
@@ -51,6 +52,7 @@ void Router::used(const MacAddress& source, const MacAddress& destination, const
 void Router::poll(Time now) {
   finish_searches(now);
   for (const RouteDiscovery::Step& step : discovery_.poll(now)) send_request(step, now);
+  record_searches(now);
   flood_.poll(neighbors_, now);
   repeat_replies(now);
   send_waiting_errors(now);
@@ -69,6 +71,7 @@ void Router::finish_searches(Time now) {
     const auto address = directory_.address_of(target.name);
     return address && routes_.usable(*address, now) != nullptr;
   });
+  record_searches(now);
   for (auto iterator = repairs_.begin(); iterator != repairs_.end();) {
     if (routes_.usable(iterator->first, now) == nullptr) {
       ++iterator;

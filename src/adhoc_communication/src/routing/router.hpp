@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adhoc_communication/options.hpp"
+#include "api/journal.hpp"
 #include "identity.hpp"
 #include "outbox.hpp"
 #include "random.hpp"
@@ -24,13 +25,14 @@ namespace adhoc_communication::routing {
 class Router {
  public:
   Router(const Identity& self, const EngineOptions& options, Neighbors& neighbors, LivingRuns& runs,
-         RobotDirectory& directory, Outbox& outbox, Random& random, Time now);
+         RobotDirectory& directory, Outbox& outbox, Random& random, Journal& journal, Time now);
 
   std::uint32_t own_sequence() const { return own_sequence_; }
   const RouteTable& table() const { return routes_; }
   std::size_t searches() const { return discovery_.searches(); }
   std::size_t requests_remembered() const { return flood_.remembered(); }
   const Route* route_to(const MacAddress& destination, Time now) const { return routes_.usable(destination, now); }
+  RouteEnds ends_to(const MacAddress& destination, Time now) const;
 
   /// Section 6.3: data is due and there is no route.
   void search(const Target& target, Time now);
@@ -80,6 +82,8 @@ class Router {
   void forward_reply(wire::RouteReply reply, Time now);
   void announce_broken(const std::vector<Route>& broken, const MacAddress& except, bool unknown_sequence, Time now);
   void finish_searches(Time now);
+  void record_searches(Time now);
+  void record_arrival(const wire::RouteRequest& request, const MacAddress& from, bool answered, Time now);
   void hear_directly(const MacAddress& neighbor, std::optional<std::uint32_t> sequence, Time now);
   void send_reply(const MacAddress& to, wire::RouteReply reply, Time now);
   void repeat_replies(Time now);
@@ -96,6 +100,7 @@ class Router {
   LivingRuns& runs_;
   RobotDirectory& directory_;
   Outbox& outbox_;
+  Journal& journal_;
   RouteTable routes_;
   RouteDiscovery discovery_;
   RequestFlood flood_;

@@ -18,6 +18,7 @@ struct HopFrame {
   Bytes body;
   std::uint8_t priority = 0;
   MacAddress previous_hop{};  ///< from which it came; all zero for frames of this robot
+  bool again = false;         ///< its content was sent before, in another frame
 };
 
 /// In the order in which they came from each. When full, whoever has most frames here loses the latest of them, so that

@@ -46,6 +46,7 @@ HopSender::Outgoing HopSender::start(HopFrame frame, std::uint64_t counter, Time
   const std::uint32_t link_sequence = next_link_sequence_++;
   InFlight& flight = in_flight_[link_sequence];
   flight.frame = std::move(frame);
+  flight.first_sent = now;
   return transmit(link_sequence, flight, counter, now);
 }
 
@@ -61,7 +62,8 @@ HopSender::Outgoing HopSender::transmit(std::uint32_t link_sequence, InFlight& f
   const int backoff = std::min(flight.timeouts, 5);
   const Time expires = now + timer() * (5 + backoff) / 5;
   unresolved_.push_back({counter, link_sequence, now, expires, expires + HopReceiver::kLongestDelay});
-  return {flight.frame.type, link_sequence, &flight.frame.body};
+  const bool again = flight.transmissions > 1 || flight.frame.again;
+  return {flight.frame.type, link_sequence, &flight.frame.body, flight.frame.previous_hop != MacAddress{}, again};
 }
 
 /// Timers that run out again and again say that the channel is crowded and acknowledgments come late: repeating would
@@ -79,13 +81,17 @@ void HopSender::sample_round_trip(std::uint64_t counter, Time now) {
   }
 }
 
-bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time now) {
+bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time now, std::vector<Passed>* passed) {
   bool progress = false;
   for (auto iterator = in_flight_.begin(); iterator != in_flight_.end();) {
     const std::uint32_t behind = acknowledgment.highest - iterator->first;
     if (behind < kSpan && (acknowledgment.received >> behind & 1) != 0) {
       auto& lost = lost_[iterator->second.frame.priority];
       lost.erase(std::remove(lost.begin(), lost.end(), iterator->first), lost.end());
+      InFlight& flight = iterator->second;
+      if (passed != nullptr) {
+        passed->push_back({std::move(flight.frame), iterator->first, flight.first_sent, flight.transmissions - 1});
+      }
       iterator = in_flight_.erase(iterator);
       progress = true;
     } else {

@@ -36,6 +36,15 @@ class HopSender {
     wire::FrameType type;
     std::uint32_t link_sequence;
     const Bytes* body;  ///< until the next call
+    bool passed_on;     ///< it came from another robot
+    bool again;         ///< it was sent before
+  };
+  /// A frame that the neighbour has.
+  struct Passed {
+    HopFrame frame;
+    std::uint32_t link_sequence;
+    Time sent;  ///< for the first time
+    int repetitions;
   };
 
   HopSender(std::uint32_t first_link_sequence, int most_resends)
@@ -71,8 +80,8 @@ class HopSender {
     return waiting_[priority].pop(previous_hop);
   }
 
-  /// True when the acknowledgment resolved something.
-  bool acknowledged(const wire::HopAcknowledgment& acknowledgment, Time now);
+  /// True when the acknowledgment resolved something. The frames that are done with are added to `passed`.
+  bool acknowledged(const wire::HopAcknowledgment& acknowledgment, Time now, std::vector<Passed>* passed = nullptr);
   void heard(Time now) { silent_since_ = now; }
   /// The host called late: silence before now proves nothing.
   void excuse_silence(Time now);
@@ -95,6 +104,7 @@ class HopSender {
     int transmissions = 0;
     int timeouts = 0;
     std::uint64_t last_counter = 0;
+    Time first_sent{0};
   };
   struct Transmission {
     std::uint64_t counter;

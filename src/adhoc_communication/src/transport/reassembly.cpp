@@ -95,6 +95,15 @@ void Reassembly::release(const Key& key) {
   places_.erase(found);
 }
 
+Reassembly::Fill Reassembly::fill() const {
+  Fill fill;
+  for (const auto& [key, place] : places_) {
+    if (key.carrier < kBroadcast) fill.streams += place.cost;
+    if (key.carrier >= kGroup) (place.kept ? fill.complete_groups : fill.groups) += place.cost;
+  }
+  return fill;
+}
+
 std::vector<Reassembly::Key> Reassembly::take_evicted() { return std::exchange(evicted_, {}); }
 
 }  // namespace adhoc_communication::transport

@@ -50,6 +50,14 @@ class Reassembly {
   /// Packets that had to make room; whoever put them together has to forget them.
   std::vector<Key> take_evicted();
 
+  /// Octets that packets take, by what carries them.
+  struct Fill {
+    std::size_t streams = 0;
+    std::size_t groups = 0;
+    std::size_t complete_groups = 0;
+  };
+  Fill fill() const;
+
   std::size_t packets() const { return places_.size(); }
   std::size_t octets() const { return taken_; }
   std::size_t most() const { return most_; }

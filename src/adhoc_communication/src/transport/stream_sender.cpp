@@ -36,9 +36,10 @@ bool StreamSender::replace(SendId former, SendId id, const Image& image, std::ui
   return true;
 }
 
-void StreamSender::drop(SendId id) {
+void StreamSender::drop(SendId id, Time now) {
   const auto packet = find_id(id);
   if (packet == packets_.end()) return;
+  tell_given_up(*packet, now);
   forget_sent(*packet);
   unstarted_ -= packet->segments.size() - packet->started;
   packet->segments.clear();
@@ -96,7 +97,13 @@ const StreamSender::Outgoing* StreamSender::unstarted() const {
 }
 
 wire::Data StreamSender::segment(Outgoing& packet, std::uint32_t index, Time now) {
-  packet.segments[index].sent = now;
+  Segment& sent = packet.segments[index];
+  sent.sent = now;
+  if (sent.first_sent < Time(0)) {
+    sent.first_sent = now;
+  } else {
+    ++sent.repetitions;
+  }
   packet.begun = true;
   ++on_the_way_;
   waiting_since_ = now;
@@ -174,6 +181,15 @@ void StreamSender::forget_sent(Outgoing& packet) {
   lost_.erase(lost_.lower_bound({packet.number, 0}), lost_.upper_bound({packet.number, UINT32_MAX}));
 }
 
+void StreamSender::tell_given_up(const Outgoing& packet, Time now) {
+  if (!tells_ends_) return;
+  for (std::uint32_t index = 0; index < packet.started; ++index) {
+    const Segment& segment = packet.segments[index];
+    if (segment.acknowledged || segment.sent < Time(0)) continue;
+    ended_.push_back({packet.id, index, segment.repetitions, segment.first_sent, now, false});
+  }
+}
+
 void StreamSender::pop_front() {
   unstarted_ -= packets_.front().segments.size() - packets_.front().started;
   packets_.pop_front();
@@ -198,6 +214,7 @@ void StreamSender::take_one(Outgoing& packet, std::uint32_t index, Time now) {
   Segment& segment = packet.segments[index];
   if (segment.acknowledged || segment.sent < Time(0)) return;
   segment.acknowledged = true;
+  if (tells_ends_) ended_.push_back({packet.id, index, segment.repetitions, segment.first_sent, now, true});
   progress_ = true;
   if (segment.lost) {
     segment.lost = false;
@@ -305,6 +322,7 @@ std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time n
   }
   while (!packets_.empty() && (packets_.front().started > 0 || packets_.front().dropped)) {
     forget_sent(packets_.front());
+    tell_given_up(packets_.front(), now);
     if (!packets_.front().dropped) given_up.push_back({packets_.front().id, now - packets_.front().added, false});
     pop_front();
   }
@@ -322,6 +340,7 @@ std::vector<StreamSender::GivenUp> StreamSender::give_up_refused(Time now) {
     const Outgoing& packet = packets_.front();
     if (now - *packet.refused_since < kRoomPatience) break;
     forget_sent(packets_.front());
+    tell_given_up(packet, now);
     given_up.push_back({packet.id, now - packet.added, true});
     pop_front();
   }
@@ -329,8 +348,9 @@ std::vector<StreamSender::GivenUp> StreamSender::give_up_refused(Time now) {
   return given_up;
 }
 
-std::vector<SendId> StreamSender::abandon() {
+std::vector<SendId> StreamSender::abandon(Time now) {
   std::vector<SendId> ids;
+  for (const Outgoing& packet : packets_) tell_given_up(packet, now);
   for (const Outgoing& packet : packets_) ids.push_back(packet.id);
   packets_.clear();
   lost_.clear();

@@ -35,17 +35,29 @@ class StreamSender {
     bool no_room;  ///< at the receiver; otherwise it did not answer
   };
 
-  /// `first_number` has to be beyond every packet number sent to this robot before.
-  StreamSender(std::uint8_t stream, std::uint32_t first_number, std::size_t window)
-      : stream_(stream), window_(window), next_number_(first_number) {}
+  /// A segment that has arrived, or that is given up.
+  struct Ended {
+    SendId packet;
+    std::uint32_t index;
+    int repetitions;
+    Time sent;  ///< for the first time
+    Time ended;
+    bool delivered;
+  };
+
+  /// `first_number` has to be beyond every packet number sent to this robot before. `tells_ends`: somebody takes them.
+  StreamSender(std::uint8_t stream, std::uint32_t first_number, std::size_t window, bool tells_ends = false)
+      : stream_(stream), window_(window), tells_ends_(tells_ends), next_number_(first_number) {}
 
   void add(SendId id, Image image, std::uint16_t segment_size, Time now);
   /// Puts another packet in the place of one of which nothing was ever sent. False if there is no such packet.
   bool replace(SendId former, SendId id, const Image& image, std::uint16_t segment_size, Time now);
   /// The receiver is to pass the packet over, however much of it has arrived.
-  void drop(SendId id);
+  void drop(SendId id, Time now);
   bool idle() const { return packets_.empty(); }
   bool has_segment() const;
+  /// The next segment was sent before.
+  bool repeats() const { return !lost_.empty(); }
   /// The next segment; source and destination are left to the caller. has_segment() holds.
   wire::Data next_segment(Time now);
 
@@ -62,12 +74,15 @@ class StreamSender {
   /// sooner than its timer says.
   std::vector<GivenUp> expire(int most_resends, Time now, Random& random);
   /// Gives up everything, for a reason the caller knows.
-  std::vector<SendId> abandon();
+  std::vector<SendId> abandon(Time now);
+  std::vector<Ended> take_ended() { return std::exchange(ended_, {}); }
   Time next_deadline() const;
 
  private:
   struct Segment {
     Time sent{-1};
+    Time first_sent{-1};
+    int repetitions = 0;
     bool acknowledged = false;
     bool lost = false;  ///< waits in lost_
     bool repeated = false;
@@ -98,6 +113,7 @@ class StreamSender {
   Outgoing* find(std::uint32_t number);
   void begin_anew(Outgoing& packet, Time now);
   void forget_sent(Outgoing& packet);
+  void tell_given_up(const Outgoing& packet, Time now);
   void pop_front();
   void pass_over_dropped();
   std::deque<Outgoing>::iterator find_id(SendId id);
@@ -119,9 +135,11 @@ class StreamSender {
 
   std::uint8_t stream_;
   std::size_t window_;
+  bool tells_ends_;
   std::uint32_t next_number_;
   std::deque<Outgoing> packets_;
   std::set<Place, PlaceOrder> lost_;
+  std::vector<Ended> ended_;
   std::size_t on_the_way_ = 0;        ///< segments sent, neither acknowledged nor lost
   std::size_t unstarted_ = 0;         ///< segments never sent
   std::optional<Time> paused_until_;  ///< a packet waits for room, and those behind it with it

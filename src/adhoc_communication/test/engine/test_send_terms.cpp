@@ -93,7 +93,7 @@ TEST(Lifetime, ReceiverIsToldToPassItOver) {
   acknowledgment.partial.push_back({8, 0, 1, {}});
   sender.acknowledged(acknowledgment, 1ms);
   EXPECT_FALSE(sender.has_segment());
-  sender.drop(1);
+  sender.drop(1, 1ms);
   ASSERT_TRUE(sender.has_segment());
   const wire::Data told = sender.next_segment(2ms);
   EXPECT_EQ(told.packet, 8u);
