@@ -41,6 +41,8 @@ void Engine::Implementation::link_lost(const MacAddress& neighbor, Time now) {
   for (transport::HopFrame& frame : frames) {
     const std::optional<Way> way = way_of(frame);
     if (way && way->source != self_.address && router_.repairing(way->destination)) {
+      // Once: frames longer than an interface takes would keep out those that their source sends in their place.
+      if (std::exchange(frame.held, true)) continue;
       held_.add(way->destination, std::move(frame));
     }
   }

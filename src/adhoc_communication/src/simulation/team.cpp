@@ -99,6 +99,8 @@ bool Team::run_until(Time end, const std::function<bool()>& done) {
       if (on_frame) on_frame(delivery.node, delivery.frame);
       const auto robot = by_node_.find(delivery.node);
       if (robot == by_node_.end() || !robots_[robot->second].engine) continue;
+      // An interface drops what is longer than it takes.
+      if (delivery.frame.bytes.size() > static_cast<std::size_t>(robots_[robot->second].options.mtu)) continue;
       engine(robot->second).receive(delivery.frame, now_);
       if (after_step) after_step(robot->second);
       serve(robot->second);

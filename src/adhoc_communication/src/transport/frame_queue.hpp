@@ -19,6 +19,7 @@ struct HopFrame {
   std::uint8_t priority = 0;
   MacAddress previous_hop{};  ///< from which it came; all zero for frames of this robot
   bool again = false;         ///< its content was sent before, in another frame
+  bool held = false;          ///< it has waited for the repair of its route
 };
 
 /// In the order in which they came from each. When full, whoever has most frames here loses the latest of them, so that

@@ -7,32 +7,28 @@ namespace adhoc_communication::transport {
 
 void StreamSender::add(SendId id, Image image, std::uint16_t segment_size, Time now) {
   if (packets_.empty()) progressed(now);
-  const std::size_t count = (image->size() + segment_size - 1) / segment_size;
-  packets_.push_back({id,
-                      next_number_++,
-                      std::move(image),
-                      segment_size,
-                      now,
-                      std::vector<Segment>(count),
-                      0,
-                      0,
-                      0,
-                      {},
-                      false,
-                      false});
-  unstarted_ += count;
+  packets_.push_back({id, next_number_++, std::move(image), 0, now, {}, 0, 0, 0, {}, false, false, false});
+  cut(packets_.back(), sizes_.of_packet(segment_size, now));
+}
+
+/// Of what was sent in other segments before nothing counts.
+void StreamSender::cut(Outgoing& packet, std::uint16_t segment_size) {
+  const std::size_t count = (packet.image->size() + segment_size - 1) / segment_size;
+  forget_sent(packet);
+  unstarted_ += count - (packet.segments.size() - packet.started);
+  packet.segment_size = segment_size;
+  packet.segments.assign(count, Segment{});
+  packet.started = 0;
+  packet.first_open = 0;
 }
 
 bool StreamSender::replace(SendId former, SendId id, const Image& image, std::uint16_t segment_size, Time now) {
   const auto packet = find_id(former);
   if (packet == packets_.end() || packet->begun) return false;
-  const std::size_t count = (image->size() + segment_size - 1) / segment_size;
-  unstarted_ += count - packet->segments.size();
   packet->id = id;
   packet->image = image;
-  packet->segment_size = segment_size;
   packet->added = now;
-  packet->segments.assign(count, Segment{});
+  cut(*packet, sizes_.of_packet(segment_size, now));
   return true;
 }
 
@@ -165,10 +161,28 @@ void StreamSender::begin_anew(Outgoing& packet, Time now) {
   progressed(now);
 }
 
+/// Frames of the first packet seem to be longer than something on the way takes.
+void StreamSender::try_shorter(Time now) {
+  if (packets_.empty() || packets_.front().started == 0 || packets_.front().arrives) return;
+  if (questions_ - questions_before_ < kQuestionsBeforeShorter) return;
+  if (now - std::max(progressed_at_, shortened_) < kTooLong) return;
+  const auto size = sizes_.shorter(static_cast<std::uint16_t>(packets_.front().longest()), now);
+  if (!size) return;
+  shortened_ = now;
+  questions_before_ = questions_;
+  resends_ = 0;
+  for (Outgoing& packet : packets_) {
+    if (packet.arrives || packet.longest() <= *size) continue;
+    cut(packet, *size);
+    ++packet.attempt;
+  }
+}
+
 void StreamSender::progressed(Time now) {
   resends_ = 0;
   sooner_ = Time(0);
   questions_ = 0;
+  questions_before_ = 0;
   waiting_since_ = now;
   progressed_at_ = now;
 }
@@ -214,6 +228,10 @@ void StreamSender::take_one(Outgoing& packet, std::uint32_t index, Time now) {
   Segment& segment = packet.segments[index];
   if (segment.acknowledged || segment.sent < Time(0)) return;
   segment.acknowledged = true;
+  if (packet.is_longest(index)) {
+    packet.arrives = true;
+    sizes_.arrived(static_cast<std::uint16_t>(packet.longest()));
+  }
   if (tells_ends_) ended_.push_back({packet.id, index, segment.repetitions, segment.first_sent, now, true});
   progress_ = true;
   if (segment.lost) {
@@ -279,6 +297,7 @@ void StreamSender::receiver_restarted() {
   paused_until_.reset();
   lost_.clear();
   on_the_way_ = 0;
+  sizes_.reset();
   newest_acknowledged_ = Time(-1);
   newest_doubtful_ = Time(-1);
   resends_ = 0;
@@ -306,6 +325,7 @@ void StreamSender::probe() {
 std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time now, Random& random) {
   if (paused_until_ && *paused_until_ <= now) paused_until_.reset();
   std::vector<GivenUp> given_up = give_up_refused(now);
+  try_shorter(now);
   const bool over = hopeless(most_resends, now);
   if (!over && (on_the_way_ == 0 || waiting_since_ + timeout() > now)) return given_up;
   // First copies would have been followed by others: it was the repetition that arrived.

@@ -12,6 +12,7 @@
 #include "routing/sequence_number.hpp"
 #include "transport/packet_image.hpp"
 #include "transport/round_trip.hpp"
+#include "transport/segment_size.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::transport {
@@ -28,6 +29,9 @@ class StreamSender {
   static constexpr Time kRoomPatience = std::chrono::seconds(60);
   /// New routes that nothing gets through put off every timer. After so long, more questions than allowed are enough.
   static constexpr Time kNoProgress = std::chrono::seconds(30);
+  /// Nothing of a packet has arrived for so long, and so many questions: it is tried in shorter segments.
+  static constexpr Time kTooLong = std::chrono::milliseconds(1500);
+  static constexpr int kQuestionsBeforeShorter = 3;
 
   struct GivenUp {
     SendId id;
@@ -100,6 +104,10 @@ class StreamSender {
     std::optional<Time> refused_since{};  ///< the receiver has no room; one segment at a time asks for it
     bool begun = false;                   ///< some of it was sent, in whatever attempt
     bool dropped = false;                 ///< keeps its number until those before are finished
+    bool arrives = false;                 ///< one of its longest segments has
+
+    std::size_t longest() const { return dropped ? 0 : std::min<std::size_t>(image->size(), segment_size); }
+    bool is_longest(std::uint32_t index) const { return index == 0 || index + 1 < segments.size(); }
 
     bool may_start() const { return started < segments.size() && (!refused_since || started == 0); }
   };
@@ -112,6 +120,8 @@ class StreamSender {
 
   Outgoing* find(std::uint32_t number);
   void begin_anew(Outgoing& packet, Time now);
+  void cut(Outgoing& packet, std::uint16_t segment_size);
+  void try_shorter(Time now);
   void forget_sent(Outgoing& packet);
   void tell_given_up(const Outgoing& packet, Time now);
   void pop_front();
@@ -140,8 +150,11 @@ class StreamSender {
   std::deque<Outgoing> packets_;
   std::set<Place, PlaceOrder> lost_;
   std::vector<Ended> ended_;
-  std::size_t on_the_way_ = 0;        ///< segments sent, neither acknowledged nor lost
-  std::size_t unstarted_ = 0;         ///< segments never sent
+  std::size_t on_the_way_ = 0;  ///< segments sent, neither acknowledged nor lost
+  std::size_t unstarted_ = 0;   ///< segments never sent
+  SegmentSize sizes_;
+  Time shortened_{0};                 ///< when shorter segments were tried last
+  int questions_before_ = 0;          ///< up to then
   std::optional<Time> paused_until_;  ///< a packet waits for room, and those behind it with it
   wire::BootTag receiver_boot_ = 0;
   Time newest_acknowledged_{-1};  ///< when the latest of the acknowledged segments was sent
