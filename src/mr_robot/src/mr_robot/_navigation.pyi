@@ -1,6 +1,6 @@
 """Hot loops of the navigation engine (src/cpp/navigation). SI units, poses as (x, y, yaw)."""
 
-from typing import Sequence
+from typing import Optional, Sequence
 
 import numpy as np
 
@@ -18,6 +18,10 @@ class Limits:
     ) -> None: ...
 
 class Footprint:
+    @property
+    def half_length(self) -> float: ...
+    @property
+    def half_width(self) -> float: ...
     def __init__(self, half_length: float, half_width: float) -> None: ...
 
 class Horizon:
@@ -54,6 +58,9 @@ def slower_around(
 ) -> np.ndarray: ...
 def descend(cost: np.ndarray, cell: tuple[int, int], most: int) -> list[tuple[int, int]]: ...
 
+class Map:
+    def __init__(self, cells: np.ndarray, resolution: float, origin: _Pair) -> None: ...
+
 class Walls:
     resolution: float
     def __init__(self, cells: np.ndarray, distance: np.ndarray, resolution: float, origin: _Pair) -> None: ...
@@ -81,6 +88,7 @@ def surroundings(
     pose: _Pose,
     remembered: np.ndarray,
     walls: Walls,
+    own: Optional[Map],
     margins: Margins,
     known_within: float,
     reach: float,
@@ -105,6 +113,7 @@ def choose_velocity(
 ) -> tuple[bool, float, float, float, float]: ...
 def manoeuvre(
     cost: np.ndarray,
+    cells: np.ndarray,
     resolution: float,
     origin: _Pair,
     goal: _Pair,

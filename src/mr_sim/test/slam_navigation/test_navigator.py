@@ -1,7 +1,7 @@
 """The navigation engine on the world engine, and its answers without one."""
 
 import math
-from typing import Callable, List, Tuple
+from typing import Callable, List, Optional, Tuple
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from mr_robot.navigation.arrivals import Arrivals
 from mr_robot.navigation.clock import Clock
 from mr_robot.navigation.engine import Command, Navigator, Status
 from mr_robot.navigation.follower import Follower
-from mr_robot.navigation.motion import STOP, Motion
+from mr_robot.navigation.motion import STOP, Motion, outside
 from mr_robot.navigation.obstacles import ObstacleMemory
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan, make_scan
 from mr_robot.navigation.planner import CostMap, path, plan
@@ -197,12 +197,21 @@ def test_out_along_a_wall_whose_cells_are_not_in_line() -> None:
 corners = st.tuples(st.floats(-0.6, 0.6), st.floats(-0.6, 0.6))
 
 
-def plan_out(obstacles: np.ndarray, goal: Tuple[float, float] = (3.0, 2.0), at_once: bool = False) -> np.ndarray:
+def plan_out(
+    obstacles: np.ndarray,
+    goal: Tuple[float, float] = (3.0, 2.0),
+    at_once: bool = False,
+    unknown: Tuple[slice, slice] = (slice(0), slice(0)),
+) -> np.ndarray:
     """Waypoints from (1, 2, 0) in a room of 4 m x 4 m, rows (x, y, yaw, direction, seconds)."""
     way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), goal, 0.5)
     assert way is not None
     start = (1.0, 2.0, 0.0)
-    return _navigation.manoeuvre(way.cost, 0.05, (0.0, 0.0), way.goal, start, obstacles, FOOTPRINT, AGILITY, at_once)
+    cells = way.grid.cells.copy()
+    cells[unknown] = -1
+    return _navigation.manoeuvre(
+        way.cost, cells, 0.05, (0.0, 0.0), way.goal, start, obstacles, FOOTPRINT, AGILITY, at_once
+    )
 
 
 @settings(suppress_health_check=[HealthCheck.filter_too_much])
@@ -269,6 +278,24 @@ def test_out_of_a_niche_backwards_and_turned_where_there_is_room() -> None:
     inside = rows[rows[:, 0] > 0.8]
     assert (inside[1:, 3] == -1).all() and np.abs(inside[:, 2]).max() < 0.15
     assert rows[-1, 0] < 0.4
+
+
+def test_backing_over_unknown_ground_is_the_last_choice() -> None:
+    """At its start a robot backed half a metre over what it had never seen, into another one."""
+    ahead = np.array([(1.35, 2.0 + y, 0.0, 0.0) for y in np.arange(-0.2, 0.2, 0.02)])
+    beside = np.array([(x, y, 0.0, 0.0) for x in np.arange(0.8, 1.2, 0.02) for y in (1.775, 2.225)])
+    behind = (slice(0, 80), slice(0, 16))
+    assert backs_to(plan_out(ahead, (0.4, 2.0))) < 0.8
+    assert backs_to(plan_out(ahead, (0.4, 2.0), unknown=behind)) > 0.8
+    assert backs_to(plan_out(np.concatenate([ahead, beside]), (0.4, 2.0), unknown=behind)) < 0.8
+
+
+def backs_to(rows: np.ndarray) -> float:
+    """The least x, m, of the rear edge where a manoeuvre leads back."""
+    assert len(rows)
+    back = rows[1:][rows[1:, 3] == -1]
+    rear = back[:, 0] - 0.22 * np.cos(back[:, 2]) - 0.19 * np.abs(np.sin(back[:, 2]))
+    return float(rear.min(initial=np.inf))
 
 
 def test_nothing_leads_out_of_a_closed_place() -> None:
@@ -355,7 +382,7 @@ def test_thinning_keeps_the_nearest_point() -> None:
     costs = CostMap(OccupancyGrid.of(np.zeros((40, 40), np.int8), 0.05, Pose(-1.0, -1.0)), options)
     points = np.array([[0.599, 0.0], [0.571, 0.0], [0.585, 0.0]])
     scan = Scan(points, np.full(3, 0.6), 0.0, 0.01, 8.0, (0.0, 0.0, 0.0))
-    rows = Surroundings(options).obstacles(costs, Pose(), scan)
+    rows = Surroundings(options).obstacles(costs, None, Pose(), scan)
     assert rows[:, 0].min() == pytest.approx(0.571)
 
 
@@ -509,7 +536,7 @@ def test_close_obstacles_are_not_thinned_out() -> None:
     costs = CostMap(OccupancyGrid.of(np.zeros((80, 80), dtype=np.int8), 0.05, Pose(-2.0, -2.0)), NavigationOptions())
     close, far = [[0.301, 0.001], [0.325, 0.025]], [[0.905, 0.001], [0.925, 0.025]]
     rows = _navigation.surroundings(
-        np.array(close + far), (0.0, 0.0, 0.0), ObstacleMemory(1.0).rows, costs.walls,
+        np.array(close + far), (0.0, 0.0, 0.0), ObstacleMemory(1.0).rows, costs.walls, None,
         _navigation.Margins(0.02, 0.05, 0.1, 0.2), 0.1, 1.3, 0.03,
     )  # fmt: skip
     assert sorted(rows[:, :2].tolist()) == sorted([*close, far[0]])
@@ -524,9 +551,10 @@ def beside(wall: float) -> Scan:
     return make_scan(ranges, -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.0, 0.0, 0.0))
 
 
-def seen_around(scan: Scan, grid: OccupancyGrid) -> np.ndarray:
+def seen_around(scan: Scan, grid: OccupancyGrid, own: Optional[OccupancyGrid] = None) -> np.ndarray:
     options, pose = NavigationOptions(), Pose(2.0, 2.0, 0.0)
-    return Surroundings(options).obstacles(CostMap(grid, options), pose, scan)[:, :2] - pose[:2]
+    mapped = None if own is None else _navigation.Map(own.cells, own.resolution, own.origin[:2])
+    return Surroundings(options).obstacles(CostMap(grid, options), mapped, pose, scan)[:, :2] - pose[:2]
 
 
 def test_a_wall_beside_the_robot_is_where_most_hits_are() -> None:
@@ -577,6 +605,25 @@ def test_walls_of_the_map_count_where_the_laser_is_blind() -> None:
     """A wall drawn beside the true one kept robots from passing."""
     points = seen_around(EMPTY, room((slice(40, 42), slice(20, 22), slice(40, 42), slice(56, 58))))
     assert len(points) and (points[:, 0] < 0.0).all()
+
+
+def test_where_the_laser_is_blind_the_robots_own_map_counts_first() -> None:
+    """A wall that another robot had drawn 15 cm off, behind a robot in a door, made it turn into the jamb it saw."""
+    merged = room((slice(40, 42), slice(20, 22)))  # at (1, 2), a metre behind the robot
+    free, elsewhere = room(), room((slice(42, 44), slice(20, 22)))
+    unknown = OccupancyGrid.of(np.full((80, 80), -1, np.int8), 0.05)
+    assert len(seen_around(EMPTY, merged, free)) == 0
+    assert seen_around(EMPTY, merged, elsewhere)[:, 1] == pytest.approx([0.125, 0.125, 0.175, 0.175])
+    assert len(seen_around(EMPTY, merged, unknown)) == len(seen_around(EMPTY, merged)) == 4
+    assert len(seen_around(EMPTY, room(), merged)) == 0  # a robot that has driven on, seen gone by others
+
+
+def test_what_seems_to_be_inside_the_body_frees_no_motion_into_the_rest() -> None:
+    """A wall drawn where the robot stood was touched already, and so a jamb beside it might be as well."""
+    drawn, jamb = [(2.0 + x, 2.1, 0.02, 0.0) for x in np.arange(-0.15, 0.2, 0.05)], [(2.28, 2.1, 0.05, 0.0)]
+    inexact = [(2.0, 2.17, 0.02, 0.0)]
+    around = outside(Pose(2.0, 2.0, 0.0), np.array(drawn + jamb + inexact), FOOTPRINT)
+    assert around.tolist() == np.array(jamb + inexact).tolist()
 
 
 def test_readings_become_ranges_and_hits() -> None:

@@ -83,19 +83,30 @@ Cells descend_grid(const Floats& cost, std::pair<int, int> cell, int most) {
   return descend(cost.data(), rows, columns, cell.first, cell.second, most);
 }
 
+// A map that keeps the array it looks at.
+struct OwnedMap {
+  Bytes cells;
+  Map view;
+};
+
+OwnedMap own_map(const Bytes& cells, double resolution, const Pair& origin) {
+  require(cells.ndim() == 2, "cells need the shape (rows, columns)");
+  return {cells,
+          {cells.data(), static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1)), resolution, origin.first,
+           origin.second}};
+}
+
 // Walls that keep the arrays they look at.
 struct OwnedWalls {
-  Bytes cells;
+  OwnedMap map;
   Floats distance;
   Walls view;
 };
 
 OwnedWalls own_walls(const Bytes& cells, const Floats& distance, double resolution, const Pair& origin) {
   require(same_shape(distance, cells), "cells and distance need the same shape (rows, columns)");
-  return {cells,
-          distance,
-          {cells.data(), distance.data(), static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1)),
-           resolution, origin.first, origin.second}};
+  const OwnedMap map = own_map(cells, resolution, origin);
+  return {map, distance, {map.view, distance.data()}};
 }
 
 ScanView view_of(const Doubles& points, const Doubles& ranges, double angle_min, double angle_increment,
@@ -170,7 +181,9 @@ PYBIND11_MODULE(_navigation, module) {
       .def(py::init([](double half_length, double half_width) {
              return Footprint{half_length, half_width};
            }),
-           py::arg("half_length"), py::arg("half_width"));
+           py::arg("half_length"), py::arg("half_width"))
+      .def_readonly("half_length", &Footprint::half_length)
+      .def_readonly("half_width", &Footprint::half_width);
   py::class_<Horizon>(module, "Horizon")
       .def(py::init<>())
       .def_readwrite("duration", &Horizon::duration)
@@ -192,9 +205,11 @@ PYBIND11_MODULE(_navigation, module) {
              py::arg("inflation"), "A copy, slower around obstacles at cells (row, column).");
   module.def("descend", &descend_grid, py::arg("cost"), py::arg("cell"), py::arg("most"),
              "Cells (row, column) from one cell down the cost to go.");
+  py::class_<OwnedMap>(module, "Map")
+      .def(py::init(&own_map), py::arg("cells"), py::arg("resolution"), py::arg("origin"));
   py::class_<OwnedWalls>(module, "Walls")
       .def(py::init(&own_walls), py::arg("cells"), py::arg("distance"), py::arg("resolution"), py::arg("origin"))
-      .def_property_readonly("resolution", [](const OwnedWalls& walls) { return walls.view.resolution; });
+      .def_property_readonly("resolution", [](const OwnedWalls& walls) { return walls.view.map.resolution; });
   py::class_<Memory>(module, "Memory")
       .def(py::init([](double duration, double cell, double known_within, double seen_beyond, std::size_t most) {
              return Memory{duration, cell, known_within, seen_beyond, most};
@@ -233,13 +248,13 @@ PYBIND11_MODULE(_navigation, module) {
   module.def(
       "surroundings",
       [](const Doubles& points, const Triple& pose, const Doubles& remembered, const OwnedWalls& walls,
-         const Margins& margins, double known_within, double reach, double spacing, const Doubles& ranges,
-         double angle_min, double angle_increment, const Triple& mount) {
+         const OwnedMap* own, const Margins& margins, double known_within, double reach, double spacing,
+         const Doubles& ranges, double angle_min, double angle_increment, const Triple& mount) {
         const ScanView scan = view_of(points, ranges, angle_min, angle_increment, mount);
-        return to_rows(surroundings(scan, to_pose(pose), to_remembered(remembered), walls.view, margins, known_within,
-                                    reach, spacing));
+        return to_rows(surroundings(scan, to_pose(pose), to_remembered(remembered), walls.view,
+                                    own == nullptr ? nullptr : &own->view, margins, known_within, reach, spacing));
       },
-      py::arg("points"), py::arg("pose"), py::arg("remembered"), py::arg("walls"), py::arg("margins"),
+      py::arg("points"), py::arg("pose"), py::arg("remembered"), py::arg("walls"), py::arg("own"), py::arg("margins"),
       py::arg("known_within"), py::arg("reach"), py::arg("spacing"), py::arg("ranges") = Doubles(0),
       py::arg("angle_min") = 0.0, py::arg("angle_increment") = 1.0, py::arg("mount") = Triple(0.0, 0.0, 0.0),
       "Obstacles near the robot, rows (x, y, margin, reaction time).");
@@ -250,13 +265,16 @@ PYBIND11_MODULE(_navigation, module) {
   py::class_<Agility>(module, "Agility").def(py::init<const Limits&>(), py::arg("limits"));
   module.def(
       "manoeuvre",
-      [](const Floats& cost, double resolution, const Pair& origin, const Pair& goal, const Triple& pose,
-         const Doubles& obstacles, const Footprint& footprint, const Agility& agility, bool at_once) {
+      [](const Floats& cost, const Bytes& cells, double resolution, const Pair& origin, const Pair& goal,
+         const Triple& pose, const Doubles& obstacles, const Footprint& footprint, const Agility& agility,
+         bool at_once) {
+        require(same_shape(cells, cost), "cells and cost need the same shape (rows, columns)");
         const Field field = to_field(cost, resolution, origin, goal);
-        return to_rows(manoeuvre(field, to_pose(pose), to_obstacles(obstacles), footprint, agility, at_once));
+        const OwnedMap map = own_map(cells, resolution, origin);
+        return to_rows(manoeuvre(field, map.view, to_pose(pose), to_obstacles(obstacles), footprint, agility, at_once));
       },
-      py::arg("cost"), py::arg("resolution"), py::arg("origin"), py::arg("goal"), py::arg("pose"), py::arg("obstacles"),
-      py::arg("footprint"), py::arg("agility"), py::arg("at_once"),
+      py::arg("cost"), py::arg("cells"), py::arg("resolution"), py::arg("origin"), py::arg("goal"), py::arg("pose"),
+      py::arg("obstacles"), py::arg("footprint"), py::arg("agility"), py::arg("at_once"),
       "Rows (x, y, yaw, direction, seconds), the first the present pose.");
   module.def(
       "turn_wanted",

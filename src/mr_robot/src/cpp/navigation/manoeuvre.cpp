@@ -19,6 +19,7 @@ constexpr double kStep = 0.1;               // m of one motion
 constexpr double kLeastWay = 0.25;          // m of a way from where there is room already
 constexpr double kTight = 2.0 * kTouching;  // m to obstacles, less than which costs
 constexpr double kTightCost = 2.0;          // times the time, with none left or to turn where there is no room for it
+constexpr double kUnknownCost = 10.0;       // times the time, to back over what the map does not show
 constexpr std::size_t kMostNodes = 6000;
 constexpr double kCurvatures[] = {0.0, 2.0, -2.0};  // rad/m
 // Of long arcs along what the robot stands too close to: its corners come nearer before its middle gets away.
@@ -46,9 +47,10 @@ Pose along(const Pose& pose, double way, double turn) {
 
 class Search {
  public:
-  Search(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles, const Footprint& footprint,
-         const Agility& agility, bool at_once)
+  Search(const Field& field, const Map& map, const Pose& start, const std::vector<Obstacle>& obstacles,
+         const Footprint& footprint, const Agility& agility, bool at_once)
       : field_(field),
+        map_(map),
         start_(start),
         obstacles_(obstacles),
         footprint_(footprint),
@@ -140,17 +142,24 @@ class Search {
     if (from == 0 && at_once_ && !begins({way / seconds, turn / seconds})) return -1;
     if (node.parent >= 0 && direction != node.direction)
       seconds += 2.0 * agility_.linear / agility_.limits.linear_acceleration;
-    const double tight = std::clamp((kTight - room) / kTight, 0.0, 1.0);
-    const Node next{end,
-                    node.seconds + seconds,
-                    node.price + seconds * (1.0 + kTightCost * tight),
-                    node.way + std::abs(way),
-                    direction,
+    double weight = 1.0 + kTightCost * std::clamp((kTight - room) / kTight, 0.0, 1.0);
+    if (direction < 0.0 && backs_into_unknown(end)) weight += kUnknownCost;
+    const Node next{end, node.seconds + seconds, node.price + seconds * weight, node.way + std::abs(way), direction,
                     from};
     nodes_.push_back(next);
     const auto number = static_cast<std::int32_t>(nodes_.size() - 1);
     open_.push({next.price + left(end), number});
     return number;
+  }
+
+  // Whether an end of the rear edge or its middle lies in what is unknown.
+  bool backs_into_unknown(const Pose& pose) const {
+    const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+    for (const double side : {-1.0, 0.0, 1.0}) {
+      const double x = -footprint_.half_length, y = side * footprint_.half_width;
+      if (!is_known(map_, pose.x + c * x - s * y, pose.y + s * x + c * y)) return true;
+    }
+    return false;
   }
 
   // Whether the robot, which stands, may set off like that.
@@ -172,6 +181,7 @@ class Search {
   }
 
   const Field& field_;
+  const Map& map_;
   Pose start_;
   const std::vector<Obstacle>& obstacles_;
   Footprint footprint_;
@@ -189,9 +199,10 @@ class Search {
 
 }  // namespace
 
-std::vector<Waypoint> manoeuvre(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles,
-                                const Footprint& footprint, const Agility& agility, bool at_once) {
-  return Search(field, start, obstacles, footprint, agility, at_once).run();
+std::vector<Waypoint> manoeuvre(const Field& field, const Map& map, const Pose& start,
+                                const std::vector<Obstacle>& obstacles, const Footprint& footprint,
+                                const Agility& agility, bool at_once) {
+  return Search(field, map, start, obstacles, footprint, agility, at_once).run();
 }
 
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint) {

@@ -70,11 +70,8 @@ class Placement {
 };
 
 bool is_wall(const Walls& walls, const Point& point, double within) {
-  const double column = std::floor((point.x - walls.origin_x) / walls.resolution);
-  const double row = std::floor((point.y - walls.origin_y) / walls.resolution);
-  if (!(row >= 0.0 && column >= 0.0 && row < walls.rows && column < walls.columns)) return false;
-  const std::size_t index = static_cast<std::size_t>(row) * walls.columns + static_cast<std::size_t>(column);
-  return walls.distance[index] < static_cast<float>(within);
+  const auto cell = cell_of(walls.map, point.x, point.y);
+  return cell && walls.distance[*cell] < static_cast<float>(within);
 }
 
 // Whether the scan looks through the point, or would hit it if it were still there.
@@ -119,6 +116,11 @@ Line line_through(const Point* points, std::size_t count) {
   const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy), c = std::cos(angle), s = std::sin(angle);
   const double off = s * s * xx - 2.0 * s * c * xy + c * c * yy;
   return {x, y, c, s, off <= kStraight * kStraight};
+}
+
+bool within(const Point& point, const Pose& pose, double reach) {
+  const double dx = point.x - pose.x, dy = point.y - pose.y;
+  return dx * dx + dy * dy < reach * reach;
 }
 
 double distance(const Point& a, const Point& b) { return std::hypot(a.x - b.x, a.y - b.y); }
@@ -178,15 +180,6 @@ std::vector<Point> continued(const ScanView& scan) {
   return result;
 }
 
-// Whether the map shows that nothing is there, nor beside it.
-bool is_open(const Walls& walls, const Point& point) {
-  const double column = std::floor((point.x - walls.origin_x) / walls.resolution);
-  const double row = std::floor((point.y - walls.origin_y) / walls.resolution);
-  if (!(row >= 0.0 && column >= 0.0 && row < walls.rows && column < walls.columns)) return false;
-  const std::size_t index = static_cast<std::size_t>(row) * walls.columns + static_cast<std::size_t>(column);
-  return walls.cells[index] >= 0 && walls.distance[index] > static_cast<float>(kSameWall);
-}
-
 // Keeps the nearest obstacle of each square, and all that are close.
 class Nearest {
  public:
@@ -220,28 +213,52 @@ class Nearest {
   std::vector<double> squared_;
 };
 
-std::vector<Point> walls_near(const Walls& walls, const Pose& pose, double reach) {
+std::vector<Point> walls_near(const Map& map, const Pose& pose, double reach) {
   std::vector<Point> points;
   const auto first = [&](double from) { return static_cast<int>(std::clamp(std::floor(from), 0.0, 1e9)); };
   const auto last = [&](double to, int count) {
     return static_cast<int>(std::clamp(std::floor(to), -1.0, count - 1.0));
   };
-  const double column = (pose.x - walls.origin_x) / walls.resolution,
-               row = (pose.y - walls.origin_y) / walls.resolution;
-  const double cells = reach / walls.resolution;
-  for (int r = first(row - cells); r <= last(row + cells, walls.rows); ++r) {
-    for (int c = first(column - cells); c <= last(column + cells, walls.columns); ++c) {
-      if (walls.cells[static_cast<std::size_t>(r) * walls.columns + c] <= 50) continue;
-      points.push_back({walls.origin_x + (c + 0.5) * walls.resolution, walls.origin_y + (r + 0.5) * walls.resolution});
+  const double column = (pose.x - map.origin_x) / map.resolution, row = (pose.y - map.origin_y) / map.resolution;
+  const double cells = reach / map.resolution;
+  for (int r = first(row - cells); r <= last(row + cells, map.rows); ++r) {
+    for (int c = first(column - cells); c <= last(column + cells, map.columns); ++c) {
+      if (map.cells[static_cast<std::size_t>(r) * map.columns + c] <= 50) continue;
+      points.push_back({map.origin_x + (c + 0.5) * map.resolution, map.origin_y + (r + 0.5) * map.resolution});
     }
   }
   return points;
 }
 
-bool within(const Point& point, const Pose& pose, double reach) {
-  const double dx = point.x - pose.x, dy = point.y - pose.y;
-  return dx * dx + dy * dy < reach * reach;
-}
+// What is known of a place without seeing it.
+class BlindMap {
+ public:
+  BlindMap(const Walls& merged, const Map* own, const Pose& pose, double reach, double same_within)
+      : merged_(merged.map), own_(own) {
+    for (const Point& wall : walls_near(merged.map, pose, reach)) {
+      if (own == nullptr || !is_known(*own, wall.x, wall.y)) walls_.push_back(wall);
+    }
+    if (own == nullptr) return;
+    for (const Point& wall : walls_near(*own, pose, reach)) {
+      if (is_wall(merged, wall, same_within)) walls_.push_back(wall);
+    }
+  }
+
+  const std::vector<Point>& walls() const { return walls_; }
+
+  // Whether nothing is there, nor beside it.
+  bool is_open(const Point& point) const {
+    const bool known = (own_ != nullptr && is_known(*own_, point.x, point.y)) || is_known(merged_, point.x, point.y);
+    return known && std::none_of(walls_.begin(), walls_.end(), [&](const Point& wall) {
+             return within(wall, {point.x, point.y, 0.0}, kSameWall);
+           });
+  }
+
+ private:
+  const Map& merged_;
+  const Map* own_;
+  std::vector<Point> walls_;
+};
 
 }  // namespace
 
@@ -281,10 +298,10 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
 }
 
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
-                                   const Walls& walls, const Margins& margins, double known_within, double reach,
-                                   double spacing) {
-  const std::vector<Point> of_map = walls_near(walls, pose, reach);
-  const std::size_t most = scan.point_count + remembered.size() + of_map.size();
+                                   const Walls& walls, const Map* own, const Margins& margins, double known_within,
+                                   double reach, double spacing) {
+  const BlindMap blind(walls, own, pose, reach, known_within);
+  const std::size_t most = scan.point_count + remembered.size() + blind.walls().size();
   Nearest nearest(pose, spacing, most + 2 * static_cast<std::size_t>(kContinued / kAlong + 1.0));
   const Placement place(pose);
   for (const Point& point : smoothed(scan)) {
@@ -300,12 +317,12 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
   std::vector<Point> guessed;
   for (const Point& point : continued(scan)) {
     const Point there = place(point);
-    if (is_open(walls, there)) continue;
+    if (blind.is_open(there)) continue;
     guessed.push_back(there);
     nearest.add({there.x, there.y, margins.obstacle, 0.0});
   }
   const Point eye = place({scan.mount.x, scan.mount.y});
-  for (const Point& wall : of_map) {
+  for (const Point& wall : blind.walls()) {
     if (std::any_of(guessed.begin(), guessed.end(), [&](const Point& p) { return distance(p, wall) < kSameWall; })) {
       continue;
     }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "map.hpp"
 #include "rollout.hpp"
 
 namespace mr_robot::navigation {
@@ -15,10 +16,8 @@ struct Point {
 
 // The walls of a map.
 struct Walls {
-  const std::int8_t* cells;  // above 50 = wall
-  const float* distance;     // m from each cell to the nearest wall
-  int rows, columns;
-  double resolution, origin_x, origin_y;  // m
+  Map map;
+  const float* distance;  // m from each cell to the nearest wall
 };
 
 struct ScanView {
@@ -59,9 +58,11 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
                                  const Walls& walls, const Memory& memory, double now);
 
 // Hits, remembered points and, where the laser is blind, walls within `reach` of the robot; of each square of `spacing`
-// the nearest, of those close to the robot all.
+// the nearest, of those close to the robot all. `own`: what the robot itself has mapped, if anything. It lies where the
+// robot believes to be, while what the others drew may lie beside it: blind walls are those of `own` that are not gone
+// in `walls`, and those of `walls` where `own` shows nothing.
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
-                                   const Walls& walls, const Margins& margins, double known_within, double reach,
-                                   double spacing);
+                                   const Walls& walls, const Map* own, const Margins& margins, double known_within,
+                                   double reach, double spacing);
 
 }  // namespace mr_robot::navigation

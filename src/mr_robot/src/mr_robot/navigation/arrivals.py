@@ -40,6 +40,11 @@ class Arrivals:
                 kept[cell] = since
         self._before, self._since = OccupancyGrid(own.info, cells), kept
 
+    @property
+    def settled(self) -> Optional[OccupancyGrid]:
+        """The robot's latest own map with free cells in place of what has come lately."""
+        return self._before
+
     def taken_from(self, grid: OccupancyGrid, now: float) -> OccupancyGrid:
         """A map with free cells in place of what has come lately."""
         offset = _cells_of(grid)

@@ -15,7 +15,7 @@ from mr_robot.navigation.clock import Clock
 from mr_robot.navigation.command import Command, GivenUp, Status, Velocity
 from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.known_map import KnownMap
-from mr_robot.navigation.motion import STOP, Motion
+from mr_robot.navigation.motion import STOP, Motion, outside
 from mr_robot.navigation.options import AT_REST, NavigationError, NavigationOptions, Scan
 from mr_robot.navigation.other_robots import OtherRobots
 from mr_robot.navigation.planner import CostMap, Plan, path
@@ -116,8 +116,9 @@ class Navigator:
             self._motion.velocity = STOP
             self._follower.plan_anew()
         self._motion.see(scan)
-        obstacles = self._surroundings.obstacles(costs, pose, scan)
+        obstacles = self._surroundings.obstacles(costs, self._map.own, pose, scan)
         obstacles = self._others.settle(np.concatenate([obstacles, self._others.unseen(now, pose, scan)]), now)
+        obstacles = outside(pose, obstacles, self._motion.footprint)
         try:
             command = self._act(now, pose, costs, obstacles)
         except GivenUp as reason:
@@ -143,7 +144,7 @@ class Navigator:
         self._stall.clear()
         if self._motion.velocity == STOP:
             return Command(*STOP, Status.IDLE)
-        obstacles = self._surroundings.obstacles(costs, pose, scan)
+        obstacles = self._surroundings.obstacles(costs, self._map.own, pose, scan)
         return Command(*self._motion.brake_clear(self._motion.brake(), pose, obstacles), Status.IDLE)
 
     def _abort(self, text: str) -> Command:

@@ -3,6 +3,7 @@
 from typing import List, Optional, Tuple
 
 from mr_grid import FARTHEST, OccupancyGrid, is_place
+from mr_robot import _navigation
 from mr_robot.navigation.arrivals import Arrivals
 from mr_robot.navigation.options import NavigationError, NavigationOptions
 from mr_robot.navigation.planner import CostMap, without_robots
@@ -18,6 +19,8 @@ class KnownMap:
         self._costs: Optional[CostMap] = None
         self._robots: List[Tuple[float, float]] = []
         self._costs_hold = False  # whether they are those of the present map and positions
+        self._own: Optional[_navigation.Map] = None
+        self._own_holds = False
 
     def set_grid(self, grid: OccupancyGrid) -> None:
         """Raises NavigationError for a grid that is no map."""
@@ -35,10 +38,12 @@ class KnownMap:
         """What this robot's own SLAM says tells what moves."""
         self._arrivals.update(grid, now)
         self._costs_hold = False
+        self._own_holds = False
 
     def set_robots(self, positions: List[Tuple[float, float]]) -> None:
         self._robots = positions
         self._costs_hold = False
+        self._own_holds = False
 
     def costs(self, now: float) -> Optional[CostMap]:
         """None without a map. Robots that stood still long enough to enter it are no walls: what came lately is taken
@@ -51,3 +56,13 @@ class KnownMap:
         if self._costs is None or not grid.equals(self._costs.grid):
             self._costs = CostMap(grid, self._options, self._costs)
         return self._costs
+
+    @property
+    def own(self) -> Optional[_navigation.Map]:
+        """What the robot itself has mapped, without what moves."""
+        settled = self._arrivals.settled
+        if settled is not None and not self._own_holds:
+            grid = without_robots(settled, self._robots, self._options.largest_robot_radius)
+            self._own = _navigation.Map(grid.cells, grid.resolution, grid.origin[:2])
+        self._own_holds = True
+        return None if settled is None else self._own

@@ -27,7 +27,16 @@ def plan_manoeuvre(
     stay. `obstacles`: rows (x, y, margin, reaction time). `at_once`: it begins with a motion that is clear."""
     agility = _navigation.Agility(limits)
     rows = _navigation.manoeuvre(
-        way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, obstacles, footprint, agility, at_once
+        way.cost,
+        way.grid.cells,
+        way.grid.resolution,
+        way.grid.origin[:2],
+        way.goal,
+        pose,
+        obstacles,
+        footprint,
+        agility,
+        at_once,
     )
     return Manoeuvre(rows) if len(rows) > 1 else None
 

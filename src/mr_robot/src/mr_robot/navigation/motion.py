@@ -72,6 +72,13 @@ class Motion:
         return self.velocity
 
 
+def outside(pose: Pose, obstacles: np.ndarray, footprint: _navigation.Footprint) -> np.ndarray:
+    """Rows (x, y, margin, reaction time) but for those farther inside the body than poses and points are inexact: where
+    it stands nothing is, and from what it touches already any motion may come nearer to all the rest."""
+    offsets = np.abs(pose.apply_inverse(obstacles[:, :2])) - (footprint.half_length, footprint.half_width)
+    return obstacles[offsets.max(axis=1) > -_navigation.TOUCHING]
+
+
 def bare(obstacles: np.ndarray, margin: float) -> np.ndarray:
     """Rows (x, y, margin, reaction time) with `margin`, m, less: as near as the body can come."""
     rows = obstacles - (0.0, 0.0, margin, 0.0)

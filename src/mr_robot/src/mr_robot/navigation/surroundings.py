@@ -36,8 +36,9 @@ class Surroundings:
         half = self._options.footprint_width / 2.0
         self._memory.add(pose.apply(np.array([(x, y) for y in np.linspace(-half, half, 9)])), now)
 
-    def obstacles(self, costs: CostMap, pose: Pose, scan: Scan) -> np.ndarray:
-        """What the next motion must not touch: rows (x, y, margin, reaction time) in the map frame."""
+    def obstacles(self, costs: CostMap, own: Optional[_navigation.Map], pose: Pose, scan: Scan) -> np.ndarray:
+        """What the next motion must not touch: rows (x, y, margin, reaction time) in the map frame. `own`: what the
+        robot itself has mapped, in the same frame."""
         options = self._options
         # A robot that sees little has not much but the map beside it.
         wall_margin = WALL_MARGIN if 2.0 * scan.half_view >= NARROW_VIEW else options.obstacle_margin
@@ -45,8 +46,8 @@ class Surroundings:
             wall_margin, options.obstacle_margin, options.moving_margin, options.moving_reaction_time
         )
         return _navigation.surroundings(
-            scan.points, pose, self._memory.rows, costs.walls, margins, KNOWN_WITHIN, self._near, _navigation.TOUCHING,
-            scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
+            scan.points, pose, self._memory.rows, costs.walls, own, margins, KNOWN_WITHIN, self._near,
+            _navigation.TOUCHING, scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
         )  # fmt: skip
 
     def moving_points(self, pose: Pose) -> np.ndarray:

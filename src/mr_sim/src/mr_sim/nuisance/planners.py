@@ -38,6 +38,7 @@ def ompl(radius: float, limit: float) -> Planner:
     import _ompl_peer as core
 
     def plan(*arguments: object) -> np.ndarray:
-        return core.manoeuvre(*arguments, radius, limit)
+        cost, _, *situation, _ = arguments  # neither the map nor how the manoeuvre begins
+        return core.manoeuvre(cost, *situation, radius, limit)
 
     return plan
