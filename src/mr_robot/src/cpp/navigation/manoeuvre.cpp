@@ -58,7 +58,7 @@ class Search {
         at_once_(at_once),
         body_(start, kReach + kCell, obstacles, footprint) {
     at_start_ = body_.clearance(start);
-    least_ = std::min(kTouching, at_start_ - kSlack);
+    least_ = least_clearance(at_start_, kSlack);
     starts_roomy_ = body_.roomy(start);
     start_cost_ = cost_at(field, start.x, start.y);
   }

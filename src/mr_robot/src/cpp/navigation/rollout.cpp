@@ -7,8 +7,6 @@
 namespace mr_robot::navigation {
 namespace {
 
-constexpr double kClosest = 0.02;  // m to obstacles, less than which no slack is given
-
 double approach(double value, double target, double change) {
   return value + std::clamp(target - value, -change, change);
 }
@@ -67,7 +65,7 @@ ClearWay clear_poses(const Motion& motion, const Velocity& target, const std::ve
                      const Clearance& at_start, const Footprint& footprint, double slack) {
   // From inside a margin only ways that lead no deeper are open.
   const double least = std::min(0.0, at_start.with_margins - 0.003);
-  const double least_bare = std::min({kTouching, at_start.bare, std::max(at_start.bare - slack, kClosest)});
+  const double least_bare = least_clearance(at_start.bare, slack);
   ClearWay way;
   double before = at_start.bare;
   for (const Pose& pose : motion.poses) {

@@ -1,6 +1,7 @@
 // Local control: of the motions the robot can make next, the one after which the least time is left to the goal.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -9,6 +10,7 @@
 namespace mr_robot::navigation {
 
 constexpr double kTouching = 0.03;  // m to obstacles, less than which may be a touch: poses and points are inexact
+constexpr double kClosest = 0.02;   // m to obstacles, less than which no slack is given
 constexpr double kSlack = 0.002;    // m that a motion may come nearer to what the body touches already
 constexpr double kRamp = 0.4;       // s of a motion that have to be clear when it begins
 
@@ -69,6 +71,12 @@ struct Choice {
 struct Clearance {
   double bare, with_margins;
 };
+
+// m that a motion has to keep, without margins, from obstacles that the body is `at_start` away from. `slack`: m nearer
+// that a robot within touching distance may come.
+inline double least_clearance(double at_start, double slack) {
+  return std::min({kTouching, at_start, std::max(at_start - slack, kClosest)});
+}
 
 // `speed`: for which the margins are taken, m/s.
 Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>& obstacles, const Footprint& footprint);
