@@ -4,7 +4,9 @@
 import contextlib
 import io
 import os
+import random
 import re
+import signal
 import subprocess
 import threading
 import time
@@ -81,10 +83,15 @@ def call(robot, service, **fields):
     return rospy.ServiceProxy(name, getattr(srv, SERVICES[service]))(**fields)
 
 
+def state_of(robot):
+    """What a robot says of itself, once a second."""
+    return rospy.wait_for_message(f"/{robot}/adhoc_communication/network_state", msg.NetworkState, 20)
+
+
 def wait_for_state(robot, condition):
-    """Until what a robot says of itself, once a second, fulfils the condition."""
+    """Until what a robot says of itself fulfils the condition."""
     deadline = time.monotonic() + 20
-    while not condition(rospy.wait_for_message(f"/{robot}/adhoc_communication/network_state", msg.NetworkState, 20)):
+    while not condition(state_of(robot)):
         assert time.monotonic() < deadline, robot
         time.sleep(0.1)  # the message is latched
 
@@ -290,6 +297,27 @@ class Delivery(unittest.TestCase):
             call("alice", "send_string", dst_robot="bob", topic="prompt", data="second")
             listener.wait_for(2)
             self.assertLess(time.monotonic() - begin, 1.0)
+
+    def test_a_subscriber_that_hangs_loses_the_oldest_and_holds_up_no_other(self):
+        echo = ["rostopic", "echo", "/bob/heavy/src_robot"]
+        hung = subprocess.Popen(echo, stdout=subprocess.PIPE, env={**os.environ, "PYTHONUNBUFFERED": "1"})
+        try:
+            with Listener("/bob/heavy", msg.RecvString) as listener:
+                call("alice", "send_string", dst_robot="bob", topic="heavy", data="first")
+                listener.wait_for()
+                self.assertTrue(hung.stdout.readline())
+                hung.send_signal(signal.SIGSTOP)
+                before = state_of("bob").packets_not_published
+                texts = [f"{number} " + random.Random(number).randbytes(1_000_000).hex() for number in range(20)]
+                for text in texts:
+                    call("alice", "send_string", dst_robot="bob", topic="heavy", data=text)
+                got = listener.wait_for(1 + len(texts))
+                self.assertEqual([message.data for message in got[1:]], texts)
+            wait_for_state("bob", lambda state: state.packets_not_published > before)
+        finally:
+            hung.kill()
+            hung.wait()
+            hung.stdout.close()
 
     def test_own_log_has_a_row_per_call(self):
         call("alice", "send_string", dst_robot="bob", topic="logged", data="12345")

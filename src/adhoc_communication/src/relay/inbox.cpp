@@ -23,11 +23,13 @@ void Inbox::take(PacketReceived packet, Time now) {
   } catch (const std::exception& error) {
     drop(packet, error.what());
   }
+  tell_of_slow_subscribers();
   tell_of_topics_given_up();
 }
 
 void Inbox::release(Time now) {
   topics_.release_all(now);
+  tell_of_slow_subscribers();
   tell_of_topics_given_up();
 }
 
@@ -117,6 +119,16 @@ void Inbox::drop(const PacketReceived& packet, const std::string& reason) {
   if (topics_told_.size() >= kMostTold || !topics_told_.insert(packet.topic).second) return;
   calls_.tell("A packet from " + packet.source + " for topic '" + escaped(packet.topic) +
               "' is not published: " + reason + " (reported once per topic)");
+}
+
+void Inbox::tell_of_slow_subscribers() {
+  for (const auto& [topic, messages] : topics_.take_dropped()) {
+    dropped_ += messages;
+    if (slow_topics_told_.size() >= kMostTold || !slow_topics_told_.insert(topic).second) continue;
+    calls_.tell("A subscriber of topic '" + topic + "' is too slow: beyond " +
+                std::to_string(SubscriberQueue::kMostMessages) + " messages or " +
+                size_text(SubscriberQueue::kMostOctets) + " it loses the oldest (reported once per topic)");
+  }
 }
 
 void Inbox::tell_of_topics_given_up() {

@@ -11,6 +11,7 @@
 #include "relay/definitions.hpp"
 #include "relay/local_topics.hpp"
 #include "relay/message.hpp"
+#include "relay/subscriber_queue.hpp"
 #include "relay/topic_filter.hpp"
 #include "relay/topic_table.hpp"
 
@@ -38,8 +39,8 @@ class Inbox {
   Inbox(LocalTopics& local, TopicFilter filter, InboxCalls calls);
 
   void take(PacketReceived packet, Time now);
-  bool anything_waits() const { return topics_.anything_waits(); }  ///< for subscribers to connect
-  /// Publishes what has waited for subscribers that have connected, or long enough.
+  bool anything_waits() const { return topics_.anything_waits(); }  ///< for subscribers to connect, or to take it
+  /// Publishes what has waited for subscribers that have connected, or long enough, or that take more now.
   void release(Time now);
   /// Packets dropped since the last call.
   std::uint64_t take_dropped();
@@ -55,6 +56,7 @@ class Inbox {
   TopicTable::Topic& topic_for(const std::string& name, const SerializedMessage& message, const PacketReceived& packet,
                                Time now);
   void drop(const PacketReceived& packet, const std::string& reason);
+  void tell_of_slow_subscribers();
   void tell_of_topics_given_up();
 
   LocalTopics& local_;
@@ -64,6 +66,7 @@ class Inbox {
   TopicTable topics_;
   std::set<std::string> topics_told_;
   std::set<std::string> robots_told_;
+  std::set<std::string> slow_topics_told_;
   std::uint64_t dropped_ = 0;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -19,6 +20,10 @@ class Publication {
 
   virtual std::size_t subscribers() const = 0;  ///< that have connected
   virtual void publish(const SerializedMessage& message) = 0;
+  /// Hands subscribers what they can take of what waits for them. True while something waits.
+  virtual bool serve() { return false; }
+  /// Messages that were dropped since the last call because a subscriber did not take them.
+  virtual std::uint64_t take_dropped() { return 0; }
 };
 
 class LocalTopics {

@@ -37,9 +37,21 @@ void TopicTable::publish(Topic& topic, SerializedMessage message, Time now) {
 }
 
 void TopicTable::release_all(Time now) {
+  subscribers_wait_ = false;
   for (auto& [name, topic] : topics_) {
     if (topic.connecting) release(topic, now);
+    subscribers_wait_ = topic.publication->serve() || subscribers_wait_;
   }
+}
+
+std::vector<TopicTable::Dropped> TopicTable::take_dropped() {
+  std::vector<Dropped> dropped;
+  for (auto& [name, topic] : topics_) {
+    if (const std::uint64_t messages = topic.publication->take_dropped(); messages > 0) {
+      dropped.push_back({name, messages});
+    }
+  }
+  return dropped;
 }
 
 void TopicTable::release(Topic& topic, Time now) {
@@ -54,6 +66,7 @@ void TopicTable::release(Topic& topic, Time now) {
 
 void TopicTable::put_out(Topic& topic, const SerializedMessage& message) {
   topic.publication->publish(message);
+  subscribers_wait_ = topic.publication->serve() || subscribers_wait_;
   if (!topic.latched) return;
   kept_octets_ += message.bytes.size() - topic.kept;
   topic.kept = message.bytes.size();

@@ -46,14 +46,22 @@ class TopicTable {
   Topic* find(const std::string& name, Time now);
   bool knows(const std::string& name) const { return topics_.count(name) != 0; }
   std::size_t size() const { return topics_.size(); }
-  bool anything_waits() const { return waiting_octets_ > 0; }
+  bool anything_waits() const { return waiting_octets_ > 0 || subscribers_wait_; }
 
   Topic& add(const std::string& name, Topic topic, Time now);
   /// What subscribers do not get because they are still connecting is lost to them: until they have, the messages of
   /// that topic wait, and no others.
   void publish(Topic& topic, SerializedMessage message, Time now);
-  /// Publishes what has waited for subscribers that have connected, or long enough.
+  /// Publishes what has waited for subscribers that have connected, or long enough, and hands slow ones what they can
+  /// take.
   void release_all(Time now);
+
+  struct Dropped {
+    std::string topic;
+    std::uint64_t messages = 0;
+  };
+  /// What slow subscribers have not got, since the last call.
+  std::vector<Dropped> take_dropped();
 
   struct GivenUp {
     std::string topic;
@@ -77,6 +85,7 @@ class TopicTable {
   std::map<std::string, Topic> topics_;
   std::size_t waiting_octets_ = 0;
   std::size_t kept_octets_ = 0;
+  bool subscribers_wait_ = false;
   std::vector<GivenUp> given_up_;
 };
 

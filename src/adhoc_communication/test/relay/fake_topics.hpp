@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "relay/local_topics.hpp"
@@ -19,6 +20,8 @@ class FakeTopics : public LocalTopics {
   std::set<std::string> of_others;               ///< topics that other nodes publish
   std::map<std::string, bool> advertised;        ///< and whether they are latched
   std::vector<std::string> published;            ///< topic and octets
+  std::set<std::string> slow;                    ///< topics of which something waits for a subscriber
+  std::map<std::string, std::uint64_t> dropped;  ///< messages that slow ones have lost, not told yet
 
   std::string full_name(const std::string& topic) const override { return local_topic("/", topic); }
   bool others_publish(const std::string& name) const override { return of_others.count(name) != 0; }
@@ -41,6 +44,8 @@ class FakeTopics : public LocalTopics {
     void publish(const SerializedMessage& message) override {
       topics_.published.push_back(name_ + " " + std::string(message.bytes.begin(), message.bytes.end()));
     }
+    bool serve() override { return topics_.slow.count(name_) != 0; }
+    std::uint64_t take_dropped() override { return std::exchange(topics_.dropped[name_], 0); }
 
    private:
     FakeTopics& topics_;

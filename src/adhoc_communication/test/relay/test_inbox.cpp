@@ -63,6 +63,17 @@ TEST_F(InboxTest, PublishesUnderOneNameAndLatchesAsTheSender) {
   EXPECT_TRUE(told.empty());
 }
 
+TEST_F(InboxTest, WhatSlowSubscribersLoseIsCountedAndToldOncePerTopic) {
+  inbox.take(any("map", "1"), 0s);
+  for (int i = 0; i < 3; ++i) {
+    local.dropped["/map"] = 2;
+    inbox.release(i * 1ms);
+  }
+  EXPECT_EQ(inbox.take_dropped(), 6u);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("'/map'"), std::string::npos) << told[0];
+}
+
 TEST_F(InboxTest, WhoComesLateDoesNotDriveOnAnOldCommand) {
   PacketReceived command;
   command.topic = "drive";

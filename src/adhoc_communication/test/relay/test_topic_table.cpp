@@ -43,6 +43,24 @@ TEST_F(TopicTableTest, OneThatWaitsForSubscribersHoldsUpNoOther) {
   EXPECT_FALSE(table.anything_waits());
 }
 
+TEST_F(TopicTableTest, SlowSubscribersAreServedUntilNothingWaits) {
+  add("/map", 0s);
+  local.slow.insert("/map");
+  publish("/map", "1", 0s);
+  EXPECT_TRUE(table.anything_waits());
+  local.dropped["/map"] = 3;
+  release(5ms);
+  EXPECT_TRUE(table.anything_waits());
+  const auto dropped = table.take_dropped();
+  ASSERT_EQ(dropped.size(), 1u);
+  EXPECT_EQ(dropped[0].topic, "/map");
+  EXPECT_EQ(dropped[0].messages, 3u);
+  EXPECT_TRUE(table.take_dropped().empty());
+  local.slow.clear();
+  release(10ms);
+  EXPECT_FALSE(table.anything_waits());
+}
+
 TEST_F(TopicTableTest, LatchedMessagesAreBoundedByTheirOctets) {
   const auto keep = [&](const std::string& name, const std::string& source, Time now, std::size_t octets = 2'500'000) {
     if (!table.knows(name)) add(name, now, source).latched = true;

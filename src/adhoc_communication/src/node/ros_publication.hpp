@@ -1,0 +1,33 @@
+// A topic of the ROS master whose subscribers have a bound in octets each.
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <boost/shared_ptr.hpp>
+#include <string>
+
+#include "relay/local_topics.hpp"
+
+namespace adhoc_communication {
+
+/// The queues of ROS count messages only: a subscriber that hangs would keep a hundred maps of megabytes. So each
+/// subscriber is handed messages one by one, and what it does not take waits here. Late subscribers of a latched topic
+/// are given the last message.
+class RosPublication : public Publication {
+ public:
+  /// Throws PayloadError when the topic cannot be advertised as the type of `message`.
+  RosPublication(ros::NodeHandle& node, const std::string& full_name, const SerializedMessage& message, bool latched);
+
+  std::size_t subscribers() const override;
+  void publish(const SerializedMessage& message) override;
+  bool serve() override;
+  std::uint64_t take_dropped() override;
+
+ private:
+  class Subscribers;
+
+  boost::shared_ptr<Subscribers> subscribers_;  ///< which threads of ROS tell of changes
+  ros::Publisher publisher_;
+};
+
+}  // namespace adhoc_communication
