@@ -89,6 +89,7 @@ def surroundings(
     remembered: np.ndarray,
     walls: Walls,
     own: Optional[Map],
+    footprint: Footprint,
     margins: Margins,
     known_within: float,
     reach: float,

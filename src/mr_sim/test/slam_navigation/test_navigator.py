@@ -536,7 +536,7 @@ def test_close_obstacles_are_not_thinned_out() -> None:
     costs = CostMap(OccupancyGrid.of(np.zeros((80, 80), dtype=np.int8), 0.05, Pose(-2.0, -2.0)), NavigationOptions())
     close, far = [[0.301, 0.001], [0.325, 0.025]], [[0.905, 0.001], [0.925, 0.025]]
     rows = _navigation.surroundings(
-        np.array(close + far), (0.0, 0.0, 0.0), ObstacleMemory(1.0).rows, costs.walls, None,
+        np.array(close + far), (0.0, 0.0, 0.0), ObstacleMemory(1.0).rows, costs.walls, None, FOOTPRINT,
         _navigation.Margins(0.02, 0.05, 0.1, 0.2), 0.1, 1.3, 0.03,
     )  # fmt: skip
     assert sorted(rows[:, :2].tolist()) == sorted([*close, far[0]])

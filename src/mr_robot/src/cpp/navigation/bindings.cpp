@@ -248,14 +248,15 @@ PYBIND11_MODULE(_navigation, module) {
   module.def(
       "surroundings",
       [](const Doubles& points, const Triple& pose, const Doubles& remembered, const OwnedWalls& walls,
-         const OwnedMap* own, const Margins& margins, double known_within, double reach, double spacing,
-         const Doubles& ranges, double angle_min, double angle_increment, const Triple& mount) {
+         const OwnedMap* own, const Footprint& footprint, const Margins& margins, double known_within, double reach,
+         double spacing, const Doubles& ranges, double angle_min, double angle_increment, const Triple& mount) {
         const ScanView scan = view_of(points, ranges, angle_min, angle_increment, mount);
         return to_rows(surroundings(scan, to_pose(pose), to_remembered(remembered), walls.view,
-                                    own == nullptr ? nullptr : &own->view, margins, known_within, reach, spacing));
+                                    own == nullptr ? nullptr : &own->view, footprint, margins, known_within, reach,
+                                    spacing));
       },
-      py::arg("points"), py::arg("pose"), py::arg("remembered"), py::arg("walls"), py::arg("own"), py::arg("margins"),
-      py::arg("known_within"), py::arg("reach"), py::arg("spacing"), py::arg("ranges") = Doubles(0),
+      py::arg("points"), py::arg("pose"), py::arg("remembered"), py::arg("walls"), py::arg("own"), py::arg("footprint"),
+      py::arg("margins"), py::arg("known_within"), py::arg("reach"), py::arg("spacing"), py::arg("ranges") = Doubles(0),
       py::arg("angle_min") = 0.0, py::arg("angle_increment") = 1.0, py::arg("mount") = Triple(0.0, 0.0, 0.0),
       "Obstacles near the robot, rows (x, y, margin, reaction time).");
   module.def("choose_velocity", &choose_velocity, py::arg("cost"), py::arg("resolution"), py::arg("origin"),

@@ -7,16 +7,15 @@
 namespace mr_robot::navigation {
 namespace {
 
-// m; a robot that turns may touch what is this close with a corner, and the nearest point of a square to its middle is
-// not the nearest to that corner.
-constexpr double kClose = 0.45;
+// m from the corners; a robot that turns may touch what is this close, and the nearest point of a square to its middle
+// is not the nearest to a corner.
+constexpr double kClose = 0.16;
 constexpr double kDense = 0.6;         // m around the robot in which hits are smoothed
 constexpr double kPatch = 0.04;        // m around a hit of what belongs to the same surface
 constexpr std::size_t kStray = 3;      // hits that may be farther off between others of a surface
 constexpr std::size_t kPatchHits = 8;  // that make a surface
 constexpr double kEdge = 0.05;         // rad from the edge of the field of view of a hit at it
 constexpr double kEdgePatch = 0.15;    // m of a surface there by which it is continued
-constexpr double kContinued = 0.45;    // m, the length of a robot
 constexpr double kAlong = 0.02;        // m between points of what is continued
 constexpr double kSameWall = 0.1;      // m from it in which walls of the map are the same
 constexpr double kStraight = 0.015;    // m, standard deviation of hits from a line up to which they are one
@@ -148,8 +147,9 @@ std::vector<Point> smoothed(const ScanView& scan) {
 }
 
 // What is close beside the robot at an edge of the field of view goes on where the laser is blind: beside a wall a
-// robot that turns touches it with a corner that it does not see. Points in the robot's frame.
-void continue_edge(const ScanView& scan, bool first, std::vector<Point>& result) {
+// robot that turns touches it with a corner that it does not see. `length`: m that it goes on. Points in the robot's
+// frame.
+void continue_edge(const ScanView& scan, bool first, double length, std::vector<Point>& result) {
   const auto edge_of = [&](std::size_t i) { return first ? scan.points[i] : scan.points[scan.point_count - 1 - i]; };
   const Point edge = edge_of(0);
   const double end = first ? scan.angle_min : scan.angle_min + scan.angle_increment * (scan.range_count - 1.0);
@@ -163,31 +163,33 @@ void continue_edge(const ScanView& scan, bool first, std::vector<Point>& result)
   const Line line = line_through(patch.data(), patch.size());
   if (!line.straight) return;
   const Point from = line.nearest(edge), inside = line.nearest(patch.back());
-  const double length = distance(from, inside);
-  if (length < kPatch) return;
-  const double x = (from.x - inside.x) / length, y = (from.y - inside.y) / length;
-  for (double along = kAlong; along <= kContinued; along += kAlong) {
-    result.push_back({from.x + along * x, from.y + along * y});
+  const double extent = distance(from, inside);
+  if (extent < kPatch) return;
+  const double x = (from.x - inside.x) / extent, y = (from.y - inside.y) / extent;
+  for (int i = 1; i <= std::lround(length / kAlong); ++i) {
+    result.push_back({from.x + i * kAlong * x, from.y + i * kAlong * y});
   }
 }
 
-std::vector<Point> continued(const ScanView& scan) {
+std::vector<Point> continued(const ScanView& scan, double length) {
   std::vector<Point> result;
   const double view = scan.angle_increment * (static_cast<double>(scan.range_count) - 1.0);
   if (scan.point_count == 0 || scan.range_count < 2 || view > 2.0 * M_PI - 2.0 * kEdge) return result;
-  continue_edge(scan, true, result);
-  continue_edge(scan, false, result);
+  continue_edge(scan, true, length, result);
+  continue_edge(scan, false, length, result);
   return result;
 }
 
 // Keeps the nearest obstacle of each square, and all that are close.
 class Nearest {
  public:
-  Nearest(const Pose& pose, double spacing, std::size_t most) : pose_(pose), squares_(spacing, most) {}
+  // `close`: m from the robot's middle.
+  Nearest(const Pose& pose, double close, double spacing, std::size_t most)
+      : pose_(pose), close_within_(close), squares_(spacing, most) {}
 
   void add(const Obstacle& obstacle) {
     const double dx = obstacle.x - pose_.x, dy = obstacle.y - pose_.y, squared = dx * dx + dy * dy;
-    if (squared < kClose * kClose) {
+    if (squared < close_within_ * close_within_) {
       close_.push_back(obstacle);
       return;
     }
@@ -208,6 +210,7 @@ class Nearest {
 
  private:
   Pose pose_;
+  double close_within_;
   Squares squares_;
   std::vector<Obstacle> kept_, close_;
   std::vector<double> squared_;
@@ -298,11 +301,12 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
 }
 
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
-                                   const Walls& walls, const Map* own, const Margins& margins, double known_within,
-                                   double reach, double spacing) {
+                                   const Walls& walls, const Map* own, const Footprint& footprint,
+                                   const Margins& margins, double known_within, double reach, double spacing) {
   const BlindMap blind(walls, own, pose, reach, known_within);
-  const std::size_t most = scan.point_count + remembered.size() + blind.walls().size();
-  Nearest nearest(pose, spacing, most + 2 * static_cast<std::size_t>(kContinued / kAlong + 1.0));
+  const std::vector<Point> beyond = continued(scan, 2.0 * footprint.half_length);
+  const std::size_t most = scan.point_count + remembered.size() + blind.walls().size() + beyond.size();
+  Nearest nearest(pose, std::hypot(footprint.half_length, footprint.half_width) + kClose, spacing, most);
   const Placement place(pose);
   for (const Point& point : smoothed(scan)) {
     if (!within(point, {0.0, 0.0, 0.0}, reach)) continue;
@@ -315,7 +319,7 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
     if (within({point.x, point.y}, pose, reach)) nearest.add({point.x, point.y, margins.moving, margins.reaction_time});
   }
   std::vector<Point> guessed;
-  for (const Point& point : continued(scan)) {
+  for (const Point& point : beyond) {
     const Point there = place(point);
     if (blind.is_open(there)) continue;
     guessed.push_back(there);

@@ -62,7 +62,7 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
 // robot believes to be, while what the others drew may lie beside it: blind walls are those of `own` that are not gone
 // in `walls`, and those of `walls` where `own` shows nothing.
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
-                                   const Walls& walls, const Map* own, const Margins& margins, double known_within,
-                                   double reach, double spacing);
+                                   const Walls& walls, const Map* own, const Footprint& footprint,
+                                   const Margins& margins, double known_within, double reach, double spacing);
 
 }  // namespace mr_robot::navigation

@@ -22,6 +22,7 @@ class Surroundings:
         self._options = options
         self._memory = ObstacleMemory(options.obstacle_memory)
         self._hits = np.empty((0, 2))  # of the latest scan, robot's frame
+        self._footprint = _navigation.Footprint(options.footprint_length / 2.0, options.footprint_width / 2.0)
         self._near = options.reach_in(_navigation.Horizon().duration)
 
     def see(self, scan: Scan, pose: Pose, costs: CostMap, now: float) -> None:
@@ -46,7 +47,7 @@ class Surroundings:
             wall_margin, options.obstacle_margin, options.moving_margin, options.moving_reaction_time
         )
         return _navigation.surroundings(
-            scan.points, pose, self._memory.rows, costs.walls, own, margins, KNOWN_WITHIN, self._near,
+            scan.points, pose, self._memory.rows, costs.walls, own, self._footprint, margins, KNOWN_WITHIN, self._near,
             _navigation.TOUCHING, scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
         )  # fmt: skip
 
