@@ -224,7 +224,7 @@ GroupState Engine::Implementation::group_state(const std::string& group) const {
   if (!wanted && !on_tree) return state;
   state.known = true;
   if (wanted) {
-    state.member = membership->joined || membership->joining;
+    state.member = membership->joined;
     state.joining = membership->joining;
   }
   state.activated = state.connected = on_tree || (wanted && membership->joined);

@@ -14,6 +14,7 @@ void Memberships::join(const std::string& group) {
          "already a member of " + std::to_string(memberships_.size()) + " groups, no more are kept"});
   }
   Membership& membership = memberships_[group];
+  membership.after_leave = membership.after_leave || !membership.wanted;
   membership.wanted = true;
   membership.left = false;
   if (membership.joined) return ends_.push_back({group, true, true, {}});
@@ -110,11 +111,16 @@ void Memberships::end_join(const std::string& group, const std::string& failure,
   if (found == memberships_.end() || !found->second.asked_by_host) return;
   found->second.asked_by_host = false;
   found->second.confirmed_by.reset();
+  const bool after_leave = std::exchange(found->second.after_leave, false);
   if (failure.empty()) return ends_.push_back({group, true, true, {}});
   const bool known = directory_.address_of(*root_of(group)).has_value();
   found->second.joined = false;
   found->second.retry_at = std::max(found->second.retry_at, now + kRetry);
-  if (!automatic_ || !known) memberships_.erase(found);
+  if (automatic_ && after_leave) {
+    found->second.wanted = false;
+  } else if (!automatic_ || !known) {
+    memberships_.erase(found);
+  }
   ends_.push_back({group, true, false, "cannot join " + group + ": " + failure});
 }
 
@@ -122,8 +128,9 @@ void Memberships::end_join(const std::string& group, const std::string& failure,
 void Memberships::give_up_join(const std::string& group, const std::string& failure, Time now) {
   const Membership* membership = find(group);
   if (membership == nullptr || !membership->asked_by_host) return;
+  const bool automatic_again = automatic_ && !membership->after_leave;
   end_join(group, failure, now);
-  if (automatic_ || !directory_.address_of(*root_of(group))) return;
+  if (automatic_again || !directory_.address_of(*root_of(group))) return;
   memberships_[group].wanted = false;
   start_leave(group);
 }
@@ -184,7 +191,7 @@ void Memberships::end(const std::string& reason) {
 void Memberships::succeed(const Memberships& former) {
   for (const auto& [group, membership] : former.memberships_) {
     Membership& kept = memberships_[group];
-    kept.wanted = membership.wanted;
+    kept.wanted = membership.wanted && !membership.after_leave;
     kept.left = membership.left;
   }
 }

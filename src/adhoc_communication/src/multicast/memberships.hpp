@@ -22,6 +22,7 @@ struct Membership {
   bool left = false;                 ///< the leave has arrived; remembered, so that nobody joins again by himself
   bool turned_away = false;          ///< the root has said so before the join was acknowledged
   bool wanted = true;                ///< false once the host has left
+  bool after_leave = false;          ///< the host had left before the join under way: if it fails, that holds again
   Time retry_at{0};                  ///< when to ask again after a failure
 };
 

@@ -67,5 +67,20 @@ TEST(Introspection, GroupsAndNames) {
   EXPECT_FALSE(team.engine(0).name_of(Team::address(9)));
 }
 
+TEST(Introspection, WhoIsJoiningIsNoMemberYet) {
+  Team team;
+  EngineOptions options;
+  options.join_groups_automatically = false;
+  team.add_line(2, options);
+  team.run_for(1s);
+  team.engine(0).join_group("mc_robot_1", team.now());
+  EXPECT_TRUE(team.engine(0).group_state("mc_robot_1").known);
+  EXPECT_TRUE(team.engine(0).group_state("mc_robot_1").joining);
+  EXPECT_FALSE(team.engine(0).group_state("mc_robot_1").member);
+  team.run_for(2s);
+  EXPECT_FALSE(team.engine(0).group_state("mc_robot_1").joining);
+  EXPECT_TRUE(team.engine(0).group_state("mc_robot_1").member);
+}
+
 }  // namespace
 }  // namespace adhoc_communication

@@ -129,6 +129,30 @@ TEST(Memberships, ALeaveLastsAndIsToldUntilTheRootHasHeardOfIt) {
   EXPECT_EQ(robot.words(), Kinds{});
 }
 
+TEST(Memberships, ALeaveHoldsAgainAfterAJoinThatFails) {
+  Fixture robot(true);
+  robot.root_is_heard(1s);
+  robot.memberships.appeared("root");
+  robot.memberships.said({Kind::kJoin, kGroup}, true, {}, 1s);
+  robot.memberships.leave(kGroup);
+  robot.memberships.said({Kind::kLeave, kGroup}, true, {}, 2s);
+  robot.words();
+  robot.memberships.join(kGroup);
+  EXPECT_EQ(robot.words(), Kinds{Kind::kJoin});
+  robot.memberships.said({Kind::kJoin, kGroup}, false, "no route", 3s);
+  EXPECT_EQ(robot.words(), Kinds{Kind::kLeave}) << "the root may have heard of the join";
+  robot.memberships.said({Kind::kLeave, kGroup}, true, {}, 4s);
+  EXPECT_TRUE(robot.memberships.refuses(kGroup));
+  robot.memberships.appeared("root");
+  robot.memberships.expire(100s);
+  EXPECT_EQ(robot.words(), Kinds{});
+  robot.memberships.join(kGroup);
+  robot.memberships.said({Kind::kJoin, kGroup}, true, {}, 101s);
+  robot.memberships.named(kGroup, true, 1, 101s);
+  EXPECT_TRUE(robot.memberships.joined(kGroup));
+  EXPECT_FALSE(robot.memberships.refuses(kGroup));
+}
+
 TEST(Memberships, AnotherRunKeepsWhatTheHostWanted) {
   Fixture former(true), robot(true);
   former.memberships.join("mc_a");
