@@ -139,15 +139,15 @@ TEST(RelayTable, SlowRelayDropsTheOldestAndCounts) {
   RelayTable table("self");
   const auto id = table.add(to("bob"));
   table.robot_appeared("bob", 0s);
-  const int count = static_cast<int>(RelayTable::kMostWaiting) + 4;
+  const int count = static_cast<int>(RelayQueue::kMostWaiting) + 4;
   for (int i = 0; i < count; ++i) table.offer(id, message(std::to_string(i)), 0s);
-  EXPECT_EQ(only_report(table).waiting, RelayTable::kMostWaiting);
+  EXPECT_EQ(only_report(table).waiting, RelayQueue::kMostWaiting);
   EXPECT_EQ(only_report(table).dropped, 4u);
   const auto sent = deliver_all(table, 0s);
-  ASSERT_EQ(sent.size(), RelayTable::kMostWaiting);
+  ASSERT_EQ(sent.size(), RelayQueue::kMostWaiting);
   EXPECT_EQ(sent.front(), "4");
   EXPECT_EQ(sent.back(), std::to_string(count - 1));
-  EXPECT_EQ(only_report(table).delivered, RelayTable::kMostWaiting);
+  EXPECT_EQ(only_report(table).delivered, RelayQueue::kMostWaiting);
 }
 
 TEST(RelayTable, OctetsAreBoundedOverAllRelays) {
@@ -186,7 +186,7 @@ TEST(RelayTable, AtMostFourOfARelayAreOnTheWay) {
   for (int i = 0; i < 10; ++i) table.offer(id, message("m"), 0s);
   int started = 0;
   while (table.next(0s)) ++started;
-  EXPECT_EQ(started, static_cast<int>(RelayTable::kMostInFlight));
+  EXPECT_EQ(started, static_cast<int>(RelayQueue::kMostInFlight));
 }
 
 TEST(RelayTable, OneRelayDoesNotStarveAnother) {
@@ -277,11 +277,11 @@ TEST(RelayTable, LatchedMessageIsTriedAgainUntilItArrivesOrIsOutdated) {
   table.finished(transfer->number, false, "no route", 0s);
   EXPECT_EQ(only_report(table).last_failure, "no route");
   EXPECT_FALSE(table.next(0s));
-  EXPECT_EQ(table.next_deadline(), RelayTable::kRetry);
-  transfer = table.next(RelayTable::kRetry);
+  EXPECT_EQ(table.next_deadline(), RelayQueue::kRetry);
+  transfer = table.next(RelayQueue::kRetry);
   ASSERT_TRUE(transfer);
-  table.offer(id, message("2"), RelayTable::kRetry);
-  table.finished(transfer->number, false, "no route", RelayTable::kRetry);
+  table.offer(id, message("2"), RelayQueue::kRetry);
+  table.finished(transfer->number, false, "no route", RelayQueue::kRetry);
   EXPECT_EQ(deliver_all(table, 10s), std::vector<std::string>{"2"});
 }
 
@@ -317,11 +317,11 @@ TEST(RelayTable, LatchedMessageReachesManyWhoJoinTogether) {
   table.offer(id, message("map"), 0s);
   deliver_all(table, 0s);
   std::vector<std::string> members;
-  for (std::size_t i = 0; i < 3 * RelayTable::kMostWaiting; ++i) members.push_back("robot_" + std::to_string(i));
+  for (std::size_t i = 0; i < 3 * RelayQueue::kMostWaiting; ++i) members.push_back("robot_" + std::to_string(i));
   for (const std::string& member : members) table.robot_appeared(member, 1s);
   table.group_members(members, 1s);
   std::set<std::string> reached;
-  for (Time now = 1s; now < 10s; now += RelayTable::kRetry) {
+  for (Time now = 1s; now < 10s; now += RelayQueue::kRetry) {
     while (const auto transfer = table.next(now)) {
       const bool arrives = now > 1s || reached.size() % 2 == 0;
       if (arrives) reached.insert(transfer->request.destination);
@@ -396,7 +396,7 @@ TEST(RelayTable, NewMembersAreServedWhenTheyAreThereAndBounded) {
   table.finished(transfer->number, false, "no route", 4s);
   EXPECT_FALSE(table.next(10s));
   for (int i = 0; i < 1000; ++i) table.robot_appeared("robot_" + std::to_string(1000 + i), 10s);
-  EXPECT_EQ(deliver_all(table, 10s).size(), RelayTable::kMostOwed);
+  EXPECT_EQ(deliver_all(table, 10s).size(), RelayQueue::kMostOwed);
 }
 
 /// A packet for the group of `self` as a relay of `source` sends it.
