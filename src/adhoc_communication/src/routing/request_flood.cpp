@@ -57,7 +57,7 @@ void RequestFlood::poll(const Neighbors& neighbors, Time now) {
     } else if (!pending.broadcast_done) {
       outbox_.broadcast(wire::FrameType::kRouteRequest, to_bytes(pending.request));
       pending.broadcast_done = true;
-      pending.due = now + kConfirm + kWaitersPerHop * (now - pending.due);
+      pending.due = now + kConfirm + random_.delay(kConfirmJitter) + kWaitersPerHop * (now - pending.due);
       ++i;
     } else {
       confirm(pending.request, neighbors, now);

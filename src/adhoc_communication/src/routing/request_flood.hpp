@@ -30,6 +30,7 @@ class RequestFlood {
   static constexpr double kBadLoss = 0.5;               ///< of a link over which others may do better
   static constexpr int kMostForwards = 2;               ///< of one request: once more when a cheaper copy came late
   static constexpr Time kConfirm = std::chrono::milliseconds(25);
+  static constexpr Time kConfirmJitter = std::chrono::milliseconds(10);  ///< on top, or copies of hidden robots collide
   static constexpr int kWaitersPerHop = 4;  ///< that may stand before a copy where this robot stood alone
   static constexpr Time kJitter = std::chrono::milliseconds(2);
   static constexpr Time kPenalty = std::chrono::milliseconds(15);  ///< for each transmission more than a perfect hop

@@ -4,8 +4,9 @@
 
 namespace adhoc_communication::routing {
 
-RouteDiscovery::RouteDiscovery(const EngineOptions& options)
+RouteDiscovery::RouteDiscovery(const EngineOptions& options, Random& random)
     : timings_(options.timings),
+      random_(random),
       first_ring_(options.hop_limit_min == 0 ? timings_.net_diameter
                                              : std::min(options.hop_limit_min, timings_.net_diameter)),
       last_ring_(options.hop_limit_max == 0 ? timings_.net_diameter
@@ -87,7 +88,9 @@ bool RouteDiscovery::advance(Search& search, Time now) {
   const Time wait = last ? timings_.route_request_wait * (1 << std::min(search.tries, 10))
                          : timings_.ring_traversal_time(search.hop_limit);
   ++search.tries;
-  search.due = now + wait;
+  const bool another_follows = !search.repair && !(last && search.tries >= most_tries);
+  const Time jitter = another_follows ? random_.delay(wait / kJitterShare) : Time(0);
+  search.due = now - std::exchange(search.late, jitter) + wait + jitter;
   return true;
 }
 

@@ -8,6 +8,7 @@
 
 #include "adhoc_communication/options.hpp"
 #include "adhoc_communication/timings.hpp"
+#include "random.hpp"
 #include "routing/rate_limit.hpp"
 #include "wire/messages.hpp"
 
@@ -25,10 +26,13 @@ struct DiscoveryFailure {
   bool repair = false;
 };
 
-/// At most kMostSearches at once; further ones fail at once.
+/// At most kMostSearches at once; further ones fail at once. A request is repeated up to a quarter of its wait late
+/// (jitter of RFC 5148): robots that do not hear each other and began to search at the same moment would otherwise
+/// repeat in step, and collide each time. When the search is given up does not change by that.
 class RouteDiscovery {
  public:
   static constexpr std::size_t kMostSearches = 64;
+  static constexpr int kJitterShare = 4;  ///< of the wait: the first part of so many
 
   struct Step {
     Target target;
@@ -45,7 +49,7 @@ class RouteDiscovery {
     std::uint32_t last_request = 0;  ///< its id
   };
 
-  explicit RouteDiscovery(const EngineOptions& options);
+  RouteDiscovery(const EngineOptions& options, Random& random);
 
   /// Starts a search unless one is running. `last_hops`: length of the route that was lost, 0 if there was none.
   void search(const Target& target, std::uint8_t last_hops, Time now);
@@ -76,6 +80,7 @@ class RouteDiscovery {
     int requests = 0;
     int replies = 0;
     std::uint32_t last_request = 0;
+    Time late{0};  ///< the next try, by chance
   };
   using Key = std::pair<MacAddress, std::string>;
 
@@ -88,6 +93,7 @@ class RouteDiscovery {
   bool is_last_ring(int hop_limit) const { return hop_limit >= last_ring_; }
 
   const Timings& timings_;
+  Random& random_;
   int first_ring_;
   int last_ring_;
   int increment_;

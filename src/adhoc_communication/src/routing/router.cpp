@@ -14,7 +14,7 @@ Router::Router(const Identity& self, const EngineOptions& options, Neighbors& ne
       outbox_(outbox),
       journal_(journal),
       routes_(options.timings),
-      discovery_(options),
+      discovery_(options, random),
       flood_(options.timings, outbox, random),
       error_limit_(options.timings.error_rate_limit),
       hops_acknowledge_(options.num_link_retrans > 0),

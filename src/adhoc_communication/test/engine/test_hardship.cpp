@@ -239,6 +239,25 @@ TEST(Hardship, WhoDoNotHearEachOtherDoNotAskInStep) {
   EXPECT_TRUE(team.finished(2, right)->delivered) << team.finished(2, right)->reason;
 }
 
+/// So did their requests for routes, and the copies for the robot between them that had missed those.
+TEST(Hardship, A4_14_WhoDoNotHearEachOtherDoNotSearchInStep) {
+  EngineOptions options;
+  options.num_link_retrans = 0;
+  MediumOptions medium;
+  medium.contention = true;
+  medium.bit_rate = 6e6;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Team team(medium, seed);
+    team.add_line(3, options);
+    team.run_for(3s);
+    const SendId left = team.send(0, "robot_2", noise(100));
+    const SendId right = team.send(2, "robot_0", noise(100));
+    ASSERT_TRUE(finish(team, 0, left) && finish(team, 2, right)) << seed;
+    EXPECT_TRUE(team.finished(0, left)->delivered) << seed << ": " << team.finished(0, left)->reason;
+    EXPECT_TRUE(team.finished(2, right)->delivered) << seed << ": " << team.finished(2, right)->reason;
+  }
+}
+
 TEST(Hardship, TenMegabytes) {
   Team team;
   team.add_line(2);

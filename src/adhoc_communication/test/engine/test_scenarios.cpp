@@ -38,6 +38,8 @@ INSTANTIATE_TEST_SUITE_P(ManySegmentsWithoutRepetition, Scenarios, testing::Valu
 
 /// Once ended with a failed send: two robots that do not hear each other repeated in step, and collided each time.
 INSTANTIATE_TEST_SUITE_P(HiddenFromEachOther, Scenarios, testing::Values(2101));
+/// The same with requests for routes.
+INSTANTIATE_TEST_SUITE_P(SearchesHiddenFromEachOther, Scenarios, testing::Values(10974));
 
 TEST(Scenarios, AreTheSameForTheSameSeed) {
   EXPECT_EQ(run(make_scenario(3)).trace_hash, run(make_scenario(3)).trace_hash);
