@@ -21,7 +21,8 @@ dependencies:
 # Each prints its table and writes rows of JSON below out/bench.
 bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim bench-page
 
-RADIO_ROWS = $(patsubst %,out/bench/adhoc%.json,_adversaries _scenarios _engine _memory _medium _hosts) out/bench/adhoc.json
+RADIO_PARTS = intact goodput multicast mixed_rates routes idle priority mobile
+RADIO_ROWS = $(patsubst %,out/bench/adhoc%.json,_adversaries _scenarios $(addprefix _,$(RADIO_PARTS)) _memory _medium _hosts) out/bench/adhoc.json
 
 # Publishes docs/results/radio.md: half an hour on two idle cores.
 bench-adhoc: build
@@ -33,8 +34,10 @@ bench-adhoc: build
 	rosrun adhoc_communication bench_hosts --out out/bench/adhoc_hosts.json || missed=1; \
 	rosrun adhoc_communication bench_memory --json out/bench/adhoc_memory.json || missed=1; \
 	rosrun adhoc_communication bench_medium --json out/bench/adhoc_medium.json || missed=1; \
-	rosrun adhoc_communication bench_engine --minutes 0.5 --json out/bench/adhoc_engine.json || missed=1; \
-	rosrun mr_experiments publish bench $(RADIO_ROWS) docs/results/data/radio.csv; \
+	for part in $(RADIO_PARTS); do \
+	  rosrun adhoc_communication bench_engine --part $$part --minutes 0.5 --json out/bench/adhoc_$$part.json || missed=1; \
+	done; \
+	rosrun mr_experiments publish bench $$(ls $(RADIO_ROWS)) docs/results/data/radio.csv; \
 	rosrun mr_experiments publish pages docs/results/radio.md; \
 	exit $$missed
 

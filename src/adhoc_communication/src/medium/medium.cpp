@@ -24,6 +24,7 @@ Medium::Node Medium::add_node(const std::string& name, std::optional<MacAddress>
   if (address) by_address_[*address] = nodes_.size();
   nodes_.push_back(std::move(node));
   reach_.add_node();
+  turns_.add_node();
   return nodes_.size() - 1;
 }
 
@@ -81,10 +82,22 @@ void Medium::transmit(Node node, const Frame& frame, Time now) {
     if (is_idle) back_off(node, now);
     return;
   }
+  if (options().spatial_reuse) return take_turn(node, frame, now);
   Time& busy_until = options().shared ? shared_busy_until_ : state.busy_until;
   const Time begin = std::max(busy_until, now);
   const Time duration = air_time(node, frame);
   busy_until = begin + duration;
+  launch(node, frame, begin, duration);
+}
+
+void Medium::take_turn(Node node, const Frame& frame, Time now) {
+  std::vector<Turns::Listener> listeners;
+  for (const Hearer& hearer : reach_.hearers(node)) {
+    listeners.push_back({hearer.node, addressed(frame, nodes_[hearer.node])});
+  }
+  const Time begin = turns_.next(node, listeners, now);
+  const Time duration = air_time(node, frame);
+  turns_.take(node, listeners, begin + duration);
   launch(node, frame, begin, duration);
 }
 

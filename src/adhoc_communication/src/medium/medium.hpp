@@ -14,6 +14,7 @@
 #include "medium/contention.hpp"
 #include "medium/options.hpp"
 #include "medium/reach.hpp"
+#include "medium/turns.hpp"
 #include "random.hpp"
 
 namespace adhoc_communication {
@@ -96,6 +97,8 @@ class Medium {
 
   using FlightKey = std::pair<Time, std::uint64_t>;  ///< end of air time, order of transmission
 
+  /// Sends at the node's turn.
+  void take_turn(Node node, const Frame& frame, Time now);
   Time air_time(Node sender, const Frame& frame);
   double bit_rate(Node sender, const Frame& frame);
   bool is_repeated(const Frame& frame) const;
@@ -117,6 +120,7 @@ class Medium {
   Random random_;
   Reach reach_;
   ContendedChannel channel_;
+  Turns turns_;
   std::vector<NodeState> nodes_;
   std::map<MacAddress, Node> by_address_;
   std::map<FlightKey, Flight> flights_;

@@ -24,6 +24,7 @@ bool is_rising(const std::vector<Rate>& rates) {
 const MediumOptions& validated(const MediumOptions& options) {
   require(options.bit_rate > 0.0, "the bit rate of the medium is not above zero");
   require(!options.shared || !options.contention, "the medium is either shared in turns or contended for, not both");
+  require(options.shared || !options.spatial_reuse, "only a medium shared in turns has turns to give twice");
   require(options.slots > 0, "the medium needs at least one back-off slot");
   require(options.rates.broadcast >= 0.0, "the bit rate of broadcasts is below zero");
   require(is_rising(options.rates.unicast), "the bit rates of unicasts, above zero, and their margins do not rise");

@@ -18,6 +18,7 @@ struct MediumOptions {
   double bit_rate = 50e6;                               ///< bit/s for the octets behind the Ethernet header
   Time frame_overhead = std::chrono::microseconds(50);  ///< air time of a frame besides its octets
   bool shared = false;             ///< all nodes take turns on one channel; otherwise each has its own to send on
+  bool spatial_reuse = false;      ///< with `shared`: frames that disturb each other nowhere share a turn
   std::size_t queue_limit = 1000;  ///< frames of a node waiting for the air; further ones are lost
   double duplication = 0.0;        ///< probability that a frame arrives twice
   double reordering = 0.0;         ///< probability that a frame arrives up to 5 ms late

@@ -34,6 +34,7 @@ const char* const kRadioUsage =
     "  --unicast-rates false    true: a frame for one robot goes at 6 to 54 Mbit/s, the better it hears the faster\n"
     "  --unicast-retries 0      of the link layer, with contention\n"
     "  --shared false           true: all robots take turns on one channel; otherwise each sends when it likes\n"
+    "  --spatial-reuse false    true: with --shared, frames that disturb each other nowhere share a turn\n"
     "  --contention false       true: one channel with carrier sense, half duplex and collisions\n"
     "  --capture 10             dB by which a frame has to be stronger than another to survive it\n"
     "  --rtf 1                  real-time factor of the simulation: the bit rate is as much higher\n"
@@ -179,6 +180,7 @@ const std::map<std::string, Setter>& setters() {
       {"--unicast-rates", set_unicast_rates},
       {"--unicast-retries", set_unicast_retries},
       {"--shared", logical([](Line & l) -> auto& { return l.options.medium.shared; })},
+      {"--spatial-reuse", logical([](Line & l) -> auto& { return l.options.medium.spatial_reuse; })},
       {"--contention", logical([](Line & l) -> auto& { return l.options.medium.contention; })},
       {"--capture", numeric(
                         [](Line & l) -> auto& { return l.options.medium.capture; }, 0, 200)},
@@ -212,6 +214,9 @@ void check_combination(const CommandLine& line) {
   }
   if (line.options.medium.shared && line.options.medium.contention) {
     throw std::invalid_argument("--shared true and --contention true exclude each other");
+  }
+  if (line.options.medium.spatial_reuse && !line.options.medium.shared) {
+    throw std::invalid_argument("--spatial-reuse needs --shared true");
   }
   if (line.options.medium.rates.unicast_retries > 0 && !line.options.medium.contention) {
     throw std::invalid_argument("--unicast-retries needs --contention true");

@@ -11,27 +11,24 @@
 namespace adhoc_communication::bench {
 namespace {
 
-const std::vector<std::pair<std::string, std::function<std::vector<Row>(const Effort&)>>> kParts = {
-    {"intact", intact_rows},           {"goodput", goodput_rows}, {"multicast", multicast_rows},
-    {"mixed_rates", mixed_rates_rows}, {"routes", route_rows},    {"idle", idle_rows},
-    {"priority", priority_rows},       {"mobile", mobile_rows}};
+const std::vector<std::pair<std::string, std::function<void(const Effort&, Rows&)>>> kParts = {
+    {"intact", measure_intact},           {"goodput", measure_goodput}, {"multicast", measure_multicast},
+    {"mixed_rates", measure_mixed_rates}, {"routes", measure_routes},   {"idle", measure_idle},
+    {"priority", measure_priority},       {"mobile", measure_mobile}};
 
 int run(const std::string& part, const Effort& effort, const std::string& file) {
-  std::vector<Row> rows;
+  Rows rows(file);
   for (const auto& [name, measure] : kParts) {
-    if (!part.empty() && name != part) continue;
-    for (const Row& row : measure(effort)) {
-      print(row);
-      rows.push_back(row);
-    }
+    if (part.empty() || name == part) measure(effort, rows);
   }
-  return conclude(rows, file);
+  return rows.status();
 }
 
 int usage() {
   std::string parts;
   for (const auto& [name, measure] : kParts) parts += (parts.empty() ? "" : "|") + name;
-  std::fprintf(stderr, "usage: bench_engine [--part %s] [--trials N] [--minutes M] [--json FILE]\n", parts.c_str());
+  std::fprintf(stderr, "usage: bench_engine [--part %s] [--trials N] [--minutes M] [--patience S] [--json FILE]\n",
+               parts.c_str());
   return 2;
 }
 
@@ -50,6 +47,8 @@ int main(int argc, char** argv) {
       effort.trials = std::atoi(value.c_str());
     } else if (std::strcmp(argv[i], "--minutes") == 0 && std::atof(value.c_str()) > 0) {
       effort.minutes = std::atof(value.c_str());
+    } else if (std::strcmp(argv[i], "--patience") == 0 && std::atof(value.c_str()) > 0) {
+      effort.patience = std::atof(value.c_str());
     } else if (std::strcmp(argv[i], "--json") == 0) {
       file = value;
     } else if (std::strcmp(argv[i], "--part") == 0 &&

@@ -46,10 +46,9 @@ Row crowd() {
 
 }  // namespace
 
-std::vector<Row> idle_rows(const Effort&) {
-  std::vector<Row> rows = two_neighbours();
-  rows.push_back(crowd());
-  return rows;
+void measure_idle(const Effort&, Rows& rows) {
+  for (const Row& row : two_neighbours()) rows.add(row);
+  rows.add(crowd());
 }
 
 }  // namespace adhoc_communication::bench

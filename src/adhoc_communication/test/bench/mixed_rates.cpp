@@ -130,21 +130,19 @@ std::string name_of(const Mix& mix, const std::string& members) {
 
 }  // namespace
 
-std::vector<Row> mixed_rates_rows(const Effort& effort) {
+void measure_mixed_rates(const Effort& effort, Rows& rows) {
   const int seeds = std::max(10, effort.trials / 2);
   const auto all_at = [](std::size_t members, double bit_rate) { return std::vector<double>(members, bit_rate); };
-  std::vector<Row> rows;
   for (const double loss : {0.0, 0.1}) {
     for (const auto& [members, broadcast] : {std::pair(8, 6e6), {2, 6e6}, {4, 6e6}, {8, 1e6}, {2, 1e6}}) {
       const Mix mix{all_at(static_cast<std::size_t>(members), 54e6), broadcast, loss};
-      rows.push_back(row_of(name_of(mix, format("%.0f members at 54", members)), mix, seeds));
+      rows.add(row_of(name_of(mix, format("%.0f members at 54", members)), mix, seeds));
     }
     const Mix near_and_far{{54e6, 54e6, 54e6, 6e6}, 6e6, loss};
-    rows.push_back(row_of(name_of(near_and_far, "3 members at 54, 1 at 6"), near_and_far, seeds));
+    rows.add(row_of(name_of(near_and_far, "3 members at 54, 1 at 6"), near_and_far, seeds));
     const Mix alike{all_at(4, 6e6), 6e6, loss};
-    rows.push_back(row_of(name_of(alike, "4 members at 6"), alike, seeds));
+    rows.add(row_of(name_of(alike, "4 members at 6"), alike, seeds));
   }
-  return rows;
 }
 
 }  // namespace adhoc_communication::bench

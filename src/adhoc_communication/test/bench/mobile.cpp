@@ -21,6 +21,8 @@ constexpr Time kWarmUp = 20s;       ///< to join the groups
 constexpr std::size_t kUnicastOctets = 200;
 constexpr std::size_t kGroupOctets = 1000;
 
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
 struct Tally {
   std::uint64_t sent = 0;
   std::uint64_t with_path = 0;  ///< one and the same path stood
@@ -42,17 +44,21 @@ class Mission {
     team().on_event = [this](std::size_t robot, const Event& event) { take(robot, event); };
   }
 
-  void run(Time warm_up, Time duration) {
+  /// Ends early, with what it has, once the program has taken `patience` seconds of processor time for it.
+  void run(Time warm_up, Time duration, double patience) {
+    give_up_at_ = processor_seconds() + patience;
     for (std::size_t robot = 0; robot < kRobots; ++robot) {
       if (robot % kGroupSize != 0) team().engine(robot).join_group(group_of(robot), team().now());
     }
     const Time end = warm_up + duration;
-    while (team().now() < end + kPathStands) {
+    end_ = end + kPathStands;
+    while (team().now() < end_ && !gave_up()) {
       if (team().now() >= warm_up && team().now() < end) send_due();
       moving_.step();
       judge();
     }
-    while (!waiting_.empty() && team().now() < end + 60s) {
+    reached_ = std::min(team().now(), end_);
+    while (!waiting_.empty() && team().now() < end + 60s && !gave_up()) {
       moving_.step();
       forget_arrived();
     }
@@ -63,6 +69,12 @@ class Mission {
   const MovingTeam& moving() const { return moving_; }
   const Tally& unicast() const { return tally_[0]; }
   const Tally& group() const { return tally_[1]; }
+  bool complete() const { return reached_ == end_; }
+  /// What is missing of the mission; nothing if it is complete.
+  std::string shortfall() const {
+    if (complete()) return "";
+    return format("; not reached: stopped after %.1f of %.1f virtual seconds", seconds(reached_), seconds(end_));
+  }
 
  private:
   struct Packet {
@@ -75,6 +87,8 @@ class Mission {
     bool arrived = false;
   };
   using Number = std::pair<std::uint64_t, std::size_t>;  ///< of the packet, and who is to get it
+
+  bool gave_up() const { return processor_seconds() >= give_up_at_; }
 
   static EngineOptions options(Air air) {
     EngineOptions options;
@@ -164,28 +178,31 @@ class Mission {
   std::map<Number, Packet> waiting_;
   std::uint64_t number_ = 0;
   Tally tally_[2];
+  double give_up_at_ = 0;  ///< of processor_seconds()
+  Time end_{0};
+  Time reached_{0};
 };
 
 std::string name_of(Air air) {
   return air == Air::kQuiet ? "100 robots on the move" : "100 robots on the move, contention and joins";
 }
 
-Row delivered(Air air, const std::string& what, const Tally& tally, const std::string& detail) {
+Row delivered(const Mission& mission, Air air, const std::string& what, const Tally& tally, const std::string& detail) {
   return {name_of(air) + ", a path stood for 5 s: " + what,
           ">= 99.9",
           100 * tally.share(),
           "%",
-          tally.share() >= 0.999,
+          mission.complete() && tally.share() >= 0.999,
           format("%.0f of %.0f, sent %.0f", static_cast<double>(tally.arrived), static_cast<double>(tally.with_path),
                  static_cast<double>(tally.sent)) +
-              detail};
+              detail + mission.shortfall()};
 }
 
-Row repeats() {
+Row repeats(const Effort& effort) {
   std::uint64_t hashes[3];
   for (int i = 0; i < 3; ++i) {
     Mission mission(Air::kQuiet, i < 2 ? 1 : 2);
-    mission.run(2s, 3s);
+    mission.run(2s, 3s, effort.patience);
     hashes[i] = mission.team().trace_hash();
   }
   const bool same = hashes[0] == hashes[1];
@@ -197,37 +214,37 @@ Row repeats() {
           "two short runs; another seed gives others"};
 }
 
-std::vector<Row> rows_of(Air air, const Effort& effort) {
+void measure_mission(Air air, const Effort& effort, Rows& rows) {
   const double begin = wall_seconds();
-  const std::clock_t start = std::clock();
+  const double start = processor_seconds();
   Mission mission(air, 1);
-  mission.run(kWarmUp, Time(static_cast<Time::rep>(effort.minutes * 60e9)));
+  mission.run(kWarmUp, Time(static_cast<Time::rep>(effort.minutes * 60e9)), effort.patience);
   const double wall = wall_seconds() - begin;
-  const double cpu = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  const double cpu = processor_seconds() - start;
   const double bar = 6 * effort.minutes;
   const auto frames = static_cast<double>(mission.team().medium().counters().frames);
   const auto heard = static_cast<double>(mission.team().medium().counters().delivered);
   const auto packets = static_cast<double>(mission.unicast().delivered + mission.group().delivered);
   const double per_packet = packets > 0 ? frames / packets : frames;
-  return {delivered(air, "unicast 200 B/s each", mission.unicast(),
-                    format("; %.1f good neighbours, %.2g frames, heard %.2g times", mission.moving().mean_degree(),
-                           frames, heard)),
-          delivered(air, "10 groups of 10, 1 kB/s each", mission.group(), " (counted for each member)"),
-          {name_of(air) + ": frames for each packet delivered", "<= 40", per_packet, "frames", per_packet <= 40,
-           format("%.3g frames, %.3g packets, path or not", frames, packets)},
-          {name_of(air) + ": hearings in a second of one core", ">= 200000", heard / cpu, "1/s", heard / cpu >= 200'000,
-           format("%.3g hearings in %.1f s of processor time", heard, cpu)},
-          {name_of(air) + format(": %.3g virtual minutes on one core", effort.minutes), format("<= %.3g", bar), wall,
-           "s", wall <= bar, format("processor time %.1f s", cpu)}};
+  const bool complete = mission.complete();
+  rows.add(delivered(
+      mission, air, "unicast 200 B/s each", mission.unicast(),
+      format("; %.1f good neighbours, %.2g frames, heard %.2g times", mission.moving().mean_degree(), frames, heard)));
+  rows.add(delivered(mission, air, "10 groups of 10, 1 kB/s each", mission.group(), " (counted for each member)"));
+  rows.add({name_of(air) + ": frames for each packet delivered", "<= 40", per_packet, "frames",
+            complete && per_packet <= 40,
+            format("%.3g frames, %.3g packets, path or not", frames, packets) + mission.shortfall()});
+  rows.add({name_of(air) + ": hearings in a second of one core", ">= 200000", heard / cpu, "1/s",
+            heard / cpu >= 200'000, format("%.3g hearings in %.1f s of processor time", heard, cpu)});
+  rows.add({name_of(air) + format(": %.3g virtual minutes on one core", effort.minutes), format("<= %.3g", bar), wall,
+            "s", complete && wall <= bar, format("processor time %.1f s", cpu) + mission.shortfall()});
 }
 
 }  // namespace
 
-std::vector<Row> mobile_rows(const Effort& effort) {
-  std::vector<Row> rows = rows_of(Air::kQuiet, effort);
-  for (const Row& row : rows_of(Air::kCrowded, effort)) rows.push_back(row);
-  rows.push_back(repeats());
-  return rows;
+void measure_mobile(const Effort& effort, Rows& rows) {
+  for (const Air air : {Air::kQuiet, Air::kCrowded}) measure_mission(air, effort, rows);
+  rows.add(repeats(effort));
 }
 
 }  // namespace adhoc_communication::bench

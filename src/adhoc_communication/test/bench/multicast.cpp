@@ -156,16 +156,14 @@ double ideal_sends(int frames, int children, double loss) {
   return expected / frames;
 }
 
-std::vector<Row> multicast_rows(const Effort& effort) {
+void measure_multicast(const Effort& effort, Rows& rows) {
   const int trials = effort.trials;
-  std::vector<Row> rows;
-  rows.push_back(one_hop(1'000'000, 1, 0.1, 1.35, "1 MB"));
-  rows.push_back(one_hop(1'000'000, 1, 0.3, 1.75, "1 MB"));
-  rows.push_back(one_hop(1000, 2 * trials, 0.1, 1.9, "1 frame"));
-  rows.push_back(one_hop(1000, 2 * trials, 0.3, 3.1, "1 frame"));
-  for (const double loss : {0.0, 0.1, 0.3}) rows.push_back(tree(loss));
-  for (const double loss : {0.1, 0.3}) rows.push_back(line(loss));
-  return rows;
+  rows.add(one_hop(1'000'000, 1, 0.1, 1.35, "1 MB"));
+  rows.add(one_hop(1'000'000, 1, 0.3, 1.75, "1 MB"));
+  rows.add(one_hop(1000, 2 * trials, 0.1, 1.9, "1 frame"));
+  rows.add(one_hop(1000, 2 * trials, 0.3, 3.1, "1 frame"));
+  for (const double loss : {0.0, 0.1, 0.3}) rows.add(tree(loss));
+  for (const double loss : {0.1, 0.3}) rows.add(line(loss));
 }
 
 }  // namespace adhoc_communication::bench

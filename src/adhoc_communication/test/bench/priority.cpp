@@ -144,11 +144,9 @@ Row own_share(std::size_t sources, int seeds) {
 
 }  // namespace
 
-std::vector<Row> priority_rows(const Effort& effort) {
-  std::vector<Row> rows;
-  for (const std::size_t sources : {1, 2, 4}) rows.push_back(own_share(sources, std::max(10, effort.trials / 2)));
-  for (const Case& measured : kCases) rows.push_back(latency(measured, std::max(3, effort.trials / 2)));
-  return rows;
+void measure_priority(const Effort& effort, Rows& rows) {
+  for (const std::size_t sources : {1, 2, 4}) rows.add(own_share(sources, std::max(10, effort.trials / 2)));
+  for (const Case& measured : kCases) rows.add(latency(measured, std::max(3, effort.trials / 2)));
 }
 
 }  // namespace adhoc_communication::bench

@@ -140,13 +140,11 @@ Row first_route(double loss, int seeds) {
 
 }  // namespace
 
-std::vector<Row> route_rows(const Effort& effort) {
+void measure_routes(const Effort& effort, Rows& rows) {
   const int trials = effort.trials;
-  std::vector<Row> rows;
-  for (const double loss : {0.0, 0.1}) rows.push_back(repair(loss, kKillsPerTrial * trials));
-  for (const double loss : {0.0, 0.3}) rows.push_back(first_route(loss, trials));
-  rows.push_back(absent(trials));
-  return rows;
+  for (const double loss : {0.0, 0.1}) rows.add(repair(loss, kKillsPerTrial * trials));
+  for (const double loss : {0.0, 0.3}) rows.add(first_route(loss, trials));
+  rows.add(absent(trials));
 }
 
 }  // namespace adhoc_communication::bench

@@ -20,17 +20,22 @@ std::string json(const std::vector<Row>& rows) {
   return out + "]\n";
 }
 
-}  // namespace
-
 void print(const Row& row) {
   std::printf("%s %-62s %-10s %10.4g %-11s %s\n", row.holds ? "ok  " : "MISS", row.what.c_str(), row.bar.c_str(),
               row.value, row.unit.c_str(), row.detail.c_str());
   std::fflush(stdout);
 }
 
-int conclude(const std::vector<Row>& rows, const std::string& file) {
-  if (!file.empty()) std::ofstream(file) << json(rows);
-  return std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.holds; }) ? 0 : 1;
+}  // namespace
+
+void Rows::add(Row row) {
+  print(row);
+  rows_.push_back(std::move(row));
+  if (!file_.empty()) std::ofstream(file_) << json(rows_);
+}
+
+int Rows::status() const {
+  return std::all_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.holds; }) ? 0 : 1;
 }
 
 double seconds(Time time) { return static_cast<double>(time.count()) * 1e-9; }

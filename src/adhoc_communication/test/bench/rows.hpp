@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "payloads.hpp"
@@ -18,14 +19,26 @@ struct Row {
   std::string detail;
 };
 
-void print(const Row& row);
-/// Writes the rows to `file` unless that is empty; returns what the program ends with: 1 when a bar was missed.
-int conclude(const std::vector<Row>& rows, const std::string& file);
+/// The rows of one run. Each is printed and written as it comes, so that a run which is interrupted keeps what it has.
+class Rows {
+ public:
+  /// `file`: for the rows as JSON; empty for none.
+  explicit Rows(std::string file) : file_(std::move(file)) {}
+
+  void add(Row row);
+  /// What the program ends with: 1 when a bar was missed.
+  int status() const;
+
+ private:
+  std::string file_;
+  std::vector<Row> rows_;
+};
 
 /// How much is measured.
 struct Effort {
-  int trials = 20;      ///< scales the number of seeds
-  double minutes = 10;  ///< of virtual time, where a mission is driven
+  int trials = 20;        ///< scales the number of seeds
+  double minutes = 10;    ///< of virtual time, where a mission is driven
+  double patience = 600;  ///< seconds of processor time after which a mission is stopped where it is
 };
 
 double seconds(Time time);
@@ -40,14 +53,14 @@ double capacity();
 /// Sends per frame that the best code needs on average: until the worst of `children` has any `frames` of them.
 double ideal_sends(int frames, int children, double loss);
 
-// One function for each group of rows.
-std::vector<Row> intact_rows(const Effort& effort);
-std::vector<Row> goodput_rows(const Effort& effort);
-std::vector<Row> multicast_rows(const Effort& effort);
-std::vector<Row> mixed_rates_rows(const Effort& effort);
-std::vector<Row> route_rows(const Effort& effort);
-std::vector<Row> idle_rows(const Effort& effort);
-std::vector<Row> priority_rows(const Effort& effort);
-std::vector<Row> mobile_rows(const Effort& effort);
+// Each measures one group of rows.
+void measure_intact(const Effort& effort, Rows& rows);
+void measure_goodput(const Effort& effort, Rows& rows);
+void measure_multicast(const Effort& effort, Rows& rows);
+void measure_mixed_rates(const Effort& effort, Rows& rows);
+void measure_routes(const Effort& effort, Rows& rows);
+void measure_idle(const Effort& effort, Rows& rows);
+void measure_priority(const Effort& effort, Rows& rows);
+void measure_mobile(const Effort& effort, Rows& rows);
 
 }  // namespace adhoc_communication::bench

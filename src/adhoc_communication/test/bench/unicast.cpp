@@ -48,15 +48,16 @@ Row transfer(std::size_t hops, double loss, int seeds) {
   return row;
 }
 
-/// Who sends when: each on a channel of its own, one at a time, or all on one channel where those far apart send at
-/// once.
-enum class Channel { kOwn, kShared, kContended };
+/// Who sends when: each on a channel of its own; one at a time; in turns that those far apart share; or all on one
+/// channel where those who do not hear each other send at once, and collide.
+enum class Channel { kOwn, kShared, kReused, kContended };
 
 /// Share of the capacity that 20 MB get.
 double goodput(std::size_t hops, double loss, Channel channel, std::uint64_t seed) {
   MediumOptions medium;
   medium.loss = loss;
-  medium.shared = channel == Channel::kShared;
+  medium.shared = channel == Channel::kShared || channel == Channel::kReused;
+  medium.spatial_reuse = channel == Channel::kReused;
   medium.contention = channel == Channel::kContended;
   Team team(medium, seed);
   team.add_line(hops + 1);
@@ -83,15 +84,22 @@ double left_by_acknowledgments() {
   return frame / (frame + acknowledgment / 8);
 }
 
+/// The channel that each hop has for itself at best: where one node sends at a time, each hop takes its part of the
+/// air; where those far apart send at once, three hops do.
+double share_of(std::size_t hops, Channel channel) {
+  if (channel == Channel::kOwn) return 1.0;
+  return 1.0 / static_cast<double>(channel == Channel::kShared ? hops : std::min<std::size_t>(hops, 3));
+}
+
 double bar_of(std::size_t hops, double loss, Channel channel) {
   if (hops == 1) return 0.90 * (1 - loss) * (channel == Channel::kShared ? left_by_acknowledgments() : 1.0);
-  const double shares = channel == Channel::kOwn ? 1.0 : static_cast<double>(std::min<std::size_t>(hops, 3));
-  return 0.85 * (1 - loss) / shares;
+  return 0.85 * (1 - loss) * share_of(hops, channel);
 }
 
 std::string name_of(Channel channel) {
   if (channel == Channel::kOwn) return "";
-  return channel == Channel::kShared ? ", shared channel" : ", contended channel";
+  if (channel == Channel::kShared) return ", shared channel";
+  return channel == Channel::kReused ? ", shared channel with spatial reuse" : ", contended channel";
 }
 
 /// The worst of some seeds has to reach the bar.
@@ -163,32 +171,30 @@ Row six_to_one_base(int seeds) {
 
 }  // namespace
 
-std::vector<Row> intact_rows(const Effort& effort) {
-  std::vector<Row> rows;
+void measure_intact(const Effort& effort, Rows& rows) {
   for (const std::size_t hops : {1, 3, 10}) {
-    for (const double loss : {0.0, 0.1, 0.3}) rows.push_back(transfer(hops, loss, effort.trials));
+    for (const double loss : {0.0, 0.1, 0.3}) rows.add(transfer(hops, loss, effort.trials));
   }
-  rows.push_back(six_to_one_base(std::max(10, effort.trials / 2)));
-  return rows;
+  rows.add(six_to_one_base(std::max(10, effort.trials / 2)));
 }
 
-std::vector<Row> goodput_rows(const Effort& effort) {
+void measure_goodput(const Effort& effort, Rows& rows) {
   const int seeds = std::max(10, effort.trials / 2);
-  std::vector<Row> rows;
   for (const double loss : {0.0, 0.1, 0.3}) {
     double of_two_hops = 0;
     for (const std::size_t hops : {1, 2, 3, 10}) {
       const std::vector<double> shares = goodputs(hops, loss, Channel::kOwn, seeds);
-      rows.push_back(goodput_row(hops, loss, Channel::kOwn, shares));
+      rows.add(goodput_row(hops, loss, Channel::kOwn, shares));
       if (hops == 2) of_two_hops = quantile(shares, 0.5);
-      if (hops == 10) rows.push_back(fall_row(loss, of_two_hops, quantile(shares, 0.5)));
+      if (hops == 10) rows.add(fall_row(loss, of_two_hops, quantile(shares, 0.5)));
     }
     for (const std::size_t hops : {1, 2, 3, 10}) {
-      rows.push_back(goodput_row(hops, loss, Channel::kShared, goodputs(hops, loss, Channel::kShared, seeds)));
+      rows.add(goodput_row(hops, loss, Channel::kShared, goodputs(hops, loss, Channel::kShared, seeds)));
     }
-    rows.push_back(goodput_row(10, loss, Channel::kContended, goodputs(10, loss, Channel::kContended, seeds)));
+    for (const Channel channel : {Channel::kReused, Channel::kContended}) {
+      rows.add(goodput_row(10, loss, channel, goodputs(10, loss, channel, seeds)));
+    }
   }
-  return rows;
 }
 
 }  // namespace adhoc_communication::bench

@@ -152,6 +152,31 @@ TEST(Medium, AirTimeFollowsTheBitRate) {
   EXPECT_EQ(arrivals(medium), (std::vector<Arrival>{{0, 1, 5ms + 8100us}, {0, 1, 5ms + 8100us + 4100us}}));
 }
 
+/// 0 - 1 - 2 - 3 - 4 - 5, each in reach of the next: 0 and 3 send at once, 1 only after 0, which it hears, and after 3,
+/// which its receiver hears.
+TEST(Medium, TurnsAreSharedByThoseFarApart) {
+  MediumOptions options;
+  options.shared = true;
+  options.frame_overhead = 0s;
+  options.bit_rate = 8e6;
+  const auto course = [&](bool reuse) {
+    options.spatial_reuse = reuse;
+    Medium medium(options, 1);
+    for (Node node = 0; node < 6; ++node) {
+      medium.add_node("robot_" + std::to_string(node), Team::address(node));
+      medium.set_position(node, 8.0 * static_cast<double>(node), 0);
+    }
+    for (const Node sender : {0, 3, 1, 4}) {
+      Frame frame = broadcast(sender, 1000);
+      frame.destination = Team::address(sender + 1);
+      medium.transmit(sender, frame, 0s);
+    }
+    return arrivals(medium);
+  };
+  EXPECT_EQ(course(true), (std::vector<Arrival>{{0, 1, 1ms}, {3, 4, 1ms}, {1, 2, 2ms}, {4, 5, 2ms}}));
+  EXPECT_EQ(course(false), (std::vector<Arrival>{{0, 1, 1ms}, {3, 4, 2ms}, {1, 2, 3ms}, {4, 5, 4ms}}));
+}
+
 TEST(Medium, OptionsThatMakeNoRadioAreRefused) {
   const auto refused = [](auto change) {
     MediumOptions options;
@@ -159,6 +184,7 @@ TEST(Medium, OptionsThatMakeNoRadioAreRefused) {
     EXPECT_THROW(Medium(options, 1), std::invalid_argument);
   };
   refused([](MediumOptions& o) { o.shared = o.contention = true; });
+  refused([](MediumOptions& o) { o.spatial_reuse = true; });
   refused([](MediumOptions& o) { o.bit_rate = 0.0; });
   refused([](MediumOptions& o) { o.slots = 0; });
   refused([](MediumOptions& o) { o.rates.broadcast = -1.0; });

@@ -94,14 +94,16 @@ TEST(RadioControlStatistics, NameEveryCounter) {
 }
 
 TEST(RadioOptions, AreRead) {
-  const RadioOptions options = parse({"--interface", "robot_0=air0", "--range", "5", "--loss", "0.1", "--bit-rate",
-                                      "1e6", "--seed", "9", "--shared", "true", "__name:=radio"});
+  const RadioOptions options =
+      parse({"--interface", "robot_0=air0", "--range", "5", "--loss", "0.1", "--bit-rate", "1e6", "--seed", "9",
+             "--shared", "true", "--spatial-reuse", "true", "__name:=radio"});
   EXPECT_EQ(options.interfaces.at("robot_0"), "air0");
   EXPECT_DOUBLE_EQ(options.medium.range, 5.0);
   EXPECT_DOUBLE_EQ(options.medium.loss, 0.1);
   EXPECT_DOUBLE_EQ(options.medium.bit_rate, 1e6);
   EXPECT_EQ(options.seed, 9u);
   EXPECT_TRUE(options.medium.shared);
+  EXPECT_TRUE(options.medium.spatial_reuse);
   EXPECT_FALSE(options.medium.path_loss);
 }
 
@@ -144,6 +146,7 @@ TEST(RadioOptions, WrongOnesAreRefused) {
                                                        {"--hub", "x", "--shared", "1"},
                                                        {"--hub", "x", "--range", "5", "--p-tx", "1"},
                                                        {"--hub", "x", "--shared", "true", "--contention", "true"},
+                                                       {"--hub", "x", "--spatial-reuse", "true"},
                                                        {"--hub", "x", "--walls", "/nowhere/walls.pgm"},
                                                        {"--hub", "x", "--walls-resolution", "0.1"},
                                                        {"--hub", "x", "--walls-origin", "1"},

@@ -71,21 +71,15 @@ Row attack(Crowd& crowd, bool sealed, std::size_t frames) {
           format("%.0f packets between neighbours in the 30 s after", static_cast<double>(crowd.delivered() - before))};
 }
 
-std::vector<Row> measure(double minutes, std::size_t frames) {
-  std::vector<Row> rows;
-  const auto add = [&rows](const Row& row) {
-    print(row);
-    rows.push_back(row);
-  };
+void measure(double minutes, std::size_t frames, Rows& rows) {
   {
     Crowd sealed(key());
-    add(traffic(sealed, minutes));
-    add(attack(sealed, true, frames));
+    rows.add(traffic(sealed, minutes));
+    rows.add(attack(sealed, true, frames));
   }
   Crowd open({});
   open.run_for(60s);
-  add(attack(open, false, frames));
-  return rows;
+  rows.add(attack(open, false, frames));
 }
 
 }  // namespace
@@ -107,6 +101,7 @@ int main(int argc, char** argv) {
       return 2;
     }
   }
-  const auto rows = adhoc_communication::bench::measure(minutes, frames);
-  return adhoc_communication::bench::conclude(rows, file);
+  adhoc_communication::bench::Rows rows(file);
+  adhoc_communication::bench::measure(minutes, frames, rows);
+  return rows.status();
 }
