@@ -168,7 +168,7 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
         if (acknowledgment.boot != self_.boot) return;
         neighbors_.acknowledged(from, now);
         air_.acknowledged(acknowledgment.newest_counter, Time(acknowledgment.spacing_ns),
-                          now - Time(acknowledgment.held_ns));
+                          now - Time(acknowledgment.held_ns), transport::kAcknowledgmentOctets);
         std::vector<HopSender::Passed> passed;
         link(from).sender.acknowledged(acknowledgment, now, journal_.kept() ? &passed : nullptr);
         record_passed(from, std::move(passed), now);

@@ -32,16 +32,36 @@ void AirClock::transmitted(std::uint64_t counter, std::size_t octets, const MacA
   const bool follows = !recent_.empty() && recent_.back().counter + 1 == counter;
   const Time gap = follows ? now - recent_.back().sent : Time::max();
   if (recent_.size() == kMostRemembered) recent_.pop_front();
-  recent_.push_back({counter, octets, destination, now, gap, false});
   last_destination_ = destination;
   busy_until_ = std::max(busy_until_, now) + rate(destination).air_time(octets);
+  recent_.push_back({counter, octets, destination, now, gap, false, busy_until_});
 }
 
-void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time arrived) {
-  if (counter > off_air_) sample(counter, spacing, arrived);
+void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time answered, std::size_t octets) {
+  if (counter > off_air_) sample(counter, spacing, answered);
   if (!take(counter)) return;
-  if (const Transmission* last = find(counter)) bound(*last, arrived - last->sent);
+  Time arrived = answered;
+  if (const Transmission* last = find(counter)) {
+    bound(*last, answered - last->sent);
+    arrived = arrival(*last, answered, octets);
+  }
   busy_until_ = end_of_rest(arrived);
+}
+
+/// The answer has been on the air itself; and where it shares the channel, it may have had to wait for one frame more,
+/// which was in the radio already. What fits better to what was believed before is taken: to count that frame twice
+/// would leave the air idle after each such answer.
+Time AirClock::arrival(const Transmission& last, Time answered, std::size_t octets) const {
+  if (octets == 0 || !calibrated(last.destination)) return answered;
+  const Time directly = std::max(last.sent, answered - rate(last.destination).air_time(octets));
+  const auto next = std::upper_bound(
+      recent_.begin(), recent_.end(), last.counter,
+      [](std::uint64_t number, const Transmission& transmission) { return number < transmission.counter; });
+  if (next == recent_.end()) return directly;
+  const Time behind_next = directly - rate(next->destination).air_time(next->octets);
+  if (next->sent > behind_next) return directly;
+  const auto distance = [&](Time time) { return time > last.end ? time - last.end : last.end - time; };
+  return distance(behind_next) < distance(directly) ? behind_next : directly;
 }
 
 void AirClock::acknowledged_late(std::uint64_t counter, Time spacing, Time now) {
@@ -74,6 +94,7 @@ Time AirClock::end_of_rest(Time begin) {
   Time end = begin;
   for (auto transmission = first_after(off_air_); transmission != recent_.end(); ++transmission) {
     end = std::max(end, transmission->sent) + rate(transmission->destination).air_time(transmission->octets);
+    transmission->end = end;
   }
   return end;
 }

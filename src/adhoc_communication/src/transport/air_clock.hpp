@@ -27,8 +27,9 @@ class AirClock {
 
   /// `destination`: a neighbour, or wire::kEverybody.
   void transmitted(std::uint64_t counter, std::size_t octets, const MacAddress& destination, Time now);
-  /// `spacing`: between the arrivals of the frame before and of this one; zero unknown.
-  void acknowledged(std::uint64_t counter, Time spacing, Time arrived);
+  /// `spacing`: between the arrivals of the frame before and of this one; zero unknown. `answered`: when the answer was
+  /// here, less the time for which it was held back; the answer was a frame of so many octets, 0 if that is not known.
+  void acknowledged(std::uint64_t counter, Time spacing, Time answered, std::size_t octets);
   /// The same where it is not known how long before `now` the frame arrived.
   void acknowledged_late(std::uint64_t counter, Time spacing, Time now);
   /// Of neighbours that are gone nothing is remembered.
@@ -65,6 +66,7 @@ class AirClock {
     Time sent;
     Time gap;  ///< since the hand-over of the frame before
     bool sampled;
+    Time end;  ///< of its time on the air, as believed
   };
   using Transmissions = std::deque<Transmission>;
 
@@ -72,6 +74,7 @@ class AirClock {
   Transmission* find(std::uint64_t counter);
   bool take(std::uint64_t counter);
   Time end_of_rest(Time begin);
+  Time arrival(const Transmission& last, Time answered, std::size_t octets) const;
   void sample(std::uint64_t counter, Time spacing, Time now);
   void bound(const Transmission& transmission, Time longest);
 

@@ -4,13 +4,17 @@
 #include <cstdint>
 #include <optional>
 
+#include "wire/frame_header.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::transport {
 
+/// Of the frame that brings an acknowledgment, behind the Ethernet header: its body has 36.
+constexpr std::size_t kAcknowledgmentOctets = wire::kHeaderSize + 36 + wire::kChecksumSize;
+
 class HopReceiver {
  public:
-  static constexpr int kFramesPerAcknowledgment = 6;
+  static constexpr int kFramesPerAcknowledgment = 8;
   static constexpr Time kQuiet = std::chrono::milliseconds(3);          ///< without a further frame
   static constexpr Time kLongestDelay = std::chrono::milliseconds(10);  ///< since the first frame
   /// A gap is told after so many further frames, so that one acknowledgment tells the next gap, too.

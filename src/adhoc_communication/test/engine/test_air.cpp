@@ -65,7 +65,7 @@ TEST(AirClockKinds, ABoundAloneDoesNotMakeAKindKnown) {
   std::uint64_t counter = 0;
   for (int i = 0; i < 10; ++i) measure(clock, counter, kNear, 400us, i * 100ms);
   clock.transmitted(++counter, kOctets, kUnknown, 10s);
-  clock.acknowledged(counter, 0ms, 10s + 5ms);
+  clock.acknowledged(counter, 0ms, 10s + 5ms, 0);
   EXPECT_NEAR(frame_time(clock, kUnknown), 400, 1);
 }
 

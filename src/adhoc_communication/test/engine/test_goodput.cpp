@@ -205,7 +205,7 @@ TEST(AirClock, FramesThatArriveSoonerThanBelievedCorrectTheEstimate) {
   const auto send = [&](Time now, Time first, Time second) {
     clock.transmitted(++counter, 1500, peer, now);
     clock.transmitted(++counter, 1500, peer, now);
-    clock.acknowledged(counter, second, now + first + second);
+    clock.acknowledged(counter, second, now + first + second, 0);
   };
   Time now = 0ms;
   for (int i = 0; i < 20; ++i, now += 10ms) send(now, 600us, 600us);
@@ -213,9 +213,28 @@ TEST(AirClock, FramesThatArriveSoonerThanBelievedCorrectTheEstimate) {
   EXPECT_NEAR(shared, 600'000.0 / 1800, 10);
   for (int i = 0; i < 20; ++i, now += 10ms) {
     clock.transmitted(++counter, 1500, peer, now);
-    clock.acknowledged(counter, 0ms, now + 300us);
+    clock.acknowledged(counter, 0ms, now + 300us, 0);
   }
   EXPECT_NEAR(clock.rate(peer).nanoseconds_per_octet(), shared / 2, shared / 10);
+}
+
+/// The answer to the first of two frames waits for the second one, which the radio has already, or goes before it.
+TEST(AirClock, AFrameThatAnAnswerHadToWaitForIsNotCountedTwice) {
+  const MacAddress peer{{2}};
+  for (const Time waited : {0us, 300us}) {
+    AirClock clock(1500);
+    std::uint64_t counter = 0;
+    for (int i = 0; i < 20; ++i) {
+      for (int frame = 0; frame < 2; ++frame) clock.transmitted(++counter, 1500, peer, i * 10ms);
+      clock.acknowledged(counter, 300us, i * 10ms + 600us, 0);
+    }
+    const Time now = 1s;
+    clock.transmitted(++counter, 1500, peer, now);
+    clock.transmitted(++counter, 1500, peer, now + 150us);
+    const Time answer = 63us;
+    clock.acknowledged(counter - 1, 0us, now + 300us + waited + answer, transport::kAcknowledgmentOctets);
+    EXPECT_NEAR(static_cast<double>((clock.idle_at() - now) / 1us), 600, 10) << waited / 1us;
+  }
 }
 
 /// Data frames that the source of a transfer puts on the air for the first time, for each segment.
@@ -236,6 +255,23 @@ double starts_per_segment(std::size_t hops, const MediumOptions& medium, std::si
   EXPECT_TRUE(team.run_until_done([&] { return team.finished(0, id) != nullptr; }, 120s));
   const double segment = static_cast<double>(longest - wire::kHeaderSize - wire::kDataHeaderSize - wire::kTagSize);
   return static_cast<double>(started.size()) * segment / static_cast<double>(octets);
+}
+
+/// Nobody waits for what has been over for long.
+TEST(Goodput, OneSharedHopIsHardlyEverIdle) {
+  MediumOptions medium;
+  medium.shared = true;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Team team(medium, seed);
+    team.add_line(2);
+    team.run_for(1s);
+    const Time begin = team.now();
+    const Time before = team.medium().counters().air_time;
+    const SendId id = team.send(0, Team::name(1), noise(5'000'000), Priority::kBulk);
+    ASSERT_TRUE(team.run_until_done([&] { return team.finished(0, id) != nullptr; }, 60s));
+    const auto busy = static_cast<double>((team.medium().counters().air_time - before).count());
+    EXPECT_GE(busy / static_cast<double>((team.now() - begin).count()), 0.975) << seed;
+  }
 }
 
 TEST(Goodput, LossOnHopsDoesNotCauseRepetitionsEndToEnd) {
