@@ -15,7 +15,7 @@ class SegmentSize {
  public:
   static constexpr std::uint16_t kShortest = 256;  ///< fits a data frame at the smallest MTU allowed
   static constexpr Time kShortestMemory = std::chrono::seconds(10);
-  static constexpr Time kLongestMemory = std::chrono::minutes(10);
+  static constexpr Time kLongestMemory = std::chrono::seconds(600);
 
   /// Of a packet that begins now; `most`: what this robot's own frames take.
   std::uint16_t of_packet(std::uint16_t most, Time now) {

@@ -128,7 +128,7 @@ TEST(Records, FramesOfAPacketGivenUpAreNotDelivered) {
 
 TEST(Records, CountersTellOwnFramesFromThoseOfOthers) {
   Row row(3, 0.2);
-  ASSERT_TRUE(row.deliver("robot_2", 300'000));
+  ASSERT_TRUE(row.deliver("robot_2", 900'000));
   const DataFrames source = row.team.engine(0).statistics().unicast_data;
   const DataFrames relay = row.team.engine(1).statistics().unicast_data;
   EXPECT_GE(source.sent, 35u);

@@ -25,7 +25,13 @@ class Air:
     or "g", one that knows groups."""
 
     def __init__(
-        self, row: str, key: Optional[bytes] = None, loss: float = 0.0, seed: int = 1, path: Optional[Path] = None
+        self,
+        row: str,
+        key: Optional[bytes] = None,
+        loss: float = 0.0,
+        seed: int = 1,
+        path: Optional[Path] = None,
+        mtu: int = 1500,
     ) -> None:
         self.bridge = twin_bridge.Bridge(loss, seed, key, None if path is None else str(path))
         self.engines: Dict[int, int] = {}
@@ -35,7 +41,7 @@ class Air:
             if kind in "tg":
                 self.add_twin(place, key, kind=Robot if kind == "t" else GroupRobot)
             else:
-                self.engines[place] = self.bridge.add_robot(name(place), SPACING * place, kind == "e")
+                self.engines[place] = self.bridge.add_robot(name(place), SPACING * place, kind == "e", mtu)
         self.sent: List[Tuple[int, int]] = []
 
     def add_twin(self, place: int, key: Optional[bytes], run: int = 0, kind: Type[Robot] = Robot) -> Robot:

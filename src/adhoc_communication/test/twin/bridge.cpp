@@ -53,8 +53,9 @@ class Bridge {
     team_.on_transmission = [this](std::size_t, const Frame& frame) { record(frame); };
   }
 
-  std::size_t add_robot(const std::string& name, double x, bool joins_groups) {
+  std::size_t add_robot(const std::string& name, double x, bool joins_groups, int mtu) {
     EngineOptions options;
+    options.mtu = mtu;
     options.join_groups_automatically = joins_groups;
     options.robot_name = name;
     options.keys = keys_;
