@@ -1,6 +1,6 @@
 """Hot loops of the navigation engine (src/cpp/navigation). SI units, poses as (x, y, yaw)."""
 
-from typing import Optional, Sequence
+from typing import Sequence
 
 import numpy as np
 
@@ -88,7 +88,7 @@ def surroundings(
     pose: _Pose,
     remembered: np.ndarray,
     walls: Walls,
-    own: Optional[Map],
+    own: Map | None,
     footprint: Footprint,
     margins: Margins,
     known_within: float,

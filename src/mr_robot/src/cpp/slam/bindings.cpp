@@ -86,6 +86,8 @@ PYBIND11_MODULE(_slam, module) {
            })
       .def("link", [](PoseGraph& graph, std::size_t from, std::size_t to, const PoseTuple& relative,
                       const Eigen::Matrix3d& information) { graph.link(from, to, to_pose(relative), information); })
+      .def("see_walls", &PoseGraph::see_walls)
+      .def("direction_of_walls", &PoseGraph::direction_of_walls)
       .def("solve", &PoseGraph::solve)
       .def("pose", [](const PoseGraph& graph, std::size_t index) { return to_tuple(graph.pose(index)); });
   py::class_<Slam>(module, "Slam")

@@ -80,6 +80,11 @@ void GridMap::grow_to(Cell low, Cell high) {
   }
 }
 
+void GridMap::cover(const GridMap& other) {
+  if (other.width_ == 0) return;
+  grow_to(other.origin_, {other.origin_.x + other.width_ - 1, other.origin_.y + other.height_ - 1});
+}
+
 bool GridMap::has_surface(const Cell& cell) const {
   const int column = cell.x - origin_.x;
   return marks_[static_cast<std::size_t>(cell.y - origin_.y) * words_ + column / 64] >> (column % 64) & 1;
@@ -117,14 +122,19 @@ void GridMap::begin_scan(const Scan& scan, const Pose& robot) {
   changed_ = false;
 }
 
-bool GridMap::insert(const Scan& scan, const Pose& robot, int origin) {
+void GridMap::add_hits(const Scan& scan, const Pose& robot, int origin) {
   begin_scan(scan, robot);
   inserted_origin_ = origin;
   const Frame frame(robot);
-  // Hits first: what this scan touches, its other beams do not erase.
   for (const Beam& beam : scan.beams) {
     if (beam.hit) add_hit(beam, frame);
   }
+}
+
+bool GridMap::insert(const Scan& scan, const Pose& robot, int origin) {
+  // Hits first: what this scan touches, its other beams do not erase.
+  add_hits(scan, robot, origin);
+  const Frame frame(robot);
   const Point eye = frame * scan.eye;
   for (const Beam& beam : scan.beams) see_through(eye, frame * beam.end);
   free_footprint(robot);

@@ -36,8 +36,12 @@ class GridMap {
  public:
   explicit GridMap(const GridOptions& options);
 
+  // Makes it as large as another one, so that it need not grow step by step.
+  void cover(const GridMap& other);
   // Both return whether `occupancy` changed. `origin`: what its new surfaces are known by.
   bool insert(const Scan& scan, const Pose& robot, int origin = 0);
+  // Only the surfaces that the scan hits, and nothing of what it sees through.
+  void add_hits(const Scan& scan, const Pose& robot, int origin);
   // Takes from the map what the scan sees through, and adds nothing.
   bool clear(const Scan& scan, const Pose& robot);
 

@@ -10,6 +10,11 @@ constexpr double kKeyframeDistance = 0.75;  // m between keyframes
 constexpr double kKeyframeAngle = 0.8;      // rad
 constexpr int kSolveEvery = 6;              // keyframes
 constexpr std::size_t kMostLinks = 8;       // of a keyframe to others, by scans
+constexpr double kLately = 3.0;             // m of way that are compared with what was drawn long ago
+constexpr std::size_t kEveryScan = 3;       // of a keyframe, for that, and
+constexpr double kHitSpacing = 0.04;        // m from hit to hit along a surface
+constexpr long kMostAround = 40;            // keyframes, and
+constexpr double kAround = 10.0;            // m from here, that say what was drawn long ago
 constexpr double kLoopWay = 15.0;           // m since what was drawn long ago
 constexpr Pose kLoopWindow{1.0, 1.0, 0.1};  // m and rad at most, within which a loop is closed
 constexpr double kLeastWindow = 0.3;        // m
@@ -54,14 +59,17 @@ Scan Memory::scan_of(const Kept& kept) const {
   return make_scan(kept.ranges.data(), kept.ranges.size(), geometry, surface_window_, small_object_size_);
 }
 
-bool Memory::add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose,
+bool Memory::add(const std::vector<float>& ranges, const Scan& scan, const LaserGeometry& geometry, const Pose& pose,
                  const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match) {
   if (scans_ == kMostScans) return false;
   ++scans_;
   geometry_ = geometry;
   const bool opens = due(pose);
   if (opens) open(pose, odometry, way, model, match);
-  keyframes_.back().scans.push_back({ranges, geometry.swept, between(keyframes_.back().drawn, pose)});
+  Keyframe& keyframe = keyframes_.back();
+  keyframe.scans.push_back({ranges, geometry.swept, between(keyframe.drawn, pose)});
+  keep_hits(scan, &keyframe);
+  keyframe.walls.add(scan, keyframe.scans.back().relative.yaw);
   return opens;
 }
 
@@ -70,15 +78,16 @@ void Memory::open(const Pose& pose, const Pose& odometry, const Way& way, const 
   const std::size_t next = keyframes_.size();
   if (next == 0) {
     graph_.add(pose);
-    keyframes_.push_back({pose, odometry, way, {}});
+    keyframes_.push_back({pose, odometry, way, {}, {}, {}});
     return;
   }
   const Keyframe& last = keyframes_.back();
+  if (const auto heading = last.walls.direction()) graph_.see_walls(next - 1, *heading);
   const Pose motion = between(last.odometry, odometry);
   graph_.add(graph_.pose(next - 1) * between(last.drawn, pose));
   graph_.link_odometry(next, motion, model.deviation_of_way(way - last.way));
   link_by_scan(next, pose, match, kFloor);
-  keyframes_.push_back({pose, odometry, way, {}});
+  keyframes_.push_back({pose, odometry, way, {}, {}, {}});
 }
 
 void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor) {
@@ -89,17 +98,86 @@ void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match
   for (const auto& [share, origin] : shares) {
     const Pose& from = keyframes_[origin].drawn;
     const Eigen::Matrix3d information = seen_from(from, match.origins.at(origin).information);
-    graph_.link(origin, next, between(from, pose), with_floor(information, floor));
+    graph_.link(origin, next, between(from, pose), with_floor(information, static_cast<double>(shares.size()) * floor));
   }
 }
 
-void Memory::close_loop(const GridMap& map, const Scan& scan, const OdometryModel& model, const MatchOptions& options) {
+// Of a scan that is the last one of the keyframe.
+void Memory::keep_hits(const Scan& scan, Keyframe* keyframe) {
+  if (keyframe->scans.size() % kEveryScan != 1) return;
+  const Frame frame(keyframe->scans.back().relative);
+  std::vector<Hit>& hits = keyframe->hits.emplace_back();
+  double passed = kHitSpacing;
+  for (const Beam& beam : scan.beams) {
+    if (!beam.has_normal || beam.on_small_object) continue;
+    if (passed >= kHitSpacing) {
+      const Point end = frame * beam.end, normal = frame.turned(beam.normal);
+      hits.push_back({static_cast<float>(end.x), static_cast<float>(end.y), static_cast<float>(normal.x),
+                      static_cast<float>(normal.y)});
+      passed = 0.0;
+    }
+    passed += beam.spacing;
+  }
+}
+
+// `from`: their keyframe in the frame of the scan.
+void Memory::append_hits(const std::vector<Hit>& hits, const Pose& from, Scan* scan) {
+  const Frame frame(from);
+  for (const Hit& hit : hits) {
+    Beam beam{frame * Point{hit.x, hit.y}, true};
+    beam.has_normal = true;
+    beam.normal = frame.turned({hit.normal_x, hit.normal_y});
+    beam.spacing = kHitSpacing;
+    scan->beams.push_back(beam);
+  }
+}
+
+// What was hit on the last metres, as one scan from the last keyframe.
+Scan Memory::lately() const {
+  const Keyframe& last = keyframes_.back();
+  Scan result;
+  for (auto at = keyframes_.rbegin(); at != keyframes_.rend() && last.way.distance - at->way.distance <= kLately;
+       ++at) {
+    for (const auto& hits : at->hits) append_hits(hits, between(last.drawn, at->drawn), &result);
+  }
+  return result;
+}
+
+// The surfaces that were hit long ago from around there.
+GridMap Memory::drawn_around(const Pose& pose) const {
+  std::vector<std::pair<double, int>> nearest;
+  for (int i = 0; i <= long_ago_; ++i) {
+    const double away = distance(keyframes_[i].drawn, pose);
+    if (away <= kAround) nearest.emplace_back(away, i);
+  }
+  const auto end = nearest.begin() + std::min<long>(kMostAround, static_cast<long>(nearest.size()));
+  std::partial_sort(nearest.begin(), end, nearest.end());
+  std::sort(nearest.begin(), end, [](const auto& a, const auto& b) { return a.second < b.second; });
+  GridMap map(grid_);
+  for (auto at = nearest.begin(); at != end; ++at) {
+    const Keyframe& keyframe = keyframes_[at->second];
+    for (const auto& hits : keyframe.hits) {
+      Scan scan;
+      append_hits(hits, Pose{}, &scan);
+      map.add_hits(scan, keyframe.drawn, at->second);
+    }
+  }
+  return map;
+}
+
+void Memory::close_loop(const OdometryModel& model, const MatchOptions& options) {
   const Keyframe& last = keyframes_.back();
   while (last.way.distance - keyframes_[long_ago_ + 1].way.distance > kLoopWay) ++long_ago_;
   if (long_ago_ < 0) return;
   const double drift = 3.0 * model.deviation_of_way({last.way.distance, 0.0}).x;
   const double window = std::clamp(drift, kLeastWindow, kLoopWindow.x);
-  const auto match = match_old(map, long_ago_, scan, last.drawn, {window, window, kLoopWindow.yaw}, options);
+  const auto match =
+      match_old(drawn_around(last.drawn), lately(), last.drawn, {window, window, kLoopWindow.yaw}, options);
+  if (match && !match->elsewhere) {
+    link_by_scan(keyframes_.size() - 1, match->pose, *match, kLoopFloor);
+    loop_.reset();
+    return;
+  }
   const bool same = match && loop_ && distance(*loop_ * last.drawn, match->pose) < kSameLoop;
   loop_.reset();
   if (!match) return;
@@ -109,7 +187,7 @@ void Memory::close_loop(const GridMap& map, const Scan& scan, const OdometryMode
   solved_ = 0;
 }
 
-void Memory::solve(const OdometryModel& model) {
+void Memory::solve(const GridMap& map, const OdometryModel& model) {
   for (std::size_t i = 1; i < keyframes_.size(); ++i) {
     graph_.weigh_odometry(i, model.deviation_of_way(keyframes_[i].way - keyframes_[i - 1].way));
   }
@@ -122,6 +200,7 @@ void Memory::solve(const OdometryModel& model) {
   }
   if (!moved) return;
   redrawing_.emplace(Redrawing{GridMap(grid_), {}});
+  redrawing_->map.cover(map);
   for (std::size_t i = 0; i < keyframes_.size(); ++i) redrawing_->poses.push_back(graph_.pose(i));
 }
 
@@ -136,7 +215,7 @@ Pose Memory::target(std::size_t keyframe) const {
 std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryModel& model) {
   if (scans_ == kMostScans) return std::nullopt;
   if (!redrawing_) {
-    if (keyframes_.size() >= solved_ + kSolveEvery) solve(model);
+    if (keyframes_.size() >= solved_ + kSolveEvery) solve(*map, model);
     return std::nullopt;
   }
   Redrawing& redrawing = *redrawing_;

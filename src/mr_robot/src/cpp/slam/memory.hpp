@@ -9,6 +9,7 @@
 #include "odometry_model.hpp"
 #include "pose_graph.hpp"
 #include "scan_matcher.hpp"
+#include "square_walls.hpp"
 
 namespace mr_robot::slam {
 
@@ -19,14 +20,13 @@ class Memory {
 
   // By what the surfaces of the scan that is added next are to be known.
   int origin(const Pose& pose) const;
-  // A scan has entered the map at `pose`, where `match` has put it. `odometry`: without what its wheels slipped.
-  // `way`: of the robot since its start.
-  // Returns whether that is a new keyframe.
-  bool add(const std::vector<float>& ranges, const LaserGeometry& geometry, const Pose& pose, const Pose& odometry,
-           const Way& way, const OdometryModel& model, const Match& match);
-  // Whether the new keyframe, whose first scan this is, lies elsewhere on what was drawn long ago: links it there when
-  // the one before has said the same.
-  void close_loop(const GridMap& map, const Scan& scan, const OdometryModel& model, const MatchOptions& options);
+  // A scan, made of `ranges`, has entered the map at `pose`, where `match` has put it. `odometry`: without what its
+  // wheels slipped. `way`: of the robot since its start. Returns whether that is a new keyframe.
+  bool add(const std::vector<float>& ranges, const Scan& scan, const LaserGeometry& geometry, const Pose& pose,
+           const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match);
+  // Whether what was seen lately, up to the new keyframe, lies elsewhere on what was drawn long ago: links the keyframe
+  // there when the one before has said the same.
+  void close_loop(const OdometryModel& model, const MatchOptions& options);
   // A part of the work that is left. When the map has been drawn anew it is moved to `map`; how the robot's pose on the
   // former map is to be taken to it.
   std::optional<std::pair<Pose, Pose>> work(GridMap* map, const OdometryModel& model);
@@ -37,11 +37,17 @@ class Memory {
     Pose swept;     // see LaserGeometry
     Pose relative;  // to the keyframe
   };
+  // On a surface, as seen from the keyframe.
+  struct Hit {
+    float x, y, normal_x, normal_y;
+  };
   struct Keyframe {
     Pose drawn;  // where it is on the map
     Pose odometry;
     Way way;
     std::vector<Kept> scans;
+    std::vector<std::vector<Hit>> hits;  // of some of the scans
+    SquareWalls walls;
   };
   struct Redrawing {
     GridMap map;
@@ -53,7 +59,11 @@ class Memory {
   void link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor);
   bool due(const Pose& pose) const;
   Scan scan_of(const Kept& kept) const;
-  void solve(const OdometryModel& model);
+  static void keep_hits(const Scan& scan, Keyframe* keyframe);
+  static void append_hits(const std::vector<Hit>& hits, const Pose& from, Scan* scan);
+  Scan lately() const;
+  GridMap drawn_around(const Pose& pose) const;
+  void solve(const GridMap& map, const OdometryModel& model);
   Pose target(std::size_t keyframe) const;
 
   GridOptions grid_;

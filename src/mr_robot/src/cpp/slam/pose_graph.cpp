@@ -3,12 +3,19 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
+#include <complex>
 
 namespace mr_robot::slam {
 namespace {
 
 constexpr double kFactorDeviations[2] = {0.03, 0.05};  // of odometry's factors before anything is known of them
 constexpr double kOutlier = 3.0;                       // standard deviations from which scans lose their weight
+constexpr double kWalls = 0.01;                        // rad, deviation of the direction that walls say
+constexpr double kAskew = 0.2;                         // rad from which walls belong to no square building, and
+constexpr double kAligned = 0.1;                       // rad within which most must be for there to be one
+constexpr double kSquare = 0.7;                        // of the walls that must agree, 1: all
+constexpr double kQuarter = 0.5 * M_PI;                // turn
 constexpr int kIterations = 8;
 constexpr std::size_t kRecent = 10;  // poses back, to which scans are not doubted
 
@@ -51,6 +58,17 @@ struct OdometryCost {
   }
 };
 
+// Of a heading that is known but for the direction of the building.
+struct WallsCost {
+  double heading;
+
+  template <class T>
+  bool operator()(const T* pose, const T* direction, T* residual) const {
+    residual[0] = normalized_angle(T(pose[2] + heading - direction[0])) / kWalls;
+    return true;
+  }
+};
+
 struct FactorCost {
   template <class T>
   bool operator()(const T* factors, T* residual) const {
@@ -69,6 +87,33 @@ void PoseGraph::link(std::size_t from, std::size_t to, const Pose& relative, con
   links_.push_back({from, to, relative, Eigen::Matrix3d(information.llt().matrixU())});
 }
 
+double PoseGraph::off(const Walls& walls, double direction) const {
+  return std::remainder(poses_[walls.pose].yaw + walls.heading - direction, kQuarter);
+}
+
+std::optional<double> PoseGraph::direction_of_walls() const {
+  if (walls_.empty()) return std::nullopt;
+  std::complex<double> sum = 0.0;
+  for (const Walls& walls : walls_) sum += std::polar(1.0, 4.0 * (poses_[walls.pose].yaw + walls.heading));
+  double direction = std::arg(sum) / 4.0;
+  // Of a building with an askew wing: the direction of the larger part.
+  std::size_t square = 0;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    double left = 0.0;
+    square = 0;
+    for (const Walls& walls : walls_) {
+      const double away = off(walls, direction);
+      if (std::abs(away) > kAligned) continue;
+      left += away;
+      ++square;
+    }
+    if (square == 0) break;
+    direction += left / static_cast<double>(square);
+  }
+  if (static_cast<double>(square) < kSquare * static_cast<double>(walls_.size())) return std::nullopt;
+  return direction;
+}
+
 void PoseGraph::solve() {
   if (poses_.size() < 2) return;
   std::vector<std::array<double, 3>> values;
@@ -83,6 +128,14 @@ void PoseGraph::solve() {
     problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ScanCost, 3, 3, 3>(new ScanCost{link.relative, link.root}),
                              link.from + kRecent >= link.to ? nullptr : new ceres::CauchyLoss(kOutlier),
                              values[link.from].data(), values[link.to].data());
+  }
+  std::optional<double> direction = direction_of_walls();
+  for (const Walls& walls : direction ? walls_ : std::vector<Walls>()) {
+    const double askew = off(walls, *direction);
+    if (std::abs(askew) > kAskew) continue;
+    const double heading = askew + *direction - poses_[walls.pose].yaw;
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<WallsCost, 1, 3, 1>(new WallsCost{heading}),
+                             new ceres::CauchyLoss(kOutlier), values[walls.pose].data(), &*direction);
   }
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<FactorCost, 2, 2>(new FactorCost), nullptr, factors_);
   problem.SetParameterBlockConstant(values[0].data());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "pose.hpp"
@@ -20,6 +21,13 @@ class PoseGraph {
   // Scans say that `to` lies at `relative` seen from `from`. `information`: of that, inverse of its covariance.
   void link(std::size_t from, std::size_t to, const Pose& relative, const Eigen::Matrix3d& information);
 
+  // Most walls around the pose run along or across the robot at `heading` (rad, a quarter turn more or less is the
+  // same). Where most walls of the building stand square to one another, they tell how the pose is turned.
+  void see_walls(std::size_t pose, double heading) { walls_.push_back({pose, heading}); }
+
+  // rad, less than an eighth of a turn: most walls have it or are square to it; none where they do not stand square.
+  std::optional<double> direction_of_walls() const;
+
   std::size_t size() const { return poses_.size(); }
   const Pose& pose(std::size_t index) const { return poses_[index]; }
 
@@ -37,7 +45,15 @@ class PoseGraph {
     Eigen::Matrix3d root;  // of the information
   };
 
+  struct Walls {
+    std::size_t pose;
+    double heading;
+  };
+
+  // rad off the direction that most walls have or are square to.
+  double off(const Walls& walls, double direction) const;
   std::vector<Pose> poses_;
+  std::vector<Walls> walls_;
   std::vector<OdometryLink> odometry_;
   std::vector<Link> links_;
   double factors_[2] = {1.0, 1.0};  // of distance and turn

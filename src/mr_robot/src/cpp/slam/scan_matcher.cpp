@@ -2,7 +2,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <limits>
 
 namespace mr_robot::slam {
 namespace {
@@ -13,16 +12,19 @@ constexpr double kOnSurface = 0.05;  // m
 constexpr double kSure = 0.8;        // share on surfaces from which wheels are said to slip
 constexpr double kMostKnown = 0.5;   // of the hits that must be known for that
 constexpr double kThrough = 0.1;     // of the beams see through the map where the robot cannot be,
+constexpr double kDrawnOff = 0.25;   // m by which walls of the map may be wrong there
 constexpr double kSlip = 0.6;        // m and rad at most, by which wheels slip before that is seen
 constexpr std::size_t kFewBeams = 10;
 constexpr double kTangential = 0.08;  // m, a surface reaches this far beside its mean
 constexpr int kNeighbours = 2;        // cells around a surface that make up its line
 constexpr double kMatureHits = 20.0;  // of a line, for its full weight
-constexpr double kMatureScans = 5.0;  // same; what was hit in one scan only, such as a robot that drives, has no weight
+constexpr double kMatureScans = 2.0;  // same; what was hit in one scan only, such as a robot that drives, has no weight
 constexpr double kAgreement = 16.0;   // squared deviations within which scan and odometry agree
-constexpr std::size_t kLeastBeams = 30;  // to look for old surfaces with
-constexpr double kLeastOnOld = 0.5;      // that must do so elsewhere, and
-constexpr double kMoreOnOld = 0.2;       // so many more than where the robot seems to be
+constexpr std::size_t kMostSearched = 120;  // hits
+constexpr std::size_t kLeastBeams = 30;     // to look for old surfaces with
+constexpr double kLeastOnOld = 0.5;         // that must do so elsewhere, and
+constexpr double kMoreOnOld = 0.1;          // so many more than where the robot seems to be
+constexpr double kBorder = 2.0;             // cells
 constexpr Pose kTight{0.05, 0.05, 0.01};
 constexpr double kSameSide = 0.7;     // cosine
 constexpr double kTrust = 0.5;        // of odometry's deviation where scan and odometry agree
@@ -66,29 +68,12 @@ bool same_side(const Surface& surface, const Point& normal) {
 
 Cell around(const Cell& cell, int offset) { return {cell.x + offset, cell.y + offset}; }
 
-// The surfaces of a map up to an origin.
-struct Surfaces {
-  const GridMap& map;
-  int newest = std::numeric_limits<int>::max();
-
-  template <class Visit>
-  void visit(const Cell& low, const Cell& high, Visit visit) const {
-    map.visit_surfaces(low, high, [&](const Surface& surface) {
-      if (surface.origin <= newest) visit(surface);
-    });
-  }
-  bool at(const Cell& cell) const {
-    const Surface* surface = map.surface(cell);
-    return surface != nullptr && surface->origin <= newest;
-  }
-};
-
-const Surface* nearest(const Surfaces& surfaces, const Point& point, const Point& normal, double reach) {
-  const int radius = static_cast<int>(std::ceil(reach / surfaces.map.resolution()));
-  const Cell center = surfaces.map.cell_of(point);
+const Surface* nearest(const GridMap& map, const Point& point, const Point& normal, double reach) {
+  const int radius = static_cast<int>(std::ceil(reach / map.resolution()));
+  const Cell center = map.cell_of(point);
   const Surface* best = nullptr;
   double best_distance = reach * reach;
-  surfaces.visit(around(center, -radius), around(center, radius), [&](const Surface& surface) {
+  map.visit_surfaces(around(center, -radius), around(center, radius), [&](const Surface& surface) {
     const double dx = point.x - surface.x, dy = point.y - surface.y;
     const double distance = dx * dx + dy * dy;
     if (distance >= best_distance || !same_side(surface, normal)) return;
@@ -100,14 +85,14 @@ const Surface* nearest(const Surfaces& surfaces, const Point& point, const Point
 
 // The line through the nearest surface and its neighbours. A single cell would not do: a wall on the border of two
 // cells leaves half its hits in each, and hits would be drawn to the nearer half wherever they lie.
-Line line_near(const Surfaces& surfaces, const Point& point, const Point& normal, double reach) {
-  const Surface* center = nearest(surfaces, point, normal, reach);
+Line line_near(const GridMap& map, const Point& point, const Point& normal, double reach) {
+  const Surface* center = nearest(map, point, normal, reach);
   if (center == nullptr) return {};
-  const Cell cell = surfaces.map.cell_of({center->x, center->y});
+  const Cell cell = map.cell_of({center->x, center->y});
   Line line;
   line.distance = std::hypot(point.x - center->x, point.y - center->y);
   double hits = 0.0, scans = 0.0;
-  surfaces.visit(around(cell, -kNeighbours), around(cell, kNeighbours), [&](const Surface& surface) {
+  map.visit_surfaces(around(cell, -kNeighbours), around(cell, kNeighbours), [&](const Surface& surface) {
     if (!same_side(surface, normal)) return;
     hits += surface.hits;
     scans += surface.hits * surface.scans;
@@ -127,11 +112,10 @@ Line line_near(const Surfaces& surfaces, const Point& point, const Point& normal
 }
 
 // The line within `reach` of a hit. Most of the time of matching went into finding the same lines again.
-const Line* line_of(const Surfaces& surfaces, const Point& point, const Point& normal, double reach,
-                    Association& known) {
+const Line* line_of(const GridMap& map, const Point& point, const Point& normal, double reach, Association& known) {
   const double dx = point.x - known.place.x, dy = point.y - known.place.y;
   const bool holds = dx * dx + dy * dy < kSamePlace * kSamePlace && (known.line.found || reach <= known.reach);
-  if (known.reach == 0.0 || !holds) known = {point, reach, line_near(surfaces, point, normal, reach)};
+  if (known.reach == 0.0 || !holds) known = {point, reach, line_near(map, point, normal, reach)};
   return known.line.found && known.line.distance < reach ? &known.line : nullptr;
 }
 
@@ -148,14 +132,14 @@ bool contradicts(const GridMap& map, const Point& eye, const Point& point) {
 }
 
 // What the map says to the hits at the pose of the fit.
-void judge(const Surfaces& surfaces, const std::vector<const Beam*>& beams, const Point& eye, double reach,
-           double precision, std::vector<Association>& associations, Fit* fit) {
+void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Point& eye, double reach, double precision,
+           std::vector<Association>& associations, Fit* fit) {
   const Frame frame(fit->pose);
   const Point from = frame * eye;
   int on_surface = 0, against = 0;
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Point point = frame * beams[i]->end;
-    const Line* line = line_of(surfaces, point, frame.turned(beams[i]->normal), reach, associations[i]);
+    const Line* line = line_of(map, point, frame.turned(beams[i]->normal), reach, associations[i]);
     bool on = false;
     if (line != nullptr) {
       const double dx = point.x - line->through.x, dy = point.y - line->through.y;
@@ -170,7 +154,7 @@ void judge(const Surfaces& surfaces, const std::vector<const Beam*>& beams, cons
       const Eigen::Vector3d jacobian(normal.x, normal.y, -normal.x * arm.y + normal.y * arm.x);
       support.information += precision * line->weight * jacobian * jacobian.transpose();
     }
-    against += !on && contradicts(surfaces.map, from, point);
+    against += !on && contradicts(map, from, point);
   }
   const int known = on_surface + against;
   fit->share = known == 0 ? 0.0 : static_cast<double>(on_surface) / known;
@@ -178,7 +162,7 @@ void judge(const Surfaces& surfaces, const std::vector<const Beam*>& beams, cons
 }
 
 // Gauss-Newton on point-to-line distances with Cauchy weights and the odometry prior.
-Fit refine(const Surfaces& surfaces, const std::vector<const Beam*>& beams, const Pose& start, const Pose& expected,
+Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose& start, const Pose& expected,
            const Pose& deviation, double surface_deviation, const Point& eye, const MatchOptions& options,
            std::vector<Association>& associations) {
   const double precision = 1.0 / (surface_deviation * surface_deviation);
@@ -195,7 +179,7 @@ Fit refine(const Surfaces& surfaces, const std::vector<const Beam*>& beams, cons
     for (std::size_t i = 0; i < beams.size(); ++i) {
       const Point arm = frame.turned(beams[i]->end), normal = frame.turned(beams[i]->normal);
       const Point point{pose.x + arm.x, pose.y + arm.y};
-      const Line* found = line_of(surfaces, point, normal, reach, associations[i]);
+      const Line* found = line_of(map, point, normal, reach, associations[i]);
       if (found == nullptr) continue;
       const Line& line = *found;
       const double nx = line.normal.x, ny = line.normal.y;
@@ -213,28 +197,28 @@ Fit refine(const Surfaces& surfaces, const std::vector<const Beam*>& beams, cons
     reach = std::max(0.5 * reach, 0.12);
     if (iteration > 1 && step.head<2>().norm() < 2e-4 && std::abs(step.z()) < 1e-4) break;
   }
-  judge(surfaces, beams, eye, reach, precision, associations, &fit);
+  judge(map, beams, eye, reach, precision, associations, &fit);
   return fit;
 }
 
-// Exhaustive search over a window (correlative matching, Olson 2009) on every fourth hit.
-Pose search(const Surfaces& surfaces, const std::vector<const Beam*>& beams, const Pose& center, const Pose& window) {
-  const GridMap& map = surfaces.map;
+// Exhaustive search over a window (correlative matching, Olson 2009) on every fourth hit at most.
+Pose search(const GridMap& map, const std::vector<const Beam*>& beams, const Pose& center, const Pose& window) {
   const double step = map.resolution(), turn_step = 0.025;
   const int steps = static_cast<int>(std::ceil(window.x / step));
   const int turns = static_cast<int>(std::ceil(window.yaw / turn_step));
   Pose best = center;
   double best_score = -1.0;
   std::vector<Cell> cells;
+  const std::size_t stride = std::max<std::size_t>(4, beams.size() / kMostSearched);
   for (int turn = -turns; turn <= turns; ++turn) {
     const Pose turned{center.x, center.y, normalized(center.yaw + turn * turn_step)};
     const Frame frame(turned);
     cells.clear();
-    for (std::size_t i = 0; i < beams.size(); i += 4) cells.push_back(map.cell_of(frame * beams[i]->end));
+    for (std::size_t i = 0; i < beams.size(); i += stride) cells.push_back(map.cell_of(frame * beams[i]->end));
     for (int dy = -steps; dy <= steps; ++dy) {
       for (int dx = -steps; dx <= steps; ++dx) {
         double score = 0.0;
-        for (const Cell& cell : cells) score += surfaces.at({cell.x + dx, cell.y + dy});
+        for (const Cell& cell : cells) score += map.surface({cell.x + dx, cell.y + dy}) != nullptr;
         // Ties go to the pose nearest to the expectation.
         score -= 1e-3 * (dx * dx + dy * dy) + 1e-2 * turn * turn;
         if (score <= best_score) continue;
@@ -281,6 +265,10 @@ Match without_surfaces(const GridMap& map, const Scan& scan, const Pose& expecte
     return otherwise;
   if (share_through(map, scan, expected) < kThrough) return otherwise;
   if (share_through(map, scan, *previous) >= 0.25 * kThrough) return otherwise;
+  // Walls that are drawn a little off explain it, too.
+  for (const auto& [x, y] : {std::pair(kDrawnOff, 0.0), {-kDrawnOff, 0.0}, {0.0, kDrawnOff}, {0.0, -kDrawnOff}}) {
+    if (share_through(map, scan, expected * Pose{x, y, 0.0}) < 0.5 * kThrough) return otherwise;
+  }
   return {expected, 0.0, Outcome::kContradicts, previous, true};
 }
 
@@ -296,7 +284,7 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
   }
   std::vector<Association> associations(beams.size());
   const auto fit = [&](const Pose& start) {
-    return refine({map}, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations);
+    return refine(map, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations);
   };
   Fit best = fit(expected);
   if (best.known < options.known_share) {
@@ -307,7 +295,7 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
     Fit other = fit(previous.value_or(expected));
     match.stays = better(other, best) && other.share >= kSure && other.known >= kMostKnown;
     if (!match.stays && best.share < options.poor_share)
-      other = fit(search({map}, beams, expected, {options.window, options.window, options.angular_window}));
+      other = fit(search(map, beams, expected, {options.window, options.window, options.angular_window}));
     const bool found = other.known >= options.known_share && better(other, best);
     if (found && other.share >= options.good_share) match.elsewhere = other.pose;
     if (found || best.share < options.poor_share) return match;
@@ -318,7 +306,7 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
   // where it explains the scan worse.
   const bool agreed = agree(best.pose, expected, deviation);
   const Pose trusted{kTrust * deviation.x, kTrust * deviation.y, deviation.yaw};
-  const Fit joint = refine({map}, beams, agreed ? best.pose : expected, expected, trusted, options.joint_deviation,
+  const Fit joint = refine(map, beams, agreed ? best.pose : expected, expected, trusted, options.joint_deviation,
                            scan.eye, options, associations);
   if (!agreed && better(best, joint)) return {expected, joint.share, Outcome::kContradicts, best.pose};
   if (joint.share < options.poor_share) return {expected, joint.share, Outcome::kContradicts};
@@ -329,21 +317,27 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
   return match;
 }
 
-std::optional<Match> match_old(const GridMap& map, int newest, const Scan& scan, const Pose& pose, const Pose& window,
+std::optional<Match> match_old(const GridMap& old, const Scan& scan, const Pose& pose, const Pose& window,
                                const MatchOptions& options) {
   const std::vector<const Beam*> beams = choose_beams(scan);
   if (beams.size() < kLeastBeams) return std::nullopt;
-  const Surfaces old{map, newest};
   const auto fit = [&](const Pose& start, const Pose& deviation) {
     std::vector<Association> associations(beams.size());
     return refine(old, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations);
   };
   const Fit now = fit(pose, kTight);
   const Fit best = fit(search(old, beams, pose, window), window);
-  if (share_on(best) < kLeastOnOld || share_on(best) < share_on(now) + kMoreOnOld) return std::nullopt;
-  Match match{best.pose, best.share, Outcome::kMatched};
-  match.known = best.known;
-  match.origins = best.origins;
+  const bool elsewhere = share_on(best) > share_on(now) + kMoreOnOld;
+  // At the border of the window the scan may fit better beyond: along a corridor it does.
+  const double border = kBorder * old.resolution();
+  if (elsewhere && std::max(std::abs(best.pose.x - pose.x), std::abs(best.pose.y - pose.y)) > window.x - border)
+    return std::nullopt;
+  const Fit& found = elsewhere ? best : now;
+  if (share_on(found) < kLeastOnOld) return std::nullopt;
+  Match match{found.pose, found.share, Outcome::kMatched};
+  if (elsewhere) match.elsewhere = found.pose;
+  match.known = found.known;
+  match.origins = found.origins;
   return match;
 }
 

@@ -13,7 +13,7 @@ namespace mr_robot::slam {
 struct MatchOptions {
   double reach = 0.25;              // m, how far from a surface a hit may be to be drawn to it
   double surface_deviation = 0.02;  // m, standard deviation of hits around surfaces
-  double joint_deviation = 0.05;    // m, the same where hits and odometry are weighed against one another
+  double joint_deviation = 0.03;    // m, the same where hits and odometry are weighed against one another
   double window = 0.4;              // m, half width of the search where odometry alone does not lead to a match
   double angular_window = 0.2;      // rad, same for the heading
   double good_share = 0.6;          // share of hits on surfaces that makes a match certain
@@ -51,9 +51,10 @@ struct Match {
 Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
                  const std::optional<Pose>& previous, const MatchOptions& options);
 
-// Of a robot that comes back to where it was long ago: where it must be for its scan to lie on the surfaces up to
-// origin `newest`, within `window` (m, rad) of `pose`. Nothing where they say no more than at `pose`.
-std::optional<Match> match_old(const GridMap& map, int newest, const Scan& scan, const Pose& pose, const Pose& window,
+// Of a robot that comes back to where it was long ago: where it must be for its scan to lie on the surfaces of `old`.
+// That is `elsewhere`, within `window` (m, rad) of `pose`, where they say much more than at `pose`. Nothing where they
+// say too little.
+std::optional<Match> match_old(const GridMap& old, const Scan& scan, const Pose& pose, const Pose& window,
                                const MatchOptions& options);
 
 }  // namespace mr_robot::slam

@@ -110,7 +110,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   }
   if (!started_) {
     start(scan, odometry, time, &update);
-    memory_.add({ranges, ranges + size}, geometry, pose_, driven_, way_, model_, Match{});
+    memory_.add({ranges, ranges + size}, scan, geometry, pose_, driven_, way_, model_, Match{});
     standing_.judge(ranges, size, geometry, scan, odometry);
     return update;
   }
@@ -147,8 +147,8 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   if (!contradicted_ && !doubtful && !match.elsewhere &&
       (stands || moved(inserted_, pose_, options_.insert_distance, options_.insert_angle))) {
     update.inserted = insert(scan, stands, time);
-    if (memory_.add({ranges, ranges + size}, geometry, pose_, driven_, way_, model_, match)) {
-      memory_.close_loop(map_, scan, model_, options_.match);
+    if (memory_.add({ranges, ranges + size}, scan, geometry, pose_, driven_, way_, model_, match)) {
+      memory_.close_loop(model_, options_.match);
     }
   }
   if (verdict == Standing::Verdict::kMoved || verdict == Standing::Verdict::kUnknown) {
