@@ -10,10 +10,10 @@ from explorer.team import Team
 from mr_grid import Pose
 
 NARROW = math.pi  # rad; robots that see less may drive into what stands beside them
-APART = 5.0  # s from one robot to the next
+APART = 10.0  # s from one robot to the next; meanwhile it looks around a metre ahead
 ROUND = 2.0  # s that a robot leaves to each one whose name sorts earlier
 BOXED_IN = 6.0  # s more, that one with something before it leaves to the others
-LONGEST = 40.0  # s that any robot waits
+LONGEST = 60.0  # s that any robot waits
 AHEAD = 2.0  # m before a robot in which nothing must stand
 SPACING = 0.05  # m between points that are looked at
 
