@@ -11,8 +11,6 @@ constexpr double kKeyframeAngle = 0.8;      // rad
 constexpr int kSolveEvery = 6;              // keyframes
 constexpr std::size_t kMostLinks = 8;       // of a keyframe to others, by scans
 constexpr double kLately = 3.0;             // m of way that are compared with what was drawn long ago
-constexpr std::size_t kEveryScan = 3;       // of a keyframe, for that, and
-constexpr double kHitSpacing = 0.04;        // m from hit to hit along a surface
 constexpr long kMostAround = 40;            // keyframes, and
 constexpr double kAround = 10.0;            // m from here, that say what was drawn long ago
 constexpr double kLoopWay = 15.0;           // m since what was drawn long ago
@@ -68,7 +66,7 @@ bool Memory::add(const std::vector<float>& ranges, const Scan& scan, const Laser
   if (opens) open(pose, odometry, way, model, match);
   Keyframe& keyframe = keyframes_.back();
   keyframe.scans.push_back({ranges, geometry.swept, between(keyframe.drawn, pose)});
-  keep_hits(scan, &keyframe);
+  keyframe.hits.add(scan, keyframe.scans.back().relative);
   keyframe.walls.add(scan, keyframe.scans.back().relative.yaw);
   return opens;
 }
@@ -102,43 +100,13 @@ void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match
   }
 }
 
-// Of a scan that is the last one of the keyframe.
-void Memory::keep_hits(const Scan& scan, Keyframe* keyframe) {
-  if (keyframe->scans.size() % kEveryScan != 1) return;
-  const Frame frame(keyframe->scans.back().relative);
-  std::vector<Hit>& hits = keyframe->hits.emplace_back();
-  double passed = kHitSpacing;
-  for (const Beam& beam : scan.beams) {
-    if (!beam.has_normal || beam.on_small_object) continue;
-    if (passed >= kHitSpacing) {
-      const Point end = frame * beam.end, normal = frame.turned(beam.normal);
-      hits.push_back({static_cast<float>(end.x), static_cast<float>(end.y), static_cast<float>(normal.x),
-                      static_cast<float>(normal.y)});
-      passed = 0.0;
-    }
-    passed += beam.spacing;
-  }
-}
-
-// `from`: their keyframe in the frame of the scan.
-void Memory::append_hits(const std::vector<Hit>& hits, const Pose& from, Scan* scan) {
-  const Frame frame(from);
-  for (const Hit& hit : hits) {
-    Beam beam{frame * Point{hit.x, hit.y}, true};
-    beam.has_normal = true;
-    beam.normal = frame.turned({hit.normal_x, hit.normal_y});
-    beam.spacing = kHitSpacing;
-    scan->beams.push_back(beam);
-  }
-}
-
 // What was hit on the last metres, as one scan from the last keyframe.
 Scan Memory::lately() const {
   const Keyframe& last = keyframes_.back();
   Scan result;
   for (auto at = keyframes_.rbegin(); at != keyframes_.rend() && last.way.distance - at->way.distance <= kLately;
        ++at) {
-    for (const auto& hits : at->hits) append_hits(hits, between(last.drawn, at->drawn), &result);
+    at->hits.append_to(&result, between(last.drawn, at->drawn));
   }
   return result;
 }
@@ -155,12 +123,7 @@ GridMap Memory::drawn_around(const Pose& pose) const {
   std::sort(nearest.begin(), end, [](const auto& a, const auto& b) { return a.second < b.second; });
   GridMap map(grid_);
   for (auto at = nearest.begin(); at != end; ++at) {
-    const Keyframe& keyframe = keyframes_[at->second];
-    for (const auto& hits : keyframe.hits) {
-      Scan scan;
-      append_hits(hits, Pose{}, &scan);
-      map.add_hits(scan, keyframe.drawn, at->second);
-    }
+    keyframes_[at->second].hits.draw(&map, keyframes_[at->second].drawn, at->second);
   }
   return map;
 }
@@ -173,18 +136,12 @@ void Memory::close_loop(const OdometryModel& model, const MatchOptions& options)
   const double window = std::clamp(drift, kLeastWindow, kLoopWindow.x);
   const auto match =
       match_old(drawn_around(last.drawn), lately(), last.drawn, {window, window, kLoopWindow.yaw}, options);
-  if (match && !match->elsewhere) {
-    link_by_scan(keyframes_.size() - 1, match->pose, *match, kLoopFloor);
-    loop_.reset();
-    return;
-  }
+  const bool here = match && !match->elsewhere;
   const bool same = match && loop_ && distance(*loop_ * last.drawn, match->pose) < kSameLoop;
   loop_.reset();
-  if (!match) return;
-  loop_ = match->pose * between(last.drawn, Pose{});
-  if (!same) return;
-  link_by_scan(keyframes_.size() - 1, match->pose, *match, kLoopFloor);
-  solved_ = 0;
+  if (match && !here) loop_ = match->pose * between(last.drawn, Pose{});
+  if (here || same) link_by_scan(keyframes_.size() - 1, match->pose, *match, kLoopFloor);
+  if (same && !here) solved_ = 0;
 }
 
 void Memory::solve(const GridMap& map, const OdometryModel& model) {

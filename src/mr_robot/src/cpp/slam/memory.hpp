@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "grid_map.hpp"
+#include "kept_hits.hpp"
 #include "odometry_model.hpp"
 #include "pose_graph.hpp"
 #include "scan_matcher.hpp"
@@ -37,16 +38,12 @@ class Memory {
     Pose swept;     // see LaserGeometry
     Pose relative;  // to the keyframe
   };
-  // On a surface, as seen from the keyframe.
-  struct Hit {
-    float x, y, normal_x, normal_y;
-  };
   struct Keyframe {
     Pose drawn;  // where it is on the map
     Pose odometry;
     Way way;
     std::vector<Kept> scans;
-    std::vector<std::vector<Hit>> hits;  // of some of the scans
+    KeptHits hits;
     SquareWalls walls;
   };
   struct Redrawing {
@@ -59,8 +56,6 @@ class Memory {
   void link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor);
   bool due(const Pose& pose) const;
   Scan scan_of(const Kept& kept) const;
-  static void keep_hits(const Scan& scan, Keyframe* keyframe);
-  static void append_hits(const std::vector<Hit>& hits, const Pose& from, Scan* scan);
   Scan lately() const;
   GridMap drawn_around(const Pose& pose) const;
   void solve(const GridMap& map, const OdometryModel& model);

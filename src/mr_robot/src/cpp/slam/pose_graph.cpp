@@ -130,12 +130,13 @@ void PoseGraph::solve() {
                              values[link.from].data(), values[link.to].data());
   }
   std::optional<double> direction = direction_of_walls();
-  for (const Walls& walls : direction ? walls_ : std::vector<Walls>()) {
-    const double askew = off(walls, *direction);
+  for (std::size_t i = 0; direction && i < walls_.size(); ++i) {
+    const double askew = off(walls_[i], *direction);
     if (std::abs(askew) > kAskew) continue;
-    const double heading = askew + *direction - poses_[walls.pose].yaw;
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<WallsCost, 1, 3, 1>(new WallsCost{heading}),
-                             new ceres::CauchyLoss(kOutlier), values[walls.pose].data(), &*direction);
+    const std::size_t pose = walls_[i].pose;
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<WallsCost, 1, 3, 1>(new WallsCost{askew + *direction - poses_[pose].yaw}),
+        new ceres::CauchyLoss(kOutlier), values[pose].data(), &*direction);
   }
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<FactorCost, 2, 2>(new FactorCost), nullptr, factors_);
   problem.SetParameterBlockConstant(values[0].data());

@@ -100,4 +100,20 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
   return scan;
 }
 
+// Whether a hit is used must not depend on its own noise: asking how far it lies from the last one would prefer, on
+// each wall, hits that err in the direction of the sweep, and turn the robot a little with every match.
+std::vector<const Beam*> spaced_hits(const Scan& scan) {
+  std::vector<const Beam*> chosen;
+  double passed = kHitSpacing;
+  for (const Beam& beam : scan.beams) {
+    if (!beam.has_normal || beam.on_small_object) continue;
+    if (passed >= kHitSpacing) {
+      chosen.push_back(&beam);
+      passed = 0.0;
+    }
+    passed += beam.spacing;
+  }
+  return chosen;
+}
+
 }  // namespace mr_robot::slam

@@ -36,4 +36,9 @@ struct Scan {
 Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window,
                double small_object_size);
 
+constexpr double kHitSpacing = 0.04;  // m between hits that are used, so that near walls do not outweigh far ones
+
+// Hits on surfaces, about `kHitSpacing` apart; none on small objects, which may be robots that drive along.
+std::vector<const Beam*> spaced_hits(const Scan& scan);
+
 }  // namespace mr_robot::slam

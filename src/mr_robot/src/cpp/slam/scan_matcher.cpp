@@ -7,7 +7,6 @@ namespace mr_robot::slam {
 namespace {
 
 constexpr int kIterations = 12;
-constexpr double kSpacing = 0.04;    // m between the hits used, so that near walls do not outweigh far ones
 constexpr double kOnSurface = 0.05;  // m
 constexpr double kSure = 0.8;        // share on surfaces from which wheels are said to slip
 constexpr double kMostKnown = 0.5;   // of the hits that must be known for that
@@ -29,23 +28,6 @@ constexpr Pose kTight{0.05, 0.05, 0.01};
 constexpr double kSameSide = 0.7;     // cosine
 constexpr double kTrust = 0.5;        // of odometry's deviation where scan and odometry agree
 constexpr double kSamePlace = 0.005;  // m, a hit that moves less between two iterations keeps its line
-
-// Small objects may be robots that drive along and carry the pose with them.
-// Whether a hit is used must not depend on its own noise: asking how far it lies from the last one would prefer, on
-// each wall, hits that err in the direction of the sweep, and turn the robot a little with every match.
-std::vector<const Beam*> choose_beams(const Scan& scan) {
-  std::vector<const Beam*> chosen;
-  double passed = kSpacing;
-  for (const Beam& beam : scan.beams) {
-    if (!beam.has_normal || beam.on_small_object) continue;
-    if (passed >= kSpacing) {
-      chosen.push_back(&beam);
-      passed = 0.0;
-    }
-    passed += beam.spacing;
-  }
-  return chosen;
-}
 
 struct Line {
   Point through, normal;  // m; unit vector
@@ -278,7 +260,7 @@ bool better(const Fit& fit, const Fit& than) { return fit.share > than.share + 0
 
 Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
                  const std::optional<Pose>& previous, const MatchOptions& options) {
-  const std::vector<const Beam*> beams = choose_beams(scan);
+  const std::vector<const Beam*> beams = spaced_hits(scan);
   if (beams.size() < kFewBeams) {
     return without_surfaces(map, scan, expected, previous, {expected, 0.0, Outcome::kNothingSeen});
   }
@@ -319,7 +301,7 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
 
 std::optional<Match> match_old(const GridMap& old, const Scan& scan, const Pose& pose, const Pose& window,
                                const MatchOptions& options) {
-  const std::vector<const Beam*> beams = choose_beams(scan);
+  const std::vector<const Beam*> beams = spaced_hits(scan);
   if (beams.size() < kLeastBeams) return std::nullopt;
   const auto fit = [&](const Pose& start, const Pose& deviation) {
     std::vector<Association> associations(beams.size());
@@ -330,7 +312,8 @@ std::optional<Match> match_old(const GridMap& old, const Scan& scan, const Pose&
   const bool elsewhere = share_on(best) > share_on(now) + kMoreOnOld;
   // At the border of the window the scan may fit better beyond: along a corridor it does.
   const double border = kBorder * old.resolution();
-  if (elsewhere && std::max(std::abs(best.pose.x - pose.x), std::abs(best.pose.y - pose.y)) > window.x - border)
+  const auto at_border = [&](double off, double most) { return std::abs(off) > most - border; };
+  if (elsewhere && (at_border(best.pose.x - pose.x, window.x) || at_border(best.pose.y - pose.y, window.y)))
     return std::nullopt;
   const Fit& found = elsewhere ? best : now;
   if (share_on(found) < kLeastOnOld) return std::nullopt;
