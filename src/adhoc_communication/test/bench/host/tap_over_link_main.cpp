@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "link/capability.hpp"
 #include "link/file_descriptor.hpp"
 #include "link/link.hpp"
 
@@ -26,6 +27,7 @@ constexpr std::size_t kAddresses = 12;  ///< octets of the two addresses in fron
 constexpr std::size_t kFramesPerTurn = 64;
 
 FileDescriptor open_tap(const std::string& name, const MacAddress& address) {
+  const RaisedCapabilities raised;  // the link has lowered them again
   FileDescriptor tap(open("/dev/net/tun", O_RDWR | O_NONBLOCK | O_CLOEXEC));
   struct ifreq request {};
   name.copy(request.ifr_name, IFNAMSIZ - 1);
