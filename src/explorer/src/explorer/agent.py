@@ -63,22 +63,22 @@ class ExplorerAgent:
 
     def pause(self, now: float) -> Answer:
         """The robot stays where it is and claims nothing until it is to `resume`."""
-        return self.mission.pause(now)
+        return self.mission.steering.pause(now)
 
     def return_now(self, now: float) -> Answer:
         """The robot drives home at once and waits there until it is to `resume`."""
-        return self.mission.return_now(now)
+        return self.mission.steering.return_now(now)
 
     def resume(self, now: float) -> Answer:
-        return self.mission.resume()
+        return self.mission.steering.resume()
 
     def stop(self, now: float) -> Answer:
         """Ends the mission where the robot is."""
-        return self.mission.stop(now)
+        return self.mission.steering.stop(now)
 
     def go_home(self, now: float) -> Answer:
         """Ends the exploration and drives home."""
-        return self.mission.go_home(now)
+        return self.mission.steering.go_home(now)
 
     def recall(self, memory: Memory, now: float) -> None:
         """Goes on with a mission after the node was started anew; before the first tick."""

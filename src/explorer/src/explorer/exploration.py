@@ -4,13 +4,12 @@ from typing import Optional
 
 from explorer.agreement import Agreement
 from explorer.announcing import Announcing
-from explorer.answer import Answer
 from explorer.answering import Answering
 from explorer.auctions import Auctions
 from explorer.claim import OwnClaim
 from explorer.course import Course
 from explorer.departure import Departure
-from explorer.driver import Driver, GoalEvent, at_home
+from explorer.driver import Driver, GoalEvent
 from explorer.ending import Ending
 from explorer.foreign import ForeignFrontiers
 from explorer.hearing import Hearing
@@ -20,7 +19,7 @@ from explorer.leftovers import sentence
 from explorer.memory import Memory
 from explorer.messages import FAILED, REACHED, Auction, Emit, Note
 from explorer.options import Options
-from explorer.orders import CALLED, DONE, PAUSED, SENT_HOME, STOPPED, Orders
+from explorer.orders import DONE, PAUSED, Orders
 from explorer.outcomes import Outcomes
 from explorer.perception import Perception
 from explorer.reopening import Reopening
@@ -31,6 +30,7 @@ from explorer.senses import Senses
 from explorer.sharing import Sharing
 from explorer.statement import Stage
 from explorer.status import Counters, State
+from explorer.steering import Steering
 from explorer.strategies.strategy import Strategy
 from explorer.team import Team
 from explorer.verdicts import Verdicts
@@ -82,6 +82,16 @@ class Exploration:
             name, strategy, senses, perception, foreign, self.team, self.auctions, self._selection, self._scenes
         )
         self._journal = Journal(options, emit)
+        self.steering = Steering(
+            self.orders,
+            self._course,
+            self.driver,
+            self.ending,
+            senses,
+            begun=lambda: self._begun,
+            give_up_claim=self._give_up_claim,
+            end=self._end,
+        )
 
     @property
     def state(self) -> State:
@@ -123,69 +133,6 @@ class Exploration:
         elif outcome in (REACHED, FAILED):
             self._take_event(event, now)
         self._perception.touch()
-
-    # ---- orders ---------------------------------------------------------------------------------------------------
-
-    def pause(self, now: float) -> Answer:
-        """The robot stays where it is and claims nothing until `resume`; it still maps, tells and answers."""
-        if not self._begun:
-            return Answer(False, f"has not begun to explore: {self.text}")
-        if self.orders.paused or self.state == State.FINISHED:
-            return Answer(False, "is paused already" if self.orders.paused else f"has ended: {self.text}")
-        self._halt(PAUSED, now)
-        self._course.be(State.WAITING, PAUSED)
-        return Answer(True, "paused")
-
-    def return_now(self, now: float) -> Answer:
-        """The robot drives home at once and claims nothing until `resume`: the exploration has not ended."""
-        if not self._begun:
-            return Answer(False, f"has not begun to explore: {self.text}")
-        if self.finished_at is not None or self.orders.halt == CALLED:
-            return Answer(False, "is called back already" if self.orders.halt else f"has ended: {self.text}")
-        self._halt(CALLED, now)
-        self.driver.begin_home()
-        self._course.be(State.RETURNING, f"{CALLED}, drives home")
-        return Answer(True, "drives home")
-
-    def _halt(self, how: str, now: float) -> None:
-        self.orders.halt = how
-        self.driver.drop()
-        if self.finished_at is None:
-            self._give_up_claim(now)
-
-    def resume(self) -> Answer:
-        """The robot goes on after `pause` or `return_now`."""
-        if not self.orders.halt:
-            return Answer(False, "is not paused")
-        self.driver.drop()
-        self.orders.halt = ""
-        self.ending.look_again()
-        return Answer(True, "goes on")
-
-    def stop(self, now: float) -> Answer:
-        """Ends the mission where the robot is."""
-        if self.state == State.FINISHED:
-            return Answer(False, f"has ended already: {self.text}")
-        self.orders.halt, self.orders.homeward = "", False
-        self.driver.drop()
-        if self.finished_at is None:
-            self._end(STOPPED, now)
-        self._course.be(State.FINISHED, "stopped")
-        return Answer(True, "stopped")
-
-    def go_home(self, now: float) -> Answer:
-        """Ends the exploration; the robot drives home, also if it was stopped before or is not to return by itself."""
-        here, home = self._senses.pose, self._senses.home
-        if not self._begun or here is None or home is None:
-            return Answer(False, f"has not begun to explore: {self.text}")
-        if self.state == State.RETURNING or (self.state == State.FINISHED and at_home(here, home)):
-            return Answer(False, "is at home" if self.state == State.FINISHED else "is on its way home already")
-        self.orders.halt, self.orders.homeward = "", True
-        if self.finished_at is None:
-            self._end(SENT_HOME, now)
-        self.driver.begin_home()
-        self._course.be(State.RETURNING, f"{self.orders.ended_by}, drives home")
-        return Answer(True, "drives home")
 
     @property
     def _begun(self) -> bool:

@@ -54,7 +54,7 @@ class Missions:
         if old.orders.halt:
             mission.orders.halt = old.orders.halt
         elif old.orders.ended_by == STOPPED:
-            mission.stop(now)
+            mission.steering.stop(now)
         return mission
 
     def _see_again(self, now: float) -> None:
