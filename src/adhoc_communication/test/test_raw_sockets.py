@@ -5,6 +5,7 @@ Run by catkin; by hand: /usr/bin/python3 test_raw_sockets.py [-k test_name]
 """
 
 import ctypes
+import errno
 import os
 import select
 import socket
@@ -186,6 +187,8 @@ def priorities_of_packet_sockets(pid):
     priorities = []
     for number in map(int, os.listdir(f"/proc/{pid}/fd")):
         copy = LIBC.syscall(PIDFD_GETFD, process, number, 0)
+        if copy < 0 and ctypes.get_errno() == errno.EBADF:
+            continue  # the process has closed it since it was listed
         assert copy >= 0, os.strerror(ctypes.get_errno())
         if stat.S_ISSOCK(os.fstat(copy).st_mode):
             with socket.socket(fileno=copy) as other:
