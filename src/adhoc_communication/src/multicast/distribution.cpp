@@ -13,25 +13,21 @@ void Distribution::set_children(const std::map<MacAddress, std::uint32_t>& child
     const bool stays = !anew && children.count(iterator->first) != 0;
     iterator = stays ? std::next(iterator) : children_.erase(iterator);
   }
+  std::vector<std::uint16_t> sent_in;
+  for (const Sent& sent : sent_) sent_in.push_back(sent.round);
   for (const auto& [address, coverage] : children) {
-    const bool known = children_.count(address) != 0;
-    Child& child = children_[address];
-    if (known && child.coverage == coverage) continue;
-    child.coverage = coverage;
-    child.done = false;
-    child.progress = now;
-    child.asked = now;
-    child.question_wait = rounds_.patience();
-    if (known) continue;
-    child.missing.assign(sent_.size(), kUnknown);
-    child.known_in.assign(sent_.size(), 0);
-    for (const Sent& sent : sent_) child.sent_in.push_back(sent.round);
+    const auto known = children_.find(address);
+    if (known == children_.end()) {
+      children_.emplace(address, Child(sent_in, coverage, rounds_.patience(), now));
+    } else if (known->second.coverage() != coverage) {
+      known->second.cover(coverage, rounds_.patience(), now);
+    }
   }
   prune_run(now);
 }
 
 bool Distribution::done() const {
-  return std::all_of(children_.begin(), children_.end(), [](const auto& item) { return item.second.done; });
+  return std::all_of(children_.begin(), children_.end(), [](const auto& item) { return item.second.done(); });
 }
 
 bool Distribution::begun() const {
@@ -41,7 +37,7 @@ bool Distribution::begun() const {
 std::optional<MacAddress> Distribution::only_open_child() const {
   std::optional<MacAddress> only;
   for (const auto& [address, child] : children_) {
-    if (child.done) continue;
+    if (child.done()) continue;
     if (only) return std::nullopt;
     only = address;
   }
@@ -51,7 +47,7 @@ std::optional<MacAddress> Distribution::only_open_child() const {
 /// Whether a child still misses something of the block, as far as is known.
 bool Distribution::open(std::size_t block) const {
   return std::any_of(children_.begin(), children_.end(),
-                     [&](const auto& item) { return item.second.takes() && item.second.missing[block] != 0; });
+                     [&](const auto& item) { return item.second.takes() && item.second.misses(block); });
 }
 
 std::size_t Distribution::window_end() const {
@@ -99,7 +95,7 @@ std::vector<MacAddress> Distribution::takers(const Place& place) const {
   for (const auto& [address, child] : children_) {
     const bool named =
         place.targets.empty() || std::find(place.targets.begin(), place.targets.end(), address) != place.targets.end();
-    if (named && child.takes() && child.missing[place.block] != 0) result.push_back(address);
+    if (named && child.takes() && child.misses(place.block)) result.push_back(address);
   }
   return result;
 }
@@ -138,7 +134,7 @@ Distribution::Outgoing Distribution::next(const Carriage& carriage, Time now) {
   }
   const Outgoing outgoing = run_.front();
   run_.pop_front();
-  if (outgoing.child && outgoing.question) asked(children_.at(*outgoing.child), now);
+  if (outgoing.child && outgoing.question) children_.at(*outgoing.child).asked(rounds_.patience(), now);
   if (run_.empty()) close_run(now);
   return outgoing;
 }
@@ -157,14 +153,14 @@ void Distribution::send_to_all(const Carriage& carriage, Time now) {
   const bool again = !repairs_.empty();
   const Place place = next_symbol();
   take_symbol(place);
-  for (auto& [address, child] : children_) child.sent_in[place.block] = rounds_.number();
+  for (auto& [address, child] : children_) child.sent(place.block, rounds_.number());
   Outgoing outgoing{place.block, place.symbol, question_due(carriage, now), rounds_.number(), std::nullopt, again};
   if (outgoing.question) {
     const bool early = rounds_.frames() < kFramesPerQuestion && has_symbol();
     awaits_ = early && !measured_ && !carriage.has_measured_broadcasts();
     measured_ = measured_ || early;
     rounds_.close(now);
-    for (auto& [address, child] : children_) asked(child, now);
+    for (auto& [address, child] : children_) child.asked(rounds_.patience(), now);
   }
   run_.push_back(outgoing);
 }
@@ -178,7 +174,7 @@ void Distribution::send_to_each(const Carriage& carriage, std::size_t most, Time
     const Place place = next_symbol();
     take_symbol(place);
     for (const MacAddress& target : takers(place)) {
-      children_.at(target).sent_in[place.block] = rounds_.number();
+      children_.at(target).sent(place.block, rounds_.number());
       copies[target].push_back({place.block, place.symbol, false, rounds_.number(), target, again});
     }
   }
@@ -214,56 +210,26 @@ bool Distribution::nothing_to_come() const {
   return std::none_of(sent_.begin(), sent_.end(), [](const Sent& sent) { return sent.frames.any() && !sent.all; });
 }
 
-void Distribution::asked(Child& child, Time now) const {
-  child.asked = now;
-  child.question_wait = rounds_.patience();
-}
-
 bool Distribution::reported(const MacAddress& from, const wire::GroupReport& report, bool covers_all, Time now) {
   const auto found = children_.find(from);
   if (found == children_.end()) return false;
   Child& child = found->second;
-  if (child.done) return true;
+  if (child.done()) return true;
   if (report.first_block == wire::kNoRoom) {
-    wait_for_room(child, now);
+    child.wait_for_room(now);
+    prune_run(now);
     return false;
   }
-  if (std::exchange(child.no_room_since, std::nullopt)) child.progress = now;
-  if (rounds_.answered(report.round, child.asked, now)) {
+  child.has_room(now);
+  if (rounds_.answered(report.round, child.asked_at(), now)) {
     awaits_ = false;
-    child.asked = now;
-    child.question_wait = kSubtreePatience;
+    child.answered(now);
   }
-  const auto learn = [&](std::size_t block, std::uint8_t missing) {
-    if (report.round < child.known_in[block]) return;
-    if (missing < child.missing[block]) child.progress = now;
-    child.missing[block] = missing;
-    child.known_in[block] = report.round;
-  };
-  for (std::size_t block = 0; block < std::min<std::size_t>(report.first_block, sent_.size()); ++block) learn(block, 0);
-  for (std::size_t i = 0; i < report.missing.size() && report.first_block + i < sent_.size(); ++i) {
-    learn(report.first_block + i, report.missing[i]);
-  }
-  if (report.complete && covers_all) child.done = true;
-  if (child.done) prune_run(now);
+  child.learn(report, now);
+  if (report.complete && covers_all) child.finish();
+  if (child.done()) prune_run(now);
   for (std::size_t block = 0; block < sent_.size(); ++block) plan_repairs(block, rounds_.overdue(now));
-  return child.done;
-}
-
-/// Nothing that it has had counts any more.
-void Distribution::wait_for_room(Child& child, Time now) {
-  if (!child.no_room_since) child.no_room_since = now;
-  child.asked = now;
-  child.question_wait = kRoomRetry;
-  child.missing.assign(sent_.size(), kUnknown);
-  child.known_in.assign(sent_.size(), 0);
-  prune_run(now);
-}
-
-/// What it said counts everything that was sent of the block.
-bool Distribution::knows(const Child& child, std::size_t block) const {
-  return child.missing[block] == 0 ||
-         (child.missing[block] != kUnknown && child.known_in[block] >= child.sent_in[block]);
+  return child.done();
 }
 
 void Distribution::plan_repairs(std::size_t block, bool overdue) {
@@ -272,11 +238,11 @@ void Distribution::plan_repairs(std::size_t block, bool overdue) {
   std::map<MacAddress, std::uint8_t> missing;
   for (const auto& [address, child] : children_) {
     if (!child.takes()) continue;
-    if (!knows(child, block)) {
+    if (!child.knows(block)) {
       if (!overdue) return;
       continue;
     }
-    if (child.missing[block] != 0) missing[address] = child.missing[block];
+    if (child.misses(block)) missing[address] = child.missing(block);
   }
   if (packet_.blocks()[block].frames() <= kMostRepeatedFrames) {
     repeat_frames(block, missing);
@@ -324,9 +290,8 @@ std::vector<MacAddress> Distribution::poll(Time now) {
     if (!repairs_.empty()) return to_ask;
   }
   for (auto& [address, child] : children_) {
-    if (child.done || now < child.asked + child.question_wait) continue;
-    child.asked = now;
-    child.question_wait = child.no_room_since ? kRoomRetry : std::min<Time>(2 * child.question_wait, kSubtreePatience);
+    if (child.done() || now < child.due()) continue;
+    child.asked_by_itself(now);
     to_ask.push_back(address);
   }
   return to_ask;
@@ -336,12 +301,7 @@ std::vector<MacAddress> Distribution::stuck(Time now) const {
   std::vector<MacAddress> result;
   if (!packet_.complete()) return result;
   for (const auto& [address, child] : children_) {
-    if (child.done) continue;
-    const bool waits =
-        std::all_of(child.missing.begin(), child.missing.end(), [](auto missing) { return missing == 0; });
-    const bool stuck = child.no_room_since ? now - *child.no_room_since >= kRoomPatience
-                                           : now - child.progress >= (waits ? kNoEnd : kNoProgress);
-    if (stuck) result.push_back(address);
+    if (child.stuck(now)) result.push_back(address);
   }
   return result;
 }
@@ -351,7 +311,7 @@ Time Distribution::next_deadline() const {
   if (has_frame() || !packet_.complete()) return Time::max();
   Time next = Time::max();
   for (const auto& [address, child] : children_) {
-    if (!child.done) next = std::min(next, child.asked + child.question_wait);
+    if (!child.done()) next = std::min(next, child.due());
   }
   return next;
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "multicast/carriage.hpp"
+#include "multicast/child.hpp"
 #include "multicast/group_packet.hpp"
 #include "multicast/rounds.hpp"
 #include "multicast/trials.hpp"
@@ -29,12 +30,6 @@ class Distribution {
   static constexpr int kFramesOfMeasure = 8;
   static constexpr std::size_t kRun = 16;   ///< frames to one child, before the next child gets them
   static constexpr std::size_t kTrial = 2;  ///< the same to learn what that costs
-  static constexpr Time kSubtreePatience = std::chrono::milliseconds(250);  ///< between questions to a child that waits
-  static constexpr Time kNoProgress = std::chrono::seconds(10);
-  static constexpr Time kNoEnd = std::chrono::seconds(30);
-  /// Until a child that had no room is asked again, and until it is given up.
-  static constexpr Time kRoomRetry = std::chrono::milliseconds(100);
-  static constexpr Time kRoomPatience = std::chrono::seconds(60);
 
   /// `first_parity`: where in the parity symbols to begin, so that neighbours that both send differ.
   Distribution(const GroupPacket& packet, transport::RoundTrip& round_trip, std::uint8_t first_parity);
@@ -66,26 +61,11 @@ class Distribution {
   bool reported(const MacAddress& child, const wire::GroupReport& report, bool covers_all, Time now);
   /// Plans repairs whose answers are in or overdue. Returns the children to ask by themselves.
   std::vector<MacAddress> poll(Time now);
-  /// Children without progress: for kNoProgress, kNoEnd where only those behind them miss something, or kRoomPatience
-  /// where they have no room.
+  /// Children without progress for too long.
   std::vector<MacAddress> stuck(Time now) const;
   Time next_deadline() const;
 
  private:
-  struct Child {
-    std::vector<std::uint8_t> missing;    ///< by block; kUnknown at first
-    std::vector<std::uint16_t> known_in;  ///< by block: round that `missing` counts
-    std::vector<std::uint16_t> sent_in;   ///< by block: round of the newest symbol that went to it
-    std::uint32_t coverage = 0;
-    bool done = false;
-    Time asked{0};
-    Time progress{0};
-    Time question_wait{0};  ///< until it is asked by itself
-    std::optional<Time> no_room_since{};
-
-    /// Frames are of use to it.
-    bool takes() const { return !done && !no_room_since; }
-  };
   struct Sent {
     std::bitset<kMostFramesOfBlock> frames;
     bool all = false;
@@ -98,8 +78,6 @@ class Distribution {
     int symbol;
     std::vector<MacAddress> targets;  ///< children that it is known to be of use to
   };
-  static constexpr std::uint8_t kUnknown = 0xff;
-
   bool has_symbol() const { return !awaits_ && (!repairs_.empty() || next_unsent().has_value()); }
   std::optional<Place> next_unsent() const;
   Place next_symbol() const;
@@ -115,10 +93,7 @@ class Distribution {
   void prune_run(Time now);
   bool open(std::size_t block) const;
   std::size_t window_end() const;
-  bool knows(const Child& child, std::size_t block) const;
-  void asked(Child& child, Time now) const;
   bool nothing_to_come() const;
-  void wait_for_room(Child& child, Time now);
   void plan_repairs(std::size_t block, bool overdue);
   void repeat_frames(std::size_t block, const std::map<MacAddress, std::uint8_t>& missing);
   void fresh_parity(std::size_t block, const std::map<MacAddress, std::uint8_t>& missing);

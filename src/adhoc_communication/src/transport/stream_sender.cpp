@@ -6,7 +6,7 @@
 namespace adhoc_communication::transport {
 
 void StreamSender::add(SendId id, Image image, std::uint16_t segment_size, Time now) {
-  if (packets_.empty()) progressed(now);
+  if (packets_.empty()) silence_.broken(now);
   packets_.push_back({id, next_number_++, std::move(image), 0, now, {}, 0, 0, 0, {}, false, false, false});
   cut(packets_.back(), sizes_.of_packet(segment_size, now));
 }
@@ -102,7 +102,7 @@ wire::Data StreamSender::segment(Outgoing& packet, std::uint32_t index, Time now
   }
   packet.begun = true;
   ++on_the_way_;
-  waiting_since_ = now;
+  silence_.begins(now);
   wire::Data data;
   data.stream = stream_;
   data.packet = packet.number;
@@ -142,7 +142,7 @@ std::vector<SendId> StreamSender::acknowledged(const wire::TransportAcknowledgme
   }
   pass_over_dropped();
   if (progress_) {
-    progressed(now);
+    silence_.broken(now);
     mark_overtaken();
   }
   return finished;
@@ -158,33 +158,21 @@ void StreamSender::begin_anew(Outgoing& packet, Time now) {
   ++packet.attempt;
   if (!packet.refused_since) packet.refused_since = now;
   paused_until_ = now + kRoomRetry;
-  progressed(now);
+  silence_.broken(now);
 }
 
 /// Frames of the first packet seem to be longer than something on the way takes.
 void StreamSender::try_shorter(Time now) {
   if (packets_.empty() || packets_.front().started == 0 || packets_.front().arrives) return;
-  if (questions_ - questions_before_ < kQuestionsBeforeShorter) return;
-  if (now - std::max(progressed_at_, shortened_) < kTooLong) return;
+  if (!silence_.suggests_shorter(now)) return;
   const auto size = sizes_.shorter(static_cast<std::uint16_t>(packets_.front().longest()), now);
   if (!size) return;
-  shortened_ = now;
-  questions_before_ = questions_;
-  resends_ = 0;
+  silence_.shortened(now);
   for (Outgoing& packet : packets_) {
     if (packet.arrives || packet.longest() <= *size) continue;
     cut(packet, *size);
     ++packet.attempt;
   }
-}
-
-void StreamSender::progressed(Time now) {
-  resends_ = 0;
-  sooner_ = Time(0);
-  questions_ = 0;
-  questions_before_ = 0;
-  waiting_since_ = now;
-  progressed_at_ = now;
 }
 
 /// Takes its segments from those on the way and those lost.
@@ -240,38 +228,14 @@ void StreamSender::take_one(Outgoing& packet, std::uint32_t index, Time now) {
   } else {
     --on_the_way_;
   }
-  learn_from(segment, now);
+  arrivals_.acknowledged(segment.sent, segment.repeated, now);
 }
 
-void StreamSender::learn_from(const Segment& segment, Time now) {
-  if (segment.repeated) return learn_from_repeated(segment, now);
-  newest_doubtful_ = Time(-1);
-  if (segment.sent <= newest_acknowledged_) return;
-  newest_acknowledged_ = segment.sent;
-  // With a timer that ran out in between, the time is that of the timer (Karn).
-  if (segment.sent > last_expiry_) round_trip_.sample(now - segment.sent);
-}
-
-/// Soon after the repetition it is the first copy that has arrived, late but not lost: taken for the second, it would
-/// make all that is on the way look overtaken.
-void StreamSender::learn_from_repeated(const Segment& segment, Time now) {
-  if (now - segment.sent >= round_trip_.smoothed() / 2) {
-    newest_acknowledged_ = std::max(newest_acknowledged_, segment.sent);
-    reordering_ = std::max(reordering_ - reordering_ / 16, kReordering);
-    return;
-  }
-  newest_doubtful_ = std::max(newest_doubtful_, segment.sent);
-  if (segment.sent <= widened_) return;
-  widened_ = now;
-  reordering_ = std::min(reordering_ * 3 / 2, kMostReordering);
-}
-
-/// Hops repeat frames and so change their order a little; what is overtaken by much more than that is lost.
 void StreamSender::mark_overtaken() {
   for (Outgoing& packet : packets_) {
     for (std::uint32_t index = packet.first_open; index < packet.started; ++index) {
       const Segment& segment = packet.segments[index];
-      if (!segment.acknowledged && !segment.lost && segment.sent + reordering_ < newest_acknowledged_) {
+      if (!segment.acknowledged && !segment.lost && arrivals_.overtaken(segment.sent)) {
         mark_lost(packet, index);
       }
     }
@@ -298,15 +262,13 @@ void StreamSender::receiver_restarted() {
   lost_.clear();
   on_the_way_ = 0;
   sizes_.reset();
-  newest_acknowledged_ = Time(-1);
-  newest_doubtful_ = Time(-1);
-  resends_ = 0;
-  sooner_ = Time(0);
+  arrivals_.forget();
+  silence_.start_over();
 }
 
 void StreamSender::route_changed(Time now) {
-  waiting_since_ = now;
-  if (on_the_way_ > 0 || !lost_.empty()) ++questions_;
+  silence_.begins(now);
+  if (on_the_way_ > 0 || !lost_.empty()) silence_.asked_over_another_route();
   if (lost_.empty()) probe();
 }
 
@@ -326,17 +288,13 @@ std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time n
   if (paused_until_ && *paused_until_ <= now) paused_until_.reset();
   std::vector<GivenUp> given_up = give_up_refused(now);
   try_shorter(now);
-  const bool over = hopeless(most_resends, now);
-  if (!over && (on_the_way_ == 0 || waiting_since_ + timeout() > now)) return given_up;
-  // First copies would have been followed by others: it was the repetition that arrived.
-  newest_acknowledged_ = std::max(newest_acknowledged_, std::exchange(newest_doubtful_, Time(-1)));
+  const bool over = !packets_.empty() && silence_.hopeless(most_resends, now);
+  if (!over && (on_the_way_ == 0 || silence_.ends(arrivals_.timeout()) > now)) return given_up;
+  arrivals_.nothing_followed();
   mark_overtaken();
-  if (!over && resends_ < most_resends) {
-    ++resends_;
-    ++questions_;
-    sooner_ = random.delay(backoff() / 3);
-    waiting_since_ = now;
-    last_expiry_ = now;
+  if (!over && silence_.resends() < most_resends) {
+    silence_.asked(arrivals_.timeout(), now, random);
+    arrivals_.asked(now);
     probe();
     return given_up;
   }
@@ -346,12 +304,8 @@ std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time n
     if (!packets_.front().dropped) given_up.push_back({packets_.front().id, now - packets_.front().added, false});
     pop_front();
   }
-  progressed(now);
+  silence_.broken(now);
   return given_up;
-}
-
-bool StreamSender::hopeless(int most_resends, Time now) const {
-  return !packets_.empty() && questions_ > most_resends && now - progressed_at_ >= kNoProgress;
 }
 
 std::vector<StreamSender::GivenUp> StreamSender::give_up_refused(Time now) {
@@ -377,15 +331,12 @@ std::vector<SendId> StreamSender::abandon(Time now) {
   on_the_way_ = 0;
   unstarted_ = 0;
   paused_until_.reset();
-  resends_ = 0;
-  sooner_ = Time(0);
+  silence_.start_over();
   return ids;
 }
 
-Time StreamSender::backoff() const { return std::min(round_trip_.timeout() * (2 + resends_) / 2, kLongestBackoff); }
-
 Time StreamSender::next_deadline() const {
-  const Time silence = on_the_way_ == 0 ? Time::max() : waiting_since_ + timeout();
+  const Time silence = on_the_way_ == 0 ? Time::max() : silence_.ends(arrivals_.timeout());
   return std::min(silence, paused_until_.value_or(Time::max()));
 }
 

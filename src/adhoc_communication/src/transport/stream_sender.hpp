@@ -10,9 +10,10 @@
 
 #include "random.hpp"
 #include "routing/sequence_number.hpp"
+#include "transport/arrivals.hpp"
 #include "transport/packet_image.hpp"
-#include "transport/round_trip.hpp"
 #include "transport/segment_size.hpp"
+#include "transport/silence.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::transport {
@@ -20,18 +21,9 @@ namespace adhoc_communication::transport {
 class StreamSender {
  public:
   static constexpr std::size_t kWindow = 768;  ///< segments on their way at once; an acknowledgment covers as many
-  /// A segment overtaken by more than this is lost; more on ways that turned out to delay segments for longer.
-  static constexpr Time kReordering = std::chrono::milliseconds(50);
-  static constexpr Time kMostReordering = std::chrono::seconds(1);
-  static constexpr Time kLongestBackoff = std::chrono::seconds(1);
   /// Until a packet that the receiver had no room for is offered again, and until it is given up.
   static constexpr Time kRoomRetry = std::chrono::milliseconds(100);
   static constexpr Time kRoomPatience = std::chrono::seconds(60);
-  /// New routes that nothing gets through put off every timer. After so long, more questions than allowed are enough.
-  static constexpr Time kNoProgress = std::chrono::seconds(30);
-  /// Nothing of a packet has arrived for so long, and so many questions: it is tried in shorter segments.
-  static constexpr Time kTooLong = std::chrono::milliseconds(1500);
-  static constexpr int kQuestionsBeforeShorter = 3;
 
   struct GivenUp {
     SendId id;
@@ -71,11 +63,10 @@ class StreamSender {
   /// Frames may have been lost on the old route: ask the receiver at once what it has.
   void route_changed(Time now);
   /// While there is no route nothing is expected and no timer runs.
-  void route_missing(Time now) { waiting_since_ = now; }
+  void route_missing(Time now) { silence_.begins(now); }
 
   /// Sends the probe that is due. Returns the packets given up: after `most_resends` of them without progress, or for
-  /// want of room. Two who do not hear each other and asked at once would collide for ever, so each asks a little
-  /// sooner than its timer says.
+  /// want of room.
   std::vector<GivenUp> expire(int most_resends, Time now, Random& random);
   /// Gives up everything, for a reason the caller knows.
   std::vector<SendId> abandon(Time now);
@@ -129,18 +120,12 @@ class StreamSender {
   std::deque<Outgoing>::iterator find_id(SendId id);
   std::vector<GivenUp> give_up_refused(Time now);
   wire::Data segment(Outgoing& packet, std::uint32_t index, Time now);
-  void progressed(Time now);
-  bool hopeless(int most_resends, Time now) const;
   void take(Outgoing& packet, const wire::PartialPacket& partial, Time now);
   void take_one(Outgoing& packet, std::uint32_t index, Time now);
-  void learn_from(const Segment& segment, Time now);
-  void learn_from_repeated(const Segment& segment, Time now);
   void mark_overtaken();
   void mark_lost(Outgoing& packet, std::uint32_t index);
   void receiver_restarted();
   void probe();
-  Time backoff() const;
-  Time timeout() const { return backoff() - sooner_; }
   const Outgoing* unstarted() const;
 
   std::uint8_t stream_;
@@ -153,23 +138,12 @@ class StreamSender {
   std::size_t on_the_way_ = 0;  ///< segments sent, neither acknowledged nor lost
   std::size_t unstarted_ = 0;   ///< segments never sent
   SegmentSize sizes_;
-  Time shortened_{0};                 ///< when shorter segments were tried last
-  int questions_before_ = 0;          ///< up to then
   std::optional<Time> paused_until_;  ///< a packet waits for room, and those behind it with it
   wire::BootTag receiver_boot_ = 0;
-  Time newest_acknowledged_{-1};  ///< when the latest of the acknowledged segments was sent
-  Time newest_doubtful_{-1};      ///< the same of repeated segments of which perhaps only the first copy has arrived
-  Time last_expiry_{-1};          ///< of the timer
-  Time reordering_ = kReordering;
-  Time widened_{-1};  ///< when reordering_ grew
+  Arrivals arrivals_;
+  Silence silence_;
   bool progress_ = false;
   bool probing_ = false;
-  int resends_ = 0;
-  Time sooner_{0};         ///< the next resend than its backoff
-  int questions_ = 0;      ///< since something was acknowledged: resends, and segments repeated over a new route
-  Time progressed_at_{0};  ///< when something was acknowledged, or the first packet came
-  Time waiting_since_{0};
-  RoundTrip round_trip_{std::chrono::milliseconds(300), std::chrono::milliseconds(150), std::chrono::seconds(1)};
 };
 
 }  // namespace adhoc_communication::transport

@@ -117,7 +117,7 @@ TEST(StreamSender, RoutesThatNothingGetsThroughEndTheSend) {
     if (stream.sender.has_segment()) stream.send(now);
   }
   ASSERT_EQ(given_up.size(), 1u);
-  EXPECT_EQ(given_up.front().elapsed, StreamSender::kNoProgress);
+  EXPECT_EQ(given_up.front().elapsed, transport::Silence::kNoProgress);
 }
 
 TEST(StreamSender, WhoHasAskedLittleIsNotDisappointed) {
