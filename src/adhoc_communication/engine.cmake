@@ -17,6 +17,7 @@ endforeach()
 set(ADHOC_ENGINE_DIR ${CMAKE_CURRENT_LIST_DIR})
 file(GLOB ADHOC_ENGINE_SOURCES CONFIGURE_DEPENDS
   ${ADHOC_ENGINE_DIR}/src/*.cpp
+  ${ADHOC_ENGINE_DIR}/src/air/*.cpp
   ${ADHOC_ENGINE_DIR}/src/api/*.cpp
   ${ADHOC_ENGINE_DIR}/src/presence/*.cpp
   ${ADHOC_ENGINE_DIR}/src/wire/*.cpp

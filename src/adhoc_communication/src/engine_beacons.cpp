@@ -27,7 +27,7 @@ void Engine::Implementation::send_beacon(Time now) {
   const std::size_t rumors = std::min(kMostRumors, (room - beacon.heard.size() * kHeardSize) / kRumorSize);
   beacon.rumors = directory_.take_rumors(
       rumors, [&](const MacAddress& robot, wire::BootTag boot) { return !neighbors_.all_hear(robot, boot, now); });
-  broadcast(wire::FrameType::kBeacon, to_bytes(beacon));
+  hops_.broadcast(wire::FrameType::kBeacon, to_bytes(beacon), now);
 }
 
 wire::Beacon Engine::Implementation::plain_beacon(Time now) const {
@@ -41,11 +41,10 @@ wire::Beacon Engine::Implementation::plain_beacon(Time now) const {
 
 /// Asks a neighbour that has become quiet for an acknowledgment: a few beacons may just have been lost.
 void Engine::Implementation::probe(const MacAddress& neighbor, Time now) {
-  const Link* known = links_.find(neighbor);
-  if (known != nullptr && !known->sender.idle()) return;
+  if (!hops_.idle(neighbor)) return;
   wire::Beacon beacon = plain_beacon(now);
   beacon.heard.push_back({wire::neighbor_tag(neighbors_.find(neighbor)->boot), 0});
-  unicast(neighbor, wire::FrameType::kBeacon, to_bytes(beacon));
+  hops_.unicast(neighbor, wire::FrameType::kBeacon, to_bytes(beacon));
 }
 
 void Engine::Implementation::on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon,
@@ -65,10 +64,9 @@ void Engine::Implementation::maintain(Time now) {
   for (const MacAddress& neighbor : neighbors_.newly_silent(now)) link_lost(neighbor, now);
   for (const MacAddress& neighbor : neighbors_.remove_silent(routing::RobotDirectory::kSilence, now)) {
     link_lost(neighbor, now);
-    links_.erase(neighbor);
+    hops_.forget(neighbor);
   }
-  links_.erase_if([this](const MacAddress& neighbor, const Link&) { return neighbors_.find(neighbor) == nullptr; });
-  for (const auto& [neighbor, link] : links_.all()) neighbors_.set_loss(neighbor, link.sender.loss(now));
+  hops_.maintain(now);
   air_.forget_unless([this](const MacAddress& neighbor) { return neighbors_.find(neighbor) != nullptr; });
   for (const MacAddress& neighbor : neighbors_.doubtful(now)) probe(neighbor, now);
   directory_.expire(now);

@@ -6,55 +6,7 @@
 
 namespace adhoc_communication {
 
-using transport::HopSender;
 using wire::FrameType;
-
-namespace {
-
-/// Frames of which the hop ARQ keeps the order stay in one queue of the radio: one that overtakes others would make
-/// them look lost.
-bool is_control(FrameType type, std::uint8_t flags) {
-  const bool is_data = type == FrameType::kData || type == FrameType::kTransportAcknowledgment ||
-                       type == FrameType::kBroadcastData || type == FrameType::kFlood || type == FrameType::kGroupData;
-  return !is_data && (flags & wire::kWantsAcknowledgment) == 0;
-}
-
-}  // namespace
-
-void Engine::Implementation::broadcast(FrameType type, Bytes body) {
-  transmit(type, 0, wire::kEverybody, 0, next_counter_++, body, now_);
-}
-
-void Engine::Implementation::unicast(const MacAddress& neighbor, FrameType type, Bytes body) {
-  if (neighbors_.find(neighbor) == nullptr) return;  // gone; a link to it would never be removed
-  link(neighbor).sender.enqueue({type, std::move(body), static_cast<std::uint8_t>(Priority::kControl)});
-}
-
-void Engine::Implementation::unicast_once(const MacAddress& neighbor, FrameType type, Bytes body) {
-  transmit(type, 0, neighbor, 0, next_counter_++, body, now_);
-}
-
-Engine::Implementation::Link& Engine::Implementation::link(const MacAddress& neighbor) {
-  return links_.use(neighbor, [this] {
-    // Link sequences begin where the frame counter stands, so that a link that was forgotten never repeats one.
-    const auto first = static_cast<std::uint32_t>(next_counter_);
-    return Link{transport::HopSender(first, options_.num_link_retrans), std::nullopt, 1};
-  });
-}
-
-void Engine::Implementation::transmit(FrameType type, std::uint8_t flags, const MacAddress& next_hop,
-                                      std::uint32_t link_sequence, std::uint64_t counter, const Bytes& body, Time now) {
-  const wire::FrameHeader header{type, flags, self_.address, self_.boot_id, counter, next_hop, link_sequence};
-  Frame frame{next_hop, self_.address, guard_.close(header, body), is_control(type, flags)};
-  if (type != FrameType::kBeacon && type != FrameType::kHopAcknowledgment) rhythm_.happened(now);
-  ++statistics_.frames_sent;
-  ++statistics_.frames_sent_by_type[static_cast<std::size_t>(type)];
-  const std::size_t octets = frame.bytes.size() + wire::kEthernetHeaderSize;
-  statistics_.bytes_sent += octets;
-  statistics_.bytes_sent_by_type[static_cast<std::size_t>(type)] += octets;
-  air_.transmitted(counter, frame.bytes.size(), next_hop, now);
-  out_.push_back(std::move(frame));
-}
 
 void Engine::Implementation::receive(const Frame& frame, Time now) {
   touch(now);
@@ -65,7 +17,6 @@ void Engine::Implementation::receive(const Frame& frame, Time now) {
   const std::optional<security::OpenedFrame> opened = guard_.open(frame, now);
   if (!opened) return;
   const wire::FrameHeader& header = opened->header;
-  const wire::BootTag boot = wire::boot_tag(header.boot_id);
   if (lost_artificially(header.type)) return;
   ++statistics_.frames_received_by_type[static_cast<std::size_t>(header.type)];
   statistics_.bytes_received_by_type[static_cast<std::size_t>(header.type)] += octets;
@@ -74,13 +25,7 @@ void Engine::Implementation::receive(const Frame& frame, Time now) {
   if (!hear(header, now)) return;
 
   if (header.next_hop != wire::kEverybody && (header.flags & wire::kWantsAcknowledgment) != 0) {
-    Link& from = link(header.sender);
-    if (!from.receiver || from.receiver->boot() != boot) from.receiver.emplace(boot);
-    const bool at_once = (header.flags & wire::kAcknowledgeNow) != 0;
-    if (!from.receiver->take(header.link_sequence, header.counter, at_once, now)) {
-      ++statistics_.frames_received_again;
-      return;
-    }
+    if (!hops_.take(header, now)) return;
   }
   dispatch(header, opened->body, now);
   forget_evicted(now);
@@ -133,7 +78,7 @@ bool Engine::Implementation::hear(const wire::FrameHeader& header, Time now) {
   if (restarted) link_lost(header.sender, now);
   if (neighbors_.heard(header.sender, boot, now) == nullptr) return false;
   directory_.traffic(header.sender, boot, now);
-  if (Link* known = links_.find(header.sender)) known->sender.heard(now);
+  hops_.heard(header.sender, now);
   return true;
 }
 
@@ -164,15 +109,8 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
     case FrameType::kRouteError:
       return with(wire::read_route_error(body), [&](auto error) { router_.on_error(from, error, now); });
     case FrameType::kHopAcknowledgment:
-      return with(wire::read_hop_acknowledgment(body), [&](auto acknowledgment) {
-        if (acknowledgment.boot != self_.boot) return;
-        neighbors_.acknowledged(from, now);
-        air_.acknowledged(acknowledgment.newest_counter, Time(acknowledgment.spacing_ns),
-                          now - Time(acknowledgment.held_ns), transport::kAcknowledgmentOctets);
-        std::vector<HopSender::Passed> passed;
-        link(from).sender.acknowledged(acknowledgment, now, journal_.kept() ? &passed : nullptr);
-        record_passed(from, std::move(passed), now);
-      });
+      return with(wire::read_hop_acknowledgment(body),
+                  [&](auto acknowledgment) { hops_.on_acknowledgment(from, acknowledgment, now); });
     case FrameType::kData:
       return with(wire::read_data(body), [&](auto data) {
         ++statistics_.unicast_data.received;

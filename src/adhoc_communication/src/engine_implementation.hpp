@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "adhoc_communication/engine.hpp"
+#include "air/transmitter.hpp"
 #include "api/event_queue.hpp"
 #include "api/journal.hpp"
 #include "busy_map.hpp"
@@ -19,7 +20,6 @@
 #include "multicast/group_sends.hpp"
 #include "multicast/memberships.hpp"
 #include "multicast/own_group.hpp"
-#include "outbox.hpp"
 #include "presence/beacon_rhythm.hpp"
 #include "random.hpp"
 #include "routing/router.hpp"
@@ -29,8 +29,7 @@
 #include "transport/fair_share.hpp"
 #include "transport/flood.hpp"
 #include "transport/held_frames.hpp"
-#include "transport/hop_receiver.hpp"
-#include "transport/hop_sender.hpp"
+#include "transport/hops.hpp"
 #include "transport/packet_image.hpp"
 #include "transport/send_terms.hpp"
 #include "transport/stream_receiver.hpp"
@@ -38,7 +37,7 @@
 
 namespace adhoc_communication {
 
-class Engine::Implementation : private Outbox {
+class Engine::Implementation {
  public:
   static constexpr std::size_t kMostSends = 256;              ///< packets of the host not finished yet
   static constexpr std::size_t kMostSendOctets = 64'000'000;  ///< of these packets, as they go on the air
@@ -81,14 +80,6 @@ class Engine::Implementation : private Outbox {
   std::string name_or_address(const MacAddress& robot) const;
 
  private:
-  /// The hop to one neighbour.
-  struct Link {
-    transport::HopSender sender;
-    std::optional<transport::HopReceiver> receiver;
-    int pair = 0;  ///< counts frames; 0 and 1 are the pair that measures the air
-
-    bool idle() const { return sender.settled() && (!receiver || receiver->due() == Time::max()); }
-  };
   /// Packets of one priority to one robot.
   struct Stream {
     transport::StreamSender sender;
@@ -117,21 +108,13 @@ class Engine::Implementation : private Outbox {
   }
 
   // engine_frames.cpp: frames in and out.
-  void broadcast(wire::FrameType type, Bytes body) override;
-  void unicast(const MacAddress& neighbor, wire::FrameType type, Bytes body) override;
-  void unicast_once(const MacAddress& neighbor, wire::FrameType type, Bytes body) override;
-  Time air_ready() const override { return air_.ready_at(); }
-  Time acknowledgment_due(const transport::HopReceiver& receiver) const;
   void settle();
-  void transmit(wire::FrameType type, std::uint8_t flags, const MacAddress& next_hop, std::uint32_t link_sequence,
-                std::uint64_t counter, const Bytes& body, Time now);
   void dispatch(const wire::FrameHeader& header, wire::Reader body, Time now);
   bool hear(const wire::FrameHeader& header, Time now);
   bool lost_artificially(wire::FrameType type);
   void malformed() { ++statistics_.frames_dropped.malformed; }
   bool proves_itself(const security::OpenedFrame& opened, Time now);
   bool lives(const security::OpenedFrame& opened, Time now);
-  Link& link(const MacAddress& neighbor);
 
   // engine_beacons.cpp: presence.
   void send_beacon(Time now);
@@ -142,8 +125,6 @@ class Engine::Implementation : private Outbox {
   void announce_changes(Time now);
 
   // engine_records.cpp: what hosts may write down.
-  void count_data(DataFrames& frames, bool passed_on, bool again);
-  void record_passed(const MacAddress& neighbor, std::vector<transport::HopSender::Passed> passed, Time now);
   void record_segments(const StreamKey& key, Stream& stream, Time now);
 
   // engine_restart.cpp
@@ -176,17 +157,10 @@ class Engine::Implementation : private Outbox {
   std::vector<MacAddress> waiting_hops(std::uint8_t priority) const;
   bool pump_hop(const MacAddress& previous_hop, std::uint8_t priority, Time now);
   bool pump_frames(const MacAddress& previous_hop, std::uint8_t priority, Time now);
-  bool pump_repetitions(std::uint8_t priority, Time now);
-  bool pump_link(const MacAddress& neighbor, Link& link, std::uint8_t priority, const MacAddress& previous_hop,
-                 Time now);
   bool pump_broadcasts(std::uint8_t priority, Time now);
   bool pump_groups(const MacAddress& previous_hop, std::uint8_t priority, Time now);
   bool pump_streams(std::uint8_t priority, Time now);
   bool pump_stream(const StreamKey& key, Stream& stream, Time now);
-  bool air_allows(const MacAddress& neighbor, const Link& link, Time now) const;
-  void send_on(const MacAddress& neighbor, Link& link, const transport::HopSender::Outgoing& outgoing,
-               std::uint64_t counter, Time now);
-  void send_unacknowledged(const MacAddress& neighbor, const transport::HopFrame& frame, Time now);
   bool something_to_send() const;
 
   // engine_sends.cpp: requests of the host and their ends.
@@ -245,13 +219,14 @@ class Engine::Implementation : private Outbox {
   routing::Neighbors neighbors_;
   routing::LivingRuns runs_;
   routing::RobotDirectory directory_;
+  transport::AirClock air_;
+  air::Transmitter transmitter_;
+  transport::Hops hops_;
   routing::Router router_;
   std::size_t segment_size_;
   std::size_t broadcast_segment_size_;
-  transport::AirClock air_;
   multicast::Carriage carriage_;
   transport::Reassembly reassembly_;
-  BusyMap<MacAddress, Link> links_;
   BusyMap<StreamKey, Stream> streams_;
   BusyMap<MacAddress, std::unique_ptr<transport::StreamReceiver>> receivers_;
   std::array<transport::BroadcastSender, transport::kPriorities> broadcasts_;
@@ -269,7 +244,6 @@ class Engine::Implementation : private Outbox {
   std::size_t octets_waiting_ = 0;
   SendId next_send_id_ = 1;
   std::uint32_t next_flood_id_ = 0;
-  std::uint64_t next_counter_ = 1;
   std::uint64_t last_group_counter_ = 0;
   MacAddress last_group_destination_ = wire::kEverybody;
   int group_pair_ = 0;  ///< counts frames of groups to that destination; 0 and 1 are a pair
@@ -282,9 +256,7 @@ class Engine::Implementation : private Outbox {
   /// frames.
   std::array<transport::FairShare<MacAddress>, transport::kPriorities> shares_;
   std::array<transport::FairShare<std::pair<MacAddress, bool>>, transport::kPriorities> group_shares_;
-  MacAddress last_link_served_{};
   StreamKey last_stream_served_;
-  std::vector<Frame> out_;
   EventQueue events_;
 };
 

@@ -21,10 +21,10 @@ std::vector<LinkState> Engine::Implementation::links() const {
     state.two_way = neighbors_.two_way(address, now_);
     state.silent_for = now_ - neighbor.last_heard;
     state.loss = neighbors_.loss(address);
-    if (const Link* link = links_.find(address)) {
-      state.waiting = link->sender.waiting();
-      state.in_flight = link->sender.unresolved();
-      state.given_up = link->sender.given_up();
+    if (const transport::HopSender* sender = hops_.sender_to(address)) {
+      state.waiting = sender->waiting();
+      state.in_flight = sender->unresolved();
+      state.given_up = sender->given_up();
     }
     result.push_back(std::move(state));
   }

@@ -27,8 +27,7 @@ std::optional<Way> way_of(const transport::HopFrame& frame) {
 
 /// Frames to the neighbour go unanswered, it fell silent, or it has restarted.
 void Engine::Implementation::link_lost(const MacAddress& neighbor, Time now) {
-  std::vector<transport::HopFrame> frames;
-  if (Link* known = links_.find(neighbor)) frames = known->sender.take_all();
+  std::vector<transport::HopFrame> frames = hops_.take_all(neighbor);
   routing::DataInHand in_hand;
   bool reply_lost = false;
   for (const transport::HopFrame& frame : frames) {
@@ -56,7 +55,7 @@ void Engine::Implementation::release_held(Time now) {
     const routing::Route* route = router_.route_to(destination, now);
     for (transport::HopFrame& frame : frames) {
       if (route != nullptr && way_of(frame)->source != route->next_hop) {
-        link(route->next_hop).sender.enqueue(std::move(frame));
+        hops_.enqueue(route->next_hop, std::move(frame));
       }
     }
   }

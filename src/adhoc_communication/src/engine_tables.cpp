@@ -16,7 +16,7 @@ std::vector<TableFill> Engine::Implementation::tables() const {
   }
   return {
       {"neighbours", neighbors_.all().size(), routing::Neighbors::kMostNeighbors},
-      {"links", links_.size(), routing::Neighbors::kMostNeighbors},
+      {"links", hops_.size(), routing::Neighbors::kMostNeighbors},
       {"runs not proven", neighbors_.candidates(), routing::Neighbors::kMostNeighbors},
       {"robots with runs", runs_.size(), routing::LivingRuns::kMostRobots},
       {"robots", directory_.size(), routing::RobotDirectory::kMostRobots},

@@ -6,7 +6,6 @@
 
 namespace adhoc_communication {
 
-using transport::HopSender;
 using wire::FrameType;
 
 void Engine::Implementation::on_data(const MacAddress& from, wire::Data data, Time now) {
@@ -49,7 +48,7 @@ void Engine::Implementation::forward(const MacAddress& from, Message message, Fr
   }
   if (route == nullptr || route->next_hop == from) return router_.no_route_for(destination, from, now);
   // A full queue loses the frame; the source repeats it when the destination misses it.
-  link(route->next_hop).sender.enqueue({type, to_bytes(message), priority, from});
+  hops_.enqueue(route->next_hop, {type, to_bytes(message), priority, from});
 }
 
 void Engine::Implementation::deliver_data(const wire::Data& data, Time now) {
@@ -156,7 +155,7 @@ void Engine::Implementation::acknowledge_streams(Time now) {
       acknowledgment.source_boot = self_.boot;
       acknowledgment.destination = source;
       acknowledgment.destination_boot = receiver->boot();
-      unicast(route->next_hop, FrameType::kTransportAcknowledgment, to_bytes(acknowledgment));
+      hops_.unicast(route->next_hop, FrameType::kTransportAcknowledgment, to_bytes(acknowledgment));
     }
   }
 }

@@ -9,9 +9,9 @@ class Outbox {
  public:
   virtual ~Outbox() = default;
   /// To everybody in range, once, unacknowledged.
-  virtual void broadcast(wire::FrameType type, Bytes body) = 0;
+  virtual void broadcast(wire::FrameType type, Bytes body, Time now) = 0;
   /// To a neighbour, once, unacknowledged.
-  virtual void unicast_once(const MacAddress& neighbor, wire::FrameType type, Bytes body) = 0;
+  virtual void unicast_once(const MacAddress& neighbor, wire::FrameType type, Bytes body, Time now) = 0;
   /// To a neighbour, repeated until acknowledged, ahead of all packets.
   virtual void unicast(const MacAddress& neighbor, wire::FrameType type, Bytes body) = 0;
   /// When the radio will have room for a further frame.

@@ -86,7 +86,7 @@ void Distributor::on_report(const MacAddress& from, const wire::GroupReport& rep
   if (!covers_all) trees_.activate_again(report.root, tree, from, now);
   if (!transfer.to_children->reported(from, report, covers_all, now)) return;
   if (branches_.is_root(report.root)) return source_.reached(transfer, tree.children[from]);
-  sink_.tell_complete({report.root, *branch, report.stream, report.packet, transfer});
+  sink_.tell_complete({report.root, *branch, report.stream, report.packet, transfer}, now);
 }
 
 void Distributor::evicted(const transport::Reassembly::Key& key) {
@@ -129,7 +129,7 @@ void Distributor::serve(const MacAddress& root, Branch& branch, Time now) {
   for (std::uint8_t stream = 0; stream < transport::kPriorities; ++stream) {
     for (auto& [number, transfer] : branch.streams[stream].transfers) {
       const Place place{root, branch, stream, number, transfer};
-      sink_.tell_complete(place);
+      sink_.tell_complete(place, now);
       sink_.report_if_due(place, now);
       trees_.give_up(root, branch.tree, downlink_.ask(place, base_of(place), now));
       settle(now);

@@ -34,7 +34,7 @@ bool Sink::on_data(const MacAddress& from, std::uint64_t counter, const wire::Gr
   if (!from_upstream || !data.report) return of_use;
   transfer->round = std::max(transfer->round, data.round);
   if (question) {
-    report({data.root, *branch, data.stream, data.packet, *transfer}, true);
+    report({data.root, *branch, data.stream, data.packet, *transfer}, true, now);
   } else {
     transfer->report_due = now + random_.delay(kReportJitter);
   }
@@ -177,20 +177,20 @@ bool Sink::settled(const Place& place) {
          place.transfer.to_children->done() && place.branch.tree.unrouted.empty();
 }
 
-void Sink::tell_complete(const Place& place) {
+void Sink::tell_complete(const Place& place, Time now) {
   const Tree& tree = place.branch.tree;
   if (place.root == self_.address || !tree.upstream || !settled(place)) return;
   const std::pair state(tree.epoch, tree.own_coverage(self_.address));
   if (place.transfer.told == state) return;
   place.transfer.told = state;
-  report(place, true);
+  report(place, true, now);
 }
 
 void Sink::report_if_due(const Place& place, Time now) {
-  if (place.transfer.report_due && *place.transfer.report_due <= now) report(place, false);
+  if (place.transfer.report_due && *place.transfer.report_due <= now) report(place, false, now);
 }
 
-void Sink::report(const Place& place, bool reliably) {
+void Sink::report(const Place& place, bool reliably, Time now) {
   const Branch& branch = place.branch;
   const Tree& tree = branch.tree;
   Transfer& transfer = place.transfer;
@@ -216,7 +216,7 @@ void Sink::report(const Place& place, bool reliably) {
   if (reliably) {
     outbox_.unicast(*tree.upstream, FrameType::kGroupReport, to_bytes(report));
   } else {
-    outbox_.unicast_once(*tree.upstream, FrameType::kGroupReport, to_bytes(report));
+    outbox_.unicast_once(*tree.upstream, FrameType::kGroupReport, to_bytes(report), now);
   }
 }
 

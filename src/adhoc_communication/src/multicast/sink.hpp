@@ -52,7 +52,7 @@ class Sink {
   void take_copy(const MacAddress& root, Branch& branch, std::uint8_t stream, std::uint32_t number, const Bytes& image,
                  Time now);
   /// Once this robot and all behind it have the packet, upstream hears of it reliably.
-  void tell_complete(const Place& place);
+  void tell_complete(const Place& place, Time now);
   void report_if_due(const Place& place, Time now);
   /// The packet had to make room.
   static void evicted(Branch& branch, const transport::Reassembly::Key& key);
@@ -72,7 +72,7 @@ class Sink {
   void deliver(const MacAddress& root, GroupStream& stream);
   static bool settled(const Place& place);
   void disown(const MacAddress& from, const wire::GroupData& question);
-  void report(const Place& place, bool reliably);
+  void report(const Place& place, bool reliably, Time now);
 
   const Identity& self_;
   routing::Router& router_;

@@ -55,7 +55,7 @@ void RequestFlood::poll(const Neighbors& neighbors, Time now) {
     } else if (!pending.broadcast_done && needless(pending.request, neighbors, now)) {
       pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(i));
     } else if (!pending.broadcast_done) {
-      outbox_.broadcast(wire::FrameType::kRouteRequest, to_bytes(pending.request));
+      outbox_.broadcast(wire::FrameType::kRouteRequest, to_bytes(pending.request), now);
       pending.broadcast_done = true;
       pending.due = now + kConfirm + random_.delay(kConfirmJitter) + kWaitersPerHop * (now - pending.due);
       ++i;

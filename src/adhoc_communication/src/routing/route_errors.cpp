@@ -71,14 +71,14 @@ void Router::send_waiting_errors(Time now) {
                lost.end());
     if (!lost.empty()) {
       if (!error_limit_.take(now)) return;
-      send_error(error, concerned);
+      send_error(error, concerned, now);
     }
     waiting_errors_.pop_front();
   }
 }
 
-void Router::send_error(const wire::RouteError& error, const std::set<MacAddress>& concerned) {
-  if (concerned.size() > kMostUnicasts) return outbox_.broadcast(wire::FrameType::kRouteError, to_bytes(error));
+void Router::send_error(const wire::RouteError& error, const std::set<MacAddress>& concerned, Time now) {
+  if (concerned.size() > kMostUnicasts) return outbox_.broadcast(wire::FrameType::kRouteError, to_bytes(error), now);
   for (const MacAddress& precursor : concerned) {
     outbox_.unicast(precursor, wire::FrameType::kRouteError, to_bytes(error));
   }

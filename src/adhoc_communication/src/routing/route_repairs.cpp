@@ -35,7 +35,7 @@ void Router::repair_succeeded(const MacAddress& destination, Repair repair, Time
   wire::RouteError error;
   error.no_delete = true;
   error.destinations.push_back({destination, route->sequence});
-  send_error(error, repair.precursors);
+  send_error(error, repair.precursors, now);
 }
 
 void Router::announce_failed_repair(const MacAddress& destination, Time now) {
@@ -61,7 +61,7 @@ void Router::pass_on_repaired(const MacAddress& from, const wire::RouteError& er
     concerned.insert(route->precursors.begin(), route->precursors.end());
   }
   concerned.erase(from);
-  if (!concerned.empty() && error_limit_.take(now)) send_error(passed, concerned);
+  if (!concerned.empty() && error_limit_.take(now)) send_error(passed, concerned, now);
 }
 
 std::vector<DiscoveryFailure> Router::take_failures(Time now) {

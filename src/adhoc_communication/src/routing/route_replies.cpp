@@ -13,7 +13,7 @@ constexpr std::uint32_t kLongestLifetime_ms = 60'000;
 void Router::on_reply(const MacAddress& from, wire::RouteReply reply, Time now) {
   if (neighbors_.find(from) == nullptr) return;
   hear_directly(from, std::nullopt, now);
-  if (reply.acknowledgment_required) outbox_.unicast_once(from, wire::FrameType::kRouteReplyAcknowledgment, {});
+  if (reply.acknowledgment_required) outbox_.unicast_once(from, wire::FrameType::kRouteReplyAcknowledgment, {}, now);
   if (reply.destination == self_.address) return;  // no route to oneself
   // Runs have no order: an answer from somebody's old table must not displace a run that is known to live.
   const Robot* robot = directory_.find(reply.destination);

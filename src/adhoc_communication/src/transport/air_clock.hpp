@@ -21,6 +21,7 @@ namespace adhoc_communication::transport {
 class AirClock {
  public:
   static constexpr std::size_t kMostRemembered = 256;
+  static constexpr int kPairInterval = 64;  ///< of so many frames to one destination, two measure the air
   static constexpr Time kShortestLead = std::chrono::microseconds(150);  ///< within which a host surely wakes up
 
   explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}

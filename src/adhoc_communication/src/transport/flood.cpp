@@ -36,7 +36,7 @@ std::vector<SendId> FloodRelay::take_waiting() {
 
 void FloodRelay::poll(Time now) {
   while (!waiting_.empty() && outbox_.air_ready() <= now) {
-    outbox_.broadcast(wire::FrameType::kFlood, std::move(waiting_.front().second));
+    outbox_.broadcast(wire::FrameType::kFlood, std::move(waiting_.front().second), now);
     sent_.push_back(waiting_.front().first);
     waiting_.pop_front();
   }
@@ -45,7 +45,7 @@ void FloodRelay::poll(Time now) {
       ++i;
       continue;
     }
-    outbox_.broadcast(wire::FrameType::kFlood, to_bytes(pending_[i].second));
+    outbox_.broadcast(wire::FrameType::kFlood, to_bytes(pending_[i].second), now);
     pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(i));
   }
 }

@@ -60,9 +60,9 @@ TEST(Bounds, RequestsThatHadToMakeRoomAreNotRememberedByConfirmingThem) {
 /// and were flooded anew for as long as the channel stayed crowded; one was seen 15 s after its originator had died.
 TEST(Bounds, A5_2_RequestsAreRememberedLongerThanCopiesAreUnderWay) {
   struct Nowhere : Outbox {
-    void broadcast(wire::FrameType, Bytes) override {}
+    void broadcast(wire::FrameType, Bytes, Time) override {}
     void unicast(const MacAddress&, wire::FrameType, Bytes) override {}
-    void unicast_once(const MacAddress&, wire::FrameType, Bytes) override {}
+    void unicast_once(const MacAddress&, wire::FrameType, Bytes, Time) override {}
   } nowhere;
   const Timings timings = robot_timings();
   Random random(1);

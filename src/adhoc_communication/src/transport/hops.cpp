@@ -1,0 +1,251 @@
+#include "transport/hops.hpp"
+
+#include <algorithm>
+
+#include "round_robin.hpp"
+#include "routing/names.hpp"
+#include "transport/data_count.hpp"
+
+namespace adhoc_communication::transport {
+
+using wire::FrameType;
+
+namespace {
+
+constexpr Time kLatestAcknowledgment = std::chrono::milliseconds(50);
+constexpr Time kLongestBacklog = std::chrono::milliseconds(20);
+
+/// Of the frames that name it, the robot that they come from.
+std::optional<MacAddress> source_of(const HopFrame& frame) {
+  const wire::Reader body(frame.body.data(), frame.body.size());
+  if (frame.type == FrameType::kData) {
+    const auto data = wire::read_data(body);
+    return data ? std::optional(data->source) : std::nullopt;
+  }
+  if (frame.type == FrameType::kTransportAcknowledgment) {
+    const auto acknowledgment = wire::read_transport_acknowledgment(body);
+    return acknowledgment ? std::optional(acknowledgment->source) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Hops::Hops(const Identity& self, const EngineOptions& options, routing::Neighbors& neighbors,
+           const routing::RobotDirectory& directory, AirClock& air, air::Transmitter& transmitter, Journal& journal,
+           Statistics& statistics)
+    : self_(self),
+      options_(options),
+      neighbors_(neighbors),
+      directory_(directory),
+      air_(air),
+      transmitter_(transmitter),
+      journal_(journal),
+      statistics_(statistics) {}
+
+Hops::Hop& Hops::hop(const MacAddress& neighbor) {
+  return hops_.use(neighbor, [this] {
+    // Link sequences begin where the frame counter stands, so that a hop that was forgotten never repeats one.
+    const auto first = static_cast<std::uint32_t>(transmitter_.next_counter());
+    return Hop{HopSender(first, options_.num_link_retrans), std::nullopt, 1};
+  });
+}
+
+void Hops::broadcast(FrameType type, Bytes body, Time now) { transmitter_.transmit(type, wire::kEverybody, body, now); }
+
+void Hops::unicast(const MacAddress& neighbor, FrameType type, Bytes body) {
+  if (neighbors_.find(neighbor) == nullptr) return;  // gone; a hop to it would never be removed
+  enqueue(neighbor, {type, std::move(body), static_cast<std::uint8_t>(Priority::kControl)});
+}
+
+void Hops::unicast_once(const MacAddress& neighbor, FrameType type, Bytes body, Time now) {
+  transmitter_.transmit(type, neighbor, body, now);
+}
+
+// --- frames in -------------------------------------------------------------------------------------------------------
+
+void Hops::heard(const MacAddress& neighbor, Time now) {
+  if (Hop* known = hops_.find(neighbor)) known->sender.heard(now);
+}
+
+bool Hops::take(const wire::FrameHeader& header, Time now) {
+  const wire::BootTag boot = wire::boot_tag(header.boot_id);
+  Hop& from = hop(header.sender);
+  if (!from.receiver || from.receiver->boot() != boot) from.receiver.emplace(boot);
+  const bool at_once = (header.flags & wire::kAcknowledgeNow) != 0;
+  if (from.receiver->take(header.link_sequence, header.counter, at_once, now)) return true;
+  ++statistics_.frames_received_again;
+  return false;
+}
+
+void Hops::on_acknowledgment(const MacAddress& from, const wire::HopAcknowledgment& acknowledgment, Time now) {
+  if (acknowledgment.boot != self_.boot) return;
+  neighbors_.acknowledged(from, now);
+  air_.acknowledged(acknowledgment.newest_counter, Time(acknowledgment.spacing_ns), now - Time(acknowledgment.held_ns),
+                    kAcknowledgmentOctets);
+  std::vector<HopSender::Passed> passed;
+  hop(from).sender.acknowledged(acknowledgment, now, journal_.kept() ? &passed : nullptr);
+  record(from, passed, now);
+}
+
+void Hops::record(const MacAddress& neighbor, const std::vector<HopSender::Passed>& passed, Time now) {
+  for (const auto& [frame, link_sequence, sent, repetitions] : passed) {
+    const MacAddress source = source_of(frame).value_or(self_.address);
+    journal_.add(now, FramePassed{routing::name_or_address(self_, directory_, source), self_.address, neighbor,
+                                  link_sequence, sent, now, repetitions});
+  }
+}
+
+// --- what is due -----------------------------------------------------------------------------------------------------
+
+void Hops::excuse_silence(Time now) {
+  for (const auto& [neighbor, hop] : hops_.busy()) hop->sender.excuse_silence(now);
+}
+
+std::vector<MacAddress> Hops::expire(Time now) {
+  std::vector<MacAddress> dead;
+  for (const auto& [neighbor, hop] : hops_.busy()) {
+    hop->sender.expire(now);
+    if (hop->sender.dead(now)) dead.push_back(neighbor);
+  }
+  return dead;
+}
+
+/// On a crowded channel one later acknowledgment for many frames is better than a queue of them in the radio.
+Time Hops::acknowledgment_due(const HopReceiver& receiver) const {
+  const Time due = receiver.due();
+  if (due == Time::max()) return due;
+  return std::max(due, std::min(air_.ready_at(), receiver.owed_since() + kLatestAcknowledgment));
+}
+
+void Hops::acknowledge(Time now) {
+  for (const auto& [neighbor, hop] : hops_.busy()) {
+    if (!hop->receiver || acknowledgment_due(*hop->receiver) > now) continue;
+    transmitter_.transmit(FrameType::kHopAcknowledgment, neighbor, to_bytes(hop->receiver->acknowledge(now)), now);
+  }
+}
+
+Time Hops::next_deadline() const {
+  Time next = Time::max();
+  for (const auto& [neighbor, hop] : hops_.busy()) {
+    next = std::min(next, hop->sender.next_deadline());
+    if (hop->receiver) next = std::min(next, acknowledgment_due(*hop->receiver));
+  }
+  return next;
+}
+
+void Hops::settle() {
+  hops_.settle([](const Hop& hop) { return hop.idle(); });
+}
+
+std::vector<HopFrame> Hops::take_all(const MacAddress& neighbor) {
+  Hop* known = hops_.find(neighbor);
+  return known == nullptr ? std::vector<HopFrame>{} : known->sender.take_all();
+}
+
+void Hops::maintain(Time now) {
+  hops_.erase_if([this](const MacAddress& neighbor, const Hop&) { return neighbors_.find(neighbor) == nullptr; });
+  for (const auto& [neighbor, hop] : hops_.all()) neighbors_.set_loss(neighbor, hop.sender.loss(now));
+}
+
+// --- what goes on the air --------------------------------------------------------------------------------------------
+
+bool Hops::repeat_lost(std::uint8_t priority, Time now) {
+  return visit_after(hops_.busy(), last_served_, [&](const auto& item) {
+    Hop& hop = *item.second;
+    if (!hop.sender.has_resend(priority) || !hop.sender.may_resend() || !air_allows(item.first, hop, now)) return false;
+    last_served_ = item.first;
+    const std::uint64_t counter = transmitter_.take_counter();
+    put_on_air(item.first, hop, hop.sender.resend(priority, counter, now), counter, now);
+    return true;
+  });
+}
+
+bool Hops::send_waiting(std::uint8_t priority, const MacAddress& previous_hop, Time now) {
+  return visit_after(hops_.busy(), last_served_, [&](const auto& item) {
+    Hop& hop = *item.second;
+    if (!hop.sender.has_waiting(priority, previous_hop) || !hop.sender.may_start() ||
+        !air_allows(item.first, hop, now)) {
+      return false;
+    }
+    last_served_ = item.first;
+    start(item.first, hop, hop.sender.take_waiting(priority, previous_hop), now);
+    return true;
+  });
+}
+
+bool Hops::may_start(const MacAddress& neighbor, Time now) {
+  const Hop& next = hop(neighbor);
+  return next.sender.may_start() && air_allows(neighbor, next, now);
+}
+
+void Hops::start(const MacAddress& neighbor, HopFrame frame, Time now) {
+  start(neighbor, hop(neighbor), std::move(frame), now);
+}
+
+/// With the repetition on each hop switched off, frames carry no link sequence and nobody acknowledges them.
+void Hops::start(const MacAddress& neighbor, Hop& hop, HopFrame frame, Time now) {
+  if (options_.num_link_retrans == 0) {
+    if (frame.type == FrameType::kData) {
+      count(statistics_.unicast_data, frame.previous_hop != MacAddress{}, frame.again);
+    }
+    return transmitter_.transmit(frame.type, neighbor, frame.body, now);
+  }
+  const std::uint64_t counter = transmitter_.take_counter();
+  put_on_air(neighbor, hop, hop.sender.start(std::move(frame), counter, now), counter, now);
+}
+
+void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
+                      Time now) {
+  std::uint8_t flags = wire::kWantsAcknowledgment;
+  const bool calibrated = air_.calibrated(neighbor);
+  hop.pair = (hop.pair + 1) % (calibrated ? AirClock::kPairInterval : 2);
+  if (!calibrated || hop.sender.pressing() || hop.pair == 1) flags |= wire::kAcknowledgeNow;
+  if (outgoing.type == FrameType::kData) count(statistics_.unicast_data, outgoing.passed_on, outgoing.again);
+  transmitter_.transmit(outgoing.type, neighbor, {flags, outgoing.link_sequence, counter}, *outgoing.body, now);
+}
+
+/// Two frames may be on their way to each neighbour even if the air is believed to be slow, as long as that is not for
+/// long. Of a pair that measures the air, the first waits until the radio is idle and the second follows at once, so
+/// that no more is in its hands than otherwise.
+bool Hops::air_allows(const MacAddress& neighbor, const Hop& hop, Time now) const {
+  const bool pair_begins = air_.calibrated(neighbor) && hop.pair == AirClock::kPairInterval - 1;
+  if (pair_begins && air_.idle_at() > now && air_.idle_at() <= now + kLongestBacklog) return false;
+  if (air_.ready_at() <= now) return true;
+  if (options_.num_link_retrans == 0) return false;
+  return hop.pair == 0 || (hop.sender.unresolved() < 2 && air_.ready_at() <= now + kLongestBacklog);
+}
+
+void Hops::add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const {
+  for (const auto& [neighbor, hop] : hops_.busy()) hop->sender.add_waiting_hops(priority, hops);
+}
+
+bool Hops::something_to_send() const {
+  return std::any_of(hops_.busy().begin(), hops_.busy().end(), [](const auto& item) {
+    const HopSender& sender = item.second->sender;
+    for (std::uint8_t priority = 0; priority < kPriorities; ++priority) {
+      if (sender.has_resend(priority) && sender.may_resend()) return true;
+      if (sender.has_waiting(priority) && sender.may_start()) return true;
+    }
+    return false;
+  });
+}
+
+// --- what others may look at -----------------------------------------------------------------------------------------
+
+bool Hops::has_room(const MacAddress& neighbor) const {
+  const Hop* known = hops_.find(neighbor);
+  return known == nullptr || known->sender.may_start();
+}
+
+bool Hops::idle(const MacAddress& neighbor) const {
+  const Hop* known = hops_.find(neighbor);
+  return known == nullptr || known->sender.idle();
+}
+
+const HopSender* Hops::sender_to(const MacAddress& neighbor) const {
+  const Hop* known = hops_.find(neighbor);
+  return known == nullptr ? nullptr : &known->sender;
+}
+
+}  // namespace adhoc_communication::transport
