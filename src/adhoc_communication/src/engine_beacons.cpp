@@ -73,7 +73,7 @@ void Engine::Implementation::maintain(Time now) {
   runs_.expire(now);
   router_.expire(now);
   broadcast_receiver_.expire(now);
-  for (const auto& [source, receiver] : receivers_.all()) receiver->expire(now);
+  receivers_.expire(now);
   expire_waiting_sends(now);
   distributor_.expire(now);
   memberships_.expire(now);

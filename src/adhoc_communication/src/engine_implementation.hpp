@@ -28,12 +28,12 @@
 #include "transport/broadcast.hpp"
 #include "transport/fair_share.hpp"
 #include "transport/flood.hpp"
-#include "transport/held_frames.hpp"
+#include "transport/forwarder.hpp"
 #include "transport/hops.hpp"
 #include "transport/packet_image.hpp"
 #include "transport/send_terms.hpp"
-#include "transport/stream_receiver.hpp"
-#include "transport/stream_sender.hpp"
+#include "transport/stream_receivers.hpp"
+#include "transport/streams.hpp"
 
 namespace adhoc_communication {
 
@@ -41,10 +41,7 @@ class Engine::Implementation {
  public:
   static constexpr std::size_t kMostSends = 256;              ///< packets of the host not finished yet
   static constexpr std::size_t kMostSendOctets = 64'000'000;  ///< of these packets, as they go on the air
-  static constexpr std::size_t kMostStreams = 1024;           ///< robots and priorities; idle ones make room
-  static constexpr std::size_t kMostReceivers =
-      1024;  ///< robots whose packets are put together; the one idle longest makes room
-  static constexpr std::size_t kMostFloodOctets = 64'000;  ///< of one, unpacked; of a robot's words on groups, too
+  static constexpr std::size_t kMostFloodOctets = 64'000;     ///< of one, unpacked; of a robot's words on groups, too
 
   Implementation(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now);
 
@@ -80,14 +77,6 @@ class Engine::Implementation {
   std::string name_or_address(const MacAddress& robot) const;
 
  private:
-  /// Packets of one priority to one robot.
-  struct Stream {
-    transport::StreamSender sender;
-    std::optional<MacAddress> address;
-    std::optional<MacAddress> next_hop;
-  };
-  using StreamKey = std::pair<std::string, std::uint8_t>;
-
   enum class Purpose { kHost, kFanOut, kCatchUp, kWord, kMembersRequest, kInternal };
   /// A packet not finished yet.
   struct Sending {
@@ -125,16 +114,12 @@ class Engine::Implementation {
   void announce_changes(Time now);
 
   // engine_records.cpp: what hosts may write down.
-  void record_segments(const StreamKey& key, Stream& stream, Time now);
 
   // engine_restart.cpp
   void end(const std::string& reason, Time now);
 
-  // engine_repair.cpp: what was under way over a link that is lost.
-  void link_lost(const MacAddress& neighbor, Time now);
-  void release_held(Time now);
-
   // engine_transport.cpp: packets.
+  void link_lost(const MacAddress& neighbor, Time now);
   void on_data(const MacAddress& from, wire::Data data, Time now);
   void deliver_data(const wire::Data& data, Time now);
   void on_transport_acknowledgment(const MacAddress& from, wire::TransportAcknowledgment acknowledgment, Time now);
@@ -145,12 +130,7 @@ class Engine::Implementation {
   enum class Carrier { kStream, kBroadcast, kGroup };
   bool admits(Carrier carrier, const std::string& source, const transport::Packet& packet) const;
   void deliver_packet(Carrier carrier, const std::string& source, const Bytes& image, std::uint8_t hops, Time now);
-  transport::StreamReceiver* receiver_for(const wire::Data& data, Time now);
-  template <typename Message>
-  void forward(const MacAddress& from, Message message, wire::FrameType type, std::uint8_t priority, Time now);
-  void acknowledge_streams(Time now);
   void serve_streams(Time now);
-  void serve_stream(const StreamKey& key, Stream& stream, Time now);
   void fail_unreachable(Time now);
   void pump(Time now);
   bool pump_priority(std::uint8_t priority, Time now);
@@ -159,15 +139,12 @@ class Engine::Implementation {
   bool pump_frames(const MacAddress& previous_hop, std::uint8_t priority, Time now);
   bool pump_broadcasts(std::uint8_t priority, Time now);
   bool pump_groups(const MacAddress& previous_hop, std::uint8_t priority, Time now);
-  bool pump_streams(std::uint8_t priority, Time now);
-  bool pump_stream(const StreamKey& key, Stream& stream, Time now);
   bool something_to_send() const;
 
   // engine_sends.cpp: requests of the host and their ends.
   std::string refusal(const SendRequest& request) const;
   SendId refuse(std::string reason);
   void start(SendId id, const std::string& destination, const transport::Image& image, Priority priority, Time now);
-  void add_to_stream(SendId id, const std::string& destination, transport::Image image, Priority priority, Time now);
   SendId start_unicast(const std::string& destination, transport::Image image, Priority priority, Sending sending,
                        Time now);
   void start_group_send(SendId id, const std::string& group, transport::Image image, Priority priority, Time now);
@@ -186,7 +163,6 @@ class Engine::Implementation {
   void expire_sends(Time now);
   void cancel(SendId id, Time now);
   std::string cancel_group_send(SendId id, Time now);
-  void drop_from_stream(SendId id, const Sending& sending, Time now);
 
   // engine_groups.cpp: membership.
   bool takes_part(const MacAddress& root) const;
@@ -227,8 +203,9 @@ class Engine::Implementation {
   std::size_t broadcast_segment_size_;
   multicast::Carriage carriage_;
   transport::Reassembly reassembly_;
-  BusyMap<StreamKey, Stream> streams_;
-  BusyMap<MacAddress, std::unique_ptr<transport::StreamReceiver>> receivers_;
+  transport::Streams streams_;
+  transport::StreamReceivers receivers_;
+  transport::Forwarder forwarder_;
   std::array<transport::BroadcastSender, transport::kPriorities> broadcasts_;
   transport::BroadcastReceiver broadcast_receiver_;
   transport::FloodRelay flood_;
@@ -237,7 +214,6 @@ class Engine::Implementation {
   multicast::Memberships memberships_;
   multicast::GroupSends group_sends_;
 
-  transport::HeldFrames held_;
   std::map<SendId, Sending> sendings_;
   transport::SendTerms terms_;
   std::size_t host_sends_ = 0;
@@ -256,7 +232,6 @@ class Engine::Implementation {
   /// frames.
   std::array<transport::FairShare<MacAddress>, transport::kPriorities> shares_;
   std::array<transport::FairShare<std::pair<MacAddress, bool>>, transport::kPriorities> group_shares_;
-  StreamKey last_stream_served_;
   EventQueue events_;
 };
 

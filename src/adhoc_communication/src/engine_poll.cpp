@@ -40,6 +40,9 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       broadcast_segment_size_(room(options_, wire::kBroadcastDataHeaderSize)),
       carriage_(air_, neighbors_),
       reassembly_(options_.max_packet_size),
+      streams_(self_, options_, directory_, router_, hops_, random_, journal_, segment_size_),
+      receivers_(self_, options_.max_packet_size, router_, hops_, reassembly_),
+      forwarder_(self_, router_, hops_),
       broadcast_receiver_(options_.max_packet_size, reassembly_),
       flood_(hops_, random_),
       distributor_(self_, router_, hops_, random_, air_, carriage_, reassembly_, options_.max_packet_size,
@@ -55,6 +58,7 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
 std::vector<Frame> Engine::Implementation::poll(Time now) {
   now_ = now;
   touched_ = false;
+  streams_.take_news();
   if (now - kTolerableLateness > expected_poll_) hops_.excuse_silence(now);
   if (rhythm_.due() <= now) {
     maintain(now);
@@ -64,10 +68,10 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   expire_sends(now);
   for (const MacAddress& neighbor : hops_.expire(now)) link_lost(neighbor, now);
   serve_streams(now);
-  acknowledge_streams(now);
+  receivers_.acknowledge(now);
   router_.poll(now);
   fail_unreachable(now);
-  release_held(now);
+  forwarder_.release(now);
   distributor_.poll(now);
   finish_group_members(now);
   take_group_packets(now);
@@ -81,17 +85,14 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
 
 void Engine::Implementation::settle() {
   hops_.settle();
-  receivers_.settle([](const auto& receiver) { return receiver->next_deadline() == Time::max(); });
+  receivers_.settle();
 }
 
 Time Engine::Implementation::next_deadline() const {
-  if (touched_) return now_;
-  Time next = std::min({rhythm_.due(), router_.next_deadline(), flood_.next_deadline(), distributor_.next_deadline(),
-                        terms_.next_deadline(), hops_.next_deadline()});
-  for (const auto& [source, receiver] : receivers_.busy()) next = std::min(next, (*receiver)->next_deadline());
-  for (const auto& [key, stream] : streams_.busy()) {
-    if (stream->next_hop) next = std::min(next, stream->sender.next_deadline());
-  }
+  if (touched_ || streams_.has_news()) return now_;
+  Time next =
+      std::min({rhythm_.due(), router_.next_deadline(), flood_.next_deadline(), distributor_.next_deadline(),
+                terms_.next_deadline(), hops_.next_deadline(), receivers_.next_deadline(), streams_.next_deadline()});
   if (something_to_send()) next = std::min(next, air_.ready_at() > now_ ? air_.ready_at() : air_.idle_at());
   return next;
 }

@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "engine_implementation.hpp"
-#include "round_robin.hpp"
 #include "transport/data_count.hpp"
 
 namespace adhoc_communication {
@@ -61,7 +60,7 @@ bool Engine::Implementation::pump_hop(const MacAddress& previous_hop, std::uint8
 bool Engine::Implementation::pump_frames(const MacAddress& previous_hop, std::uint8_t priority, Time now) {
   const bool passed_on = hops_.send_waiting(priority, previous_hop, now);
   if (passed_on || previous_hop != MacAddress{}) return passed_on;
-  return pump_broadcasts(priority, now) || pump_streams(priority, now);
+  return pump_broadcasts(priority, now) || streams_.send_segment(priority, now);
 }
 
 bool Engine::Implementation::pump_broadcasts(std::uint8_t priority, Time now) {
@@ -90,38 +89,13 @@ bool Engine::Implementation::pump_groups(const MacAddress& previous_hop, std::ui
   return true;
 }
 
-/// Own packets, one destination after the other.
-bool Engine::Implementation::pump_streams(std::uint8_t priority, Time now) {
-  return visit_after(streams_.busy(), last_stream_served_, [&](const auto& item) {
-    return item.first.second == priority && pump_stream(item.first, *item.second, now);
-  });
-}
-
-bool Engine::Implementation::pump_stream(const StreamKey& key, Stream& stream, Time now) {
-  if (!stream.next_hop || !stream.sender.has_segment()) return false;
-  if (!hops_.may_start(*stream.next_hop, now)) return false;
-  last_stream_served_ = key;
-  const bool again = stream.sender.repeats();
-  wire::Data data = stream.sender.next_segment(now);
-  data.source = self_.address;
-  data.source_boot = self_.boot;
-  data.destination = *stream.address;
-  router_.used(self_.address, data.destination, self_.address, now);
-  hops_.start(*stream.next_hop, {FrameType::kData, to_bytes(data), key.second, {}, again}, now);
-  return true;
-}
-
 /// Whether pump() would send more if the air were free.
 bool Engine::Implementation::something_to_send() const {
   if (hops_.something_to_send()) return true;
   for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
     if (broadcasts_[priority].has_segment() || distributor_.has_frame(priority)) return true;
   }
-  return std::any_of(streams_.busy().begin(), streams_.busy().end(), [&](const auto& item) {
-    const Stream& stream = *item.second;
-    if (!stream.next_hop || !stream.sender.has_segment()) return false;
-    return hops_.has_room(*stream.next_hop);
-  });
+  return streams_.something_to_send();
 }
 
 }  // namespace adhoc_communication

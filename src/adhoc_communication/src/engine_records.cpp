@@ -7,13 +7,4 @@ std::vector<Record> Engine::Implementation::take_records() {
   return journal_.take();
 }
 
-void Engine::Implementation::record_segments(const StreamKey& key, Stream& stream, Time now) {
-  const std::vector<transport::StreamSender::Ended> all = stream.sender.take_ended();
-  if (all.empty()) return;
-  const RouteEnds route = router_.ends_to(stream.address.value_or(MacAddress{}), now);
-  for (const auto& [packet, index, repetitions, sent, ended, delivered] : all) {
-    journal_.add(now, SegmentEnded{packet, index, key.first, repetitions, sent, ended, delivered, route});
-  }
-}
-
 }  // namespace adhoc_communication

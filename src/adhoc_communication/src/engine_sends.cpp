@@ -59,7 +59,7 @@ SendId Engine::Implementation::send(SendRequest request, Time now) {
 void Engine::Implementation::start(SendId id, const std::string& destination, const Image& image, Priority priority,
                                    Time now) {
   if (multicast::root_of(destination)) return start_group_send(id, destination, image, priority, now);
-  if (!destination.empty()) return add_to_stream(id, destination, image, priority, now);
+  if (!destination.empty()) return streams_.add(id, destination, image, priority, now);
   broadcasts_[static_cast<std::size_t>(priority)].add(id, image, static_cast<std::uint16_t>(broadcast_segment_size_));
 }
 
@@ -106,24 +106,8 @@ SendId Engine::Implementation::start_unicast(const std::string& destination, Ima
   const SendId id = next_send_id_++;
   sending.priority = priority;
   sendings_.emplace(id, std::move(sending));
-  add_to_stream(id, destination, std::move(image), priority, now);
+  streams_.add(id, destination, std::move(image), priority, now);
   return id;
-}
-
-void Engine::Implementation::add_to_stream(SendId id, const std::string& destination, Image image, Priority priority,
-                                           Time now) {
-  touch(now);
-  if (streams_.size() >= kMostStreams) {
-    streams_.erase_if([this](const StreamKey& key, const Stream&) { return !streams_.is_busy(key); });
-  }
-  const StreamKey key{destination, static_cast<std::uint8_t>(priority)};
-  const std::size_t window = options_.num_link_retrans == 0 ? 4 : transport::StreamSender::kWindow;
-  // Send ids only grow, so a stream that was dropped while idle never uses a packet number twice.
-  const auto first_number = static_cast<std::uint32_t>(id);
-  Stream& stream = streams_.use(key, [&] {
-    return Stream{transport::StreamSender(key.second, first_number, window, journal_.kept()), {}, {}};
-  });
-  stream.sender.add(id, std::move(image), static_cast<std::uint16_t>(segment_size_), now);
 }
 
 void Engine::Implementation::start_group_send(SendId id, const std::string& group, Image image, Priority priority,

@@ -37,8 +37,7 @@ bool Engine::Implementation::replace(SendId former, SendId id, const Image& imag
   if (waiting.destination == multicast::group_of(self_.name)) return replace_in_own_group(former, id, image, now);
   if (multicast::root_of(waiting.destination))
     return group_sends_.replace_waiting(waiting.destination, former, id, image);
-  Stream* stream = streams_.find({waiting.destination, priority});
-  return stream != nullptr && stream->sender.replace(former, id, image, static_cast<std::uint16_t>(segment_size_), now);
+  return streams_.replace(waiting.destination, waiting.priority, former, id, image, now);
 }
 
 bool Engine::Implementation::replace_in_own_group(SendId former, SendId id, const Image& image, Time now) {
@@ -65,14 +64,9 @@ void Engine::Implementation::cancel(SendId id, Time now) {
   } else if (multicast::root_of(sending.destination)) {
     missed = cancel_group_send(id, now);
   } else {
-    drop_from_stream(id, sending, now);
+    streams_.drop(sending.destination, sending.priority, id, now);
   }
   finish(id, false, "not delivered" + missed + " within its lifetime of " + lifetime_text(sending.lifetime), now);
-}
-
-void Engine::Implementation::drop_from_stream(SendId id, const Sending& sending, Time now) {
-  Stream* stream = streams_.find({sending.destination, static_cast<std::uint8_t>(sending.priority)});
-  if (stream != nullptr) stream->sender.drop(id, now);
 }
 
 /// Tells which members it has not reached.
@@ -87,7 +81,7 @@ std::string Engine::Implementation::cancel_group_send(SendId id, Time now) {
   }
   for (const auto& [part, sending] : parts) {
     missed.push_back(sending.destination);
-    drop_from_stream(part, sending, now);
+    streams_.drop(sending.destination, sending.priority, part, now);
     finish(part, false, {}, now);
   }
   std::string text;
