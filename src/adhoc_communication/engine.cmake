@@ -19,6 +19,7 @@ file(GLOB ADHOC_ENGINE_SOURCES CONFIGURE_DEPENDS
   ${ADHOC_ENGINE_DIR}/src/*.cpp
   ${ADHOC_ENGINE_DIR}/src/air/*.cpp
   ${ADHOC_ENGINE_DIR}/src/api/*.cpp
+  ${ADHOC_ENGINE_DIR}/src/engine/*.cpp
   ${ADHOC_ENGINE_DIR}/src/presence/*.cpp
   ${ADHOC_ENGINE_DIR}/src/wire/*.cpp
   ${ADHOC_ENGINE_DIR}/src/routing/*.cpp

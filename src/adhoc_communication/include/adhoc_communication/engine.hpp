@@ -63,7 +63,7 @@ class Engine {
   std::vector<TreeState> trees() const;
   std::vector<TableFill> tables() const;  ///< everything that grows, with its bound
 
-  // Introspection: engine_introspection.cpp.
+  // What hosts may look at.
   std::vector<LinkState> links() const;                         ///< one per neighbour
   QueueState queues() const;                                    ///< what waits, and how much of it
   std::vector<std::string> groups() const;                      ///< the own group and those joined or being joined

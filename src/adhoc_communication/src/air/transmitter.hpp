@@ -5,17 +5,17 @@
 #include <utility>
 #include <vector>
 
+#include "air/air_clock.hpp"
 #include "identity.hpp"
 #include "presence/beacon_rhythm.hpp"
 #include "security/frame_guard.hpp"
-#include "transport/air_clock.hpp"
 
 namespace adhoc_communication::air {
 
 class Transmitter {
  public:
-  Transmitter(const Identity& self, const security::FrameGuard& guard, transport::AirClock& air,
-              presence::BeaconRhythm& rhythm, Statistics& statistics)
+  Transmitter(const Identity& self, const security::FrameGuard& guard, AirClock& air, presence::BeaconRhythm& rhythm,
+              Statistics& statistics)
       : self_(self), guard_(guard), air_(air), rhythm_(rhythm), statistics_(statistics) {}
 
   /// Of the next frame. Counters only grow.
@@ -40,7 +40,7 @@ class Transmitter {
  private:
   const Identity& self_;
   const security::FrameGuard& guard_;
-  transport::AirClock& air_;
+  AirClock& air_;
   presence::BeaconRhythm& rhythm_;
   Statistics& statistics_;
   std::uint64_t next_counter_ = 1;

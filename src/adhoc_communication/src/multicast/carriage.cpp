@@ -5,7 +5,7 @@
 namespace adhoc_communication::multicast {
 
 bool Carriage::knows(const MacAddress& destination, Time now) const {
-  const transport::AirRate* rate = air_.measured(destination);
+  const air::AirRate* rate = air_.measured(destination);
   return rate != nullptr && rate->measured_lately(now);
 }
 

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "air/air_clock.hpp"
 #include "routing/neighbors.hpp"
-#include "transport/air_clock.hpp"
 
 namespace adhoc_communication::multicast {
 
@@ -25,7 +25,7 @@ class Carriage {
   static constexpr Time kFastestUnicast = std::chrono::microseconds(300);
   static constexpr std::size_t kWorthATrial = 32;  ///< frames still to be sent
 
-  Carriage(const transport::AirClock& air, const routing::Neighbors& neighbors) : air_(air), neighbors_(neighbors) {}
+  Carriage(const air::AirClock& air, const routing::Neighbors& neighbors) : air_(air), neighbors_(neighbors) {}
 
   /// For one of `frames` that are still to be sent to these neighbours, one at least.
   Way way(const std::vector<MacAddress>& targets, std::size_t frames, Time now) const;
@@ -39,7 +39,7 @@ class Carriage {
   double frame_time(const MacAddress& destination) const;
   double tries(const MacAddress& target) const;
 
-  const transport::AirClock& air_;
+  const air::AirClock& air_;
   const routing::Neighbors& neighbors_;
 };
 

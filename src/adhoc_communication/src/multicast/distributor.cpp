@@ -11,7 +11,7 @@ std::uint8_t first_parity(const Identity& self) { return static_cast<std::uint8_
 }  // namespace
 
 Distributor::Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random,
-                         transport::AirClock& air, const Carriage& carriage, transport::Reassembly& reassembly,
+                         air::AirClock& air, const Carriage& carriage, transport::Reassembly& reassembly,
                          std::size_t largest_packet, std::uint16_t segment_size)
     : self_(self),
       air_(air),

@@ -10,17 +10,17 @@
 #include <string>
 #include <vector>
 
+#include "air/air_clock.hpp"
 #include "multicast/downlink.hpp"
 #include "multicast/sink.hpp"
 #include "multicast/source.hpp"
 #include "multicast/tree_builder.hpp"
-#include "transport/air_clock.hpp"
 
 namespace adhoc_communication::multicast {
 
 class Distributor {
  public:
-  Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random, transport::AirClock& air,
+  Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random, air::AirClock& air,
               const Carriage& carriage, transport::Reassembly& reassembly, std::size_t largest_packet,
               std::uint16_t segment_size);
 
@@ -71,7 +71,7 @@ class Distributor {
   std::uint32_t base_of(const Place& place) const;
 
   const Identity& self_;
-  transport::AirClock& air_;
+  air::AirClock& air_;
   Branches branches_;
   TreeBuilder trees_;
   Source source_;

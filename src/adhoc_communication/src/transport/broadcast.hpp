@@ -1,6 +1,7 @@
 // Packets for everybody in range: cut into segments, put together where all of them arrive, never repeated.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -9,6 +10,7 @@
 
 #include "transport/assembly.hpp"
 #include "transport/packet_image.hpp"
+#include "transport/priorities.hpp"
 #include "transport/reassembly.hpp"
 #include "wire/messages.hpp"
 
@@ -39,6 +41,8 @@ class BroadcastSender {
 
   std::deque<Outgoing> queue_;
 };
+
+using BroadcastSenders = std::array<BroadcastSender, kPriorities>;
 
 /// At most kMostPackets are being put together; the one without news for longest makes room.
 class BroadcastReceiver {

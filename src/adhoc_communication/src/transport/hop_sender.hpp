@@ -10,12 +10,11 @@
 
 #include "routing/sequence_number.hpp"
 #include "transport/frame_queue.hpp"
+#include "transport/priorities.hpp"
 #include "transport/round_trip.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::transport {
-
-constexpr std::size_t kPriorities = 4;
 
 /// A frame is repeated as soon as a later transmission is acknowledged without it, or when its timer runs out; after
 /// `most_resends` repetitions it is given up and left to the end-to-end repetition. The link is dead when nothing at

@@ -32,8 +32,8 @@ std::optional<MacAddress> source_of(const HopFrame& frame) {
 }  // namespace
 
 Hops::Hops(const Identity& self, const EngineOptions& options, routing::Neighbors& neighbors,
-           const routing::RobotDirectory& directory, AirClock& air, air::Transmitter& transmitter, Journal& journal,
-           Statistics& statistics)
+           const routing::RobotDirectory& directory, air::AirClock& air, air::Transmitter& transmitter,
+           Journal& journal, Statistics& statistics)
     : self_(self),
       options_(options),
       neighbors_(neighbors),
@@ -199,7 +199,7 @@ void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Out
                       Time now) {
   std::uint8_t flags = wire::kWantsAcknowledgment;
   const bool calibrated = air_.calibrated(neighbor);
-  hop.pair = (hop.pair + 1) % (calibrated ? AirClock::kPairInterval : 2);
+  hop.pair = (hop.pair + 1) % (calibrated ? air::AirClock::kPairInterval : 2);
   if (!calibrated || hop.sender.pressing() || hop.pair == 1) flags |= wire::kAcknowledgeNow;
   if (outgoing.type == FrameType::kData) count(statistics_.unicast_data, outgoing.passed_on, outgoing.again);
   transmitter_.transmit(outgoing.type, neighbor, {flags, outgoing.link_sequence, counter}, *outgoing.body, now);
@@ -209,7 +209,7 @@ void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Out
 /// long. Of a pair that measures the air, the first waits until the radio is idle and the second follows at once, so
 /// that no more is in its hands than otherwise.
 bool Hops::air_allows(const MacAddress& neighbor, const Hop& hop, Time now) const {
-  const bool pair_begins = air_.calibrated(neighbor) && hop.pair == AirClock::kPairInterval - 1;
+  const bool pair_begins = air_.calibrated(neighbor) && hop.pair == air::AirClock::kPairInterval - 1;
   if (pair_begins && air_.idle_at() > now && air_.idle_at() <= now + kLongestBacklog) return false;
   if (air_.ready_at() <= now) return true;
   if (options_.num_link_retrans == 0) return false;

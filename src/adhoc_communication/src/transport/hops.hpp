@@ -18,7 +18,7 @@ namespace adhoc_communication::transport {
 class Hops : public Outbox {
  public:
   Hops(const Identity& self, const EngineOptions& options, routing::Neighbors& neighbors,
-       const routing::RobotDirectory& directory, AirClock& air, air::Transmitter& transmitter, Journal& journal,
+       const routing::RobotDirectory& directory, air::AirClock& air, air::Transmitter& transmitter, Journal& journal,
        Statistics& statistics);
 
   void broadcast(wire::FrameType type, Bytes body, Time now) override;
@@ -88,7 +88,7 @@ class Hops : public Outbox {
   const EngineOptions& options_;
   routing::Neighbors& neighbors_;
   const routing::RobotDirectory& directory_;
-  AirClock& air_;
+  air::AirClock& air_;
   air::Transmitter& transmitter_;
   Journal& journal_;
   Statistics& statistics_;

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
+#include "air/air_clock.hpp"
 #include "multicast/carriage.hpp"
 #include "payloads.hpp"
 #include "routing/link_layer.hpp"
 #include "simulation/team.hpp"
-#include "transport/air_clock.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication {
@@ -23,19 +23,19 @@ const MacAddress kUnknown{{2, 3}};
 
 double microseconds(Time time) { return static_cast<double>(time.count()) * 1e-3; }
 
-double frame_time(const transport::AirClock& clock, const MacAddress& to) {
+double frame_time(const air::AirClock& clock, const MacAddress& to) {
   return microseconds(clock.rate(to).air_time(kOctets));
 }
 
 /// A pair of frames that arrive `duration` apart.
-void measure(transport::AirClock& clock, std::uint64_t& counter, const MacAddress& to, Time duration, Time now) {
+void measure(air::AirClock& clock, std::uint64_t& counter, const MacAddress& to, Time duration, Time now) {
   clock.transmitted(++counter, kOctets, to, now);
   clock.transmitted(++counter, kOctets, to, now);
   clock.acknowledged_late(counter, duration, now + 2 * duration);
 }
 
 TEST(AirClockKinds, EachNeighborAndBroadcastsHaveTheirRate) {
-  transport::AirClock clock(kOctets);
+  air::AirClock clock(kOctets);
   std::uint64_t counter = 0;
   for (int i = 0; i < 10; ++i) {
     measure(clock, counter, kNear, 400us, i * 100ms);
@@ -52,7 +52,7 @@ TEST(AirClockKinds, EachNeighborAndBroadcastsHaveTheirRate) {
 }
 
 TEST(AirClockKinds, OneNeverMeasuredIsBelievedToBeLikeTheOthers) {
-  transport::AirClock clock(kOctets);
+  air::AirClock clock(kOctets);
   std::uint64_t counter = 0;
   for (int i = 0; i < 10; ++i) measure(clock, counter, kNear, 400us, i * 100ms);
   EXPECT_NEAR(frame_time(clock, kUnknown), 400, 1);
@@ -61,7 +61,7 @@ TEST(AirClockKinds, OneNeverMeasuredIsBelievedToBeLikeTheOthers) {
 }
 
 TEST(AirClockKinds, ABoundAloneDoesNotMakeAKindKnown) {
-  transport::AirClock clock(kOctets);
+  air::AirClock clock(kOctets);
   std::uint64_t counter = 0;
   for (int i = 0; i < 10; ++i) measure(clock, counter, kNear, 400us, i * 100ms);
   clock.transmitted(++counter, kOctets, kUnknown, 10s);
@@ -70,7 +70,7 @@ TEST(AirClockKinds, ABoundAloneDoesNotMakeAKindKnown) {
 }
 
 TEST(AirClockKinds, NeighborsThatAreGoneAreForgotten) {
-  transport::AirClock clock(kOctets);
+  air::AirClock clock(kOctets);
   std::uint64_t counter = 0;
   measure(clock, counter, kNear, 400us, 0ms);
   measure(clock, counter, kFar, 2ms, 50ms);
@@ -82,7 +82,7 @@ TEST(AirClockKinds, NeighborsThatAreGoneAreForgotten) {
 }
 
 TEST(AirClockKinds, AnAnswerThatComesAfterLaterOnesStillMeasures) {
-  transport::AirClock clock(kOctets);
+  air::AirClock clock(kOctets);
   std::uint64_t counter = 0;
   for (const MacAddress& peer : {kNear, kNear, kFar, kFar}) clock.transmitted(++counter, kOctets, peer, 0ms);
   clock.acknowledged_late(4, 2ms, 6ms);
@@ -94,7 +94,7 @@ TEST(AirClockKinds, AnAnswerThatComesAfterLaterOnesStillMeasures) {
 }
 
 TEST(AirClockKinds, WhatOthersDisturbedDoesNotCount) {
-  transport::AirClock clock(kOctets);
+  air::AirClock clock(kOctets);
   std::uint64_t counter = 0;
   for (const Time duration : {Time(5ms), Time(400us), Time(3ms), Time(5ms)}) {
     measure(clock, counter, kNear, duration, counter * 50ms);
@@ -103,7 +103,7 @@ TEST(AirClockKinds, WhatOthersDisturbedDoesNotCount) {
 }
 
 TEST(AirClockKinds, OfTheFirstMeasurementsTheShortestCounts) {
-  transport::AirClock clock(kOctets);
+  air::AirClock clock(kOctets);
   std::uint64_t counter = 0;
   measure(clock, counter, kNear, 12ms, 0ms);
   measure(clock, counter, kNear, 400us, 100ms);
@@ -121,7 +121,7 @@ class CarriageTest : public ::testing::Test {
 
   Timings timings_ = robot_timings();
   routing::Neighbors neighbors_{timings_, 250ms};
-  transport::AirClock clock_{kOctets};
+  air::AirClock clock_{kOctets};
   multicast::Carriage carriage_{clock_, neighbors_};
   std::uint64_t counter_ = 0;
   Time now_ = 1s;
@@ -152,7 +152,7 @@ TEST_F(CarriageTest, WhatWasMeasuredLongAgoIsTriedAnew) {
   know(wire::kEverybody, 2ms);
   know(kNear, 400us);
   know(kFar, 400us);
-  now_ += transport::AirRate::kLatest;
+  now_ += air::AirRate::kLatest;
   know(wire::kEverybody, 2ms);
   EXPECT_EQ(way(), Way::kTrial);
 }

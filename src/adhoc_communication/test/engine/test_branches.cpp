@@ -155,7 +155,7 @@ TEST(Source, OnlyAPacketNotBegunIsReplaced) {
   const std::uint32_t number = root.send(1, 500, {kA});
   EXPECT_EQ(root.source.replace(root.own, 1, 2, image(600), 2s), number);
   EXPECT_FALSE(root.source.replace(root.own, 1, 3, image(600), 2s)) << "it has gone";
-  const transport::AirClock air(1500);
+  const air::AirClock air(1500);
   const Timings timings = robot_timings();
   const routing::Neighbors neighbors(timings, 250ms);
   root.own.streams[kStream].transfers.at(number).to_children->next(Carriage(air, neighbors), 2s);

@@ -1,15 +1,15 @@
 // A relay's own packets beside those of others.
 #include <gtest/gtest.h>
 
+#include "air/fair_share.hpp"
 #include "host.hpp"
-#include "transport/fair_share.hpp"
 #include "transport/frame_queue.hpp"
 
 namespace adhoc_communication {
 namespace {
 
 using namespace std::chrono_literals;
-using transport::FairShare;
+using air::FairShare;
 
 using Names = std::vector<std::string>;
 

@@ -4,9 +4,9 @@
 #include <initializer_list>
 #include <set>
 
+#include "air/air_clock.hpp"
 #include "payloads.hpp"
 #include "simulation/team.hpp"
-#include "transport/air_clock.hpp"
 #include "transport/hop_receiver.hpp"
 #include "transport/hop_sender.hpp"
 #include "transport/stream_sender.hpp"
@@ -17,7 +17,7 @@ namespace adhoc_communication {
 namespace {
 
 using namespace std::chrono_literals;
-using transport::AirClock;
+using air::AirClock;
 using transport::HopReceiver;
 using transport::HopSender;
 using transport::StreamSender;

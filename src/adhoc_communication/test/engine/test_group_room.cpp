@@ -141,7 +141,7 @@ TEST(GroupRoom, IsGivenUpAfterAMinute) {
   multicast::Distribution distribution(packet, round_trip, 0);
   const MacAddress child{{2}};
   distribution.set_children({{child, 0}}, true, 0s);
-  const transport::AirClock air(1500);
+  const air::AirClock air(1500);
   const Timings timings = robot_timings();
   const routing::Neighbors neighbors(timings, 250ms);
   const multicast::Carriage carriage(air, neighbors);

@@ -1,8 +1,7 @@
-// Frames in and out.
+// Frames in.
 #include <algorithm>
-#include <stdexcept>
 
-#include "engine_implementation.hpp"
+#include "engine/implementation.hpp"
 
 namespace adhoc_communication {
 
@@ -20,50 +19,12 @@ void Engine::Implementation::receive(const Frame& frame, Time now) {
   if (lost_artificially(header.type)) return;
   ++statistics_.frames_received_by_type[static_cast<std::size_t>(header.type)];
   statistics_.bytes_received_by_type[static_cast<std::size_t>(header.type)] += octets;
-  if (!guard_.proven(header) && !proves_itself(*opened, now)) return;
-  if (!lives(*opened, now)) return;
-  if (!hear(header, now)) return;
-
-  if (header.next_hop != wire::kEverybody && (header.flags & wire::kWantsAcknowledgment) != 0) {
-    if (!hops_.take(header, now)) return;
-  }
+  if (!admission_.admits(*opened, now) || !hear(header, now)) return;
+  const bool wants_acknowledgment =
+      header.next_hop != wire::kEverybody && (header.flags & wire::kWantsAcknowledgment) != 0;
+  if (wants_acknowledgment && !hops_.take(header, now)) return;
   dispatch(header, opened->body, now);
   forget_evicted(now);
-}
-
-/// A run is believed to be alive now once a beacon of it names this robot's boot id; until then this robot only says
-/// that it hears it.
-bool Engine::Implementation::proves_itself(const security::OpenedFrame& opened, Time now) {
-  const wire::FrameHeader& header = opened.header;
-  const auto beacon = header.type == FrameType::kBeacon ? wire::read_beacon(opened.body) : std::nullopt;
-  const bool echo = beacon && std::any_of(beacon->heard.begin(), beacon->heard.end(), [&](const auto& heard) {
-                      return heard.tag == wire::neighbor_tag(self_.boot);
-                    });
-  if (echo) {
-    guard_.prove(header);
-    return true;
-  }
-  ++statistics_.frames_dropped.unproven;
-  if (beacon && neighbors_.candidate(header.sender, wire::boot_tag(header.boot_id), now)) rhythm_.greet(now);
-  return false;
-}
-
-/// The frame is one of the run that lives.
-bool Engine::Implementation::lives(const security::OpenedFrame& opened, Time now) {
-  const wire::FrameHeader& header = opened.header;
-  const wire::BootTag boot = wire::boot_tag(header.boot_id);
-  if (header.type == FrameType::kBeacon && !runs_.lives(header.sender, boot)) {
-    if (const auto beacon = wire::read_beacon(opened.body)) runs_.beacon(header.sender, boot, beacon->alive, now);
-  }
-  return runs_.heard(header.sender, boot, header.counter, now);
-}
-
-void Engine::Implementation::set_keys(std::vector<TeamKey> keys) {
-  if (keys.empty() == guard_.seals()) {
-    throw std::invalid_argument(guard_.seals() ? "a sealed team cannot be left without a key"
-                                               : "an open team cannot be given a key while it works");
-  }
-  guard_.set_keys(std::move(keys));
 }
 
 /// Enters the sender into the table of neighbours; false if there is no room for it.
@@ -99,7 +60,7 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
   switch (header.type) {
     case FrameType::kBeacon:
       return with(wire::read_beacon(body),
-                  [&](auto beacon) { on_beacon(from, wire::boot_tag(header.boot_id), beacon, now); });
+                  [&](auto beacon) { presence_.on_beacon(from, wire::boot_tag(header.boot_id), beacon, now); });
     case FrameType::kRouteRequest:
       return with(wire::read_route_request(body), [&](auto request) { router_.on_request(from, request, now); });
     case FrameType::kRouteReply:
@@ -126,7 +87,7 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
     case FrameType::kGroupActivation:
       return with(wire::read_group_activation(body), [&](auto activation) {
         if (activation.root != self_.address && !runs_.told(activation.root, activation.root_boot, now)) return;
-        distributor_.on_activation(from, activation, takes_part(activation.root), now);
+        distributor_.on_activation(from, activation, groups_.takes_part(activation.root), now);
       });
     case FrameType::kGroupRefusal:
       return with(wire::read_group_refusal(body), [&](auto refusal) { distributor_.on_refusal(from, refusal, now); });
@@ -137,6 +98,43 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
     case FrameType::kGroupReport:
       return with(wire::read_group_report(body), [&](auto report) { distributor_.on_report(from, report, now); });
   }
+}
+
+void Engine::Implementation::on_data(const MacAddress& from, wire::Data data, Time now) {
+  if (data.source == self_.address || !runs_.told(data.source, data.source_boot, now)) return;
+  directory_.traffic(data.source, data.source_boot, now);
+  router_.used(data.source, data.destination, from, now);
+  if (data.destination == self_.address) return deliver_data(data, now);
+  forwarder_.forward(from, std::move(data), now);
+}
+
+void Engine::Implementation::on_transport_acknowledgment(const MacAddress& from,
+                                                         wire::TransportAcknowledgment acknowledgment, Time now) {
+  if (acknowledgment.source == self_.address) return;
+  if (!runs_.told(acknowledgment.source, acknowledgment.source_boot, now)) return;
+  directory_.traffic(acknowledgment.source, acknowledgment.source_boot, now);
+  router_.used(acknowledgment.source, acknowledgment.destination, from, now);
+  if (acknowledgment.destination != self_.address) {
+    return forwarder_.forward(from, std::move(acknowledgment), now);
+  }
+  if (acknowledgment.destination_boot != self_.boot) return;
+  for (const SendId id : streams_.acknowledged(acknowledgment, now)) finish(id, true, {}, now);
+}
+
+void Engine::Implementation::on_broadcast_data(const wire::FrameHeader& header, const wire::BroadcastData& data,
+                                               Time now) {
+  const routing::Robot* robot = directory_.find(header.sender);
+  if (robot == nullptr) return;
+  const auto image = broadcast_receiver_.take(header.sender, wire::boot_tag(header.boot_id), data, now);
+  if (image) deliver(Carrier::kBroadcast, robot->name, *image, 1, now);
+}
+
+void Engine::Implementation::on_flood(const wire::Flood& flood, Time now) {
+  if (flood.source == self_.address || !runs_.told(flood.source, flood.source_boot, now)) return;
+  const routing::Robot* robot = directory_.find(flood.source);
+  if (robot != nullptr && robot->name != flood.source_name) return malformed();
+  if (!flood_.take(flood, now)) return;
+  deliver(Carrier::kBroadcast, flood.source_name, flood.image, static_cast<std::uint8_t>(flood.hop_count + 1), now);
 }
 
 }  // namespace adhoc_communication

@@ -1,5 +1,7 @@
 // A new run of the same host, on an interface that has changed.
-#include "engine_implementation.hpp"
+#include <stdexcept>
+
+#include "engine/implementation.hpp"
 
 namespace adhoc_communication {
 
@@ -15,17 +17,25 @@ void Engine::Implementation::succeed(Implementation& former, Time now) {
   events_ = std::move(former.events_);
   journal_ = std::move(former.journal_);
   statistics_ = former.statistics_;
-  next_send_id_ = former.next_send_id_;
-  memberships_.succeed(former.memberships_);
+  sends_.succeed(former.sends_);
+  groups_.succeed(former.groups_);
 }
 
 /// Everything that the host waits for, and all robots.
 void Engine::Implementation::end(const std::string& reason, Time now) {
-  while (!sendings_.empty()) finish(sendings_.begin()->first, false, reason, now);
+  while (const auto id = sends_.first()) finish(*id, false, reason, now);
   for (const SendId id : flood_.take_waiting()) report(SendFinished{id, false, reason, false});
-  memberships_.end(reason);
-  carry_out_memberships(now);
+  groups_.end(reason);
+  settle_groups(now);
   for (const std::string& robot : directory_.names()) report(RobotLost{robot});
+}
+
+void Engine::Implementation::set_keys(std::vector<TeamKey> keys) {
+  if (keys.empty() == guard_.seals()) {
+    throw std::invalid_argument(guard_.seals() ? "a sealed team cannot be left without a key"
+                                               : "an open team cannot be given a key while it works");
+  }
+  guard_.set_keys(std::move(keys));
 }
 
 }  // namespace adhoc_communication

@@ -1,6 +1,6 @@
 #include "adhoc_communication/engine.hpp"
 
-#include "engine_implementation.hpp"
+#include "engine/implementation.hpp"
 
 namespace adhoc_communication {
 
@@ -34,22 +34,11 @@ const Statistics& Engine::statistics() const { return implementation_->statistic
 const std::string& Engine::robot_name() const { return implementation_->robot_name(); }
 void Engine::set_keys(std::vector<TeamKey> keys) { implementation_->set_keys(std::move(keys)); }
 std::vector<TableFill> Engine::tables() const { return implementation_->tables(); }
-std::vector<RouteState> Engine::routes() const {
-  std::vector<RouteState> result;
-  for (const auto& [destination, route] : implementation_->router().table().routes()) {
-    result.push_back({destination,
-                      route.next_hop,
-                      route.hops,
-                      static_cast<double>(route.cost) / routing::kPerfectHop,
-                      route.sequence,
-                      route.sequence_valid,
-                      route.valid,
-                      route.repairable,
-                      route.expires,
-                      {route.precursors.begin(), route.precursors.end()},
-                      route.boot});
-  }
-  return result;
-}
+std::vector<RouteState> Engine::routes() const { return implementation_->routes(); }
+std::vector<LinkState> Engine::links() const { return implementation_->links(); }
+std::vector<TreeState> Engine::trees() const { return implementation_->trees(); }
+QueueState Engine::queues() const { return implementation_->queues(); }
+std::vector<std::string> Engine::groups() const { return implementation_->groups(); }
+std::optional<std::string> Engine::name_of(const MacAddress& robot) const { return implementation_->name_of(robot); }
 
 }  // namespace adhoc_communication

@@ -8,10 +8,10 @@
 #include <map>
 
 #include "adhoc_communication/types.hpp"
-#include "transport/air_rate.hpp"
+#include "air/air_rate.hpp"
 #include "wire/frame_header.hpp"
 
-namespace adhoc_communication::transport {
+namespace adhoc_communication::air {
 
 /// The radio sends in the order of the frame counters, so the acknowledgment of one frame says that all before it are
 /// off the air; and of two frames that lay in the radio together, the distance of their arrivals is the air time of the
@@ -88,4 +88,4 @@ class AirClock {
   MacAddress last_destination_ = wire::kEverybody;
 };
 
-}  // namespace adhoc_communication::transport
+}  // namespace adhoc_communication::air

@@ -1,7 +1,7 @@
 // How full everything is that grows with what the air and the host bring.
 #include <algorithm>
 
-#include "engine_implementation.hpp"
+#include "engine/implementation.hpp"
 
 namespace adhoc_communication {
 
@@ -29,15 +29,15 @@ std::vector<TableFill> Engine::Implementation::tables() const {
       {"sources", receivers_.size(), transport::StreamReceivers::kMostReceivers},
       {"octets put together", reassembly_.octets(), reassembly_.most()},
       {"broadcasts put together", broadcast_receiver_.packets(), transport::BroadcastReceiver::kMostPackets},
-      {"sends", host_sends_, kMostSends},
-      {"octets of sends", octets_waiting_, kMostSendOctets + options_.max_packet_size},
+      {"sends", sends_.waiting(), Sends::kMostSends},
+      {"octets of sends", sends_.octets_waiting(), sends_.most_octets()},
       {"events", events_.size(), 2 * EventQueue::kMostEvents},
       {"octets of events", events_.octets(), std::max(EventQueue::kMostOctets, options_.max_packet_size)},
-      {"members", own_group_.size(), multicast::OwnGroup::kMostMembers},
-      {"members lost", own_group_.absent(), multicast::OwnGroup::kMostAbsent},
+      {"members", groups_.own_group().size(), multicast::OwnGroup::kMostMembers},
+      {"members lost", groups_.own_group().absent(), multicast::OwnGroup::kMostAbsent},
       {"trees", distributor_.branches().size(), multicast::Branches::kMostTrees},
       {"members of a tree", members_of_tree, wire::kMostMembersOfActivation},
-      {"groups", memberships_.size(), multicast::Memberships::kMostGroups},
+      {"groups", groups_.memberships().size(), multicast::Memberships::kMostGroups},
       {"runs with keys", guard_.sessions(), security::FrameGuard::kMostSessions},
   };
 }

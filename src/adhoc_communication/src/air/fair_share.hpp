@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-namespace adhoc_communication::transport {
+namespace adhoc_communication::air {
 
 /// Whoever has sent the fewest octets goes first (deficit round robin). Who had nothing to send is not owed more than
 /// kMostCredit for that, so nobody is remembered for long.
@@ -44,4 +44,4 @@ class FairShare {
   std::uint64_t turn_ = 0;  ///< what the one that went last had sent before
 };
 
-}  // namespace adhoc_communication::transport
+}  // namespace adhoc_communication::air

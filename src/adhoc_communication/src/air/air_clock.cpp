@@ -1,8 +1,8 @@
-#include "transport/air_clock.hpp"
+#include "air/air_clock.hpp"
 
 #include <algorithm>
 
-namespace adhoc_communication::transport {
+namespace adhoc_communication::air {
 
 const AirRate& AirClock::rate(const MacAddress& destination) const {
   const AirRate* kind = measured(destination);
@@ -108,4 +108,4 @@ void AirClock::sample(std::uint64_t counter, Time spacing, Time now) {
   common_.sample(transmission->octets, spacing, now);
 }
 
-}  // namespace adhoc_communication::transport
+}  // namespace adhoc_communication::air

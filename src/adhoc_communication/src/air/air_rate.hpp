@@ -7,7 +7,7 @@
 
 #include "adhoc_communication/types.hpp"
 
-namespace adhoc_communication::transport {
+namespace adhoc_communication::air {
 
 /// Of frames to one neighbour, of those for everybody, or of all.
 class AirRate {
@@ -49,4 +49,4 @@ class AirRate {
   Time measured_{0};  ///< the last time
 };
 
-}  // namespace adhoc_communication::transport
+}  // namespace adhoc_communication::air

@@ -1,8 +1,8 @@
-#include "transport/air_rate.hpp"
+#include "air/air_rate.hpp"
 
 #include <algorithm>
 
-namespace adhoc_communication::transport {
+namespace adhoc_communication::air {
 namespace {
 
 constexpr double kGain = 0.125;  ///< of a measurement
@@ -32,4 +32,4 @@ void AirRate::bound(std::size_t octets, Time longest) {
   bounds_ = std::min(bounds_ + 1, kEnoughBounds);
 }
 
-}  // namespace adhoc_communication::transport
+}  // namespace adhoc_communication::air

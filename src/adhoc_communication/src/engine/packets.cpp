@@ -1,0 +1,65 @@
+// Packets put together: for the host, or about groups.
+#include <algorithm>
+
+#include "engine/implementation.hpp"
+
+namespace adhoc_communication {
+
+void Engine::Implementation::deliver_data(const wire::Data& data, Time now) {
+  const routing::Robot* robot = directory_.find(data.source);
+  if (robot == nullptr) return router_.search({data.source, {}}, now);  // who is that?
+  const std::string source = robot->name;
+  for (const auto& complete : receivers_.take(data, now)) {
+    deliver(Carrier::kStream, source, complete.image, complete.hops, now);
+  }
+}
+
+/// What is said to a group's root, or by it, comes by a stream, which tells who says it as far as anything does.
+bool Engine::Implementation::admits(Carrier carrier, const std::string& source, const transport::Packet& packet) const {
+  if (carrier == Carrier::kStream) return true;
+  const std::string group = carrier == Carrier::kGroup ? multicast::group_of(source) : "";
+  return packet.kind == transport::PacketKind::kUser && packet.group == group;
+}
+
+void Engine::Implementation::deliver(Carrier carrier, const std::string& source, const Bytes& image, std::uint8_t hops,
+                                     Time now) {
+  // A flood is one frame, which may claim to be any number of zeros.
+  const std::size_t little = std::max(kMostFloodOctets, 2 * image.size());
+  const std::size_t most = carrier == Carrier::kBroadcast ? little : SIZE_MAX;
+  std::optional<transport::Packet> packet = transport::parse(image, std::min(options_.max_packet_size, most));
+  if (!packet || !admits(carrier, source, *packet)) return malformed();
+  if (packet->kind != transport::PacketKind::kUser) {
+    if (packet->unpacked_size > little || !transport::unpack(packet->payload, packet->unpacked_size))
+      return malformed();
+    if (!groups_.take(source, *packet, now)) malformed();
+    return settle_groups(now);
+  }
+  if (groups_.refuses(packet->group)) return;
+  auto& by_hops = statistics_.packets_received_by_hops;
+  if (by_hops.size() < hops) by_hops.resize(hops);
+  ++by_hops[hops - 1];
+  report(PacketReceived{source, packet->group, packet->topic, packet->payload_type, std::move(packet->payload), hops,
+                        packet->latched, packet->unpacked_size});
+}
+
+/// Whoever put the packets together that had to make room forgets them.
+void Engine::Implementation::forget_evicted(Time now) {
+  for (const transport::Reassembly::Key& key : reassembly_.take_evicted()) {
+    if (key.carrier >= transport::Reassembly::kGroup) {
+      distributor_.evicted(key);
+    } else if (key.carrier == transport::Reassembly::kBroadcast) {
+      broadcast_receiver_.evicted(key);
+    } else {
+      receivers_.evicted(key, now);
+    }
+  }
+}
+
+void Engine::Implementation::take_group_packets(Time now) {
+  for (const multicast::Arrived& arrived : distributor_.take_arrived()) {
+    if (!groups_.takes_part(arrived.root)) continue;
+    deliver(Carrier::kGroup, std::string(directory_.find(arrived.root)->name), arrived.image, arrived.hops, now);
+  }
+}
+
+}  // namespace adhoc_communication

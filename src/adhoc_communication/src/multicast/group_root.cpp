@@ -1,0 +1,95 @@
+// The own group: its members, and packets for them.
+#include "multicast/group_traffic.hpp"
+#include "routing/names.hpp"
+
+namespace adhoc_communication::multicast {
+
+using transport::Image;
+using transport::PacketKind;
+using transport::Purpose;
+using transport::Sending;
+
+namespace {
+
+Time end_of(Time lifetime, Time now) { return lifetime > Time(0) ? now + lifetime : Time::max(); }
+
+}  // namespace
+
+/// Along the tree, but for members that are being sent packets by themselves.
+void GroupTraffic::send_to_own(SendId id, const Image& image, Priority priority, Time lifetime, Time now) {
+  std::set<MacAddress> on_tree;
+  std::vector<std::string> by_themselves;
+  for (const std::string& name : own_group_.names()) {
+    const auto address = directory_.address_of(name);
+    if (!own_group_.served_by_copies(name) && address) {
+      on_tree.insert(*address);
+    } else {
+      by_themselves.push_back(name);
+    }
+  }
+  const std::uint32_t number = distributor_.start(id, priority, image, on_tree, now);
+  const HeldPacket packet{static_cast<std::uint8_t>(priority), number, image, now, end_of(lifetime, now)};
+  own_group_.hold(packet, now);
+  if (own_group_.size() == 0) return ends_.push_back({id, true, {}});
+  sends_.fan_out(id, own_group_.size(), packet);
+  for (const std::string& name : by_themselves) send_copy(name, packet, Purpose::kFanOut, id);
+}
+
+bool GroupTraffic::replace_in_own(SendId former, SendId id, const Image& image, Time lifetime, Time now) {
+  const auto number = distributor_.replace(former, id, image, now);
+  if (!number) return false;
+  const HeldPacket packet{sends_.packet_of(former).stream, *number, image, now, end_of(lifetime, now)};
+  sends_.replace(former, id, packet);
+  own_group_.replace_held(packet);
+  return true;
+}
+
+/// A member that comes late or comes back is first sent what is still held, by itself; the tree takes it in once it
+/// has caught up, so that packets stay in order.
+void GroupTraffic::admit(const std::string& robot, Time now) {
+  const auto admission = own_group_.admit(robot);
+  if (admission == OwnGroup::Admission::kFull) return name_members(robot);
+  if (admission == OwnGroup::Admission::kKnown) return;
+  for (const HeldPacket& packet : own_group_.held_for_newcomers(now)) send_copy(robot, packet, Purpose::kCatchUp, 0);
+}
+
+/// It is no member any more.
+void GroupTraffic::leave_out(const std::string& robot, const std::string& reason, Time now) {
+  if (const auto address = directory_.address_of(robot)) distributor_.drop_member(*address, reason, now);
+}
+
+void GroupTraffic::name_members(const std::string& robot) {
+  std::set<std::string> members{self_.name};
+  for (const std::string& name : own_group_.names()) members.insert(name);
+  write({Purpose::kInternal, robot, group_of(self_.name)}, PacketKind::kGroupMembers, encode_members(members));
+}
+
+void GroupTraffic::send_copy(const std::string& robot, const HeldPacket& packet, Purpose purpose, SendId parent) {
+  own_group_.copy_started(robot);
+  Image image = transport::image_of(  // what it carries is packed
+      {PacketKind::kGroupCopy, 0, group_of(self_.name), {}, encode_copy(packet)});
+  distributor_.copy_started(packet.stream, packet.number);
+  Sending sending{purpose, robot, {}, parent};
+  sending.copy.emplace(packet.stream, packet.number);
+  sending.priority = static_cast<Priority>(packet.stream);
+  letters_.push_back({std::move(sending), std::move(image)});
+}
+
+void GroupTraffic::copy_finished(const Sending& copy) {
+  if (!copy.copy) return;
+  distributor_.copy_finished(copy.copy->first, copy.copy->second);
+  own_group_.copy_finished(copy.destination);
+}
+
+void GroupTraffic::take_member_ends() {
+  for (const MemberEnd& end : distributor_.take_ends()) {
+    const std::string name = routing::name_or_address(self_, directory_, end.member);
+    if (end.by_copy && directory_.find(end.member) != nullptr && sends_.fans_out(end.id)) {
+      send_copy(name, sends_.packet_of(end.id), Purpose::kFanOut, end.id);
+    } else {
+      part_finished(end.id, name, end.delivered, end.reason);
+    }
+  }
+}
+
+}  // namespace adhoc_communication::multicast

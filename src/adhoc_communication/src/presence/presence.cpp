@@ -1,0 +1,61 @@
+#include "presence/presence.hpp"
+
+#include <algorithm>
+
+namespace adhoc_communication::presence {
+namespace {
+
+constexpr Time kLifeSignInterval = std::chrono::seconds(1);
+constexpr std::size_t kBeaconFixedSize = 14 + 1 + wire::kLongestName + 6;
+constexpr std::size_t kHeardSize = 7;
+constexpr std::size_t kMostHeard = 24;  ///< in one beacon; with more, they take turns
+constexpr std::size_t kRumorSize = 20 + wire::kLongestName;
+constexpr std::size_t kMostRumors = 16;
+
+}  // namespace
+
+void Presence::send_beacon(Time now) {
+  const std::size_t room =
+      static_cast<std::size_t>(std::min(options_.mtu, 1500)) - wire::kHeaderSize - wire::kTagSize - kBeaconFixedSize;
+  const Time interval = rhythm_.next(now);
+  wire::Beacon beacon = plain_beacon(now);
+  beacon.number = ++beacons_sent_;
+  beacon.interval_ms = static_cast<std::uint32_t>(interval / std::chrono::milliseconds(1));
+  beacon.heard_count = static_cast<std::uint16_t>(neighbors_.heard_count(now));
+  beacon.heard = neighbors_.next_heard(kMostHeard, now);
+  const std::size_t rumors = std::min(kMostRumors, (room - beacon.heard.size() * kHeardSize) / kRumorSize);
+  beacon.rumors = directory_.take_rumors(
+      rumors, [&](const MacAddress& robot, wire::BootTag boot) { return !neighbors_.all_hear(robot, boot, now); });
+  hops_.broadcast(wire::FrameType::kBeacon, to_bytes(beacon), now);
+}
+
+wire::Beacon Presence::plain_beacon(Time now) const {
+  wire::Beacon beacon;
+  beacon.sequence_number = router_.own_sequence();
+  beacon.alive = 1 + static_cast<std::uint32_t>((now - started_) / kLifeSignInterval);
+  beacon.number = beacons_sent_;
+  beacon.name = self_.name;
+  return beacon;
+}
+
+void Presence::probe_doubtful(Time now) {
+  for (const MacAddress& neighbor : neighbors_.doubtful(now)) {
+    if (!hops_.idle(neighbor)) continue;
+    wire::Beacon beacon = plain_beacon(now);
+    beacon.heard.push_back({wire::neighbor_tag(neighbors_.find(neighbor)->boot), 0});
+    hops_.unicast(neighbor, wire::FrameType::kBeacon, to_bytes(beacon));
+  }
+}
+
+void Presence::on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon, Time now) {
+  neighbors_.beacon(from, beacon, wire::neighbor_tag(self_.boot), now);
+  directory_.life_sign(from, beacon.name, boot, beacon.alive, 1, now);
+  if (neighbors_.two_way(from, now)) router_.on_hello(from, beacon.sequence_number, now);
+  for (const wire::Rumor& rumor : beacon.rumors) {
+    if (rumor.address == self_.address) continue;
+    directory_.life_sign(rumor.address, rumor.name, rumor.boot, rumor.alive, static_cast<std::uint8_t>(rumor.hops + 1),
+                         now);
+  }
+}
+
+}  // namespace adhoc_communication::presence
