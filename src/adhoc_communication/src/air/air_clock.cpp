@@ -33,6 +33,7 @@ void AirClock::transmitted(std::uint64_t counter, std::size_t octets, const MacA
   const Time gap = follows ? now - recent_.back().sent : Time::max();
   if (recent_.size() == kMostRemembered) recent_.pop_front();
   last_destination_ = destination;
+  last_rate_ = &rate(destination);
   busy_until_ = std::max(busy_until_, now) + rate(destination).air_time(octets);
   recent_.push_back({counter, octets, destination, now, gap, false, busy_until_});
 }
@@ -106,6 +107,7 @@ void AirClock::sample(std::uint64_t counter, Time spacing, Time now) {
   transmission->sampled = true;
   kinds_[transmission->destination].sample(transmission->octets, spacing, now);
   common_.sample(transmission->octets, spacing, now);
+  last_rate_ = &rate(last_destination_);
 }
 
 }  // namespace adhoc_communication::air

@@ -25,6 +25,8 @@ class AirClock {
   static constexpr Time kShortestLead = std::chrono::microseconds(150);  ///< within which a host surely wakes up
 
   explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}
+  AirClock(const AirClock&) = delete;
+  AirClock& operator=(const AirClock&) = delete;
 
   /// `destination`: a neighbour, or wire::kEverybody.
   void transmitted(std::uint64_t counter, std::size_t octets, const MacAddress& destination, Time now);
@@ -40,12 +42,11 @@ class AirClock {
       const bool stays = kind->first == wire::kEverybody || is_known(kind->first);
       kind = stays ? std::next(kind) : kinds_.erase(kind);
     }
+    last_rate_ = &rate(last_destination_);
   }
 
   /// When a further frame may go to the radio: less than one frame of largest size is ahead of it then.
-  Time ready_at() const {
-    return busy_until_ - std::max(rate(last_destination_).air_time(largest_frame_) / 2, kShortestLead);
-  }
+  Time ready_at() const { return busy_until_ - std::max(last_rate_->air_time(largest_frame_) / 2, kShortestLead); }
   /// When all that was handed over is off the air.
   Time idle_at() const { return busy_until_; }
   /// What is believed of frames to a neighbour, or to everybody; of a kind that was never measured, what is of all.
@@ -86,6 +87,7 @@ class AirClock {
   Transmissions recent_;
   std::uint64_t off_air_ = 0;  ///< the last frame known to be so
   MacAddress last_destination_ = wire::kEverybody;
+  const AirRate* last_rate_ = &common_;  ///< of frames that go there
 };
 
 }  // namespace adhoc_communication::air

@@ -94,7 +94,8 @@ void Engine::Implementation::fail_unreachable(Time now) {
   for (const routing::DiscoveryFailure& failure : router_.take_failures(now)) {
     if (failure.repair) {
       distributor_.unreachable(failure.target.address, {}, true, now);
-      touched_ = true;  // own packets may wait for that route, too
+      streams_.repair_failed(failure.target.address);
+      touched_ = true;
       continue;
     }
     receivers_.forgo(failure.target.address);

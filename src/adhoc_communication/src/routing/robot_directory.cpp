@@ -16,7 +16,7 @@ bool RobotDirectory::learn(const MacAddress& address, const std::string& name, w
                            Time now) {
   Robot* robot = admit(address, name, boot, now);
   if (robot == nullptr) return false;
-  robot->hops = hops;
+  set_hops(*robot, hops);
   return true;
 }
 
@@ -26,14 +26,14 @@ void RobotDirectory::life_sign(const MacAddress& address, const std::string& nam
   const std::uint32_t before = runs_.lives(address, boot) ? runs_.life_sign(address) : 0;
   if (hops > 1 && known != nullptr && known->boot == boot && before != 0 && !is_newer(alive, before)) {
     // A nearer witness of the same life sign shortens the distance; it is no news of life.
-    if (alive == before && hops < known->hops) robots_[address].hops = hops;
+    if (alive == before && hops < known->hops) set_hops(robots_[address], hops);
     return;
   }
   if (!runs_.told_alive(address, boot, alive, now)) return;
   Robot* robot = admit(address, name, boot, now);
   if (robot == nullptr) return;
   if (runs_.life_sign(address) != before) robot->spreads_left = kSpreads;
-  robot->hops = hops;
+  set_hops(*robot, hops);
 }
 
 void RobotDirectory::traffic(const MacAddress& address, wire::BootTag boot, Time now) {
@@ -72,6 +72,7 @@ void RobotDirectory::expire(Time now) {
     Robot& robot = iterator->second;
     if (robot.announced && now - robot.last_news >= patience(robot)) {
       robot.announced = false;
+      ++version_;
       changes_.push_back({robot.name, iterator->first, robot.boot, false});
     }
     if (!robot.announced && now - robot.last_news >= kForget) {
@@ -111,8 +112,13 @@ bool RobotDirectory::is_taken(const std::string& name, const std::set<MacAddress
   return lasting + (name == own_name_ ? 1 : 0) >= 2;
 }
 
+void RobotDirectory::set_hops(Robot& robot, std::uint8_t hops) {
+  if (std::exchange(robot.hops, hops) != hops && by_name_.at(robot.name).size() > 1) ++version_;
+}
+
 void RobotDirectory::forget_name(const Robot& robot, const MacAddress& address) {
   const auto bearers = by_name_.find(robot.name);
+  ++version_;
   bearers->second.erase(address);
   if (bearers->second.empty()) by_name_.erase(bearers);
 }
@@ -140,6 +146,7 @@ Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name,
   }
   robot.last_news = now;
   if (!robot.announced) {
+    ++version_;
     robot.announced = true;
     robot.appeared = now;
     robot.spreads_left = kSpreads;

@@ -52,6 +52,8 @@ class RobotDirectory {
 
   const Robot* find(const MacAddress& address) const;
   std::optional<MacAddress> address_of(const std::string& name) const;
+  /// Another number once address_of() may answer otherwise.
+  std::uint64_t version() const { return version_; }
   std::vector<std::string> names() const;
   std::size_t size() const { return robots_.size(); }
 
@@ -69,6 +71,7 @@ class RobotDirectory {
   Robot* admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now);
   static Time patience(const Robot& robot) { return kSilence + (robot.hops - 1) * std::chrono::seconds(2); }
 
+  void set_hops(Robot& robot, std::uint8_t hops);
   void forget_name(const Robot& robot, const MacAddress& address);
   void look_for_taken_names();
   bool is_taken(const std::string& name, const std::set<MacAddress>& bearers) const;
@@ -81,6 +84,7 @@ class RobotDirectory {
   std::set<std::string> reported_names_;
   std::vector<std::string> taken_names_;
   MacAddress last_spread_{};
+  std::uint64_t version_ = 0;
 };
 
 template <typename Predicate>

@@ -38,6 +38,7 @@ bool RouteTable::update(const RouteOffer& offer) {
   route.next_hop = offer.next_hop;
   route.expires = route.valid ? std::max(route.expires, offer.expires) : offer.expires;
   route.valid = true;
+  changed_.push_back(offer.destination);
   return true;
 }
 
@@ -59,6 +60,7 @@ void RouteTable::heard_directly(const MacAddress& neighbor, wire::BootTag boot, 
   route.cost = direct && as_new ? std::min(route.cost, cost) : cost;
   route.expires = route.valid ? std::max(route.expires, expires) : expires;
   route.hops = 1;
+  if (!route.valid || route.next_hop != neighbor) changed_.push_back(neighbor);
   route.next_hop = neighbor;
   route.valid = true;
 }
@@ -134,8 +136,11 @@ Route& RouteTable::entry(const MacAddress& destination) {
   const auto found = routes_.find(destination);
   if (found != routes_.end()) return found->second;
   if (routes_.size() >= kMostRoutes) {
-    routes_.erase(std::min_element(routes_.begin(), routes_.end(),
-                                   [](const auto& a, const auto& b) { return a.second.expires < b.second.expires; }));
+    const auto first = std::min_element(routes_.begin(), routes_.end(), [](const auto& a, const auto& b) {
+      return a.second.expires < b.second.expires;
+    });
+    changed_.push_back(first->first);
+    routes_.erase(first);
   }
   Route& route = routes_[destination];
   route.destination = destination;
@@ -143,6 +148,7 @@ Route& RouteTable::entry(const MacAddress& destination) {
 }
 
 void RouteTable::invalidate(Route& route, Time now) {
+  changed_.push_back(route.destination);
   route.valid = false;
   route.repairable = false;
   route.expires = now + timings_.delete_period;

@@ -2,10 +2,7 @@
 
 namespace adhoc_communication::transport {
 
-void SendTerms::expire_at(SendId id, Time deadline) {
-  deadlines_.emplace(deadline, id);
-  deadline_of_[id] = deadline;
-}
+void SendTerms::expire_at(SendId id, Time deadline) { deadlines_.set(id, deadline); }
 
 void SendTerms::make_newest(SendId id, const Subject& subject) {
   newest_[subject] = id;
@@ -13,10 +10,7 @@ void SendTerms::make_newest(SendId id, const Subject& subject) {
 }
 
 void SendTerms::end(SendId id) {
-  if (const auto deadline = deadline_of_.find(id); deadline != deadline_of_.end()) {
-    deadlines_.erase({deadline->second, id});
-    deadline_of_.erase(deadline);
-  }
+  deadlines_.erase(id);
   const auto subject = subject_of_.find(id);
   if (subject == subject_of_.end()) return;
   const auto newest = newest_.find(subject->second);
@@ -28,14 +22,6 @@ std::optional<SendId> SendTerms::newest(const Subject& subject) const {
   const auto found = newest_.find(subject);
   if (found == newest_.end()) return std::nullopt;
   return found->second;
-}
-
-std::vector<SendId> SendTerms::overdue(Time now) const {
-  std::vector<SendId> ids;
-  for (auto entry = deadlines_.begin(); entry != deadlines_.end() && entry->first <= now; ++entry) {
-    ids.push_back(entry->second);
-  }
-  return ids;
 }
 
 }  // namespace adhoc_communication::transport

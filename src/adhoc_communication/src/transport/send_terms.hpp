@@ -3,12 +3,11 @@
 
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "adhoc_communication/types.hpp"
+#include "deadlines.hpp"
 
 namespace adhoc_communication::transport {
 
@@ -24,12 +23,11 @@ class SendTerms {
   void end(SendId id);
 
   std::optional<SendId> newest(const Subject& subject) const;
-  std::vector<SendId> overdue(Time now) const;
-  Time next_deadline() const { return deadlines_.empty() ? Time::max() : deadlines_.begin()->first; }
+  std::vector<SendId> overdue(Time now) const { return deadlines_.due(now); }
+  Time next_deadline() const { return deadlines_.next(); }
 
  private:
-  std::set<std::pair<Time, SendId>> deadlines_;
-  std::map<SendId, Time> deadline_of_;
+  Deadlines<SendId> deadlines_;
   std::map<Subject, SendId> newest_;
   std::map<SendId, Subject> subject_of_;
 };

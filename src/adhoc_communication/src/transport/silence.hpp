@@ -47,12 +47,13 @@ class Silence {
 
   Time ends(Time round_trip) const { return since_ + backoff(round_trip) - sooner_; }
   int resends() const { return resends_; }
-  bool suggests_shorter(Time now) const {
-    return questions_ - questions_before_ >= kQuestionsBeforeShorter &&
-           now - std::max(broken_at_, shortened_) >= kTooLong;
+  /// From when on shorter segments are worth a try.
+  Time suggests_shorter_at() const {
+    if (questions_ - questions_before_ < kQuestionsBeforeShorter) return Time::max();
+    return std::max(broken_at_, shortened_) + kTooLong;
   }
-  bool hopeless(int most_resends, Time now) const {
-    return questions_ > most_resends && now - broken_at_ >= kNoProgress;
+  Time hopeless_at(int most_resends) const {
+    return questions_ > most_resends ? broken_at_ + kNoProgress : Time::max();
   }
 
  private:

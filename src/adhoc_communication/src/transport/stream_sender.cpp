@@ -161,10 +161,14 @@ void StreamSender::begin_anew(Outgoing& packet, Time now) {
   silence_.broken(now);
 }
 
-/// Frames of the first packet seem to be longer than something on the way takes.
+/// When frames of the first packet seem to be longer than something on the way takes.
+Time StreamSender::shorter_at() const {
+  if (packets_.empty() || packets_.front().started == 0 || packets_.front().arrives) return Time::max();
+  return packets_.front().longest() > SegmentSize::kShortest ? silence_.suggests_shorter_at() : Time::max();
+}
+
 void StreamSender::try_shorter(Time now) {
-  if (packets_.empty() || packets_.front().started == 0 || packets_.front().arrives) return;
-  if (!silence_.suggests_shorter(now)) return;
+  if (shorter_at() > now) return;
   const auto size = sizes_.shorter(static_cast<std::uint16_t>(packets_.front().longest()), now);
   if (!size) return;
   silence_.shortened(now);
@@ -288,7 +292,7 @@ std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time n
   if (paused_until_ && *paused_until_ <= now) paused_until_.reset();
   std::vector<GivenUp> given_up = give_up_refused(now);
   try_shorter(now);
-  const bool over = !packets_.empty() && silence_.hopeless(most_resends, now);
+  const bool over = !packets_.empty() && silence_.hopeless_at(most_resends) <= now;
   if (!over && (on_the_way_ == 0 || silence_.ends(arrivals_.timeout()) > now)) return given_up;
   arrivals_.nothing_followed();
   mark_overtaken();
@@ -338,6 +342,13 @@ std::vector<SendId> StreamSender::abandon(Time now) {
 Time StreamSender::next_deadline() const {
   const Time silence = on_the_way_ == 0 ? Time::max() : silence_.ends(arrivals_.timeout());
   return std::min(silence, paused_until_.value_or(Time::max()));
+}
+
+Time StreamSender::look_again_at(int most_resends) const {
+  if (packets_.empty()) return Time::max();
+  const auto& refused = packets_.front().refused_since;
+  const Time no_room = refused ? *refused + kRoomPatience : Time::max();
+  return std::min({next_deadline(), silence_.hopeless_at(most_resends), shorter_at(), no_room});
 }
 
 StreamSender::Outgoing* StreamSender::find(std::uint32_t number) {

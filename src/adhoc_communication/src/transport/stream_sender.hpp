@@ -70,8 +70,11 @@ class StreamSender {
   std::vector<GivenUp> expire(int most_resends, Time now, Random& random);
   /// Gives up everything, for a reason the caller knows.
   std::vector<SendId> abandon(Time now);
+  bool has_ended() const { return !ended_.empty(); }
   std::vector<Ended> take_ended() { return std::exchange(ended_, {}); }
   Time next_deadline() const;
+  /// Before then expire() does nothing. Not later than next_deadline(): some of it may wait for another occasion.
+  Time look_again_at(int most_resends) const;
 
  private:
   struct Segment {
@@ -112,6 +115,7 @@ class StreamSender {
   Outgoing* find(std::uint32_t number);
   void begin_anew(Outgoing& packet, Time now);
   void cut(Outgoing& packet, std::uint16_t segment_size);
+  Time shorter_at() const;
   void try_shorter(Time now);
   void forget_sent(Outgoing& packet);
   void tell_given_up(const Outgoing& packet, Time now);

@@ -2,10 +2,15 @@
 
 #include <algorithm>
 
-#include "round_robin.hpp"
 #include "texts.hpp"
 
 namespace adhoc_communication::transport {
+namespace {
+
+/// What is known of a route is kept as long as data is due for it: this often it is said that it still is.
+constexpr Time kStillSearching = std::chrono::milliseconds(500);
+
+}  // namespace
 
 Streams::Streams(const Identity& self, const EngineOptions& options, const routing::RobotDirectory& directory,
                  routing::Router& router, Hops& hops, Random& random, Journal& journal, std::size_t segment_size)
@@ -18,63 +23,120 @@ Streams::Streams(const Identity& self, const EngineOptions& options, const routi
       journal_(journal),
       segment_size_(static_cast<std::uint16_t>(segment_size)) {}
 
-Streams::Stream* Streams::find(const std::string& destination, Priority priority) {
-  return streams_.find({destination, static_cast<std::uint8_t>(priority)});
+Streams::Stream* Streams::find(const std::string& destination, std::uint8_t priority) {
+  const auto found = streams_.find({destination, priority});
+  return found == streams_.end() ? nullptr : &found->second;
 }
 
 void Streams::add(SendId id, const std::string& destination, Image image, Priority priority, Time now) {
   news_ = true;
-  if (streams_.size() >= kMostStreams) {
-    streams_.erase_if([this](const Key& key, const Stream&) { return !streams_.is_busy(key); });
-  }
+  if (streams_.size() >= kMostStreams) forget_idle();
   const Key key{destination, static_cast<std::uint8_t>(priority)};
-  const std::size_t window = options_.num_link_retrans == 0 ? 4 : StreamSender::kWindow;
-  // Send ids only grow, so a stream that was dropped while idle never uses a packet number twice.
-  const auto first_number = static_cast<std::uint32_t>(id);
-  Stream& stream = streams_.use(key, [&] {
-    return Stream{StreamSender(key.second, first_number, window, journal_.kept()), {}, {}};
-  });
-  stream.sender.add(id, std::move(image), segment_size_, now);
+  Stream* stream = find(destination, key.second);
+  if (stream == nullptr) {
+    const std::size_t window = options_.num_link_retrans == 0 ? 4 : StreamSender::kWindow;
+    // Send ids only grow, so a stream that was dropped while idle never uses a packet number twice.
+    const auto first_number = static_cast<std::uint32_t>(id);
+    StreamSender sender(key.second, first_number, window, journal_.kept());
+    stream = &streams_.emplace(key, Stream{key, std::move(sender)}).first->second;
+  }
+  stream->sender.add(id, std::move(image), segment_size_, now);
+  changed(*stream);
+}
+
+void Streams::forget_idle() {
+  for (auto entry = streams_.begin(); entry != streams_.end();) {
+    entry = busy_.count(entry->first) == 0 ? streams_.erase(entry) : std::next(entry);
+  }
 }
 
 bool Streams::replace(const std::string& destination, Priority priority, SendId former, SendId id, const Image& image,
                       Time now) {
-  Stream* stream = find(destination, priority);
-  return stream != nullptr && stream->sender.replace(former, id, image, segment_size_, now);
+  Stream* stream = find(destination, static_cast<std::uint8_t>(priority));
+  if (stream == nullptr || !stream->sender.replace(former, id, image, segment_size_, now)) return false;
+  changed(*stream);
+  return true;
 }
 
 void Streams::drop(const std::string& destination, Priority priority, SendId id, Time now) {
-  if (Stream* stream = find(destination, priority)) stream->sender.drop(id, now);
+  Stream* stream = find(destination, static_cast<std::uint8_t>(priority));
+  if (stream == nullptr) return;
+  stream->sender.drop(id, now);
+  changed(*stream);
 }
 
 std::vector<SendId> Streams::acknowledged(const wire::TransportAcknowledgment& acknowledgment, Time now) {
   const routing::Robot* robot = directory_.find(acknowledgment.source);
-  if (robot == nullptr) return {};
-  Stream* stream = streams_.find({robot->name, acknowledgment.stream});
+  Stream* stream = robot == nullptr ? nullptr : find(robot->name, acknowledgment.stream);
   if (stream == nullptr || stream->address != acknowledgment.source) return {};
-  return stream->sender.acknowledged(acknowledgment, now);
+  std::vector<SendId> arrived = stream->sender.acknowledged(acknowledgment, now);
+  changed(*stream);
+  return arrived;
+}
+
+// --- what is due -----------------------------------------------------------------------------------------------------
+
+void Streams::changed(Stream& stream) {
+  busy_.emplace(stream.key, &stream);
+  changed_.insert(stream.key);
+  sort_in(stream);
+}
+
+void Streams::sort_in(Stream& stream) {
+  ready_.set(stream.key, &stream, stream.sender.has_segment() ? stream.next_hop : std::nullopt);
+  timers_.set(&stream, stream.next_hop ? stream.sender.next_deadline() : Time::max());
+}
+
+void Streams::note(const std::string& destination) {
+  for (std::uint8_t priority = 0; priority < kPriorities; ++priority) {
+    const Key key{destination, priority};
+    if (busy_.count(key) != 0) changed_.insert(key);
+  }
+}
+
+void Streams::repair_failed(const MacAddress& destination) {
+  if (const routing::Robot* robot = directory_.find(destination)) note(robot->name);
+}
+
+/// Streams to which routes or addresses may have changed.
+void Streams::note_changes() {
+  for (const MacAddress& destination : router_.take_changed_routes()) {
+    if (const routing::Robot* robot = directory_.find(destination)) note(robot->name);
+  }
+  if (std::exchange(directory_version_, directory_.version()) == directory_.version()) return;
+  for (const auto& [key, stream] : busy_) changed_.insert(key);
 }
 
 std::vector<Undelivered> Streams::serve(Time now) {
+  note_changes();
+  for (Stream* stream : look_again_.due(now)) changed_.insert(stream->key);
   std::vector<Undelivered> undelivered;
-  for (const auto& [key, stream] : streams_.busy()) {
-    if (!stream->sender.idle()) serve(key, *stream, undelivered, now);
-    record(key, *stream, now);
+  for (const Key& key : std::exchange(changed_, {})) {
+    Stream& stream = *busy_.at(key);
+    Time again = Time::max();
+    if (!stream.sender.idle()) again = serve(stream, undelivered, now);
+    record(stream, now);
+    if (stream.sender.idle()) {
+      again = Time::max();
+      stream.next_hop.reset();
+      busy_.erase(key);
+    }
+    sort_in(stream);
+    look_again_.set(&stream, again);
   }
-  streams_.settle([](Stream& stream) {
-    if (stream.sender.idle()) stream.next_hop.reset();
-    return stream.sender.idle();
-  });
   return undelivered;
 }
 
-void Streams::serve(const Key& key, Stream& stream, std::vector<Undelivered>& undelivered, Time now) {
-  stream.address = directory_.address_of(key.first);
+/// Returns when a look is worth its time again.
+Time Streams::serve(Stream& stream, std::vector<Undelivered>& undelivered, Time now) {
+  const std::string& destination = stream.key.first;
+  stream.address = directory_.address_of(destination);
   const routing::Route* route = stream.address ? router_.route_to(*stream.address, now) : nullptr;
   if (route == nullptr) {
     stream.next_hop.reset();
     stream.sender.route_missing(now);
-    return router_.search({stream.address.value_or(MacAddress{}), key.first}, now);
+    router_.search({stream.address.value_or(MacAddress{}), destination}, now);
+    return now + kStillSearching;
   }
   if (stream.next_hop != route->next_hop) {
     stream.next_hop = route->next_hop;
@@ -82,64 +144,56 @@ void Streams::serve(const Key& key, Stream& stream, std::vector<Undelivered>& un
   }
   for (const auto& [id, elapsed, no_room] : stream.sender.expire(options_.num_e2e_retrans, now, random_)) {
     const char* reason = no_room ? " had no room for it for " : " did not acknowledge within ";
-    undelivered.push_back({id, key.first + reason + seconds_text(elapsed)});
+    undelivered.push_back({id, destination + reason + seconds_text(elapsed)});
   }
+  return std::min(stream.sender.look_again_at(options_.num_e2e_retrans), route->expires);
 }
 
 std::vector<SendId> Streams::abandon(const std::string& destination, Time now) {
   std::vector<SendId> abandoned;
   for (std::uint8_t priority = 0; priority < kPriorities; ++priority) {
-    const Key key{destination, priority};
-    Stream* stream = streams_.find(key);
+    Stream* stream = find(destination, priority);
     if (stream == nullptr) continue;
     const std::vector<SendId> ids = stream->sender.abandon(now);
     abandoned.insert(abandoned.end(), ids.begin(), ids.end());
-    record(key, *stream, now);
+    record(*stream, now);
+    changed(*stream);
   }
   return abandoned;
 }
 
-void Streams::record(const Key& key, Stream& stream, Time now) {
+void Streams::record(Stream& stream, Time now) {
   const std::vector<StreamSender::Ended> all = stream.sender.take_ended();
   if (all.empty()) return;
   const RouteEnds route = router_.ends_to(stream.address.value_or(MacAddress{}), now);
   for (const auto& [packet, index, repetitions, sent, ended, delivered] : all) {
-    journal_.add(now, SegmentEnded{packet, index, key.first, repetitions, sent, ended, delivered, route});
+    journal_.add(now, SegmentEnded{packet, index, stream.key.first, repetitions, sent, ended, delivered, route});
   }
 }
 
-Time Streams::next_deadline() const {
-  Time next = Time::max();
-  for (const auto& [key, stream] : streams_.busy()) {
-    if (stream->next_hop) next = std::min(next, stream->sender.next_deadline());
-  }
-  return next;
-}
+// --- what goes on the air --------------------------------------------------------------------------------------------
 
 bool Streams::send_segment(std::uint8_t priority, Time now) {
-  return visit_after(streams_.busy(), last_served_, [&](const auto& item) {
-    return item.first.second == priority && send_segment(item.first, *item.second, now);
-  });
+  Stream* stream =
+      ready_.next(priority, last_served_, [&](const MacAddress& neighbor) { return hops_.may_start(neighbor, now); });
+  if (stream != nullptr) send_segment(*stream, now);
+  return stream != nullptr;
 }
 
-bool Streams::send_segment(const Key& key, Stream& stream, Time now) {
-  if (!stream.next_hop || !stream.sender.has_segment() || !hops_.may_start(*stream.next_hop, now)) return false;
-  last_served_ = key;
+void Streams::send_segment(Stream& stream, Time now) {
+  last_served_ = stream.key;
   const bool again = stream.sender.repeats();
   wire::Data data = stream.sender.next_segment(now);
   data.source = self_.address;
   data.source_boot = self_.boot;
   data.destination = *stream.address;
   router_.used(self_.address, data.destination, self_.address, now);
-  hops_.start(*stream.next_hop, {wire::FrameType::kData, to_bytes(data), key.second, {}, again}, now);
-  return true;
+  hops_.start(*stream.next_hop, {wire::FrameType::kData, to_bytes(data), stream.key.second, {}, again}, now);
+  changed(stream);
 }
 
 bool Streams::something_to_send() const {
-  return std::any_of(streams_.busy().begin(), streams_.busy().end(), [this](const auto& item) {
-    const Stream& stream = *item.second;
-    return stream.next_hop && stream.sender.has_segment() && hops_.has_room(*stream.next_hop);
-  });
+  return ready_.any_over([this](const MacAddress& neighbor) { return hops_.has_room(neighbor); });
 }
 
 }  // namespace adhoc_communication::transport

@@ -1,14 +1,17 @@
 // Own packets on their way to one robot each: a stream for each robot and priority.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "busy_map.hpp"
+#include "deadlines.hpp"
 #include "routing/router.hpp"
 #include "transport/hops.hpp"
+#include "transport/ready_streams.hpp"
 #include "transport/stream_sender.hpp"
 
 namespace adhoc_communication::transport {
@@ -19,6 +22,7 @@ struct Undelivered {
   std::string reason;
 };
 
+/// Looks at a stream when something has happened to it or to its route, or when a timer of it has run out.
 class Streams {
  public:
   static constexpr std::size_t kMostStreams = 1024;  ///< robots and priorities; idle ones make room
@@ -41,7 +45,9 @@ class Streams {
   std::vector<Undelivered> serve(Time now);
   /// There is no way to the robot: returns all packets for it.
   std::vector<SendId> abandon(const std::string& destination, Time now);
-  Time next_deadline() const;
+  /// Own packets to the robot may have waited for that repair: a search begins.
+  void repair_failed(const MacAddress& destination);
+  Time next_deadline() const { return timers_.next(); }
 
   /// Sends one segment if it may; one destination after the other.
   bool send_segment(std::uint8_t priority, Time now);
@@ -51,17 +57,23 @@ class Streams {
   std::size_t size() const { return streams_.size(); }
 
  private:
-  struct Stream {
-    StreamSender sender;
-    std::optional<MacAddress> address;
-    std::optional<MacAddress> next_hop;
-  };
   using Key = std::pair<std::string, std::uint8_t>;
+  struct Stream {
+    Key key;
+    StreamSender sender;
+    std::optional<MacAddress> address{};
+    std::optional<MacAddress> next_hop{};
+  };
 
-  Stream* find(const std::string& destination, Priority priority);
-  void serve(const Key& key, Stream& stream, std::vector<Undelivered>& undelivered, Time now);
-  void record(const Key& key, Stream& stream, Time now);
-  bool send_segment(const Key& key, Stream& stream, Time now);
+  Stream* find(const std::string& destination, std::uint8_t priority);
+  void note_changes();
+  void note(const std::string& destination);
+  Time serve(Stream& stream, std::vector<Undelivered>& undelivered, Time now);
+  void record(Stream& stream, Time now);
+  void changed(Stream& stream);
+  void sort_in(Stream& stream);
+  void send_segment(Stream& stream, Time now);
+  void forget_idle();
 
   const Identity& self_;
   const EngineOptions& options_;
@@ -71,8 +83,14 @@ class Streams {
   Random& random_;
   Journal& journal_;
   std::uint16_t segment_size_;
-  BusyMap<Key, Stream> streams_;
+  std::map<Key, Stream> streams_;
+  std::map<Key, Stream*> busy_;  ///< with packets, or with ends of segments to be told
+  std::set<Key> changed_;        ///< to be looked at the next time
+  ReadyStreams<Stream> ready_;
+  Deadlines<Stream*> timers_;  ///< when something happens by itself
+  Deadlines<Stream*> look_again_;
   Key last_served_;
+  std::uint64_t directory_version_ = 0;
   bool news_ = false;
 };
 
