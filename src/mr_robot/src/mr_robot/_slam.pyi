@@ -16,6 +16,19 @@ class SlamOptions:
     surface_window: float
     def __init__(self) -> None: ...
 
+class SquareWalls:
+    def __init__(self) -> None: ...
+    def add(
+        self,
+        ranges: np.ndarray,
+        angle_min: float,
+        angle_increment: float,
+        range_min: float,
+        range_max: float,
+        yaw: float,
+    ) -> None: ...
+    def direction(self) -> float | None: ...
+
 class PoseGraph:
     def __init__(self) -> None: ...
     def add(self, pose: _Pose) -> None: ...

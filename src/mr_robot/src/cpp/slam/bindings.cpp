@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "slam.hpp"
+#include "square_walls.hpp"
 
 namespace py = pybind11;
 using namespace mr_robot::slam;
@@ -77,6 +78,18 @@ PYBIND11_MODULE(_slam, module) {
           [](SlamOptions& o, double value) { o.grid.free_radius = value; })
       .def_readwrite("small_object_size", &SlamOptions::small_object_size)
       .def_readwrite("surface_window", &SlamOptions::surface_window);
+  py::class_<SquareWalls>(module, "SquareWalls")
+      .def(py::init<>())
+      .def("add",
+           [](SquareWalls& walls, const Ranges& ranges, double angle_min, double angle_increment, double range_min,
+              double range_max, double yaw) {
+             const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, Pose{}, Pose{}};
+             const SlamOptions options;
+             const auto size = static_cast<std::size_t>(ranges.size());
+             walls.add(make_scan(ranges.data(), size, geometry, options.surface_window, options.small_object_size),
+                       yaw);
+           })
+      .def("direction", &SquareWalls::direction);
   py::class_<PoseGraph>(module, "PoseGraph")
       .def(py::init<>())
       .def("add", [](PoseGraph& graph, const PoseTuple& pose) { graph.add(to_pose(pose)); })

@@ -1,14 +1,16 @@
 // Which way do most walls run that a robot sees from one place?
 #pragma once
 
-#include <complex>
+#include <array>
+#include <cstddef>
 #include <optional>
 
 #include "scan.hpp"
 
 namespace mr_robot::slam {
 
-// Directions a quarter turn apart count as the same.
+// Directions a quarter turn apart count as the same. What stands askew has no say, however much of it there is: even
+// one slanted wall among many would turn their mean.
 class SquareWalls {
  public:
   // `yaw`: rad, of the robot in the frame in which directions are counted.
@@ -17,8 +19,15 @@ class SquareWalls {
   std::optional<double> direction() const;
 
  private:
-  std::complex<double> sum_ = 0.0;  // m along surfaces, at four times the angle of their normals
-  double length_ = 0.0;             // m
+  static constexpr std::size_t kBins = 90;  // of a quarter turn
+  struct Bin {
+    float length = 0.0F;  // m along surfaces
+    float turned = 0.0F;  // rad m, their directions from the middle of the bin, each times its length
+  };
+
+  static double middle(std::size_t bin);
+
+  std::array<Bin, kBins> bins_{};
 };
 
 }  // namespace mr_robot::slam
