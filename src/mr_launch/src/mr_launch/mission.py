@@ -12,10 +12,10 @@ from mr_launch.plan import Plan
 from mr_launch.reports import FINISHED, ReportServer, RobotReport
 from mr_launch.truth import Truth
 from mr_launch.view import Picture, RobotRow
+from mr_measures.patience import HOME_PATIENCE
 
 READY_PATIENCE = 120.0  # s of real time for masters, nodes and the first maps
 STANDSTILL_PATIENCE = 60.0  # s of real time without simulation time
-HOME_PATIENCE = 180.0  # s of simulation time from the end of exploration until all robots must be at rest
 SAVE_PATIENCE = 15.0  # s of real time for the monitors to hand over the final maps
 TICK = 0.25  # s
 

@@ -27,11 +27,11 @@ from mr_experiments.host.start_up import StartUp
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import platforms_of, world_of
 from mr_grid import Pose
+from mr_measures.patience import HOME_PATIENCE
 from mr_robot.platforms.parameters import kinds_of
 from mr_sim.world import World
 
 READY_PATIENCE = 30.0  # s until every robot must have a map and a pose
-HOME_PATIENCE = 180.0  # s from the end of exploration until all robots must be at rest
 OUT_OF_REACH = 10.0 * EVERYWHERE  # m
 RADIO_PERIOD = 0.5  # s between two readings of the robots' places by the radio
 FAST_STEP = 0.1  # s, of the motion of robots with perfect maps
