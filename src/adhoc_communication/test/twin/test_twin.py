@@ -12,11 +12,12 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import frames
-from air import Air, address, name
 from captures import capture
 from group import GroupPacket, digest
 from namespaces import program
 from robot import BEACON, DATA, HOP_ACKNOWLEDGMENT, REPLY, REQUEST
+
+from air import Air, address, name
 
 VECTORS = json.loads((frames.DOCUMENT.parent / "protocol_vectors.json").read_text(encoding="utf-8"))
 KEY = bytes.fromhex(VECTORS["team_key"])
