@@ -77,11 +77,10 @@ bool GroupTraffic::replace(SendId former, SendId id, const std::string& group, c
   return sends_.replace_waiting(group, former, id, image);
 }
 
-std::vector<MacAddress> GroupTraffic::cancel(SendId id, const std::string& group) {
+std::set<MacAddress> GroupTraffic::cancel(SendId id, const std::string& group) {
   sends_.drop_waiting(group, id);
   sends_.drop(id);
-  const std::set<MacAddress> missed = distributor_.drop(id);
-  return {missed.begin(), missed.end()};
+  return distributor_.drop(id);
 }
 
 void GroupTraffic::appeared(const std::string& robot, wire::BootTag boot, Time now) {

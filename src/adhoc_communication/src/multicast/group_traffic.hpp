@@ -52,7 +52,7 @@ class GroupTraffic {
   bool replace(SendId former, SendId id, const std::string& group, const transport::Image& image, Time lifetime,
                Time now);
   /// Returns the members on the tree that it has not reached.
-  std::vector<MacAddress> cancel(SendId id, const std::string& group);
+  std::set<MacAddress> cancel(SendId id, const std::string& group);
 
   // Robots come and go.
   void appeared(const std::string& robot, wire::BootTag boot, Time now);

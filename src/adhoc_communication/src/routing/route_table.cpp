@@ -38,7 +38,7 @@ bool RouteTable::update(const RouteOffer& offer) {
   route.next_hop = offer.next_hop;
   route.expires = route.valid ? std::max(route.expires, offer.expires) : offer.expires;
   route.valid = true;
-  changed_.push_back(offer.destination);
+  changed_.insert(offer.destination);
   return true;
 }
 
@@ -60,7 +60,7 @@ void RouteTable::heard_directly(const MacAddress& neighbor, wire::BootTag boot, 
   route.cost = direct && as_new ? std::min(route.cost, cost) : cost;
   route.expires = route.valid ? std::max(route.expires, expires) : expires;
   route.hops = 1;
-  if (!route.valid || route.next_hop != neighbor) changed_.push_back(neighbor);
+  if (!route.valid || route.next_hop != neighbor) changed_.insert(neighbor);
   route.next_hop = neighbor;
   route.valid = true;
 }
@@ -139,7 +139,7 @@ Route& RouteTable::entry(const MacAddress& destination) {
     const auto first = std::min_element(routes_.begin(), routes_.end(), [](const auto& a, const auto& b) {
       return a.second.expires < b.second.expires;
     });
-    changed_.push_back(first->first);
+    changed_.insert(first->first);
     routes_.erase(first);
   }
   Route& route = routes_[destination];
@@ -148,7 +148,7 @@ Route& RouteTable::entry(const MacAddress& destination) {
 }
 
 void RouteTable::invalidate(Route& route, Time now) {
-  changed_.push_back(route.destination);
+  changed_.insert(route.destination);
   route.valid = false;
   route.repairable = false;
   route.expires = now + timings_.delete_period;

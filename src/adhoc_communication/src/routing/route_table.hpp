@@ -71,9 +71,9 @@ class RouteTable {
   /// Section 6.1: a route that ran out becomes invalid with its number raised; old invalid ones are deleted.
   void expire(Time now);
 
-  /// Destinations whose valid route has come, gone or got another next hop since the last call, some more than once.
-  /// That a route's time runs out is not told.
-  std::vector<MacAddress> take_changed() { return std::exchange(changed_, {}); }
+  /// Destinations whose valid route has come, gone or got another next hop since the last call. That a route's time
+  /// runs out is not told.
+  std::set<MacAddress> take_changed() { return std::exchange(changed_, {}); }
 
   std::size_t size() const { return routes_.size(); }
   const std::map<MacAddress, Route>& routes() const { return routes_; }
@@ -84,7 +84,7 @@ class RouteTable {
 
   const Timings& timings_;
   std::map<MacAddress, Route> routes_;
-  std::vector<MacAddress> changed_;
+  std::set<MacAddress> changed_;
 };
 
 }  // namespace adhoc_communication::routing

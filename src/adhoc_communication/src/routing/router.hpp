@@ -32,7 +32,7 @@ class Router {
   std::size_t searches() const { return discovery_.searches(); }
   std::size_t requests_remembered() const { return flood_.remembered(); }
   const Route* route_to(const MacAddress& destination, Time now) const { return routes_.usable(destination, now); }
-  std::vector<MacAddress> take_changed_routes() { return routes_.take_changed(); }
+  std::set<MacAddress> take_changed_routes() { return routes_.take_changed(); }
   RouteEnds ends_to(const MacAddress& destination, Time now) const;
 
   /// Section 6.3: data is due and there is no route.

@@ -7,19 +7,16 @@ namespace adhoc_communication::transport {
 
 void StreamSender::add(SendId id, Image image, std::uint16_t segment_size, Time now) {
   if (packets_.empty()) silence_.broken(now);
-  packets_.push_back({id, next_number_++, std::move(image), 0, now, {}, 0, 0, 0, {}, false, false, false});
+  packets_.push_back({id, next_number_++, std::move(image), now});
   cut(packets_.back(), sizes_.of_packet(segment_size, now));
 }
 
 /// Of what was sent in other segments before nothing counts.
-void StreamSender::cut(Outgoing& packet, std::uint16_t segment_size) {
-  const std::size_t count = (packet.image->size() + segment_size - 1) / segment_size;
+void StreamSender::cut(OutgoingPacket& packet, std::uint16_t segment_size) {
   forget_sent(packet);
-  unstarted_ += count - (packet.segments.size() - packet.started);
-  packet.segment_size = segment_size;
-  packet.segments.assign(count, Segment{});
-  packet.started = 0;
-  packet.first_open = 0;
+  unstarted_ -= packet.unstarted();
+  packet.cut(segment_size);
+  unstarted_ += packet.unstarted();
 }
 
 bool StreamSender::replace(SendId former, SendId id, const Image& image, std::uint16_t segment_size, Time now) {
@@ -37,13 +34,8 @@ void StreamSender::drop(SendId id, Time now) {
   if (packet == packets_.end()) return;
   tell_given_up(*packet, now);
   forget_sent(*packet);
-  unstarted_ -= packet->segments.size() - packet->started;
-  packet->segments.clear();
-  packet->started = 0;
-  packet->first_open = 0;
-  packet->refused_since.reset();
-  packet->image.reset();
-  packet->dropped = true;
+  unstarted_ -= packet->unstarted();
+  packet->drop();
   pass_over_dropped();
 }
 
@@ -52,7 +44,7 @@ void StreamSender::pass_over_dropped() {
   if (packets_.empty() || !packets_.front().dropped) return;
   while (!packets_.empty() && packets_.front().dropped) pop_front();
   if (packets_.empty() || packets_.front().started == 0) return;
-  Outgoing& first = packets_.front();
+  OutgoingPacket& first = packets_.front();
   probing_ = true;
   if (first.segments.front().lost) return;
   if (std::exchange(first.segments.front().acknowledged, false)) ++on_the_way_;
@@ -60,9 +52,9 @@ void StreamSender::pass_over_dropped() {
   mark_lost(first, 0);
 }
 
-std::deque<StreamSender::Outgoing>::iterator StreamSender::find_id(SendId id) {
+std::deque<OutgoingPacket>::iterator StreamSender::find_id(SendId id) {
   return std::find_if(packets_.begin(), packets_.end(),
-                      [id](const Outgoing& packet) { return packet.id == id && !packet.dropped; });
+                      [id](const OutgoingPacket& packet) { return packet.id == id && !packet.dropped; });
 }
 
 bool StreamSender::has_segment() const {
@@ -75,46 +67,30 @@ wire::Data StreamSender::next_segment(Time now) {
   if (!lost_.empty()) {
     const auto [number, index] = *lost_.begin();
     lost_.erase(lost_.begin());
-    Outgoing& packet = *find(number);
+    OutgoingPacket& packet = *find(number);
     packet.segments[index].lost = false;
     packet.segments[index].repeated = true;
     return segment(packet, index, now);
   }
-  Outgoing& packet = const_cast<Outgoing&>(*unstarted());
+  OutgoingPacket& packet = const_cast<OutgoingPacket&>(*unstarted());
   --unstarted_;
   return segment(packet, packet.started++, now);
 }
 
 /// Packets are begun in order. unstarted_ is not 0.
-const StreamSender::Outgoing* StreamSender::unstarted() const {
+const OutgoingPacket* StreamSender::unstarted() const {
   const auto found = std::find_if(packets_.begin(), packets_.end(),
-                                  [](const Outgoing& packet) { return packet.started < packet.segments.size(); });
+                                  [](const OutgoingPacket& packet) { return packet.unstarted() > 0; });
   return &*found;
 }
 
-wire::Data StreamSender::segment(Outgoing& packet, std::uint32_t index, Time now) {
-  Segment& sent = packet.segments[index];
-  sent.sent = now;
-  if (sent.first_sent < Time(0)) {
-    sent.first_sent = now;
-  } else {
-    ++sent.repetitions;
-  }
+wire::Data StreamSender::segment(OutgoingPacket& packet, std::uint32_t index, Time now) {
+  packet.segments[index].leaves(now);
   packet.begun = true;
   ++on_the_way_;
   silence_.begins(now);
-  wire::Data data;
-  data.stream = stream_;
-  data.packet = packet.number;
+  wire::Data data = packet.data(stream_, index);
   data.base = packets_.front().number;
-  data.index = index;
-  data.total = static_cast<std::uint32_t>(packet.image->size());
-  data.segment_size = packet.segment_size;
-  data.attempt = packet.attempt;
-  const std::size_t begin = std::size_t{index} * packet.segment_size;
-  const std::size_t end = std::min(begin + packet.segment_size, packet.image->size());
-  data.octets.assign(packet.image->begin() + static_cast<std::ptrdiff_t>(begin),
-                     packet.image->begin() + static_cast<std::ptrdiff_t>(end));
   data.acknowledge_now =
       probing_ || packet.refused_since || index + 1 == packet.segments.size() || on_the_way_ >= window_;
   probing_ = false;
@@ -127,17 +103,17 @@ std::vector<SendId> StreamSender::acknowledged(const wire::TransportAcknowledgme
   progress_ = false;
   std::vector<SendId> finished;
   while (!packets_.empty() && static_cast<std::int32_t>(acknowledgment.next - packets_.front().number) > 0) {
-    Outgoing& packet = packets_.front();
+    OutgoingPacket& packet = packets_.front();
     for (std::uint32_t index = packet.first_open; index < packet.segments.size(); ++index) take_one(packet, index, now);
     finished.push_back(packet.id);
     pop_front();
   }
   for (const wire::PartialPacket& partial : acknowledgment.partial) {
-    Outgoing* packet = find(partial.packet);
+    OutgoingPacket* packet = find(partial.packet);
     if (packet != nullptr && packet->attempt == partial.attempt) take(*packet, partial, now);
   }
   for (const wire::RefusedPacket& refused : acknowledgment.refused) {
-    Outgoing* packet = find(refused.packet);
+    OutgoingPacket* packet = find(refused.packet);
     if (packet != nullptr && packet->attempt == refused.attempt && packet->started > 0) begin_anew(*packet, now);
   }
   pass_over_dropped();
@@ -149,12 +125,10 @@ std::vector<SendId> StreamSender::acknowledged(const wire::TransportAcknowledgme
 }
 
 /// The receiver lives and has no room: that is no silence, and nothing of what it has acknowledged counts.
-void StreamSender::begin_anew(Outgoing& packet, Time now) {
+void StreamSender::begin_anew(OutgoingPacket& packet, Time now) {
   forget_sent(packet);
   unstarted_ += packet.started;
-  packet.segments.assign(packet.segments.size(), Segment{});
-  packet.started = 0;
-  packet.first_open = 0;
+  packet.begin_anew();
   ++packet.attempt;
   if (!packet.refused_since) packet.refused_since = now;
   paused_until_ = now + kRoomRetry;
@@ -172,7 +146,7 @@ void StreamSender::try_shorter(Time now) {
   const auto size = sizes_.shorter(static_cast<std::uint16_t>(packets_.front().longest()), now);
   if (!size) return;
   silence_.shortened(now);
-  for (Outgoing& packet : packets_) {
+  for (OutgoingPacket& packet : packets_) {
     if (packet.arrives || packet.longest() <= *size) continue;
     cut(packet, *size);
     ++packet.attempt;
@@ -180,44 +154,36 @@ void StreamSender::try_shorter(Time now) {
 }
 
 /// Takes its segments from those on the way and those lost.
-void StreamSender::forget_sent(Outgoing& packet) {
+void StreamSender::forget_sent(OutgoingPacket& packet) {
   for (std::uint32_t index = 0; index < packet.started; ++index) {
-    if (!packet.segments[index].acknowledged && !packet.segments[index].lost) --on_the_way_;
+    if (packet.segments[index].on_the_way()) --on_the_way_;
   }
   lost_.erase(lost_.lower_bound({packet.number, 0}), lost_.upper_bound({packet.number, UINT32_MAX}));
 }
 
-void StreamSender::tell_given_up(const Outgoing& packet, Time now) {
+void StreamSender::tell_given_up(const OutgoingPacket& packet, Time now) {
   if (!tells_ends_) return;
   for (std::uint32_t index = 0; index < packet.started; ++index) {
-    const Segment& segment = packet.segments[index];
+    const SentSegment& segment = packet.segments[index];
     if (segment.acknowledged || segment.sent < Time(0)) continue;
     ended_.push_back({packet.id, index, segment.repetitions, segment.first_sent, now, false});
   }
 }
 
 void StreamSender::pop_front() {
-  unstarted_ -= packets_.front().segments.size() - packets_.front().started;
+  unstarted_ -= packets_.front().unstarted();
   packets_.pop_front();
   if (unstarted_ == 0) paused_until_.reset();
 }
 
-void StreamSender::take(Outgoing& packet, const wire::PartialPacket& partial, Time now) {
-  const auto count = static_cast<std::uint32_t>(packet.segments.size());
+void StreamSender::take(OutgoingPacket& packet, const wire::PartialPacket& partial, Time now) {
   packet.refused_since.reset();
-  for (std::uint32_t index = packet.first_open; index < std::min(partial.first_missing, count); ++index) {
-    take_one(packet, index, now);
-  }
-  for (std::size_t bit = 0; bit < 8 * partial.received.size(); ++bit) {
-    const std::uint64_t index = std::uint64_t{partial.first_missing} + 1 + bit;
-    if (index >= count) break;
-    if ((partial.received[bit / 8] >> bit % 8 & 1) != 0) take_one(packet, static_cast<std::uint32_t>(index), now);
-  }
-  while (packet.first_open < count && packet.segments[packet.first_open].acknowledged) ++packet.first_open;
+  for (const std::uint32_t index : packet.newly_received(partial)) take_one(packet, index, now);
+  packet.pass_over_acknowledged();
 }
 
-void StreamSender::take_one(Outgoing& packet, std::uint32_t index, Time now) {
-  Segment& segment = packet.segments[index];
+void StreamSender::take_one(OutgoingPacket& packet, std::uint32_t index, Time now) {
+  SentSegment& segment = packet.segments[index];
   if (segment.acknowledged || segment.sent < Time(0)) return;
   segment.acknowledged = true;
   if (packet.is_longest(index)) {
@@ -236,17 +202,15 @@ void StreamSender::take_one(Outgoing& packet, std::uint32_t index, Time now) {
 }
 
 void StreamSender::mark_overtaken() {
-  for (Outgoing& packet : packets_) {
+  for (OutgoingPacket& packet : packets_) {
     for (std::uint32_t index = packet.first_open; index < packet.started; ++index) {
-      const Segment& segment = packet.segments[index];
-      if (!segment.acknowledged && !segment.lost && arrivals_.overtaken(segment.sent)) {
-        mark_lost(packet, index);
-      }
+      const SentSegment& segment = packet.segments[index];
+      if (segment.on_the_way() && arrivals_.overtaken(segment.sent)) mark_lost(packet, index);
     }
   }
 }
 
-void StreamSender::mark_lost(Outgoing& packet, std::uint32_t index) {
+void StreamSender::mark_lost(OutgoingPacket& packet, std::uint32_t index) {
   packet.segments[index].lost = true;
   lost_.insert({packet.number, index});
   --on_the_way_;
@@ -254,14 +218,12 @@ void StreamSender::mark_lost(Outgoing& packet, std::uint32_t index) {
 
 /// Another run of the receiver has nothing of what the former acknowledged.
 void StreamSender::receiver_restarted() {
-  for (Outgoing& packet : packets_) {
-    packet.segments.assign(packet.segments.size(), Segment{});
-    packet.started = 0;
-    packet.first_open = 0;
+  for (OutgoingPacket& packet : packets_) {
+    packet.begin_anew();
     packet.refused_since.reset();
   }
   unstarted_ = 0;
-  for (const Outgoing& packet : packets_) unstarted_ += packet.segments.size();
+  for (const OutgoingPacket& packet : packets_) unstarted_ += packet.unstarted();
   paused_until_.reset();
   lost_.clear();
   on_the_way_ = 0;
@@ -278,9 +240,9 @@ void StreamSender::route_changed(Time now) {
 
 /// Repeats the oldest open segment and asks for an acknowledgment at once.
 void StreamSender::probe() {
-  for (Outgoing& packet : packets_) {
+  for (OutgoingPacket& packet : packets_) {
     for (std::uint32_t index = packet.first_open; index < packet.started; ++index) {
-      if (packet.segments[index].acknowledged || packet.segments[index].lost) continue;
+      if (!packet.segments[index].on_the_way()) continue;
       mark_lost(packet, index);
       probing_ = true;
       return;
@@ -315,7 +277,7 @@ std::vector<StreamSender::GivenUp> StreamSender::expire(int most_resends, Time n
 std::vector<StreamSender::GivenUp> StreamSender::give_up_refused(Time now) {
   std::vector<GivenUp> given_up;
   while (!packets_.empty() && packets_.front().refused_since) {
-    const Outgoing& packet = packets_.front();
+    const OutgoingPacket& packet = packets_.front();
     if (now - *packet.refused_since < kRoomPatience) break;
     forget_sent(packets_.front());
     tell_given_up(packet, now);
@@ -328,8 +290,8 @@ std::vector<StreamSender::GivenUp> StreamSender::give_up_refused(Time now) {
 
 std::vector<SendId> StreamSender::abandon(Time now) {
   std::vector<SendId> ids;
-  for (const Outgoing& packet : packets_) tell_given_up(packet, now);
-  for (const Outgoing& packet : packets_) ids.push_back(packet.id);
+  for (const OutgoingPacket& packet : packets_) tell_given_up(packet, now);
+  for (const OutgoingPacket& packet : packets_) ids.push_back(packet.id);
   packets_.clear();
   lost_.clear();
   on_the_way_ = 0;
@@ -351,7 +313,7 @@ Time StreamSender::look_again_at(int most_resends) const {
   return std::min({next_deadline(), silence_.hopeless_at(most_resends), shorter_at(), no_room});
 }
 
-StreamSender::Outgoing* StreamSender::find(std::uint32_t number) {
+OutgoingPacket* StreamSender::find(std::uint32_t number) {
   if (packets_.empty()) return nullptr;
   const std::uint32_t offset = number - packets_.front().number;
   return offset < packets_.size() ? &packets_[offset] : nullptr;

@@ -11,7 +11,7 @@
 #include "random.hpp"
 #include "routing/sequence_number.hpp"
 #include "transport/arrivals.hpp"
-#include "transport/packet_image.hpp"
+#include "transport/outgoing_packet.hpp"
 #include "transport/segment_size.hpp"
 #include "transport/silence.hpp"
 #include "wire/messages.hpp"
@@ -77,34 +77,6 @@ class StreamSender {
   Time look_again_at(int most_resends) const;
 
  private:
-  struct Segment {
-    Time sent{-1};
-    Time first_sent{-1};
-    int repetitions = 0;
-    bool acknowledged = false;
-    bool lost = false;  ///< waits in lost_
-    bool repeated = false;
-  };
-  struct Outgoing {
-    SendId id;
-    std::uint32_t number;
-    Image image;
-    std::uint16_t segment_size;
-    Time added;
-    std::vector<Segment> segments;
-    std::uint32_t started = 0;     ///< segments sent at least once
-    std::uint32_t first_open = 0;  ///< every segment before is acknowledged
-    std::uint8_t attempt = 0;
-    std::optional<Time> refused_since{};  ///< the receiver has no room; one segment at a time asks for it
-    bool begun = false;                   ///< some of it was sent, in whatever attempt
-    bool dropped = false;                 ///< keeps its number until those before are finished
-    bool arrives = false;                 ///< one of its longest segments has
-
-    std::size_t longest() const { return dropped ? 0 : std::min<std::size_t>(image->size(), segment_size); }
-    bool is_longest(std::uint32_t index) const { return index == 0 || index + 1 < segments.size(); }
-
-    bool may_start() const { return started < segments.size() && (!refused_since || started == 0); }
-  };
   using Place = std::pair<std::uint32_t, std::uint32_t>;  ///< packet number, segment index
   struct PlaceOrder {
     bool operator()(const Place& a, const Place& b) const {
@@ -112,31 +84,31 @@ class StreamSender {
     }
   };
 
-  Outgoing* find(std::uint32_t number);
-  void begin_anew(Outgoing& packet, Time now);
-  void cut(Outgoing& packet, std::uint16_t segment_size);
+  OutgoingPacket* find(std::uint32_t number);
+  void begin_anew(OutgoingPacket& packet, Time now);
+  void cut(OutgoingPacket& packet, std::uint16_t segment_size);
   Time shorter_at() const;
   void try_shorter(Time now);
-  void forget_sent(Outgoing& packet);
-  void tell_given_up(const Outgoing& packet, Time now);
+  void forget_sent(OutgoingPacket& packet);
+  void tell_given_up(const OutgoingPacket& packet, Time now);
   void pop_front();
   void pass_over_dropped();
-  std::deque<Outgoing>::iterator find_id(SendId id);
+  std::deque<OutgoingPacket>::iterator find_id(SendId id);
   std::vector<GivenUp> give_up_refused(Time now);
-  wire::Data segment(Outgoing& packet, std::uint32_t index, Time now);
-  void take(Outgoing& packet, const wire::PartialPacket& partial, Time now);
-  void take_one(Outgoing& packet, std::uint32_t index, Time now);
+  wire::Data segment(OutgoingPacket& packet, std::uint32_t index, Time now);
+  void take(OutgoingPacket& packet, const wire::PartialPacket& partial, Time now);
+  void take_one(OutgoingPacket& packet, std::uint32_t index, Time now);
   void mark_overtaken();
-  void mark_lost(Outgoing& packet, std::uint32_t index);
+  void mark_lost(OutgoingPacket& packet, std::uint32_t index);
   void receiver_restarted();
   void probe();
-  const Outgoing* unstarted() const;
+  const OutgoingPacket* unstarted() const;
 
   std::uint8_t stream_;
   std::size_t window_;
   bool tells_ends_;
   std::uint32_t next_number_;
-  std::deque<Outgoing> packets_;
+  std::deque<OutgoingPacket> packets_;
   std::set<Place, PlaceOrder> lost_;
   std::vector<Ended> ended_;
   std::size_t on_the_way_ = 0;  ///< segments sent, neither acknowledged nor lost
