@@ -91,7 +91,8 @@ struct SendFinished {
   SendId id = 0;
   bool delivered = false;
   std::string reason;
-  bool superseded = false;  ///< a newer packet has taken its place
+  bool superseded = false;            ///< a newer packet has taken its place
+  std::vector<std::string> missed{};  ///< of a send to a group: the members that are known not to have got it
 };
 
 struct RobotAppeared {

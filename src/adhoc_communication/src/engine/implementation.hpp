@@ -93,6 +93,7 @@ class Engine::Implementation {
   void cancel(SendId id, Time now);
   std::string cancel_group_send(SendId id, Time now);
   void finish(SendId id, bool delivered, const std::string& reason, Time now, bool superseded = false);
+  void finish(const multicast::GroupSendEnd& end);
   void finish_floods();
   void settle_groups(Time now);
 

@@ -70,6 +70,7 @@ std::vector<std::string> Engine::Implementation::neighbors() const {
     if (robot != nullptr && robot->announced) names.push_back(robot->name);
   }
   std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }
 

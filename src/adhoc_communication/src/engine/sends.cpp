@@ -125,6 +125,12 @@ void Engine::Implementation::finish(SendId id, bool delivered, const std::string
   report(SendFinished{id, delivered, reason, superseded});
 }
 
+void Engine::Implementation::finish(const multicast::GroupSendEnd& end) {
+  if (!sends_.end(end.id)) return;
+  ++(end.delivered ? statistics_.packets_sent : statistics_.packets_failed);
+  report(SendFinished{end.id, end.delivered, end.reason, false, end.missed});
+}
+
 void Engine::Implementation::expire_sends(Time now) {
   for (const SendId id : sends_.overdue(now)) cancel(id, now);
 }
@@ -178,7 +184,7 @@ void Engine::Implementation::settle_groups(Time now) {
   for (multicast::Letter& letter : groups_.take_letters()) {
     start(sends_.begin(std::move(letter.sending), now), letter.image, now);
   }
-  for (const multicast::GroupSendEnd& end : groups_.take_ends()) finish(end.id, end.delivered, end.reason, now);
+  for (const multicast::GroupSendEnd& end : groups_.take_ends()) finish(end);
   for (GroupChangeFinished& change : groups_.take_changes()) report(std::move(change));
 }
 

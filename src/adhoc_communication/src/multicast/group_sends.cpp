@@ -58,14 +58,17 @@ void GroupSends::replace(SendId former, SendId id, const HeldPacket& packet) {
   fan_outs_.insert(std::move(fan_out));
 }
 
-std::optional<std::string> GroupSends::part_finished(SendId id, const std::string& member, bool delivered,
-                                                     const std::string& reason) {
+std::optional<GroupSends::Missed> GroupSends::part_finished(SendId id, const std::string& member, bool delivered,
+                                                            const std::string& reason) {
   const auto found = fan_outs_.find(id);
   if (found == fan_outs_.end()) return std::nullopt;
-  std::string& failures = found->second.failures;
-  if (!delivered) failures += (failures.empty() ? "" : ", ") + member + " (" + reason + ")";
+  Missed& missed = found->second.missed;
+  if (!delivered) {
+    missed.text += (missed.members.empty() ? "" : ", ") + member + " (" + reason + ")";
+    missed.members.push_back(member);
+  }
   if (--found->second.open > 0) return std::nullopt;
-  const std::string result = std::move(failures);
+  const Missed result = std::move(missed);
   fan_outs_.erase(found);
   return result;
 }

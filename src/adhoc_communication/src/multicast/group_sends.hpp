@@ -41,14 +41,18 @@ class GroupSends {
   const HeldPacket& packet_of(SendId id) const { return fan_outs_.at(id).packet; }
   void replace(SendId former, SendId id, const HeldPacket& packet);
   void drop(SendId id) { fan_outs_.erase(id); }
-  /// One member's end. When it was the last one: whom the packet has not reached, empty if it has reached all.
-  std::optional<std::string> part_finished(SendId id, const std::string& member, bool delivered,
-                                           const std::string& reason);
+  /// Whom a packet has not reached.
+  struct Missed {
+    std::vector<std::string> members;
+    std::string text;  ///< who, and why
+  };
+  /// One member's end. When it was the last one: whom the packet has not reached.
+  std::optional<Missed> part_finished(SendId id, const std::string& member, bool delivered, const std::string& reason);
 
  private:
   struct FanOut {
     std::size_t open = 0;
-    std::string failures;  ///< who was not reached, and why
+    Missed missed;
     HeldPacket packet;
   };
   std::map<SendId, FanOut> fan_outs_;

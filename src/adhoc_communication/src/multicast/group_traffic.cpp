@@ -180,9 +180,10 @@ void GroupTraffic::ended(const Sending& letter, bool delivered, const std::strin
 }
 
 void GroupTraffic::part_finished(SendId parent, const std::string& member, bool delivered, const std::string& reason) {
-  const auto failures = sends_.part_finished(parent, member, delivered, reason);
-  if (!failures) return;
-  ends_.push_back({parent, failures->empty(), failures->empty() ? "" : "not delivered to " + *failures});
+  const auto missed = sends_.part_finished(parent, member, delivered, reason);
+  if (!missed) return;
+  const bool all = missed->members.empty();
+  ends_.push_back({parent, all, all ? "" : "not delivered to " + missed->text, missed->members});
 }
 
 void GroupTraffic::expire(Time now) {

@@ -28,6 +28,7 @@ struct GroupSendEnd {
   SendId id;
   bool delivered;
   std::string reason;
+  std::vector<std::string> missed{};  ///< members that it has not reached
 };
 
 class GroupTraffic {

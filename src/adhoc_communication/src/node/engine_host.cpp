@@ -148,7 +148,7 @@ void EngineHost::report(const NameTaken& event) {
 
 void EngineHost::report(const SendFinished& end) {
   const auto waiter = sends_.extract(end.id);
-  if (waiter) waiter.mapped()({end.delivered, end.reason, end.superseded});
+  if (waiter) waiter.mapped()({end.delivered, end.reason, end.superseded, end.missed});
 }
 
 void EngineHost::report(const GroupChangeFinished& end) {

@@ -24,7 +24,8 @@ namespace adhoc_communication {
 struct Outcome {
   bool succeeded = false;
   std::string reason;
-  bool superseded = false;  ///< a newer packet has taken the place of this one
+  bool superseded = false;            ///< a newer packet has taken the place of this one
+  std::vector<std::string> missed{};  ///< of a send to a group: the members that have not got it
 };
 
 /// What the host tells the node, always from the thread of the engine: these must return at once. Packets are as they

@@ -135,7 +135,7 @@ void TopicRelay::send(RelayTable::Transfer transfer) {
     if (outcome.superseded) {
       table_.superseded(number);
     } else {
-      table_.finished(number, outcome.succeeded, outcome.reason, steady_now());
+      table_.finished(number, outcome.succeeded, outcome.reason, steady_now(), outcome.missed);
     }
     changed_.notify_one();
   });

@@ -32,6 +32,7 @@ void RelayQueue::offer(RelayedMessage message, bool present, Time now) {
   remember_last(message);
   last_expires_ = entry_.lifetime > 0.0 ? now + seconds(entry_.lifetime) : Time::max();
   owed_.clear();  // they belong to the destination by now
+  had_.clear();
   if (!present) {
     if (!entry_.latched) ++dropped_;
     return;
@@ -83,13 +84,14 @@ void RelayQueue::owe_last(const std::string& destination, Time now) {
   due_ = std::min(due_, now);
   if (destination == entry_.destination) {
     enqueue({last_, destination, last_expires_});
-  } else if (owed_.size() < kMostOwed) {
+  } else if (owed_.size() < kMostOwed && had_.count(destination) == 0) {
     owed_.insert(destination);
   }
 }
 
 void RelayQueue::destination_lost() {
   owed_.clear();
+  had_.clear();
   while (!waiting_.empty()) drop_oldest();
 }
 
@@ -114,6 +116,7 @@ RelayTransfer RelayQueue::take(const MaySend& may_send, Time now) {
   if (waiting_.empty()) {
     const auto owed = next_owed(may_send);
     RelayTransfer first{last_, *owed, last_expires_};
+    if (had_.size() < kMostOwed) had_.insert(*owed);
     owed_.erase(owed);
     return first;
   }
@@ -125,14 +128,17 @@ RelayTransfer RelayQueue::take(const MaySend& may_send, Time now) {
 }
 
 void RelayQueue::finished(const RelayTransfer& transfer, bool delivered, const std::string& reason, bool present,
-                          Time now) {
+                          Time now, const std::vector<std::string>& missed) {
   ++(delivered ? delivered_ : failed_);
   if (delivered) return;
   last_failure_ = reason;
-  const bool owed = transfer.destination != entry_.destination;  // by itself, also after it was away
-  if (last_ != transfer.message || (!owed && !present)) return;
+  const bool by_itself = transfer.destination != entry_.destination;  // also after it was away
+  if (last_ != transfer.message || (!by_itself && !present)) return;
+  had_.erase(transfer.destination);
   const Time due = std::max(due_, now + kRetry);
-  owe_last(transfer.destination, now);
+  // Those who have it are not to get it again because others have not.
+  if (missed.empty()) owe_last(transfer.destination, now);
+  for (const std::string& member : missed) owe_last(member, now);
   due_ = due;
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "adhoc_communication/types.hpp"
 #include "relay/message.hpp"
@@ -65,7 +66,12 @@ class RelayQueue {
   /// What is latched is to go to the destination, or to a late member of it by itself.
   void owe_last(const std::string& destination, Time now);
   void destination_lost();
-  void member_left(const std::string& member) { owed_.erase(member); }
+  void member_left(const std::string& member) {
+    owed_.erase(member);
+    had_.erase(member);
+  }
+  /// What it has got is gone with its run.
+  void member_lost(const std::string& member) { had_.erase(member); }
 
   void drop_expired(Time now);
   /// Apart from its rate.
@@ -74,8 +80,10 @@ class RelayQueue {
   /// ready() holds.
   RelayTransfer take(const MaySend& may_send, Time now);
   void ended() { --in_flight_; }
-  /// How a transfer ended that ended().
-  void finished(const RelayTransfer& transfer, bool delivered, const std::string& reason, bool present, Time now);
+  /// How a transfer ended that ended(). `missed`: of a group, the members that have not got it; nobody named means that
+  /// nobody may have.
+  void finished(const RelayTransfer& transfer, bool delivered, const std::string& reason, bool present, Time now,
+                const std::vector<std::string>& missed);
 
  private:
   std::set<std::string>::const_iterator next_owed(const MaySend& may_send) const;
@@ -89,7 +97,8 @@ class RelayQueue {
   std::deque<RelayTransfer> waiting_;
   RelayedMessage last_;
   Time last_expires_ = Time::max();
-  std::set<std::string> owed_;  ///< late members of the group, which are sent the last message by themselves
+  std::set<std::string> owed_;  ///< members of the group that are to be sent the last message by themselves
+  std::set<std::string> had_;   ///< those to whom it has gone
   std::size_t in_flight_ = 0;
   Time due_{0};
   std::uint64_t delivered_ = 0;

@@ -98,6 +98,7 @@ void RelayTable::robot_lost(const std::string& robot) {
   news_.lost(robot);
   for (auto& [id, relay] : relays_) {
     if (group_root(relay.entry().destination) == robot) relay.destination_lost();
+    relay.member_lost(robot);
   }
 }
 
@@ -184,12 +185,13 @@ std::optional<RelayTable::InFlight> RelayTable::end_transfer(std::uint64_t numbe
 
 void RelayTable::superseded(std::uint64_t number) { end_transfer(number, false); }
 
-void RelayTable::finished(std::uint64_t number, bool delivered, const std::string& reason, Time now) {
+void RelayTable::finished(std::uint64_t number, bool delivered, const std::string& reason, Time now,
+                          const std::vector<std::string>& missed) {
   if (letters_.ended(number) || news_.ended(number, delivered, now)) return;
   const std::optional<InFlight> ended = end_transfer(number, delivered);
   if (!ended) return;
   RelayQueue& relay = relays_.at(ended->relay);
-  relay.finished(ended->transfer, delivered, reason, present(relay.entry().destination), now);
+  relay.finished(ended->transfer, delivered, reason, present(relay.entry().destination), now, missed);
 }
 
 Time RelayTable::next_deadline() const {

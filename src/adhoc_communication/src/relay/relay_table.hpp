@@ -62,7 +62,9 @@ class RelayTable {
   };
   /// The next message or letter to send; each has to be reported with finished().
   std::optional<Transfer> next(Time now);
-  void finished(std::uint64_t number, bool delivered, const std::string& reason, Time now);
+  /// `missed`: of a group, the members that have not got it; nobody named means that nobody may have.
+  void finished(std::uint64_t number, bool delivered, const std::string& reason, Time now,
+                const std::vector<std::string>& missed = {});
   /// Instead of finished(): a newer message has taken its place.
   void superseded(std::uint64_t number);
   /// When next() may have something by the passing of time alone; Time::max() if never.

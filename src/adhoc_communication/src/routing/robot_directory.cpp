@@ -60,21 +60,17 @@ std::optional<MacAddress> RobotDirectory::address_of(const std::string& name) co
 
 std::vector<std::string> RobotDirectory::names() const {
   std::vector<std::string> names;
-  for (const auto& [address, robot] : robots_) {
-    if (robot.announced) names.push_back(robot.name);
+  for (const auto& [name, bearers] : by_name_) {
+    const auto present = [this](const MacAddress& address) { return robots_.at(address).announced; };
+    if (std::any_of(bearers.begin(), bearers.end(), present)) names.push_back(name);
   }
-  std::sort(names.begin(), names.end());
   return names;
 }
 
 void RobotDirectory::expire(Time now) {
   for (auto iterator = robots_.begin(); iterator != robots_.end();) {
     Robot& robot = iterator->second;
-    if (robot.announced && now - robot.last_news >= patience(robot)) {
-      robot.announced = false;
-      ++version_;
-      changes_.push_back({robot.name, iterator->first, robot.boot, false});
-    }
+    if (robot.announced && now - robot.last_news >= patience(robot)) fall_silent(robot, iterator->first);
     if (!robot.announced && now - robot.last_news >= kForget) {
       forget_name(robot, iterator->first);
       iterator = robots_.erase(iterator);
@@ -123,6 +119,32 @@ void RobotDirectory::forget_name(const Robot& robot, const MacAddress& address) 
   if (bearers->second.empty()) by_name_.erase(bearers);
 }
 
+/// The announced bearer of the robot's name other than itself; null if there is none.
+const Robot* RobotDirectory::namesake(const Robot& robot) const {
+  for (const MacAddress& address : by_name_.at(robot.name)) {
+    const Robot& other = robots_.at(address);
+    if (&other != &robot && other.announced) return &other;
+  }
+  return nullptr;
+}
+
+/// What a robot of that name was before, over another radio, is over now.
+void RobotDirectory::appear(Robot& robot, const MacAddress& address, Time now) {
+  if (const Robot* former = namesake(robot)) changes_.push_back({robot.name, address, former->boot, false});
+  ++version_;
+  robot.announced = true;
+  robot.appeared = now;
+  robot.spreads_left = kSpreads;
+  changes_.push_back({robot.name, address, robot.boot, true});
+}
+
+/// A robot that has got another radio is not lost when its former address is.
+void RobotDirectory::fall_silent(Robot& robot, const MacAddress& address) {
+  ++version_;
+  robot.announced = false;
+  if (namesake(robot) == nullptr) changes_.push_back({robot.name, address, robot.boot, false});
+}
+
 std::vector<DirectoryChange> RobotDirectory::take_changes() { return std::exchange(changes_, {}); }
 
 Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now) {
@@ -137,21 +159,14 @@ Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name,
   }
   Robot& robot = found->second;
   if (robot.boot != boot || robot.name != name) {
-    if (robot.announced) changes_.push_back({robot.name, address, robot.boot, false});
-    robot.announced = false;
+    if (robot.announced) fall_silent(robot, address);
     forget_name(robot, address);
     by_name_[name].insert(address);
     robot.boot = boot;
     robot.name = name;
   }
   robot.last_news = now;
-  if (!robot.announced) {
-    ++version_;
-    robot.announced = true;
-    robot.appeared = now;
-    robot.spreads_left = kSpreads;
-    changes_.push_back({robot.name, address, robot.boot, true});
-  }
+  if (!robot.announced) appear(robot, address, now);
   return &robot;
 }
 

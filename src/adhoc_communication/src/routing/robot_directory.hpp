@@ -71,6 +71,9 @@ class RobotDirectory {
   Robot* admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now);
   static Time patience(const Robot& robot) { return kSilence + (robot.hops - 1) * std::chrono::seconds(2); }
 
+  const Robot* namesake(const Robot& robot) const;
+  void appear(Robot& robot, const MacAddress& address, Time now);
+  void fall_silent(Robot& robot, const MacAddress& address);
   void set_hops(Robot& robot, std::uint8_t hops);
   void forget_name(const Robot& robot, const MacAddress& address);
   void look_for_taken_names();

@@ -264,7 +264,10 @@ TEST(GroupSends, AFanOutEndsWithItsLastMember) {
   sends.fan_out(1, 3);
   EXPECT_FALSE(sends.part_finished(1, "a", false, "far"));
   EXPECT_FALSE(sends.part_finished(1, "b", true, {}));
-  EXPECT_EQ(sends.part_finished(1, "c", false, "lost"), "a (far), c (lost)");
+  const auto missed = sends.part_finished(1, "c", false, "lost");
+  ASSERT_TRUE(missed);
+  EXPECT_EQ(missed->text, "a (far), c (lost)");
+  EXPECT_EQ(missed->members, (std::vector<std::string>{"a", "c"}));
   EXPECT_FALSE(sends.part_finished(1, "c", true, {})) << "it has ended";
 }
 

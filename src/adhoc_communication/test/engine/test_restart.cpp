@@ -119,5 +119,22 @@ TEST(TwoOfAName, ARobotThatGetsAnotherRadioIsNone) {
   for (std::size_t robot = 0; robot < 3; ++robot) EXPECT_FALSE(told(team, robot, "=robot_2")) << robot;
 }
 
+/// When its former address had been silent for long enough it was told to be lost for good, and its group sent latched
+/// messages a second time once it was noticed again.
+TEST(TwoOfAName, ARobotThatGetsAnotherRadioIsLostOnceAndComesBack) {
+  Team team;
+  team.add_line(2, without_groups());
+  team.run_for(2s);
+  team.engine(1).join_group("mc_robot_0", team.now());
+  team.run_for(1s);
+  team.engine(1).restart(kNew, 1500, kNewRun, 1, team.now());
+  team.run_for(30s);
+  std::vector<std::string> words;
+  for (const auto& [at, word] : team.presence(0)) words.push_back(word);
+  EXPECT_EQ(words, (std::vector<std::string>{"+robot_1", "-robot_1", "+robot_1"}));
+  EXPECT_EQ(team.engine(0).robots(), std::vector<std::string>{"robot_1"});
+  EXPECT_EQ(team.engine(0).group_state("mc_robot_0").members, std::vector<std::string>{"robot_1"});
+}
+
 }  // namespace
 }  // namespace adhoc_communication

@@ -26,5 +26,22 @@ TEST(RobotDirectory, OfSeveralRadiosOfANameTheLivingAndNearestCounts) {
   EXPECT_FALSE(directory.address_of("robot_7"));
 }
 
+TEST(RobotDirectory, ANameIsThereOnceAndAsLongAsOneOfItsRadiosIs) {
+  LivingRuns runs;
+  RobotDirectory directory(runs, "self");
+  const MacAddress other = {0x02, 0, 0, 0, 0, 8};
+  directory.life_sign(kRobot, "robot_7", 1, 1, 1, 1s);
+  directory.life_sign(other, "robot_7", 2, 1, 1, 2s);
+  EXPECT_EQ(directory.names(), std::vector<std::string>{"robot_7"});
+  std::vector<std::pair<bool, wire::BootTag>> told;
+  for (const DirectoryChange& change : directory.take_changes()) told.emplace_back(change.appeared, change.boot);
+  EXPECT_EQ(told, (std::vector<std::pair<bool, wire::BootTag>>{{true, 1}, {false, 1}, {true, 2}}));
+  directory.expire(6500ms);
+  EXPECT_TRUE(directory.take_changes().empty()) << "only the former radio is silent";
+  directory.expire(8s);
+  ASSERT_EQ(directory.take_changes().size(), 1u);
+  EXPECT_TRUE(directory.names().empty());
+}
+
 }  // namespace
 }  // namespace adhoc_communication::routing

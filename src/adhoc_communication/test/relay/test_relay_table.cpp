@@ -399,6 +399,33 @@ TEST(RelayTable, NewMembersAreServedWhenTheyAreThereAndBounded) {
   EXPECT_EQ(deliver_all(table, 10s).size(), RelayQueue::kMostOwed);
 }
 
+/// The whole group was sent it anew once a second while one member was away, and when that came back, it got it by the
+/// repetition and again when the root told of it.
+TEST(RelayTable, WhatSomeOfAGroupMissedGoesToThemAloneAndOnce) {
+  RelayTable table("self");
+  RelayEntry entry = to("mc_alice");
+  entry.latched = true;
+  const auto id = table.add(entry);
+  table.robot_appeared("alice", 0s);
+  table.offer(id, message("1"), 0s);
+  const auto to_group = table.next(0s);
+  ASSERT_TRUE(to_group);
+  table.finished(to_group->number, false, "not delivered to carol (no route)", 0s, {"carol"});
+  EXPECT_FALSE(table.next(5s)) << "those who have it do not get it again";
+  table.robot_appeared("carol", 6s);
+  const auto to_carol = table.next(6s);
+  ASSERT_TRUE(to_carol);
+  EXPECT_EQ(to_carol->request.destination, "carol");
+  table.new_member(new_member("alice", "carol"), 6s);
+  table.finished(to_carol->number, true, "", 7s);
+  table.new_member(new_member("alice", "carol"), 8s);
+  EXPECT_FALSE(table.next(8s)) << "it has got it";
+  table.robot_lost("carol");
+  table.robot_appeared("carol", 9s);
+  table.new_member(new_member("alice", "carol"), 9s);
+  EXPECT_TRUE(table.next(9s)) << "another run of it has not";
+}
+
 /// A packet for the group of `self` as a relay of `source` sends it.
 PacketReceived relayed(const std::string& source, bool latched) {
   PacketReceived packet;
