@@ -5,7 +5,7 @@
 namespace mr_robot::slam {
 namespace {
 
-constexpr double kMemory = 40.0;      // windows after which what was learned is a running mean
+constexpr double kMemory = 200.0;     // windows after which what was learned is a running mean
 constexpr double kCaution = 2.0;      // times what was seen of errors is what is expected
 constexpr double kUnseen = 0.1;       // after 1 m or 1 rad, before any errors were seen, and
 constexpr double kDoubt = 0.25;       // how many windows that counts for

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kFactorDeviations[2] = {0.03, 0.05};  // of odometry's factors before anything is known of them
 constexpr double kOutlier = 3.0;                       // standard deviations from which scans lose their weight
-constexpr double kWalls = 0.01;                        // rad, deviation of the direction that walls say
+constexpr double kWalls = 0.005;                       // rad, deviation of the direction that walls say
 constexpr double kAskew = 0.2;                         // rad from which walls belong to no square building, and
 constexpr double kAligned = 0.1;                       // rad within which most must be for there to be one
 constexpr double kSquare = 0.7;                        // of the walls that must agree, 1: all
@@ -44,16 +44,17 @@ struct ScanCost {
   }
 };
 
+// The noise is in what odometry counted: the factors are applied to the way between the poses, or they would come out
+// too small.
 struct OdometryCost {
   Pose motion, deviation;
 
   template <class T>
   bool operator()(const T* from, const T* to, const T* factors, T* residual) const {
-    const Eigen::Matrix<T, 3, 1> corrected(factors[0] * motion.x, factors[0] * motion.y, factors[1] * motion.yaw);
-    const Eigen::Matrix<T, 3, 1> left = difference<T>(from, to, corrected);
-    residual[0] = left[0] / deviation.x;
-    residual[1] = left[1] / deviation.y;
-    residual[2] = left[2] / deviation.yaw;
+    const Eigen::Matrix<T, 3, 1> moved = difference<T>(from, to, {T(0.0), T(0.0), T(0.0)});
+    residual[0] = (T(motion.x) - factors[0] * moved[0]) / deviation.x;
+    residual[1] = (T(motion.y) - factors[0] * moved[1]) / deviation.y;
+    residual[2] = normalized_angle(T(motion.yaw - factors[1] * moved[2])) / deviation.yaw;
     return true;
   }
 };

@@ -14,6 +14,9 @@ constexpr double kThrough = 0.1;     // of the beams see through the map where t
 constexpr double kDrawnOff = 0.25;   // m by which walls of the map may be wrong there
 constexpr double kSlip = 0.6;        // m and rad at most, by which wheels slip before that is seen
 constexpr std::size_t kFewBeams = 10;
+// What hits say of the position where they say least of it, 1: as much as where they say most. Below the first it is
+// noise; from the second on all of it counts.
+constexpr double kNoise = 0.005, kTelling = 0.02;
 constexpr double kTangential = 0.08;  // m, a surface reaches this far beside its mean
 constexpr int kNeighbours = 2;        // cells around a surface that make up its line
 constexpr double kMatureHits = 20.0;  // of a line, for its full weight
@@ -101,12 +104,33 @@ const Line* line_of(const GridMap& map, const Point& point, const Point& normal,
   return known.line.found && known.line.distance < reach ? &known.line : nullptr;
 }
 
+// Takes from what hits say of a pose what is noise. Walls that all run one way say nothing of the position along them
+// (degenerate directions: Zhang, Kaess and Singh 2016); the normals at jambs and niches lean by how they were looked
+// at, and would carry the robot along.
+Eigen::Matrix3d telling_part(const Eigen::Matrix3d& information) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(Eigen::Matrix2d(information.topLeftCorner<2, 2>()));
+  const double least = solver.eigenvalues()(0), most = solver.eigenvalues()(1);
+  Eigen::Matrix3d part = Eigen::Matrix3d::Identity();
+  if (most <= 0.0) return part;
+  const double telling = std::clamp((least / most - kNoise) / (kTelling - kNoise), 0.0, 1.0);
+  const Eigen::Vector2d along = solver.eigenvectors().col(0);
+  part.topLeftCorner<2, 2>() -= (1.0 - std::sqrt(telling)) * along * along.transpose();
+  return part;
+}
+
 struct Fit {
   Pose pose;
   double share = 0.0;  // of the hits in known parts, those on a surface
   double known = 0.0;  // share of the hits that lie in known parts
   std::map<int, Support> origins{};
 };
+
+void drop_noise(std::map<int, Support>* origins) {
+  Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
+  for (const auto& [origin, support] : *origins) all += support.information;
+  const Eigen::Matrix3d part = telling_part(all);
+  for (auto& [origin, support] : *origins) support.information = part * support.information * part;
+}
 
 // A hit that lies on no surface: whether the map knows better.
 bool contradicts(const GridMap& map, const Point& eye, const Point& point) {
@@ -138,6 +162,7 @@ void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Poin
     }
     against += !on && contradicts(map, from, point);
   }
+  drop_noise(&fit->origins);
   const int known = on_surface + against;
   fit->share = known == 0 ? 0.0 : static_cast<double>(on_surface) / known;
   fit->known = beams.empty() ? 0.0 : static_cast<double>(known) / static_cast<double>(beams.size());
@@ -155,8 +180,9 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     information.diagonal() << 1.0 / (deviation.x * deviation.x), 1.0 / (deviation.y * deviation.y),
         1.0 / (deviation.yaw * deviation.yaw);
-    Eigen::Vector3d gradient(pose.x - expected.x, pose.y - expected.y, normalized(pose.yaw - expected.yaw));
-    gradient = information * gradient;
+    const Eigen::Vector3d off(pose.x - expected.x, pose.y - expected.y, normalized(pose.yaw - expected.yaw));
+    Eigen::Matrix3d seen = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d pull = Eigen::Vector3d::Zero();
     const Frame frame(pose);
     for (std::size_t i = 0; i < beams.size(); ++i) {
       const Point arm = frame.turned(beams[i]->end), normal = frame.turned(beams[i]->normal);
@@ -171,10 +197,11 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
       const double scaled = residual / (2.5 * options.surface_deviation);
       const double weight = precision * line.weight / (1.0 + scaled * scaled);
       const Eigen::Vector3d jacobian(nx, ny, -nx * arm.y + ny * arm.x);
-      information += weight * jacobian * jacobian.transpose();
-      gradient += weight * residual * jacobian;
+      seen += weight * jacobian * jacobian.transpose();
+      pull += weight * residual * jacobian;
     }
-    const Eigen::Vector3d step = information.ldlt().solve(-gradient);
+    const Eigen::Matrix3d part = telling_part(seen);
+    const Eigen::Vector3d step = (information + part * seen * part).ldlt().solve(-information * off - part * pull);
     fit.pose = {pose.x + step.x(), pose.y + step.y(), normalized(pose.yaw + step.z())};
     reach = std::max(0.5 * reach, 0.12);
     if (iteration > 1 && step.head<2>().norm() < 2e-4 && std::abs(step.z()) < 1e-4) break;
