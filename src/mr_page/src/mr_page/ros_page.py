@@ -13,6 +13,7 @@ import rospy
 import yaml  # type: ignore[import-untyped]
 
 from mr_grid import Pose
+from mr_grid.ros_node import init_node
 from mr_page.commands import Answer, Order
 from mr_page.feeds import FeedLink
 from mr_page.ros_feed import RobotFeed
@@ -25,7 +26,7 @@ RETRY = 2.0  # s until a feed looks for its team's page again
 
 
 def main() -> int:
-    rospy.init_node("page")
+    init_node("page")
     quiet_logs()
     try:
         given = Parameters()

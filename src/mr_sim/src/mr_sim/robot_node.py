@@ -10,6 +10,7 @@ from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
+from mr_grid.ros_node import init_node
 from mr_sim import protocol, ros_io
 from mr_sim.world_client import ConnectionRefused, WorldClient
 
@@ -128,7 +129,7 @@ class RobotNode:
 def main() -> int:
     """Run the node; returns its exit code."""
     # This node makes the time of its master: it must not wait for it.
-    rospy.init_node("robot", disable_rostime=True)
+    init_node("robot", disable_rostime=True)
     try:
         parameters = read_parameters()
         client = WorldClient.connect(

@@ -8,6 +8,7 @@ import threading
 import rospy
 import tf2_ros
 
+from mr_grid.ros_node import init_node
 from mr_sim.robot_node import ParameterError, RobotNode
 from mr_sim.world import BIAS, World
 from mr_sim.world_client import WorldClient
@@ -71,7 +72,7 @@ def main() -> int:
     arguments = _arguments()
     try:
         description = load_world(find_world(arguments.world))
-        rospy.init_node("stageros", disable_rostime=True)
+        init_node("stageros", disable_rostime=True)
         warning = warning_of(arguments.world, description)
         if warning:
             rospy.logwarn(warning)

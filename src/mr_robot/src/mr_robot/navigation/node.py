@@ -16,6 +16,7 @@ from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
 from mr_grid import Pose
+from mr_grid.ros_node import init_node
 from mr_robot.navigation import ros_io
 from mr_robot.navigation.action_server import LatestGoalServer
 from mr_robot.navigation.engine import Navigator, Status
@@ -193,7 +194,7 @@ class MoveBaseNode:
 
 
 def main() -> int:
-    rospy.init_node("move_base")
+    init_node("move_base")
     try:
         MoveBaseNode()
     except NavigationError as error:

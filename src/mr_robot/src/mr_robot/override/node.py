@@ -8,6 +8,7 @@ from typing import Any, Callable, Optional
 import rospy
 from geometry_msgs.msg import Twist
 
+from mr_grid.ros_node import init_node
 from mr_robot.override.engine import HOLD, Override, Velocity
 
 PERSON, NAVIGATION = "teleop/cmd_vel", "navigation/cmd_vel"
@@ -41,7 +42,7 @@ class VelocityOverrideNode:
 
 
 def main() -> int:
-    rospy.init_node("velocity_override")
+    init_node("velocity_override")
     hold = rospy.get_param("~hold", HOLD)
     topic = rospy.get_param("~velocity_topic", "cmd_vel")
     if isinstance(hold, bool) or not isinstance(hold, (int, float)) or not 0.1 <= hold <= 60.0:

@@ -13,6 +13,7 @@ from sensor_msgs.msg import LaserScan
 
 from mr_grid import Pose
 from mr_grid.ros import NumpyOccupancyGrid, grid_message, yaw_of
+from mr_grid.ros_node import init_node
 from mr_robot.ros_poses import transform_pose
 from mr_robot.slam import ros_io
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
@@ -146,7 +147,7 @@ class SlamNode:
 
 
 def main() -> int:
-    rospy.init_node("slam")
+    init_node("slam")
     try:
         SlamNode()
     except SlamError as error:

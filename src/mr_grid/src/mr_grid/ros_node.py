@@ -1,0 +1,35 @@
+"""How a node of this stack begins."""
+
+import contextlib
+import logging
+from typing import Any
+
+import rospy
+from rosgraph.roslogging import RosStreamHandler
+
+
+def init_node(name: str, **options: Any) -> None:
+    """As `rospy.init_node`. What the node logs is lost where it cannot be written, and the node goes on."""
+    rospy.init_node(name, **options)
+    lose_what_cannot_be_written(logging.getLogger("rosout"))
+
+
+def lose_what_cannot_be_written(logger: logging.Logger) -> None:
+    """ROS' handler of a node's output lets OSError through to whoever logs. roslaunch sends that output to a file: on a
+    full disk, timers and threads ended by what they had to say, and their node stood still without a word."""
+    for handler in list(logger.handlers):
+        if isinstance(handler, RosStreamHandler):
+            logger.removeHandler(handler)
+            logger.addHandler(_Lossy(handler))
+
+
+class _Lossy(logging.Handler):
+    """Hands records on to another handler."""
+
+    def __init__(self, handler: logging.Handler) -> None:
+        super().__init__(handler.level)
+        self._handler = handler
+
+    def emit(self, record: logging.LogRecord) -> None:
+        with contextlib.suppress(OSError):
+            self._handler.emit(record)

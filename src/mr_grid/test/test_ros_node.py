@@ -1,0 +1,44 @@
+"""What happens to a node whose output goes to a full disk."""
+
+import errno
+import logging
+from typing import List
+
+import pytest
+from rosgraph.roslogging import RosStreamHandler
+
+from mr_grid.ros_node import lose_what_cannot_be_written
+
+
+class FullDisk:
+    def write(self, _: str) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+
+class Kept(logging.Handler):
+    def __init__(self) -> None:
+        super().__init__()
+        self.messages: List[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.messages.append(record.getMessage())
+
+
+def test_a_full_disk_does_not_reach_who_logs() -> None:
+    """A robot explored an old map for six minutes: the timer of its map_merger had ended by a warning."""
+    logger, others = logging.Logger("rosout"), Kept()
+    logger.addHandler(RosStreamHandler(False, FullDisk(), FullDisk()))
+    logger.addHandler(others)
+    with pytest.raises(OSError):
+        logger.warning("as rospy does it")
+    lose_what_cannot_be_written(logger)
+    logger.warning("no room")
+    assert others.messages == ["no room"]
+
+
+def test_what_can_be_written_is(capfd: pytest.CaptureFixture) -> None:
+    logger = logging.Logger("rosout")
+    logger.addHandler(RosStreamHandler(False))
+    lose_what_cannot_be_written(logger)
+    logger.warning("a wheel is stuck")
+    assert "a wheel is stuck" in capfd.readouterr().err
