@@ -17,7 +17,8 @@ from team_missions import LOOK, Mission, enter, processes_of
 from mr_grid.map_files import read_map
 
 ROBOTS = ("robot_0", "robot_1")
-DIFFERENT_CELLS = 0.005  # registration sees other intermediate maps each time, and ends near the same optimum
+# Registration sees other intermediate maps each time and ends near the same optimum: walls may lie in the next cell.
+DIFFERENT_CELLS = 0.005
 
 
 def replay(*arguments: object) -> "subprocess.CompletedProcess[str]":
@@ -44,11 +45,19 @@ def messages(bag: Path, topic: str) -> List[object]:
         return [reader.deserialize(octets, one.msgtype) for one, _, octets in reader.messages(connections=wanted)]
 
 
+def without_counterpart(cells: np.ndarray, others: np.ndarray) -> int:
+    """Cells whose value none of the others has within one cell."""
+    rows, columns = cells.shape
+    around = np.pad(others, 1, constant_values=-1)
+    shifted = [around[row : row + rows, column : column + columns] for row in range(3) for column in range(3)]
+    return int((~np.logical_or.reduce([cells == each for each in shifted])).sum())
+
+
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_the_maps_are_merged_again(recorded: Path, computed: Path, robot: str) -> None:
     then, now = (read_map(str(folder / robot / "map.yaml")) for folder in (recorded, computed))
     assert then.cells.shape == now.cells.shape and then.origin == now.origin
-    different = np.count_nonzero(then.cells != now.cells)
+    different = max(without_counterpart(then.cells, now.cells), without_counterpart(now.cells, then.cells))
     assert different <= DIFFERENT_CELLS * np.count_nonzero(then.cells >= 0)
 
 
