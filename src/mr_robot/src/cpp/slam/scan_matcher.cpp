@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "surface_lines.hpp"
+
 namespace mr_robot::slam {
 namespace {
 
@@ -17,92 +19,15 @@ constexpr std::size_t kFewBeams = 10;
 // What hits say of the position where they say least of it, 1: as much as where they say most. Below the first it is
 // noise; from the second on all of it counts.
 constexpr double kNoise = 0.005, kTelling = 0.02;
-constexpr double kTangential = 0.08;  // m, a surface reaches this far beside its mean
-constexpr int kNeighbours = 2;        // cells around a surface that make up its line
-constexpr double kMatureHits = 20.0;  // of a line, for its full weight
-constexpr double kMatureScans = 2.0;  // same; what was hit in one scan only, such as a robot that drives, has no weight
-constexpr double kAgreement = 16.0;   // squared deviations within which scan and odometry agree
+constexpr double kTangential = 0.08;        // m, a surface reaches this far beside its mean
+constexpr double kAgreement = 16.0;         // squared deviations within which scan and odometry agree
 constexpr std::size_t kMostSearched = 120;  // hits
 constexpr std::size_t kLeastBeams = 30;     // to look for old surfaces with
 constexpr double kLeastOnOld = 0.5;         // that must do so elsewhere, and
 constexpr double kMoreOnOld = 0.1;          // so many more than where the robot seems to be
 constexpr double kBorder = 2.0;             // cells
 constexpr Pose kTight{0.05, 0.05, 0.01};
-constexpr double kSameSide = 0.7;     // cosine
-constexpr double kTrust = 0.5;        // of odometry's deviation where scan and odometry agree
-constexpr double kSamePlace = 0.005;  // m, a hit that moves less between two iterations keeps its line
-
-struct Line {
-  Point through, normal;  // m; unit vector
-  double distance = 0.0;  // m, of the nearest surface
-  double weight = 0.0;
-  bool found = false;
-  int origin = 0;  // of the nearest surface
-};
-
-// What was found for a hit, and where it was then.
-struct Association {
-  Point place;
-  double reach = 0.0;  // m; 0: nothing was looked for yet
-  Line line;
-};
-
-bool same_side(const Surface& surface, const Point& normal) {
-  return surface.normal_x * normal.x + surface.normal_y * normal.y > kSameSide;
-}
-
-Cell around(const Cell& cell, int offset) { return {cell.x + offset, cell.y + offset}; }
-
-const Surface* nearest(const GridMap& map, const Point& point, const Point& normal, double reach) {
-  const int radius = static_cast<int>(std::ceil(reach / map.resolution()));
-  const Cell center = map.cell_of(point);
-  const Surface* best = nullptr;
-  double best_distance = reach * reach;
-  map.visit_surfaces(around(center, -radius), around(center, radius), [&](const Surface& surface) {
-    const double dx = point.x - surface.x, dy = point.y - surface.y;
-    const double distance = dx * dx + dy * dy;
-    if (distance >= best_distance || !same_side(surface, normal)) return;
-    best = &surface;
-    best_distance = distance;
-  });
-  return best;
-}
-
-// The line through the nearest surface and its neighbours. A single cell would not do: a wall on the border of two
-// cells leaves half its hits in each, and hits would be drawn to the nearer half wherever they lie.
-Line line_near(const GridMap& map, const Point& point, const Point& normal, double reach) {
-  const Surface* center = nearest(map, point, normal, reach);
-  if (center == nullptr) return {};
-  const Cell cell = map.cell_of({center->x, center->y});
-  Line line;
-  line.distance = std::hypot(point.x - center->x, point.y - center->y);
-  double hits = 0.0, scans = 0.0;
-  map.visit_surfaces(around(cell, -kNeighbours), around(cell, kNeighbours), [&](const Surface& surface) {
-    if (!same_side(surface, normal)) return;
-    hits += surface.hits;
-    scans += surface.hits * surface.scans;
-    line.through.x += surface.hits * surface.x;
-    line.through.y += surface.hits * surface.y;
-    line.normal.x += surface.hits * surface.normal_x;
-    line.normal.y += surface.hits * surface.normal_y;
-  });
-  const double length = std::hypot(line.normal.x, line.normal.y);
-  line.through = {line.through.x / hits, line.through.y / hits};
-  line.normal = {line.normal.x / length, line.normal.y / length};
-  const double maturity = std::clamp((scans / hits - 1.0) / (kMatureScans - 1.0), 0.0, 1.0);
-  line.weight = maturity * std::min(1.0, hits / kMatureHits);
-  line.found = true;
-  line.origin = center->origin;
-  return line;
-}
-
-// The line within `reach` of a hit. Most of the time of matching went into finding the same lines again.
-const Line* line_of(const GridMap& map, const Point& point, const Point& normal, double reach, Association& known) {
-  const double dx = point.x - known.place.x, dy = point.y - known.place.y;
-  const bool holds = dx * dx + dy * dy < kSamePlace * kSamePlace && (known.line.found || reach <= known.reach);
-  if (known.reach == 0.0 || !holds) known = {point, reach, line_near(map, point, normal, reach)};
-  return known.line.found && known.line.distance < reach ? &known.line : nullptr;
-}
+constexpr double kTrust = 0.5;  // of odometry's deviation where scan and odometry agree
 
 // Takes from what hits say of a pose what is noise. Walls that all run one way say nothing of the position along them
 // (degenerate directions: Zhang, Kaess and Singh 2016); the normals at jambs and niches lean by how they were looked

@@ -1,0 +1,27 @@
+// Lines through the surfaces of a map, to which hits are drawn.
+#pragma once
+
+#include "grid_map.hpp"
+
+namespace mr_robot::slam {
+
+struct Line {
+  Point through, normal;  // m; unit vector
+  double distance = 0.0;  // m, of the nearest surface
+  double weight = 0.0;
+  bool found = false;
+  int origin = 0;  // of the nearest surface
+};
+
+// What was found for a hit, and where it was then.
+struct Association {
+  Point place;
+  double reach = 0.0;  // m; 0: nothing was looked for yet
+  Line line;
+};
+
+// The line within `reach` (m) of a hit on a surface that has `normal`, or nullptr. `known`: what was found for this hit
+// before; most of the time of matching went into finding the same lines again.
+const Line* line_of(const GridMap& map, const Point& point, const Point& normal, double reach, Association& known);
+
+}  // namespace mr_robot::slam
