@@ -101,7 +101,7 @@ PYBIND11_MODULE(_slam, module) {
                       const Eigen::Matrix3d& information) { graph.link(from, to, to_pose(relative), information); })
       .def("see_walls", &PoseGraph::see_walls)
       .def("direction_of_walls", &PoseGraph::direction_of_walls)
-      .def("solve", &PoseGraph::solve)
+      .def("solve", &PoseGraph::solve, py::arg("iterations") = 8)
       .def("pose", [](const PoseGraph& graph, std::size_t index) { return to_tuple(graph.pose(index)); });
   py::class_<Slam>(module, "Slam")
       .def(py::init<const SlamOptions&>())

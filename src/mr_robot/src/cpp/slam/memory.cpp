@@ -9,6 +9,8 @@ namespace {
 constexpr double kKeyframeDistance = 0.75;  // m between keyframes
 constexpr double kKeyframeAngle = 0.8;      // rad
 constexpr int kSolveEvery = 6;              // keyframes
+constexpr int kIterations = 8;              // of a solution, and
+constexpr int kIterationsAtOnce = 2;        // of these with each scan that comes
 constexpr std::size_t kMostLinks = 8;       // of a keyframe to others, by scans
 constexpr double kLately = 3.0;             // m of way that are compared with what was drawn long ago
 constexpr long kMostAround = 40;            // keyframes, and
@@ -20,7 +22,7 @@ constexpr double kSameLoop = 0.15;          // m within which two keyframes say 
 constexpr double kMoved = 0.03;             // m that a keyframe has moved before the map is drawn anew
 constexpr double kTurned = 0.005;           // rad
 constexpr std::size_t kMostScans = 20'000;  // beyond, the map stays as it is
-constexpr int kScansAtOnce = 30;            // that are drawn anew with each scan that comes
+constexpr int kScansAtOnce = 100;           // that are drawn anew with each scan that comes
 
 const Eigen::Matrix3d kFloor = Eigen::Vector3d(1e-4, 1e-4, 4e-6).asDiagonal();          // covariance of the best match
 const Eigen::Matrix3d kLoopFloor = Eigen::Vector3d(2.5e-3, 2.5e-3, 4e-5).asDiagonal();  // of one that closes a loop
@@ -144,12 +146,20 @@ void Memory::close_loop(const OdometryModel& model, const MatchOptions& options)
   if (same && !here) solved_ = 0;
 }
 
-void Memory::solve(const GridMap& map, const OdometryModel& model) {
+void Memory::begin_solving(const OdometryModel& model) {
   for (std::size_t i = 1; i < keyframes_.size(); ++i) {
     graph_.weigh_odometry(i, model.deviation_of_way(keyframes_[i].way - keyframes_[i - 1].way));
   }
-  graph_.solve();
   solved_ = keyframes_.size();
+  iterations_ = kIterations;
+}
+
+void Memory::solve() {
+  iterations_ -= kIterationsAtOnce;
+  if (graph_.solve(kIterationsAtOnce)) iterations_ = 0;
+}
+
+void Memory::begin_redrawing(const GridMap& map) {
   bool moved = false;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     moved |= distance(graph_.pose(i), keyframes_[i].drawn) > kMoved ||
@@ -169,12 +179,8 @@ Pose Memory::target(std::size_t keyframe) const {
   return poses[last] * between(keyframes_[last].drawn, keyframes_[keyframe].drawn);
 }
 
-std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryModel& model) {
-  if (scans_ == kMostScans) return std::nullopt;
-  if (!redrawing_) {
-    if (keyframes_.size() >= solved_ + kSolveEvery) solve(*map, model);
-    return std::nullopt;
-  }
+// Some scans more. Returns whether that were all.
+bool Memory::redraw() {
   Redrawing& redrawing = *redrawing_;
   for (int done = 0; done < kScansAtOnce && redrawing.keyframe < keyframes_.size(); ++done) {
     const Keyframe& keyframe = keyframes_[redrawing.keyframe];
@@ -183,12 +189,26 @@ std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryMo
                          static_cast<int>(redrawing.keyframe));
     if (redrawing.scan == keyframe.scans.size()) ++redrawing.keyframe, redrawing.scan = 0;
   }
-  if (redrawing.keyframe < keyframes_.size()) return std::nullopt;
+  return redrawing.keyframe == keyframes_.size();
+}
+
+std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryModel& model) {
+  if (scans_ == kMostScans) return std::nullopt;
+  if (!redrawing_) {
+    if (iterations_ > 0) {
+      solve();
+      if (iterations_ <= 0) begin_redrawing(*map);
+    } else if (keyframes_.size() >= solved_ + kSolveEvery) {
+      begin_solving(model);
+    }
+    return std::nullopt;
+  }
+  if (!redraw()) return std::nullopt;
   std::vector<Pose> targets;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) targets.push_back(target(i));
   const std::pair<Pose, Pose> change{keyframes_.back().drawn, targets.back()};
   for (std::size_t i = 0; i < keyframes_.size(); ++i) keyframes_[i].drawn = targets[i];
-  *map = std::move(redrawing.map);
+  *map = std::move(redrawing_->map);
   redrawing_.reset();
   loop_.reset();
   return change;

@@ -58,7 +58,10 @@ class Memory {
   Scan scan_of(const Kept& kept) const;
   Scan lately() const;
   GridMap drawn_around(const Pose& pose) const;
-  void solve(const GridMap& map, const OdometryModel& model);
+  void begin_solving(const OdometryModel& model);
+  void solve();
+  void begin_redrawing(const GridMap& map);
+  bool redraw();
   Pose target(std::size_t keyframe) const;
 
   GridOptions grid_;
@@ -69,7 +72,8 @@ class Memory {
   std::optional<Redrawing> redrawing_;
   int long_ago_ = -1;         // last keyframe that the way since then has led far from
   std::optional<Pose> loop_;  // what the last keyframe says: the frame of its drawn pose in that of the old surfaces
-  std::size_t solved_ = 0;    // keyframes at the last solution
+  std::size_t solved_ = 0;    // keyframes when the last solution was begun
+  int iterations_ = 0;        // left of it
   std::size_t scans_ = 0;
 };
 

@@ -16,7 +16,7 @@ constexpr double kAskew = 0.2;                         // rad from which walls b
 constexpr double kAligned = 0.1;                       // rad within which most must be for there to be one
 constexpr double kSquare = 0.7;                        // of the walls that must agree, 1: all
 constexpr double kQuarter = 0.5 * M_PI;                // turn
-constexpr int kIterations = 8;
+constexpr int kMeanIterations = 8;
 constexpr std::size_t kRecent = 10;  // poses back, to which scans are not doubted
 
 template <class T>
@@ -99,7 +99,7 @@ std::optional<double> PoseGraph::direction_of_walls() const {
   double direction = std::arg(sum) / 4.0;
   // Of a building with an askew wing: the direction of the larger part.
   std::size_t square = 0;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
+  for (int iteration = 0; iteration < kMeanIterations; ++iteration) {
     double left = 0.0;
     square = 0;
     for (const Walls& walls : walls_) {
@@ -115,8 +115,8 @@ std::optional<double> PoseGraph::direction_of_walls() const {
   return direction;
 }
 
-void PoseGraph::solve() {
-  if (poses_.size() < 2) return;
+bool PoseGraph::solve(int iterations) {
+  if (poses_.size() < 2) return true;
   std::vector<std::array<double, 3>> values;
   for (const Pose& pose : poses_) values.push_back({pose.x, pose.y, pose.yaw});
   ceres::Problem problem;
@@ -146,12 +146,13 @@ void PoseGraph::solve() {
   // SuiteSparse would run OpenMP threads, which hang in a process that was forked after they had started, and a BLAS
   // that rounds as the processor likes.
   options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-  options.max_num_iterations = kIterations;
+  options.max_num_iterations = iterations;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   for (std::size_t i = 0; i < poses_.size(); ++i) poses_[i] = {values[i][0], values[i][1], normalized(values[i][2])};
+  return summary.termination_type == ceres::CONVERGENCE;
 }
 
 }  // namespace mr_robot::slam

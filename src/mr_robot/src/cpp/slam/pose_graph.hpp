@@ -31,8 +31,9 @@ class PoseGraph {
   std::size_t size() const { return poses_.size(); }
   const Pose& pose(std::size_t index) const { return poses_[index]; }
 
-  // Moves the poses to where all fits best (least squares, Cauchy weights for what scans say).
-  void solve();
+  // Moves the poses, in `iterations` steps at most, towards where all fits best (least squares, Cauchy weights for what
+  // scans say). Returns whether they are there.
+  bool solve(int iterations);
 
  private:
   struct OdometryLink {

@@ -23,8 +23,10 @@ constexpr double kTangential = 0.08;        // m, a surface reaches this far bes
 constexpr double kAgreement = 16.0;         // squared deviations within which scan and odometry agree
 constexpr std::size_t kMostSearched = 120;  // hits
 constexpr std::size_t kLeastBeams = 30;     // to look for old surfaces with
-constexpr double kLeastOnOld = 0.5;         // that must do so elsewhere, and
-constexpr double kMoreOnOld = 0.1;          // so many more than where the robot seems to be
+constexpr double kLeastOnOld = 0.5;         // of all hits must lie on old surfaces, or
+constexpr double kLeastElsewhere = 0.3;     // where the robot seems not to be, if
+constexpr double kOfKnown = 0.95;           // of those in known parts do
+constexpr double kMoreOnOld = 0.1;          // elsewhere: so many more than where the robot seems to be
 constexpr double kBorder = 2.0;             // cells
 constexpr Pose kTight{0.05, 0.05, 0.01};
 constexpr double kTrust = 0.5;  // of odometry's deviation where scan and odometry agree
@@ -173,13 +175,24 @@ bool agree(const Pose& a, const Pose& b, const Pose& deviation) {
 // Of all hits, those on surfaces.
 double share_on(const Fit& fit) { return fit.share * fit.known; }
 
+// Information about the position, map frame.
+Eigen::Matrix2d said_of_position(const Fit& fit) {
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  for (const auto& [origin, support] : fit.origins) information += support.information.topLeftCorner<2, 2>();
+  return information;
+}
+
+// Whether hits tell the fit from the poses on the way to it: along a corridor they lie on its walls anywhere.
+bool tells_from(const Fit& fit, const Pose& pose) {
+  const Eigen::Vector2d way(fit.pose.x - pose.x, fit.pose.y - pose.y);
+  const Eigen::Matrix2d information = said_of_position(fit);
+  return way.dot(information * way) > kTelling * information.trace() * way.squaredNorm();
+}
+
 // Share of the scan, beside a prior of that standard deviation, in what is known of the position along the heading.
 double share_along(const Fit& fit, double deviation) {
   const Eigen::Vector2d heading(std::cos(fit.pose.yaw), std::sin(fit.pose.yaw));
-  double information = 0.0;
-  for (const auto& [origin, support] : fit.origins) {
-    information += heading.dot(support.information.topLeftCorner<2, 2>() * heading);
-  }
+  const double information = heading.dot(said_of_position(fit) * heading);
   return information / (information + 1.0 / (deviation * deviation));
 }
 
@@ -261,14 +274,15 @@ std::optional<Match> match_old(const GridMap& old, const Scan& scan, const Pose&
   };
   const Fit now = fit(pose, kTight);
   const Fit best = fit(search(old, beams, pose, window), window);
-  const bool elsewhere = share_on(best) > share_on(now) + kMoreOnOld;
-  // At the border of the window the scan may fit better beyond: along a corridor it does.
+  const bool elsewhere = share_on(best) > share_on(now) + kMoreOnOld && tells_from(best, pose);
+  // At the border of the window the scan may fit better beyond.
   const double border = kBorder * old.resolution();
   const auto at_border = [&](double off, double most) { return std::abs(off) > most - border; };
   if (elsewhere && (at_border(best.pose.x - pose.x, window.x) || at_border(best.pose.y - pose.y, window.y)))
     return std::nullopt;
   const Fit& found = elsewhere ? best : now;
-  if (share_on(found) < kLeastOnOld) return std::nullopt;
+  const double least = elsewhere && found.share >= kOfKnown ? kLeastElsewhere : kLeastOnOld;
+  if (share_on(found) < least) return std::nullopt;
   Match match{found.pose, found.share, Outcome::kMatched};
   if (elsewhere) match.elsewhere = found.pose;
   match.known = found.known;

@@ -144,18 +144,22 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
     confirmed_ = pose_;
     left_confirmed_ = false;
   }
+  bool costly = false;  // already: the rest of the work is left to the next scans
   if (!contradicted_ && !doubtful && !match.elsewhere &&
       (stands || moved(inserted_, pose_, options_.insert_distance, options_.insert_angle))) {
+    const int width = map_.width(), height = map_.height();
     update.inserted = insert(scan, stands, time);
+    costly = map_.width() != width || map_.height() != height;
     if (memory_.add({ranges, ranges + size}, scan, geometry, pose_, driven_, way_, model_, match)) {
       memory_.close_loop(model_, options_.match);
+      costly = true;
     }
   }
   if (verdict == Standing::Verdict::kMoved || verdict == Standing::Verdict::kUnknown) {
     stood_ = pose_;
     stood_driven_ = driven_;
   }
-  update.inserted |= follow(memory_.work(&map_, model_));
+  if (!costly) update.inserted |= follow(memory_.work(&map_, model_));
   update.pose = pose_;
   update.matched = !contradicted_;
   update.share = share_ = match.share;
