@@ -95,7 +95,7 @@ def test_beacon(frames):
 def test_route_request(frames):
     expect(frames[1], type=2, hop_count=1, hop_limit=7, cost=20, id=42, destination=CAROL, destination_sequence=10)
     expect(frames[1], originator=ALICE, originator_sequence=11, destination_name="carol", originator_name="alice")
-    expect(frames[1], request__gratuitous=1, request__repair=0, request__unknown_sequence=1)
+    expect(frames[1], request__gratuitous=1, request__repair=0, request__unknown_sequence=1, request__directed=0)
 
 
 def test_route_reply(frames):

@@ -72,6 +72,7 @@ local f = {
   request_gratuitous = ProtoField.bool("adhoc.request.gratuitous", "G: gratuitous reply", 8, YES_NO, 0x20),
   request_destination_only = ProtoField.bool("adhoc.request.destination_only", "D: destination only", 8, YES_NO, 0x10),
   request_unknown = ProtoField.bool("adhoc.request.unknown_sequence", "U: unknown sequence number", 8, YES_NO, 0x08),
+  request_directed = ProtoField.bool("adhoc.request.directed", "Directed: not flooded", 8, YES_NO, 0x04),
   reply_repair = ProtoField.bool("adhoc.reply.repair", "R: repair", 8, YES_NO, 0x80),
   reply_acknowledgment = ProtoField.bool("adhoc.reply.acknowledgment", "A: acknowledgment required", 8, YES_NO, 0x40),
   error_no_delete = ProtoField.bool("adhoc.error.no_delete", "N: no delete", 8, YES_NO, 0x80),
@@ -266,7 +267,7 @@ end
 
 local function route_request(cursor, tree)
   cursor:flags(tree, f.routing_flags, { f.request_join, f.request_repair, f.request_gratuitous,
-                                        f.request_destination_only, f.request_unknown })
+                                        f.request_destination_only, f.request_unknown, f.request_directed })
   local hops = cursor:number(tree, f.hop_count, 1)
   local limit = cursor:number(tree, f.hop_limit, 1)
   cursor:add(tree, f.cost, 2)

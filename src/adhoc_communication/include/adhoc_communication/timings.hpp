@@ -23,7 +23,8 @@ struct Timings {
   int net_diameter = 35;
   int ttl_threshold = 7;  ///< the expanding ring goes beyond it at once as far as allowed
   int local_add_ttl = 2;
-  bool destination_only = false;  ///< flag D of all own requests: only the destination answers
+  bool destination_only = false;   ///< flag D of all own requests: only the destination answers
+  bool directed_requests = false;  ///< the first request of a search goes the way that life signs come
 
   Time net_traversal_time() const { return 2 * net_diameter * node_traversal_time; }
   Time path_discovery_time() const { return std::max(2 * net_traversal_time(), shortest_memory); }
@@ -49,6 +50,7 @@ inline Timings robot_timings() {
   using namespace std::chrono_literals;
   Timings timings{10s, 5ms, 120ms, 15s, 10s, 8, 3};
   timings.destination_only = true;
+  timings.directed_requests = true;
   return timings;
 }
 

@@ -85,7 +85,7 @@ std::set<MacAddress> GroupTraffic::cancel(SendId id, const std::string& group) {
 
 void GroupTraffic::appeared(const std::string& robot, wire::BootTag boot, Time now) {
   if (own_group_.comes_back(robot, boot)) admit(robot, now);
-  memberships_.appeared(robot);
+  memberships_.appeared(robot, now);
   carry_out_memberships();
 }
 

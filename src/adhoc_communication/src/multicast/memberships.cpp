@@ -39,8 +39,35 @@ void Memberships::start_join(const std::string& group) {
   if (memberships_.count(group) == 0 && memberships_.size() >= kMostGroups) return;
   Membership& membership = memberships_[group];
   if (!membership.wanted || membership.joining || membership.joined) return;
+  if (!membership.asked_by_host && automatic_joins_under_way() >= kJoinsAtOnce) return;
   membership.joining = true;
   words_.push_back({Word::Kind::kJoin, group});
+}
+
+int Memberships::automatic_joins_under_way() const {
+  return static_cast<int>(std::count_if(memberships_.begin(), memberships_.end(), [](const auto& item) {
+    return item.second.joining && !item.second.asked_by_host;
+  }));
+}
+
+/// Those of near roots first: what is found out on the way to them helps to find the others.
+void Memberships::start_waiting(Time now) {
+  for (int under_way = automatic_joins_under_way(); under_way < kJoinsAtOnce; ++under_way) {
+    if (now + kJoinBurst < next_join_at_) return;
+    const std::string* nearest = nullptr;
+    int least = 0;
+    for (const auto& [group, membership] : memberships_) {
+      if (!membership.wanted || membership.joined || membership.joining || membership.retry_at > now) continue;
+      const auto address = directory_.address_of(*root_of(group));
+      const routing::Robot* root = address ? directory_.find(*address) : nullptr;
+      if (root == nullptr || !root->announced || (nearest != nullptr && root->hops >= least)) continue;
+      nearest = &group;
+      least = root->hops;
+    }
+    if (nearest == nullptr) return;
+    next_join_at_ = std::max(now, next_join_at_) + kJoinSpacing * directory_.size();
+    start_join(*nearest);
+  }
 }
 
 void Memberships::start_leave(const std::string& group) {
@@ -48,9 +75,10 @@ void Memberships::start_leave(const std::string& group) {
   words_.push_back({Word::Kind::kLeave, group});
 }
 
-void Memberships::appeared(const std::string& root) {
+void Memberships::appeared(const std::string& root, Time now) {
   const std::string group = group_of(root);
-  if (automatic_ || memberships_.count(group) != 0) start_join(group);
+  if (automatic_ && memberships_.size() < kMostGroups) memberships_[group];
+  start_waiting(now);
 }
 
 void Memberships::lost(const std::string& root) {
@@ -68,12 +96,9 @@ void Memberships::expire(Time now) {
     if (settled || membership.retry_at > now) continue;
     const auto address = directory_.address_of(*root_of(group));
     if (!address || !directory_.find(*address)->announced) continue;
-    if (membership.wanted) {
-      start_join(group);
-    } else {
-      start_leave(group);
-    }
+    if (!membership.wanted) start_leave(group);
   }
+  start_waiting(now);
   for (const std::string& group : unconfirmed) {
     give_up_join(group, "the root did not answer within " + seconds_text(kMembersPatience), now);
   }
@@ -92,7 +117,11 @@ void Memberships::said(const Word& word, bool delivered, const std::string& reas
   membership.joining = false;
   membership.joined = delivered && membership.wanted && !membership.turned_away;
   if (std::exchange(membership.turned_away, false)) membership.retry_at = now + kFullRetry;
-  if (!membership.asked_by_host) return;
+  if (!membership.asked_by_host) {
+    membership.failures = delivered ? 0 : membership.failures + 1;
+    if (!delivered) membership.retry_at = now + kRetry * (1 << std::min(membership.failures - 1, kMostDoublings));
+    return start_waiting(now);
+  }
   if (!delivered) return give_up_join(word.group, reason, now);
   membership.confirmed_by = now + kMembersPatience;
   words_.push_back({Word::Kind::kConfirmation, word.group});

@@ -24,6 +24,7 @@ struct Membership {
   bool wanted = true;                ///< false once the host has left
   bool after_leave = false;          ///< the host had left before the join under way: if it fails, that holds again
   Time retry_at{0};                  ///< when to ask again after a failure
+  int failures = 0;                  ///< of joins that nobody has asked for, in a row
 };
 
 /// Something that the root of a group is to be told or asked; its end comes back as an argument of said().
@@ -38,7 +39,12 @@ struct Word {
 class Memberships {
  public:
   static constexpr std::size_t kMostGroups = 1024;  ///< no further ones are joined
-  static constexpr Time kRetry = std::chrono::seconds(2);
+  static constexpr Time kRetry = std::chrono::seconds(2);  ///< doubled with each failure of a join by itself
+  static constexpr int kMostDoublings = 4;
+  // Joins that happen by themselves. All of a large team at once would leave no air for any.
+  static constexpr int kJoinsAtOnce = 4;
+  static constexpr Time kJoinSpacing = std::chrono::milliseconds(4);  ///< times the robots known: of the whole team
+  static constexpr Time kJoinBurst = std::chrono::milliseconds(100);  ///< by which one may be early
   static constexpr Time kFullRetry = std::chrono::seconds(30);  ///< after the root had no room for this robot
   static constexpr Time kMembersPatience = std::chrono::seconds(5);
 
@@ -52,7 +58,7 @@ class Memberships {
   void leave(const std::string& group);
 
   // The root.
-  void appeared(const std::string& root);
+  void appeared(const std::string& root, Time now);
   void lost(const std::string& root);
   /// Who belongs to its group.
   void named(const std::string& group, bool this_robot, std::size_t members, Time now);
@@ -82,6 +88,8 @@ class Memberships {
 
  private:
   void start_join(const std::string& group);
+  void start_waiting(Time now);
+  int automatic_joins_under_way() const;
   void start_leave(const std::string& group);
   void end_join(const std::string& group, const std::string& failure, Time now);
   void give_up_join(const std::string& group, const std::string& failure, Time now);
@@ -92,6 +100,7 @@ class Memberships {
   bool automatic_;
   std::size_t most_members_;
   std::map<std::string, Membership> memberships_;
+  Time next_join_at_{0};  ///< by itself
   std::vector<Word> words_;
   std::vector<GroupChangeFinished> ends_;
 };

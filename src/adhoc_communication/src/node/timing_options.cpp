@@ -22,7 +22,8 @@ const std::map<std::string, int Timings::*> kNumbers = {
     {"ttl_threshold", &Timings::ttl_threshold},           {"local_add_ttl", &Timings::local_add_ttl},
 };
 
-const std::map<std::string, bool Timings::*> kFlags = {{"destination_only", &Timings::destination_only}};
+const std::map<std::string, bool Timings::*> kFlags = {{"destination_only", &Timings::destination_only},
+                                                     {"directed_requests", &Timings::directed_requests}};
 
 Timings preset(XmlRpcValue value) {
   if (value.getType() != XmlRpcValue::TypeString) throw std::invalid_argument("has a preset that is not a string");

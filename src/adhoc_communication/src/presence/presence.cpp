@@ -11,6 +11,7 @@ constexpr std::size_t kHeardSize = 7;
 constexpr std::size_t kMostHeard = 24;  ///< in one beacon; with more, they take turns
 constexpr std::size_t kRumorSize = 20 + wire::kLongestName;
 constexpr std::size_t kMostRumors = 16;
+constexpr double kGoodLoss = 0.5;  ///< of a link by which requests may be sent
 
 }  // namespace
 
@@ -49,12 +50,14 @@ void Presence::probe_doubtful(Time now) {
 
 void Presence::on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon, Time now) {
   neighbors_.beacon(from, beacon, wire::neighbor_tag(self_.boot), now);
-  directory_.life_sign(from, beacon.name, boot, beacon.alive, 1, now);
+  const bool good = neighbors_.two_way(from, now) && neighbors_.loss(from) <= kGoodLoss;
+  const std::optional<MacAddress> teller = good ? std::optional(from) : std::nullopt;
+  directory_.life_sign(from, beacon.name, boot, beacon.alive, 1, teller, now);
   if (neighbors_.two_way(from, now)) router_.on_hello(from, beacon.sequence_number, now);
   for (const wire::Rumor& rumor : beacon.rumors) {
     if (rumor.address == self_.address) continue;
     directory_.life_sign(rumor.address, rumor.name, rumor.boot, rumor.alive, static_cast<std::uint8_t>(rumor.hops + 1),
-                         now);
+                         teller, now);
   }
 }
 

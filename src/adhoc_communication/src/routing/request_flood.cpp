@@ -6,6 +6,7 @@
 namespace adhoc_communication::routing {
 
 bool RequestFlood::first_time(const wire::RouteRequest& request, const MacAddress& from, Time now) {
+  load_.heard(now);
   const Key identity = key(request);
   auto found = seen_.find(identity);
   const bool fresh = found == seen_.end() || found->second.forgotten <= now;
@@ -69,6 +70,7 @@ void RequestFlood::poll(const Neighbors& neighbors, Time now) {
 void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) {
   const auto seen = seen_.find(key(request));
   if (seen == seen_.end()) return;  // it had to make room
+  if (load_.heavy(now)) return;
   const std::vector<MacAddress> needy = in_need(request, seen->second, neighbors, now);
   const std::size_t copies = std::min(needy.size(), kMostConfirmations);
   for (std::size_t i = 0; i < copies; ++i) {
@@ -80,6 +82,7 @@ void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& n
 bool RequestFlood::needless(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) const {
   const auto seen = seen_.find(key(request));
   if (request.hop_count == 0 || seen == seen_.end() || seen->second.holders.size() < kFewestHolders) return false;
+  if (load_.heavy(now)) return seen->second.holders.size() >= kEnoughHolders;
   return in_need(request, seen->second, neighbors, now).empty();
 }
 

@@ -2,6 +2,8 @@
 //
 // A lost broadcast is the weak point of a flood. So whoever has broadcast a request listens; a neighbour that has not
 // been heard with it after kConfirm, and hardly hears others who have it, gets it once more as an acknowledged unicast.
+// While requests come thick and fast nobody gets such copies, and of those who hear one from several the others are
+// silent: searches are repeated, and air that floods have taken is lost to all.
 // On a crowded channel requests wait until the radio has room, and so do others: whoever had to wait gives them more
 // time.
 #pragma once
@@ -16,6 +18,7 @@
 #include "outbox.hpp"
 #include "random.hpp"
 #include "routing/neighbors.hpp"
+#include "routing/request_load.hpp"
 
 namespace adhoc_communication::routing {
 
@@ -26,6 +29,7 @@ class RequestFlood {
   static constexpr std::size_t kMostPending = 256;      ///< further requests are not passed on
   static constexpr std::size_t kMostConfirmations = 6;  ///< unicast copies of one request
   static constexpr std::size_t kFewestHolders = 2;      ///< heard before an own copy is needless
+  static constexpr std::size_t kEnoughHolders = 3;      ///< while requests come thick and fast
   static constexpr double kTolerableMiss = 0.1;         ///< of all copies but the own, by a neighbour
   static constexpr double kBadLoss = 0.5;               ///< of a link over which others may do better
   static constexpr int kMostForwards = 2;               ///< of one request: once more when a cheaper copy came late
@@ -87,6 +91,7 @@ class RequestFlood {
   const Timings& timings_;
   Outbox& outbox_;
   Random& random_;
+  RequestLoad load_;
   std::map<Key, Seen> seen_;
   std::deque<std::pair<Time, Key>> order_;  ///< in which they are forgotten
   std::vector<Pending> pending_;

@@ -21,18 +21,22 @@ bool RobotDirectory::learn(const MacAddress& address, const std::string& name, w
 }
 
 void RobotDirectory::life_sign(const MacAddress& address, const std::string& name, wire::BootTag boot,
-                               std::uint32_t alive, std::uint8_t hops, Time now) {
+                               std::uint32_t alive, std::uint8_t hops, std::optional<MacAddress> teller, Time now) {
   const Robot* known = find(address);
   const std::uint32_t before = runs_.lives(address, boot) ? runs_.life_sign(address) : 0;
   if (hops > 1 && known != nullptr && known->boot == boot && before != 0 && !is_newer(alive, before)) {
     // A nearer witness of the same life sign shortens the distance; it is no news of life.
-    if (alive == before && hops < known->hops) set_hops(robots_[address], hops);
+    if (alive != before) return;
+    Robot& robot = robots_[address];
+    if (teller && robot.told != alive) robot.teller = *teller, robot.told = alive;
+    if (hops < known->hops) set_hops(robot, hops);
     return;
   }
   if (!runs_.told_alive(address, boot, alive, now)) return;
   Robot* robot = admit(address, name, boot, now);
   if (robot == nullptr) return;
   if (runs_.life_sign(address) != before) robot->spreads_left = kSpreads;
+  if (teller) robot->teller = *teller, robot->told = alive;
   set_hops(*robot, hops);
 }
 
@@ -44,6 +48,12 @@ void RobotDirectory::traffic(const MacAddress& address, wire::BootTag boot, Time
 const Robot* RobotDirectory::find(const MacAddress& address) const {
   const auto found = robots_.find(address);
   return found == robots_.end() ? nullptr : &found->second;
+}
+
+std::optional<MacAddress> RobotDirectory::teller_of(const MacAddress& address) const {
+  const Robot* robot = find(address);
+  if (robot == nullptr || !robot->announced || robot->hops < 2 || robot->teller == MacAddress{}) return std::nullopt;
+  return robot->teller;
 }
 
 /// Of several the one that lives, and of those the nearest.
@@ -164,6 +174,8 @@ Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name,
     by_name_[name].insert(address);
     robot.boot = boot;
     robot.name = name;
+    robot.teller = MacAddress{};
+    robot.told = 0;
   }
   robot.last_news = now;
   if (!robot.announced) appear(robot, address, now);

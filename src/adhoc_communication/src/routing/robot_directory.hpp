@@ -22,6 +22,8 @@ struct Robot {
   Time appeared{0};
   bool announced = false;
   int spreads_left = 0;  ///< beacons that still carry the latest life sign
+  MacAddress teller{};   ///< neighbour that brought the latest life sign over a good link; zero while nobody has
+  std::uint32_t told = 0;  ///< that life sign
 };
 
 struct DirectoryChange {
@@ -44,13 +46,16 @@ class RobotDirectory {
 
   /// False when another run of the robot lives, or the directory is full.
   bool learn(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint8_t hops, Time now);
-  /// As learn(), with a life sign; takes only news.
+  /// As learn(), with a life sign; takes only news. `teller`: the neighbour that says so, over a good link.
   void life_sign(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint32_t alive,
-                 std::uint8_t hops, Time now);
+                 std::uint8_t hops, std::optional<MacAddress> teller, Time now);
   /// Data of the robot arrived, so it lives.
   void traffic(const MacAddress& address, wire::BootTag boot, Time now);
 
   const Robot* find(const MacAddress& address) const;
+  /// The neighbour that has told of the far robot last: life signs come by it, so it lies on a way there. Life signs
+  /// grow along that way, so it has no loops.
+  std::optional<MacAddress> teller_of(const MacAddress& address) const;
   std::optional<MacAddress> address_of(const std::string& name) const;
   /// Another number once address_of() may answer otherwise.
   std::uint64_t version() const { return version_; }

@@ -17,7 +17,7 @@ RouteDiscovery::RouteDiscovery(const EngineOptions& options, Random& random)
   first_ring_ = std::min(first_ring_, last_ring_);
 }
 
-void RouteDiscovery::search(const Target& target, std::uint8_t last_hops, Time now) {
+void RouteDiscovery::search(const Target& target, std::uint8_t last_hops, std::uint8_t told_hops, Time now) {
   if (searching(target)) return;
   if (searches_.size() >= kMostSearches) {
     failures_.push_back({target, Time(0), false});
@@ -26,6 +26,7 @@ void RouteDiscovery::search(const Target& target, std::uint8_t last_hops, Time n
   Search search{target, now, now, first_ring_};
   // Section 6.4: the ring for a lost route starts a little beyond its former length.
   if (last_hops > 0) search.hop_limit = std::clamp(last_hops + increment_, first_ring_, last_ring_);
+  search.told_hops = told_hops;
   searches_.emplace(key(target), search);
 }
 
@@ -41,6 +42,9 @@ std::vector<RouteDiscovery::Step> RouteDiscovery::poll(Time now) {
   for (auto iterator = searches_.begin(); iterator != searches_.end();) {
     Search& search = iterator->second;
     if (search.due > now) {
+      ++iterator;
+    } else if (search.told_hops > 0) {
+      steps.push_back(directed(search, now));
       ++iterator;
     } else if (!advance(search, now)) {
       failures_.push_back({search.target, now - search.started, search.repair});
@@ -70,6 +74,12 @@ void RouteDiscovery::replied(const Target& target) {
   for (const Key& asked : {Key{target.address, {}}, Key{{}, target.name}}) {
     if (const auto found = searches_.find(asked); found != searches_.end()) ++found->second.replies;
   }
+}
+
+RouteDiscovery::Step RouteDiscovery::directed(Search& search, Time now) const {
+  const int hops = std::exchange(search.told_hops, std::uint8_t{0}) + kDetour;
+  search.due = now + timings_.ring_traversal_time(hops);
+  return {search.target, static_cast<std::uint8_t>(std::min(hops, timings_.net_diameter)), false, true};
 }
 
 /// Takes the next try if the rate limit lets it, and sets when to look again. False when all tries are used up.

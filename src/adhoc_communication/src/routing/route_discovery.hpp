@@ -33,11 +33,13 @@ class RouteDiscovery {
  public:
   static constexpr std::size_t kMostSearches = 64;
   static constexpr int kJitterShare = 4;  ///< of the wait: the first part of so many
+  static constexpr int kDetour = 2;       ///< hops more than told of
 
   struct Step {
     Target target;
     std::uint8_t hop_limit;
     bool repair;
+    bool directed = false;  ///< by way of those who told of the target
   };
 
   /// A search that has succeeded or failed.
@@ -52,7 +54,9 @@ class RouteDiscovery {
   RouteDiscovery(const EngineOptions& options, Random& random);
 
   /// Starts a search unless one is running. `last_hops`: length of the route that was lost, 0 if there was none.
-  void search(const Target& target, std::uint8_t last_hops, Time now);
+  /// `told_hops`: length of a way that is told of, 0 if there is none; the first request goes along it alone, which
+  /// costs no flood and is not limited as these are.
+  void search(const Target& target, std::uint8_t last_hops, std::uint8_t told_hops, Time now);
   /// Section 6.12: one request, a little farther than the destination was. False unless that can be tried.
   bool repair(const MacAddress& destination, int hop_limit, Time now);
   template <typename Predicate>
@@ -77,6 +81,7 @@ class RouteDiscovery {
     int hop_limit = 0;
     int tries = 0;  ///< at this hop limit
     bool repair = false;
+    std::uint8_t told_hops = 0;  ///< of the way to be tried first
     int requests = 0;
     int replies = 0;
     std::uint32_t last_request = 0;
@@ -89,6 +94,7 @@ class RouteDiscovery {
     ended_.push_back({search.target, search.started, search.requests, search.replies, search.last_request});
   }
   bool advance(Search& search, Time now);
+  Step directed(Search& search, Time now) const;
   int next_ring(int hop_limit) const;
   bool is_last_ring(int hop_limit) const { return hop_limit >= last_ring_; }
 

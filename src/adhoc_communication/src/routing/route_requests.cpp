@@ -24,7 +24,10 @@ void Router::send_request(const RouteDiscovery::Step& step, Time now) {
   request.originator_boot = self_.boot;
   request.originator_name = self_.name;
   discovery_.requested(step.target, request.id);
-  flood_.originate(request, self_.address, now);
+  const auto way = step.directed ? way_told(address_asked(request), now) : std::nullopt;
+  if (!way) return flood_.originate(request, self_.address, now);
+  request.directed = true;
+  outbox_.unicast(*way, wire::FrameType::kRouteRequest, to_bytes(request));
 }
 
 void Router::on_request(const MacAddress& from, wire::RouteRequest request, Time now) {
@@ -125,7 +128,10 @@ void Router::forward_request(wire::RouteRequest request, const MacAddress& from,
         request.unknown_sequence_number ? known->sequence : newest(request.destination_sequence, known->sequence);
     request.unknown_sequence_number = false;
   }
-  flood_.forward(request, neighbors_.cost(from), now);
+  if (!request.directed) return flood_.forward(request, neighbors_.cost(from), now);
+  // Where the way ends the originator hears nothing, and floods.
+  const auto way = way_told(address_asked(request), now);
+  if (way && *way != from) outbox_.unicast(*way, wire::FrameType::kRouteRequest, to_bytes(request));
 }
 
 }  // namespace adhoc_communication::routing

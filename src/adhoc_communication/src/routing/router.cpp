@@ -23,7 +23,23 @@ Router::Router(const Identity& self, const EngineOptions& options, Neighbors& ne
 void Router::search(const Target& target, Time now) {
   routes_.keep(target.address, now);
   const Route* former = routes_.find(target.address);
-  discovery_.search(target, former == nullptr ? 0 : former->hops, now);
+  discovery_.search(target, former == nullptr ? 0 : former->hops, hops_told(target, now), now);
+}
+
+/// Length of the way to the target that life signs came; 0 if none is known, or it is not to be tried.
+std::uint8_t Router::hops_told(const Target& target, Time now) const {
+  if (!timings_.directed_requests) return 0;
+  const auto address =
+      target.address != MacAddress{} ? std::optional(target.address) : directory_.address_of(target.name);
+  const Robot* robot = address ? directory_.find(*address) : nullptr;
+  return robot != nullptr && way_told(*address, now) ? robot->hops : 0;
+}
+
+/// The next hop of a request that is not flooded.
+std::optional<MacAddress> Router::way_told(const MacAddress& destination, Time now) const {
+  if (const Route* route = routes_.usable(destination, now)) return route->next_hop;
+  const auto teller = directory_.teller_of(destination);
+  return teller && neighbors_.two_way(*teller, now) ? teller : std::nullopt;
 }
 
 bool Router::search_nearby(const MacAddress& destination, Time now) {

@@ -78,6 +78,8 @@ class Router {
   bool answer_from_table(const wire::RouteRequest& request, const MacAddress& to, Time now);
   void answer_gratuitously(const wire::RouteRequest& request, const Route& to_destination, Time now);
   void forward_request(wire::RouteRequest request, const MacAddress& from, Time now);
+  std::uint8_t hops_told(const Target& target, Time now) const;
+  std::optional<MacAddress> way_told(const MacAddress& destination, Time now) const;
   bool better_one_known(const wire::RouteReply& reply, Time now) const;
   bool worth_forwarding(const wire::RouteReply& reply, bool updated, const MacAddress& from, Time now);
   void forward_reply(wire::RouteReply reply, Time now);

@@ -68,6 +68,7 @@ struct RouteRequest {
   std::uint32_t originator_sequence = 0;
   BootTag originator_boot = 0;
   std::string originator_name;
+  bool directed = false;  ///< not flooded: from robot to robot, each of which has news of the destination from the next
 };
 
 /// RFC 3561 section 5.2.

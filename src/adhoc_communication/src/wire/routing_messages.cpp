@@ -78,7 +78,8 @@ std::optional<Beacon> read_beacon(Reader reader) {
 
 void write(Writer& writer, const RouteRequest& request) {
   const int flags = (request.join ? 0x80 : 0) | (request.repair ? 0x40 : 0) | (request.gratuitous ? 0x20 : 0) |
-                    (request.destination_only ? 0x10 : 0) | (request.unknown_sequence_number ? 0x08 : 0);
+                    (request.destination_only ? 0x10 : 0) | (request.unknown_sequence_number ? 0x08 : 0) |
+                    (request.directed ? 0x04 : 0);
   writer.u8(static_cast<std::uint8_t>(flags));
   writer.u8(request.hop_count);
   writer.u8(request.hop_limit);
@@ -101,6 +102,7 @@ std::optional<RouteRequest> read_route_request(Reader reader) {
   request.gratuitous = (flags & 0x20) != 0;
   request.destination_only = (flags & 0x10) != 0;
   request.unknown_sequence_number = (flags & 0x08) != 0;
+  request.directed = (flags & 0x04) != 0;
   request.hop_count = reader.u8();
   request.hop_limit = reader.u8();
   request.cost = reader.u16();

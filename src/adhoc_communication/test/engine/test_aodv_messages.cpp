@@ -151,8 +151,8 @@ std::vector<Bytes> outcome_with(std::uint8_t request_bits, std::uint8_t reply_bi
 TEST(Messages, A1_6_ReservedBitsAreIgnoredAndSentAsZero) {
   const std::vector<Bytes> plain = outcome_with(0, 0, 0);
   ASSERT_GE(plain.size(), 3u);
-  EXPECT_EQ(outcome_with(0x07, 0x3f, 0x3f), plain);
-  EXPECT_EQ(plain[0][0] & 0x07, 0);
+  EXPECT_EQ(outcome_with(0x03, 0x3f, 0x3f), plain);
+  EXPECT_EQ(plain[0][0] & 0x03, 0);
   EXPECT_EQ(plain[1][0] & 0x3f, 0);
   EXPECT_EQ(plain[2][0] & 0x3f, 0);
 }

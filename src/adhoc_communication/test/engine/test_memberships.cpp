@@ -1,6 +1,9 @@
 // What a robot is to the groups of others, and what the root of a group keeps of its members.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <set>
+
 #include "multicast/group_sends.hpp"
 #include "multicast/memberships.hpp"
 #include "multicast/own_group.hpp"
@@ -15,7 +18,7 @@ constexpr char kGroup[] = "mc_root";
 
 struct Fixture {
   explicit Fixture(bool automatic) : memberships(directory, automatic, 10) {}
-  void root_is_heard(Time now) { directory.life_sign({2, 0, 0, 0, 0, 1}, "root", 1, ++alive, 1, now); }
+  void root_is_heard(Time now) { directory.life_sign({2, 0, 0, 0, 0, 1}, "root", 1, ++alive, 1, std::nullopt, now); }
   std::vector<Kind> words() {
     std::vector<Kind> kinds;
     for (const Word& word : memberships.take_words()) kinds.push_back(word.kind);
@@ -85,7 +88,7 @@ TEST(Memberships, AConfirmationThatComesLateDoesNotEndAMembership) {
 TEST(Memberships, WhatHappensByItselfIsTriedAgainWhenTheRootIsThere) {
   Fixture robot(true);
   robot.root_is_heard(1s);
-  robot.memberships.appeared("root");
+  robot.memberships.appeared("root", 1s);
   EXPECT_EQ(robot.words(), Kinds{Kind::kJoin});
   robot.memberships.said({Kind::kJoin, kGroup}, false, "no route", 2s);
   robot.memberships.expire(2s + Memberships::kRetry - 1ns);
@@ -95,10 +98,71 @@ TEST(Memberships, WhatHappensByItselfIsTriedAgainWhenTheRootIsThere) {
   EXPECT_TRUE(robot.memberships.take_ends().empty()) << "nobody has asked";
 }
 
+/// So many roots, the nth n hops away, and what is said to them.
+struct Crowd : Fixture {
+  static constexpr int kRoots = 50;
+  Crowd() : Fixture(true) {
+    for (int i = 1; i <= kRoots; ++i) {
+      const MacAddress address{2, 0, 0, 0, 1, static_cast<std::uint8_t>(i)};
+      directory.life_sign(address, "r" + std::to_string(i), 1, 1, static_cast<std::uint8_t>(i), std::nullopt, 1s);
+    }
+    for (int i = kRoots; i >= 1; --i) memberships.appeared("r" + std::to_string(i), 1s);
+  }
+};
+
+/// The joins of a large team that were all under way at once took the air that each of them needed.
+TEST(Memberships, JoinsByThemselvesGoOneAfterTheOtherTheNearestFirst) {
+  Crowd robot;
+  std::vector<std::string> joined;
+  std::set<std::string> under_way;
+  Time now = 1s;
+  for (; joined.size() < Crowd::kRoots && now < 60s; now += 50ms) {
+    robot.memberships.expire(now);
+    for (const Word& word : robot.memberships.take_words()) {
+      joined.push_back(word.group);
+      under_way.insert(word.group);
+    }
+    EXPECT_LE(under_way.size(), static_cast<std::size_t>(Memberships::kJoinsAtOnce));
+    const std::set<std::string> arrived = std::exchange(under_way, {});
+    for (const std::string& group : arrived) robot.memberships.said({Kind::kJoin, group}, true, {}, now);
+  }
+  ASSERT_EQ(joined.size(), static_cast<std::size_t>(Crowd::kRoots));
+  const Time least = (Crowd::kRoots - 1) * Crowd::kRoots * Memberships::kJoinSpacing - Memberships::kJoinBurst;
+  EXPECT_GE(now - 1s, least);
+  EXPECT_LE(now - 1s, least + 1s);
+  for (std::size_t i = 1; i < joined.size(); ++i) EXPECT_EQ(joined[i], "mc_r" + std::to_string(i)) << "the nearest";
+}
+
+TEST(Memberships, OfJoinsThatTakeLongFewAreUnderWay) {
+  Crowd robot;
+  std::size_t words = 0;
+  for (Time now = 1s; now < 60s; now += 250ms) {
+    robot.memberships.expire(now);
+    words += robot.memberships.take_words().size();
+  }
+  EXPECT_EQ(words, static_cast<std::size_t>(Memberships::kJoinsAtOnce));
+}
+
+TEST(Memberships, AJoinThatFailsAgainAndAgainIsTriedLessAndLess) {
+  Fixture robot(true);
+  robot.root_is_heard(1s);
+  robot.memberships.appeared("root", 1s);
+  std::vector<Time> tries;
+  for (Time now = 1s; tries.size() < 8; now += 250ms) {
+    robot.memberships.expire(now);
+    for ([[maybe_unused]] const Word& word : robot.memberships.take_words()) {
+      tries.push_back(now);
+      robot.memberships.said({Kind::kJoin, kGroup}, false, "no route", now);
+    }
+  }
+  const Time longest = Memberships::kRetry * (1 << Memberships::kMostDoublings);
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(tries[i + 1] - tries[i], std::min(longest, Memberships::kRetry * (1 << i)));
+}
+
 TEST(Memberships, AFullRootIsNotAskedAgainSoon) {
   Fixture robot(true);
   robot.root_is_heard(1s);
-  robot.memberships.appeared("root");
+  robot.memberships.appeared("root", 1s);
   robot.words();
   robot.memberships.named(kGroup, false, 10, 2s);  // overtakes the acknowledgment of the join
   robot.memberships.said({Kind::kJoin, kGroup}, true, {}, 2s);
@@ -112,7 +176,7 @@ TEST(Memberships, AFullRootIsNotAskedAgainSoon) {
 TEST(Memberships, ALeaveLastsAndIsToldUntilTheRootHasHeardOfIt) {
   Fixture robot(true);
   robot.root_is_heard(1s);
-  robot.memberships.appeared("root");
+  robot.memberships.appeared("root", 1s);
   robot.memberships.said({Kind::kJoin, kGroup}, true, {}, 1s);
   robot.words();
   robot.memberships.leave(kGroup);
@@ -124,7 +188,7 @@ TEST(Memberships, ALeaveLastsAndIsToldUntilTheRootHasHeardOfIt) {
   EXPECT_EQ(robot.words(), Kinds{Kind::kLeave});
   robot.memberships.said({Kind::kLeave, kGroup}, true, {}, 5s);
   EXPECT_FALSE(robot.memberships.takes_part(kGroup));
-  robot.memberships.appeared("root");
+  robot.memberships.appeared("root", 1s);
   robot.memberships.expire(100s);
   EXPECT_EQ(robot.words(), Kinds{});
 }
@@ -132,7 +196,7 @@ TEST(Memberships, ALeaveLastsAndIsToldUntilTheRootHasHeardOfIt) {
 TEST(Memberships, ALeaveHoldsAgainAfterAJoinThatFails) {
   Fixture robot(true);
   robot.root_is_heard(1s);
-  robot.memberships.appeared("root");
+  robot.memberships.appeared("root", 1s);
   robot.memberships.said({Kind::kJoin, kGroup}, true, {}, 1s);
   robot.memberships.leave(kGroup);
   robot.memberships.said({Kind::kLeave, kGroup}, true, {}, 2s);
@@ -143,7 +207,7 @@ TEST(Memberships, ALeaveHoldsAgainAfterAJoinThatFails) {
   EXPECT_EQ(robot.words(), Kinds{Kind::kLeave}) << "the root may have heard of the join";
   robot.memberships.said({Kind::kLeave, kGroup}, true, {}, 4s);
   EXPECT_TRUE(robot.memberships.refuses(kGroup));
-  robot.memberships.appeared("root");
+  robot.memberships.appeared("root", 1s);
   robot.memberships.expire(100s);
   EXPECT_EQ(robot.words(), Kinds{});
   robot.memberships.join(kGroup);

@@ -1,0 +1,164 @@
+// The first request of a search goes from robot to robot, the way that life signs came.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "host.hpp"
+#include "routing/request_load.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Requests that the robots have put on the air.
+struct Requests {
+  explicit Requests(Team& team) {
+    team.on_transmission = [this](std::size_t, const Frame& frame) {
+      wire::Reader reader(frame.bytes);
+      const auto header = wire::read_header(reader);
+      if (!header || header->type != wire::FrameType::kRouteRequest) return;
+      (header->next_hop == wire::kEverybody ? flooded : directed) += 1;
+    };
+  }
+  int flooded = 0;
+  int directed = 0;
+};
+
+bool delivered(Team& team, std::size_t from, const std::string& to) {
+  const SendId id = team.send(from, to, text("x"));
+  team.run_until_done([&] { return team.finished(from, id) != nullptr; }, 10s);
+  return team.finished(from, id) != nullptr && team.finished(from, id)->delivered;
+}
+
+TEST(DirectedRequests, AFarRobotThatLivesIsFoundWithoutAFlood) {
+  Team team;
+  for (int column = 0; column < 6; ++column) {
+    for (int row = 0; row < 3; ++row) team.add(without_groups(), 8.0 * column, 4.0 * row);
+  }
+  team.run_for(6s);
+  Requests requests(team);
+  ASSERT_TRUE(delivered(team, 0, "robot_16"));
+  EXPECT_EQ(requests.flooded, 0);
+  EXPECT_LE(requests.directed, 8) << "five hops, and those who ask back";
+}
+
+TEST(DirectedRequests, WhereTheWayHasEndedTheNextRequestIsFlooded) {
+  Team team;
+  team.add_line(5, without_groups());
+  for (int i = 0; i < 5; ++i) team.add(without_groups(), 8.0 * i, i == 0 || i == 4 ? 4.0 : 9.0);  // another way
+  team.run_for(6s);
+  for (const std::size_t relay : {2, 7}) {
+    Requests requests(team);
+    team.kill(relay);
+    EXPECT_TRUE(delivered(team, 0, "robot_4")) << relay;
+    team.restart(relay);
+    team.run_for(20s);  // the route is forgotten, the ways are told of anew
+  }
+}
+
+TEST(DirectedRequests, WithTheConstantsOfTheRfcThereAreNone) {
+  EngineOptions options = without_groups();
+  options.timings = rfc3561_timings();
+  Team team;
+  team.add_line(5, options);
+  team.run_for(6s);
+  Requests requests(team);
+  ASSERT_TRUE(delivered(team, 0, "robot_4"));
+  EXPECT_GE(requests.flooded, 4);
+}
+
+TEST(DirectedRequests, OneThatCannotGoOnIsPassedToNobody) {
+  Stage stage;
+  Host& neighbor = stage.neighbor(1);
+  stage.neighbor(2);
+  stage.run_for(1s);
+  stage.forget();
+  wire::RouteRequest request = request_for(make_host(100), make_host(101));
+  request.directed = true;
+  request.hop_limit = 5;
+  stage.say(neighbor, request, stage.self().address);
+  stage.run_for(200ms);
+  EXPECT_EQ(stage.count(wire::FrameType::kRouteRequest), 0u);
+  EXPECT_TRUE(stage.route(make_host(101))) << "the way back is known all the same";
+}
+
+TEST(DirectedRequests, OneThatComesFromWhereItWouldGoIsPassedToNobody) {
+  Stage stage;
+  Host& neighbor = stage.neighbor(1);
+  stage.run_for(1s);
+  stage.give_route(neighbor, make_host(100));
+  stage.forget();
+  wire::RouteRequest request = request_for(make_host(100), make_host(101));
+  request.directed = request.destination_only = true;
+  request.hop_limit = 5;
+  stage.say(neighbor, request, stage.self().address);
+  stage.run_for(1s);
+  EXPECT_EQ(stage.count(wire::FrameType::kRouteRequest), 0u);
+}
+
+TEST(RequestLoad, IsHeavyWhileRequestsComeThickAndFast) {
+  routing::RequestLoad load;
+  const Time gap = routing::RequestLoad::kWindow / (2 * static_cast<int>(routing::RequestLoad::kHeavy));
+  Time now = 10s;
+  for (std::size_t i = 1; i < routing::RequestLoad::kHeavy; ++i) load.heard(now += gap);
+  EXPECT_FALSE(load.heavy(now));
+  load.heard(now += gap);
+  EXPECT_TRUE(load.heavy(now));
+  EXPECT_FALSE(load.heavy(now + routing::RequestLoad::kWindow));
+  for (int i = 0; i < 1000; ++i) load.heard(now += 3 * gap);
+  EXPECT_FALSE(load.heavy(now));
+}
+
+/// What the node does with a request of which several neighbours have none, after so many others.
+std::size_t frames_for_one(std::size_t others) {
+  Stage stage(without_groups());
+  for (std::size_t i = 1; i <= 4; ++i) stage.neighbor(i);
+  stage.run_for(1s);
+  Host& neighbor = stage.neighbor(1);
+  for (std::uint32_t i = 0; i < others; ++i) {
+    wire::RouteRequest request = request_for(make_host(100), make_host(101), 1000 + i);
+    request.hop_limit = 1;
+    stage.say(neighbor, request);
+  }
+  stage.forget();
+  wire::RouteRequest request = request_for(make_host(100), make_host(101));
+  request.hop_limit = 5;
+  stage.say(neighbor, request);
+  stage.run_for(200ms);
+  return stage.count(wire::FrameType::kRouteRequest);
+}
+
+TEST(RequestLoad, WhileItIsHeavyNobodyGetsACopyOfHisOwn) {
+  EXPECT_GT(frames_for_one(0), 1u);
+  EXPECT_EQ(frames_for_one(routing::RequestLoad::kHeavy), 1u);
+}
+
+/// Floods to join every group of everybody took all the air there was: in 10 s not one packet arrived.
+TEST(RequestLoad, ACrowdThatJoinsAllGroupsOnOneContendedChannelCanTalk) {
+  MediumOptions medium;
+  medium.contention = true;
+  medium.range = 25.0;
+  Team team(medium, 1);
+  Random random(7);
+  constexpr std::size_t kRobots = 60;
+  for (std::size_t i = 0; i < kRobots; ++i) {
+    const double x = 77.0 * random.uniform();
+    team.add({}, x, 77.0 * random.uniform());
+  }
+  team.run_for(6s);
+  std::vector<SendId> sends;
+  for (std::size_t i = 0; i < kRobots; ++i) {
+    sends.push_back(team.send(i, Team::name((i * 37 + 11) % kRobots == i ? 0 : (i * 37 + 11) % kRobots), noise(200)));
+  }
+  team.run_for(5s);
+  std::size_t arrived = 0;
+  for (std::size_t i = 0; i < kRobots; ++i) {
+    const SendFinished* end = team.finished(i, sends[i]);
+    if (end != nullptr && end->delivered) ++arrived;
+  }
+  EXPECT_GE(arrived, kRobots - 1);
+}
+
+}  // namespace
+}  // namespace adhoc_communication
