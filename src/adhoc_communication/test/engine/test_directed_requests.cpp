@@ -31,7 +31,7 @@ bool delivered(Team& team, std::size_t from, const std::string& to) {
   return team.finished(from, id) != nullptr && team.finished(from, id)->delivered;
 }
 
-TEST(DirectedRequests, AFarRobotThatLivesIsFoundWithoutAFlood) {
+TEST(DirectedRequests, A4_15_AFarRobotThatLivesIsFoundWithoutAFlood) {
   Team team;
   for (int column = 0; column < 6; ++column) {
     for (int row = 0; row < 3; ++row) team.add(without_groups(), 8.0 * column, 4.0 * row);
@@ -57,7 +57,7 @@ TEST(DirectedRequests, WhereTheWayHasEndedTheNextRequestIsFlooded) {
   }
 }
 
-TEST(DirectedRequests, WithTheConstantsOfTheRfcThereAreNone) {
+TEST(DirectedRequests, A4_15_WithTheConstantsOfTheRfcThereAreNone) {
   EngineOptions options = without_groups();
   options.timings = rfc3561_timings();
   Team team;
