@@ -39,7 +39,6 @@ void Memberships::start_join(const std::string& group) {
   if (memberships_.count(group) == 0 && memberships_.size() >= kMostGroups) return;
   Membership& membership = memberships_[group];
   if (!membership.wanted || membership.joining || membership.joined) return;
-  if (!membership.asked_by_host && automatic_joins_under_way() >= kJoinsAtOnce) return;
   membership.joining = true;
   words_.push_back({Word::Kind::kJoin, group});
 }
@@ -78,6 +77,10 @@ void Memberships::start_leave(const std::string& group) {
 void Memberships::appeared(const std::string& root, Time now) {
   const std::string group = group_of(root);
   if (automatic_ && memberships_.size() < kMostGroups) memberships_[group];
+  if (const auto membership = memberships_.find(group); membership != memberships_.end()) {
+    membership->second.failures = 0;
+    membership->second.retry_at = now;
+  }
   start_waiting(now);
 }
 

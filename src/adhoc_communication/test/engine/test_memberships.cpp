@@ -159,6 +159,20 @@ TEST(Memberships, AJoinThatFailsAgainAndAgainIsTriedLessAndLess) {
   for (int i = 0; i < 7; ++i) EXPECT_EQ(tries[i + 1] - tries[i], std::min(longest, Memberships::kRetry * (1 << i)));
 }
 
+TEST(Memberships, ARootThatComesBackIsAskedAtOnce) {
+  Fixture robot(true);
+  robot.root_is_heard(1s);
+  robot.memberships.appeared("root", 1s);
+  for (Time now : {1s, 4s, 10s}) {
+    robot.memberships.expire(now);
+    EXPECT_EQ(robot.words(), Kinds{Kind::kJoin});
+    robot.memberships.said({Kind::kJoin, kGroup}, false, "no route", now);
+  }
+  robot.memberships.lost("root");
+  robot.memberships.appeared("root", 11s);
+  EXPECT_EQ(robot.words(), Kinds{Kind::kJoin});
+}
+
 TEST(Memberships, AFullRootIsNotAskedAgainSoon) {
   Fixture robot(true);
   robot.root_is_heard(1s);
