@@ -49,20 +49,31 @@ int Memberships::automatic_joins_under_way() const {
   }));
 }
 
-/// Those of near roots first: what is found out on the way to them helps to find the others.
+/// Null while it is not there.
+const routing::Robot* Memberships::root_in_reach(const std::string& group) const {
+  const auto address = directory_.address_of(*root_of(group));
+  const routing::Robot* root = address ? directory_.find(*address) : nullptr;
+  return root != nullptr && root->announced ? root : nullptr;
+}
+
+/// Of the groups to be joined that whose root is nearest: what is found out on the way to it helps to find the others.
+const std::string* Memberships::nearest_waiting(Time now) const {
+  const std::string* nearest = nullptr;
+  int least = 0;
+  for (const auto& [group, membership] : memberships_) {
+    if (!membership.wanted || membership.joined || membership.joining || membership.retry_at > now) continue;
+    const routing::Robot* root = root_in_reach(group);
+    if (root == nullptr || (nearest != nullptr && root->hops >= least)) continue;
+    nearest = &group;
+    least = root->hops;
+  }
+  return nearest;
+}
+
 void Memberships::start_waiting(Time now) {
   for (int under_way = automatic_joins_under_way(); under_way < kJoinsAtOnce; ++under_way) {
     if (now + kJoinBurst < next_join_at_) return;
-    const std::string* nearest = nullptr;
-    int least = 0;
-    for (const auto& [group, membership] : memberships_) {
-      if (!membership.wanted || membership.joined || membership.joining || membership.retry_at > now) continue;
-      const auto address = directory_.address_of(*root_of(group));
-      const routing::Robot* root = address ? directory_.find(*address) : nullptr;
-      if (root == nullptr || !root->announced || (nearest != nullptr && root->hops >= least)) continue;
-      nearest = &group;
-      least = root->hops;
-    }
+    const std::string* nearest = nearest_waiting(now);
     if (nearest == nullptr) return;
     next_join_at_ = std::max(now, next_join_at_) + kJoinSpacing * directory_.size();
     start_join(*nearest);
@@ -94,12 +105,8 @@ void Memberships::expire(Time now) {
   std::vector<std::string> unconfirmed;
   for (auto& [group, membership] : memberships_) {
     if (membership.confirmed_by && *membership.confirmed_by <= now) unconfirmed.push_back(group);
-    const bool settled =
-        membership.wanted ? membership.joined || membership.joining : membership.leaving || membership.left;
-    if (settled || membership.retry_at > now) continue;
-    const auto address = directory_.address_of(*root_of(group));
-    if (!address || !directory_.find(*address)->announced) continue;
-    if (!membership.wanted) start_leave(group);
+    const bool to_leave = !membership.wanted && !membership.leaving && !membership.left;
+    if (to_leave && membership.retry_at <= now && root_in_reach(group) != nullptr) start_leave(group);
   }
   start_waiting(now);
   for (const std::string& group : unconfirmed) {
@@ -122,7 +129,10 @@ void Memberships::said(const Word& word, bool delivered, const std::string& reas
   if (std::exchange(membership.turned_away, false)) membership.retry_at = now + kFullRetry;
   if (!membership.asked_by_host) {
     membership.failures = delivered ? 0 : membership.failures + 1;
-    if (!delivered) membership.retry_at = now + kRetry * (1 << std::min(membership.failures - 1, kMostDoublings));
+    if (!delivered) {
+      const Time pause = kRetry * (1 << std::min(membership.failures - 1, kMostDoublings));
+      membership.retry_at = std::max(membership.retry_at, now + pause);
+    }
     return start_waiting(now);
   }
   if (!delivered) return give_up_join(word.group, reason, now);

@@ -38,14 +38,14 @@ struct Word {
 /// Whoever calls takes the words for roots and the ends of changes afterwards.
 class Memberships {
  public:
-  static constexpr std::size_t kMostGroups = 1024;  ///< no further ones are joined
+  static constexpr std::size_t kMostGroups = 1024;         ///< no further ones are joined
   static constexpr Time kRetry = std::chrono::seconds(2);  ///< doubled with each failure of a join by itself
   static constexpr int kMostDoublings = 4;
   // Joins that happen by themselves. All of a large team at once would leave no air for any.
   static constexpr int kJoinsAtOnce = 4;
   static constexpr Time kJoinSpacing = std::chrono::milliseconds(4);  ///< times the robots known: of the whole team
   static constexpr Time kJoinBurst = std::chrono::milliseconds(100);  ///< by which one may be early
-  static constexpr Time kFullRetry = std::chrono::seconds(30);  ///< after the root had no room for this robot
+  static constexpr Time kFullRetry = std::chrono::seconds(30);        ///< after the root had no room for this robot
   static constexpr Time kMembersPatience = std::chrono::seconds(5);
 
   /// `automatic`: every robot's group is joined, except for those that the host has left. `most_members`: a group that
@@ -89,6 +89,8 @@ class Memberships {
  private:
   void start_join(const std::string& group);
   void start_waiting(Time now);
+  const std::string* nearest_waiting(Time now) const;
+  const routing::Robot* root_in_reach(const std::string& group) const;
   int automatic_joins_under_way() const;
   void start_leave(const std::string& group);
   void end_join(const std::string& group, const std::string& failure, Time now);

@@ -23,7 +23,7 @@ const std::map<std::string, int Timings::*> kNumbers = {
 };
 
 const std::map<std::string, bool Timings::*> kFlags = {{"destination_only", &Timings::destination_only},
-                                                     {"directed_requests", &Timings::directed_requests}};
+                                                       {"directed_requests", &Timings::directed_requests}};
 
 Timings preset(XmlRpcValue value) {
   if (value.getType() != XmlRpcValue::TypeString) throw std::invalid_argument("has a preset that is not a string");

@@ -11,7 +11,6 @@ constexpr std::size_t kHeardSize = 7;
 constexpr std::size_t kMostHeard = 24;  ///< in one beacon; with more, they take turns
 constexpr std::size_t kRumorSize = 20 + wire::kLongestName;
 constexpr std::size_t kMostRumors = 16;
-constexpr double kGoodLoss = 0.5;  ///< of a link by which requests may be sent
 
 }  // namespace
 
@@ -50,7 +49,7 @@ void Presence::probe_doubtful(Time now) {
 
 void Presence::on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon, Time now) {
   neighbors_.beacon(from, beacon, wire::neighbor_tag(self_.boot), now);
-  const bool good = neighbors_.two_way(from, now) && neighbors_.loss(from) <= kGoodLoss;
+  const bool good = neighbors_.two_way(from, now) && neighbors_.loss(from) <= routing::Neighbors::kBadLoss;
   const std::optional<MacAddress> teller = good ? std::optional(from) : std::nullopt;
   directory_.life_sign(from, beacon.name, boot, beacon.alive, 1, teller, now);
   if (neighbors_.two_way(from, now)) router_.on_hello(from, beacon.sequence_number, now);

@@ -43,6 +43,7 @@ class Neighbors {
 
   Neighbors(const Timings& timings, Time own_interval) : timings_(timings), own_interval_(own_interval) {}
 
+  static constexpr double kBadLoss = 0.5;  ///< of a link over which others may do better
   static constexpr int kLongestList = 11;  ///< beacons that name kMostNeighbors
   static constexpr Time kCandidateMemory = std::chrono::seconds(60);
 

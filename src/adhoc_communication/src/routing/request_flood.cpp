@@ -102,12 +102,12 @@ std::vector<MacAddress> RequestFlood::in_need(const wire::RouteRequest& request,
 /// A neighbour behind a bad link does not need this robot if a third one hears it well and is heard well by it.
 bool RequestFlood::depends(const MacAddress& neighbor, const std::vector<MacAddress>& all, const Neighbors& neighbors,
                            Time now) {
-  if (neighbors.loss(neighbor) <= kBadLoss) return true;
+  if (neighbors.loss(neighbor) <= Neighbors::kBadLoss) return true;
   const Neighbor& receiver = *neighbors.find(neighbor);
   return std::none_of(all.begin(), all.end(), [&](const MacAddress& other) {
     const wire::NeighborTag tag = wire::neighbor_tag(neighbors.find(other)->boot);
-    return other != neighbor && neighbors.loss(other) <= kBadLoss &&
-           neighbors.delivery(receiver, tag, now) >= 1.0 - kBadLoss;
+    return other != neighbor && neighbors.loss(other) <= Neighbors::kBadLoss &&
+           neighbors.delivery(receiver, tag, now) >= 1.0 - Neighbors::kBadLoss;
   });
 }
 

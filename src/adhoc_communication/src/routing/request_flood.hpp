@@ -31,7 +31,6 @@ class RequestFlood {
   static constexpr std::size_t kFewestHolders = 2;      ///< heard before an own copy is needless
   static constexpr std::size_t kEnoughHolders = 3;      ///< while requests come thick and fast
   static constexpr double kTolerableMiss = 0.1;         ///< of all copies but the own, by a neighbour
-  static constexpr double kBadLoss = 0.5;               ///< of a link over which others may do better
   static constexpr int kMostForwards = 2;               ///< of one request: once more when a cheaper copy came late
   static constexpr Time kConfirm = std::chrono::milliseconds(25);
   static constexpr Time kConfirmJitter = std::chrono::milliseconds(10);  ///< on top, or copies of hidden robots collide

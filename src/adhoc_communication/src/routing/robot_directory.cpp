@@ -28,7 +28,7 @@ void RobotDirectory::life_sign(const MacAddress& address, const std::string& nam
     // A nearer witness of the same life sign shortens the distance; it is no news of life.
     if (alive != before) return;
     Robot& robot = robots_[address];
-    if (teller && robot.told != alive) robot.teller = *teller, robot.told = alive;
+    if (teller && robot.told != alive) robot.teller = teller, robot.told = alive;
     if (hops < known->hops) set_hops(robot, hops);
     return;
   }
@@ -36,7 +36,7 @@ void RobotDirectory::life_sign(const MacAddress& address, const std::string& nam
   Robot* robot = admit(address, name, boot, now);
   if (robot == nullptr) return;
   if (runs_.life_sign(address) != before) robot->spreads_left = kSpreads;
-  if (teller) robot->teller = *teller, robot->told = alive;
+  if (teller) robot->teller = teller, robot->told = alive;
   set_hops(*robot, hops);
 }
 
@@ -52,8 +52,7 @@ const Robot* RobotDirectory::find(const MacAddress& address) const {
 
 std::optional<MacAddress> RobotDirectory::teller_of(const MacAddress& address) const {
   const Robot* robot = find(address);
-  if (robot == nullptr || !robot->announced || robot->hops < 2 || robot->teller == MacAddress{}) return std::nullopt;
-  return robot->teller;
+  return robot != nullptr && robot->announced && robot->hops > 1 ? robot->teller : std::nullopt;
 }
 
 /// Of several the one that lives, and of those the nearest.
@@ -174,7 +173,7 @@ Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name,
     by_name_[name].insert(address);
     robot.boot = boot;
     robot.name = name;
-    robot.teller = MacAddress{};
+    robot.teller.reset();
     robot.told = 0;
   }
   robot.last_news = now;

@@ -21,9 +21,9 @@ struct Robot {
   Time last_news{0};
   Time appeared{0};
   bool announced = false;
-  int spreads_left = 0;  ///< beacons that still carry the latest life sign
-  MacAddress teller{};   ///< neighbour that brought the latest life sign over a good link; zero while nobody has
-  std::uint32_t told = 0;  ///< that life sign
+  int spreads_left = 0;              ///< beacons that still carry the latest life sign
+  std::optional<MacAddress> teller;  ///< neighbour that brought the latest life sign over a good link
+  std::uint32_t told = 0;            ///< that life sign
 };
 
 struct DirectoryChange {
