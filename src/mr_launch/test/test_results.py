@@ -209,3 +209,8 @@ def test_plain_lines_say_it_all():
     assert lines[1].strip() == (
         "robot_0: exploring, explored 50.0 %, 12.3 m, goal (0.0, 2.0), neighbours robot_1, merged with nobody"
     )
+
+
+def test_a_mission_that_is_about_to_begin_has_no_negative_time() -> None:
+    """The first line of a mission said "-0 s"."""
+    assert plain_lines(Picture("exploring", -0.2, 900.0, None, []))[0].startswith("exploring, 0 s of 900 s")
