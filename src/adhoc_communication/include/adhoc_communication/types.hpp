@@ -153,6 +153,7 @@ struct TreeState {
   std::uint32_t epoch = 0;
   std::optional<MacAddress> upstream;
   std::vector<MacAddress> downstream;
+  std::uint64_t upstream_boot = 0;  ///< first eight octets of its boot id
 };
 
 /// How full a table or queue of the engine is.

@@ -37,6 +37,7 @@ bool Engine::Implementation::hear(const wire::FrameHeader& header, Time now) {
     rhythm_.greet(now);
   }
   if (restarted) link_lost(header.sender, now);
+  if (before == nullptr || restarted) distributor_.appeared({header.sender, boot});
   if (neighbors_.heard(header.sender, boot, now) == nullptr) return false;
   directory_.traffic(header.sender, boot, now);
   hops_.heard(header.sender, now);
@@ -87,7 +88,8 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
     case FrameType::kGroupActivation:
       return with(wire::read_group_activation(body), [&](auto activation) {
         if (activation.root != self_.address && !runs_.told(activation.root, activation.root_boot, now)) return;
-        distributor_.on_activation(from, activation, groups_.takes_part(activation.root), now);
+        distributor_.on_activation({from, wire::boot_tag(header.boot_id)}, activation,
+                                   groups_.takes_part(activation.root), now);
       });
     case FrameType::kGroupRefusal:
       return with(wire::read_group_refusal(body), [&](auto refusal) { distributor_.on_refusal(from, refusal, now); });

@@ -48,7 +48,7 @@ std::vector<TreeState> Engine::Implementation::trees() const {
   for (const auto& [root, branch] : distributor_.branches()) {
     const multicast::Tree& tree = branch.tree;
     const std::set<MacAddress> children = tree.child_addresses();
-    result.push_back({root, tree.boot, tree.epoch, tree.upstream, {children.begin(), children.end()}});
+    result.push_back({root, tree.boot, tree.epoch, tree.upstream, {children.begin(), children.end()}, tree.above.boot});
   }
   return result;
 }

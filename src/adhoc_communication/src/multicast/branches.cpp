@@ -28,6 +28,12 @@ void Branch::children_changed(bool anew, Time now) {
   }
 }
 
+void Branch::lose_place(Time now) {
+  if (!tree.upstream && tree.children.empty()) return;
+  tree.lose_place();
+  children_changed(false, now);
+}
+
 bool Branch::has_frame(std::size_t priority) const { return busy && frame_waits(streams[priority]); }
 
 bool Branch::sends() const { return std::any_of(streams.begin(), streams.end(), frame_waits); }
@@ -71,9 +77,12 @@ Branch* Branches::own() {
 }
 
 void Branches::expire(Time now) {
-  for (auto branch = branches_.begin(); branch != branches_.end();) {
-    const bool idle = !is_root(branch->first) && now - branch->second.tree.last_used >= kIdleTree;
-    branch = idle ? branches_.erase(branch) : std::next(branch);
+  for (auto item = branches_.begin(); item != branches_.end();) {
+    auto& [root, branch] = *item;
+    const bool own = is_root(root);
+    if (!own && now - branch.tree.heard_above >= kIdleTree) branch.lose_place(now);
+    const bool idle = !own && now - branch.tree.last_used >= (branch.tree.bound ? kBoundTree : kIdleTree);
+    item = idle ? branches_.erase(item) : std::next(item);
   }
 }
 

@@ -29,6 +29,7 @@ struct Branch {
   void forget_rhythm();
   /// Its children, or the members behind them, are others than before; `anew`: so is the tree.
   void children_changed(bool anew, Time now);
+  void lose_place(Time now);
   bool has_frame(std::size_t priority) const;
   /// Frames wait, of whatever priority, be the branch busy or not.
   bool sends() const;
@@ -41,6 +42,9 @@ class Branches {
  public:
   static constexpr std::size_t kMostTrees = 1024;  ///< the one idle longest makes room
   static constexpr Time kIdleTree = std::chrono::seconds(60);
+  /// Of a robot that has had children. They count on it for kIdleTree after the last frame from it, and that may come
+  /// kIdleTree after the last one to it.
+  static constexpr Time kBoundTree = std::chrono::seconds(180);
 
   explicit Branches(const Identity& self) : self_(self) {}
 
@@ -53,7 +57,8 @@ class Branches {
   Branch* own();
   const std::map<MacAddress, Branch>& all() const { return branches_; }
   std::map<MacAddress, Branch>& all() { return branches_; }
-  /// Forgets trees that have been idle. The numbers of the own packets go on for ever.
+  /// Forgets trees that have been idle, and places to which nothing comes from above. The numbers of the own packets go
+  /// on for ever.
   void expire(Time now);
 
  private:

@@ -57,8 +57,7 @@ void Distributor::drop_member(const MacAddress& member, const std::string& reaso
   settle(now);
 }
 
-void Distributor::on_activation(const MacAddress& from, const wire::GroupActivation& activation, bool takes_part,
-                                Time now) {
+void Distributor::on_activation(const Run& from, const wire::GroupActivation& activation, bool takes_part, Time now) {
   trees_.on_activation(from, activation, takes_part, now);
   settle(now);
 }

@@ -37,7 +37,7 @@ class Distributor {
   std::vector<MemberEnd> take_ends() { return source_.take_ends(); }
 
   // At every robot.
-  void on_activation(const MacAddress& from, const wire::GroupActivation& activation, bool takes_part, Time now);
+  void on_activation(const Run& from, const wire::GroupActivation& activation, bool takes_part, Time now);
   void on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal, Time now);
   /// True when the frame was of use.
   bool on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Time now);
@@ -48,6 +48,7 @@ class Distributor {
   std::vector<Arrived> take_arrived() { return sink_.take_arrived(); }
 
   void link_lost(const MacAddress& neighbor, Time now);
+  void appeared(const Run& neighbor) { trees_.appeared(neighbor); }
   void unreachable(const MacAddress& member, const std::string& reason, bool nearby, Time now);
 
   void poll(Time now);

@@ -20,6 +20,7 @@ bool Sink::on_data(const MacAddress& from, std::uint64_t counter, const wire::Gr
   branch->tree.last_used = now;
   const bool from_upstream = branch->tree.upstream == from;
   if (from_upstream) {
+    branch->tree.heard_above = now;
     measure(*branch, counter, data.follows, now);
     pass_over(data.root, branch->streams[data.stream], data.base);
   }

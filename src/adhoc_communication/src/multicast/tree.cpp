@@ -46,6 +46,27 @@ bool Tree::holds(const MacAddress& address) const {
                      [&](const auto& child) { return child.second.count(address) != 0; });
 }
 
+bool Tree::may_be_below(const Run& run) const {
+  if (upstream) return upstream == run.robot;
+  return !bound || above == run;
+}
+
+void Tree::take_place(const Run& below, std::uint32_t in_epoch, Time now) {
+  if (in_epoch != epoch) {
+    refused.clear();
+    bound = false;
+  }
+  epoch = in_epoch;
+  upstream = below.robot;
+  above = below;
+  heard_above = now;
+}
+
+void Tree::entrust(const MacAddress& address, const MacAddress& child) {
+  children[child].insert(address);
+  bound = true;
+}
+
 std::optional<MacAddress> Tree::remove(const MacAddress& address) {
   unrouted.erase(address);
   for (auto iterator = children.begin(); iterator != children.end(); ++iterator) {
@@ -108,6 +129,18 @@ std::size_t Tree::largest_table() const {
 
 void Tree::leave() {
   if (children.empty() && unrouted.empty()) upstream.reset();
+}
+
+void Tree::appeared(const Run& neighbor) {
+  if (upstream != neighbor.robot || above == neighbor) return;
+  upstream.reset();
+  unrouted.clear();
+}
+
+void Tree::lose_place() {
+  upstream.reset();
+  children.clear();
+  unrouted.clear();
 }
 
 void Tree::next_epoch() {

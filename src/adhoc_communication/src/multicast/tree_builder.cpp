@@ -33,7 +33,7 @@ std::set<MacAddress> TreeBuilder::attach(const MacAddress& root, Tree& tree, con
       refused.insert(member);
     } else {
       tree.unrouted.erase(member);
-      tree.children[route->next_hop].insert(member);
+      tree.entrust(member, route->next_hop);
       router_.used(root, member, tree.upstream.value_or(self_.address), now);
     }
   }
@@ -100,20 +100,17 @@ void TreeBuilder::activate_again(const MacAddress& root, Tree& tree, const MacAd
   activate(root, tree, {child});
 }
 
-void TreeBuilder::on_activation(const MacAddress& from, const wire::GroupActivation& activation, bool takes_part,
-                                Time now) {
+void TreeBuilder::on_activation(const Run& from, const wire::GroupActivation& activation, bool takes_part, Time now) {
   if (branches_.is_root(activation.root)) return;
   Branch& branch = branches_.of(activation.root, activation.root_boot, now);
   Tree& tree = branch.tree;
   tree.last_used = now;
   const bool anew = tree.epoch == 0 || routing::is_newer(activation.epoch, tree.epoch);
-  const bool stays = activation.epoch == tree.epoch && (!tree.upstream || tree.upstream == from);
-  if (!anew && !stays) return turn_down(from, activation);
+  const bool stays = activation.epoch == tree.epoch && tree.may_be_below(from);
+  if (!anew && !stays) return turn_down(from.robot, activation);
   const Children before = std::exchange(tree.children, {});
-  if (tree.upstream != from) branch.forget_rhythm();
-  if (anew) tree.refused.clear();
-  tree.epoch = activation.epoch;
-  tree.upstream = from;
+  if (tree.upstream != from.robot) branch.forget_rhythm();
+  tree.take_place(from, activation.epoch, now);
   tree.unrouted.clear();
   std::set<MacAddress> members(activation.members.begin(), activation.members.end());
   tree.forget_refusals_of_others(members);
@@ -187,6 +184,10 @@ void TreeBuilder::link_lost(const MacAddress& neighbor) {
     give_up(root, branch.tree, {neighbor});
     if (branch.tree.upstream == neighbor) branch.tree.leave();
   }
+}
+
+void TreeBuilder::appeared(const Run& neighbor) {
+  for (auto& [root, branch] : branches_.all()) branch.tree.appeared(neighbor);
 }
 
 void TreeBuilder::give_up(const MacAddress& root, Tree& tree, const std::vector<MacAddress>& children) {

@@ -43,7 +43,7 @@ class TreeBuilder {
 
   // At every robot.
   /// `takes_part`: this run has joined the group, or is about to. A former run may have been a member.
-  void on_activation(const MacAddress& from, const wire::GroupActivation& activation, bool takes_part, Time now);
+  void on_activation(const Run& from, const wire::GroupActivation& activation, bool takes_part, Time now);
   void on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal);
   /// A child that knows another tree has missed an activation, or its refusal was lost.
   void activate_again(const MacAddress& root, Tree& tree, const MacAddress& child, Time now);
@@ -51,6 +51,8 @@ class TreeBuilder {
   void give_up(const MacAddress& root, Tree& tree, const std::vector<MacAddress>& children);
   /// The neighbour is gone, or has restarted.
   void link_lost(const MacAddress& neighbor);
+  /// First sign of a neighbour, or of a new run of it.
+  void appeared(const Run& neighbor);
   /// A search for a route has failed; `nearby`: it looked only there.
   void unreachable(const MacAddress& member, const std::string& reason, bool nearby);
   /// Members whose routes have been found meanwhile, or cannot be looked for.

@@ -6,8 +6,10 @@
 #include <set>
 
 #include "host.hpp"
+#include "insider.hpp"
 #include "multicast/groups.hpp"
 #include "transport/packet_image.hpp"
+#include "tree_invariants.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -100,15 +102,70 @@ TEST(Trees, B2_2_B4_4_OneUpstreamNeighborInAnEpochAndNoOther) {
   EXPECT_EQ(refusals[0].message.members, std::vector<MacAddress>{branch.self().address});
 }
 
-TEST(Trees, B4_4_ARobotWithNobodyBehindItMayGetAnotherPlace) {
+TEST(Trees, B4_4_ARobotThatHadNobodyBehindItMayGetAnotherPlace) {
   Branch branch;
   Host& c = branch.neighbor(3);
   branch.run_for(50ms);
-  branch.activate(branch.a, 3, {c.address});
+  branch.activate(branch.a, 3, {branch.self().address});
   ASSERT_EQ(branch.tree()->upstream, branch.a.address);
   branch.activate(branch.a, 3, {});  // pruned
   EXPECT_FALSE(branch.tree()->upstream);
   branch.activate(branch.b, 3, {c.address});
+  EXPECT_EQ(branch.tree()->upstream, branch.b.address);
+  EXPECT_EQ(branch.count(FrameType::kGroupRefusal), 0u);
+}
+
+/// Who was behind it may still count on it, and be above the other place.
+TEST(Trees, B4_4_B11_1_ARobotThatHadAnybodyBehindItComesBackToItsPlaceOnly) {
+  Branch branch;
+  Host& c = branch.neighbor(3);
+  branch.run_for(50ms);
+  branch.activate(branch.a, 3, {c.address});
+  branch.activate(branch.a, 3, {});
+  branch.activate(branch.b, 3, {c.address});
+  EXPECT_FALSE(branch.tree()->upstream);
+  const auto refusals = branch.sent<wire::GroupRefusal>();
+  ASSERT_EQ(refusals.size(), 1u);
+  EXPECT_EQ(refusals[0].to, branch.b.address);
+  branch.activate(branch.a, 3, {c.address});
+  EXPECT_EQ(branch.tree()->upstream, branch.a.address);
+  branch.activate(branch.a, 3, {});
+  branch.activate(branch.b, 4, {c.address});
+  EXPECT_EQ(branch.tree()->upstream, branch.b.address) << "in another epoch everybody may be anywhere";
+}
+
+/// The new run knows nothing of the place of the former one, and may be somewhere behind this robot.
+TEST(Trees, B10_1_B11_1_ARobotWhoseUpstreamNeighborRestartsIsNotBelowTheNewRun) {
+  for (const bool missed : {false, true}) {
+    Branch branch;
+    Host& c = branch.neighbor(3);
+    branch.run_for(50ms);
+    branch.activate(branch.b, 3, {branch.self().address, c.address});
+    ASSERT_EQ(branch.tree()->upstream, branch.b.address);
+    branch.b.beacons = !missed;
+    branch.run_for(missed ? 8s : 1s);  // silent for so long, it was forgotten
+    ASSERT_EQ(branch.tree()->upstream, branch.b.address);
+    branch.b.boot_id[0] ^= 1;
+    branch.beacon(branch.b);
+    branch.run_for(50ms);
+    EXPECT_FALSE(branch.tree()->upstream);
+    branch.activate(branch.b, 3, {c.address});
+    EXPECT_FALSE(branch.tree()->upstream);
+    branch.activate(branch.b, 4, {c.address});
+    EXPECT_EQ(branch.tree()->upstream, branch.b.address);
+  }
+}
+
+TEST(Trees, B11_1_AnUpstreamNeighborThatWasSilentForLongIsStillThat) {
+  Branch branch;
+  Host& c = branch.neighbor(3);
+  branch.run_for(50ms);
+  branch.activate(branch.b, 3, {branch.self().address, c.address});
+  branch.b.beacons = false;
+  branch.run_for(8s);
+  branch.b.beacons = true;
+  branch.run_for(1s);
+  branch.activate(branch.b, 3, {branch.self().address, c.address});
   EXPECT_EQ(branch.tree()->upstream, branch.b.address);
   EXPECT_EQ(branch.count(FrameType::kGroupRefusal), 0u);
 }
@@ -175,6 +232,36 @@ TEST(Trees, B5_6_IdleTreesAreForgotten) {
   Branch branch;
   branch.activate(branch.a, 1, {branch.self().address});
   branch.run_for(59s);
+  EXPECT_TRUE(branch.tree());
+  branch.run_for(3s);
+  EXPECT_FALSE(branch.tree());
+}
+
+/// As long as anybody counts on its place, a robot has to know what place that was.
+TEST(Trees, B5_6_B11_1_APlaceIsRememberedLongerThanThoseBehindItKeepTheirs) {
+  Branch branch;
+  Host& c = branch.neighbor(3);
+  branch.run_for(50ms);
+  branch.activate(branch.b, 3, {branch.self().address, c.address});
+  wire::GroupData data;
+  data.root = branch.a.address;
+  data.root_boot = branch.a.boot();
+  data.round = data.packet = data.base = 1;
+  data.total = data.segment_size = 100;
+  data.octets = noise(100);
+  for (int i = 0; i < 7; ++i) {
+    EXPECT_EQ(branch.tree()->upstream, branch.b.address);
+    branch.run_for(9s);
+    branch.say(branch.a, data);  // overheard
+  }
+  EXPECT_FALSE(branch.tree()->upstream);
+  EXPECT_TRUE(branch.tree()->downstream.empty());
+  branch.run_for(60s);
+  branch.activate(branch.a, 3, {c.address});
+  EXPECT_FALSE(branch.tree()->upstream);
+  branch.activate(branch.b, 3, {c.address});
+  EXPECT_EQ(branch.tree()->upstream, branch.b.address);
+  branch.run_for(179s);
   EXPECT_TRUE(branch.tree());
   branch.run_for(3s);
   EXPECT_FALSE(branch.tree());
@@ -392,6 +479,52 @@ TEST(Trees, B7_3_B11_2_B11_3_AfterDetoursAndPartitionsTheTreeIsWhole) {
     team.run_for(12s);
     expect_whole_after_three_packets(team);
   }
+}
+
+/// A line of 5, the last two of them members of the group of the first, with the promises about trees checked at every
+/// step.
+struct WatchedLine {
+  WatchedLine() : invariants(5) {
+    team.add_line(5, without_groups());
+    for (std::size_t robot = 0; robot < 5; ++robot) invariants.booted(robot, team.boot_id(robot));
+    team.after_step = [this](std::size_t robot) { invariants.changed(robot, team.engine(robot).trees()); };
+    team.run_for(2s);
+    for (const std::size_t member : {3u, 4u}) team.engine(member).join_group("mc_robot_0", team.now());
+    team.run_for(2s);
+    EXPECT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", noise(3000))));
+  }
+  std::optional<MacAddress> above(std::size_t robot) { return tree_of_robot_0(team)[Team::address(robot)].upstream; }
+
+  Team team;
+  TreeInvariants invariants;
+};
+
+/// robot_1 no longer hears robot_2 and gives it up, which robot_2 has no way to know. Then robot_3, still behind it, is
+/// to look for the way to robot_4 anew, and that leads over robot_1.
+TEST(Trees, B11_1_WhoHasGivenUpAChildGetsNoPlaceBehindIt) {
+  WatchedLine line;
+  Team& team = line.team;
+  team.medium().set_one_way_loss(2, 1, 1.0);
+  team.send(0, "mc_robot_0", noise(3000));
+  ASSERT_TRUE(team.run_until_done([&] { return !line.above(1); }, 5s));
+  team.medium().set_position(4, 8, 8);
+  team.medium().set_link_loss(1, 3, 0.0);
+  team.run_for(5s);
+  ASSERT_EQ(line.above(2), Team::address(1));
+  ASSERT_EQ(line.above(3), Team::address(2));
+
+  std::size_t asked = 0, refused = 0;
+  team.on_transmission = [&](std::size_t robot, const Frame& frame) {
+    const auto type = static_cast<FrameType>(frame.bytes[1]);
+    asked += robot == 3 && type == FrameType::kGroupActivation && frame.destination == Team::address(1);
+    refused += robot == 1 && type == FrameType::kGroupRefusal && frame.destination == Team::address(3);
+  };
+  const TreeState tree = tree_of_robot_0(team)[Team::address(3)];
+  Insider again(team, Insider(team, kFar, {}).robot(2), {});
+  again.say(3, wire::GroupActivation{tree.root, tree.boot, tree.epoch, {Team::address(3), Team::address(4)}});
+  EXPECT_NO_THROW(team.run_for(2s));
+  EXPECT_GT(asked, 0u);
+  EXPECT_GT(refused, 0u);
 }
 
 /// A relay that was sent copies told those behind it to pass over packets that the root still had for them.

@@ -136,6 +136,7 @@ class Run {
 
   void booted(std::size_t robot) {
     routes_.booted(robot, team_.boot_id(robot));
+    trees_.booted(robot, team_.boot_id(robot));
     deliveries_.booted(robot);
   }
 

@@ -16,6 +16,11 @@ std::string name(std::size_t robot) { return "robot_" + std::to_string(robot); }
 
 }  // namespace
 
+void TreeInvariants::booted(std::size_t robot, const BootId& boot_id) {
+  crashed(robot);
+  boots_[robot] = wire::boot_tag(boot_id);
+}
+
 void TreeInvariants::changed(std::size_t robot, std::vector<TreeState> trees) {
   trees_[robot].swap(trees);
   for (const TreeState& before : trees) check_history(robot, before);
@@ -45,7 +50,7 @@ void TreeInvariants::check_way_up(std::size_t robot, const TreeState& tree) cons
   for (std::size_t member = robot; at != nullptr && at->epoch == tree.epoch && at->upstream;) {
     visited[member] = true;
     member = robot_of(*at->upstream);
-    if (member >= trees_.size() || member == root) return;
+    if (member >= trees_.size() || member == root || at->upstream_boot != boots_[member]) return;
     way += ", " + name(member);
     if (visited[member]) {
       throw Violation("B11.1: the way up the tree of " + name(root) + ", epoch " + std::to_string(tree.epoch) +
