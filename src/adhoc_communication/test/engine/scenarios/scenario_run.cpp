@@ -106,7 +106,10 @@ class Run {
       const std::string what = change->joined ? " joined " : " left ";
       trace_.note(team_.now(),
                   Team::name(robot) + what + change->group + (change->succeeded ? "" : ": " + change->reason));
-      if (change->joined && !change->succeeded) deliveries_.left(robot, root_of(change->group));
+      if (change->joined && !change->succeeded) {
+        left_.insert({robot, root_of(change->group)});
+        deliveries_.left(robot, root_of(change->group));
+      }
     }
   }
 
