@@ -80,6 +80,52 @@ def test_a_robot_turns_no_sharper_than_it_sees(view: float, radius: float) -> No
     assert min(bends) > 0.9 * radius and (radius > 0.0 or min(bends) < 0.4)
 
 
+def narrow(view: float) -> Scan:
+    return make_scan(np.full(101, np.inf), -0.5 * view, view / 100, 0.0, 8.0, Pose(0.1, 0.0, 0.0))
+
+
+def turned_before_it_drives(navigator: Navigator, scan: Scan, turns: bool = True) -> float:
+    """rad to the left on the spot until the first motion ahead. `turns`: whether the wheels do what they are told."""
+    pose, turned = Pose(1.0, 2.0, 0.0), 0.0
+    for step in range(300):
+        command = navigator.step(0.1 * step, pose, scan)
+        assert command.status is Status.ACTIVE
+        if command.linear > 0.05:
+            return turned
+        turned += 0.1 * command.angular
+        if turns:
+            pose = pose.compose(Pose(0.0, 0.0, 0.1 * command.angular))
+    raise AssertionError("the robot never drove")
+
+
+@pytest.mark.parametrize("view, options, least", [(1.0, {}, 2 * math.pi), (4.7, {}, 0.0), (1.0, {"look_around": False}, 0.0)])
+def test_a_robot_that_sees_little_turns_once_before_its_first_goal(view: float, options: dict, least: float) -> None:
+    """What the wheels of Turtlebots lost on the first metres shifted all the rest of their maps."""
+    navigator = Navigator(NavigationOptions(**options))
+    navigator.set_map(room())
+    navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
+    assert turned_before_it_drives(navigator, narrow(view)) == pytest.approx(least, abs=0.8)
+    navigator.cancel()
+    navigator.set_goal(Pose(3.0, 2.0, 0.0), 0.0)
+    assert turned_before_it_drives(navigator, narrow(view)) == pytest.approx(0.0, abs=0.8), "once is enough"
+
+
+def test_a_robot_that_cannot_turn_does_not_look_around_for_ever() -> None:
+    navigator = Navigator()
+    navigator.set_map(room())
+    navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
+    assert turned_before_it_drives(navigator, narrow(1.0), turns=False) < 6 * math.pi
+
+
+def test_a_robot_beside_something_that_it_would_touch_does_not_turn() -> None:
+    navigator = Navigator()
+    navigator.set_map(room())
+    navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
+    bearings = np.linspace(-0.5, 0.5, 101)
+    beside = make_scan(0.24 / np.cos(bearings), -0.5, 0.01, 0.0, 8.0, Pose(0.0, 0.0, 0.5 * math.pi))
+    assert turned_before_it_drives(navigator, beside) < 1.0
+
+
 def test_no_way_is_said_within_a_second() -> None:
     navigator = Navigator()
     navigator.set_map(room((slice(None), slice(40, 42))))

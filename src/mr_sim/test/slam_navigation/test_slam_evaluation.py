@@ -3,13 +3,14 @@
 import math
 import multiprocessing
 from pathlib import Path
-from typing import Callable
+from typing import Callable, Iterable, Iterator
 
 import numpy as np
 import pytest
 from test_slam import ROUND, Drives, follow
 
 from mr_grid import Pose
+from mr_measures.figures import wrong_walls
 from mr_measures.truth import Truth
 from mr_robot._slam import PoseGraph, SquareWalls
 from mr_robot.slam.engine import LaserScan, Slam, SlamError
@@ -113,6 +114,35 @@ def test_a_loop_is_closed_farther_off_than_a_scan_is_matched(draw_world: Callabl
     assert doubled.mean() < 0.03
 
 
+def processed(log: ScanLog, slam: Slam, indices: Iterable[int]) -> Iterator[int]:
+    """The indices, each after its scan."""
+    for index in indices:
+        slam.process(log.scan(index), Pose(*log.odometry[index].tolist()), float(log.times[index]))
+        yield index
+
+
+def test_a_robot_that_stands_draws_what_it_has_found_out(draw_world: Callable[..., str]) -> None:
+    """One that came home stood there with the map of before its loop was closed: that was drawn when it drove on."""
+    drives = Recorder(draw_world((24, 16), [(2.0, 2.0, 20.0, 12.0)], [(1.0, 1.0, 0.0)]), 0)
+    drives.run(200.0, follow([(23.0, 1.0), (23.0, 15.0), (1.0, 15.0), (1.0, 1.0), (23.0, 1.0)], 0.4))
+    log = with_random_walk(drives.log(), 0.1, 0.02, 7)
+    truth, start = Truth.of_world(true_world_of(drives.world)), Pose(*log.truth[0].tolist())
+    slam, wrong = Slam(), 0.0
+    for index in processed(log, slam, range(len(log.times))):
+        before, wrong = wrong, wrong_walls(truth, slam.map(), start) if index > 1500 else 0.0
+        if wrong < before - 0.1:
+            break
+    else:
+        raise AssertionError("the loop has to be closed")
+    slam, last = Slam(), index - 5
+    for _ in processed(log, slam, range(last + 1)):
+        pass
+    assert wrong_walls(truth, slam.map(), start) == pytest.approx(before, abs=0.05)
+    for step in range(40):
+        slam.process(log.scan(last), Pose(*log.odometry[last].tolist()), float(log.times[last]) + 0.1 * (step + 1))
+    assert wrong_walls(truth, slam.map(), start) == pytest.approx(wrong, abs=0.05)
+
+
 def test_a_loop_that_closes_tells_how_odometry_counts() -> None:
     """Four times 2 m and a quarter turn, counted as 5 % more; the last pose is found to be the first one."""
     graph, x, y, yaw = PoseGraph(), 0.0, 0.0, 0.0
@@ -136,7 +166,7 @@ def seen_along_corridor(place: float, generator: np.random.Generator) -> LaserSc
     behind = place + walls * np.cos(angles)
     jambs = (np.ceil(behind / 2.5) * 2.5 - place) / np.cos(angles)
     beside = np.abs(jambs * np.sin(angles))
-    in_niche = np.where((beside >= 1.4) & (beside <= 1.45), jambs, 8.0)
+    in_niche = np.where((beside >= 1.4) & (beside <= 1.45), jambs, 1.45 / np.abs(np.sin(angles)))
     ranges = np.minimum(np.where(behind % 2.5 < 2.3, walls, in_niche), 8.0)
     ranges = np.where(ranges < 8.0, ranges + generator.normal(0.0, 0.01, len(angles)), 8.0)
     return LaserScan(ranges.astype(np.float32), angles[0], angles[1] - angles[0], 0.1, 8.0, (0.0, 0.0, 0.0))

@@ -53,6 +53,24 @@ py::array_t<float> surfaces(const Slam& slam) {
   return rows;
 }
 
+// Rows (x, y, off x, off y, normal x, normal y, deviation).
+py::array_t<double> edges(const Ranges& ranges, const PoseTuple& mount, double angle_min, double angle_increment,
+                          double range_min, double range_max) {
+  const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, to_pose(mount), Pose{}};
+  const SlamOptions options;
+  const auto found = edges_of(make_scan(ranges.data(), static_cast<std::size_t>(ranges.size()), geometry,
+                                        options.surface_window, options.small_object_size),
+                              options.small_object_size);
+  py::array_t<double> rows({static_cast<py::ssize_t>(found.size()), py::ssize_t{7}});
+  double* value = rows.mutable_data();
+  for (const Edge& edge : found) {
+    for (const double each :
+         {edge.place.x, edge.place.y, edge.off.x, edge.off.y, edge.normal.x, edge.normal.y, edge.deviation})
+      *value++ = each;
+  }
+  return rows;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_slam, module) {
@@ -90,6 +108,7 @@ PYBIND11_MODULE(_slam, module) {
                        yaw);
            })
       .def("direction", &SquareWalls::direction);
+  module.def("edges", &edges, "Ends of surfaces in a scan: rows (x, y, off x, off y, normal x, normal y, deviation).");
   py::class_<PoseGraph>(module, "PoseGraph")
       .def(py::init<>())
       .def("add", [](PoseGraph& graph, const PoseTuple& pose) { graph.add(to_pose(pose)); })
@@ -100,6 +119,12 @@ PYBIND11_MODULE(_slam, module) {
       .def("link", [](PoseGraph& graph, std::size_t from, std::size_t to, const PoseTuple& relative,
                       const Eigen::Matrix3d& information) { graph.link(from, to, to_pose(relative), information); })
       .def("see_walls", &PoseGraph::see_walls)
+      .def("see_edge",
+           [](PoseGraph& graph, std::size_t pose, double x, double y, double off_x, double off_y, double normal_x,
+              double normal_y, double deviation) {
+             graph.see_edge(pose, {{x, y}, {off_x, off_y}, {normal_x, normal_y}, deviation});
+           })
+      .def("match_edges", &PoseGraph::match_edges)
       .def("direction_of_walls", &PoseGraph::direction_of_walls)
       .def("solve", &PoseGraph::solve, py::arg("iterations") = 8)
       .def("pose", [](const PoseGraph& graph, std::size_t index) { return to_tuple(graph.pose(index)); });

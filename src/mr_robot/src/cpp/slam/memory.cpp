@@ -69,6 +69,7 @@ bool Memory::add(const std::vector<float>& ranges, const Scan& scan, const Laser
   Keyframe& keyframe = keyframes_.back();
   keyframe.scans.push_back({ranges, geometry.swept, between(keyframe.drawn, pose)});
   keyframe.hits.add(scan, keyframe.scans.back().relative);
+  keyframe.edges.add(scan, keyframe.scans.back().relative, small_object_size_);
   keyframe.walls.add(scan, keyframe.scans.back().relative.yaw);
   return opens;
 }
@@ -78,16 +79,17 @@ void Memory::open(const Pose& pose, const Pose& odometry, const Way& way, const 
   const std::size_t next = keyframes_.size();
   if (next == 0) {
     graph_.add(pose);
-    keyframes_.push_back({pose, odometry, way, {}, {}, {}});
+    keyframes_.push_back({pose, odometry, way, {}, {}, {}, {}});
     return;
   }
   const Keyframe& last = keyframes_.back();
   if (const auto heading = last.walls.direction()) graph_.see_walls(next - 1, *heading);
+  for (const Edge& edge : last.edges.edges()) graph_.see_edge(next - 1, edge);
   const Pose motion = between(last.odometry, odometry);
   graph_.add(graph_.pose(next - 1) * between(last.drawn, pose));
   graph_.link_odometry(next, motion, model.deviation_of_way(way - last.way));
   link_by_scan(next, pose, match, kFloor);
-  keyframes_.push_back({pose, odometry, way, {}, {}, {}});
+  keyframes_.push_back({pose, odometry, way, {}, {}, {}, {}});
 }
 
 void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor) {
@@ -150,6 +152,7 @@ void Memory::begin_solving(const OdometryModel& model) {
   for (std::size_t i = 1; i < keyframes_.size(); ++i) {
     graph_.weigh_odometry(i, model.deviation_of_way(keyframes_[i].way - keyframes_[i - 1].way));
   }
+  graph_.match_edges();
   solved_ = keyframes_.size();
   iterations_ = kIterations;
 }
@@ -192,13 +195,13 @@ bool Memory::redraw() {
   return redrawing.keyframe == keyframes_.size();
 }
 
-std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryModel& model) {
+std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryModel& model, bool rests) {
   if (scans_ == kMostScans) return std::nullopt;
   if (!redrawing_) {
     if (iterations_ > 0) {
       solve();
       if (iterations_ <= 0) begin_redrawing(*map);
-    } else if (keyframes_.size() >= solved_ + kSolveEvery) {
+    } else if (keyframes_.size() >= solved_ + (rests ? 1 : kSolveEvery)) {
       begin_solving(model);
     }
     return std::nullopt;

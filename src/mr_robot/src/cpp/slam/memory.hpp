@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "edges.hpp"
 #include "grid_map.hpp"
 #include "kept_hits.hpp"
 #include "odometry_model.hpp"
@@ -29,8 +30,8 @@ class Memory {
   // there when the one before has said the same.
   void close_loop(const OdometryModel& model, const MatchOptions& options);
   // A part of the work that is left. When the map has been drawn anew it is moved to `map`; how the robot's pose on the
-  // former map is to be taken to it.
-  std::optional<std::pair<Pose, Pose>> work(GridMap* map, const OdometryModel& model);
+  // former map is to be taken to it. `rests`: the robot stands, so that even a little is worth a solution.
+  std::optional<std::pair<Pose, Pose>> work(GridMap* map, const OdometryModel& model, bool rests);
 
  private:
   struct Kept {
@@ -44,6 +45,7 @@ class Memory {
     Way way;
     std::vector<Kept> scans;
     KeptHits hits;
+    KeptEdges edges;
     SquareWalls walls;
   };
   struct Redrawing {

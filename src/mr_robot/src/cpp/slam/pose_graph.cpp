@@ -70,6 +70,19 @@ struct WallsCost {
   }
 };
 
+struct EdgeCost {
+  Edge edge;
+  Point off;  // direction in which the landmark is known
+
+  template <class T>
+  bool operator()(const T* pose, const T* coordinate, T* residual) const {
+    const T c = ceres::cos(pose[2]), s = ceres::sin(pose[2]);
+    const T x = pose[0] + c * edge.place.x - s * edge.place.y, y = pose[1] + s * edge.place.x + c * edge.place.y;
+    residual[0] = (off.x * x + off.y * y - coordinate[0]) / edge.deviation;
+    return true;
+  }
+};
+
 struct FactorCost {
   template <class T>
   bool operator()(const T* factors, T* residual) const {
@@ -138,6 +151,12 @@ bool PoseGraph::solve(int iterations) {
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<WallsCost, 1, 3, 1>(new WallsCost{askew + *direction - poses_[pose].yaw}),
         new ceres::CauchyLoss(kOutlier), values[pose].data(), &*direction);
+  }
+  for (Landmark& landmark : landmarks_) {
+    for (const auto& [pose, edge] : landmark.seen) {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<EdgeCost, 1, 3, 1>(new EdgeCost{edge, landmark.off}),
+                               new ceres::CauchyLoss(kOutlier), values[pose].data(), &landmark.coordinate);
+    }
   }
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<FactorCost, 2, 2>(new FactorCost), nullptr, factors_);
   problem.SetParameterBlockConstant(values[0].data());

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "landmarks.hpp"
 #include "pose.hpp"
 
 namespace mr_robot::slam {
@@ -24,6 +25,11 @@ class PoseGraph {
   // Most walls around the pose run along or across the robot at `heading` (rad, a quarter turn more or less is the
   // same). Where most walls of the building stand square to one another, they tell how the pose is turned.
   void see_walls(std::size_t pose, double heading) { walls_.push_back({pose, heading}); }
+
+  // `edge`: in the frame of the pose.
+  void see_edge(std::size_t pose, const Edge& edge) { edges_.emplace_back(pose, edge); }
+  // Takes for one what lies at one place, the poses being where they are.
+  void match_edges() { landmarks_ = landmarks_of(edges_, poses_); }
 
   // rad, less than an eighth of a turn: most walls have it or are square to it; none where they do not stand square.
   std::optional<double> direction_of_walls() const;
@@ -57,6 +63,8 @@ class PoseGraph {
   std::vector<Walls> walls_;
   std::vector<OdometryLink> odometry_;
   std::vector<Link> links_;
+  std::vector<std::pair<std::size_t, Edge>> edges_;  // in the frames of these poses
+  std::vector<Landmark> landmarks_;
   double factors_[2] = {1.0, 1.0};  // of distance and turn
 };
 

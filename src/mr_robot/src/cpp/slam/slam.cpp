@@ -66,8 +66,10 @@ void Slam::start(const Scan& scan, const Pose& odometry, double time, SlamUpdate
   update->share = 1.0;
 }
 
-SlamUpdate Slam::rest(const Pose& odometry) const {
+// Time to put in order what is known.
+SlamUpdate Slam::rest(const Pose& odometry) {
   SlamUpdate update;
+  update.inserted = follow(memory_.work(&map_, model_, rested_ > 0));
   update.pose = pose_at(odometry);
   update.matched = !contradicted_;
   update.share = share_;
@@ -104,7 +106,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   SlamUpdate update;
   if (stands && rested_ >= kRestLimit) {
     update = rest(odometry);
-    update.inserted = map_.clear(scan, update.pose);
+    update.inserted |= map_.clear(scan, update.pose);
     updated_at_ = time;
     return update;
   }
@@ -159,7 +161,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
     stood_ = pose_;
     stood_driven_ = driven_;
   }
-  if (!costly) update.inserted |= follow(memory_.work(&map_, model_));
+  if (!costly) update.inserted |= follow(memory_.work(&map_, model_, false));
   update.pose = pose_;
   update.matched = !contradicted_;
   update.share = share_ = match.share;

@@ -61,7 +61,7 @@ class Slam {
 
  private:
   void start(const Scan& scan, const Pose& odometry, double time, SlamUpdate* update);
-  SlamUpdate rest(const Pose& odometry) const;
+  SlamUpdate rest(const Pose& odometry);
   SlamUpdate slip(const Scan& scan, const Pose& odometry);
   bool insert(const Scan& scan, bool stands, double time);
   bool follow(const std::optional<std::pair<Pose, Pose>>& change);

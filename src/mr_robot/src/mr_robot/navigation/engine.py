@@ -15,6 +15,7 @@ from mr_robot.navigation.clock import Clock
 from mr_robot.navigation.command import Command, GivenUp, Status, Velocity
 from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.known_map import KnownMap
+from mr_robot.navigation.look_around import LookAround
 from mr_robot.navigation.motion import STOP, Motion, outside
 from mr_robot.navigation.options import AT_REST, NavigationError, NavigationOptions, Scan
 from mr_robot.navigation.other_robots import OtherRobots
@@ -53,6 +54,7 @@ class Navigator:
         self._others = OtherRobots(self.options, name)
         self._route = Route(self.options)
         self._motion = Motion(self.options)
+        self._look_around = LookAround(self._motion, self.options)
         self._follower = Follower(self._motion, self.options)
         self._held_up = HeldUp(name, self.options.yield_patience, self._random, self.options.largest_robot_radius)
         self._stall = StallWatch(self.options.controller_period)
@@ -120,7 +122,7 @@ class Navigator:
         obstacles = self._others.settle(np.concatenate([obstacles, self._others.unseen(now, pose, scan)]), now)
         obstacles = outside(pose, obstacles, self._motion.footprint)
         try:
-            command = self._act(now, pose, costs, obstacles)
+            command = self._turn_around(now, pose, scan, obstacles) or self._act(now, pose, costs, obstacles)
         except GivenUp as reason:
             command = self._abort(str(reason))
         if not self._route.has_goal:
@@ -152,6 +154,13 @@ class Navigator:
         return Command(*self._motion.brake(), Status.ABORTED, text)
 
     # --- modes --------------------------------------------------------------------------------------------------------
+
+    def _turn_around(self, now: float, pose: Pose, scan: Scan, obstacles: np.ndarray) -> Optional[Command]:
+        velocity = self._look_around.velocity(pose, scan, obstacles)
+        if velocity is None:
+            return None
+        self._route.progress_at = now
+        return Command(*velocity, Status.ACTIVE)
 
     def _act(self, now: float, pose: Pose, costs: CostMap, obstacles: np.ndarray) -> Command:
         if self.mode is Mode.GIVE_WAY:

@@ -35,6 +35,7 @@ class NavigationOptions:
     yaw_goal_tolerance: float = 6.3  # rad; pi or more = any heading
     goal_search_radius: float = 0.5  # m around a goal in a wall or in the unknown within which another is taken
     allow_unknown: bool = False  # plan through cells never seen
+    look_around: bool = True  # turn once on the spot before the first goal where the laser sees less than half a circle
     controller_period: float = 0.1  # s
     plan_period: float = 1.0  # s
     obstacle_memory: float = 4.0  # s an obstacle out of sight is remembered
