@@ -16,6 +16,7 @@ from explorer.hearing import Hearing
 from explorer.homecoming import Homecoming
 from explorer.journal import Journal
 from explorer.leftovers import sentence
+from explorer.making_room import MakingRoom
 from explorer.memory import Memory
 from explorer.messages import FAILED, REACHED, Auction, Emit, Note
 from explorer.options import Options
@@ -77,7 +78,8 @@ class Exploration:
             strategy, self.driver, self.claim, self.auctions, self.sharing, self.team, name, emit
         )
         self._scenes = SceneMaker(name, senses, perception, self.verdicts, self.team, foreign, self.claim)
-        self._homecoming = Homecoming(self._course, self.orders, self.driver, senses, perception, self._outcomes)
+        room = MakingRoom(senses, perception, self.team, foreign, options.largest_robot_radius)
+        self._homecoming = Homecoming(self._course, self.orders, self.driver, senses, perception, self._outcomes, room)
         self._answering = Answering(
             name, strategy, senses, perception, foreign, self.team, self.auctions, self._selection, self._scenes
         )
@@ -127,7 +129,7 @@ class Exploration:
         if event is None:
             return
         if self.state == State.RETURNING:
-            self.driver.end_home(outcome, now)
+            self._homecoming.take_result(outcome, now)
         elif event.goal.frontier is None:
             self.ending.look_again()
         elif outcome in (REACHED, FAILED):
@@ -145,7 +147,7 @@ class Exploration:
             self._announcing.say(self._stage, now)
         if self.finished_at is not None and self._reopens(now):
             self._reopen()
-        if self.state == State.FINISHED:
+        if self.state == State.FINISHED and not self._homecoming.makes_room(now):
             return
         if self.started_at is None or self._senses.map is None or self._senses.pose is None:
             self._course.be(State.STARTING, f"waits for {self._awaited}")

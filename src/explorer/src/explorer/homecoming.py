@@ -3,7 +3,9 @@
 from typing import Tuple
 
 from explorer.course import Course
-from explorer.driver import Driver, at_home
+from explorer.driver import ARRIVED_DISTANCE, Driver, at_home
+from explorer.geometry import apart
+from explorer.making_room import MakingRoom
 from explorer.messages import FAILED
 from explorer.orders import CALLED, Orders
 from explorer.outcomes import Outcomes
@@ -24,9 +26,12 @@ class Homecoming:
         senses: Senses,
         perception: Perception,
         outcomes: Outcomes,
+        room: MakingRoom,
     ) -> None:
         self._course, self._orders, self._driver = course, orders, driver
         self._senses, self._perception, self._outcomes = senses, perception, outcomes
+        self._room = room
+        self._aside = False  # it drives for another robot, not home
 
     def follow_call(self, now: float) -> None:
         """A step of a robot that was called back; it waits at home, or where it cannot come nearer."""
@@ -35,17 +40,38 @@ class Homecoming:
             self._course.be(State.WAITING, f"{CALLED}, {self._whereabouts}")
         else:
             self._course.be(State.RETURNING, f"{CALLED}, drives home")
-            self._head_home(now)
+            self._head_for(self._poses()[1], now)
+
+    def makes_room(self, now: float) -> bool:
+        """Whether a robot whose mission is over has to drive once more, for another one."""
+        return self._orders.homeward and self._senses.pose is not None and self._room.place(now) is not None
 
     def end_mission(self, now: float) -> None:
         """A step of a robot whose exploration has ended."""
         ended_by = self._orders.ended_by
-        if not self._orders.homeward or self._over:
+        aside = self._room.place(now) if self._orders.homeward and (self._aside or self._over) else None
+        self._turn(aside is not None)
+        if aside is not None:
+            self._course.be(State.RETURNING, f"{ended_by}, makes room for {self._room.robot}")
+            if self._driver.goal is not None or apart(self._poses()[0], aside) > ARRIVED_DISTANCE:
+                self._head_for(aside, now)
+        elif not self._orders.homeward or self._over:
             self._driver.drop()
             self._course.be(State.FINISHED, f"{ended_by}, {self._whereabouts}")
         else:
             self._course.be(State.RETURNING, f"{ended_by}, drives home")
-            self._head_home(now)
+            self._head_for(self._poses()[1], now)
+
+    def take_result(self, outcome: str, now: float) -> None:
+        """Of a goal on the way."""
+        self._driver.end_home(FAILED if self._aside else outcome, now)
+
+    def _turn(self, aside: bool) -> None:
+        """From the way home to another place, or back."""
+        if aside != self._aside:
+            self._driver.drop()
+            self._driver.begin_home()
+            self._aside = aside
 
     def _poses(self) -> Tuple[Pose, Pose]:
         here, home = self._senses.pose, self._senses.home
@@ -60,12 +86,12 @@ class Homecoming:
     def _whereabouts(self) -> str:
         return "at home" if at_home(*self._poses()) else "away from home"
 
-    def _head_home(self, now: float) -> None:
-        here, home = self._poses()
+    def _head_for(self, place: Pose, now: float) -> None:
+        here, _ = self._poses()
         event = self._driver.watch(here, now, self._perception.rest_of_way)
         if event is not None:
             self._outcomes.take(event, here, now)
             self._perception.touch()
             self._driver.end_home(FAILED, now)
         if self._driver.goal is None and self._driver.may_send(now):
-            self._driver.send(home, here, now, self._perception.way(here, home))
+            self._driver.send(place, here, now, self._perception.way(here, place))

@@ -94,7 +94,9 @@ def test_jambs_tell_the_way_along_a_corridor() -> None:
     assert drift_along_corridor(True) < 0.4
 
 
-@pytest.mark.parametrize("off, normal, same", [((1, 0), (0, 1), True), ((-1, 0), (0, 1), False), ((1, 0), (0, -1), False)])
+@pytest.mark.parametrize(
+    "off, normal, same", [((1, 0), (0, 1), True), ((-1, 0), (0, 1), False), ((1, 0), (0, -1), False)]
+)
 def test_edges_are_one_where_they_end_the_same_way_round(
     off: tuple[int, int], normal: tuple[int, int], same: bool
 ) -> None:

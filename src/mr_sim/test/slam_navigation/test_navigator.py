@@ -98,7 +98,9 @@ def turned_before_it_drives(navigator: Navigator, scan: Scan, turns: bool = True
     raise AssertionError("the robot never drove")
 
 
-@pytest.mark.parametrize("view, options, least", [(1.0, {}, 2 * math.pi), (4.7, {}, 0.0), (1.0, {"look_around": False}, 0.0)])
+@pytest.mark.parametrize(
+    "view, options, least", [(1.0, {}, 2 * math.pi), (4.7, {}, 0.0), (1.0, {"look_around": False}, 0.0)]
+)
 def test_a_robot_that_sees_little_turns_once_before_its_first_goal(view: float, options: dict, least: float) -> None:
     """What the wheels of Turtlebots lost on the first metres shifted all the rest of their maps."""
     navigator = Navigator(NavigationOptions(**options))
