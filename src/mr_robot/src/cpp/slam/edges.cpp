@@ -53,20 +53,28 @@ std::optional<Line> line_through(std::vector<Point> hits) {
   return std::nullopt;
 }
 
-// Hits on the surface that ends at `index`, as far as its line is asked for; `step`: to the next of them, 1 or -1. None
-// on surfaces that are not longer than `size`.
-std::vector<Point> surface_before(const std::vector<Beam>& beams, std::size_t index, int step, double size) {
-  std::vector<Point> hits;
+// On an average, for single hits err by more.
+bool is_on(const Line& line, const std::vector<Point>& hits) {
+  double off = 0.0;
+  for (const Point& hit : hits) off += std::abs(cross(line.along, minus(hit, line.through)));
+  return off < kStraight * static_cast<double>(hits.size());
+}
+
+// The line of the surface that ends at `index`; `step`: to the next hit on it, 1 or -1. None unless all of it lies on
+// that line for more than `size`: a robot may stand so near to a wall that both look like one.
+std::optional<Line> surface_before(const std::vector<Beam>& beams, std::size_t index, int step, double size) {
+  std::vector<Point> near, beyond;
   Point last = beams[index].end;
   for (std::size_t i = index; i < beams.size() && beams[i].hit; i += step) {
     const Point gap = minus(beams[i].end, last), way = minus(beams[i].end, beams[index].end);
     const double length = std::hypot(way.x, way.y);
     if (std::hypot(gap.x, gap.y) > 2.0 * kWidestGap) break;
-    if (length > size) return hits;
-    if (length <= kLongest) hits.push_back(beams[i].end);
-    last = beams[i].end;
+    (length <= kLongest ? near : beyond).push_back(last = beams[i].end);
+    if (length <= size) continue;
+    const auto line = line_through(near);
+    return line && is_on(*line, beyond) ? line : std::nullopt;
   }
-  return {};
+  return std::nullopt;
 }
 
 // Where the surface seen by the beam ends because the beam beside it, `next`, passes it by.
@@ -76,7 +84,7 @@ std::optional<Edge> edge_at(const Scan& scan, std::size_t index, std::size_t nex
   const Point ray = minus(near.end, scan.eye), far_ray = minus(far.end, scan.eye);
   const double range = std::hypot(ray.x, ray.y), far_range = std::hypot(far_ray.x, far_ray.y);
   if (far_range < range + kJump) return std::nullopt;
-  const auto line = line_through(surface_before(scan.beams, index, index < next ? -1 : 1, size));
+  const auto line = surface_before(scan.beams, index, index < next ? -1 : 1, size);
   if (!line) return std::nullopt;
   Point normal{-line->along.y, line->along.x};
   if (dot(normal, ray) > 0.0) normal = {-normal.x, -normal.y};
