@@ -78,7 +78,7 @@ void RouteDiscovery::replied(const Target& target) {
 
 RouteDiscovery::Step RouteDiscovery::directed(Search& search, Time now) const {
   const int hops = std::exchange(search.told_hops, std::uint8_t{0}) + kDetour;
-  search.due = now + timings_.ring_traversal_time(hops);
+  search.due = now + kDirectedPatience * timings_.ring_traversal_time(hops);
   return {search.target, static_cast<std::uint8_t>(std::min(hops, timings_.net_diameter)), false, true};
 }
 

@@ -34,6 +34,9 @@ class RouteDiscovery {
   static constexpr std::size_t kMostSearches = 64;
   static constexpr int kJitterShare = 4;  ///< of the wait: the first part of so many
   static constexpr int kDetour = 2;       ///< hops more than told of
+  /// RING_TRAVERSAL_TIMEs for an answer to a directed request: hops repeat it, which a flood does not wait for, and a
+  /// flood too many costs more than the wait.
+  static constexpr int kDirectedPatience = 3;
 
   struct Step {
     Target target;

@@ -5,6 +5,7 @@
 
 #include "host.hpp"
 #include "routing/request_load.hpp"
+#include "routing/route_discovery.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -55,6 +56,26 @@ TEST(DirectedRequests, WhereTheWayHasEndedTheNextRequestIsFlooded) {
     team.restart(relay);
     team.run_for(20s);  // the route is forgotten, the ways are told of anew
   }
+}
+
+/// Hops that repeat the request or the answer make it slow, and a flood would only be in their way.
+TEST(DirectedRequests, TheFloodWaitsForAnswersThatHopsHaveToRepeat) {
+  const EngineOptions options;
+  Random random(1);
+  routing::RouteDiscovery discovery(options, random);
+  constexpr std::uint8_t kTold = 4;
+  discovery.search({Team::address(7), {}}, 0, kTold, 0s);
+  const auto first = discovery.poll(0s);
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_TRUE(first.front().directed);
+  const Time wait = routing::RouteDiscovery::kDirectedPatience *
+                    options.timings.ring_traversal_time(kTold + routing::RouteDiscovery::kDetour);
+  EXPECT_GE(wait, 2 * options.timings.ring_traversal_time(kTold + routing::RouteDiscovery::kDetour));
+  EXPECT_EQ(discovery.next_deadline(), wait);
+  EXPECT_TRUE(discovery.poll(wait - 1ms).empty());
+  const auto second = discovery.poll(wait);
+  ASSERT_EQ(second.size(), 1u);
+  EXPECT_FALSE(second.front().directed);
 }
 
 TEST(DirectedRequests, A4_15_WithTheConstantsOfTheRfcThereAreNone) {
