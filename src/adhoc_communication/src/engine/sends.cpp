@@ -151,10 +151,7 @@ void Engine::Implementation::cancel(SendId id, Time now) {
 
 /// Tells which members it has not reached.
 std::string Engine::Implementation::cancel_group_send(SendId id, Time now) {
-  std::vector<std::string> missed;
-  for (const MacAddress& member : groups_.cancel(id, sends_.at(id).destination)) {
-    missed.push_back(routing::name_or_address(self_, directory_, member));
-  }
+  std::vector<std::string> missed = groups_.cancel(id, sends_.at(id).destination);
   for (const SendId part : sends_.parts_of(id)) {
     const Sending sending = sends_.at(part);
     missed.push_back(sending.destination);

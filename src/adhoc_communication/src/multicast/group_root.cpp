@@ -64,21 +64,35 @@ void GroupTraffic::name_members(const std::string& robot) {
   write({Purpose::kInternal, robot, group_of(self_.name)}, PacketKind::kGroupMembers, encode_members(members));
 }
 
+/// While the copy waits the tree leaves the member out as well, so that its packets stay in order.
 void GroupTraffic::send_copy(const std::string& robot, const HeldPacket& packet, Purpose purpose, SendId parent) {
   own_group_.copy_started(robot);
-  Image image = transport::image_of(  // what it carries is packed
-      {PacketKind::kGroupCopy, 0, group_of(self_.name), {}, encode_copy(packet)});
   distributor_.copy_started(packet.stream, packet.number);
-  Sending sending{purpose, robot, {}, parent};
-  sending.copy.emplace(packet.stream, packet.number);
-  sending.priority = static_cast<Priority>(packet.stream);
-  letters_.push_back({std::move(sending), std::move(image)});
+  copies_.add({robot, packet, purpose, parent});
+  start_copies();
+}
+
+void GroupTraffic::start_copies() {
+  while (const auto copy = copies_.next()) {
+    Image image = transport::image_of(  // what it carries is packed
+        {PacketKind::kGroupCopy, 0, group_of(self_.name), {}, encode_copy(copy->packet)});
+    Sending sending{copy->purpose, copy->member, {}, copy->parent};
+    sending.copy.emplace(copy->packet.stream, copy->packet.number);
+    sending.priority = static_cast<Priority>(copy->packet.stream);
+    letters_.push_back({std::move(sending), std::move(image)});
+  }
+}
+
+void GroupTraffic::copy_ended(const std::string& member, std::uint8_t stream, std::uint32_t number) {
+  distributor_.copy_finished(stream, number);
+  own_group_.copy_finished(member);
 }
 
 void GroupTraffic::copy_finished(const Sending& copy) {
   if (!copy.copy) return;
-  distributor_.copy_finished(copy.copy->first, copy.copy->second);
-  own_group_.copy_finished(copy.destination);
+  copy_ended(copy.destination, copy.copy->first, copy.copy->second);
+  copies_.finished(copy.destination, copy.copy->first);
+  start_copies();
 }
 
 void GroupTraffic::take_member_ends() {

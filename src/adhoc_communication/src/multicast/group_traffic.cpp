@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "routing/names.hpp"
 #include "texts.hpp"
 
 namespace adhoc_communication::multicast {
@@ -77,10 +78,18 @@ bool GroupTraffic::replace(SendId former, SendId id, const std::string& group, c
   return sends_.replace_waiting(group, former, id, image);
 }
 
-std::set<MacAddress> GroupTraffic::cancel(SendId id, const std::string& group) {
+std::vector<std::string> GroupTraffic::cancel(SendId id, const std::string& group) {
   sends_.drop_waiting(group, id);
   sends_.drop(id);
-  return distributor_.drop(id);
+  std::vector<std::string> missed;
+  for (const MacAddress& member : distributor_.drop(id)) {
+    missed.push_back(routing::name_or_address(self_, directory_, member));
+  }
+  for (const WaitingCopy& copy : copies_.drop(id)) {
+    copy_ended(copy.member, copy.packet.stream, copy.packet.number);
+    missed.push_back(copy.member);
+  }
+  return missed;
 }
 
 void GroupTraffic::appeared(const std::string& robot, wire::BootTag boot, Time now) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "multicast/copy_queue.hpp"
 #include "multicast/distributor.hpp"
 #include "multicast/group_sends.hpp"
 #include "multicast/memberships.hpp"
@@ -52,8 +53,8 @@ class GroupTraffic {
   /// Puts another packet in the place of one that waits. False if there is no such packet.
   bool replace(SendId former, SendId id, const std::string& group, const transport::Image& image, Time lifetime,
                Time now);
-  /// Returns the members on the tree that it has not reached.
-  std::set<MacAddress> cancel(SendId id, const std::string& group);
+  /// Returns the members that it has not reached; copies that are on their way are not among them.
+  std::vector<std::string> cancel(SendId id, const std::string& group);
 
   // Robots come and go.
   void appeared(const std::string& robot, wire::BootTag boot, Time now);
@@ -99,6 +100,8 @@ class GroupTraffic {
   void leave_out(const std::string& robot, const std::string& reason, Time now);
   void name_members(const std::string& robot);
   void send_copy(const std::string& robot, const HeldPacket& packet, transport::Purpose purpose, SendId parent);
+  void start_copies();
+  void copy_ended(const std::string& member, std::uint8_t stream, std::uint32_t number);
   void copy_finished(const transport::Sending& copy);
   void part_finished(SendId parent, const std::string& member, bool delivered, const std::string& reason);
 
@@ -117,6 +120,7 @@ class GroupTraffic {
   const routing::Router& router_;
   Distributor& distributor_;
   OwnGroup own_group_;
+  CopyQueue copies_;
   Memberships memberships_;
   GroupSends sends_;
   std::vector<Letter> letters_;
