@@ -80,9 +80,19 @@ std::uint32_t LivingRuns::life_sign(const MacAddress& robot) const {
   return found == robots_.end() ? 0 : found->second.sign;
 }
 
+std::uint32_t LivingRuns::life_sign(const MacAddress& robot, wire::BootTag boot) const {
+  const auto found = robots_.find(robot);
+  return found == robots_.end() || found->second.boot != boot ? 0 : found->second.sign;
+}
+
+/// News only get later, so none is forgotten before the oldest of the last look is due.
 void LivingRuns::expire(Time now) {
+  if (now < next_expiry_) return;
+  next_expiry_ = now + kForget;
   for (auto runs = robots_.begin(); runs != robots_.end();) {
-    runs = now - runs->second.news >= kForget ? robots_.erase(runs) : std::next(runs);
+    const Time due = runs->second.news + kForget;
+    if (due > now) next_expiry_ = std::min(next_expiry_, due);
+    runs = due <= now ? robots_.erase(runs) : std::next(runs);
   }
 }
 

@@ -42,6 +42,8 @@ class LivingRuns {
   bool lives(const MacAddress& robot, wire::BootTag boot) const;
   /// The greatest life sign of the run that lives; 0 if none is known.
   std::uint32_t life_sign(const MacAddress& robot) const;
+  /// The same of this run; 0 if it does not live.
+  std::uint32_t life_sign(const MacAddress& robot, wire::BootTag boot) const;
   void expire(Time now);
   std::size_t size() const { return robots_.size(); }
 
@@ -74,6 +76,7 @@ class LivingRuns {
   static void displace(Runs& runs, wire::BootTag boot);
 
   std::map<MacAddress, Runs> robots_;
+  Time next_expiry_{0};
 };
 
 }  // namespace adhoc_communication::routing

@@ -22,15 +22,14 @@ bool RobotDirectory::learn(const MacAddress& address, const std::string& name, w
 
 void RobotDirectory::life_sign(const MacAddress& address, const std::string& name, wire::BootTag boot,
                                std::uint32_t alive, std::uint8_t hops, std::optional<MacAddress> teller, Time now) {
-  const Robot* known = find(address);
-  const std::uint32_t before = runs_.lives(address, boot) ? runs_.life_sign(address) : 0;
-  if (hops > 1 && known != nullptr && known->boot == boot && before != 0 && !is_newer(alive, before)) {
+  const std::uint32_t before = runs_.life_sign(address, boot);
+  if (hops > 1 && before != 0 && !is_newer(alive, before)) {
+    const auto known = robots_.find(address);
     // A nearer witness of the same life sign shortens the distance; it is no news of life.
-    if (alive != before) return;
-    Robot& robot = robots_[address];
-    if (teller && robot.told != alive) robot.teller = teller, robot.told = alive;
-    if (hops < known->hops) set_hops(robot, hops);
-    return;
+    if (known != robots_.end() && known->second.boot == boot) {
+      if (alive == before) heard_again(known->second, alive, hops, teller);
+      return;
+    }
   }
   if (!runs_.told_alive(address, boot, alive, now)) return;
   Robot* robot = admit(address, name, boot, now);
@@ -43,6 +42,12 @@ void RobotDirectory::life_sign(const MacAddress& address, const std::string& nam
 void RobotDirectory::traffic(const MacAddress& address, wire::BootTag boot, Time now) {
   const auto found = robots_.find(address);
   if (found != robots_.end() && found->second.boot == boot && found->second.announced) found->second.last_news = now;
+}
+
+void RobotDirectory::heard_again(Robot& robot, std::uint32_t alive, std::uint8_t hops,
+                                 const std::optional<MacAddress>& teller) {
+  if (teller && robot.told != alive) robot.teller = teller, robot.told = alive;
+  if (hops < robot.hops) set_hops(robot, hops);
 }
 
 const Robot* RobotDirectory::find(const MacAddress& address) const {

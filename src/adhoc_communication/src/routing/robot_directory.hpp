@@ -73,6 +73,7 @@ class RobotDirectory {
   std::vector<std::string> take_taken_names() { return std::exchange(taken_names_, {}); }
 
  private:
+  void heard_again(Robot& robot, std::uint32_t alive, std::uint8_t hops, const std::optional<MacAddress>& teller);
   Robot* admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now);
   static Time patience(const Robot& robot) { return kSilence + (robot.hops - 1) * std::chrono::seconds(2); }
 
