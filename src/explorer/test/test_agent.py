@@ -447,6 +447,33 @@ def test_home_is_tried_five_times() -> None:
     assert bench.agent.state == State.FINISHED and "away from home" in bench.agent.text
 
 
+@pytest.mark.parametrize("called, state", [(False, State.FINISHED), (True, State.WAITING)])
+def test_a_robot_at_home_drives_aside_for_another_one_and_back(called: bool, state: State) -> None:
+    """Mates that had come home first, after the end or called back, stood in the way of those who live behind them."""
+    bench = Bench(7).map(closed())
+    bench.agent.on_robots(["robot_1"], bench.now)
+    bench.agent.on_transform("robot_1", np.array([[1.0, 0.0, -1.5], [0.0, 1.0, 0.0]]), bench.now)
+    bench.run(0.4)
+    if called:
+        bench.agent.return_now(bench.now)
+    bench.run(8.0)
+    assert bench.agent.state == state and not bench.goals()
+    for _ in range(12):
+        bench.agent.on_positions({"robot_1": (2.0, 0.0)}, bench.now)
+        bench.run(1.0)
+    assert bench.agent.state == State.RETURNING and "makes room for robot_1" in bench.agent.text
+    aside = bench.goals()[-1].pose
+    assert abs(aside.y) > 0.7 or aside.x < -2.2
+    bench.place(aside.x, aside.y)
+    bench.agent.on_positions({"robot_1": (-1.4, 0.0)}, bench.now)
+    bench.run(2.0)
+    home = bench.goals()[-1].pose
+    assert (home.x, home.y) == (0.5, 0.0)
+    bench.place(0.5, 0.0)
+    bench.run(1.0)
+    assert bench.agent.state == state and "at home" in bench.agent.text
+
+
 @pytest.mark.parametrize("log_path, masks", [("", []), ("/somewhere", [12, 3])])
 def test_maps_are_logged_only_where_logs_are_written(log_path: str, masks: List[int]) -> None:
     """Without a log path map_merger refused the call, and the node warned of it every 30 s."""

@@ -35,31 +35,35 @@ class Homecoming:
 
     def follow_call(self, now: float) -> None:
         """A step of a robot that was called back; it waits at home, or where it cannot come nearer."""
-        if self._over:
-            self._driver.drop()
-            self._course.be(State.WAITING, f"{CALLED}, {self._whereabouts}")
+        self._go(CALLED, State.WAITING, now)
+
+    def end_mission(self, now: float) -> None:
+        """A step of a robot whose exploration has ended."""
+        ended_by = self._orders.ended_by
+        assert ended_by is not None
+        if self._orders.homeward:
+            self._go(ended_by, State.FINISHED, now)
         else:
-            self._course.be(State.RETURNING, f"{CALLED}, drives home")
-            self._head_for(self._poses()[1], now)
+            self._driver.drop()
+            self._course.be(State.FINISHED, f"{ended_by}, {self._whereabouts}")
 
     def makes_room(self, now: float) -> bool:
         """Whether a robot whose mission is over has to drive once more, for another one."""
         return self._orders.homeward and self._senses.pose is not None and self._room.place(now) is not None
 
-    def end_mission(self, now: float) -> None:
-        """A step of a robot whose exploration has ended."""
-        ended_by = self._orders.ended_by
-        aside = self._room.place(now) if self._orders.homeward and (self._aside or self._over) else None
+    def _go(self, why: str, then: State, now: float) -> None:
+        """Home, and there out of the way of others."""
+        aside = self._room.place(now) if self._aside or self._over else None
         self._turn(aside is not None)
         if aside is not None:
-            self._course.be(State.RETURNING, f"{ended_by}, makes room for {self._room.robot}")
+            self._course.be(State.RETURNING, f"{why}, makes room for {self._room.robot}")
             if self._driver.goal is not None or apart(self._poses()[0], aside) > ARRIVED_DISTANCE:
                 self._head_for(aside, now)
-        elif not self._orders.homeward or self._over:
+        elif self._over:
             self._driver.drop()
-            self._course.be(State.FINISHED, f"{ended_by}, {self._whereabouts}")
+            self._course.be(then, f"{why}, {self._whereabouts}")
         else:
-            self._course.be(State.RETURNING, f"{ended_by}, drives home")
+            self._course.be(State.RETURNING, f"{why}, drives home")
             self._head_for(self._poses()[1], now)
 
     def take_result(self, outcome: str, now: float) -> None:

@@ -70,10 +70,9 @@ class MakingRoom:
             return
         for name, position in sorted(positions.items()):
             held = now - self._stands[name][1] >= HELD and distance(position, (here.x, here.y)) < NEAR
-            if not held or self._times.get(name, 0) >= TIMES or not self._is_out(name, positions):
-                continue
             home = self._home_of(name)
-            assert home is not None
+            if not held or home is None or self._times.get(name, 0) >= TIMES or not self._is_out(name, positions):
+                continue
             way = np.array(ways.grid.field_from(*position).path_to(*home)).reshape(-1, 2)
             if len(way) == 0 or _nearest(way, here.x, here.y) >= self._passing:
                 continue
