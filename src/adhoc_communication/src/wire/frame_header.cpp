@@ -1,45 +1,12 @@
 #include "wire/frame_header.hpp"
 
-#include <array>
+#include <isa-l/crc.h>
 
 namespace adhoc_communication::wire {
 namespace {
 
-constexpr std::size_t kSlice = 8;  ///< octets taken at once: every frame heard goes through here
-using Tables = std::array<std::array<std::uint32_t, 256>, kSlice>;
-
-/// CRC-32 of IEEE 802.3, reflected. Table i is for an octet with i more behind it in the slice.
-constexpr Tables make_tables() {
-  Tables tables{};
-  for (std::uint32_t octet = 0; octet < 256; ++octet) {
-    std::uint32_t value = octet;
-    for (int bit = 0; bit < 8; ++bit) value = (value & 1) != 0 ? value >> 1 ^ 0xedb88320u : value >> 1;
-    tables[0][octet] = value;
-  }
-  for (std::size_t i = 1; i < kSlice; ++i) {
-    for (std::size_t octet = 0; octet < 256; ++octet) {
-      const std::uint32_t before = tables[i - 1][octet];
-      tables[i][octet] = tables[0][before & 0xff] ^ before >> 8;
-    }
-  }
-  return tables;
-}
-
-constexpr Tables kTables = make_tables();
-
-std::uint32_t checksum(const std::uint8_t* data, std::size_t size) {
-  std::uint32_t value = 0xffffffffu;
-  for (; size >= kSlice; data += kSlice, size -= kSlice) {
-    std::uint32_t next = 0;
-    for (std::size_t i = 0; i < kSlice; ++i) {
-      const std::uint32_t folded = i < 4 ? value >> 8 * i & 0xff : 0;
-      next ^= kTables[kSlice - 1 - i][folded ^ data[i]];
-    }
-    value = next;
-  }
-  for (; size > 0; ++data, --size) value = kTables[0][(value ^ *data) & 0xff] ^ value >> 8;
-  return ~value;
-}
+/// CRC-32 of IEEE 802.3, reflected.
+std::uint32_t checksum(const std::uint8_t* data, std::size_t size) { return crc32_gzip_refl(0, data, size); }
 
 }  // namespace
 

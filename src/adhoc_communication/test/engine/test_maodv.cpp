@@ -31,6 +31,17 @@ TEST(Trees, B1_6_ActivationIsInNetworkByteOrder) {
   EXPECT_EQ(wire::to_bytes(wire::read_group_activation(wire::Reader(expected)).value()), expected);
 }
 
+/// The first packet of the root's group, in one frame.
+wire::GroupData packet_of(const Host& root) {
+  wire::GroupData data;
+  data.root = root.address;
+  data.root_boot = root.boot();
+  data.round = data.packet = data.base = 1;
+  data.total = data.segment_size = 100;
+  data.octets = noise(100);
+  return data;
+}
+
 /// A node between a, which is the root or nearer to it, and b.
 struct Branch : Stage {
   Branch() : a(neighbor(1)), b(neighbor(2)) {
@@ -243,12 +254,7 @@ TEST(Trees, B5_6_B11_1_APlaceIsRememberedLongerThanThoseBehindItKeepTheirs) {
   Host& c = branch.neighbor(3);
   branch.run_for(50ms);
   branch.activate(branch.b, 3, {branch.self().address, c.address});
-  wire::GroupData data;
-  data.root = branch.a.address;
-  data.root_boot = branch.a.boot();
-  data.round = data.packet = data.base = 1;
-  data.total = data.segment_size = 100;
-  data.octets = noise(100);
+  const wire::GroupData data = packet_of(branch.a);
   for (int i = 0; i < 7; ++i) {
     EXPECT_EQ(branch.tree()->upstream, branch.b.address);
     branch.run_for(9s);
@@ -283,12 +289,7 @@ TEST(Trees, B7_3_AChildThatKnowsAnotherTreeIsActivatedAgain) {
   Branch branch;
   branch.give_route(branch.b, kFar);
   branch.activate(branch.a, 5, {kFar.address});
-  wire::GroupData data;
-  data.root = branch.a.address;
-  data.root_boot = branch.a.boot();
-  data.round = data.packet = data.base = 1;
-  data.total = data.segment_size = 100;
-  data.octets = noise(100);
+  const wire::GroupData data = packet_of(branch.a);
   branch.say(branch.a, data);
   branch.run_for(100ms);
   branch.forget();
