@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "spread.hpp"
+
 namespace mr_robot::slam {
 namespace {
 
@@ -28,15 +30,10 @@ struct Line {
 
 // `hits`: the first is the one towards which the line runs.
 Line fitted(const std::vector<Point>& hits) {
-  const double count = static_cast<double>(hits.size());
-  Point mean;
-  for (const Point& hit : hits) mean.x += hit.x / count, mean.y += hit.y / count;
-  double xx = 0.0, yy = 0.0, xy = 0.0;
-  for (const Point& hit : hits) {
-    const Point d = minus(hit, mean);
-    xx += d.x * d.x, yy += d.y * d.y, xy += d.x * d.y;
-  }
-  const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  Spread spread;
+  for (const Point& hit : hits) spread.add(minus(hit, hits.front()));
+  const Point mean{hits.front().x + spread.mean().x, hits.front().y + spread.mean().y};
+  const double angle = spread.along();
   Point along{std::cos(angle), std::sin(angle)};
   if (dot(along, minus(hits.front(), mean)) < 0.0) along = {-along.x, -along.y};
   return {mean, along};
@@ -62,7 +59,7 @@ bool is_on(const Line& line, const std::vector<Point>& hits) {
 
 // The line of the surface that ends at `index`; `step`: to the next hit on it, 1 or -1. None unless all of it lies on
 // that line for more than `size`: a robot may stand so near to a wall that both look like one.
-std::optional<Line> surface_before(const std::vector<Beam>& beams, std::size_t index, int step, double size) {
+std::optional<Line> line_before(const std::vector<Beam>& beams, std::size_t index, int step, double size) {
   std::vector<Point> near, beyond;
   Point last = beams[index].end;
   for (std::size_t i = index; i < beams.size() && beams[i].hit; i += step) {
@@ -84,7 +81,7 @@ std::optional<Edge> edge_at(const Scan& scan, std::size_t index, std::size_t nex
   const Point ray = minus(near.end, scan.eye), far_ray = minus(far.end, scan.eye);
   const double range = std::hypot(ray.x, ray.y), far_range = std::hypot(far_ray.x, far_ray.y);
   if (far_range < range + kJump) return std::nullopt;
-  const auto line = surface_before(scan.beams, index, index < next ? -1 : 1, size);
+  const auto line = line_before(scan.beams, index, index < next ? -1 : 1, size);
   if (!line) return std::nullopt;
   Point normal{-line->along.y, line->along.x};
   if (dot(normal, ray) > 0.0) normal = {-normal.x, -normal.y};

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "small_objects.hpp"
+#include "spread.hpp"
 
 namespace mr_robot::slam {
 namespace {
@@ -39,13 +40,11 @@ bool fit_sparse_normal(const std::vector<Beam>& beams, std::size_t index, const 
 // Direction of the line through the hits around `index`, by principal axes; needs three hits and some extent.
 bool fit_normal(const std::vector<Beam>& beams, std::size_t index, double window, const Point& eye, Point* normal) {
   const Point center = beams[index].end;
-  double sx = 0.0, sy = 0.0, sxx = 0.0, syy = 0.0, sxy = 0.0;
-  int count = 0;
+  Spread spread;
   const auto add = [&](const Beam& beam) {
     const double x = beam.end.x - center.x, y = beam.end.y - center.y;
     if (!beam.hit || x * x + y * y > window * window) return false;
-    sx += x, sy += y, sxx += x * x, syy += y * y, sxy += x * y;
-    ++count;
+    spread.add({x, y});
     return true;
   };
   add(beams[index]);
@@ -53,12 +52,10 @@ bool fit_normal(const std::vector<Beam>& beams, std::size_t index, double window
   }
   for (std::size_t i = index + 1; i < beams.size() && add(beams[i]); ++i) {
   }
-  if (count < 3) return fit_sparse_normal(beams, index, eye, normal);
-  const double xx = sxx - sx * sx / count, yy = syy - sy * sy / count, xy = sxy - sx * sy / count;
-  const double spread = std::hypot(0.5 * (xx - yy), xy);
-  const double large = 0.5 * (xx + yy) + spread, small = 0.5 * (xx + yy) - spread;
-  if (large < 25.0 * small || large < count * 0.04 * window * window) return false;
-  const double along = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  if (spread.count() < 3) return fit_sparse_normal(beams, index, eye, normal);
+  const double large = spread.large();
+  if (large < 25.0 * spread.small() || large < spread.count() * 0.04 * window * window) return false;
+  const double along = spread.along();
   *normal = {-std::sin(along), std::cos(along)};
   return turn_to(eye, center, normal);
 }
