@@ -1,4 +1,5 @@
-"""A Pioneer and a Turtlebot explore the small world together, each configured as what it is."""
+"""A Pioneer and a Turtlebot explore the small world together, each configured as what it is, with SLAM and navigation
+started by the launch files of the documentation's examples."""
 
 import subprocess
 from pathlib import Path
@@ -10,7 +11,9 @@ from mr_measures.record.files import read_record
 
 LIMIT_S = 300
 WRONG_WALLS = 0.2  # what a Turtlebot sees of walls is less exact, and in both maps
-WORLDS = Path(__file__).parents[2] / "worlds"
+REPOSITORY = Path(__file__).parents[2]
+WORLDS = REPOSITORY / "worlds"
+EXAMPLES = REPOSITORY / "docs" / "examples"
 
 
 @pytest.fixture(scope="module")
@@ -23,8 +26,9 @@ def mission(tmp_path_factory: pytest.TempPathFactory) -> Tuple[int, str, Path]:
     assert mixed != text
     (folder / "mixed.world").write_text(mixed)
     command = ["rosrun", "mr_launch", "team", "--world", str(folder / "mixed.world"), "--robots", "2", "--seed", "3"]
+    own = ["--slam", str(EXAMPLES / "my_slam.launch"), "--navigation", str(EXAMPLES / "my_navigation.launch")]
     run = subprocess.run(
-        [*command, "--rtf", "2", "--duration", "200", "--no-bag", "--out", str(folder / "out")],
+        [*command, *own, "--rtf", "2", "--duration", "200", "--no-bag", "--out", str(folder / "out")],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -46,3 +50,12 @@ def test_both_kinds_of_robots_explore_the_world(mission: Tuple[int, str, Path]) 
 def test_the_presets_of_both_kinds_are_kept(mission: Tuple[int, str, Path]) -> None:
     presets = {path.stem: path.read_text() for path in (mission[2] / "robots").iterdir()}
     assert "field_of_view: 4.71" in presets["robot_0"] and "field_of_view: 0.99" in presets["robot_1"]
+
+
+def test_the_launch_files_of_the_examples_were_used(mission: Tuple[int, str, Path]) -> None:
+    """SLAM's sends its map each second, navigation's drives at most 0.4 m/s where the Pioneer can 0.5."""
+    series = read_record(mission[2] / "record.json").robots["robot_0"].series
+    fastest = max((b - a) / (to - since) for a, b, since, to in
+                  zip(series.distance, series.distance[1:], series.time, series.time[1:]))  # fmt: skip
+    assert 0.3 < fastest < 0.45
+    assert "/slam/map_update_interval" in (mission[2] / "logs/robot_0/nodes/master.log").read_text()
