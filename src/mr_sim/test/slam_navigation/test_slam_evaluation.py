@@ -364,6 +364,17 @@ def test_a_place_that_fits_better_is_believed_when_scans_from_several_places_say
     assert turned[-1] == pytest.approx(0.15, abs=0.03)
 
 
+@pytest.mark.parametrize("error", [-0.07, 0.07])
+def test_a_scan_far_from_the_last_is_found_where_odometry_may_err(error: float) -> None:
+    """A log with a scan each 45 degrees: walls seen once had no say, scans contradicted the map, and it broke."""
+    slam = Slam()
+    for step in range(9):
+        turned = math.radians(45.0 * step)
+        update = slam.process(scan_of(box(0.7, turned)), (0.0, 0.0, turned + error * (step % 2)), float(step))
+        assert update.matched
+        assert math.remainder(update.pose[2] - turned, 2.0 * math.pi) == pytest.approx(0.0, abs=0.01)
+
+
 def test_what_nobody_has_seen_contradicts_nothing() -> None:
     slam = Slam()
     narrow = np.where(np.abs(np.linspace(-135.0, 135.0, 541)) < 30.0, box(0.0), np.nan)

@@ -66,7 +66,7 @@ bool contradicts(const GridMap& map, const Point& eye, const Point& point) {
 
 // What the map says to the hits at the pose of the fit.
 void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Point& eye, double reach, double precision,
-           std::vector<Association>& associations, Fit* fit) {
+           bool fresh, std::vector<Association>& associations, Fit* fit) {
   const Frame frame(fit->pose);
   const Point from = frame * eye;
   int on_surface = 0, against = 0;
@@ -85,7 +85,7 @@ void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Poin
       support.share += 1.0 / static_cast<double>(beams.size());
       const Point arm = frame.turned(beams[i]->end), &normal = line->normal;
       const Eigen::Vector3d jacobian(normal.x, normal.y, -normal.x * arm.y + normal.y * arm.x);
-      support.information += precision * line->weight * jacobian * jacobian.transpose();
+      support.information += precision * (fresh ? line->density : line->weight) * jacobian * jacobian.transpose();
     }
     against += !on && contradicts(map, from, point);
   }
@@ -95,10 +95,11 @@ void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Poin
   fit->known = beams.empty() ? 0.0 : static_cast<double>(known) / static_cast<double>(beams.size());
 }
 
-// Gauss-Newton on point-to-line distances with Cauchy weights and the odometry prior.
+// Gauss-Newton on point-to-line distances with Cauchy weights and the odometry prior. `fresh`: surfaces that were seen
+// once count as well.
 Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose& start, const Pose& expected,
            const Pose& deviation, double surface_deviation, const Point& eye, const MatchOptions& options,
-           std::vector<Association>& associations) {
+           std::vector<Association>& associations, bool fresh = false) {
   const double precision = 1.0 / (surface_deviation * surface_deviation);
   Fit fit{start};
   double reach = options.reach;
@@ -122,7 +123,7 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
       const double residual = nx * dx + ny * dy, beside = -ny * dx + nx * dy;
       if (std::abs(beside) > kTangential) continue;
       const double scaled = residual / (2.5 * options.surface_deviation);
-      const double weight = precision * line.weight / (1.0 + scaled * scaled);
+      const double weight = precision * (fresh ? line.density : line.weight) / (1.0 + scaled * scaled);
       const Eigen::Vector3d jacobian(nx, ny, -nx * arm.y + ny * arm.x);
       seen += weight * jacobian * jacobian.transpose();
       pull += weight * residual * jacobian;
@@ -133,7 +134,7 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
     reach = std::max(0.5 * reach, 0.12);
     if (iteration > 1 && step.head<2>().norm() < 2e-4 && std::abs(step.z()) < 1e-4) break;
   }
-  judge(map, beams, eye, reach, precision, associations, &fit);
+  judge(map, beams, eye, reach, precision, fresh, associations, &fit);
   return fit;
 }
 
@@ -224,14 +225,15 @@ bool better(const Fit& fit, const Fit& than) { return fit.share > than.share + 0
 }  // namespace
 
 Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
-                 const std::optional<Pose>& previous, const MatchOptions& options) {
+                 const std::optional<Pose>& previous, bool sparse, const MatchOptions& options) {
   const std::vector<const Beam*> beams = spaced_hits(scan);
   if (beams.size() < kFewBeams) {
     return without_surfaces(map, scan, expected, previous, {expected, 0.0, Outcome::kNothingSeen});
   }
   std::vector<Association> associations(beams.size());
   const auto fit = [&](const Pose& start) {
-    return refine(map, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations);
+    return refine(map, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations,
+                  sparse);
   };
   Fit best = fit(expected);
   if (best.known < options.known_share) {
@@ -244,8 +246,13 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
     if (!match.stays && best.share < options.poor_share)
       other = fit(search(map, beams, expected, {options.window, options.window, options.angular_window}));
     const bool found = other.known >= options.known_share && better(other, best);
-    if (found && other.share >= options.good_share) match.elsewhere = other.pose;
-    if (found || best.share < options.poor_share) return match;
+    const bool good = found && other.share >= options.good_share;
+    if (sparse && good && !match.stays && agree(other.pose, expected, deviation)) {
+      best = other;
+    } else {
+      if (good) match.elsewhere = other.pose;
+      if (found || best.share < options.poor_share) return match;
+    }
   }
   // Neighbouring hits err together (walls on cell borders, corners), so where the wheels do not slip odometry is
   // worth more beside the scan than independent hits would leave it; this keeps headings from creeping. And where walls
@@ -254,7 +261,7 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
   const bool agreed = agree(best.pose, expected, deviation);
   const Pose trusted{kTrust * deviation.x, kTrust * deviation.y, deviation.yaw};
   const Fit joint = refine(map, beams, agreed ? best.pose : expected, expected, trusted, options.joint_deviation,
-                           scan.eye, options, associations);
+                           scan.eye, options, associations, sparse);
   if (!agreed && better(best, joint)) return {expected, joint.share, Outcome::kContradicts, best.pose};
   if (joint.share < options.poor_share) return {expected, joint.share, Outcome::kContradicts};
   Match match{joint.pose, joint.share, Outcome::kMatched};

@@ -48,8 +48,10 @@ struct Match {
 
 // `expected`: pose by odometry with its standard deviations, weak enough for the scan to overrule slipping wheels.
 // `previous`: pose at the last match that held, where the robot still is if its wheels slipped; none if it has left.
+// `sparse`: the scan comes so far from the last one that most of what it shows was seen once, and that it is looked
+// for wherever odometry leaves it.
 Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
-                 const std::optional<Pose>& previous, const MatchOptions& options);
+                 const std::optional<Pose>& previous, bool sparse, const MatchOptions& options);
 
 // Of a robot that comes back to where it was long ago: where it must be for its scan to lie on the surfaces of `old`.
 // That is `elsewhere`, within `window` (m, rad) of `pose`, where they say much more than at `pose`. Nothing where they

@@ -9,6 +9,8 @@ constexpr int kRestLimit = 3;
 constexpr int kStays = 2;                   // matches in a row for which the wheels have slipped
 constexpr int kSayTheSame = 8;              // matches that bring the robot elsewhere
 constexpr Pose kSlipped{0.03, 0.03, 0.03};  // m and rad, deviations from where the robot stood when its wheels slipped
+constexpr double kSparseDistance = 0.3;     // m from one scan to the next, from where on most walls are seen once
+constexpr double kSparseAngle = 0.3;        // rad, same
 constexpr double kMostBlind = 0.6;          // m or rad without a scan that says anything, after which it has moved
 constexpr double kSameDistance = 0.1;       // m within which they say the same
 constexpr double kSameAngle = 0.05;         // rad
@@ -78,7 +80,7 @@ SlamUpdate Slam::rest(const Pose& odometry) {
 
 // The wheels turned and the robot moved by no more than it may have done before they slipped.
 SlamUpdate Slam::slip(const Scan& scan, const Pose& odometry) {
-  const Match match = match_scan(map_, scan, stood_, kSlipped, stood_, options_.match);
+  const Match match = match_scan(map_, scan, stood_, kSlipped, stood_, false, options_.match);
   pose_ = confirmed_ = match.outcome == Outcome::kMatched ? match.pose : stood_;
   odometry_ = odometry;
   driven_ = stood_driven_;
@@ -123,7 +125,9 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   way_.turn += std::abs(motion.yaw);
   left_confirmed_ |= verdict == Standing::Verdict::kMoved;
   const std::optional<Pose> previous = left_confirmed_ ? std::nullopt : std::optional(confirmed_);
-  const Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), previous, options_.match);
+  const bool sparse = moved(Pose{}, motion, kSparseDistance, kSparseAngle);
+  const Match match =
+      match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), previous, sparse, options_.match);
   const bool doubtful = verdict == Standing::Verdict::kSeemsToStand;
   if (match.outcome == Outcome::kMatched && !doubtful && !match.elsewhere && match.share > options_.match.good_share) {
     model_.learn(motion, between(pose_, match.pose), match.along);

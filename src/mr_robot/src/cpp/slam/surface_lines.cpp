@@ -55,7 +55,8 @@ Line line_near(const GridMap& map, const Point& point, const Point& normal, doub
   line.through = {line.through.x / hits, line.through.y / hits};
   line.normal = {line.normal.x / length, line.normal.y / length};
   const double maturity = std::clamp((scans / hits - 1.0) / (kMatureScans - 1.0), 0.0, 1.0);
-  line.weight = maturity * std::min(1.0, hits / kMatureHits);
+  line.density = std::min(1.0, hits / kMatureHits);
+  line.weight = maturity * line.density;
   line.found = true;
   line.origin = center->origin;
   return line;

@@ -8,7 +8,8 @@ namespace mr_robot::slam {
 struct Line {
   Point through, normal;  // m; unit vector
   double distance = 0.0;  // m, of the nearest surface
-  double weight = 0.0;
+  double density = 0.0;   // 1: many hits
+  double weight = 0.0;    // the same, and 0 for what one scan only has seen
   bool found = false;
   int origin = 0;  // of the nearest surface
 };
