@@ -1,15 +1,23 @@
 """Scan and pose of different moments, as tf and a laser's driver give them."""
 
 import math
+from typing import List, Optional, Tuple
 
+import numpy as np
 import pytest
 import rospy
 import tf2_ros
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Quaternion, TransformStamped
+from sensor_msgs.msg import LaserScan
 
 from mr_grid import Pose
 from mr_grid.ros import quaternion
+from mr_grid.ros_laser import Mount
+from mr_robot.navigation import ros_io as navigation_io
 from mr_robot.navigation.tf_poses import TfPoses
+from mr_robot.slam import ros_io as slam_io
+from mr_robot.slam.engine import Slam
+from mr_robot.slam.node import SlamNode
 
 FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}
 MOUNT = Pose(0.1, 0.05, 0.3)
@@ -51,15 +59,68 @@ def test_what_a_turning_robot_saw_a_moment_ago_stays_where_it_was(poses: TfPoses
     assert pose == pytest.approx(Pose(1.0, 0.0, 0.0).compose(odometry(11.0)))
     laser = poses.laser("laser", rospy.Time.from_sec(10.8), stamp)
     assert laser is not None
-    assert odometry(11.0).compose(laser) == pytest.approx(odometry(10.8).compose(MOUNT), abs=1e-6)
-    assert abs(laser.yaw - MOUNT.yaw) == pytest.approx(0.3, abs=1e-6)
+    assert odometry(11.0).compose(laser.pose) == pytest.approx(odometry(10.8).compose(MOUNT), abs=1e-6)
+    assert abs(laser.pose.yaw - MOUNT.yaw) == pytest.approx(0.3, abs=1e-6)
 
 
 def test_a_scan_from_before_or_after_all_odometry_is_taken_as_mounted(poses: TfPoses) -> None:
     for taken in (9.0, 11.04):
-        assert poses.laser("laser", rospy.Time.from_sec(taken), rospy.Time.from_sec(11.0)) == pytest.approx(MOUNT)
+        laser = poses.laser("laser", rospy.Time.from_sec(taken), rospy.Time.from_sec(11.0))
+        assert laser is not None and laser.pose == pytest.approx(MOUNT)
 
 
 def test_an_old_pose_and_an_unknown_laser_are_none(poses: TfPoses) -> None:
     assert poses.robot(11.6) is None
     assert poses.laser("camera", rospy.Time.from_sec(10.8), rospy.Time.from_sec(11.0)) is None
+
+
+class Unused:
+    """In place of a listener."""
+
+    def unregister(self) -> None:
+        pass
+
+
+def mounts(rotation: Quaternion) -> Tuple[Optional[Mount], Optional[Mount]]:
+    """That of a laser so mounted for navigation, and for SLAM."""
+    message = transform("base_footprint", "laser", Pose(), 0.0)
+    message.transform.rotation = rotation
+    buffer = tf2_ros.Buffer(debug=False)
+    buffer.set_transform_static(message, "test")
+    slam = SlamNode.__new__(SlamNode)
+    slam._mounts, slam._frames, slam._buffer, slam._listener = {}, FRAMES, buffer, Unused()
+    time = rospy.Time.from_sec(1.0)
+    return TfPoses(buffer, FRAMES).laser("laser", time, time), slam._mount("laser")
+
+
+def seen_upside_down(yaw: float) -> LaserScan:
+    """From the middle of a room of 8 m x 8 m, but for the wall to the left, which is 1 m away."""
+    angles = -math.pi + 2.0 * math.pi / 360 * np.arange(360)
+    x, y = np.cos(yaw - angles), np.sin(yaw - angles)
+    with np.errstate(divide="ignore"):
+        ranges = np.minimum(4.0 / np.abs(x), np.where(y > 0.0, 1.0, 7.0) / np.abs(y)).astype(np.float32)
+    return LaserScan(
+        angle_min=-math.pi, angle_increment=2.0 * math.pi / 360, range_min=0.1, range_max=30.0, ranges=ranges
+    )
+
+
+def test_a_laser_that_hangs_upside_down_sees_on_its_left_what_is_there() -> None:
+    """Navigation kept off walls on the other side, and SLAM turned the other way."""
+    navigation, slam = mounts(Quaternion(1.0, 0.0, 0.0, 0.0))
+    assert navigation is not None and slam is not None
+    points = navigation_io.scan_value(seen_upside_down(0.0), navigation).points
+    near = points[np.hypot(points[:, 0], points[:, 1]) < 1.05]
+    assert len(near) and near[:, 1] == pytest.approx(1.0, abs=1e-6)
+    engine = Slam()
+    for step in range(40):
+        yaw = 0.05 * step
+        scan = slam_io.scan_value(seen_upside_down(yaw), slam)
+        update = engine.process(scan, Pose(0.0, 0.0, yaw), 0.1 * step)
+        assert update.matched and update.pose == pytest.approx((0.0, 0.0, yaw), abs=0.05)
+
+
+def test_a_tilted_laser_is_refused_with_its_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    said: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn_throttle", lambda _, text: said.append(text))
+    assert mounts(Quaternion(math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))) == (None, None)
+    assert len(said) == 2 and all("laser laser is tilted by 90 degrees" in text for text in said)

@@ -87,7 +87,7 @@ class ScanInput:
             patience = rospy.Duration.from_sec(SCAN_PATIENCE_S)
             pose = self._buffer.lookup_transform(self._map_frame, base_frame, message.header.stamp, patience)
             mount = self._buffer.lookup_transform(base_frame, sensor_frame, rospy.Time(0))
-            scan = ros_io.scan_of(message, ros_io.transform_of_message(mount))
+            scan = ros_io.scan_of(message, ros_io.mount_of(mount))
             robot = ros_io.transform_of_message(pose)
         except tf2_ros.TransformException as error:
             rospy.logwarn_throttle(30.0, f"map_merger cannot place its scans yet: {error}")

@@ -16,6 +16,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from mr_grid import GridError, GridInfo, OccupancyGrid, Pose, grid_of
 from mr_grid.ros import NumpyOccupancyGrid, grid_value, info_message, info_value, pose_message, pose_value
+from mr_grid.ros_laser import Mount, mount_value
 
 from .meetings.values import LaserScan
 from .messages import Anchor, Boot, Position, Request, Tile
@@ -179,11 +180,19 @@ def _boot_of(info: MapMetaData) -> Boot:
     return info.map_load_time.secs, info.map_load_time.nsecs
 
 
-def scan_of(message: LaserScanMessage, mount: Pose) -> LaserScan:
-    """A scan; `mount`: the sensor in the robot's frame. MessageError if its geometry cannot be used."""
-    ranges = np.array(message.ranges, np.float32)
-    geometry = (message.angle_min, message.angle_increment, message.range_min, message.range_max)
+def mount_of(message: TransformStamped) -> Mount:
+    """How the sensor is mounted, from the robot's frame to the sensor's. MessageError if it cannot be used so."""
     try:
-        return LaserScan(ranges, *geometry, mount)
+        return mount_value(message)
+    except GridError as error:
+        raise MessageError(str(error)) from error
+
+
+def scan_of(message: LaserScanMessage, mount: Mount) -> LaserScan:
+    """A scan. MessageError if its geometry cannot be used."""
+    ranges = np.array(message.ranges, np.float32)
+    geometry = (*mount.beams(message), message.range_min, message.range_max)
+    try:
+        return LaserScan(ranges, *geometry, mount.pose)
     except ValueError as error:
         raise MessageError(str(error)) from error

@@ -6,12 +6,13 @@ import pytest
 
 pytest.importorskip("rospy")
 
+import numpy as np
 import rospy
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
-from map_merger import ros_inputs
+from map_merger import ros_inputs, ros_io
 
 
 class Buffer:
@@ -58,3 +59,32 @@ def test_a_scan_comes_with_its_stamp_and_the_pose_of_that_time(monkeypatch):
     scans._on_scan(raw_of(message))
     ((scan, pose, stamp),) = taken
     assert scan.ranges.size == 5 and pose.x == 7.0 and stamp == 7.0
+
+
+def test_the_beams_of_a_laser_that_hangs_upside_down_run_the_other_way_round():
+    """Others were looked for in a mirror image of what was seen."""
+    transform = TransformStamped()
+    transform.transform.translation.x, transform.transform.rotation.x = 0.2, 1.0
+    message = LaserScan(angle_min=0.5, angle_increment=0.25, range_max=5.0, ranges=[1.0, 2.0, 3.0])
+    scan = ros_io.scan_of(message, ros_io.mount_of(transform))
+    assert (scan.angle_min, scan.angle_increment, scan.mount) == (-0.5, -0.25, (0.2, 0.0, 0.0))
+
+
+def test_scans_of_a_tilted_laser_are_ignored_with_its_frame(monkeypatch):
+    said = []
+
+    class Tilted(Buffer):
+        def lookup_transform(self, target, source, time, timeout=None):
+            transform = super().lookup_transform(target, source, time, timeout)
+            transform.header.frame_id, transform.child_frame_id = target, source
+            transform.transform.rotation.x = transform.transform.rotation.w = np.sqrt(0.5)
+            return transform
+
+    monkeypatch.setattr(ros_inputs.rospy, "Subscriber", lambda *arguments, **options: None)
+    monkeypatch.setattr(ros_inputs.rospy, "get_time", lambda: 7.3)
+    monkeypatch.setattr(ros_inputs.rospy, "logwarn_throttle", lambda _, text: said.append(text))
+    scans = ros_inputs.ScanInput("scan", "map", Tilted(), lambda: "base", lambda: True, pytest.fail)
+    message = LaserScan(angle_min=-1.0, angle_increment=0.5, range_max=5.0, ranges=[1.0] * 5)
+    message.header.frame_id = "laser"
+    scans._on_scan(raw_of(message))
+    assert len(said) == 1 and "laser laser is tilted by 90 degrees" in said[0]

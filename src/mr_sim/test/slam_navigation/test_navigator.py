@@ -623,6 +623,17 @@ def test_a_wall_goes_on_where_the_laser_is_blind() -> None:
         assert np.abs(behind[:, 1] + 0.205).max(initial=0.0) < 0.03
 
 
+@pytest.mark.parametrize("turn", [2.0 * math.pi / 720, -2.0 * math.pi / 720])
+def test_a_laser_that_sees_all_around_has_no_edge(turn: float) -> None:
+    """One that hangs upside down seemed to have: the wall went on from where its first beam hits it."""
+    angles = -0.5 * math.pi + turn * np.arange(720)
+    with np.errstate(divide="ignore"):
+        ranges = np.where(np.sin(angles) < 0.0, np.minimum(-0.205 / np.sin(angles), 0.3), np.inf)
+    scan = make_scan(ranges, -0.5 * math.pi, turn, 0.0, 8.0, Pose())
+    points = seen_around(scan, OccupancyGrid.of(np.full((80, 80), -1, np.int8), 0.05))
+    assert len(points) == len(scan.points)
+
+
 def test_what_comes_into_the_own_map_is_no_wall_until_it_has_settled() -> None:
     """A robot that stood in a corridor was a wall across it: there was no way, and nothing to give way to."""
     arrivals, empty = Arrivals(), room((slice(0, 80), slice(0, 2)))

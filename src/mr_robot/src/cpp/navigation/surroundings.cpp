@@ -173,7 +173,7 @@ void continue_edge(const ScanView& scan, bool first, double length, std::vector<
 
 std::vector<Point> continued(const ScanView& scan, double length) {
   std::vector<Point> result;
-  const double view = scan.angle_increment * (static_cast<double>(scan.range_count) - 1.0);
+  const double view = std::abs(scan.angle_increment) * (static_cast<double>(scan.range_count) - 1.0);
   if (scan.point_count == 0 || scan.range_count < 2 || view > 2.0 * M_PI - 2.0 * kEdge) return result;
   continue_edge(scan, true, length, result);
   continue_edge(scan, false, length, result);

@@ -10,6 +10,7 @@ from nav_msgs.msg import Path
 
 from mr_grid import GridError, OccupancyGrid, Pose, ros
 from mr_grid.ros import quaternion, yaw_of
+from mr_grid.ros_laser import Mount
 from mr_robot.navigation.options import NavigationError, Scan, make_scan
 
 
@@ -33,10 +34,8 @@ def grid_value(message: Any) -> OccupancyGrid:
         raise NavigationError(f"map cannot be used: {error}") from error
 
 
-def scan_value(message: Any, mount: Pose) -> Scan:
-    return make_scan(
-        message.ranges, message.angle_min, message.angle_increment, message.range_min, message.range_max, mount
-    )
+def scan_value(message: Any, mount: Mount) -> Scan:
+    return make_scan(message.ranges, *mount.beams(message), message.range_min, message.range_max, mount.pose)
 
 
 def pose_message(pose: Sequence[float], frame: str, stamp: rospy.Time) -> PoseStamped:

@@ -5,7 +5,8 @@ from typing import Any, Dict, Optional, Tuple
 import rospy
 import tf2_ros
 
-from mr_grid import Pose
+from mr_grid import GridError, Pose
+from mr_grid.ros_laser import Mount, mount_value
 from mr_robot.ros_poses import transform_pose
 
 INPUT_AGE = 0.5  # s after which a pose or scan no longer tells where the robot and what around it is
@@ -19,7 +20,7 @@ class TfPoses:
         """`buffer`: tf2_ros.BufferInterface; `frames`: map_frame, odom_frame, base_frame."""
         self._buffer = buffer
         self._frames = frames
-        self._mounts: Dict[str, Pose] = {}
+        self._mounts: Dict[str, Mount] = {}
 
     def robot(self, now: float) -> Optional[Tuple[Pose, rospy.Time]]:
         """The latest pose of the base in the map frame and its time; None where tf has none of the last half second.
@@ -34,9 +35,10 @@ class TfPoses:
         stamp = message.header.stamp
         return (transform_pose(message), stamp) if now - stamp.to_sec() < INPUT_AGE else None
 
-    def laser(self, frame: str, taken: rospy.Time, stamp: rospy.Time) -> Optional[Pose]:
+    def laser(self, frame: str, taken: rospy.Time, stamp: rospy.Time) -> Optional[Mount]:
         """Of the laser when it took its scan, in the frame of the base at `stamp`. Without odometry of that moment, or
-        any odometry frame: as it is mounted. None where tf does not say that either."""
+        any odometry frame: as it is mounted. None where tf does not say that either, or that it
+        cannot be used."""
         mount = self._mount(frame)
         if mount is None:
             return None
@@ -45,14 +47,17 @@ class TfPoses:
             moved = self._buffer.lookup_transform_full(base, stamp, base, taken, odometry)
         except tf2_ros.TransformException:
             return mount
-        return transform_pose(moved).compose(mount)
+        return mount._replace(pose=transform_pose(moved).compose(mount.pose))
 
-    def _mount(self, frame: str) -> Optional[Pose]:
+    def _mount(self, frame: str) -> Optional[Mount]:
         if frame not in self._mounts:
             try:
                 message = self._buffer.lookup_transform(self._frames["base_frame"], frame, rospy.Time(0))
+                self._mounts[frame] = mount_value(message)
             except tf2_ros.TransformException as error:
                 rospy.logwarn_throttle(10.0, f"place of the laser is unknown: {error}")
                 return None
-            self._mounts[frame] = transform_pose(message)
+            except GridError as error:
+                rospy.logwarn_throttle(10.0, f"scans are ignored: {error}")
+                return None
         return self._mounts[frame]

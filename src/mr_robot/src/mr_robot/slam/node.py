@@ -11,10 +11,10 @@ from nav_msgs.msg import MapMetaData, Odometry
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
-from mr_grid import Pose
+from mr_grid import GridError, Pose
 from mr_grid.ros import NumpyOccupancyGrid, grid_message, yaw_of
+from mr_grid.ros_laser import Mount, mount_value
 from mr_grid.ros_node import init_node
-from mr_robot.ros_poses import transform_pose
 from mr_robot.slam import ros_io
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
 
@@ -50,7 +50,7 @@ class SlamNode:
         self._lock = threading.Lock()
         self._odometry = OdometryHistory()
         self._pending: Optional[Any] = None  # a scan that waits for odometry to catch up
-        self._mounts: Dict[str, Pose] = {}
+        self._mounts: Dict[str, Mount] = {}
         self._published_revision = 0
         self._published_at = -float("inf")
         self._transformed_at = -float("inf")
@@ -111,7 +111,7 @@ class SlamNode:
             rospy.logwarn_once(str(error))
             return 0.0
 
-    def _mount(self, frame: str) -> Optional[Pose]:
+    def _mount(self, frame: str) -> Optional[Mount]:
         """The laser on the robot; looked up once, because listening to tf costs more than matching scans."""
         if frame in self._mounts:
             return self._mounts[frame]
@@ -119,10 +119,13 @@ class SlamNode:
             self._listener = tf2_ros.TransformListener(self._buffer)
         try:
             message = self._buffer.lookup_transform(self._frames["base_frame"], frame, rospy.Time(0))
+            self._mounts[frame] = mount_value(message)
         except tf2_ros.TransformException as error:
             rospy.logwarn_throttle(10.0, f"no transform from {self._frames['base_frame']} to the laser yet: {error}")
             return None
-        self._mounts[frame] = transform_pose(message)
+        except GridError as error:
+            rospy.logwarn_throttle(10.0, f"scans are ignored: {error}")
+            return None
         self._listener.unregister()
         self._listener = None
         return self._mounts[frame]

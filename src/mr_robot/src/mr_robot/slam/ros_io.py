@@ -7,6 +7,7 @@ from sensor_msgs.msg import LaserScan as LaserScanMessage
 
 from mr_grid import IDENTITY, Pose
 from mr_grid.ros import quaternion
+from mr_grid.ros_laser import Mount
 from mr_robot.slam.engine import LaserScan, SlamError
 
 LONGEST_SWEEP = 0.5  # s from the first beam to the last one
@@ -23,15 +24,14 @@ def sweep_time(message: LaserScanMessage) -> float:
     return seconds
 
 
-def scan_value(message: LaserScanMessage, mount: Pose, swept: Pose = IDENTITY) -> LaserScan:
+def scan_value(message: LaserScanMessage, mount: Mount, swept: Pose = IDENTITY) -> LaserScan:
     """`swept`: robot at the last beam seen from where it was at the first."""
     return LaserScan(
         np.asarray(message.ranges, dtype=np.float32),
-        message.angle_min,
-        message.angle_increment,
+        *mount.beams(message),
         message.range_min,
         message.range_max,
-        mount,
+        mount.pose,
         swept,
     )
 
