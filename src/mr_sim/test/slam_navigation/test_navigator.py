@@ -153,6 +153,22 @@ def test_missing_input_is_named() -> None:
     assert ended <= 6.0 and command.text == "no map for 5 s"
 
 
+def test_a_scan_that_is_late_ends_no_goal() -> None:
+    """One late scan ended each goal that was older than five seconds."""
+    navigator, pose = Navigator(), Pose(1.0, 2.0, 0.0)
+    navigator.set_map(room())
+    navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
+    for step in range(80):
+        assert navigator.step(0.1 * step, pose, EMPTY).status is Status.ACTIVE
+    for step in range(80, 129):
+        command = navigator.step(0.1 * step, pose, None)
+        assert command.status is Status.ACTIVE and (command.linear, command.angular) == STOP
+    assert navigator.step(12.9, pose, EMPTY).linear > 0.0
+    commands = [navigator.step(13.0 + 0.1 * step, pose, None) for step in range(51)]
+    assert {each.status for each in commands[:-2]} == {Status.ACTIVE}
+    assert (commands[-1].status, commands[-1].text) == (Status.ABORTED, "no laser scan for 5 s")
+
+
 @pytest.mark.parametrize(
     "call",
     [

@@ -31,7 +31,7 @@ CREEPING = 0.05  # m/s
 TO_AND_FRO = 3.0  # s for which driving without coming nearer counts as getting on
 GIVE_WAY_TIME, GIVE_WAY_FACTOR, GIVE_WAY_MOST = 10.0, 2.0, 30.0  # s, plus so often the way at full speed, up to s
 PASSING_NEAR = 2.5  # m within which a robot that passes is waited for
-INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan
+INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan, each time that one is missing
 
 
 class Mode(Enum):
@@ -63,6 +63,7 @@ class Navigator:
         self._retreat: Optional[Plan] = None
         self._gives_way_since: Optional[float] = None
         self._moved_at = 0.0  # when it last drove, other than turning
+        self._complete_at = -math.inf  # when map, pose and scan were last there
 
     # --- inputs -------------------------------------------------------------------------------------------------------
 
@@ -109,6 +110,7 @@ class Navigator:
         if pose is None or scan is None or costs is None:
             missing = "map" if costs is None else "pose in the map" if pose is None else "laser scan"
             return self._without_input(now, missing)
+        self._complete_at = now
         self._surroundings.see(scan, pose, costs, now)
         if not self._route.has_goal:
             return self._come_to_rest(costs, pose, scan)
@@ -138,7 +140,7 @@ class Navigator:
         self._motion.velocity = STOP
         if not self._route.has_goal:
             return Command(*STOP, Status.IDLE)
-        if now - self._route.since <= INPUT_PATIENCE:
+        if now - max(self._route.since, self._complete_at) <= INPUT_PATIENCE:
             return Command(*STOP, Status.ACTIVE)
         return self._abort(f"no {missing} for {INPUT_PATIENCE:g} s")
 
