@@ -14,6 +14,7 @@ from mr_grid import Pose
 from mr_grid.ros import quaternion
 from mr_grid.ros_laser import Mount
 from mr_robot.navigation import ros_io as navigation_io
+from mr_robot.navigation.node import MoveBaseNode
 from mr_robot.navigation.tf_poses import TfPoses
 from mr_robot.slam import ros_io as slam_io
 from mr_robot.slam.engine import Slam
@@ -69,9 +70,24 @@ def test_a_scan_from_before_or_after_all_odometry_is_taken_as_mounted(poses: TfP
         assert laser is not None and laser.pose == pytest.approx(MOUNT)
 
 
-def test_an_old_pose_and_an_unknown_laser_are_none(poses: TfPoses) -> None:
+def test_an_old_pose_one_of_the_future_and_an_unknown_laser_are_none(poses: TfPoses) -> None:
     assert poses.robot(11.6) is None
+    assert poses.robot(10.6) is not None and poses.robot(10.4) is None
     assert poses.laser("camera", rospy.Time.from_sec(10.8), rospy.Time.from_sec(11.0)) is None
+
+
+def test_a_scan_of_the_future_is_none(poses: TfPoses, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A robot drove on by the last scan of a laser whose clock ran ahead, for as long as it did."""
+    said: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn_throttle", lambda _, text: said.append(text))
+    node = MoveBaseNode.__new__(MoveBaseNode)
+    node._tf_poses, node._scan = poses, seen_upside_down(0.0)
+    node._scan.header.frame_id = "laser"
+    node._scan.header.stamp = stamp = rospy.Time.from_sec(11.0)
+    assert node._scan_value(10.6, stamp) is not None and not said
+    assert node._scan_value(10.4, stamp) is None
+    assert len(said) == 1 and said[0].startswith("scan ignored: dated 0.6 s ahead")
+    assert node._scan_value(11.6, stamp) is None and len(said) == 1
 
 
 class Unused:

@@ -21,7 +21,7 @@ from mr_robot.navigation import ros_io
 from mr_robot.navigation.action_server import LatestGoalServer
 from mr_robot.navigation.engine import Navigator, Status
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan
-from mr_robot.navigation.tf_poses import INPUT_AGE, TfPoses
+from mr_robot.navigation.tf_poses import TfPoses, is_recent
 from mr_robot.ros_poses import transform_pose
 
 FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}
@@ -184,7 +184,7 @@ class MoveBaseNode:
     def _scan_value(self, now: float, stamp: rospy.Time) -> Optional[Scan]:
         """The latest scan as seen from where the robot was at `stamp`."""
         message = self._scan
-        if message is None or now - message.header.stamp.to_sec() > INPUT_AGE:
+        if message is None or not is_recent("scan", message.header.stamp, now):
             return None
         mount = self._tf_poses.laser(message.header.frame_id, message.header.stamp, stamp)
         return None if mount is None else ros_io.scan_value(message, mount)

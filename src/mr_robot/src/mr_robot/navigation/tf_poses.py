@@ -12,6 +12,16 @@ from mr_robot.ros_poses import transform_pose
 INPUT_AGE = 0.5  # s after which a pose or scan no longer tells where the robot and what around it is
 
 
+def is_recent(what: str, stamp: rospy.Time, now: float) -> bool:
+    """Whether input is dated within `INPUT_AGE`. What is dated ahead would never grow old."""
+    age = now - stamp.to_sec()
+    if age < -INPUT_AGE:
+        rospy.logwarn_throttle(
+            10.0, f"{what} ignored: dated {-age:.1f} s ahead; its driver and this node must have one clock"
+        )
+    return abs(age) <= INPUT_AGE
+
+
 class TfPoses:
     """The robot's pose is as old as its last odometry; a scan is of another moment, and a robot that turns has moved
     since. What the laser saw is told as seen from where the pose says the robot is."""
@@ -33,7 +43,7 @@ class TfPoses:
             rospy.logwarn_throttle(10.0, f"pose of the robot is unknown: {error}")
             return None
         stamp = message.header.stamp
-        return (transform_pose(message), stamp) if now - stamp.to_sec() < INPUT_AGE else None
+        return (transform_pose(message), stamp) if is_recent("pose of the robot", stamp, now) else None
 
     def laser(self, frame: str, taken: rospy.Time, stamp: rospy.Time) -> Optional[Mount]:
         """Of the laser when it took its scan, in the frame of the base at `stamp`. Without odometry of that moment, or

@@ -25,6 +25,7 @@ INPUTS = {"scan_topic": "base_scan", "odometry_topic": "odom"}
 TOPICS = {"map": "map", "metadata": "map_metadata"}
 TRANSFORM_PUBLISH_PERIOD = 0.1  # s
 TRANSFORM_TOLERANCE = 0.2  # s by which map -> odom is dated ahead
+CLOCKS_APART = 0.5  # s between a scan and the newest odometry, from which on they seem to have two clocks
 
 
 def number_parameter(name: str, default: float, least: float = 0.0) -> float:
@@ -90,9 +91,15 @@ class SlamNode:
             return
         time = message.header.stamp.to_sec()
         last = time + self._sweep_time(message)
+        newest = self._odometry.newest()
+        if newest is not None and abs(last - newest[0]) > CLOCKS_APART:
+            rospy.logwarn_throttle(
+                10.0,
+                f"scan is dated {last - newest[0]:+.1f} s off the newest odometry: the drivers of laser and wheels "
+                "must have one clock, and both must run",
+            )
         odometry, odometry_after = self._odometry.at(time), self._odometry.at(last)
         if odometry is None or odometry_after is None:
-            newest = self._odometry.newest()
             # Too new: wait for the odometry of its time. Too old: of no use any more.
             self._pending = message if newest is not None and last > newest[0] else None
             return
