@@ -33,7 +33,8 @@ def of_engine(options, parameters):
 
 def test_the_defaults_of_the_engines_are_those_of_a_pioneer():
     team = (PIONEER,)
-    assert of_engine(SlamOptions, slam_parameters(PIONEER, team)) == SlamOptions()
+    slam = of_engine(SlamOptions, slam_parameters(PIONEER, team))
+    assert slam == SlamOptions(free_range=PIONEER.sensor.range_max)
     assert of_engine(NavigationOptions, navigation_parameters(PIONEER, team)) == NavigationOptions()
 
 
@@ -66,6 +67,12 @@ def test_the_largest_robot_of_the_team_counts_wherever_others_are_looked_at():
     assert (mixed["slam"]["small_object_size"], alone["slam"]["small_object_size"]) == (0.7, 0.48)
     same = [name for name in mixed["move_base"] if mixed["move_base"][name] == alone["move_base"][name]]
     assert set(mixed["move_base"]) - set(same) == {"largest_robot_radius"}
+
+
+@pytest.mark.parametrize(("range_max", "free"), [(8.0, 8.0), (100.0, SlamOptions().free_range)])
+def test_a_beam_frees_no_more_than_the_sensor_sees_nor_than_slam_takes(range_max, free):
+    robot = replace(PIONEER, sensor=replace(PIONEER.sensor, range_max=range_max))
+    assert slam_parameters(robot, (robot,))["free_range"] == free
 
 
 def test_a_short_sighted_robot_looks_from_nearer():

@@ -14,6 +14,7 @@ class SlamOptions:
     insert_angle: float
     insert_interval: float
     surface_window: float
+    free_range: float
     def __init__(self) -> None: ...
 
 class SquareWalls:

@@ -271,6 +271,20 @@ def test_beams_without_echo_clear_and_make_no_walls() -> None:
     assert map_.cells[row, column] == 0
 
 
+@pytest.mark.parametrize("options, free", [({}, 20.0), ({"free_range": 12.0}, 12.0), ({"free_range": 200.0}, 100.0)])
+def test_beams_without_echo_of_a_laser_that_sees_far_free_no_more_than_they_may(options: dict, free: float) -> None:
+    """Four beams without an echo, of 720 in a room of 10 m, made a map of 200 m x 200 m."""
+    angles = -math.pi + 2.0 * math.pi / 720 * np.arange(720)
+    with np.errstate(divide="ignore"):
+        ranges = (5.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))).astype(np.float32)
+    ranges[[0, 180, 360, 540]] = np.inf
+    slam = Slam(SlamOptions(**options))
+    slam.process(LaserScan(ranges, -math.pi, 2.0 * math.pi / 720, 0.1, 100.0, Pose()), Pose(), 0.0)
+    rows, columns = np.nonzero(slam.map().cells == 0)
+    assert 0.05 * np.ptp(rows) == pytest.approx(2.0 * free, abs=0.2)
+    assert 0.05 * np.ptp(columns) == pytest.approx(2.0 * free, abs=0.2)
+
+
 def test_same_input_same_bits() -> None:
     maps = []
     for _ in range(2):

@@ -57,9 +57,8 @@ py::array_t<float> surfaces(const Slam& slam) {
 py::array_t<double> edges(const Ranges& ranges, const PoseTuple& mount, double angle_min, double angle_increment,
                           double range_min, double range_max) {
   const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, to_pose(mount), Pose{}};
-  const SlamOptions options;
-  const auto found = edges_of(make_scan(ranges.data(), static_cast<std::size_t>(ranges.size()), geometry,
-                                        options.surface_window, options.small_object_size),
+  const ScanOptions options;
+  const auto found = edges_of(make_scan(ranges.data(), static_cast<std::size_t>(ranges.size()), geometry, options),
                               options.small_object_size);
   py::array_t<double> rows({static_cast<py::ssize_t>(found.size()), py::ssize_t{7}});
   double* value = rows.mutable_data();
@@ -94,18 +93,23 @@ PYBIND11_MODULE(_slam, module) {
       .def_property(
           "free_radius", [](const SlamOptions& o) { return o.grid.free_radius; },
           [](SlamOptions& o, double value) { o.grid.free_radius = value; })
-      .def_readwrite("small_object_size", &SlamOptions::small_object_size)
-      .def_readwrite("surface_window", &SlamOptions::surface_window);
+      .def_property(
+          "free_range", [](const SlamOptions& o) { return o.scan.free_range; },
+          [](SlamOptions& o, double value) { o.scan.free_range = value; })
+      .def_property(
+          "small_object_size", [](const SlamOptions& o) { return o.scan.small_object_size; },
+          [](SlamOptions& o, double value) { o.scan.small_object_size = value; })
+      .def_property(
+          "surface_window", [](const SlamOptions& o) { return o.scan.surface_window; },
+          [](SlamOptions& o, double value) { o.scan.surface_window = value; });
   py::class_<SquareWalls>(module, "SquareWalls")
       .def(py::init<>())
       .def("add",
            [](SquareWalls& walls, const Ranges& ranges, double angle_min, double angle_increment, double range_min,
               double range_max, double yaw) {
              const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, Pose{}, Pose{}};
-             const SlamOptions options;
              const auto size = static_cast<std::size_t>(ranges.size());
-             walls.add(make_scan(ranges.data(), size, geometry, options.surface_window, options.small_object_size),
-                       yaw);
+             walls.add(make_scan(ranges.data(), size, geometry, ScanOptions{}), yaw);
            })
       .def("direction", &SquareWalls::direction);
   module.def("edges", &edges, "Ends of surfaces in a scan: rows (x, y, off x, off y, normal x, normal y, deviation).");

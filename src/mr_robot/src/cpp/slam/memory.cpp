@@ -43,8 +43,7 @@ Eigen::Matrix3d seen_from(const Pose& frame, const Eigen::Matrix3d& information)
 
 }  // namespace
 
-Memory::Memory(const GridOptions& grid, double surface_window, double small_object_size)
-    : grid_(grid), surface_window_(surface_window), small_object_size_(small_object_size) {}
+Memory::Memory(const GridOptions& grid, const ScanOptions& options) : grid_(grid), options_(options) {}
 
 bool Memory::due(const Pose& pose) const {
   return keyframes_.empty() || distance(keyframes_.back().drawn, pose) >= kKeyframeDistance ||
@@ -56,7 +55,7 @@ int Memory::origin(const Pose& pose) const { return static_cast<int>(keyframes_.
 Scan Memory::scan_of(const Kept& kept) const {
   LaserGeometry geometry = geometry_;
   geometry.swept = kept.swept;
-  return make_scan(kept.ranges.data(), kept.ranges.size(), geometry, surface_window_, small_object_size_);
+  return make_scan(kept.ranges.data(), kept.ranges.size(), geometry, options_);
 }
 
 bool Memory::add(const std::vector<float>& ranges, const Scan& scan, const LaserGeometry& geometry, const Pose& pose,
@@ -69,7 +68,7 @@ bool Memory::add(const std::vector<float>& ranges, const Scan& scan, const Laser
   Keyframe& keyframe = keyframes_.back();
   keyframe.scans.push_back({ranges, geometry.swept, between(keyframe.drawn, pose)});
   keyframe.hits.add(scan, keyframe.scans.back().relative);
-  keyframe.edges.add(scan, keyframe.scans.back().relative, small_object_size_);
+  keyframe.edges.add(scan, keyframe.scans.back().relative, options_.small_object_size);
   keyframe.walls.add(scan, keyframe.scans.back().relative.yaw);
   return opens;
 }

@@ -17,8 +17,7 @@ namespace mr_robot::slam {
 
 class Memory {
  public:
-  // As in make_scan.
-  Memory(const GridOptions& grid, double surface_window, double small_object_size);
+  Memory(const GridOptions& grid, const ScanOptions& options);
 
   // By what the surfaces of the scan that is added next are to be known.
   int origin(const Pose& pose) const;
@@ -67,7 +66,7 @@ class Memory {
   Pose target(std::size_t keyframe) const;
 
   GridOptions grid_;
-  double surface_window_, small_object_size_;
+  ScanOptions options_;
   LaserGeometry geometry_{};
   PoseGraph graph_;
   std::vector<Keyframe> keyframes_;

@@ -62,8 +62,7 @@ bool fit_normal(const std::vector<Beam>& beams, std::size_t index, double window
 
 }  // namespace
 
-Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window,
-               double small_object_size) {
+Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, const ScanOptions& options) {
   const Frame mount(geometry.mount);
   const Pose& swept = geometry.swept;
   const bool moves = size > 1 && (swept.x != 0.0 || swept.y != 0.0 || swept.yaw != 0.0);
@@ -74,7 +73,7 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
     const double range = ranges[i];
     if (std::isnan(range) || range < std::max(geometry.range_min, 1e-3)) continue;
     const bool hit = range < geometry.range_max - 1e-3;
-    const double length = hit ? range : geometry.range_max;
+    const double length = hit ? range : std::min(geometry.range_max, options.free_range);
     const double angle = geometry.angle_min + static_cast<double>(i) * geometry.angle_increment;
     Point end = mount * Point{length * std::cos(angle), length * std::sin(angle)};
     if (moves) {
@@ -84,11 +83,11 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
     scan.beams.push_back({end, hit});
     scan.beams.back().index = i;
   }
-  mark_small_objects(scan, small_object_size);
+  mark_small_objects(scan, options.small_object_size);
   for (std::size_t i = 0; i < scan.beams.size(); ++i) {
     Beam& beam = scan.beams[i];
     if (!beam.hit) continue;
-    beam.has_normal = fit_normal(scan.beams, i, surface_window, scan.eye, &beam.normal);
+    beam.has_normal = fit_normal(scan.beams, i, options.surface_window, scan.eye, &beam.normal);
     const Point ray{beam.end.x - scan.eye.x, beam.end.y - scan.eye.y};
     const double range = std::hypot(ray.x, ray.y);
     const double incidence = std::abs(beam.normal.x * ray.x + beam.normal.y * ray.y) / range;

@@ -15,9 +15,17 @@ struct LaserGeometry {
   Pose swept{};                       // robot at the last beam seen from where it was at the first
 };
 
+struct ScanOptions {
+  double surface_window = 0.15;  // m, neighbours up to this far apart form a surface
+  // m, things that stand free up to this size may be robots: the largest of the team, from end to end, and some more
+  double small_object_size = 0.7;
+  // m, beams that hit nothing show no free space beyond: a laser of a long range gives none for glass and black cloth
+  double free_range = 20.0;
+};
+
 struct Beam {
   Point end;  // frame of the robot at the first beam; where free space ends
-  bool hit;   // false: nothing up to range_max, the beam shows free space only
+  bool hit;   // false: nothing up to range_max, the beam shows free space only, and that up to free_range
   bool on_small_object = false;
   bool has_normal = false;  // the surface is seen densely enough to know its direction
   Point normal{};           // robot's frame, towards the laser
@@ -32,9 +40,7 @@ struct Scan {
 
 // Beams are put where the robot was when each was taken, as if it had moved evenly from the first to the last one.
 // Readings that are NaN, negative or below range_min are dropped; infinity or range_max and above mean free space.
-// `surface_window`: m, neighbours up to this far apart form a surface. `small_object_size`: m, see mark_small_objects.
-Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, double surface_window,
-               double small_object_size);
+Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geometry, const ScanOptions& options);
 
 constexpr double kHitSpacing = 0.04;  // m between hits that are used, so that near walls do not outweigh far ones
 

@@ -38,8 +38,7 @@ bool Elsewhere::add(const Match& match, const Pose& odometry) {
   return stays_ >= kStays || (count_ >= kSayTheSame && far_from_first(odometry));
 }
 
-Slam::Slam(const SlamOptions& options)
-    : options_(options), map_(options.grid), memory_(options.grid, options.surface_window, options.small_object_size) {}
+Slam::Slam(const SlamOptions& options) : options_(options), map_(options.grid), memory_(options.grid, options.scan) {}
 
 bool Slam::moved(const Pose& from, const Pose& to, double distance, double angle) const {
   // A whisker below the threshold, so that steps of exactly that length count.
@@ -104,7 +103,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   // What has left while the robot stood must not stay in the map: it may be all that keeps the robot standing.
   const bool due = !contradicted_ && std::abs(time - updated_at_) >= options_.insert_interval;
   if (stands && !due) return rest(odometry);
-  const Scan scan = make_scan(ranges, size, geometry, options_.surface_window, options_.small_object_size);
+  const Scan scan = make_scan(ranges, size, geometry, options_.scan);
   SlamUpdate update;
   if (stands && rested_ >= kRestLimit) {
     update = rest(odometry);

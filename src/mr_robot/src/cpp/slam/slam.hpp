@@ -12,14 +12,12 @@ namespace mr_robot::slam {
 struct SlamOptions {
   GridOptions grid;
   MatchOptions match;
+  ScanOptions scan;
   double match_distance = 0.04;  // m by odometry after which a scan is matched
   double match_angle = 0.035;    // rad
   double insert_distance = 0.1;  // m after which a matched scan goes into the map
   double insert_angle = 0.087;   // rad
   double insert_interval = 1.0;  // s between scans of a robot that stands which change the map
-  double surface_window = 0.15;  // m, see make_scan
-  // m, things that stand free up to this size may be robots: the largest of the team, from end to end, and some more
-  double small_object_size = 0.7;
 };
 
 struct SlamUpdate {

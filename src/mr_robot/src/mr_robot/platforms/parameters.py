@@ -15,6 +15,7 @@ VIEW_SHARE = 0.5  # of a sensor's range from which a frontier is looked at: beyo
 FARTHEST_VIEW = 1.5  # m from which one is looked at
 NARROW_VIEW = 3.0  # rad; a robot with a narrower one has to face what it was sent to look at
 YAW_TOLERANCE = 0.25  # rad to which it does
+FREE_RANGE = 20.0  # m that a beam frees at most where it hits nothing
 SURFACE_ROUGHNESS = 0.01  # m that hits lie off a wall's surface beside the sensor's noise: cells, and walls themselves
 
 
@@ -29,6 +30,7 @@ def slam_parameters(platform: Platform, team: Sequence[Platform]) -> Parameters:
         "odometry_topic": platform.topics.odometry,
         "surface_deviation": round(noise + SURFACE_ROUGHNESS, 3),
         "free_radius": _length(max(half_width - 0.02, 0.5 * half_width)),
+        "free_range": min(FREE_RANGE, platform.sensor.range_max),
         "small_object_size": _length(2.0 * largest_radius(team) + 0.12),
     }
 

@@ -37,6 +37,7 @@ class SlamOptions:
     surface_window: float = 0.15  # hits this near to one another form a surface
     surface_deviation: float = 0.02  # standard deviation of hits around surfaces
     free_radius: float = 0.17  # around the robot that is free because the robot is there
+    free_range: float = 20.0  # along beams that hit nothing
     small_object_size: float = 0.7  # things that stand free up to this size may be robots and are not matched
 
     def __post_init__(self) -> None:
