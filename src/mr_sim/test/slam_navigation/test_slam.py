@@ -330,6 +330,44 @@ def test_odometry_between_two_readings() -> None:
     assert history.at(1.5) is None, "the clock was set back"
 
 
+@pytest.mark.parametrize(
+    "time, pose",
+    [
+        (1.1, Pose(7.0, -2.0, 0.5)),  # a jump
+        (1.1, Pose(1.0, -2.0, -1.0)),  # a turn
+        (1.1, Pose(1e9, -1e9, 0.5)),
+        (31.0, Pose()),  # a driver that is started again
+    ],
+)
+def test_odometry_that_jumps_is_no_motion(time: float, pose: Pose) -> None:
+    """A driver that began at 0 again took the robot along, and so far that memory ended."""
+    history, before = OdometryHistory(), Pose(1.0, -2.0, 0.5)
+    assert history.add(1.0, before) and history.offset == Pose()
+    assert not history.add(time, pose)
+    assert history.at(time) == pytest.approx(before, abs=1e-6)
+    assert history.offset.compose(pose) == pytest.approx(before, abs=1e-6)
+    assert history.add(time + 0.1, pose.compose(Pose(0.3, 0.0, 0.2)))
+    assert history.at(time + 0.1) == pytest.approx(before.compose(Pose(0.3, 0.0, 0.2)), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "time, motion", [(1.001, Pose(0.1, 0.0, 0.1)), (1.1, Pose(0.4, 0.0, 0.9)), (9.0, Pose(4.0, 2.0, 3.0))]
+)
+def test_odometry_of_a_fast_robot_and_of_bad_stamps_does_not_jump(time: float, motion: Pose) -> None:
+    history, before = OdometryHistory(), Pose(1.0, -2.0, 0.5)
+    assert history.add(1.0, before) and history.add(time, before.compose(motion))
+    assert history.at(time) == before.compose(motion) and history.offset == Pose()
+
+
+@pytest.mark.parametrize("time, x", [(1.1, math.nan), (1.1, math.inf), (math.nan, 0.0)])
+def test_odometry_that_is_not_finite_is_refused(time: float, x: float) -> None:
+    history = OdometryHistory()
+    history.add(1.0, Pose())
+    with pytest.raises(SlamError, match="odometry is not finite"):
+        history.add(time, Pose(x, 0.0, 0.0))
+    assert history.newest() == (1.0, Pose())
+
+
 def test_a_laser_far_ahead_that_looks_back_is_on_the_map() -> None:
     slam = Slam()
     scan = LaserScan(np.full(181, 100.0, np.float32), -0.5, 1.0 / 180, 0.0, 200.0, Pose(0.0, 190.0, -math.pi / 2))

@@ -5,6 +5,7 @@ scans to the surfaces in it (point-to-line, Gauss-Newton), with odometry where s
 where they do not. The hot loops are C++ (`mr_robot._slam`).
 """
 
+import math
 from bisect import bisect_left
 from collections import deque
 from dataclasses import dataclass, fields
@@ -16,6 +17,9 @@ from mr_grid import IDENTITY, OccupancyGrid, Pose
 from mr_robot import _slam
 
 ODOMETRY_KEPT = 100
+FASTEST, FASTEST_TURN = 5.0, 10.0  # m/s, rad/s: odometry that says more has jumped
+SHORTEST_STEP, LONGEST_STEP = 0.1, 1.0  # s that a step counts at least, for stamps jitter, and at most
+BEGUN_ANEW = 0.05  # m or rad to exactly 0, from which on it is the driver that begins
 MAP_UPDATE_INTERVAL = 2.0  # s between maps that are handed out
 
 
@@ -69,21 +73,42 @@ class SlamUpdate:
 
 
 class OdometryHistory:
-    """Recent odometry, to know where the wheels say the robot was at the time of a scan. Bounded."""
+    """Recent odometry, to know where the wheels say the robot was at the time of a scan. Bounded.
+
+    A driver that is started again begins at 0 again. What jumps is no motion: it goes on from where it was, and
+    `offset` says where the driver's frame lies in that of this history.
+    """
 
     def __init__(self) -> None:
+        self.offset = IDENTITY
         self._times: Deque[float] = deque(maxlen=ODOMETRY_KEPT)
         self._poses: Deque[Pose] = deque(maxlen=ODOMETRY_KEPT)
 
-    def add(self, time: float, pose: Pose) -> None:
-        """Times must rise; a time before the last one (the clock was set back) starts the history anew."""
+    def add(self, time: float, pose: Pose) -> bool:
+        """Whether the driver's `pose` follows from the one before; if not it has jumped. Times must rise; a time before
+        the last one (the clock was set back) starts the history anew. SlamError for what is not finite."""
+        if not np.isfinite((time, *pose)).all():
+            raise SlamError("odometry is not finite: mend its driver")
         if self._times and time <= self._times[-1]:
             if time == self._times[-1]:
-                return
+                return True
             self._times.clear()
             self._poses.clear()
+        follows = not self._times or self._follows(time, pose)
+        if not follows:
+            self.offset = self._poses[-1].compose(pose.inverse())
         self._times.append(time)
-        self._poses.append(pose)
+        self._poses.append(self.offset.compose(pose))
+        return follows
+
+    def _follows(self, time: float, pose: Pose) -> bool:
+        motion = self.offset.inverse().compose(self._poses[-1]).between(pose)
+        way, turn = math.hypot(motion.x, motion.y), abs(motion.yaw)
+        # From anywhere else exactly to 0 goes no robot, but a driver that begins; it may have taken its time.
+        if pose == IDENTITY and (way > BEGUN_ANEW or turn > BEGUN_ANEW):
+            return False
+        seconds = min(max(time - self._times[-1], SHORTEST_STEP), LONGEST_STEP)
+        return way <= FASTEST * seconds and turn <= FASTEST_TURN * seconds
 
     def newest(self) -> Optional[Tuple[float, Pose]]:
         return (self._times[-1], self._poses[-1]) if self._times else None

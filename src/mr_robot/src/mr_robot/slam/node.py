@@ -78,7 +78,14 @@ class SlamNode:
     def _on_odometry(self, message: Odometry) -> None:
         pose = message.pose.pose
         stamp = message.header.stamp
-        self._odometry.add(stamp.to_sec(), Pose(pose.position.x, pose.position.y, yaw_of(pose.orientation)))
+        follows = self._odometry.add(stamp.to_sec(), Pose(pose.position.x, pose.position.y, yaw_of(pose.orientation)))
+        if not follows:
+            self._transformed_at = -float("inf")  # the last one no longer says where the robot is
+            rospy.logwarn_throttle(
+                10.0,
+                f"odometry has jumped to ({pose.position.x:.1f}, {pose.position.y:.1f}), as of a driver that begins "
+                "anew: the robot is taken not to have moved",
+            )
         if self._pending is not None:
             scan, self._pending = self._pending, None
             self._on_scan(scan)
@@ -139,7 +146,7 @@ class SlamNode:
 
     def _publish_transform(self, stamp: rospy.Time) -> None:
         self._transformed_at = stamp.to_sec()
-        pose = self._slam.map_to_odometry()
+        pose = self._slam.map_to_odometry().compose(self._odometry.offset)
         self._broadcaster.sendTransform(
             ros_io.transform_message(
                 pose, self._frames["map_frame"], self._frames["odom_frame"], stamp + self._tolerance
