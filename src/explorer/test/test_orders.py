@@ -240,6 +240,20 @@ def test_a_clock_that_is_set_back_does_not_make_a_halted_robot_drive(what: str, 
     assert not of_kind(SetGoal, bench.run(10.0)) and bench.agent.state == state
 
 
+def test_a_robot_that_was_stopped_drives_home_when_told_after_the_clock_was_set_back() -> None:
+    """Its node died with the next step."""
+    bench = driving()
+    bench.place(3.0, 0.0)
+    order(bench, bench.agent.stop)
+    bench.run(1.0)
+    bench.now = 5.0
+    bench.run(1.0)
+    assert order(bench, bench.agent.go_home).done
+    effects = bench.run(5.0)
+    assert [goal.pose for goal in of_kind(SetGoal, effects)] == [bench.agent.home]
+    assert bench.agent.state == State.RETURNING
+
+
 @pytest.mark.parametrize("autostart, last", [(True, "waits for move_base"), (False, "waits for the start")])
 def test_a_robot_that_has_not_begun_tells_what_it_waits_for(autostart: bool, last: str) -> None:
     """It said "waits for the start" also where only its map was missing."""

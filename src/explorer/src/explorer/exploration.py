@@ -288,8 +288,8 @@ class Exploration:
             self._selection.finish(self._scenes.scene(now))
 
     def _drive_home(self, now: float) -> None:
-        if self._perception.ways is None:
-            self._perceive(now)  # after a crash
+        if self._perception.field is None:
+            self._perceive(now)  # after a crash, or when the clock was set back
         self._homecoming.end_mission(now)
 
     # ---- memory ---------------------------------------------------------------------------------------------------
