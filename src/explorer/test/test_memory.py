@@ -70,12 +70,29 @@ def test_a_mission_that_is_over_stays_so() -> None:
     assert "complete=1" in final_log(bench)
 
 
-def test_a_robot_that_had_not_begun_begins() -> None:
+def not_begun() -> Bench:
     bench = Bench(7)
     bench.agent = ExplorerAgent(bench.agent.options)
     bench.agent.on_pose(Pose(1.0, 0.0, 0.0), bench.now)
-    anew = started_anew(bench)
+    return bench
+
+
+def test_a_robot_that_had_not_begun_begins() -> None:
+    anew = started_anew(not_begun())
     assert anew.agent.home == Pose(1.0, 0.0, 0.0) and anew.agent.started_at is None
+    assert anew.agent.start(anew.now)
+    assert of_kind(SetGoal, anew.run(2.0)) and anew.agent.state == State.EXPLORING
+
+
+def test_a_robot_that_was_stopped_before_it_had_begun_stays_so() -> None:
+    """Its node, started again, drove off."""
+    bench = not_begun()
+    assert bench.agent.stop(bench.now).done
+    anew = started_anew(bench)
+    assert not anew.agent.start(anew.now)
+    assert not of_kind(SetGoal, anew.run(2.0))
+    assert (anew.agent.state, anew.agent.text) == (State.FINISHED, "stopped")
+    assert anew.agent.exploration_time(anew.now) == 0.0 and anew.agent.memory.ended_by == "stopped"
 
 
 def test_a_mission_of_another_clock_starts_anew() -> None:

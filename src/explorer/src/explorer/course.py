@@ -40,14 +40,16 @@ class Course:
         mission starts anew, as when the clock is set back."""
         if memory.home is not None and senses.home is None:
             senses.home = memory.home
-        if memory.started_at is None:
+        stopped = memory.ended_by == STOPPED
+        if memory.started_at is None and not stopped:
             return
-        same_clock = memory.started_at <= now
-        self.started_at = memory.started_at if same_clock else now
+        same_clock = memory.started_at is not None and memory.started_at <= now
+        if memory.started_at is not None:
+            self.started_at = memory.started_at if same_clock else now
         senses.distance = memory.distance if same_clock else 0.0
         self._orders.halt = memory.halt
-        if memory.ended_by and (same_clock or memory.ended_by == STOPPED):
+        if memory.ended_by and (same_clock or stopped):
             self._orders.ended_by, self._orders.homeward = memory.ended_by, memory.homeward
             self.finished_at = memory.finished_at if same_clock else now
-        if memory.ended_by == STOPPED and not memory.homeward:
+        if stopped and not memory.homeward:
             self.be(State.FINISHED, STOPPED)
