@@ -149,6 +149,31 @@ def test_another_run_or_a_clock_set_back_forgets():
     assert not heard.take(report(6.0, boot=(2, 0)), 603.0) and len(heard.track()) == 2
 
 
+@pytest.mark.parametrize(("first", "turn"), [(-math.pi, 1.0), (0.0, 1.0), (0.0, -1.0), (2.0, 1.0)])
+def test_a_sensor_that_goes_round_sees_all_around_wherever_it_begins(first, turn):
+    """Lasers whose angles begin at 0 saw nothing on the right, and told that they saw nothing at all."""
+    angles, sweeps = first + turn * 2.0 * math.pi / 720 * np.arange(720), SweepHistory()
+    ranges = np.where(np.cos(angles) > math.cos(0.1), 2.0, 5.0)
+    scan = LaserScan(ranges, first, turn * 2.0 * math.pi / 720, 0.1, 8.0)
+    places = np.array([2.0 + 0j, 2j, -2j, -2.0 + 0j, 4.0 + 0j])
+    for time in range(len(places)):
+        sweeps.add(float(time), scan, Pose())
+    seen = sweeps.all().look(places, np.ones(5, bool))
+    assert seen.there.tolist() == [True, False, False, False, False]
+    assert seen.empty.tolist() == [False, True, True, True, False]
+    assert scan.sensor.view == pytest.approx(2.0 * math.pi, abs=0.01)
+
+
+def test_what_is_beside_the_view_is_neither():
+    scan = LaserScan(np.full(541, 5.0), -0.75 * math.pi, 1.5 * math.pi / 540, 0.1, 8.0)
+    assert scan.sensor.view == pytest.approx(1.5 * math.pi)
+    sweeps = SweepHistory()
+    for time in range(3):
+        sweeps.add(float(time), scan, Pose())
+    seen = sweeps.all().look(np.array([-2.0 + 0j, -2.0 + 1.9j, -2.0 - 1.9j]), np.ones(3, bool))
+    assert not seen.there.any() and not seen.empty.any()
+
+
 def test_a_place_in_sight_is_empty_or_not_and_a_hidden_one_neither():
     sweeps = SweepHistory()
     scan = scan_of([standing(2.0, 0.0)], room(14.0, 11.0))

@@ -639,6 +639,25 @@ def test_a_wall_goes_on_where_the_laser_is_blind() -> None:
         assert np.abs(behind[:, 1] + 0.205).max(initial=0.0) < 0.03
 
 
+@pytest.mark.parametrize("first", [-math.pi, 0.0, math.pi, -2.0 * math.pi])
+@pytest.mark.parametrize("turn", [2.0 * math.pi / 720, -2.0 * math.pi / 720])
+@pytest.mark.parametrize("bearing", [0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi])
+def test_what_the_laser_sees_gone_is_forgotten_wherever_its_angles_begin(
+    first: float, turn: float, bearing: float
+) -> None:
+    """On one side of lasers whose angles begin at 0 it was remembered, and walls that were seen counted twice."""
+    pose, costs = Pose(2.0, 2.0, 0.3), CostMap(room(), NavigationOptions())
+    angles = first + turn * np.arange(720)
+    there = np.where(np.cos(angles - bearing) > math.cos(0.2), 1.0, 8.0)
+    surroundings = Surroundings(NavigationOptions())
+    surroundings.see(make_scan(there, first, turn, 0.1, 8.0, Pose()), pose, costs, 0.0)
+    assert len(surroundings.moving_points(pose))
+    surroundings.see(make_scan(np.full(720, 4.0), first, turn, 0.1, 4.0, Pose()), pose, costs, 0.1)
+    assert not len(surroundings.moving_points(pose))
+    wall = room((slice(50, 52), slice(40, 42)))
+    assert not len(seen_around(make_scan(np.full(720, 8.0), first, turn, 0.1, 8.0, Pose()), wall))
+
+
 @pytest.mark.parametrize("turn", [2.0 * math.pi / 720, -2.0 * math.pi / 720])
 def test_a_laser_that_sees_all_around_has_no_edge(turn: float) -> None:
     """One that hangs upside down seemed to have: the wall went on from where its first beam hits it."""

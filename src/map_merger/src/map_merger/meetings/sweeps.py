@@ -8,7 +8,7 @@ import numpy as np
 
 from mr_grid import Pose
 
-from .values import LaserScan
+from .values import LaserScan, goes_round
 
 _MOST = 120
 _FAR_M = 5.5
@@ -45,19 +45,30 @@ class Sweeps(NamedTuple):
             return Seen(np.zeros(0, bool), np.zeros(0, bool))
         seen = (places - self.eyes) * self.headings.conjugate()
         distance = np.abs(seen)
-        beam = (np.angle(seen) - self.first) / self.step
-        beams = self.ranges.shape[1]
+        beam, beams = self._beams(np.angle(seen)), self.ranges.shape[1]
         side = _SIDE_M / np.maximum(distance, 0.1) / abs(self.step)
         near, far = _NEAR_M, min(reach, self.farthest - _MARGIN_M)
         inside = known & (distance > near) & (distance < far)
-        inside &= (beam - side > _EDGE_BEAMS) & (beam + side < beams - 1 - _EDGE_BEAMS)
+        round_about = goes_round(beams, self.step)
+        if not round_about:
+            inside &= (beam - side > _EDGE_BEAMS) & (beam + side < beams - 1 - _EDGE_BEAMS)
         there, empty = np.zeros(len(inside), bool), inside.copy()
         rows = np.arange(len(inside))
         for offset in (-side, 0.0, side):
-            ranges = self.ranges[rows, np.minimum(np.maximum(np.rint(beam + offset), 0.0), beams - 1.0).astype(int)]
+            at = np.rint(beam + offset)
+            if round_about:
+                at = np.where(at < 0.0, at + beams, np.where(at >= beams, at - beams, at))
+            ranges = self.ranges[rows, np.minimum(np.maximum(at, 0.0), beams - 1.0).astype(int)]
             there |= inside & (ranges > 0.0) & (np.abs(ranges - distance) < _MARGIN_M + 0.1)
             empty &= ranges > distance + _MARGIN_M
         return Seen(there, empty)
+
+    def _beams(self, bearings: np.ndarray) -> np.ndarray:
+        """Which of the beams go in directions (n,), rad, whether their angles run from -pi or from 0 on."""
+        beam = (bearings - self.first) / self.step
+        turn = 2.0 * math.pi / abs(self.step)
+        within: np.ndarray = beam - turn * np.floor(beam / turn)
+        return within
 
 
 NO_SWEEPS = Sweeps(np.zeros(0), np.zeros(0, complex), np.zeros(0, complex), np.zeros((0, 1), np.float32), 0.0, 1.0, 0.0)

@@ -33,6 +33,11 @@ NO_SENSOR = Sensor()
 UNMOVED = Pose()
 
 
+def goes_round(beams: int, step: float) -> bool:
+    """Whether beams that are `step` (rad) apart leave no gap, wherever the first one goes."""
+    return (beams + 0.5) * abs(step) > 2.0 * math.pi
+
+
 @dataclass(frozen=True, eq=False)
 class LaserScan:
     """One sweep. ranges: float (n,), m, NaN or below `range_min` = invalid, `range_max` or above = nothing there.
@@ -55,8 +60,12 @@ class LaserScan:
     @property
     def sensor(self) -> Sensor:
         """What can be seen with it."""
+        span = abs(self.angle_increment) * (self.ranges.size - 1)
         last = self.angle_min + self.angle_increment * (self.ranges.size - 1)
-        view = 2.0 * min(abs(self.angle_min), abs(last))
+        if goes_round(self.ranges.size, self.angle_increment):
+            view = min(2.0 * math.pi, span)
+        else:
+            view = 2.0 * min(abs(self.angle_min), abs(last))
         return Sensor(view, max(0.0, self.range_min), self.range_max)
 
 

@@ -73,21 +73,25 @@ bool is_wall(const Walls& walls, const Point& point, double within) {
   return cell && walls.distance[*cell] < static_cast<float>(within);
 }
 
+// What the scan reads in the direction of the point, m; 0 beside its field of view and where nothing is valid. Angles
+// of lasers run from -pi on as well as from 0.
+double reading_towards(const Point& point, const Point& eye, double heading, const ScanView& scan) {
+  const double bearing = std::remainder(std::atan2(point.y - eye.y, point.x - eye.x) - heading, 2.0 * M_PI);
+  const double steps = (bearing - scan.angle_min) / scan.angle_increment;
+  const double turn = 2.0 * M_PI / std::abs(scan.angle_increment);
+  const double beam = std::nearbyint(steps - turn * std::floor((steps + 0.5) / turn));
+  if (!(beam >= 0.0 && beam < static_cast<double>(scan.range_count))) return 0.0;
+  return scan.ranges[static_cast<std::size_t>(beam)];
+}
+
 // Whether the scan looks through the point, or would hit it if it were still there.
 bool seen_gone(const Point& point, const Point& eye, double heading, const ScanView& scan, double beyond) {
-  const double dx = point.x - eye.x, dy = point.y - eye.y;
-  const double bearing = std::remainder(std::atan2(dy, dx) - heading, 2.0 * M_PI);
-  const double beam = std::nearbyint((bearing - scan.angle_min) / scan.angle_increment);
-  if (!(beam >= 0.0 && beam < static_cast<double>(scan.range_count))) return false;
-  return scan.ranges[static_cast<std::size_t>(beam)] > std::hypot(dx, dy) + beyond;
+  return reading_towards(point, eye, heading, scan) > std::hypot(point.x - eye.x, point.y - eye.y) + beyond;
 }
 
 // Whether a valid reading of the scan goes in that direction, so that it would show what is there.
 bool in_view(const Point& point, const Point& eye, double heading, const ScanView& scan) {
-  const double bearing = std::remainder(std::atan2(point.y - eye.y, point.x - eye.x) - heading, 2.0 * M_PI);
-  const double beam = std::nearbyint((bearing - scan.angle_min) / scan.angle_increment);
-  return beam >= 0.0 && beam < static_cast<double>(scan.range_count) &&
-         scan.ranges[static_cast<std::size_t>(beam)] > 0.0;
+  return reading_towards(point, eye, heading, scan) > 0.0;
 }
 
 struct Line {
