@@ -16,6 +16,7 @@ from mr_grid.ros_laser import Mount
 from mr_robot.navigation import ros_io as navigation_io
 from mr_robot.navigation.node import MoveBaseNode
 from mr_robot.navigation.tf_poses import TfPoses
+from mr_robot.ros_poses import frame_parameters
 from mr_robot.slam import ros_io as slam_io
 from mr_robot.slam.engine import Slam
 from mr_robot.slam.node import SlamNode
@@ -97,8 +98,8 @@ class Unused:
         pass
 
 
-def mounts(rotation: Quaternion) -> Tuple[Optional[Mount], Optional[Mount]]:
-    """That of a laser so mounted for navigation, and for SLAM."""
+def mounts(rotation: Quaternion, frame: str = "laser") -> Tuple[Optional[Mount], Optional[Mount]]:
+    """That of a laser so mounted for navigation, and for SLAM. `frame`: as its scans name it."""
     message = transform("base_footprint", "laser", Pose(), 0.0)
     message.transform.rotation = rotation
     buffer = tf2_ros.Buffer(debug=False)
@@ -106,7 +107,7 @@ def mounts(rotation: Quaternion) -> Tuple[Optional[Mount], Optional[Mount]]:
     slam = SlamNode.__new__(SlamNode)
     slam._mounts, slam._frames, slam._buffer, slam._listener = {}, FRAMES, buffer, Unused()
     time = rospy.Time.from_sec(1.0)
-    return TfPoses(buffer, FRAMES).laser("laser", time, time), slam._mount("laser")
+    return TfPoses(buffer, FRAMES).laser(frame, time, time), slam._mount(frame)
 
 
 def seen_upside_down(yaw: float) -> LaserScan:
@@ -140,3 +141,10 @@ def test_a_tilted_laser_is_refused_with_its_frame(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(rospy, "logwarn_throttle", lambda _, text: said.append(text))
     assert mounts(Quaternion(math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))) == (None, None)
     assert len(said) == 2 and all("laser laser is tilted by 90 degrees" in text for text in said)
+
+
+def test_frames_may_begin_with_a_slash(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drivers of ROS 1 name them so; tf2 does not take such names, and their laser was never found."""
+    assert mounts(Quaternion(0.0, 0.0, 0.0, 1.0), "/laser") == (Mount(), Mount())
+    monkeypatch.setattr(rospy, "get_param", {"~map_frame": "/map", "~odom_frame": "r1/odom"}.get)
+    assert frame_parameters(FRAMES) == {"map_frame": "map", "odom_frame": "r1/odom", "base_frame": "base_footprint"}

@@ -22,7 +22,7 @@ from mr_robot.navigation.action_server import LatestGoalServer
 from mr_robot.navigation.engine import Navigator, Status
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan
 from mr_robot.navigation.tf_poses import TfPoses, is_recent
-from mr_robot.ros_poses import transform_pose
+from mr_robot.ros_poses import frame_name, frame_parameters, transform_pose
 
 FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}
 DRIVERS = {"scan_topic": "base_scan", "velocity_topic": "cmd_vel"}
@@ -52,7 +52,7 @@ def robot_name() -> str:
 class MoveBaseNode:
     def __init__(self) -> None:
         self._navigator = Navigator(options(), robot_name())
-        self._frames: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in FRAMES.items()}
+        self._frames = frame_parameters(FRAMES)
         drivers: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in DRIVERS.items()}
         self._lock = threading.RLock()
         self._scan: Optional[Any] = None
@@ -131,7 +131,7 @@ class MoveBaseNode:
 
     def _in_map(self, target: PoseStamped) -> Pose:
         goal = ros_io.goal_value(target)
-        frame = target.header.frame_id.lstrip("/")
+        frame = frame_name(target.header.frame_id)
         if frame == self._frames["map_frame"]:
             return goal
         if not frame:

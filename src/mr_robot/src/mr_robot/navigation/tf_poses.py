@@ -7,7 +7,7 @@ import tf2_ros
 
 from mr_grid import GridError, Pose
 from mr_grid.ros_laser import Mount, mount_value
-from mr_robot.ros_poses import transform_pose
+from mr_robot.ros_poses import frame_name, transform_pose
 
 INPUT_AGE = 0.5  # s after which a pose or scan no longer tells where the robot and what around it is
 
@@ -60,6 +60,7 @@ class TfPoses:
         return mount._replace(pose=transform_pose(moved).compose(mount.pose))
 
     def _mount(self, frame: str) -> Optional[Mount]:
+        frame = frame_name(frame)
         if frame not in self._mounts:
             try:
                 message = self._buffer.lookup_transform(self._frames["base_frame"], frame, rospy.Time(0))

@@ -15,6 +15,7 @@ from mr_grid import GridError, Pose
 from mr_grid.ros import NumpyOccupancyGrid, grid_message, yaw_of
 from mr_grid.ros_laser import Mount, mount_value
 from mr_grid.ros_node import init_node
+from mr_robot.ros_poses import frame_name, frame_parameters
 from mr_robot.slam import ros_io
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
 
@@ -43,7 +44,7 @@ def options() -> SlamOptions:
 class SlamNode:
     def __init__(self) -> None:
         self._slam = Slam(options())
-        self._frames: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in FRAMES.items()}
+        self._frames = frame_parameters(FRAMES)
         inputs: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in INPUTS.items()}
         self._map_interval = number_parameter("map_update_interval", MAP_UPDATE_INTERVAL)
         self._transform_period = number_parameter("transform_publish_period", TRANSFORM_PUBLISH_PERIOD)
@@ -127,6 +128,7 @@ class SlamNode:
 
     def _mount(self, frame: str) -> Optional[Mount]:
         """The laser on the robot; looked up once, because listening to tf costs more than matching scans."""
+        frame = frame_name(frame)
         if frame in self._mounts:
             return self._mounts[frame]
         if self._listener is None:
