@@ -103,6 +103,19 @@ def test_a_mission_of_another_clock_starts_anew() -> None:
     assert anew.agent.started_at == 3.0 and anew.agent.home == bench.agent.home
 
 
+@pytest.mark.parametrize(
+    ("order", "state"), [("go_home", State.RETURNING), ("stop", State.FINISHED)], ids=["sent home", "stopped"]
+)
+def test_an_order_that_ended_a_mission_of_another_clock_holds_on(order: str, state: State) -> None:
+    bench = driving()
+    bench.place(3.0, 0.0)
+    getattr(bench.agent, order)(bench.now)
+    anew = started_anew(bench, later=-90.0)
+    anew.run(1.0)
+    assert anew.agent.state == state and anew.agent.finished_at is not None
+    assert anew.agent.exploration_time(anew.now) == 0.0
+
+
 def test_memory_is_the_same_after_it_was_a_text() -> None:
     memory = Memory(Pose(1.0, 2.0, 0.5), 10.0, 20.0, "stopped", False, "is paused", 7.0)
     assert memory_of(memory.text()) == memory and memory_of(Memory().text()) == Memory()

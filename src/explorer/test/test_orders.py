@@ -231,6 +231,63 @@ def test_a_robot_that_is_stopped_before_its_start_never_starts() -> None:
     assert agent.state == State.FINISHED
 
 
+@pytest.mark.parametrize("stopped", [False, True], ids=["exploring", "stopped"])
+@pytest.mark.parametrize("paused", [False, True], ids=["driving", "paused"])
+def test_a_clock_that_is_set_back_makes_no_robot_explore_that_was_sent_home(stopped: bool, paused: bool) -> None:
+    bench = driving()
+    bench.place(3.0, 0.0)
+    if stopped:
+        order(bench, bench.agent.stop)
+    order(bench, bench.agent.go_home)
+    bench.run(1.0)
+    if paused:
+        order(bench, bench.agent.pause)
+    bench.now = 5.0
+    effects = bench.run(10.0)
+    if paused:
+        assert not of_kind(SetGoal, effects) and bench.agent.text == "is paused"
+        order(bench, bench.agent.resume)
+        effects = bench.run(1.0)
+    assert [goal.pose for goal in of_kind(SetGoal, effects)] == [bench.agent.home]
+    assert bench.agent.text == ("stopped, drives home" if stopped else "sent home, drives home")
+    assert bench.agent.home is not None
+    bench.place(bench.agent.home.x, bench.agent.home.y)
+    bench.run(5.0)
+    bench.now = 3.0
+    assert not of_kind(SetGoal, bench.run(10.0)) and bench.agent.state == State.FINISHED
+
+
+def test_a_clock_that_is_set_forward_ends_no_mission() -> None:
+    bench = driving(time_limit=600.0, progress_timeout=1e5)
+    bench.run(30.0)
+    bench.now += 3600.0
+    bench.run(5.0)
+    assert bench.agent.finished_at is None and bench.agent.exploration_time(bench.now) == pytest.approx(36.0, abs=0.5)
+    assert [note.text for note in of_kind(Note, bench.effects) if note.warning] == [
+        "time went forward by 3600.2 s, which do not count"
+    ]
+    bench.now += 59.0
+    bench.run(5.0)
+    assert bench.agent.exploration_time(bench.now) == pytest.approx(100.0, abs=0.5)
+    bench.run(510.0)
+    assert bench.agent.finished_at is not None and "exploration_time=600." in final_log(bench)
+
+
+def test_what_begins_or_has_ended_is_not_moved_by_a_clock_that_is_set_forward() -> None:
+    bench = Bench(7).map(corridor())
+    bench.agent = ExplorerAgent(bench.agent.options)
+    bench.map(corridor()).run(1.0)
+    bench.now += 3600.0
+    bench.agent.start(bench.now)
+    bench.run(2.0)
+    assert bench.agent.exploration_time(bench.now) == pytest.approx(2.0, abs=0.3)
+    order(bench, bench.agent.stop)
+    bench.now += 3600.0
+    bench.run(1.0)
+    assert bench.agent.exploration_time(bench.now) == pytest.approx(2.0, abs=0.3)
+    assert not [note for note in of_kind(Note, bench.effects) if note.warning]
+
+
 @pytest.mark.parametrize("what, state", [("pause", State.WAITING), ("stop", State.FINISHED)])
 def test_a_clock_that_is_set_back_does_not_make_a_halted_robot_drive(what: str, state: State) -> None:
     bench = driving()

@@ -29,6 +29,7 @@ from explorer.team_state import TeamOrder, TeamState
 from mr_grid import Pose
 
 CLOCK_TOLERANCE = 1.0  # s by which the clock may be set back without consequences
+LONGEST_TICK = 60.0  # s from one tick to the next, beyond which the clock was set forward
 MAXIMUM_CHOSEN = 5000  # elements of one negotiation list that are read
 
 
@@ -157,6 +158,8 @@ class ExplorerAgent:
         if now < self._ticked - CLOCK_TOLERANCE:
             self._outbox.append(Note(f"time went back by {self._ticked - now:.1f} s; the mission starts anew", True))
             self.mission = self._missions.anew(self.mission, now)
+        elif now > self._ticked + LONGEST_TICK and self.mission.skip(self._ticked, now):
+            self._outbox.append(Note(f"time went forward by {now - self._ticked:.1f} s, which do not count", True))
         self._ticked = now
         self.mission.step(now)
         self._tell_controls(now)

@@ -3,7 +3,7 @@
 from typing import Optional
 
 from explorer.memory import Memory
-from explorer.orders import STOPPED, Orders
+from explorer.orders import ORDERED, STOPPED, Orders
 from explorer.senses import Senses
 from explorer.status import State
 
@@ -27,6 +27,13 @@ class Course:
             return 0.0
         return (self.finished_at if self.finished_at is not None else now) - self.started_at
 
+    def skip(self, before: float, now: float) -> bool:
+        """The clock was set forward in between: that is no time of an exploration that goes on. Whether one does."""
+        if self.started_at is None or self.started_at > before or self.finished_at is not None:
+            return False
+        self.started_at += now - before
+        return True
+
     def memory(self, senses: Senses) -> Memory:
         """What is to be kept of this mission."""
         orders = self._orders
@@ -40,16 +47,16 @@ class Course:
         mission starts anew, as when the clock is set back."""
         if memory.home is not None and senses.home is None:
             senses.home = memory.home
-        stopped = memory.ended_by == STOPPED
-        if memory.started_at is None and not stopped:
+        ordered = memory.ended_by in ORDERED
+        if memory.started_at is None and not ordered:
             return
         same_clock = memory.started_at is not None and memory.started_at <= now
         if memory.started_at is not None:
             self.started_at = memory.started_at if same_clock else now
         senses.distance = memory.distance if same_clock else 0.0
         self._orders.halt = memory.halt
-        if memory.ended_by and (same_clock or stopped):
+        if memory.ended_by and (same_clock or ordered):
             self._orders.ended_by, self._orders.homeward = memory.ended_by, memory.homeward
             self.finished_at = memory.finished_at if same_clock else now
-        if stopped and not memory.homeward:
+        if memory.ended_by == STOPPED and not memory.homeward:
             self.be(State.FINISHED, STOPPED)

@@ -305,6 +305,15 @@ class Exploration:
         if self.started_at is not None:
             self._journal.start(self.started_at)
 
+    # ---- the clock ------------------------------------------------------------------------------------------------
+
+    def skip(self, before: float, now: float) -> bool:
+        """The clock was set forward in between; whether that concerns the exploration."""
+        skipped = self._course.skip(before, now)
+        if skipped and self.started_at is not None:
+            self._journal.start(self.started_at)
+        return skipped
+
     # ---- figures --------------------------------------------------------------------------------------------------
 
     @property

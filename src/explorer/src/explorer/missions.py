@@ -11,7 +11,7 @@ from explorer.foreign import ForeignFrontiers
 from explorer.leftovers import reasons
 from explorer.messages import Effect
 from explorer.options import Options
-from explorer.orders import STOPPED
+from explorer.orders import ORDERED, STOPPED
 from explorer.perception import Perception
 from explorer.scene import Scene
 from explorer.senses import Senses
@@ -51,10 +51,11 @@ class Missions:
         self._see_again(now)
         if old.started_at is not None:
             mission.start(now)
-        if old.orders.halt:
-            mission.orders.halt = old.orders.halt
-        elif old.orders.ended_by == STOPPED:
+        if old.orders.ended_by == STOPPED:
             mission.steering.stop(now)
+        if old.orders.ended_by in ORDERED and old.orders.homeward:
+            mission.steering.go_home(now)
+        mission.orders.halt = old.orders.halt
         return mission
 
     def _see_again(self, now: float) -> None:

@@ -7,6 +7,7 @@ from explorer.options import Options
 DONE = "finished"  # how a mission ends by itself
 STOPPED = "stopped"
 SENT_HOME = "sent home"
+ORDERED = (STOPPED, SENT_HOME)  # ends that somebody wanted: they hold on when a mission starts anew
 PAUSED = "is paused"  # what holds a robot, in words
 CALLED = "is called back"
 
