@@ -214,7 +214,7 @@ def test_a_statement_of_a_robot_out_of_reach_is_not_heard() -> None:
     assert bench.agent.perception.worth.goals
 
 
-@pytest.mark.parametrize("place", [(np.nan, 0.0, 1.0), (0.0, np.inf, 1.0), (0.0, 0.0, 1e30)])
+@pytest.mark.parametrize("place", [(np.nan, 0.0, 1.0), (0.0, np.inf, 1.0), (0.0, 0.0, np.inf), (0.0, 0.0, -1.0)])
 def test_places_that_cannot_be_are_not_believed(place: tuple) -> None:
     bench = Bench(7).map(corridor()).join("robot_1")
     bench.agent.on_statement(said(verdicts=[Decided(place[0], place[1], Kind.VISITED, place[2])]), bench.now)
@@ -223,6 +223,16 @@ def test_places_that_cannot_be_are_not_believed(place: tuple) -> None:
     assert bench.agent.mission.agreement.stage("robot_1") is None
     bench.run(1.0)
     assert sum(isinstance(effect, Note) and effect.warning for effect in bench.effects) == 1
+
+
+@pytest.mark.parametrize(
+    ("area", "heard"), [(2.5e6, True), (0.0, True), (-1.0, False), (np.nan, False), (np.inf, False)]
+)
+def test_areas_may_be_as_large_as_maps_are(area: float, heard: bool) -> None:
+    """A robot that knew more than 10 hectares was not heard: areas were measured by how far places may be."""
+    bench = Bench(7).map(corridor()).join("robot_1")
+    bench.agent.on_statement(said(area=area, left=[LeftPlace(0.0, 0.0, max(0.0, min(area, 2e5)), "noise")]), bench.now)
+    assert (bench.agent.mission.agreement.stage("robot_1") is not None) == heard
 
 
 def told_all_explored(bench: Bench) -> None:

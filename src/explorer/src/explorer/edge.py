@@ -1,5 +1,6 @@
 """The edge of the agent: coordinates that cannot be go no further."""
 
+import math
 from typing import Dict, List, Mapping, Optional, Sequence, Set
 
 import numpy as np
@@ -50,10 +51,11 @@ class Edge:
         return usable
 
     def accepts_statement(self, statement: Statement) -> bool:
-        """False for one with places that cannot be, or of this robot itself."""
-        values = [value for each in statement.verdicts for value in (each.x, each.y, each.known)]
-        values += [value for place in statement.left for value in (place.x, place.y, place.area)]
-        possible = is_place(statement.area, *values)
+        """False for one with places or areas that cannot be, or of this robot itself."""
+        places = [(each.x, each.y, each.known) for each in statement.verdicts]
+        places += [(each.x, each.y, each.area) for each in statement.left]
+        areas = [statement.area, *(area for _, _, area in places)]
+        possible = all(is_place(x, y) for x, y, _ in places) and all(0.0 <= area < math.inf for area in areas)
         if not possible:
             self._complain("verdicts", f"of {statement.robot}: check its explorer")
         return possible and statement.robot != self._own_name
