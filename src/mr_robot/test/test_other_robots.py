@@ -59,11 +59,9 @@ def test_a_transform_that_jumps_is_no_speed() -> None:
 
 
 def test_old_positions_and_such_of_the_future_tell_nothing_about_motion() -> None:
-    for others in (
-        robots("robot_2", ((0.2, 3.0), 0.0), (BESIDE, 9.0)),
-        robots("robot_2", ((0.8, 3.0), 9.0), (BESIDE, 0.0)),
-    ):
-        now = 9.0 if others.lately(9.0) else 0.0
+    long_ago = robots("robot_2", ((0.0, 3.0), 6.9), (BESIDE, 9.0))
+    clock_set_back = robots("robot_2", ((0.8, 3.0), 9.0), (BESIDE, 9.4), (BESIDE, 0.0))
+    for others, now in ((long_ago, 9.0), (clock_set_back, 0.0)):
         assert is_taken(others, (1.25, 3.0), now) and not is_taken(others, (1.55, 3.0), now)
 
 

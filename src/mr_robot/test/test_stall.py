@@ -34,7 +34,10 @@ def test_a_clock_that_was_set_back_starts_anew() -> None:
         watch.blocked(now, (0.0, 0.0, 0.0))
         watch.command(now, (0.5, 0.0))
     assert watch.blocked(10.7, (0.0, 0.0, 0.0))
-    assert not watch.blocked(1.0, (0.0, 0.0, 0.0))
+    for now in (1.0, 1.1, 1.2, 1.3):
+        assert not watch.blocked(now, (0.0, 0.0, 0.0))
+        watch.command(now, (0.5, 0.0))
+    assert any(watch.blocked(1.4 + 0.1 * step, (0.0, 0.0, 0.0)) for step in range(3)), "it still watches"
 
 
 def test_a_robot_that_creeps_against_something_is_noticed() -> None:
