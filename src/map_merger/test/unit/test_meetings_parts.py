@@ -44,6 +44,17 @@ def test_what_is_hidden_in_part_or_cut_by_the_edge_of_the_view_is_no_object():
     assert len(objects_in_scan(scan_of([standing(1.0, 0.0)], view=math.radians(15.0)), RobotSize()).centres) == 0
 
 
+@pytest.mark.parametrize("first", [-math.pi, 0.0, 0.1, 3.0])
+@pytest.mark.parametrize("place", [0.0, 1.0, -2.0])
+def test_a_sensor_that_goes_round_finds_what_its_first_and_last_beams_see(first, place):
+    """Lasers of many small robots begin straight ahead."""
+    angles = first + 2.0 * math.pi / 720 * np.arange(720)
+    off = np.abs(np.angle(np.exp(1j * (angles - place))))
+    scan = LaserScan(np.where(off < 0.15, 1.0 / np.cos(off), 4.0), first, 2.0 * math.pi / 720, 0.1, 8.0)
+    centres = objects_in_scan(scan, RobotSize()).centres
+    assert len(centres) == 1 and math.atan2(centres[0][1], centres[0][0]) == pytest.approx(place, abs=0.02)
+
+
 def test_a_scan_of_nothing_or_of_nothing_valid_has_no_objects():
     for ranges in (np.full(100, 8.0), np.full(100, np.nan), np.zeros(100)):
         assert len(objects_in_scan(LaserScan(ranges, -1.0, 0.02, 0.1, 8.0), RobotSize()).centres) == 0

@@ -374,14 +374,15 @@ def test_a_laser_far_ahead_that_looks_back_is_on_the_map() -> None:
     assert slam.process(scan, Pose(0.0, 0.0, 0.0), 0.0).inserted
 
 
-def boxed_room(box: float) -> LaserScan:
-    """What a laser in the middle of a room of 8 m x 8 m sees, with a box of 1.0 m in front of it at `box` m."""
-    angles = np.linspace(-2.36, 2.36, 541)
+def boxed_room(box: float, first: float = -2.36, view: float = 4.72, reach: float = 8.0) -> LaserScan:
+    """What a laser in the middle of a room of 8 m x 8 m sees, with a box of 1.0 m in front of it at `box` m. `first`
+    and `view`: of its 541 beams, rad. `reach`: m."""
+    angles = first + np.linspace(0.0, view, 541)
     across, along = np.abs(np.cos(angles)), np.abs(np.sin(angles))
     ranges = 4.0 / np.maximum(across, along)
-    hidden = np.abs(angles) < math.atan2(0.5, box)
+    hidden = np.abs(np.angle(np.exp(1j * angles))) < math.atan2(0.5, box)
     ranges[hidden] = box / np.cos(angles[hidden])
-    return LaserScan(ranges.astype(np.float32), -2.36, 4.72 / 540, 0.05, 8.0, Pose(0.0, 0.0, 0.0))
+    return LaserScan(ranges.astype(np.float32), first, view / 540, 0.05, reach, Pose(0.0, 0.0, 0.0))
 
 
 def test_the_size_of_things_that_may_be_robots_is_a_parameter() -> None:
@@ -393,6 +394,18 @@ def test_the_size_of_things_that_may_be_robots_is_a_parameter() -> None:
             slam.process(boxed_room(1.5), Pose(0.0, 0.0, 0.0), float(step))
         error[size] = slam.process(boxed_room(1.4), Pose(0.1, 0.0, 0.0), 9.0).pose[0]
     assert error[1.2] < 0.5 * error[0.7]
+
+
+def test_what_stands_before_the_first_and_last_beams_of_a_laser_is_one_thing() -> None:
+    """Lasers of many small robots see all around and begin straight ahead: a wall of 1 m there was two things that may
+    be robots."""
+    told = []
+    for first in (-math.pi, 0.0):
+        slam, view = Slam(), 2.0 * math.pi * 540 / 541
+        for step in range(8):
+            slam.process(boxed_room(1.5, first, view, reach=3.0), Pose(), float(step))
+        told.append(slam.process(boxed_room(1.4, first, view, reach=3.0), Pose(0.06, 0.0, 0.0), 9.0).pose.x)
+    assert told == pytest.approx([0.1, 0.1], abs=0.02)
 
 
 def narrow_room(heading: float, robot: float) -> LaserScan:

@@ -5,7 +5,7 @@ from typing import NamedTuple, Tuple
 import numpy as np
 
 from ..robot_size import RobotSize
-from .values import LaserScan
+from .values import LaserScan, goes_round
 
 FARTHEST_M = 6.0
 NARROWEST_M = 0.1
@@ -35,15 +35,18 @@ def objects_in_scan(scan: LaserScan, size: RobotSize) -> Objects:
     with np.errstate(invalid="ignore"):
         valid = (ranges >= scan.range_min) & (ranges > 0.05)
     seen = np.where(valid, np.minimum(ranges, scan.range_max), 0.0)
+    beams = seen.size
+    if goes_round(beams, scan.angle_increment):
+        seen = np.concatenate([seen, seen[: beams // 4]])  # what the last beams see goes on with the first ones
     first, last = _in_front(seen)
     # Wider things are dropped by their angle, before their points are looked at.
     with np.errstate(divide="ignore"):
         widths = seen[first] * abs(scan.angle_increment) * (last - first)
-    fits = (seen[first] <= FARTHEST_M) & (last - first + 1 >= _FEWEST_BEAMS) & (widths <= 2.0 * size.widest)
+    fits = (first < beams) & (seen[first] <= FARTHEST_M) & (last - first + 1 >= _FEWEST_BEAMS) & (widths <= 2.0 * size.widest)
     first, last = first[fits], last[fits]
     if not first.size:
         return NO_OBJECTS
-    angles = scan.angle_min + scan.angle_increment * np.arange(ranges.size)
+    angles = scan.angle_min + scan.angle_increment * np.arange(seen.size)
     points = scan.mount.apply(np.column_stack([seen * np.cos(angles), seen * np.sin(angles)]))
     return _measured(points.view(complex).ravel(), first, last, complex(scan.mount.x, scan.mount.y), size)
 

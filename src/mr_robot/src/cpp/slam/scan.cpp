@@ -83,6 +83,7 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
     scan.beams.push_back({end, hit});
     scan.beams.back().index = i;
   }
+  scan.all_around = (static_cast<double>(size) + 0.5) * std::abs(geometry.angle_increment) > 2.0 * M_PI;
   mark_small_objects(scan, options.small_object_size);
   for (std::size_t i = 0; i < scan.beams.size(); ++i) {
     Beam& beam = scan.beams[i];

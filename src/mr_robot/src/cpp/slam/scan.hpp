@@ -36,6 +36,7 @@ struct Beam {
 struct Scan {
   Point eye;  // laser in the robot's frame
   std::vector<Beam> beams;
+  bool all_around = false;  // the first beam goes beside the last one
 };
 
 // Beams are put where the robot was when each was taken, as if it had moved evenly from the first to the last one.
