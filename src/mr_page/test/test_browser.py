@@ -206,3 +206,32 @@ def test_a_base_station_orders_one_robot_by_its_radio():
 
     asyncio.run(run())
     assert asked == [("base", Order("pass_on_pause", "bob"))]
+
+
+def test_grey_radio_buttons_switch_no_radio():
+    """For all robots at once they are grey."""
+    state, asked = PageState(), []
+    for name in ("anna", "bob"):
+        state.put(name, "about", {"start": None})
+        state.put(name, "switchable", True)
+
+    async def command(robot, order):
+        asked.append((robot, order))
+        return Answer(True, "off")
+
+    async def run():
+        async with served(state, command) as address, browser() as one:
+            tab = await one.open(f"http://{address}/", 1300, 850)
+            await tab.wait_for("document.querySelectorAll('#robots tr').length === 2")
+            assert await tab.run("document.querySelector('#commands select').value") == ""
+            for button in ("radio_off", "radio_on"):
+                assert await tab.run(f"document.getElementById('command-{button}').ariaDisabled") == "true"
+                await tab.click(f"#command-{button}")
+                assert await tab.run(text("#answer")) == "choose a robot first"
+            await tab.click("#robots tr:nth-child(2)")
+            await tab.click("#command-radio_off")
+            await tab.wait_for(f"{text('#answer')} === 'bob: off'")
+            assert tab.errors == []
+
+    asyncio.run(run())
+    assert asked == [("bob", Order("radio_off"))]

@@ -129,8 +129,8 @@ export class CommandBar {
   /** Why each of those addressed cannot do it; empty where it can. */
   _reasons(name) {
     const { robots, way, to } = this._chosen();
-    if (name in RADIO && (way || robots.length !== 1)) return ["choose a robot first"];
-    return robots.map((robot) => whyNot(robot, name, way, to));
+    const several = name in RADIO && (way || robots.length !== 1);
+    return robots.map((robot) => (several ? "choose a robot first" : whyNot(robot, name, way, to)));
   }
 
   _say(text, good) {
