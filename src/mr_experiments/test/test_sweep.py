@@ -236,6 +236,16 @@ def test_sweep_runs_goes_on_and_tells(short, tmp_path, capsys):
     assert len(list(path.parent.iterdir())) == 2
 
 
+def test_reasons_of_failed_trials_are_told_also_when_they_are_recorded_already(short, fake_mission, capsys):
+    fake_mission({1: lambda: 1 / 0})
+    assert main([*short, "--trials", "2"]) == 1
+    capsys.readouterr()
+    assert main([*short, "--trials", "2"]) == 1
+    told = capsys.readouterr().out.splitlines()
+    assert "1 failed, as small8x8-r1-short-7-s1: ZeroDivisionError: division by zero" in told
+    assert "1 failed, as small8x8-r1-short-7-s2: made by the test" in told
+
+
 def test_all_finished_is_zero(short, tmp_path, fake_mission, capsys):
     record = MissionRecord(
         Asked(trial_of(1).to_json()), Outcome("finished", 12.5), Team(12.5), {"robot_0": made_robot()},

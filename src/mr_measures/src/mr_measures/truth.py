@@ -86,6 +86,8 @@ class Truth:
         reached: set = set()
         for start in starts:
             column, row = np.floor((np.asarray(start[:2]) - self._origin) / self._resolution).astype(int)
+            if not (0 <= row < labels.shape[1] and 0 <= column < labels.shape[2]):
+                continue  # far outside the walls, where there is nothing to know
             # Any heading: the kernels are coarser than a start pose that just fits.
             reached.update(int(label) for label in labels[:, row, column])
         reached.discard(0)

@@ -107,6 +107,17 @@ def _place(polygon: Polygon, obstacle: Obstacle) -> np.ndarray:
     return np.array([obstacle.pose.apply_point(x, y) for x, y in polygon])
 
 
+def closed_plan(obstacles: Sequence[Obstacle]) -> Obstacle | None:
+    """The first bitmap with walls all around and room within, as pictures of a building and maps have; None without."""
+    for obstacle in obstacles:
+        if obstacle.bitmap is not None and obstacle.solid:
+            pixels = load_bitmap(obstacle.bitmap)
+            edges = (pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1])
+            if all(edge.all() for edge in edges) and not pixels.all():
+                return obstacle
+    return None
+
+
 def write_image(grid: Grid, path: str | Path) -> None:
     """Write a raster as binary PGM: walls black, the uppermost row first."""
     pixels = np.where(np.flipud(grid.cells) != 0, 0, 255).astype(np.uint8)

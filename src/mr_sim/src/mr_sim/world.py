@@ -13,7 +13,7 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_sim import _world
-from mr_sim.raster import Grid, rasterise
+from mr_sim.raster import Grid, closed_plan, rasterise
 from mr_sim.world_model import Obstacle, RobotDescription, WorldDescription
 
 COMMAND_TIMEOUT = 0.5  # s of simulated time without a fresh command after which a robot stops
@@ -22,6 +22,7 @@ BIAS, RANDOM_WALK = ODOMETRY_MODELS = ("bias", "random_walk")
 """How odometry errs: by one share for the whole run, as in Stage, or anew at each step."""
 
 NO_CONTACT, CONTACT_WITH_WALL, CONTACT_WITH_ROBOT = 0, 1, 2
+_FAULTS = {CONTACT_WITH_WALL: "inside a wall", CONTACT_WITH_ROBOT: "inside another robot"}  # of a start pose
 
 
 class WorldError(ValueError):
@@ -126,14 +127,24 @@ class World:
         )
 
     def _check_starts(self) -> None:
+        plan = _plan_of(self.description.obstacles)
         for index, robot in enumerate(self.robots):
-            contact = self.core.contact_at(index, robot.start)
-            if contact != NO_CONTACT:
-                what = "a wall" if contact == CONTACT_WITH_WALL else "another robot"
+            fault = _FAULTS.get(self.core.contact_at(index, robot.start), "")
+            if plan is not None and not plan.spans(robot.start):
+                fault = "outside the walls"
+            if fault:
                 raise WorldError(
-                    f"{self.description.path}: {robot.name} starts inside {what} at "
-                    f"({robot.start[0]:g}, {robot.start[1]:g}): move its pose"
+                    f"{self.description.path}: {robot.name} starts {fault} at "
+                    f"({robot.start[0]:g}, {robot.start[1]:g}): move its pose{self._extent() if plan else ''}"
                 )
+
+    def _extent(self) -> str:
+        (x, y), (rows, columns) = self.obstacles.origin, self.obstacles.cells.shape
+        width, depth = columns * self.obstacles.resolution, rows * self.obstacles.resolution
+        return (
+            " to free floor (what a map does not know is wall); the walls go "
+            f"from x {x:.2f} to {x + width:.2f} m and from y {y:.2f} to {y + depth:.2f} m"
+        )
 
     @property
     def time(self) -> float:
@@ -195,6 +206,11 @@ def _raster_of(obstacles: tuple[Obstacle, ...], resolution: float) -> Grid:
     grid = rasterise(obstacles, resolution)
     grid.cells.flags.writeable = False
     return grid
+
+
+@functools.lru_cache(maxsize=4)
+def _plan_of(obstacles: tuple[Obstacle, ...]) -> Obstacle | None:
+    return closed_plan(obstacles)
 
 
 def _core_raster(grid: Grid) -> _world.Raster:

@@ -89,6 +89,11 @@ class Obstacle:
     visible: bool
     solid: bool
 
+    def spans(self, pose: Pose) -> bool:
+        """Whether its rectangle holds that place."""
+        x, y, _ = self.pose.between(pose)
+        return abs(x) <= self.size[0] / 2.0 and abs(y) <= self.size[1] / 2.0
+
 
 @dataclass(frozen=True)
 class WorldDescription:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mr_sim.map_world import MapError, map_world_files
-from mr_sim.world import World
+from mr_sim.world import World, WorldError
 from mr_sim.world_model import load_world
 from mr_sim.worlds import StartsError, WorldNotFoundError, find_world, starts_of, warning_of, with_starts
 
@@ -61,6 +61,28 @@ def test_world_is_closed_and_unknown_is_wall(write_map, tmp_path):
     assert world.core.contact_at(0, (4.2, 4.5, 0.0)) == 1, "the end of what is known"
     cells = world.obstacles.cells
     assert cells[[0, -1], :].all() and cells[:, [0, -1]].all()
+
+
+@pytest.mark.parametrize(
+    ("start", "fault"),
+    [([100.0, 100.0, 0.0], "outside the walls at (100, 100)"), ([-0.5, 2.5, 0.0], "outside the walls at (-0.5, 2.5)"),
+     ([0.4, 3.6, 0.0], "inside a wall at (0.4, 3.6)")],
+)  # fmt: skip
+def test_starts_off_the_map_and_in_the_unknown_are_refused(write_map, tmp_path, start, fault):
+    pixels = room()
+    pixels[22:42, 22:42] = UNKNOWN
+    with pytest.raises(WorldError) as caught:
+        World(load(write_map(pixels), tmp_path, starts_of([1.0, 4.5, 0.0, *start])))
+    assert f"robot_1 starts {fault}: move its pose to free floor" in str(caught.value)
+    assert "from x 0.05 to 3.95 m and from y 3.05 to 5.95 m" in str(caught.value)
+
+
+def test_starts_outside_a_turned_map_are_refused(write_map, tmp_path):
+    """Also where its walls' bounding box holds them."""
+    path = write_map(origin=[0.0, 0.0, math.pi / 4])
+    World(load(path, tmp_path, starts_of([0.3, 4.2, 0.0])))
+    with pytest.raises(WorldError, match="robot_0 starts outside the walls"):
+        World(load(path, tmp_path, starts_of([2.2, 2.2, 0.0])))
 
 
 def test_turned_map(write_map, tmp_path):

@@ -35,6 +35,12 @@ def test_reference_of_an_empty_room_is_all_but_its_margin():
     assert truth.reference.max(axis=0) == pytest.approx([3.825, 2.825])
 
 
+@pytest.mark.parametrize("place", [(100.0, 100.0), (-1.5, -1.5)])
+def test_from_far_outside_the_walls_nothing_is_known(place):
+    assert len(truth_of(room(), [Pose(*place)]).viewpoints) == 0
+    assert np.array_equal(truth_of(room(), [*STARTS, Pose(*place)]).viewpoints, truth_of(room()).viewpoints)
+
+
 def test_what_no_robot_can_see_is_no_reference():
     grid = room(8.0)
     grid.cells[:, 80:82] = 1

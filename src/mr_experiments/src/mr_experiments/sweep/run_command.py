@@ -185,8 +185,19 @@ def _print_summary(console: Console, done: list[Done], folder: Path) -> None:
             f"{statistics.mean(errors):+.2f} %" if errors else "-",
         )  # fmt: skip
     console.print(table)
-    if any(entry.status == "failed" for entry in done):
+    failed = [entry for entry in done if entry.status == "failed"]
+    for reason, keys in _by_reason(failed).items():
+        console.print(f"{len(keys)} failed, as {keys[0]}: {reason}", highlight=False, markup=False)
+    if failed:
         console.print("Failed trials are done again with --retry-failed.", highlight=False)
     if len({entry.code for entry in done}) > 1:
         console.print("Warning: these records were made by different code or parameters.", highlight=False)
     console.print(f"Records in {folder}. Next: rosrun mr_experiments report {folder}", highlight=False)
+
+
+def _by_reason(failed: Sequence[Done]) -> dict[str, list[str]]:
+    """Keys of the trials that failed for each reason."""
+    keys: dict[str, list[str]] = {}
+    for entry in failed:
+        keys.setdefault(entry.reason, []).append(entry.trial.key)
+    return keys
