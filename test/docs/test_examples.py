@@ -26,8 +26,7 @@ def test_tutorials_show_the_examples_as_they_are(page, example, begin):
     assert block in (EXAMPLES / example).read_text(encoding="utf-8")
 
 
-def test_a_world_of_ones_own_holds_two_robots_that_can_move(monkeypatch):
-    monkeypatch.setenv("STAGEPATH", str(REPOSITORY / "worlds"))
+def test_a_world_of_ones_own_holds_two_robots_that_can_move():
     description = load_world(EXAMPLES / "my_flat.world")
     assert [robot.name for robot in description.robots] == ["robot_0", "robot_1"]
     World(description)  # refuses robots that start in a wall

@@ -138,5 +138,5 @@ def test_missing_file_is_named(tmp_path):
 
 def test_too_few_start_poses_are_told(scenario_file):
     scenario = load_scenario(scenario_file("description: x\nworld: small8x8\nstarts: [[0, 0, 0]]\n"))
-    with pytest.raises(TrialError, match="gives 1 start poses; 2 robots"):
+    with pytest.raises(TrialError, match="gives 1 start pose; 2 robots"):
         world_of(scenario.trial(2, 7, 1))

@@ -25,3 +25,15 @@ def test_every_decision_of_a_mission_is_replayed_as_it_was_made(tmp_path, capsys
 def test_a_bad_call_is_one_line(arguments, capsys):
     assert main(["--scenario", "fast", "--until", "1", *arguments]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_world_with_fewer_robots_has_all_of_them(tmp_path):
+    world = tmp_path / "one.world"
+    world.write_text("""
+        define rover position ( size [ 0.44 0.38 0.25 ] ranger ( sensor ( range [ 0 8 ] fov 270 samples 91 ) ) )
+        model ( size [ 0.1 4 1 ] pose [ 3 0 0 0 ] )
+        rover ( pose [ 0 0 0 0 ] )
+    """)
+    call = ["--scenario", "fast", "--world", str(world), "--until", "1", "--out", str(tmp_path)]
+    assert main(call) == 0
+    assert main([*call, "--robots", "3"]) == 2

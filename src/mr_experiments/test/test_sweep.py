@@ -196,9 +196,9 @@ def short(tmp_path):
     [
         (["--scenario", "nothing"], "no scenario 'nothing'; there are"),
         (["--world", "nowhere"], 'no world "nowhere"'),
-        (["--robots", "99"], "asked for 99"),
+        (["--robots", "99"], "asked for 99: ask for others with --robots"),
         (["--starts", "1", "2"], "--starts takes X Y DEGREES for each robot, not 2 numbers"),
-        (["--starts", "1", "2", "0", "--robots", "2"], "gives 1 start poses; 2 robots are asked for"),
+        (["--starts", "1", "2", "0", "--robots", "2"], "gives 1 start pose; 2 robots are asked for"),
         (["--starts", "-0.1", "1", "0"], "starts inside a wall"),
         (["--robots", "0"], "at least one robot, not 0"),
         (["--robots", "two"], "argument --robots: invalid int value: 'two'"),
@@ -234,6 +234,25 @@ def test_sweep_runs_goes_on_and_tells(short, tmp_path, capsys):
     assert row[:6] == ["1", "7", "2", "0", "2", "0"]
     assert path.read_text() == before
     assert len(list(path.parent.iterdir())) == 2
+
+
+TWO = """
+define rover position ( size [ 0.44 0.38 0.25 ] ranger ( sensor ( range [ 0 8 ] fov 270 samples 91 ) ) )
+model ( size [ 0.1 4 1 ] pose [ 3 0 0 0 ] )
+rover ( pose [ 0 0 0 0 ] ) rover ( pose [ 0 1 0 0 ] )
+"""
+
+
+def test_teams_are_as_large_as_the_world_allows_unless_told(tmp_path, fake_mission, capsys):
+    world, records = tmp_path / "two.world", tmp_path / "records"
+    world.write_text(TWO)
+    fake_mission({})
+    call = ["--world", str(world), "--trials", "1", "--out", str(records)]
+    assert main(call) == 1
+    assert sorted(path.name[:6] for path in records.iterdir()) == ["two-r1", "two-r2"]
+    assert f"run: {world} has starts for 2: teams of 1 and 2; give more with --starts" in capsys.readouterr().err
+    assert main([*call, "--robots", "2", "3"]) == 2
+    assert "two.world defines 2 robots; asked for 3: ask for others with --robots" in capsys.readouterr().err
 
 
 def test_reasons_of_failed_trials_are_told_also_when_they_are_recorded_already(short, fake_mission, capsys):

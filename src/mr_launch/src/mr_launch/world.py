@@ -78,7 +78,7 @@ def presets_of(world: str, names: Sequence[str]) -> tuple[dict[str, str], dict[s
 
 def project_worlds() -> list[Path]:
     """Folders of the project's worlds."""
-    from mr_sim.worlds import world_folders
+    from mr_sim.world_folders import world_folders
 
     return world_folders()
 

@@ -67,9 +67,10 @@ class World:
             raise WorldError(f'odometry must be {" or ".join(ODOMETRY_MODELS)}, not "{odometry}"')
         count = len(description.robots) if robots is None else robots
         if count < 1 or count > len(description.robots):
+            there = len(description.robots)
             raise WorldError(
-                f"{description.path} defines {len(description.robots)} robots; asked for {count}: "
-                "give start poses, add position models to the world or ask for fewer"
+                f"{description.path} defines {there} robot{'s' * (there != 1)}; asked for {count}: "
+                "ask for others with --robots, give start poses or add position models to the world"
             )
         self.description = description
         self.robots: tuple[RobotDescription, ...] = description.robots[:count]

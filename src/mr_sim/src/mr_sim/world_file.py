@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from mr_sim.world_folders import world_folders
 from mr_sim.world_words import BLOCK_KINDS, nearest
 
 Value = float | str | tuple[float | str, ...]
@@ -119,11 +120,10 @@ def find_file(name: str, world: Path, mentioned_in: Path) -> Path | None:
 
 
 def _on_stage_path(name: str) -> Path | None:
-    """Stage looks for the bare name of a missing file in the folders of STAGEPATH."""
-    for folder in os.environ.get("STAGEPATH", "").split(":"):
-        if folder and (Path(folder) / Path(name).name).is_file():
-            return Path(folder) / Path(name).name
-    return None
+    """Stage looks for the bare name of a missing file in the folders of STAGEPATH; the project's worlds come last."""
+    given = [Path(folder) for folder in os.environ.get("STAGEPATH", "").split(":") if folder]
+    found = (folder / Path(name).name for folder in [*given, *world_folders()])
+    return next((path for path in found if path.is_file()), None)
 
 
 class _Parser:
@@ -181,7 +181,10 @@ class _Parser:
         if following.kind != "string":
             raise WorldFileError(following.place, f"include needs a file name in quotes, found {following.text}")
         name = following.text.strip('"')
-        found = find_file(name, self._world, path) or _on_stage_path(name) or path.parent / name
+        found = find_file(name, self._world, path) or _on_stage_path(name)
+        if found is None:
+            others = "STAGEPATH, the project's worlds"
+            raise WorldFileError(following.place, f'no such file: "{path.parent / name}", nor in {others}')
         self.parse_file(found, into, following.place)
         return at + 2
 

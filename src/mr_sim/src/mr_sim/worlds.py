@@ -1,4 +1,4 @@
-"""Where the project's worlds are, in a source tree or an install space, and worlds that are drawn when asked for."""
+"""Worlds by name: those of the project, files, and worlds that are drawn when asked for."""
 
 import contextlib
 import math
@@ -14,6 +14,7 @@ from mr_measures.reference import reference_path
 from mr_plans.names import FORM, is_generated, parse_name
 from mr_plans.world_files import WorldFiles, world_files
 from mr_sim.map_world import is_map, map_world_files
+from mr_sim.world_folders import world_folders
 from mr_sim.world_model import WorldDescription
 
 GENERATED = Path("out/worlds")
@@ -27,13 +28,6 @@ class WorldNotFoundError(ValueError):
 
 class StartsError(ValueError):
     """Start poses that are none."""
-
-
-def world_folders() -> list[Path]:
-    """Folders with worlds, nearest first: `worlds/` of the source tree, `share/mr_sim/worlds` when installed."""
-    parents = Path(__file__).resolve().parents
-    candidates = [parent / place for parent in parents for place in ("worlds", "share/mr_sim/worlds")]
-    return [folder for folder in candidates if folder.is_dir() and any(folder.glob("*.world"))]
 
 
 def find_world(name: str, folder: Path = GENERATED, starts: Sequence[Pose] = ()) -> Path:

@@ -398,7 +398,7 @@ def test_first_robots_take_part_the_others_are_absent(make_world, drive):
 
 @pytest.mark.parametrize("count", [0, 2, -1])
 def test_too_many_or_no_robots_are_refused(make_world, count):
-    with pytest.raises(WorldError, match=f"defines 1 robots; asked for {count}"):
+    with pytest.raises(WorldError, match=f"defines 1 robot; asked for {count}: ask for others with --robots"):
         make_world(ROVER, robots=count)
 
 

@@ -66,6 +66,14 @@ def test_files_are_looked_up_as_stage_does(write_world, tmp_path, monkeypatch):
     assert root_of(write_world(f'include "{shared}/far.inc"')).properties["resolution"].value == 3
 
 
+def test_robots_of_the_project_are_found_last(write_world, tmp_path, monkeypatch):
+    monkeypatch.delenv("STAGEPATH", raising=False)
+    text = 'include "pioneer.inc"\npioneer ( name "a" )\n'
+    assert root_of(write_world(text)).children[0].properties["size"].place.file.endswith("worlds/pioneer.inc")
+    (tmp_path / "pioneer.inc").write_text("define pioneer position ( size [ 1 1 1 ] )\n")
+    assert root_of(write_world(text)).children[0].properties["size"].value == (1.0, 1.0, 1.0)
+
+
 def test_definition_may_name_what_is_defined_later(write_world):
     root = root_of(write_world("define a model ( b ( ) )\ndefine b model ( size [ 1 1 1 ] )\na ( )"))
     assert root.children[0].children[0].word == "b"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mr_measures.record import versions
-from mr_sim.worlds import world_folders
+from mr_sim.world_folders import world_folders
 
 
 def code_version() -> str:

@@ -33,7 +33,8 @@ from mr_measures.record.parts import error_or_reason, map_figures_of, motion_of
 from mr_measures.record.robot_record import MapFigures, RobotRecord
 from mr_measures.record.versions import versions
 from mr_measures.reference import VIRTUAL_TIME
-from mr_sim.worlds import find_world, world_folders
+from mr_sim.world_folders import world_folders
+from mr_sim.worlds import find_world
 
 SLAM = "ours"  # its name in the references of maps
 NO_SLAM = "the reference is of maps that SLAM made"

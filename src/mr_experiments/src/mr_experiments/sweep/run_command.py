@@ -23,7 +23,7 @@ from mr_experiments.sweep.following import follow
 from mr_experiments.sweep.sweep import Done, LocalPool, default_jobs, split_done
 from mr_experiments.trial.scenario import DEFAULT, Scenario, known_scenarios, load_scenario
 from mr_experiments.trial.trial import Trial, TrialError
-from mr_experiments.trial.trial_world import warning_of, world_of
+from mr_experiments.trial.trial_world import most_robots, starts_fault, warning_of, world_of
 from mr_sim.world import ODOMETRY_MODELS
 from mr_sim.worlds import StartsError, starts_of
 
@@ -47,7 +47,8 @@ def make_parser() -> argparse.ArgumentParser:
         "generated:KIND:SEED draws one (see plans)")  # fmt: skip
     add("--starts", type=float, nargs="+", default=[], metavar="X Y DEGREES", help="start poses of the robots, instead "
         "of the scenario's or the world's; a map has none of its own")  # fmt: skip
-    add("--robots", type=int, nargs="+", metavar="R", help="team sizes (default: the scenario's)")
+    add("--robots", type=int, nargs="+", metavar="R", help="team sizes (default: those of the scenario for which "
+        "the world has robots)")  # fmt: skip
     add("--strategy", type=int, nargs="+", metavar="N", help="strategies (default: the scenario's)")
     add("--odometry", choices=ODOMETRY_MODELS, help="how it errs: by one share for the whole mission, or anew at each "
         "step (default: the scenario's)")  # fmt: skip
@@ -72,9 +73,11 @@ def plan(scenario: Scenario, arguments: argparse.Namespace) -> list[Trial]:
     """Seed by seed, so that a part of a sweep already compares all team sizes. None twice."""
     starts = starts_of(arguments.starts)
     if starts and len(starts) < max(arguments.robots or [0]):
-        raise StartsError(f"--starts gives {len(starts)} start poses; {max(arguments.robots)} robots are asked for")
+        raise StartsError(starts_fault("--starts", len(starts), max(arguments.robots)))
     if starts:
         scenario = replace(scenario, starts=starts, robots=arguments.robots or (len(starts),))
+    elif arguments.world and not arguments.robots:
+        scenario = replace(scenario, robots=_sizes_for(arguments.world, scenario))
     if arguments.odometry:
         scenario = replace(scenario, odometry=arguments.odometry)
     trials = (
@@ -84,6 +87,16 @@ def plan(scenario: Scenario, arguments: argparse.Namespace) -> list[Trial]:
         for robots in arguments.robots or scenario.robots
     )
     return list({trial.key: trial for trial in trials}.values())
+
+
+def _sizes_for(world: str, scenario: Scenario) -> tuple[int, ...]:
+    """Those of the scenario's team sizes for which another world than its own has robots."""
+    most = most_robots(scenario.trial(max(scenario.robots), scenario.strategies[0], 0, world))
+    sizes = tuple(size for size in scenario.robots if size <= most) or (max(1, most),)
+    if most and sizes != scenario.robots:
+        told = " and ".join(map(str, sizes))
+        print(f"run: {world} has starts for {most}: teams of {told}; give more with --starts", file=sys.stderr)
+    return sizes
 
 
 def main(argv: Sequence[str]) -> int:

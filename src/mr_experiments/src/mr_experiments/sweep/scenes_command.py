@@ -11,7 +11,10 @@ from explorer.scene_folder import MOST_FILES
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.host.mission import Mission
 from mr_experiments.trial.scenario import DEFAULT, known_scenarios, load_scenario
-from mr_experiments.trial.trial import TrialError
+from mr_experiments.trial.trial import Trial, TrialError
+from mr_experiments.trial.trial_world import most_robots
+
+ROBOTS = 3
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -27,7 +30,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--scenario", default=DEFAULT, metavar="NAME|FILE", help="as of run: " + ", ".join(known_scenarios())
         + ", or a .yaml file (default: %(default)s)")  # fmt: skip
     add("--world", default="", metavar="NAME|FILE", help="instead of the scenario's world")
-    add("--robots", type=int, default=3, metavar="R", help="team size (default: %(default)s)")
+    add("--robots", type=int, metavar="R", help=f"team size (default: {ROBOTS}, or all if the world has less)")
     add("--strategy", type=int, default=7, metavar="N", help="strategy (default: %(default)s)")
     add("--seed", type=int, default=1, metavar="N", help="of the mission (default: %(default)s)")
     add("--until", type=float, default=math.inf, metavar="S", help="s of the mission (default: to its end)")
@@ -39,7 +42,7 @@ def main(arguments: Sequence[str]) -> int:
     """Runs the mission; returns the exit code."""
     try:
         given = make_parser().parse_args(arguments)
-        trial = load_scenario(given.scenario).trial(given.robots, given.strategy, given.seed, given.world)
+        trial = _trial_of(given)
         mission = Mission(trial, scene_path=given.out)
         mission.run(given.until)
     except (CallError, TrialError, ExplorerError, OSError) as error:
@@ -51,3 +54,11 @@ def main(arguments: Sequence[str]) -> int:
     count = len(list(Path(given.out).glob("*/decision_*.json")))
     print(f"{count} decisions of {mission.since_start:.1f} s are in {given.out}")
     return 0
+
+
+def _trial_of(given: argparse.Namespace) -> Trial:
+    scenario = load_scenario(given.scenario)
+    robots = given.robots
+    if robots is None:
+        robots = min(ROBOTS, most_robots(scenario.trial(ROBOTS, given.strategy, given.seed, given.world)))
+    return scenario.trial(robots, given.strategy, given.seed, given.world)

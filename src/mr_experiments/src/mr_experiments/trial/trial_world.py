@@ -28,11 +28,16 @@ def warning_of(world: str) -> str:
     return worlds.warning_of(world, description_of(world))
 
 
+def most_robots(trial: Trial) -> int:
+    """How many robots the trial's world has a start for. Raises TrialError."""
+    return len(trial.starts or description_of(trial.world).robots)
+
+
 def world_of(trial: Trial) -> World:
     """The simulated world with the robots of the trial. Raises TrialError."""
     description = description_of(trial.world)
     if 0 < len(trial.starts) < trial.robots:
-        raise TrialError(f"the scenario gives {len(trial.starts)} start poses; {trial.robots} robots are asked for")
+        raise TrialError(starts_fault("the scenario", len(trial.starts), trial.robots))
     try:
         if trial.starts:
             description = worlds.with_starts(description, trial.starts)
@@ -41,6 +46,11 @@ def world_of(trial: Trial) -> World:
         raise TrialError(str(error)) from None
     platforms_of(world)
     return world
+
+
+def starts_fault(who: str, starts: int, robots: int) -> str:
+    """What to say of too few start poses."""
+    return f"{who} gives {starts} start pose{'s' * (starts != 1)}; {robots} robots are asked for"
 
 
 def platforms_of(world: World) -> tuple[Platform, ...]:
