@@ -323,6 +323,12 @@ def test_every_node_knows_the_robots_name():
         assert parameters[f"/{node}/robot_name"] == "anna", node
 
 
+def test_a_robot_leaves_the_time_of_its_master_as_it_is():
+    """The drivers may be those of a simulator that runs there already."""
+    assert "/use_sim_time" not in parameters_of("robot.launch", "robot_name:=anna")
+    assert parameters_of("robot.launch", "robot_name:=anna", "simulated:=true")["/use_sim_time"] is True
+
+
 def test_without_a_name_each_node_takes_the_computers():
     parameters = parameters_of("robot.launch")
     assert {parameters.get(f"/{node}/robot_name", "") for node in ("adhoc_communication", "explorer", "move_base")} == {
