@@ -45,6 +45,13 @@ def test_turned_round_the_verdicts_are_too(tmp_path):
     assert rows_of(compare_sets(slow, fast))["exploration_time_s"].difference.verdict is Verdict.WORSE
 
 
+def test_a_row_of_too_few_pairs_says_so(tmp_path):
+    fast, slow = write_set(tmp_path / "a", 3, faster=5.0), write_set(tmp_path / "b", 3)
+    table = comparison_table(compare_sets(fast, slow))
+    assert {row[-1] for row in table.rows} == {"too few pairs (3 of 6)"}
+    assert "it has at least 6 pairs of its own" in table.explanation
+
+
 def test_trials_without_partner_or_result_are_counted(tmp_path):
     write_set(tmp_path / "a", 8)
     write_record(tmp_path / "a", make_record(2, 9, times=[90.0, None], status="unfinished", reason="limit"))

@@ -60,9 +60,12 @@ def test_the_difference_is_that_of_the_pairs():
 
 def test_few_pairs_show_nothing():
     few, enough = MINIMUM_PAIRS - 1, MINIMUM_PAIRS
-    assert compare_pairs([1.0] * few, [2.0] * few, lower_is_better=True).verdict is Verdict.NOT_SHOWN
+    too_few = compare_pairs([1.0] * few, [2.0] * few, lower_is_better=True)
+    assert too_few.interval.high < 0.0 and too_few.verdict is Verdict.TOO_FEW
+    assert too_few.verdict_text == "too few pairs (5 of 6)"
     assert compare_pairs([1.0] * enough, [2.0] * enough, lower_is_better=True).verdict is Verdict.BETTER
-    assert compare_pairs([], [], lower_is_better=True).verdict is Verdict.NOT_SHOWN
+    assert compare_pairs([1.0] * enough, [1.0] * enough, True).verdict_text == "no difference shown"
+    assert compare_pairs([], [], lower_is_better=True).verdict is Verdict.TOO_FEW
 
 
 def test_equal_sets_rarely_differ():

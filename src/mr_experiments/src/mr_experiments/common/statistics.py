@@ -45,6 +45,7 @@ class Verdict(Enum):
     BETTER = "better"
     WORSE = "worse"
     NOT_SHOWN = "no difference shown"
+    TOO_FEW = "too few pairs"
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,11 @@ class Difference:
     mean: float | None
     interval: Interval | None
     verdict: Verdict
+
+    @property
+    def verdict_text(self) -> str:
+        missing = f" ({self.pairs} of {MINIMUM_PAIRS})" if self.verdict is Verdict.TOO_FEW else ""
+        return f"{self.verdict.value}{missing}"
 
 
 def summarise(values: Sequence[float]) -> Summary | None:
@@ -125,12 +131,12 @@ def _ratio_of_medians(numerator: np.ndarray, denominator: np.ndarray, axis: int 
 def compare_pairs(candidate: Sequence[float], baseline: Sequence[float], lower_is_better: bool) -> Difference:
     """Verdict on the candidate from values that belong together pair by pair.
 
-    A difference is shown when the confidence interval of the mean difference excludes zero.
+    A difference is shown when the confidence interval of the mean difference excludes zero and there are MINIMUM_PAIRS.
     """
     if len(candidate) != len(baseline):
         raise ValueError(f"{len(candidate)} and {len(baseline)} values are not pairs")
     if not len(candidate):
-        return Difference(0, None, None, Verdict.NOT_SHOWN)
+        return Difference(0, None, None, Verdict.TOO_FEW)
     differences = np.asarray(candidate, dtype=float) - np.asarray(baseline, dtype=float)
     interval = mean_interval(differences)
     return Difference(
@@ -139,6 +145,8 @@ def compare_pairs(candidate: Sequence[float], baseline: Sequence[float], lower_i
 
 
 def _verdict(pairs: int, interval: Interval | None, lower_is_better: bool) -> Verdict:
-    if interval is None or pairs < MINIMUM_PAIRS or interval.low <= 0.0 <= interval.high:
+    if interval is None or pairs < MINIMUM_PAIRS:
+        return Verdict.TOO_FEW
+    if interval.low <= 0.0 <= interval.high:
         return Verdict.NOT_SHOWN
     return Verdict.BETTER if (interval.high < 0.0) == lower_is_better else Verdict.WORSE

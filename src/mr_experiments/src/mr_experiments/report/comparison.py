@@ -151,7 +151,7 @@ def comparison_table(comparison: Comparison) -> Table:
             row.baseline,
             row.difference.mean,
             *_bounds(row.difference),
-            row.difference.verdict.value,
+            row.difference.verdict_text,
         )
         for row in comparison.rows
     ]
@@ -183,7 +183,8 @@ def explanation(comparison: Comparison) -> str:
         f"This set against the other one: {comparison.pairs} pairs of trials with equal {', '.join(comparison.keys)} "
         f"and seed; {comparison.only_candidate} trials of this set and {comparison.only_baseline} of the other have "
         "no partner. A metric uses the pairs that have it in both sets; times, for instance, only those that finished "
-        "in both. Difference: this set minus the other one, with the 95 % bootstrap interval of its mean. A verdict "
-        f"is given when the interval excludes zero and there are at least {MINIMUM_PAIRS} pairs. Of twenty verdicts on "
+        "in both. Difference: this set minus the other one, with the 95 % bootstrap interval of its mean. A row is "
+        f"better or worse when its interval excludes zero and it has at least {MINIMUM_PAIRS} pairs of its own; with "
+        "fewer even differences of one sign are no evidence. Of twenty verdicts on "
         "metrics that did not change, about one is wrong." + "".join(f" {note}." for note in comparison.notes)
     )
