@@ -87,10 +87,16 @@ def test_nothing_is_built(tmp_path, monkeypatch):
     assert "not built" in message and "mr_sim/world" in message and "make build" in message
 
 
-@pytest.mark.parametrize("arguments", [[], ["--help"], ["robot_0", "ls"], ["--team", "nowhere", "robot_0", "ls"]])
+@pytest.mark.parametrize("arguments", [[], ["--nonsense"], ["robot_0", "ls"], ["--team", "nowhere", "robot_0", "ls"]])
 def test_enter(tmp_path, arguments):
     message = call(tmp_path, "enter", *arguments)
     assert "usage" in message or "no running team" in message
+
+
+@pytest.mark.parametrize("word", ["--help", "-h"])
+def test_help_of_enter_says_what_it_does(word):
+    told = subprocess.run([sys.executable, str(NODES / "enter"), word], capture_output=True, text=True, check=True)
+    assert "Runs a command where a robot" in told.stdout and "--team FOLDER" in told.stdout and not told.stderr
 
 
 def test_enter_after_the_end(tmp_path):

@@ -60,5 +60,10 @@ def test_command_runs_in_the_robots_place(team):
     assert enter(folder, user, "robot_0", "sh", "-c", "exit 7").returncode == 7
     link = enter(folder, user, "robot_1", "ip", "-o", "link", "show", "radio0")
     assert (link.returncode == 0) == (isolation != "hub"), link.stdout + link.stderr
+    elsewhere = subprocess.run(
+        [*user, *ENTER, "robot_0", "ls"], cwd="/", env=environment(), capture_output=True, text=True, check=False
+    )
+    assert elsewhere.returncode == 2 and elsewhere.stderr.count("\n") == 1
+    assert "no running team in out/latest" in elsewhere.stderr and f"--team FOLDER: {folder}/out" in elsewhere.stderr
     wrong = enter(folder, user, "robot_9", "ls")
     assert wrong.returncode == 2 and "there are robot_0, robot_1" in wrong.stderr

@@ -12,9 +12,23 @@ from mr_launch.errors import UserError
 from mr_launch.exit_codes import BAD_CALL
 from mr_launch.running_state import running_team
 
+USAGE = "usage: rosrun mr_launch enter [--team FOLDER] ROBOT [COMMAND...]"
+HELP = f"""{USAGE}
+
+Runs a command where a robot of a running team or replay lives: with its ROS master, in its network. Without a command: a shell.
+
+  --team FOLDER  its output folder (default: out/latest)
+  ROBOT          a robot's name, or base
+
+Example: rosrun mr_launch enter robot_1 rostopic echo -n1 /explorer/state
+Exit code: that of the command, 2 bad call."""
+
 
 def enter(arguments: Sequence[str]) -> int:
     """``rosrun mr_launch enter [--team FOLDER] ROBOT COMMAND...``; replaces this process by the command."""
+    if list(arguments[:1]) in (["--help"], ["-h"]):
+        print(HELP)
+        return 0
     try:
         command = enter_command(list(arguments))
     except UserError as error:
@@ -28,7 +42,7 @@ def enter_command(words: list[str]) -> list[str]:
     if words[:1] == ["--team"] and len(words) > 1:
         folder, words = Path(words[1]), words[2:]
     if not words or words[0].startswith("-"):
-        raise UserError("usage: rosrun mr_launch enter [--team FOLDER] ROBOT [COMMAND...]")
+        raise UserError(USAGE)
     robot, command = words[0], words[1:] or [os.environ.get("SHELL", "/bin/sh")]
     state = running_team(folder)
     if robot not in state["robots"]:

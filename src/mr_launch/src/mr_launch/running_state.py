@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any, Mapping
 from mr_launch.errors import UserError
 
 _FIRST_PROCESS = re.compile(rb"mr_launch\.(recordings\.)?inside")
+_ORDER = re.compile(rb"\x00(\{[^\x00]*\})\x00")
 
 
 def write_state(
@@ -32,10 +34,28 @@ def running_team(folder: Path) -> dict[str, Any]:
         state: dict[str, Any] = json.loads(_file(folder).read_text())
         command_line = Path(f"/proc/{state['init']}/cmdline").read_bytes()
     except (OSError, ValueError):
-        raise UserError(f"no running team in {folder} (is it over, or did it write to another --out folder?)") from None
+        raise UserError(f"no running team in {folder} (is it over?){_others()}") from None
     if not _FIRST_PROCESS.search(command_line):
-        raise UserError(f"the team of {folder} is over")
+        raise UserError(f"the team of {folder} is over{_others()}")
     return state
+
+
+def running_folders() -> list[Path]:
+    """Output folders of all teams that run now on this computer, by the orders of their first processes."""
+    found = set()
+    for file in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError, ValueError, KeyError, TypeError, IndexError):
+            command_line = file.read_bytes()
+            if _FIRST_PROCESS.search(command_line):
+                found.add(Path(json.loads(_ORDER.findall(command_line)[0])["out"]))
+    return sorted(folder for folder in found if _file(folder).exists())
+
+
+def _others() -> str:
+    folders = running_folders()
+    if not folders:
+        return "; no other team runs here"
+    return f"; there run, for --team FOLDER: {', '.join(map(str, folders))}"
 
 
 def _file(out: Path) -> Path:
