@@ -11,7 +11,7 @@ from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
 from explorer.recognition import Listed
 from explorer.scene import Scene
-from explorer.strategies import TITLES, strategy_of
+from explorer.strategies import TITLES, number_of, strategy_of
 from explorer.strategies.coordinated import travel_bid
 from explorer.strategies.strategy import FrontierStrategy, registered
 from explorer.ways import Ways
@@ -51,6 +51,11 @@ def test_numbers_of_the_contract_and_names() -> None:
     assert all(strategy_of(strategy_of(number).name) is strategy_of(number) for number in TITLES)
     with pytest.raises(KeyError, match="'best' is unknown; there are 0 nearest_path, 1 auction"):
         strategy_of("best")
+    assert [number_of(key) for key in ("7", "coordinated")] == [7, 7]
+    with pytest.raises(KeyError, match="and those that EXPLORER_STRATEGIES=FILE.py:Class names"):
+        number_of("100")
+    with pytest.raises(KeyError, match="set EXPLORER_STRATEGIES=x.py:Mine, then"):
+        number_of("x.py:Mine")
     with pytest.raises(ValueError, match="registered twice"):
         registered(type("Other", (FrontierStrategy,), {"number": 3, "name": "other", "title": ""}))
 

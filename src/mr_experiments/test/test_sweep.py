@@ -203,6 +203,7 @@ def short(tmp_path):
         (["--robots", "0"], "at least one robot, not 0"),
         (["--robots", "two"], "argument --robots: invalid int value: 'two'"),
         (["--strategy", "12"], "strategy 12 is unknown; there are 0"),
+        (["--strategy", "best"], "and those that EXPLORER_STRATEGIES=FILE.py:Class names"),
         (["--trials", "0"], "--trials 0 must be at least 1"),
         (["--jobs", "-1"], "--jobs -1 must be at least 1"),
         (["--seed", "-1"], "--seed -1 must be at least 0"),

@@ -37,7 +37,9 @@ def test_defaults():
         (["--seed", "-5"], "--seed -5 is out of range"),
         (["--robots", "0"], "--robots 0: a team has at least one robot"),
         (["--robots", "two"], "argument --robots: invalid int value: 'two'"),
-        (["--strategy", "8"], "--strategy 8 is unknown"),
+        (["--strategy", "8"], "--strategy: strategy 8 is unknown; there are 0 nearest_path, 1 auction"),
+        (["--strategy", "best"], "and those that EXPLORER_STRATEGIES=FILE.py:Class names"),
+        (["--strategy", "x.py:Mine"], "'x.py:Mine': set EXPLORER_STRATEGIES=x.py:Mine, then give its number or name"),
         (
             ["--slam", "karto"],
             "argument --slam: 'karto' is unknown; there are ours, gmapping, slam_toolbox, hector, and FILE",
@@ -94,3 +96,7 @@ def test_a_launch_file_of_ones_own_is_found_from_anywhere(tmp_path, monkeypatch)
     (tmp_path / "own.launch").touch()
     monkeypatch.chdir(tmp_path)
     assert parse_arguments(["--slam", "own.launch"]).slam == str(tmp_path / "own.launch")
+
+
+def test_strategies_have_names_and_numbers():
+    assert [parse_arguments(["--strategy", key]).strategy for key in ("0", "nearest_path", "coordinated")] == [0, 0, 7]

@@ -11,6 +11,7 @@ from test_launch_files import parameters_of
 from mr_launch.errors import UserError
 from mr_launch.recordings.bags import Span, opened
 from mr_launch.recordings.cut import cut, is_played
+from mr_launch.recordings import replay_command
 from mr_launch.recordings.recording import find_recording
 from mr_launch.recordings.replay_command import COMPUTED, main, played_spans
 
@@ -107,7 +108,8 @@ def test_what_is_refused(tmp_path, capsys):
     assert "--rate 0 is out of range: 0.01 to 20" in refused("--rate", 0)
     assert "--from 5 --to 4: nothing lies between" in refused("--from", 5, "--to", 4)
     assert "--from 5: the recording has 1.0 s" in refused("--from", 5)
-    assert "--strategy 99 is unknown; there are 0 " in refused("--strategy", 99)
+    assert "--strategy: strategy 99 is unknown; there are 0 " in refused("--strategy", 99)
+    assert "--robot" in refused("--robot", "turtle") and "turtlebot" in refused("--robot", "turtle")
     (tmp_path / "a" / "a.bag").write_bytes(b"x")
     assert "a.bag is no bag of ROS 1" in refused()
     out = tmp_path / "a"
@@ -134,3 +136,12 @@ def test_only_what_is_asked_for_runs_again():
     assert set(names) == {"player", "replay_monitor", "map_merger", "explorer", "move_base"}
     parameters = parameters_of("replayed_robot.launch", *ARGUMENTS[:3])
     assert parameters["/replay_monitor/nodes"] == "" and not any(key.startswith("/explorer") for key in parameters)
+
+
+@pytest.mark.parametrize(("code", "told"), [(0, True), (130, True), (1, False)])
+def test_after_a_failure_nothing_is_said_to_have_been_made(tmp_path, capsys, monkeypatch, code, told):
+    record(tmp_path / "a" / "a.bag", 3, 4)
+    monkeypatch.setattr(replay_command, "run_inside", lambda *_: code)
+    arguments = [tmp_path / "a", "--out", tmp_path / "out", "--compute", "explorer", "--isolation", "hub"]
+    assert main([str(argument) for argument in arguments]) == code
+    assert ("what explorer made of it" in capsys.readouterr().out) == told

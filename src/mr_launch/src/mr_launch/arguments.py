@@ -82,6 +82,16 @@ def known_strategies() -> Mapping[int, str]:
     return STRATEGIES
 
 
+def strategy_number(text: str) -> int:
+    """Of a strategy by number or name. Raises UserError that lists them."""
+    from explorer.strategies import number_of  # as above
+
+    try:
+        return number_of(text)
+    except KeyError as error:
+        raise UserError(f"--strategy: {error.args[0]}") from None
+
+
 def make_parser() -> argparse.ArgumentParser:
     from mr_page.server import PORT  # as above
 
@@ -129,9 +139,8 @@ def make_parser() -> argparse.ArgumentParser:
     strategies = "; ".join(f"{number}: {text}" for number, text in known_strategies().items())
     add(
         "--strategy",
-        type=int,
-        default=STRATEGY,
-        metavar="N",
+        default=str(STRATEGY),
+        metavar="N|NAME",
         help=f"frontier selection: {strategies} (default: {STRATEGY})",
     )
     for role, known in (("slam", SLAM), ("navigation", NAVIGATION)):
@@ -177,10 +186,7 @@ def parse_arguments(arguments: Sequence[str], now: float | None = None) -> Optio
         value = values[name.replace("-", "_")]
         if not (math.isfinite(value) and lowest <= value <= highest):
             raise UserError(f"--{name} {value:g} is out of range: {lowest:g} to {highest:g} {unit}".rstrip())
-    strategies = known_strategies()
-    if values["strategy"] not in strategies:
-        known = ", ".join(f"{number} ({text})" for number, text in strategies.items())
-        raise UserError(f"--strategy {values['strategy']} is unknown; there are {known}")
+    values["strategy"] = strategy_number(values["strategy"])
     if values["robots"] is not None and values["robots"] < 1:
         raise UserError(f"--robots {values['robots']}: a team has at least one robot")
     if not values["out"]:

@@ -12,7 +12,7 @@ from explorer.strategies import (  # noqa: F401
     paper_auction,
     random_frontier,
 )
-from explorer.strategies.outside import strategies_of_environment, strategy_at
+from explorer.strategies.outside import VARIABLE, strategies_of_environment, strategy_at
 from explorer.strategies.strategy import REGISTRY, Strategy
 from mr_grid.by_place import names_a_place
 
@@ -29,4 +29,11 @@ def strategy_of(key: Union[int, str]) -> Type[Strategy]:
         if key in (strategy.number, strategy.name):
             return strategy
     known = ", ".join(f"{number} {REGISTRY[number].name}" for number in sorted(REGISTRY))
-    raise KeyError(f"strategy {key!r} is unknown; there are {known}")
+    raise KeyError(f"strategy {key!r} is unknown; there are {known}, and those that {VARIABLE}=FILE.py:Class names")
+
+
+def number_of(text: str) -> int:
+    """Of a strategy by number or name, as programs take it that hand the number on. KeyError as above."""
+    if names_a_place(text):
+        raise KeyError(f"strategy {text!r}: set {VARIABLE}={text}, then give its number or name")
+    return strategy_of(int(text) if text.lstrip("-").isdigit() else text).number

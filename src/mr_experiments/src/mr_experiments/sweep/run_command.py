@@ -17,7 +17,7 @@ from rich.console import Console
 from rich.table import Table
 
 from mr_experiments.common.code_version import code_version
-from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
+from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser, strategy_number
 from mr_experiments.sweep.dask_cluster import ClusterLostError, DaskCluster
 from mr_experiments.sweep.following import follow
 from mr_experiments.sweep.sweep import Done, LocalPool, default_jobs, split_done
@@ -49,7 +49,7 @@ def make_parser() -> argparse.ArgumentParser:
         "of the scenario's or the world's; a map has none of its own")  # fmt: skip
     add("--robots", type=int, nargs="+", metavar="R", help="team sizes (default: those of the scenario for which "
         "the world has robots)")  # fmt: skip
-    add("--strategy", type=int, nargs="+", metavar="N", help="strategies (default: the scenario's)")
+    add("--strategy", type=strategy_number, nargs="+", metavar="N|NAME", help="strategies (default: the scenario's)")
     add("--odometry", choices=ODOMETRY_MODELS, help="how it errs: by one share for the whole mission, or anew at each "
         "step (default: the scenario's)")  # fmt: skip
     add("--trials", type=int, default=40, metavar="N", help="trials for each team size (default: %(default)s)")

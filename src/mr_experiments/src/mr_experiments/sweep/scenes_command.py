@@ -8,7 +8,7 @@ from pathlib import Path
 
 from explorer.errors import ExplorerError
 from explorer.scene_folder import MOST_FILES
-from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
+from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser, strategy_number
 from mr_experiments.host.mission import Mission
 from mr_experiments.trial.scenario import DEFAULT, known_scenarios, load_scenario
 from mr_experiments.trial.trial import Trial, TrialError
@@ -31,7 +31,7 @@ def make_parser() -> argparse.ArgumentParser:
         + ", or a .yaml file (default: %(default)s)")  # fmt: skip
     add("--world", default="", metavar="NAME|FILE", help="instead of the scenario's world")
     add("--robots", type=int, metavar="R", help=f"team size (default: {ROBOTS}, or all if the world has less)")
-    add("--strategy", type=int, default=7, metavar="N", help="strategy (default: %(default)s)")
+    add("--strategy", type=strategy_number, default=7, metavar="N|NAME", help="strategy (default: %(default)s)")
     add("--seed", type=int, default=1, metavar="N", help="of the mission (default: %(default)s)")
     add("--until", type=float, default=math.inf, metavar="S", help="s of the mission (default: to its end)")
     add("--out", default="out/scenes", metavar="DIR", help="folder for the decisions (default: %(default)s)")

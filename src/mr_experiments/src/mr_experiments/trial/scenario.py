@@ -12,7 +12,7 @@ import yaml  # type: ignore[import-untyped]
 
 from explorer.options import STRATEGIES
 from mr_experiments.trial.radio_options import RadioOptions
-from mr_experiments.trial.trial import DISTRIBUTED, Trial, TrialError
+from mr_experiments.trial.trial import DISTRIBUTED, Trial, TrialError, known_strategies
 from mr_grid import Pose
 from mr_measures.record.ros_packages import folder_of
 from mr_sim.world import BIAS
@@ -179,7 +179,7 @@ def _strategies(value: Any) -> tuple[int, ...]:
     numbers = _whole_numbers(value)
     for number in numbers:
         if number not in STRATEGIES:
-            raise TrialError(f"{number} is unknown; there are {', '.join(map(str, STRATEGIES))}")
+            raise TrialError(f"{number} is unknown; there are {known_strategies()}")
     return numbers
 
 

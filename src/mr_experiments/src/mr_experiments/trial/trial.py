@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Mapping
 
 from explorer.options import STRATEGIES
+from explorer.strategies.outside import VARIABLE
 from mr_experiments.trial.radio_options import RadioOptions
 from mr_grid import Pose
 from mr_sim.world import BIAS, ODOMETRY_MODELS
@@ -17,6 +18,10 @@ DISTRIBUTED, CENTRALIZED = TOPOLOGIES = ("distributed", "centralized")
 
 class TrialError(ValueError):
     """A trial that cannot be run as asked."""
+
+
+def known_strategies() -> str:
+    return f"{', '.join(map(str, STRATEGIES))}, and those that {VARIABLE}=FILE.py:Class names"
 
 
 @dataclass(frozen=True)
@@ -48,8 +53,7 @@ class Trial:
         if self.robots < 1:
             raise TrialError(f"a team has at least one robot, not {self.robots}")
         if self.strategy not in STRATEGIES:
-            known = ", ".join(str(number) for number in STRATEGIES)
-            raise TrialError(f"strategy {self.strategy} is unknown; there are {known}")
+            raise TrialError(f"strategy {self.strategy} is unknown; there are {known_strategies()}")
         if self.odometry not in ODOMETRY_MODELS:
             raise TrialError(f"odometry {self.odometry!r} is unknown; there are {', '.join(ODOMETRY_MODELS)}")
         self._check_topology()

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Iterator, Sequence
 
 from mr_launch import isolation
-from mr_launch.arguments import STRATEGY, known_strategies
+from mr_launch.arguments import STRATEGY, strategy_number
 from mr_launch.errors import UserError
-from mr_launch.exit_codes import BAD_CALL, INTERRUPTED
+from mr_launch.exit_codes import BAD_CALL, FAILED, INTERRUPTED
 from mr_launch.outside import run_inside
 from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, initial_poses
 from mr_launch.programs import find_played, free_ports
@@ -45,7 +45,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--rate", type=float, default=1.0, metavar="F", help="recorded over real seconds (default: %(default)s)")
     add("--from", dest="first", type=float, default=0.0, metavar="S", help="s of the recording at which to begin")
     add("--to", dest="last", type=float, default=math.inf, metavar="S", help="s of the recording at which to end")
-    add("--strategy", type=int, metavar="N", help=f"of the explorer (default: that of the mission, else {STRATEGY})")
+    add("--strategy", metavar="N|NAME", help=f"of the explorer (default: that of the mission, else {STRATEGY})")
     add("--robot", default="", metavar="PRESET", help="what real robots are, as of robot.launch (default: pioneer)")
     add("--out", type=Path, metavar="DIR", help="folder for logs and for what is computed (default: out/replay_<time>)")
     add("--isolation", choices=("auto", "namespaces", "hub"), default="auto", help="as of the team runner")
@@ -79,7 +79,7 @@ def _play(plan: ReplayPlan, out: Path) -> int:
     code = run_inside(
         "mr_launch.recordings.inside", plan.isolation, lambda private: replace(plan, private=private).to_json()
     )
-    if plan.compute:
+    if plan.compute and code != FAILED:
         print(f"replay: what {' and '.join(plan.compute)} made of it is in {out}")
     return code
 
@@ -89,9 +89,20 @@ def check(options: argparse.Namespace) -> None:
         raise UserError(f"--rate {options.rate:g} is out of range: 0.01 to {FASTEST:g}")
     if not 0.0 <= options.first < options.last:
         raise UserError(f"--from {options.first:g} --to {options.last:g}: nothing lies between")
-    if options.strategy is not None and options.strategy not in known_strategies():
-        known = ", ".join(f"{number} ({text})" for number, text in known_strategies().items())
-        raise UserError(f"--strategy {options.strategy} is unknown; there are {known}")
+    if options.strategy is not None:
+        options.strategy = strategy_number(options.strategy)
+    if options.robot:
+        check_robot(options.robot)
+
+
+def check_robot(preset: str) -> None:
+    from mr_robot.platforms.platform import PlatformError
+    from mr_robot.platforms.preset import load_platform
+
+    try:
+        load_platform(preset)
+    except PlatformError as error:
+        raise UserError(f"--robot {error}") from None
 
 
 def make_plan(recording: Recording, options: argparse.Namespace, out: Path, programs: dict[str, str]) -> ReplayPlan:
