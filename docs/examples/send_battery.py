@@ -4,6 +4,7 @@
 import io
 import sys
 
+import rosgraph
 import rospy
 from adhoc_communication.srv import SendMessage, SendMessageRequest
 from sensor_msgs.msg import BatteryState
@@ -20,6 +21,9 @@ def main():
     if len(sys.argv) != 2:
         print(__doc__, file=sys.stderr)
         return 2
+    if not rosgraph.is_master_online():  # rospy would try for ever
+        print(f"not delivered: no ROS master at {rosgraph.get_master_uri()}: start adhoc.launch", file=sys.stderr)
+        return 1
     rospy.init_node("send_battery", anonymous=True)
     service = "adhoc_communication/send_message"
     try:

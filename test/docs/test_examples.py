@@ -1,6 +1,9 @@
 """The files of docs/examples work, and the tutorials show them as they are."""
 
 import importlib.util
+import os
+import subprocess
+import sys
 
 import pytest
 from pages import REPOSITORY
@@ -30,6 +33,15 @@ def test_a_world_of_ones_own_holds_two_robots_that_can_move():
     description = load_world(EXAMPLES / "my_flat.world")
     assert [robot.name for robot in description.robots] == ["robot_0", "robot_1"]
     World(description)  # refuses robots that start in a wall
+
+
+def test_without_a_master_the_message_example_ends_with_one_line():
+    example = [sys.executable, str(EXAMPLES / "send_battery.py"), "bob"]
+    environment = {**os.environ, "ROS_MASTER_URI": "http://localhost:1"}
+    found = subprocess.run(example, env=environment, capture_output=True, text=True, timeout=20.0, check=False)
+    assert (found.returncode, found.stderr) == (
+        1, "not delivered: no ROS master at http://localhost:1: start adhoc.launch\n",
+    )  # fmt: skip
 
 
 def test_a_preset_of_ones_own_gives_the_parameters_of_all_nodes():

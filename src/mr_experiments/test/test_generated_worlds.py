@@ -60,6 +60,7 @@ def test_plans_draws_stored_worlds(folder):
     ("arguments", "told"),
     [
         (["generated:hall:3"], "--out"),
+        (["generated:hal:3"], "no kind of world is called 'hal', did you mean 'hall'?"),
         (["generated:castle:3", "--out", "a.png"], "castle"),
         (["--out", "a.jpg"], "a.jpg"),
     ],

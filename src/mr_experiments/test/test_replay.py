@@ -512,6 +512,14 @@ def test_other_files_are_refused(tmp_path, content, culprit):
         load_record(path)
 
 
+def test_a_folder_is_told_with_a_record_in_it(tmp_path):
+    with pytest.raises(ReplayError, match="is a folder: give one of the records in it, which ends in .json"):
+        load_record(tmp_path)
+    (tmp_path / "a.json").write_text("")
+    with pytest.raises(ReplayError, match=f"one of the records in it, as {tmp_path}/a.json"):
+        load_record(tmp_path)
+
+
 # The command
 
 

@@ -345,3 +345,8 @@ def test_output_is_one_line_for_each_finding_or_json(monkeypatch, capsys):
     assert command.main([]) == 0 and capsys.readouterr().out == ""
     assert command.main(["--verbose"]) == 0 and capsys.readouterr().out == "all well\n"
     assert str(Finding("cpu", "a", "b")) == "a: b"
+
+
+@pytest.mark.parametrize("words", [["bob", "carl"], ["bob,carl"], ["bob,", "carl"]])
+def test_peers_are_given_with_blanks_or_commas(words):
+    assert command.names_of(command.make_parser().parse_args(["--peers", *words]).peers) == ("bob", "carl")

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from mr_launch.arguments import parse_arguments
+from mr_launch.commands import make_plan
 from mr_launch.errors import UserError
 from mr_launch.world import find_world, keep_generated, robots_of
 
@@ -45,6 +47,17 @@ def test_robots_of_a_team_stand_in_a_map(map_file, tmp_path):
     ]
     kept = keep_generated(drawn, tmp_path / "world")
     assert Path(kept).parent == tmp_path / "world" and robots_of(kept) == robots_of(drawn)
+
+
+def test_a_start_that_nobody_gave_is_told(map_file, capsys):
+    plan = make_plan(parse_arguments(["--world", map_file]))
+    assert [robot.name for robot in plan.robots] == ["robot_0"]
+    told = capsys.readouterr().err
+    assert "plan.yaml: one robot where there is most room, at 2.48 2.48 0;" in told and "--starts X Y DEGREES" in told
+    make_plan(parse_arguments(["--world", map_file, "--starts", "1", "1", "0"]))
+    assert "most room" not in capsys.readouterr().err
+    with pytest.raises(UserError, match="--robots 2: a map says no starts; give --starts X Y DEGREES for each robot"):
+        make_plan(parse_arguments(["--world", map_file, "--robots", "2"]))
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,10 @@
 
 import sys
 
-from .command_line.arguments import main
+try:
+    from .command_line.arguments import main
+except ImportError as error:
+    sys.exit(f"map_merger: {error}: build first (make build), then source tools/environment.sh")
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -222,3 +222,10 @@ def test_the_package_runs_as_a_module():
     command = [sys.executable, "-m", "map_merger", "register", "no.yaml", "no.yaml"]
     result = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False, env=dict(os.environ))
     assert result.returncode == 2 and result.stderr == "map_merger: no.yaml: No such file or directory\n"
+
+
+def test_before_the_build_it_is_one_line_what_to_do():
+    code = "import sys; sys.modules['mr_grid'] = None; from runpy import run_module; run_module('map_merger')"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert found.returncode == 1 and found.stderr.count("\n") == 1
+    assert "build first (make build), then source tools/environment.sh" in found.stderr

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import socket
 import sys
@@ -9,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Sequence
 
+from mr_grid import Pose
 from mr_launch import isolation
 from mr_launch.arguments import Options, choose_robots, parse_arguments
 from mr_launch.begun import write_begun
@@ -17,7 +19,7 @@ from mr_launch.exit_codes import BAD_CALL, INTERRUPTED
 from mr_launch.outside import run_team
 from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
-from mr_launch.world import check_start, find_world, keep_generated, presets_of, robots_of, warning_of
+from mr_launch.world import check_start, find_world, is_map, keep_generated, presets_of, robots_of, warning_of
 from mr_page.server import listening_sockets
 
 
@@ -56,6 +58,8 @@ def make_plan(options: Options) -> Plan:
     world = find_world(options.world, options.starts)
     poses = robots_of(world)
     asked = options.robots or len(options.starts) // 3 or None
+    if without_starts(options) and (asked or 1) > 1:
+        raise UserError(f"--robots {asked}: a map says no starts; give --starts X Y DEGREES for each robot")
     names = choose_robots(asked, [name for name, _ in poses], world)
     if options.topology == "centralized" and BASE in names:
         raise UserError(f"{world} has a robot named {BASE}, which is the name of the base station")
@@ -63,6 +67,9 @@ def make_plan(options: Options) -> Plan:
     warning = warning_of(options.world, world)
     if warning:
         print(f"team: warning: {warning}", file=sys.stderr)
+    notice = start_notice(options, poses[0][1])
+    if notice:
+        print(f"team: {notice}", file=sys.stderr)
     programs = find_programs(options.slam, options.navigation)
     kind, reason = isolation.choose(options.isolation, os.geteuid())
     if kind == isolation.HUB:
@@ -79,6 +86,19 @@ def make_plan(options: Options) -> Plan:
     ]
     base = robots.pop() if options.topology == "centralized" else None
     return Plan(options, world, robots, str(Path(options.out).absolute()), kind, programs, base=base, presets=presets)
+
+
+def without_starts(options: Options) -> bool:
+    """Whether the world is a map, and nobody says where robots stand in it."""
+    return is_map(options.world) and not options.starts
+
+
+def start_notice(options: Options, start: Pose) -> str:
+    """What people should know of a start pose that nobody gave."""
+    if not without_starts(options):
+        return ""
+    place = f"where there is most room, at {start[0]:.2f} {start[1]:.2f} {math.degrees(start[2]):.0f}"
+    return f"{options.world}: one robot {place}; give --starts X Y DEGREES for each robot to have others"
 
 
 def make_output_folder(plan: Plan) -> None:

@@ -35,6 +35,13 @@ def find_world(name: str, starts: Sequence[float] = ()) -> str:
         raise UserError(f"--world: {error}") from None
 
 
+def is_map(name: str) -> bool:
+    """Whether a world is given as a map of map_server."""
+    from mr_sim.map_world import is_map as found
+
+    return found(name)
+
+
 def keep_generated(world: str, folder: Path) -> str:
     """Path of a world in the folder of a mission: a copy of its files if it was drawn for it, else where it is.
     Raises UserError."""

@@ -1,6 +1,7 @@
 """Worlds to drive in, by kind, seed and size: one connected space, closed outside, with places for robots to start."""
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Callable, Dict, Optional, Tuple, Union
 
 import numpy as np
@@ -89,7 +90,9 @@ def world_plan(kind: str, seed: int, size: Optional[Tuple[float, float]] = None)
 def check_world(kind: str, seed: int, size: Optional[Tuple[float, float]] = None) -> Tuple[float, float]:
     """The size of such a world; ValueError that names what cannot be."""
     if kind not in WORLD_KINDS:
-        raise ValueError(f"no kind of world is called {kind!r}; there are {', '.join(WORLD_KINDS)}")
+        meant = get_close_matches(kind, WORLD_KINDS, 1)
+        hint = f", did you mean {meant[0]!r}?" if meant else f"; there are {', '.join(WORLD_KINDS)}"
+        raise ValueError(f"no kind of world is called {kind!r}{hint}")
     if seed < 0:
         raise ValueError(f"the seed of a world is 0 or above, not {seed}")
     length, depth = size or WORLD_KINDS[kind].size

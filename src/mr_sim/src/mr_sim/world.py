@@ -131,7 +131,7 @@ class World:
         plan = _plan_of(self.description.obstacles)
         for index, robot in enumerate(self.robots):
             fault = _FAULTS.get(self.core.contact_at(index, robot.start), "")
-            if plan is not None and not plan.spans(robot.start):
+            if plan is not None and not plan.spans(*robot.start[:2]):
                 fault = "outside the walls"
             if fault:
                 raise WorldError(

@@ -89,9 +89,9 @@ class Obstacle:
     visible: bool
     solid: bool
 
-    def spans(self, pose: Pose) -> bool:
-        """Whether its rectangle holds that place."""
-        x, y, _ = self.pose.between(pose)
+    def spans(self, x: float, y: float) -> bool:
+        """Whether its rectangle holds that place of the world."""
+        x, y = self.pose.inverse().apply_point(x, y)
         return abs(x) <= self.size[0] / 2.0 and abs(y) <= self.size[1] / 2.0
 
 

@@ -16,6 +16,7 @@ from mr_plans.world_files import WorldFiles, world_files
 from mr_sim.map_world import is_map, map_world_files
 from mr_sim.world_folders import world_folders
 from mr_sim.world_model import WorldDescription
+from mr_sim.world_words import nearest
 
 GENERATED = Path("out/worlds")
 """Where generated worlds are written unless another folder is given."""
@@ -44,7 +45,12 @@ def find_world(name: str, folder: Path = GENERATED, starts: Sequence[Pose] = ())
         for candidate in names:
             if "/" not in name and (place / candidate).is_file():
                 return place / candidate
+    if is_map(name) or "/" in name:
+        raise WorldNotFoundError(f'no world "{name}": {"that is a folder" if path.is_dir() else "there is no such file"}')
     known = sorted({world.stem for place in world_folders() for world in place.glob("*.world")})
+    meant = nearest(name.removesuffix(".world"), known)
+    if meant:
+        raise WorldNotFoundError(f'no world "{name}", did you mean "{meant}"?')
     ways = f"give the path of a .world file or of a map's .yaml file, {FORM}, or one of: {', '.join(known)}"
     raise WorldNotFoundError(f'no world "{name}": {ways}')
 

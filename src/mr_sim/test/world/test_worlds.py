@@ -12,7 +12,7 @@ from scipy import ndimage
 
 from mr_sim.world import World
 from mr_sim.world_model import load_world
-from mr_sim.worlds import find_world, warning_of
+from mr_sim.worlds import WorldNotFoundError, find_world, warning_of
 
 WORLDS = {
     "office26x15": 16, "office26x15_mixed": 16, "office26x15_turtlebots": 16, "small8x8": 4, "narrow": 16,
@@ -58,6 +58,23 @@ def test_every_world_has_a_picture_in_the_docs():
     page = (docs / "worlds.md").read_text(encoding="utf-8")
     assert all(f"`{name}`" in page or f"## {name}\n" in page for name in WORLDS)
     assert all((docs / "images" / "worlds" / f"{name}.png").is_file() for name in SIZES)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("smal8x8", 'no world "smal8x8", did you mean "small8x8"?'),
+        ("smal8x8.world", 'no world "smal8x8.world", did you mean "small8x8"?'),
+        ("/tmp/nope.yaml", 'no world "/tmp/nope.yaml": there is no such file'),
+        ("none.yaml", 'no world "none.yaml": there is no such file'),
+        ("/", 'no world "/": that is a folder'),
+        ("elsewhere", 'no world "elsewhere": give the path of a .world file or'),
+    ],
+)
+def test_a_world_that_is_not_there_is_told_with_what_was_meant(name, told):
+    with pytest.raises(WorldNotFoundError) as caught:
+        find_world(name)
+    assert str(caught.value).startswith(told)
 
 
 def test_robots_and_size(world):

@@ -46,6 +46,10 @@ SNAPSHOTS, RECONSTRUCTED, SEEN = "snapshots", "reconstructed", "seen"  # where t
 
 def load_record(path: Path) -> MissionRecord:
     """The record in a file. Raises ReplayError naming what is wrong with it."""
+    if path.is_dir():
+        records = sorted(path.glob("*.json"))
+        hint = f", as {records[0]}" if records else ", which ends in .json"
+        raise ReplayError(f"{path} is a folder: give one of the records in it{hint}")
     try:
         record = read_record(path)
     except RecordError as error:

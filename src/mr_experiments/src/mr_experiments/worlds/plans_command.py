@@ -12,7 +12,7 @@ import cv2
 from mr_experiments.common.command_line import BAD_CALL, CallError, Parser
 from mr_experiments.worlds.plan_pictures import sheet
 from mr_plans import WORLD_KINDS
-from mr_plans.names import FORM
+from mr_plans.names import FORM, is_generated, parse_name
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -37,6 +37,8 @@ def main(arguments: Sequence[str]) -> int:
         options = make_parser().parse_args(arguments)
         if options.out is None:
             if options.worlds:
+                for name in filter(is_generated, options.worlds):
+                    parse_name(name)
                 raise CallError("--out FILE.png is missing: where to draw the worlds")
             _list()
         else:

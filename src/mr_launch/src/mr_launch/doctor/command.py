@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 from dataclasses import asdict
-from typing import Sequence
+from typing import Sequence, Tuple
 
 from mr_launch.doctor.diagnosis import diagnose
 
@@ -30,14 +30,20 @@ def make_parser() -> argparse.ArgumentParser:
     add("--key-file", default="", metavar="FILE", help="file with the team's keys (default: that of the running node)")
     add(
         "--peers",
-        default="",
-        metavar="NAMES",
-        help="robots that have to be in reach, with commas between (default: none)",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="robots that have to be in reach (default: none)",
     )
     add("--seconds", type=float, default=4.0, metavar="S", help="how long to listen, 1 to 60 (default: %(default)s)")
     add("--json", action="store_true", help="print a list of {part, what, remedy}")
     add("--verbose", action="store_true", help="say so when nothing is wrong")
     return parser
+
+
+def names_of(words: Sequence[str]) -> Tuple[str, ...]:
+    """Robots, with blanks or commas between."""
+    return tuple(name.strip() for name in ",".join(words).split(",") if name.strip())
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -47,8 +53,7 @@ def main(arguments: Sequence[str]) -> int:
         parser.error(f"--seconds {given.seconds:g} is out of range: 1 to 60")
     from mr_launch.doctor.examination import Wanted, examine  # ROS, not needed for --help
 
-    peers = tuple(name.strip() for name in given.peers.split(",") if name.strip())
-    findings = diagnose(examine(Wanted(given.interface, given.key_file, peers, given.seconds)))
+    findings = diagnose(examine(Wanted(given.interface, given.key_file, names_of(given.peers), given.seconds)))
     if given.json:
         print(json.dumps([asdict(finding) for finding in findings], indent=2))
     else:
