@@ -113,6 +113,13 @@ HEALTHY_ROBOTS = {
         topics={},
         links=(),
     ),
+    "the radio alone": replace(
+        HEALTHY,
+        set_up=set_up_of({"adhoc_communication": PARAMETERS["adhoc_communication"]}),
+        running=("adhoc_communication",),
+        topics={},
+        links=(),
+    ),
     "before anything is started, but for the master": replace(
         HEALTHY, master=None, set_up=None, running=(), clock=None, topics={}, links=(), radio=None, peers=()
     ),

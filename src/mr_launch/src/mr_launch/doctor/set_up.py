@@ -25,6 +25,8 @@ NODES = (
     "robot",
 )
 """Of robot.launch; `robot` is the body of a simulated one."""
+WITH_A_BODY = {"map_merger", "explorer", "slam", "move_base", "robot"}
+"""Those that need scans and odometry; adhoc.launch alone has none of them."""
 
 
 def set_up_of(given: Parameters) -> SetUp:
@@ -44,7 +46,7 @@ def set_up_of(given: Parameters) -> SetUp:
         base_frame=_first(
             [slam.get("base_frame"), navigation.get("base_frame"), explorer.get("base_link")], "base_link"
         ),
-        has_body=merger.get("has_local_map") is not False,
+        has_body=merger.get("has_local_map") is not False and bool(set(nodes) & WITH_A_BODY),
     )
 
 
