@@ -162,6 +162,23 @@ async def looks(tab):
     await tab.wait_for(f"{DRAWN} < 0.05")
 
 
+# Boxes of tables that are wider than they may be: their last columns are cut.
+CUT = """[...document.querySelectorAll('#tablebox, #panels > div:not([hidden])')]
+  .filter((e) => e.scrollWidth > e.clientWidth).map((e) => e.textContent)"""
+
+
+def test_on_a_small_screen_tables_are_whole(team):
+    async def run():
+        async with browser() as one:
+            tab = await one.open(f"http://localhost:{team.port}/", 1280, 800)
+            await tab.wait_for("window.page.mapsAt && document.querySelectorAll('#robots tr').length === 8")
+            await tab.click("#tab-radio")
+            await tab.wait_for("document.getElementById('panels').textContent.includes('Waiting')")
+            assert await tab.run(CUT) == []
+
+    asyncio.run(run())
+
+
 @pytest.mark.parametrize("dark", [False, True])
 def test_a_phone_shows_everything_in_its_width(team, dark):
     async def run():
@@ -171,6 +188,9 @@ def test_a_phone_shows_everything_in_its_width(team, dark):
             for name in ("area", "choices", "places", "radio", "log"):
                 await tab.click(f"#tab-{name}")
                 assert await tab.run("document.documentElement.scrollWidth") <= 390, name
+                assert await tab.run(CUT) == [], name
+            ends = "['map', 'source'].map((id) => document.getElementById(id).getBoundingClientRect())"
+            assert await tab.run(f"(([map, source]) => source.top >= map.bottom - 1)({ends})")
             assert await tab.run("document.documentElement.dataset.theme") == ("dark" if dark else "light")
             assert tab.errors == []
 
@@ -235,3 +255,41 @@ def test_grey_radio_buttons_switch_no_radio():
 
     asyncio.run(run())
     assert asked == [("bob", Order("radio_off"))]
+
+
+def test_a_paused_team_is_not_told_when_it_will_be_done():
+    state = PageState()
+    state.put("anna", "about", {"start": None})
+    state.put(
+        "anna", "state", {"state": "waiting", "text": "is paused", "finished": False, "frontiers": 3, "clusters": 1}
+    )
+    state.put("anna", "decision", {"paused": True, "rest": 60.0, "area": 5.0})
+
+    async def run():
+        async with served(state) as address, browser() as one:
+            tab = await one.open(f"http://{address}/", 1300, 850)
+            await tab.wait_for(f"{text('#status')} === 'paused' && {text('#reason')} === 'is paused'")
+            buttons = "[...document.querySelectorAll('button')].map((b) => b.textContent)"
+            assert sum("Pause" in name for name in await tab.run(buttons)) == 1, "that of the robots"
+            state.put("anna", "decision", {"paused": False, "rest": 60.0, "area": 5.0})
+            await tab.wait_for(f"{text('#reason')}.startsWith('about 1:00 left')")
+            assert tab.errors == []
+
+    asyncio.run(run())
+
+
+def test_before_the_first_answer_the_page_is_connecting():
+    """The badge says that there is no connection only after a try."""
+
+    async def run():
+        async with served(PageState()) as address, browser() as one:
+            tab = await one.open("data:text/html,nothing", 1300, 850)
+            await tab.call("Page.enable")
+            wait = "window.WebSocket = class { constructor() { window.sockets = [...(window.sockets ?? []), this]; } }"
+            await tab.call("Page.addScriptToEvaluateOnNewDocument", {"source": wait})
+            await tab.call("Page.navigate", {"url": f"http://{address}/"})
+            await tab.wait_for(f"document.getElementById('status') && {text('#status')} === 'connecting'")
+            await tab.run("window.sockets[0].onclose()")
+            await tab.wait_for(f"{text('#status')} === 'no connection'")
+
+    asyncio.run(run())

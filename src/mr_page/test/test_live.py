@@ -118,3 +118,9 @@ def test_the_past_is_shown_whole_and_paints_only_what_differs():
         " [0, 1, 2, 3].map((c) => map._tiles.get(`0 ${c}`).octets[0]), map.version - before]; })()",
     )
     assert node(script) == [[["a", 2]], True, [9, 0, 3, 4], 3]
+
+
+def test_numbers_that_are_rounded_to_zero_have_no_sign():
+    script = """const { fixed, kilobits } = await import("./dom.js");
+    console.log(JSON.stringify([fixed(-0.001, 2), fixed(-1.25, 1), fixed(0, 1), kilobits(100), kilobits(5000)]));"""
+    assert node(script) == ["0.00", "-1.3", "0.0", "0.8", "40"]

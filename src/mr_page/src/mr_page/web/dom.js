@@ -34,9 +34,15 @@ export function bytes(n) {
   return n >= 1e3 ? `${(n / 1e3).toFixed(0)} kB` : `${n} B`;
 }
 
-/** Octets per second in bits. */
-export function bitRate(n) {
-  return n >= 125000 ? `${(n / 125000).toFixed(1)} Mbit/s` : `${(n / 125).toFixed(n < 1250 ? 1 : 0)} kbit/s`;
+/** Like toFixed, without the sign of what is rounded to zero. */
+export function fixed(number, digits) {
+  const text = number.toFixed(digits);
+  return Number(text) === 0 ? text.replace("-", "") : text;
+}
+
+/** Octets per second as kbit/s, without the unit. */
+export function kilobits(n) {
+  return (n / 125).toFixed(n < 1250 ? 1 : 0);
 }
 
 /** A box with its label that calls `changed(checked)`. */

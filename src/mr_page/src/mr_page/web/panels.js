@@ -1,7 +1,7 @@
 // The panels of a running team beside its map. Each has a title and fills itself when it is shown.
 
 import { Chart } from "./chart.js";
-import { bitRate, byId, button, bytes, clock, make, setText } from "./dom.js";
+import { byId, button, bytes, clock, fixed, kilobits, make, setText } from "./dom.js";
 import { EventList } from "./event_list.js";
 
 /** Shows one panel at a time. */
@@ -120,7 +120,7 @@ export class ChoicePanel {
 
   _line(live, { robot, item: [time, x, y, reason, bids, unit] }) {
     const item = make("li"), text = make("div");
-    text.append(make("b", robot.name), ` to (${x.toFixed(1)}, ${y.toFixed(1)}): ${reason || "no reason given"}`);
+    text.append(make("b", robot.name), ` to (${fixed(x, 1)}, ${fixed(y, 1)}): ${reason || "no reason given"}`);
     const told = Object.entries(bids).map(([name, bid]) => `${name} ${bid === null ? "∞" : bid}${unit === 1 ? " m²" : ""}`);
     if (told.length) text.append(make("div", `bids: ${told.join(" · ")}`, "hint"));
     item.append(make("time", clock(time - live.begin)), swatch(this._theme, live.number(robot.name)), text);
@@ -157,8 +157,8 @@ function placement({ robot, placed, why, via, pose: [x, y, yaw], confidence }) {
   item.append(make("span", placed ? "✓" : "✗", placed ? "right" : "wrong"), text);
   text.append(make("b", robot), ` ${placed ? "placed" : "not placed"}${via ? ` through ${via}` : ""}: ${why}`);
   if (placed) {
-    const degrees = ((yaw * 180) / Math.PI).toFixed(1);
-    text.append(make("div", `at ${x.toFixed(2)} m, ${y.toFixed(2)} m, ${degrees}°, confidence ${confidence.toFixed(2)}`, "hint"));
+    const degrees = fixed((yaw * 180) / Math.PI, 1);
+    text.append(make("div", `at ${fixed(x, 2)} m, ${fixed(y, 2)} m, ${degrees}°, confidence ${confidence.toFixed(2)}`, "hint"));
   }
   return item;
 }
@@ -201,10 +201,10 @@ function lossTable(theme, live, told) {
 }
 
 function trafficTable(told) {
-  return table(["Robot", "Sent", "Received", "Now", "Failed", "Waiting"], told.map((robot) => {
+  return table(["Robot", "Sent", "Received", "↑ kbit/s", "↓ kbit/s", "Failed", "Waiting"], told.map((robot) => {
     const { network } = robot.values, [, out, into] = robot.stream("traffic").at(-1) ?? [0, 0, 0];
     return [
-      robot.name, bytes(network.bytes_sent), bytes(network.bytes_received), `${bitRate(out)} ↑ ${bitRate(into)} ↓`,
+      robot.name, bytes(network.bytes_sent), bytes(network.bytes_received), kilobits(out), kilobits(into),
       `${network.packets_failed}/${network.packets_sent}`, String(network.waiting),
     ];
   }));

@@ -72,7 +72,7 @@ export class Playback {
     const slider = byId("slider");
     Object.assign(slider, { min: this.begin, max: Math.max(this.end, this.begin + 1) });
     slider.value = this.time;
-    setText(byId("play"), this.playing ? "❚❚ Pause" : "▶ Play");
+    setText(byId("play"), this.playing ? (this._live ? "❚❚ Freeze" : "❚❚ Pause") : "▶ Play");
     byId("live").setAttribute("aria-pressed", String(this.following));
     setText(byId("clock"), `${clock(this.time - this.begin)} / ${clock(this.end - this.begin)}`);
     for (const one of byId("speeds").children) one.setAttribute("aria-pressed", String(Number(one.value) === this.speed));
@@ -88,6 +88,7 @@ export class Playback {
       byId("speeds").append(Object.assign(button(`${speed}×`, "", () => this._setSpeed(speed)), { value: speed }));
     }
     byId("live").hidden = !this._live;
+    if (this._live) byId("play").title = "Freeze what is shown, or let it go on (space); robots do not stop by it";
     byId("live").addEventListener("click", () => this.follow());
     byId("play").addEventListener("click", () => this.setPlaying(!this.playing));
     byId("slider").addEventListener("input", (event) => this.seek(Number(event.target.value)));

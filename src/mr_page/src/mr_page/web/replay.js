@@ -13,8 +13,8 @@ import { TimeLine } from "./time_line.js";
 
 const LAYERS = { walls: "true walls", paths: "paths", goals: "goals", links: "radio links", names: "names" };
 const COLUMNS = [
-  { title: "State" }, { title: "Driven" }, { title: "Knows", hint: "Free area in its own global map" },
-  { title: "Own", hint: "Free area in its own local map" }, { title: "Sent" },
+  { title: "State" }, { title: "Driven" }, { title: "Knows", hint: "Free area in its map merged with those of others" },
+  { title: "Own", hint: "Free area in the map that it made itself" }, { title: "Sent" },
   { title: "Links", hint: "Radio neighbours now" },
 ];
 const SOURCES = {
@@ -56,6 +56,7 @@ function drawChart() {
   chart.draw(playback.time, [...dots, { value: area, colour: theme.css.text, radius: 4 }]);
   const share = coverage === null ? "" : `, coverage ${(100 * coverage).toFixed(0)} %`;
   setText(byId("explored"), area === null ? "" : `team ${area.toFixed(0)} m²${share}`);
+  byId("explored").title = "True floor, but for 0.1 m beside walls, that the own map of any robot knows, counted once";
 }
 
 function fillTable() {

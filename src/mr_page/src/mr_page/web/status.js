@@ -17,7 +17,7 @@ const LAYERS = {
   goals: "goals", links: "radio links", names: "names",
 };
 const COLUMNS = [
-  { title: "State" }, { title: "Driven" }, { title: "Knows", hint: "Area in its global map" },
+  { title: "State" }, { title: "Driven" }, { title: "Knows", hint: "What is known, free and walls, in its own map merged with those of others" },
   { title: "Left", hint: "Frontiers and clusters" }, { title: "Sent" }, { title: "Links", hint: "Radio neighbours" },
   { title: "Placed", hint: "Robots whose maps it has placed, of those that it has heard of" },
 ];
@@ -29,7 +29,7 @@ const PANELS_PERIOD = 250; // ms; nobody reads faster
 
 let view = null; // number of the robot whose map is shown, TEAM, or null until there is one
 let chosen = null; // name of that robot, empty for the team; null until somebody has chosen
-let connected = false;
+let connected = null; // not known before the first try has ended
 let panelsAt = -Infinity; // when tables and panels were filled, ms
 const refresh = () => {
   panelsAt = -Infinity;
@@ -137,13 +137,13 @@ function fillHead() {
   const finished = told.filter(({ values }) => values.state?.finished).length;
   const base = shown.robots.find((robot) => robot.told && !robot.hasBody);
   const none = base ? "base station" : "waiting for robots";
-  const badge = !connected ? "no connection" : !told.length ? none : finished === told.length ? "finished" : "";
+  const badge = connected === null ? "connecting" : !connected ? "no connection" : !told.length ? none : finished === told.length ? "finished" : "";
   const stage = badge || ["exploring", "returning", "waiting", "paused", "starting"].find((one) => stages.includes(one)) || "–";
   setText(byId("status"), stage);
-  setName(byId("status"), `badge ${connected ? { finished: "finished", exploring: "exploring" }[stage] ?? "" : "failed"}`);
+  setName(byId("status"), `badge ${connected !== false ? { finished: "finished", exploring: "exploring" }[stage] ?? "" : "failed"}`);
   const one = told.length === 1 ? told[0] : shown.robots[view] ?? base;
   const texts = one?.told ? [one.values.state?.text, one.values.decision?.ended_by, one.values.team?.text] : [];
-  const rest = Math.max(...told.map(({ values }) => values.decision?.rest ?? -1));
+  const rest = Math.max(...told.filter(({ values }) => !values.decision?.paused).map(({ values }) => values.decision?.rest ?? -1));
   const when = shown === live ? "" : `as it was at ${clock(shown.now - live.begin)}`;
   const reason = [when, rest > 0 ? `about ${clock(rest)} left` : "", ...texts].filter(Boolean).join(" · ");
   setText(byId("reason"), reason);
