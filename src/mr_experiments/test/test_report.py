@@ -268,3 +268,9 @@ def test_help(capsys):
         main(["--help"])
     assert left.value.code == 0
     assert "--against" in capsys.readouterr().out
+
+
+def test_one_mission_is_one_mission(tmp_path):
+    write_record(tmp_path, make_record(2, 1, with_maps=False))
+    page = make_report(tmp_path, tmp_path / "out", with_bound=False).page.read_text()
+    assert "1 mission: 1 finished" in page

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
+from explorer.orders import PAUSED
 from mr_grid import OccupancyGrid, Pose
 from mr_launch.maps import load_raw, save_map, save_raw
 from mr_launch.mission import Outcome
@@ -213,4 +214,13 @@ def test_plain_lines_say_it_all():
 
 def test_a_mission_that_is_about_to_begin_has_no_negative_time() -> None:
     """The first line of a mission said "-0 s"."""
-    assert plain_lines(Picture("exploring", -0.2, 900.0, None, []))[0].startswith("exploring, 0 s of 900 s")
+    for elapsed in (-0.2, -1.2):
+        assert plain_lines(Picture("exploring", elapsed, 900.0, None, []))[0].startswith("exploring, 0 s of 900 s")
+
+
+def test_a_paused_robot_does_not_merely_wait() -> None:
+    report = RobotReport("robot_0")
+    report.update({"state": 2, "text": PAUSED})
+    assert report.state_name == "paused"
+    report.update({"text": "nothing to do at the moment"})
+    assert report.state_name == "waiting"

@@ -1,4 +1,4 @@
-"""What the SLAM node makes of scans and odometry of different clocks, without a master."""
+"""The SLAM node without a master: scans and odometry of different clocks, drivers that start."""
 
 from typing import List
 
@@ -10,6 +10,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
 from mr_grid.ros_laser import Mount
+from mr_robot.slam import node as module
 from mr_robot.slam.engine import OdometryHistory, Slam
 from mr_robot.slam.node import FRAMES, SlamNode
 
@@ -91,3 +92,23 @@ def test_a_driver_of_the_wheels_that_begins_anew_moves_no_robot(node: SlamNode, 
     assert said == [
         "odometry has jumped to (0.0, 0.0), as of a driver that begins anew: the robot is taken not to have moved"
     ]
+
+
+def test_while_drivers_start_nothing_is_said_of_the_lasers_place(
+    node: SlamNode, said: List[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Nothing:
+        def lookup_transform(self, *arguments: object) -> None:
+            raise module.tf2_ros.TransformException("no laser")
+
+    now = [10.0]
+    monkeypatch.setattr(module.tf2_ros, "TransformListener", lambda buffer: object())
+    monkeypatch.setattr(rospy, "get_time", lambda: now[0])
+    node._mounts, node._buffer, node._listener = {}, Nothing(), None
+    for moment in (10.0, 14.5):
+        now[0] = moment
+        assert node._mount("laser") is None
+    assert said == []
+    now[0] = 15.0
+    assert node._mount("laser") is None
+    assert said == ["no transform from base_footprint to the laser yet: no laser"]

@@ -18,6 +18,8 @@ from .whereabouts import POSE_PERIOD_S
 SCAN_PERIOD_S = 0.2
 SCAN_PATIENCE_S = 0.3
 """A scan waits this long for the transforms of its time."""
+QUIET_S = 5.0
+"""For so long after the first trouble nothing is said of missing transforms: SLAM may just be starting."""
 
 
 class PoseInput:
@@ -75,6 +77,7 @@ class ScanInput:
         self._map_frame, self._buffer = map_frame.lstrip("/"), buffer
         self._base_frame, self._wanted, self._take = base_frame, wanted, take
         self._timer = Timer(SCAN_PERIOD_S)
+        self._trouble = Timer(30.0, first=QUIET_S)
         rospy.Subscriber(topic, rospy.AnyMsg, self._on_scan, queue_size=1, buff_size=2**20)
 
     def _on_scan(self, raw: Any) -> None:
@@ -90,7 +93,8 @@ class ScanInput:
             scan = ros_io.scan_of(message, ros_io.mount_of(mount))
             robot = ros_io.transform_of_message(pose)
         except tf2_ros.TransformException as error:
-            rospy.logwarn_throttle(30.0, f"map_merger cannot place its scans yet: {error}")
+            if self._trouble.fires(rospy.get_time()):
+                rospy.logwarn(f"map_merger cannot place its scans yet: {error}")
             return
         except Exception as error:
             rospy.logwarn_throttle(30.0, f"map_merger ignored a scan: {error}")

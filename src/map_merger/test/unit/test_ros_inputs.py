@@ -88,3 +88,23 @@ def test_scans_of_a_tilted_laser_are_ignored_with_its_frame(monkeypatch):
     message.header.frame_id = "laser"
     scans._on_scan(raw_of(message))
     assert len(said) == 1 and "laser laser is tilted by 90 degrees" in said[0]
+
+
+def test_while_slam_starts_nothing_is_said_of_its_transforms(monkeypatch):
+    class Nothing:
+        def lookup_transform(self, *arguments):
+            raise ros_inputs.tf2_ros.TransformException("no map yet")
+
+    said, now = [], [10.0]
+    monkeypatch.setattr(ros_inputs.rospy, "Subscriber", lambda *arguments, **options: None)
+    monkeypatch.setattr(ros_inputs.rospy, "get_time", lambda: now[0])
+    monkeypatch.setattr(ros_inputs.rospy, "logwarn", said.append)
+    scans = ros_inputs.ScanInput("scan", "map", Nothing(), lambda: "base", lambda: True, lambda *_: None)
+    raw = raw_of(LaserScan(ranges=[1.0]))
+    for moment in (10.0, 12.0, 14.5):
+        now[0] = moment
+        scans._on_scan(raw)
+    assert said == []
+    now[0] = 15.5
+    scans._on_scan(raw)
+    assert said == ["map_merger cannot place its scans yet: no map yet"]

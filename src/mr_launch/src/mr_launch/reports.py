@@ -16,7 +16,8 @@ from mr_launch.robot_log import RobotLog, Sample
 MAXIMUM_LINE = 1 << 20  # octets; a monitor that sends more without a line end is cut off
 
 STATES = ("starting", "exploring", "waiting", "returning", "finished")
-FINISHED = 4
+WAITING, FINISHED = 2, 4
+PAUSED = "is paused"  # explorer.orders.PAUSED: what a paused robot says, which waits
 
 
 @dataclass
@@ -53,6 +54,8 @@ class RobotReport:
 
     @property
     def state_name(self) -> str:
+        if self.state == WAITING and self.text == PAUSED:
+            return "paused"
         return STATES[self.state] if self.state < len(STATES) else str(self.state)
 
     def sample(self) -> Sample:

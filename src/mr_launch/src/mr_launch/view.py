@@ -59,7 +59,7 @@ def short(names: list[str]) -> str:
 
 def header(picture: Picture) -> str:
     factor = "" if picture.real_time_factor is None else f", real-time factor {picture.real_time_factor:.2f}"
-    return f"{picture.phase}, {round(picture.elapsed)} s of {picture.limit:.0f} s{factor}"
+    return f"{picture.phase}, {max(0, round(picture.elapsed))} s of {picture.limit:.0f} s{factor}"
 
 
 def place(goal: tuple[float, float]) -> str:

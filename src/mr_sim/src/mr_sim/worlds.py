@@ -46,7 +46,9 @@ def find_world(name: str, folder: Path = GENERATED, starts: Sequence[Pose] = ())
             if "/" not in name and (place / candidate).is_file():
                 return place / candidate
     if is_map(name) or "/" in name:
-        raise WorldNotFoundError(f'no world "{name}": {"that is a folder" if path.is_dir() else "there is no such file"}')
+        raise WorldNotFoundError(
+            f'no world "{name}": {"that is a folder" if path.is_dir() else "there is no such file"}'
+        )
     known = sorted({world.stem for place in world_folders() for world in place.glob("*.world")})
     meant = nearest(name.removesuffix(".world"), known)
     if meant:

@@ -189,7 +189,9 @@ def make_report(
 def _lost(records: RecordSet) -> list[str]:
     if not records.lost:
         return []
-    return [f"{len(records.lost)} more missions were begun, and nothing is known of them: {', '.join(records.lost)}"]
+    lost = len(records.lost)
+    were = "was begun, and nothing is known of it" if lost == 1 else "were begun, and nothing is known of them"
+    return [f"{counted(lost, 'more mission')} {were}: {', '.join(records.lost)}"]
 
 
 def comparison_section(comparison: Comparison, making: _Making) -> str:
@@ -198,12 +200,16 @@ def comparison_section(comparison: Comparison, making: _Making) -> str:
     return page.heading(2, f"Comparison: {names}", "comparison") + table
 
 
+def counted(number: int, what: str) -> str:
+    return f"{number} {what}{'s' * (number != 1)}"
+
+
 def _introduction(records: RecordSet) -> str:
     counts = records.counts
     total = len(records.records)
     lost = f", and {len(records.lost)} more of which nothing is known" if records.lost else ""
     return (
-        f"{total} missions: {counts['finished']} finished, {counts['unfinished']} unfinished, "
+        f"{counted(total, 'mission')}: {counts['finished']} finished, {counts['unfinished']} unfinished, "
         f"{counts['failed']} failed{lost}. Failed missions enter the counts only; unfinished ones enter everything but "
         "the exploration time, which they do not have. Numbers headed by 0.05 and 0.95 are quantiles. R is the number "
         "of robots."

@@ -25,6 +25,7 @@ FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprin
 INPUTS = {"scan_topic": "base_scan", "odometry_topic": "odom"}
 TOPICS = {"map": "map", "metadata": "map_metadata"}
 TRANSFORM_PUBLISH_PERIOD = 0.1  # s
+MOUNT_PATIENCE = 5.0  # s in which the drivers may begin to tell where the laser is
 TRANSFORM_TOLERANCE = 0.2  # s by which map -> odom is dated ahead
 CLOCKS_APART = 0.5  # s between a scan and the newest odometry, from which on they seem to have two clocks
 
@@ -58,6 +59,7 @@ class SlamNode:
         self._transformed_at = -float("inf")
         self._buffer = tf2_ros.Buffer()
         self._listener: Optional[tf2_ros.TransformListener] = None
+        self._listens_since = 0.0
         self._broadcaster = tf2_ros.TransformBroadcaster()
         self._map = rospy.Publisher(TOPICS["map"], NumpyOccupancyGrid, queue_size=1, latch=True)
         self._metadata = rospy.Publisher(TOPICS["metadata"], MapMetaData, queue_size=1, latch=True)
@@ -133,11 +135,14 @@ class SlamNode:
             return self._mounts[frame]
         if self._listener is None:
             self._listener = tf2_ros.TransformListener(self._buffer)
+            self._listens_since = rospy.get_time()
         try:
             message = self._buffer.lookup_transform(self._frames["base_frame"], frame, rospy.Time(0))
             self._mounts[frame] = mount_value(message)
         except tf2_ros.TransformException as error:
-            rospy.logwarn_throttle(10.0, f"no transform from {self._frames['base_frame']} to the laser yet: {error}")
+            if rospy.get_time() - self._listens_since >= MOUNT_PATIENCE:
+                what = f"no transform from {self._frames['base_frame']} to the laser yet"
+                rospy.logwarn_throttle(10.0, f"{what}: {error}")
             return None
         except GridError as error:
             rospy.logwarn_throttle(10.0, f"scans are ignored: {error}")
