@@ -52,9 +52,9 @@ def test_numbers_of_the_contract_and_names() -> None:
     with pytest.raises(KeyError, match="'best' is unknown; there are 0 nearest_path, 1 auction"):
         strategy_of("best")
     assert [number_of(key) for key in ("7", "coordinated")] == [7, 7]
-    with pytest.raises(KeyError, match="and those that EXPLORER_STRATEGIES=FILE.py:Class names"):
+    with pytest.raises(KeyError, match=r"and those that EXPLORER_STRATEGIES=FILE\.py:Class names"):
         number_of("100")
-    with pytest.raises(KeyError, match="set EXPLORER_STRATEGIES=x.py:Mine, then"):
+    with pytest.raises(KeyError, match=r"set EXPLORER_STRATEGIES=x\.py:Mine, then"):
         number_of("x.py:Mine")
     with pytest.raises(ValueError, match="registered twice"):
         registered(type("Other", (FrontierStrategy,), {"number": 3, "name": "other", "title": ""}))

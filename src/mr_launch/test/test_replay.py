@@ -9,9 +9,9 @@ from recorded_bags import SECOND, Bag
 from test_launch_files import parameters_of
 
 from mr_launch.errors import UserError
+from mr_launch.recordings import replay_command
 from mr_launch.recordings.bags import Span, opened
 from mr_launch.recordings.cut import cut, is_played
-from mr_launch.recordings import replay_command
 from mr_launch.recordings.recording import find_recording
 from mr_launch.recordings.replay_command import COMPUTED, main, played_spans
 

@@ -15,7 +15,8 @@ from mr_launch.running_state import running_team
 USAGE = "usage: rosrun mr_launch enter [--team FOLDER] ROBOT [COMMAND...]"
 HELP = f"""{USAGE}
 
-Runs a command where a robot of a running team or replay lives: with its ROS master, in its network. Without a command: a shell.
+Runs a command where a robot of a running team or replay lives: with its ROS master, in its network.
+Without a command: a shell.
 
   --team FOLDER  its output folder (default: out/latest)
   ROBOT          a robot's name, or base

@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 from dataclasses import asdict
-from typing import Sequence, Tuple
+from typing import Sequence
 
 from mr_launch.doctor.diagnosis import diagnose
 
@@ -41,7 +41,7 @@ def make_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def names_of(words: Sequence[str]) -> Tuple[str, ...]:
+def names_of(words: Sequence[str]) -> tuple[str, ...]:
     """Robots, with blanks or commas between."""
     return tuple(name.strip() for name in ",".join(words).split(",") if name.strip())
 
