@@ -108,14 +108,13 @@ def _place(polygon: Polygon, obstacle: Obstacle) -> np.ndarray:
 
 
 def closed_plan(obstacles: Sequence[Obstacle]) -> Obstacle | None:
-    """The first bitmap with walls all around and room within, as pictures of a building and maps have; None without."""
-    for obstacle in obstacles:
-        if obstacle.bitmap is not None and obstacle.solid:
-            pixels = load_bitmap(obstacle.bitmap)
-            edges = (pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1])
-            if all(edge.all() for edge in edges) and not pixels.all():
-                return obstacle
-    return None
+    """The bitmap of a world that has nothing else, if there are walls all around it and room within, as maps have; where
+    there is more, robots may well start beside it."""
+    if len(obstacles) != 1 or obstacles[0].bitmap is None or not obstacles[0].solid:
+        return None
+    pixels = load_bitmap(obstacles[0].bitmap)
+    edges = (pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1])
+    return obstacles[0] if all(edge.all() for edge in edges) and not pixels.all() else None
 
 
 def write_image(grid: Grid, path: str | Path) -> None:
