@@ -108,8 +108,8 @@ def _place(polygon: Polygon, obstacle: Obstacle) -> np.ndarray:
 
 
 def closed_plan(obstacles: Sequence[Obstacle]) -> Obstacle | None:
-    """The bitmap of a world that has nothing else, if there are walls all around it and room within, as maps have; where
-    there is more, robots may well start beside it."""
+    """The bitmap of a world that has nothing else, if there are walls all around it and room within, as maps have.
+    Where there is more, robots may well start beside it."""
     if len(obstacles) != 1 or obstacles[0].bitmap is None or not obstacles[0].solid:
         return None
     pixels = load_bitmap(obstacles[0].bitmap)
