@@ -42,7 +42,12 @@ def objects_in_scan(scan: LaserScan, size: RobotSize) -> Objects:
     # Wider things are dropped by their angle, before their points are looked at.
     with np.errstate(divide="ignore"):
         widths = seen[first] * abs(scan.angle_increment) * (last - first)
-    fits = (first < beams) & (seen[first] <= FARTHEST_M) & (last - first + 1 >= _FEWEST_BEAMS) & (widths <= 2.0 * size.widest)
+    fits = (
+        (first < beams)
+        & (seen[first] <= FARTHEST_M)
+        & (last - first + 1 >= _FEWEST_BEAMS)
+        & (widths <= 2.0 * size.widest)
+    )
     first, last = first[fits], last[fits]
     if not first.size:
         return NO_OBJECTS
