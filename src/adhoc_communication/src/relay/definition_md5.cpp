@@ -22,6 +22,7 @@ const std::set<std::string> kBuiltIn = {"bool",   "int8",     "uint8",  "int16",
                                         "time",   "duration", "byte",   "char"};
 
 using Definitions = std::map<std::string, std::string>;  ///< text by full type name
+using Sums = std::map<std::string, std::string>;         ///< of types that are done: who uses one twice pays once
 
 std::string trimmed(const std::string& text) {
   const auto begin = text.find_first_not_of(kBlanks);
@@ -99,11 +100,11 @@ std::string md5(std::string text) {
   return digits;
 }
 
-std::string md5_of(const std::string& type, const Definitions& definitions, int depth);
+std::string md5_of(const std::string& type, const Definitions& definitions, Sums& sums, int depth);
 
 /// A field, or nothing for an empty line; constants are kept apart because they come first.
-void take_line(const std::string& line, const std::string& package, const Definitions& definitions, int depth,
-               std::vector<std::string>& constants, std::vector<std::string>& fields) {
+void take_line(const std::string& line, const std::string& package, const Definitions& definitions, Sums& sums,
+               int depth, std::vector<std::string>& constants, std::vector<std::string>& fields) {
   const std::string without_comment = trimmed(line.substr(0, line.find('#')));
   const auto blank = without_comment.find_first_of(kBlanks);
   if (blank == std::string::npos) return;
@@ -123,10 +124,11 @@ void take_line(const std::string& line, const std::string& package, const Defini
   }
   std::string full = element == "Header" ? "std_msgs/Header" : element;
   if (full.find('/') == std::string::npos) full = package + "/" + full;
-  fields.push_back(md5_of(full, definitions, depth + 1) + " " + rest);
+  fields.push_back(md5_of(full, definitions, sums, depth + 1) + " " + rest);
 }
 
-std::string md5_of(const std::string& type, const Definitions& definitions, int depth) {
+std::string md5_of(const std::string& type, const Definitions& definitions, Sums& sums, int depth) {
+  if (const auto done = sums.find(type); done != sums.end()) return done->second;
   const auto found = definitions.find(type);
   if (found == definitions.end() || depth > kDeepest) {
     throw PayloadError("its definition lacks that of '" + escaped(type.substr(0, 256)) + "'");
@@ -134,12 +136,12 @@ std::string md5_of(const std::string& type, const Definitions& definitions, int 
   std::vector<std::string> constants, fields;
   std::istringstream lines(found->second);
   for (std::string line; std::getline(lines, line);) {
-    take_line(line, package_of(type), definitions, depth, constants, fields);
+    take_line(line, package_of(type), definitions, sums, depth, constants, fields);
   }
   constants.insert(constants.end(), fields.begin(), fields.end());
   std::string text;
   for (const std::string& line : constants) text += (text.empty() ? "" : "\n") + line;
-  return md5(text);
+  return sums[type] = md5(text);
 }
 
 }  // namespace
@@ -147,7 +149,8 @@ std::string md5_of(const std::string& type, const Definitions& definitions, int 
 std::string md5_of_definition(const std::string& type, const std::string& definition) {
   Definitions definitions = split(type, definition);
   definitions[type];  // a message without fields
-  return md5_of(type, definitions, 0);
+  Sums sums;
+  return md5_of(type, definitions, sums, 0);
 }
 
 }  // namespace adhoc_communication

@@ -40,6 +40,18 @@ TEST(DefinitionMd5, AnotherFieldIsAnotherSum) {
   EXPECT_NE(md5_of_definition("std_msgs/String", "string date\n"), sum);
 }
 
+/// Without a memory of what is done, this would take 2^31 sums.
+TEST(DefinitionMd5, ATypeThatIsUsedTwiceIsSummedOnce) {
+  constexpr int kTypes = 31;
+  const auto twice = [](int i) { return "T" + std::to_string(i) + " a\nT" + std::to_string(i) + " b\n"; };
+  std::string definition = twice(1);
+  for (int i = 1; i <= kTypes; ++i) {
+    definition +=
+        std::string(80, '=') + "\nMSG: a/T" + std::to_string(i) + "\n" + (i < kTypes ? twice(i + 1) : "int8 x\n");
+  }
+  EXPECT_EQ(md5_of_definition("a/T0", definition), "6f636910d7e72c29bb59c8b8b24065dd");
+}
+
 TEST(DefinitionMd5, WhatIsMissingIsNamed) {
   EXPECT_THROW(md5_of_definition("a/B", "C field\n"), PayloadError);
   EXPECT_THROW(md5_of_definition("a/B", "B itself\n"), PayloadError);
