@@ -35,7 +35,8 @@ struct NodeOptions {
   std::string inject_allow = "*";
   /// What moves a robot, or misleads it or who watches it.
   std::string inject_deny =
-      "/rosout /rosout_agg /clock /tf /tf_static */diagnostics */diagnostics_agg *cmd_vel *goal *initialpose";
+      "/rosout /rosout_agg /clock /tf /tf_static */diagnostics */diagnostics_agg *cmd_vel* */commands/velocity *goal "
+      "*initialpose";
   std::vector<RelayEntry> relays;
   double send_lifetime = 0.0;  ///< s, of what the services send; 0: none
   std::string newest_only;     ///< patterns of topics

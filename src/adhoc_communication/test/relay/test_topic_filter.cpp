@@ -10,7 +10,8 @@ namespace {
 TEST(TopicFilter, ByDefaultWhatWouldTakeTheRobotOverIsRefused) {
   const NodeOptions defaults;
   const TopicFilter filter(defaults.inject_allow, defaults.inject_deny);
-  for (const char* topic : {"/rosout", "/clock", "/tf", "/tf_static", "/cmd_vel", "/base/cmd_vel", "/initialpose",
+  for (const char* topic : {"/rosout", "/clock", "/tf", "/tf_static", "/cmd_vel", "/base/cmd_vel",
+                            "/cmd_vel_mux/input/navi", "/mobile_base/commands/velocity", "/initialpose",
                             "/move_base_simple/goal", "/move_base/goal", "/diagnostics", "/ns/diagnostics"}) {
     EXPECT_FALSE(filter.admits(topic)) << topic;
   }
