@@ -4,6 +4,8 @@
 #include <ros/node_handle.h>
 
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 
 #include "relay/local_topics.hpp"
@@ -16,7 +18,7 @@ class RosTopics : public LocalTopics {
   RosTopics(ros::NodeHandle node, std::string prefix);
 
   std::string full_name(const std::string& topic) const override;
-  bool others_publish(const std::string& full_name) const override;
+  std::optional<std::set<std::string>> of_others() const override;
   std::size_t subscribers(const std::string& full_name) const override;
   std::unique_ptr<Publication> advertise(const std::string& full_name, const SerializedMessage& message,
                                          bool latched) override;

@@ -15,7 +15,7 @@ PayloadType type_of(const PacketReceived& packet) { return static_cast<PayloadTy
 }  // namespace
 
 Inbox::Inbox(LocalTopics& local, TopicFilter filter, InboxCalls calls)
-    : local_(local), filter_(std::move(filter)), calls_(std::move(calls)) {}
+    : local_(local), others_(local), filter_(std::move(filter)), calls_(std::move(calls)) {}
 
 void Inbox::take(PacketReceived packet, Time now) {
   try {
@@ -39,7 +39,7 @@ void Inbox::carry_out(PacketReceived& packet, Time now) {
   if (type_of(packet) == PayloadType::kNewMember) return calls_.new_member(packet);
   definitions_.expire(now);
   const bool is_definition = type_of(packet) == PayloadType::kDefinition;
-  if (!is_definition) check_topic(local_.full_name(packet.topic));
+  if (!is_definition) check_topic(local_.full_name(packet.topic), now);
   SerializedMessage message = calls_.decode(packet);
   // Unasked definitions are not kept: nobody can fill the memory with them.
   if (is_definition && definitions_.awaits({message.type, message.md5sum})) learn_definition(message, now);
@@ -48,13 +48,16 @@ void Inbox::carry_out(PacketReceived& packet, Time now) {
   publish(packet, std::move(message), now);
 }
 
-void Inbox::check_topic(const std::string& topic) const {
+void Inbox::check_topic(const std::string& topic, Time now) {
   if (!filter_.admits(topic)) {
     throw PayloadError("other robots may not publish '" + topic + "' here (parameters inject_allow, inject_deny)");
   }
-  if (topics_.knows(topic) || filter_.names(topic)) return;
-  if (local_.others_publish(topic)) {
-    throw PayloadError("nodes of this robot publish '" + topic + "', so others may not, unless inject_allow names it");
+  if (filter_.names(topic)) return;
+  try {
+    others_.check_free(topic, topics_.knows(topic), now);
+  } catch (const PayloadError&) {
+    topics_.forget(topic);
+    throw;
   }
 }
 

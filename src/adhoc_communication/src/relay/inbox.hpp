@@ -11,6 +11,7 @@
 #include "relay/definitions.hpp"
 #include "relay/local_topics.hpp"
 #include "relay/message.hpp"
+#include "relay/others_topics.hpp"
 #include "relay/subscriber_queue.hpp"
 #include "relay/topic_filter.hpp"
 #include "relay/topic_table.hpp"
@@ -49,7 +50,7 @@ class Inbox {
   static constexpr std::size_t kMostTold = 256;  ///< topics, and robots
 
   void carry_out(PacketReceived& packet, Time now);
-  void check_topic(const std::string& full_name) const;
+  void check_topic(const std::string& full_name, Time now);
   void learn_definition(const SerializedMessage& message, Time now);
   bool complete(SerializedMessage& message, PacketReceived& packet, Time now);
   void publish(const PacketReceived& packet, SerializedMessage message, Time now);
@@ -60,6 +61,7 @@ class Inbox {
   void tell_of_topics_given_up();
 
   LocalTopics& local_;
+  OthersTopics others_;
   const TopicFilter filter_;
   const InboxCalls calls_;
   Definitions definitions_;

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 
 #include "relay/message.hpp"
@@ -35,8 +37,8 @@ class LocalTopics {
 
   /// One topic has one name. Throws PayloadError for what is no valid name.
   virtual std::string full_name(const std::string& topic) const = 0;
-  /// Nodes of this robot besides this one publish it.
-  virtual bool others_publish(const std::string& full_name) const = 0;
+  /// What nodes of this robot besides this one publish, by full names; nothing when that cannot be learned now.
+  virtual std::optional<std::set<std::string>> of_others() const = 0;
   virtual std::size_t subscribers(const std::string& full_name) const = 0;  ///< that have connected or are to
   /// A topic of the type of `message`. Throws PayloadError.
   virtual std::unique_ptr<Publication> advertise(const std::string& full_name, const SerializedMessage& message,

@@ -28,6 +28,10 @@ TopicTable::Topic& TopicTable::add(const std::string& name, Topic topic, Time no
   return topics_.emplace(name, std::move(topic)).first->second;
 }
 
+void TopicTable::forget(const std::string& name) {
+  if (const auto found = topics_.find(name); found != topics_.end()) forget(found);
+}
+
 void TopicTable::publish(Topic& topic, SerializedMessage message, Time now) {
   if (!topic.connecting) return put_out(topic, message);
   waiting_octets_ += message.bytes.size() + kOverhead;

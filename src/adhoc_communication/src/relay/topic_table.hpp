@@ -49,6 +49,8 @@ class TopicTable {
   bool anything_waits() const { return waiting_octets_ > 0 || subscribers_wait_; }
 
   Topic& add(const std::string& name, Topic topic, Time now);
+  /// With what waits for its subscribers.
+  void forget(const std::string& name);
   /// What subscribers do not get because they are still connecting is lost to them: until they have, the messages of
   /// that topic wait, and no others.
   void publish(Topic& topic, SerializedMessage message, Time now);

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -17,14 +18,18 @@ class FakeTopics : public LocalTopics {
  public:
   std::map<std::string, std::size_t> expected;   ///< subscribers that a topic has or is to have
   std::map<std::string, std::size_t> connected;  ///< those that it has
-  std::set<std::string> of_others;               ///< topics that other nodes publish
+  std::optional<std::set<std::string>> published_by_others{std::set<std::string>{}};
+  mutable int times_asked = 0;                   ///< what others publish
   std::map<std::string, bool> advertised;        ///< and whether they are latched
   std::vector<std::string> published;            ///< topic and octets
   std::set<std::string> slow;                    ///< topics of which something waits for a subscriber
   std::map<std::string, std::uint64_t> dropped;  ///< messages that slow ones have lost, not told yet
 
   std::string full_name(const std::string& topic) const override { return local_topic("/", topic); }
-  bool others_publish(const std::string& name) const override { return of_others.count(name) != 0; }
+  std::optional<std::set<std::string>> of_others() const override {
+    ++times_asked;
+    return published_by_others;
+  }
   std::size_t subscribers(const std::string& name) const override {
     const auto found = expected.find(name);
     return found == expected.end() ? 0 : found->second;

@@ -142,10 +142,50 @@ TEST_F(InboxTest, WhatIsRefusedIsCountedAndToldOncePerTopic) {
 }
 
 TEST_F(InboxTest, WhatOwnNodesPublishIsRefusedUnlessNamed) {
-  local.of_others = {"/scan", "/odom"};
+  local.published_by_others = {"/scan", "/odom"};
   inbox.take(any("scan", "1"), 0s);
   inbox.take(any("odom", "2"), 0s);
   EXPECT_EQ(local.published, Texts{"/odom 2"});
+}
+
+TEST_F(InboxTest, ATopicThatAnOwnNodePublishesLaterIsGivenUp) {
+  inbox.take(any("scan", "1"), 0s);
+  local.published_by_others = {"/scan"};
+  for (int i = 0; i < 9; ++i) inbox.take(any("scan", "2"), i * 100ms);
+  EXPECT_EQ(local.published.size(), 10u);
+  inbox.take(any("scan", "3"), 1s);
+  EXPECT_EQ(local.published.size(), 10u);
+  EXPECT_TRUE(local.advertised.empty());
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("nodes of this robot publish '/scan'"), std::string::npos) << told[0];
+  local.published_by_others->clear();
+  inbox.take(any("scan", "4"), 2s);
+  EXPECT_EQ(local.published.back(), "/scan 4");
+}
+
+TEST_F(InboxTest, WhatIsCarriedOrRefusedIsAskedForOnceASecond) {
+  local.published_by_others = {"/scan"};
+  for (int i = 0; i < 100; ++i) {
+    inbox.take(any("scan", "1"), i * 10ms);
+    inbox.take(any("map", "2"), i * 10ms);
+  }
+  EXPECT_EQ(local.times_asked, 2) << "of each topic as it was new";
+}
+
+TEST_F(InboxTest, WhileTheMasterIsSilentKnownTopicsGoOn) {
+  inbox.take(any("map", "1"), 0s);
+  local.published_by_others.reset();
+  for (int i = 0; i < 29; ++i) {
+    inbox.take(any("map", "2"), 1s + i * 100ms);
+    inbox.take(any("scan", "3"), 1s + i * 100ms);
+  }
+  EXPECT_EQ(local.times_asked, 2);
+  EXPECT_EQ(local.published.size(), 30u);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("the ROS master does not answer"), std::string::npos) << told[0];
+  local.published_by_others.emplace();
+  inbox.take(any("scan", "4"), 4s);
+  EXPECT_EQ(local.published.back(), "/scan 4");
 }
 
 TEST_F(InboxTest, ATopicHasOneType) {
