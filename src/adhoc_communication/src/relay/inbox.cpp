@@ -104,10 +104,14 @@ void Inbox::publish(const PacketReceived& packet, SerializedMessage message, Tim
 
 TopicTable::Topic& Inbox::topic_for(const std::string& name, const SerializedMessage& message,
                                     const PacketReceived& packet, Time now) {
-  if (TopicTable::Topic* known = topics_.find(name, now)) {
+  if (TopicTable::Topic* known = topics_.find(name)) {
     if (known->md5sum == message.md5sum && known->type == message.type) return *known;
-    throw PayloadError("topic '" + name + "' carries " + known->type + " here, so " + message.type +
-                       " cannot be published on it");
+    if (packet.source != known->source && now - known->used < kTypeStands) {
+      throw PayloadError("topic '" + name + "' carries " + known->type + " of " + known->source + " here, so " +
+                         message.type + " cannot be published on it before it was silent for " +
+                         std::to_string(kTypeStands / std::chrono::seconds(1)) + " s");
+    }
+    topics_.forget(name);
   }
   // Who comes late must not drive on an old command.
   const bool latched = packet.latched && message.type != "geometry_msgs/Twist";

@@ -48,6 +48,8 @@ class Inbox {
 
  private:
   static constexpr std::size_t kMostTold = 256;  ///< topics, and robots
+  /// A topic of that silence may get another type from any robot; from the one that brought it, at any time.
+  static constexpr Time kTypeStands = std::chrono::seconds(10);
 
   void carry_out(PacketReceived& packet, Time now);
   void check_topic(const std::string& full_name, Time now);

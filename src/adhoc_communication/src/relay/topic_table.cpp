@@ -12,11 +12,9 @@ constexpr std::size_t kOverhead = 1;
 
 }  // namespace
 
-TopicTable::Topic* TopicTable::find(const std::string& name, Time now) {
+TopicTable::Topic* TopicTable::find(const std::string& name) {
   const auto found = topics_.find(name);
-  if (found == topics_.end()) return nullptr;
-  found->second.used = now;
-  return &found->second;
+  return found == topics_.end() ? nullptr : &found->second;
 }
 
 TopicTable::Topic& TopicTable::add(const std::string& name, Topic topic, Time now) {
@@ -33,6 +31,7 @@ void TopicTable::forget(const std::string& name) {
 }
 
 void TopicTable::publish(Topic& topic, SerializedMessage message, Time now) {
+  topic.used = now;
   if (!topic.connecting) return put_out(topic, message);
   waiting_octets_ += message.bytes.size() + kOverhead;
   topic.waiting.push_back(std::move(message));

@@ -38,12 +38,12 @@ class TopicTable {
     bool latched = false;
     std::size_t kept = 0;  ///< octets of the message that late subscribers get
     Time connects_until{0};
-    Time used{0};
+    Time used{0};                             ///< when a message was published on it last
     std::deque<SerializedMessage> waiting{};  ///< until they have
     bool connecting = true;
   };
 
-  Topic* find(const std::string& name, Time now);
+  Topic* find(const std::string& name);
   bool knows(const std::string& name) const { return topics_.count(name) != 0; }
   std::size_t size() const { return topics_.size(); }
   bool anything_waits() const { return waiting_octets_ > 0 || subscribers_wait_; }

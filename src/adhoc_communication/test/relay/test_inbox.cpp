@@ -33,6 +33,13 @@ PacketReceived any(const std::string& topic, const std::string& octets) {
 PacketReceived by_type(const std::string& topic, const std::string& octets, const std::string& source = "bob") {
   return packet(PayloadType::kMessageByType, topic, octets, source);
 }
+PacketReceived of_another_type(const std::string& topic, const std::string& octets, const std::string& source) {
+  PacketReceived result = packet(PayloadType::kAnyMessage, topic, octets, source);
+  const SerializedMessage other{
+      "pkg/Other", md5_of_definition("pkg/Other", ""), "", {octets.begin(), octets.end()}, false};
+  result.payload = encode_any_message(other);
+  return result;
+}
 PacketReceived definition() { return packet(PayloadType::kDefinition, "definition", ""); }
 
 class InboxTest : public testing::Test {
@@ -190,11 +197,27 @@ TEST_F(InboxTest, WhileTheMasterIsSilentKnownTopicsGoOn) {
 
 TEST_F(InboxTest, ATopicHasOneType) {
   inbox.take(any("scan", "1"), 0s);
-  PacketReceived other = any("scan", "2");
-  other.payload = encode_any_message({"pkg/Other", md5_of_definition("pkg/Other", ""), "", {2}, false});
-  inbox.take(other, 0s);
-  EXPECT_EQ(local.published, Texts{"/scan 1"});
-  EXPECT_EQ(inbox.take_dropped(), 1u);
+  inbox.take(of_another_type("scan", "2", "mallory"), 0s);
+  inbox.take(any("scan", "3"), 5s);
+  inbox.take(of_another_type("scan", "4", "mallory"), 14s);
+  EXPECT_EQ(local.published, (Texts{"/scan 1", "/scan 3"}));
+  EXPECT_EQ(inbox.take_dropped(), 2u);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("carries pkg/Type of bob here"), std::string::npos) << told[0];
+}
+
+TEST_F(InboxTest, WhoBroughtATopicMayChangeItsType) {
+  inbox.take(of_another_type("scan", "1", "bob"), 0s);
+  inbox.take(any("scan", "2"), 1ms);
+  EXPECT_EQ(local.published, (Texts{"/scan 1", "/scan 2"}));
+  EXPECT_EQ(local.advertised.size(), 1u);
+}
+
+TEST_F(InboxTest, AMistakenPacketDoesNotFixATypeForEver) {
+  inbox.take(of_another_type("scan", "1", "mallory"), 0s);
+  inbox.take(any("scan", "2"), 9s);
+  inbox.take(any("scan", "3"), 10s);
+  EXPECT_EQ(local.published, (Texts{"/scan 1", "/scan 3"}));
 }
 
 TEST_F(InboxTest, SubscribersOfANewTopicMissNothing) {
