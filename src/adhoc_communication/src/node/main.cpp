@@ -77,8 +77,11 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "--list-parameters") == 0) return list_parameters();
   return_large_blocks();
   ros::init(argc, argv, "adhoc_communication", ros::init_options::NoSigintHandler);
+  // Waits for the master, and until then signals end the process as they are. roscpp shuts down, its console too, when
+  // the last handle goes.
+  const ros::NodeHandle keeps_ros_running;
+  ros::master::setRetryTimeout(ros::WallDuration(1.0));  // without one a master that has gone is waited for for ever
   end_on_signals();
-  const ros::NodeHandle keeps_ros_running;  // roscpp shuts down, its console too, when the last handle goes
   try {
     const NodeOptions options = read_parameters();
     adhoc_communication::Node node(options);
