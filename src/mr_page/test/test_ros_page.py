@@ -205,6 +205,7 @@ async def look(page):
         ("_port:=70000", "~port = 70000 is no port"),
         ("_port:=x", "~port = 'x' is not of type int"),
         ("_start_pose:=1 2", "~start_pose = '1 2'"),
+        ("_start_pose:=1 2 nan", "~start_pose = '1 2 nan'"),
     ],
 )
 def test_bad_parameters_are_named(page, parameter, part):

@@ -1,5 +1,7 @@
 """What becomes of what a robot tells."""
 
+import math
+
 import pytest
 from made_messages import decision, exploration, merger, network
 
@@ -41,6 +43,18 @@ def test_a_choice_is_a_goal_that_is_another(state, watch):
         (1.0, 3.0, "bid 7.2 m, the lowest of 4 clusters"), (3.0, 9.0, "near"),
         (5.0, 9.0, "bid 7.2 m, the lowest of 4 clusters"),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("odd", [math.nan, math.inf])
+def test_what_is_no_place_is_passed_over(state, watch, odd):
+    watch.pose(Pose(1.0, odd, 0.0))
+    watch.points("plan", [(1.0, 2.0), (odd, 3.0)])
+    watch.peers({"b": (1.0, 2.0), "c": (1.0, odd)})
+    watch.cluster(0, [(odd, 1.0), (3.0, 4.0)])
+    assert state.get("robot_0", "pose") is None and items(state, "trail") == []
+    assert state.get("robot_0", "plan") == [[1.0, 2.0]]
+    assert state.get("robot_0", "peers") == {"b": [1.0, 2.0]}
+    assert state.get("robot_0", "clusters") == [[[3.0, 4.0]]]
 
 
 def test_places_found_and_given_up_are_events(state, watch):

@@ -16,6 +16,7 @@ from mr_grid import Pose
 from mr_grid.ros_node import init_node
 from mr_page.commands import Answer, Order
 from mr_page.feeds import FeedLink
+from mr_page.numbers import is_finite
 from mr_page.ros_feed import RobotFeed
 from mr_page.server import ADDRESS, PORT, PageServer, listening_sockets, quiet_logs
 from mr_page.state import PageState
@@ -56,7 +57,9 @@ class Parameters:
         self.team_socket = _checked("team_socket", "", str)
         start = _checked("start_pose", "", str).split()
         try:
-            x, y, yaw = map(float, start or ("nan",) * 3)
+            x, y, yaw = map(float, start or ("0",) * 3)
+            if not is_finite(x, y, yaw):
+                raise ValueError
             self.start = Pose(x, y, yaw) if start else None
         except ValueError:
             raise ValueError(f"parameter ~start_pose = {' '.join(start)!r} is not x m, y m, yaw rad") from None

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
+
+from mr_page.numbers import is_finite, number
 
 STAGES = ("starting", "exploring", "waiting", "returning", "finished")  # of explorer/ExplorationState
 LEVELS = {4: "warning", 8: "error", 16: "fatal"}  # of rosgraph_msgs/Log; what is below is no news
@@ -17,7 +18,7 @@ def exploration_values(message: Any) -> dict[str, Any]:
         "state": stage_name(message.state),
         "text": message.text,
         "finished": message.exploration_finished,
-        "time": round(message.exploration_time),
+        "time": number(message.exploration_time, 0),
         **{name: getattr(message, name) for name in counters},
     }
 
@@ -27,26 +28,27 @@ def decision_values(message: Any) -> dict[str, Any]:
     return {
         "paused": message.paused,
         "ended_by": message.ended_by,
-        "goal": [round(message.goal.x, 2), round(message.goal.y, 2)] if message.has_goal else None,
+        "goal": _place(message.goal) if message.has_goal and _is_place(message.goal) else None,
         "reason": message.goal_reason,
         "strategy": message.strategy,
         "bids": {bid.robot_name: number(bid.bid, 2) for bid in message.bids[:MOST]},
         "unit": message.bid_unit,
         "shares": {
-            share.robot_name: [round(share.place.x, 2), round(share.place.y, 2)] for share in message.assignment[:MOST]
+            share.robot_name: _place(share.place) for share in message.assignment[:MOST] if _is_place(share.place)
         },
         "area": number(message.area_known, 1),
         "rest": number(message.expected_rest, 0),
         "left": [
-            [round(left.place.x, 2), round(left.place.y, 2), round(left.size, 1), left.reason]
+            [*_place(left.place), number(left.size, 1), left.reason]
             for left in message.left[:MOST]
+            if _is_place(left.place)
         ],
         "team_finished": list(message.team_finished),
     }
 
 
 def team_values(message: Any) -> dict[str, Any]:
-    """explorer/TeamOverview. Ages in tens of seconds, so that they are no news all the time."""
+    """explorer/TeamOverview."""
     robots = {}
     for member in message.robots[:MOST]:
         told = member.state
@@ -56,7 +58,7 @@ def team_values(message: Any) -> dict[str, Any]:
             "merging": told.merging,
             "area": number(told.area_known, 0),
             "in_reach": member.in_reach,
-            "age": number(10.0 * math.floor(member.age / 10.0), 0) if member.age >= 0.0 else None,
+            "age": _age(member.age),
             "order": member.order,
             "answered": member.answered,
             "answer": told.order_answer,
@@ -70,7 +72,7 @@ def stage_name(state: int) -> str:
 
 
 def merger_values(message: Any) -> dict[str, Any]:
-    """map_merger/MergerStatus. Ages in tens of seconds, so that they are no news all the time."""
+    """map_merger/MergerStatus."""
     return {
         "topology": message.topology,
         "base_station": message.base_station,
@@ -82,11 +84,12 @@ def merger_values(message: Any) -> dict[str, Any]:
                 "via": other.via,
                 "pose": [round(other.x, 3), round(other.y, 3), round(other.yaw, 4)],
                 "confidence": round(other.confidence, 2),
-                "shared_wall": round(other.shared_wall_m, 1),
-                "age": number(10.0 * math.floor(other.age_s / 10.0), 0) if other.age_s >= 0.0 else None,
+                "shared_wall": number(other.shared_wall_m, 1),
+                "age": _age(other.age_s),
                 "bytes": other.bytes_received,
             }
             for other in message.robots[:MOST]
+            if is_finite(other.x, other.y, other.yaw, other.confidence)
         ],
         "wants_to_meet": list(message.wants_to_meet),
     }
@@ -102,13 +105,13 @@ def network_values(message: Any) -> dict[str, Any]:
         "sealed": message.sealed,
         "robots": list(message.robots),
         "links": [
-            {"robot": link.robot, "two_way": link.two_way, "loss": round(link.loss, 2), "waiting": link.waiting}
+            {"robot": link.robot, "two_way": link.two_way, "loss": number(link.loss, 2), "waiting": link.waiting}
             for link in message.links[:MOST]
         ],
         "routes": [
             {"to": route.destination, "via": route.next_hop, "hops": route.hops, "cost": round(route.cost, 1)}
             for route in message.routes[:MOST]
-            if route.valid
+            if route.valid and is_finite(route.cost)
         ],
         "groups": [
             {
@@ -129,8 +132,14 @@ def network_values(message: Any) -> dict[str, Any]:
     }
 
 
-def number(value: float, digits: int) -> float | None:
-    """Rounded; None for what is no number, because JSON has none of these."""
-    if not math.isfinite(value):
-        return None
-    return round(value, digits) if digits else round(value)
+def _is_place(point: Any) -> bool:
+    return is_finite(point.x, point.y)
+
+
+def _place(point: Any) -> list[float]:
+    return [round(point.x, 2), round(point.y, 2)]
+
+
+def _age(seconds: float) -> float | None:
+    """In tens of seconds, so that it is no news all the time; None if there is none."""
+    return number(10.0 * (seconds // 10.0), 0) if seconds >= 0.0 else None

@@ -8,6 +8,7 @@ from typing import Any, Mapping, Sequence
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
+from mr_page.numbers import is_finite
 from mr_page.state import PageState
 
 TRAIL_STEP = 0.1  # m between two points of the trail
@@ -50,7 +51,7 @@ class RobotWatch:
 
     def pose(self, pose: Pose | None) -> None:
         """None: it is not known at the moment."""
-        if pose is None:
+        if pose is None or not is_finite(*pose):
             self._state.put(self._robot, "pose", None)
             return
         self._state.put(self._robot, "pose", [round(pose.x, 2), round(pose.y, 2), round(pose.yaw, 2)])
@@ -118,7 +119,7 @@ class RobotWatch:
     def points(self, name: str, points: Sequence[Sequence[float]]) -> None:
         """Places, such as "frontiers", "plan" or "peers"; more than POINTS of them are thinned evenly."""
         thinned = points[:: -(-len(points) // POINTS) or 1]
-        self._state.put(self._robot, name, [[round(x, 2), round(y, 2)] for x, y in thinned])
+        self._state.put(self._robot, name, [[round(x, 2), round(y, 2)] for x, y in thinned if is_finite(x, y)])
 
     def team(self, values: Values, now: float) -> None:
         """Of explorer/TeamOverview: what the others have told over the radio."""
@@ -130,12 +131,13 @@ class RobotWatch:
 
     def peers(self, places: Mapping[str, tuple[float, float]]) -> None:
         """Where other robots are."""
-        self._state.put(self._robot, "peers", {name: [round(x, 2), round(y, 2)] for name, (x, y) in places.items()})
+        known = {name: place for name, place in places.items() if is_finite(*place)}
+        self._state.put(self._robot, "peers", {name: [round(x, 2), round(y, 2)] for name, (x, y) in known.items()})
 
     def cluster(self, number: int, points: Sequence[Sequence[float]]) -> None:
         clusters = list(self._state.get(self._robot, "clusters", []))
         clusters += [[] for _ in range(number + 1 - len(clusters))]
-        clusters[number] = [[round(x, 1), round(y, 1)] for x, y in points[:200]]
+        clusters[number] = [[round(x, 1), round(y, 1)] for x, y in points[:200] if is_finite(x, y)]
         self._state.put(self._robot, "clusters", clusters)
 
     def services(self, offered: Mapping[str, bool]) -> None:
