@@ -6,6 +6,7 @@ import os
 import socket
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -126,12 +127,15 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
     transform.transform.translation, transform.transform.rotation = Vector3(1.5, -2.5, 0.0), Quaternion(0, 0, 0, 1)
     broadcaster = tf2_ros.StaticTransformBroadcaster()
     broadcaster.sendTransform(transform)
+    hang = threading.Event()
     services = [
+        rospy.Service("explorer/resume", Trigger, lambda _: hang.wait() and TriggerResponse(True, "too late")),
         rospy.Service("explorer/pause", Trigger, lambda _: TriggerResponse(True, "paused")),
         rospy.Service("mission_control/pause", Trigger, lambda _: TriggerResponse(True, "all paused")),
         rospy.Service("mission_control/order", OrderRobots, passed_on),
     ]
     seen = asyncio.run(look(page))
+    hang.set()
     for service in services:
         service.shutdown()
     assert seen["pose"] == [1.5, -2.5, 0.0]
@@ -143,12 +147,13 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
     assert seen["team"]["robots"]["robot_1"]["state"] == "exploring" and seen["team"]["robots"]["robot_1"]["area"] == 9
     assert seen["frontiers"] == [[5.0, 6.0]] and seen["clusters"] == [[], [], [], [[1.0, 1.0]]]
     assert seen["network"]["links"] == [{"robot": "robot_1", "two_way": True, "loss": 0.25, "waiting": 0}]
-    offered = ["pause", "team_pause", *(f"pass_on_{order}" for order in ORDERS)]
+    offered = ["pause", "resume", "team_pause", *(f"pass_on_{order}" for order in ORDERS)]
     assert [command for command, there in seen["services"].items() if there] == offered
     assert seen["answers"] == [
         "paused",
         "all paused",
         "the service explorer/stop does not answer",
+        "the service explorer/resume does not answer within 5 s",
         "stop: sent to robot_1",
     ]
     assert {kind: len(tiles) for kind, tiles in seen["tiles"].items()} == {"local": 2, "global": 2}
@@ -193,9 +198,11 @@ async def look(page):
             tiles[kind].add(place)
             assert np.frombuffer(cells, dtype=np.uint8)[0] == 0b01010101
     answers = []
-    for command, to in (("pause", ""), ("team_pause", ""), ("stop", ""), ("pass_on_stop", "robot_1")):
+    for command, to in (("pause", ""), ("team_pause", ""), ("stop", ""), ("resume", ""), ("pass_on_stop", "robot_1")):
         await guest.say(robot="robot_0", command=command, to=to)
-        answers.append((await guest.hear_answer())["text"].partition(": service")[0].partition(": timeout")[0])
+        answers.append(
+            (await guest.hear_answer())["text"].partition(": service")[0].partition(": timeout")[0].partition(";")[0]
+        )
     return {**seen, "tiles": tiles, "answers": answers}
 
 

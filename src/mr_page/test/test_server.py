@@ -11,7 +11,7 @@ from tornado.httpclient import AsyncHTTPClient, HTTPClientError
 
 from mr_grid import OccupancyGrid
 from mr_page.commands import Answer
-from mr_page.server import MAX_VIEWERS, is_own_name, listening_sockets
+from mr_page.server import MAX_ORDERS, MAX_VIEWERS, is_own_name, listening_sockets
 from mr_page.state import PageState
 from mr_page.tiles import TILE
 from mr_page.update import Changes
@@ -80,6 +80,27 @@ def test_orders_go_to_the_robot_and_answers_come_back():
             await guest.say(robot="a", command="pass_on_stop", to="c")
             assert (await guest.hear_answer())["to"] == "c"
         assert asked == [("a", "pause", ""), ("a", "pass_on_stop", "c")]
+
+    asyncio.run(run())
+
+
+def test_an_order_that_waits_holds_up_nothing_else():
+    async def run():
+        state, answers = state_with_a_map(), asyncio.Event()
+
+        async def command(robot, order):
+            await answers.wait()
+            return Answer(True, "at last")
+
+        async with served(state, command) as address:
+            guest = await Guest.at(address)
+            for _ in range(MAX_ORDERS):
+                await guest.say(robot="a", command="pause")
+            assert (await asked_for_past(guest, 3.0)).moment == (None, 3.0)
+            await guest.say(robot="a", command="stop")
+            assert "16 orders wait" in (await guest.hear_answer())["text"]
+            answers.set()
+            assert [(await guest.hear_answer())["text"] for _ in range(MAX_ORDERS)] == ["at last"] * MAX_ORDERS
 
     asyncio.run(run())
 

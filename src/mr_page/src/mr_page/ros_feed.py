@@ -32,6 +32,7 @@ from mr_page.ros_values import (
     network_values,
     team_values,
 )
+from mr_page.service_calls import ServiceCalls
 from mr_page.state import PageState
 from mr_page.watch import RobotWatch
 
@@ -62,6 +63,7 @@ class RobotFeed:
         self._base_frame = base_frame
         self._has_body = not base
         self._services_at = -SERVICES_PERIOD
+        self._calls = ServiceCalls()
         self._tf = tf2_ros.Buffer(rospy.Duration(5.0))
         self._listener = tf2_ros.TransformListener(self._tf) if self._has_body else None
         self._subscribe("map", numpy_msg(OccupancyGrid), self._on_map, "local")
@@ -100,16 +102,11 @@ class RobotFeed:
                 self._watch.services(offered)
 
     def command(self, order: Order) -> Answer:
-        """Calls the service of a command; blocks."""
+        """Calls the service of a command; blocks for a few seconds at most."""
         if order.command not in SERVICES:
             return Answer(False, "only radios of simulated robots can be switched from the page of their team")
         service = SERVICES[order.command]
-        try:
-            rospy.wait_for_service(service, timeout=0.5)
-            response = _called(service, order)
-            answer = Answer(response.success, response.message)
-        except (rospy.ServiceException, rospy.ROSException) as error:
-            answer = Answer(False, f"the service {service} does not answer: {error}")
+        answer = self._calls.answer(service, lambda: _answer(service, order))
         with self.lock:
             self._watch.answered(order.command, answer.done, answer.text, rospy.get_time())
         return answer
@@ -181,6 +178,15 @@ class RobotFeed:
         if message.level in LEVELS:
             text = re.sub(r"\x1b\[[0-9;]*m", "", message.msg)
             self._watch.log(LEVELS[message.level], message.name, text, rospy.get_time())
+
+
+def _answer(service: str, order: Order) -> Answer:
+    try:
+        rospy.wait_for_service(service, timeout=0.5)
+        response = _called(service, order)
+    except (rospy.ServiceException, rospy.ROSException) as error:
+        return Answer(False, f"the service {service} does not answer: {error}")
+    return Answer(response.success, response.message)
 
 
 def _called(service: str, order: Order) -> Any:

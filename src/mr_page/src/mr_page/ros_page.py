@@ -7,6 +7,8 @@ import contextlib
 import socket
 import threading
 import time
+from collections import deque
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from typing import Any
 
 import rospy
@@ -81,17 +83,21 @@ def _checked(name: str, default: Any, kind: type) -> Any:
 
 def feed_team(feed: RobotFeed, robot: str, path: str) -> None:
     """Tell the team's page everything until the node ends; look for it again when it is gone."""
+    orders = ThreadPoolExecutor(1)
     while not rospy.is_shutdown():
         with contextlib.suppress(OSError), contextlib.closing(FeedLink(path, robot)) as link:
-            _feed(feed, link)
+            _feed(feed, link, orders)
         time.sleep(RETRY)
 
 
-def _feed(feed: RobotFeed, link: FeedLink) -> None:
+def _feed(feed: RobotFeed, link: FeedLink, orders: Executor) -> None:
+    """Orders are carried out one by one in a thread of their own, so that what is new is told meanwhile."""
     viewer = Viewer(feed.state)
+    asked: deque[Future[Answer]] = deque()
     while not rospy.is_shutdown():
-        for order in link.orders(PERIOD):
-            link.answer(feed.command(order))
+        asked += [orders.submit(feed.command, order) for order in link.orders(PERIOD)]
+        while asked and asked[0].done():
+            link.answer(asked.popleft().result())
         feed.tick()
         with feed.lock:
             update = viewer.update(time.monotonic())

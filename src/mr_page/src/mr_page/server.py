@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import ipaddress
 import json
@@ -25,6 +26,7 @@ from mr_page.viewer import PERIOD, Viewer
 PORT = 8088
 ADDRESS = "localhost"
 MAX_VIEWERS = 16
+MAX_ORDERS = 16  # of a viewer at a time
 MAX_REQUEST = 4096  # octets of a message from a browser
 
 
@@ -116,6 +118,7 @@ class _Live(_Handler, WebSocketHandler):
         self._server = server
         self._viewer: Viewer | None = None
         self._busy = False
+        self._orders: set[asyncio.Task[None]] = set()
 
     def get_compression_options(self) -> dict[str, Any]:
         return {"compression_level": 6, "mem_level": 8}
@@ -142,7 +145,7 @@ class _Live(_Handler, WebSocketHandler):
             elif "past" in request:
                 await self._show_past(float(request["past"]))
             else:
-                await self._order(str(request["robot"]), Order(str(request["command"]), str(request.get("to", ""))))
+                self._begin(str(request["robot"]), Order(str(request["command"]), str(request.get("to", ""))))
         except (ValueError, KeyError, TypeError, AttributeError):
             self.close(1007, "this is no request of a page")
 
@@ -157,8 +160,15 @@ class _Live(_Handler, WebSocketHandler):
         with contextlib.suppress(WebSocketClosedError):
             await self.write_message(encoded(update or Update(moment=(None, time))), binary=True)
 
-    async def _order(self, robot: str, order: Order) -> None:
-        answer = await self._server.order(robot, order)
+    def _begin(self, robot: str, order: Order) -> None:
+        """As a task: a robot may take seconds to answer, and what the viewer says meanwhile is to be heard."""
+        task = asyncio.create_task(self._order(robot, order, len(self._orders) < MAX_ORDERS))
+        self._orders.add(task)
+        task.add_done_callback(self._orders.discard)
+
+    async def _order(self, robot: str, order: Order, is_taken: bool) -> None:
+        late = Answer(False, f"{MAX_ORDERS} orders wait for their answers; wait for one")
+        answer = await self._server.order(robot, order) if is_taken else late
         told = {"robot": robot, "command": order.command, "to": order.to, "done": answer.done, "text": answer.text}
         with contextlib.suppress(WebSocketClosedError):
             await self.write_message(told)
