@@ -49,9 +49,10 @@ void RelayQueue::offer(RelayedMessage message, bool present, Time now) {
 /// Only a latched message keeps its octets; of the others the type is kept, to answer who lacks the definition.
 void RelayQueue::remember_last(RelayedMessage message) {
   if (last_) budget_.give_back(last_->bytes.size());
-  if (entry_.latched && budget_.fits(message->bytes.size())) {
+  const bool was_whole = std::exchange(last_is_whole_, entry_.latched && budget_.fits(message->bytes.size()));
+  if (last_is_whole_) {
     last_ = std::move(message);
-  } else if (!last_ || !last_->bytes.empty() || !(type_of(*last_) == type_of(*message))) {
+  } else if (!last_ || was_whole || !(type_of(*last_) == type_of(*message))) {
     last_ =
         std::make_shared<SerializedMessage>(SerializedMessage{message->type, message->md5sum, message->definition, {}});
   }
@@ -80,7 +81,7 @@ void RelayQueue::enqueue(RelayTransfer message) {
 }
 
 void RelayQueue::owe_last(const std::string& destination, Time now) {
-  if (!entry_.latched || !last_ || last_->bytes.empty() || last_expires_ <= now) return;
+  if (!last_is_whole_ || last_expires_ <= now) return;
   due_ = std::min(due_, now);
   if (destination == entry_.destination) {
     enqueue({last_, destination, last_expires_});

@@ -96,6 +96,7 @@ class RelayQueue {
   OctetBudget& budget_;
   std::deque<RelayTransfer> waiting_;
   RelayedMessage last_;
+  bool last_is_whole_ = false;  ///< with its octets, of which a message may have none
   Time last_expires_ = Time::max();
   std::set<std::string> owed_;  ///< members of the group that are to be sent the last message by themselves
   std::set<std::string> had_;   ///< those to whom it has gone

@@ -308,6 +308,23 @@ TEST(RelayTable, LatchedMessageOfTheOwnGroupGoesToEachNewMemberAlone) {
   EXPECT_TRUE(table.next(4s)) << "a member that has been away";
 }
 
+/// As std_msgs/Empty.
+TEST(RelayTable, LatchedMessageWithoutOctetsReachesWhoComesLate) {
+  RelayTable table("self");
+  RelayEntry entry = to("mc_self");
+  entry.latched = true;
+  const auto to_group = table.add(entry);
+  entry.destination = "bob";
+  const auto to_bob = table.add(entry);
+  table.offer(to_group, message(""), 0s);
+  table.offer(to_bob, message(""), 0s);
+  EXPECT_EQ(deliver_all(table, 0s).size(), 1u);
+  table.robot_appeared("bob", 1s);
+  EXPECT_EQ(deliver_all(table, 1s), std::vector<std::string>{""});
+  table.group_members({"bob"}, 2s);
+  EXPECT_EQ(deliver_all(table, 2s), std::vector<std::string>{""});
+}
+
 /// Members that joined together pushed each other's message out of the queue.
 TEST(RelayTable, LatchedMessageReachesManyWhoJoinTogether) {
   RelayTable table("self");
