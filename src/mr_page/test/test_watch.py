@@ -45,6 +45,12 @@ def test_a_choice_is_a_goal_that_is_another(state, watch):
     ]  # fmt: skip
 
 
+def test_the_known_area_goes_on_when_the_clock_was_set_back(state, watch):
+    for now in (3600.0, 0.0, 1.0, 2.0):
+        watch.decision(decision(area=now), now)
+    assert [item[0] for item in items(state, "area")] == [3600.0, 0.0, 2.0]
+
+
 @pytest.mark.parametrize("odd", [math.nan, math.inf])
 def test_what_is_no_place_is_passed_over(state, watch, odd):
     watch.pose(Pose(1.0, odd, 0.0))

@@ -49,7 +49,9 @@ NetworkLogs::NetworkLogs(const std::string& log_path, const std::string& robot)
 
 void NetworkLogs::add(const Snapshot& snapshot, long long time) {
   add_routes(snapshot, time);
-  if (time < next_summary_) return;
+  // Or the clock was set back.
+  const bool is_due = time >= next_summary_ || time < next_summary_ - kSummaryInterval;
+  if (!is_due) return;
   next_summary_ = time + kSummaryInterval;
   memory_.add(memory_row(snapshot, time));
   unicast_.add(unicast_row(snapshot.statistics, time));

@@ -269,6 +269,13 @@ TEST_F(Files, RoutingTableIsLoggedWhenItChangesAndSummariesEveryFiveSeconds) {
   }
 }
 
+TEST_F(Files, SummariesGoOnWhenTheClockWasSetBack) {
+  NetworkLogs logs(folder, "alice");
+  for (const long long time : {3'600'000, 0, 1000, 5000}) logs.add({}, time);
+  const auto rows = lines(folder / "adhoc_communication/alice/multicast.csv");
+  EXPECT_EQ(rows.size(), 4u);  // header; an hour, 0 and 5 s
+}
+
 TEST_F(Files, SummariesHaveTheCountersUnderTheirNames) {
   Snapshot snapshot;
   Statistics& statistics = snapshot.statistics;

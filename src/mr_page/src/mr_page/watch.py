@@ -75,7 +75,7 @@ class RobotWatch:
     def decision(self, values: Values, now: float) -> None:
         """Of explorer/ExplorationStatus: what the robot explores and why."""
         self._state.put(self._robot, "decision", dict(values))
-        if now - self._area_at >= AREA_PERIOD:
+        if not 0.0 <= now - self._area_at < AREA_PERIOD:  # also when the clock was set back
             self._area_at = now
             self._state.append(self._robot, "area", [round(now, 1), values["area"]])
         goal = values["goal"]
