@@ -45,6 +45,9 @@ def test_defaults():
             "argument --slam: 'karto' is unknown; there are ours, gmapping, slam_toolbox, hector, and FILE",
         ),
         (["--navigation", "/no.launch"], "argument --navigation: there is no file '/no.launch'"),
+        (["--out", "out/o'neil"], "o'neil has a ' in it, which launch files do not take"),
+        (["--out", "out/x,y"], "out/x,y has a , in it"),
+        (["--out", 'out/"x"'], 'has a " in it'),
         (["--wrold", "x"], "unrecognized arguments: --wrold x"),
     ],
 )
@@ -59,6 +62,7 @@ def test_robots_come_in_the_order_of_the_world():
     assert choose_robots(2, ["b", "a", "c"], "w") == ["b", "a"]
     assert choose_robots(None, ["b", "a"], "w") == ["b", "a"]
     assert choose_robots(None, list("abcd"), "w") == list("abc")
+    assert choose_robots(1, ["a_-.Z9", "what is not chosen"], "w") == ["a_-.Z9"]
 
 
 @pytest.mark.parametrize(
@@ -67,6 +71,14 @@ def test_robots_come_in_the_order_of_the_world():
         (3, ["a", "b"], "--robots 3, but my.world has 2: a, b"),
         (1, ["a", "b", "a"], "my.world uses the robot name a more than once"),
         (None, [], "my.world holds no robot"),
+        (None, ["a", "Robot 1"], "my.world has a robot named 'Robot 1'; a name has 1 to 64 letters"),
+        (None, ["../../escaped"], "robot named '../../escaped'"),
+        (None, [".."], "robot named '..'"),
+        (None, ["logs"], "robot named 'logs'"),
+        (None, ["r/0"], "robot named 'r/0'"),
+        (None, ["a\n"], "robot named"),
+        (None, ["ü"], "robot named"),
+        (None, ["x" * 65], "robot named 'x"),
     ],
 )
 def test_robots_that_the_world_cannot_give(asked, names, culprit):

@@ -153,6 +153,13 @@ def test_ends_of_nodes_in_the_output_of_roslaunch():
     assert explorer.describe("robot_1") == "explorer of robot_1 ended; log: /logs/explorer-5*.log"
 
 
+def test_logs_may_lie_in_a_folder_with_blanks():
+    (end,) = parse_ends(
+        "[slam-3] process has died [pid 1, exit code 1, cmd x].\nlog file: /my logs/slam-3*.log\x1b[0m\n"
+    )
+    assert end.log == "/my logs/slam-3*.log"
+
+
 def test_end_of_the_recorder_counts_only_if_it_died():
     assert parse_ends("[bag-8] process has finished cleanly\n") == []
     assert len(parse_ends("[bag-8] process has died [pid 1, exit code 1, cmd x].\n")) == 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import re
 import time
 from dataclasses import asdict, dataclass
 from typing import Any, Callable, Collection, Mapping, NoReturn, Sequence
@@ -14,6 +15,9 @@ from mr_launch.programs import NAVIGATION, SLAM
 from mr_robot.platforms.alternatives import OWN
 
 STRATEGY = 7
+_NAME = re.compile(r"[A-Za-z0-9_.-]{1,64}")  # of a robot, as adhoc_communication takes it
+_FOLDERS = (".", "..", "logs", "robots")  # what is beside the robots' folders in --out
+_NOT_IN_PATHS = ",'\""
 LIMITS = {  # option: (lowest, highest, unit)
     "range": (0.1, 10000.0, "m"),
     "loss": (0.0, 0.95, ""),
@@ -192,7 +196,26 @@ def parse_arguments(arguments: Sequence[str], now: float | None = None) -> Optio
     if not values["out"]:
         stamp = time.strftime("%Y-%m-%d_%H-%M-%S", time.localtime(now))
         values["out"] = f"out/{stamp}"
+    _check_folder(os.path.abspath(values["out"]))
     return Options(**values)
+
+
+def _check_folder(path: str) -> None:
+    """Its name goes through launch files: in quotes, and in lists with commas."""
+    culprits = [character for character in _NOT_IN_PATHS if character in path]
+    if culprits:
+        raise UserError(
+            f"--out {path} has a {culprits[0]} in it, which launch files do not take; choose another folder"
+        )
+
+
+def _check_name(name: str, world: str) -> None:
+    """It names nodes' logs and folders, and is what the radio calls the robot."""
+    if not _NAME.fullmatch(name) or name in _FOLDERS:
+        raise UserError(
+            f"{world} has a robot named {name!r:.80}; a name has 1 to 64 letters, digits, '_', '-' or '.', and is "
+            f"none of {', '.join(_FOLDERS)}"
+        )
 
 
 def choose_robots(asked: int | None, names: Sequence[str], world: str) -> list[str]:
@@ -205,4 +228,7 @@ def choose_robots(asked: int | None, names: Sequence[str], world: str) -> list[s
     count = min(3, len(names)) if asked is None else asked
     if count > len(names):
         raise UserError(f"--robots {count}, but {world} has {len(names)}: {', '.join(names)}")
-    return list(names[:count])
+    chosen = list(names[:count])
+    for name in chosen:
+        _check_name(name, world)
+    return chosen

@@ -13,7 +13,7 @@ _ENDED = re.compile(
     r"\[(?P<name>[^\[\]\s]+?)-\d+\] process has (?P<how>died|finished cleanly)(?: \[(?P<detail>[^\]]*)\])?"
 )
 _NOT_STARTED = re.compile(r"ERROR: cannot launch node of type \[(?P<type>[^\]]+)\]: (?P<reason>[^\n\x1b]*)")
-_LOG = re.compile(r"log file: (?P<pattern>\S+)")
+_LOG = re.compile(r"log file: (?P<pattern>[^\n\x1b]+)")
 _RECORDING = re.compile(rf"^{LABEL}(?P<text>.*)$", re.MULTILINE)
 _EXIT = re.compile(r"exit code (-?\d+)")
 MAY_FINISH = ("bag",)  # the recorder ends by itself when its bag is full
