@@ -11,9 +11,9 @@ import tf2_ros
 from mr_grid.ros_node import init_node
 from mr_sim.robot_node import ParameterError, RobotNode
 from mr_sim.world import BIAS, World
-from mr_sim.world_client import WorldClient
+from mr_sim.world_client import ConnectionRefused, WorldClient
 from mr_sim.world_model import load_world
-from mr_sim.world_server import WorldServer, listen
+from mr_sim.world_server import ServerError, WorldServer, listen
 from mr_sim.worlds import find_world, warning_of
 
 
@@ -50,18 +50,27 @@ def real_time_factor(default: float) -> float:
 
 def _run(world: World, use_model_names: bool, factor: float, folder: str) -> None:
     server = WorldServer(world, listen(f"{folder}/world"), factor, world.description.quit_time, say=rospy.loginfo)
-    threads = [threading.Thread(target=server.run)]
-    threads[0].start()
+    serving = threading.Thread(target=server.run)
+    serving.start()
     rospy.on_shutdown(server.stop)
+    try:
+        _offer_robots(world.names, use_model_names, f"{folder}/world")
+    finally:
+        server.stop()
+        serving.join()
+
+
+def _offer_robots(names: tuple[str, ...], use_model_names: bool, path: str) -> None:
+    """All robots of the world that listens at `path`, until it ends. Raises ConnectionRefused."""
     nodes = []
-    for index, prefix in enumerate(prefixes(world.names, use_model_names)):
-        client = WorldClient.connect(f"{folder}/world", world.names[index], timeout=30.0)
+    for index, prefix in enumerate(prefixes(names, use_model_names)):
+        client = WorldClient.connect(path, names[index], timeout=30.0)
         nodes.append(RobotNode(client, prefix, publish_clock=index == 0, publish_ground_truth=True))
     # One message: a latched topic keeps only a node's last one.
     static_transforms = tf2_ros.StaticTransformBroadcaster()
     static_transforms.sendTransform([transform for node in nodes for transform in node.static_transforms()])
-    threads += [threading.Thread(target=node.run) for node in nodes]
-    for thread in threads[1:]:
+    threads = [threading.Thread(target=node.run) for node in nodes]
+    for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
@@ -81,7 +90,7 @@ def main() -> int:
         world = World(description, robots, whole_number("seed", 0), odometry=rospy.get_param("~odometry", BIAS))
         with tempfile.TemporaryDirectory(prefix="mr_sim") as folder:
             _run(world, arguments.u, real_time_factor(description.speedup), folder)
-    except ValueError as error:
+    except (ValueError, ConnectionRefused, ServerError) as error:
         print(f"stageros: {error}", file=sys.stderr)
         return 1
     rospy.signal_shutdown("the world has ended")

@@ -18,7 +18,7 @@ from mr_sim.world import World, WorldError
 HELLO_PATIENCE = 5.0  # s a connection may take to name its robot
 CLIENT_PATIENCE = 10.0  # s the world waits for a robot that does not read
 MAX_LAG = 0.25  # s behind the clock that are still caught up; what exceeds it is lost, so time slows and never jumps
-MAX_CONNECTIONS = 64
+SPARE_CONNECTIONS = 64  # of others than the robots, who are refused before long
 MAX_SOCKET_PATH = 107
 
 
@@ -45,7 +45,7 @@ def listen(path: str) -> socket.socket:
                     raise ServerError(f"another world listens on {path}: stop it or choose another --socket")
             os.unlink(path)
         listener.bind(path)
-        listener.listen(MAX_CONNECTIONS)
+        listener.listen(SPARE_CONNECTIONS)
     except OSError as error:
         listener.close()
         raise ServerError(f"cannot listen on {path}: {error.strerror}") from error
@@ -192,7 +192,7 @@ class WorldServer:
         client = _Client(connection, time.monotonic())
         self._clients[connection.fileno()] = client
         self._selector.register(connection, selectors.EVENT_READ)
-        if len(self._clients) > MAX_CONNECTIONS:
+        if len(self._clients) > len(self.world.names) + SPARE_CONNECTIONS:
             self._refuse(client, "too many connections")
 
     def _receive(self, client: _Client) -> None:

@@ -16,7 +16,7 @@ from mr_sim import protocol as p
 from mr_sim.radio_control import RadioControl
 from mr_sim.trace import TraceWriter
 from mr_sim.world_client import ConnectionRefused, WorldClient
-from mr_sim.world_server import ServerError, WorldServer, listen
+from mr_sim.world_server import SPARE_CONNECTIONS, ServerError, WorldServer, listen
 
 TWO = 'rover ( name "a" pose [ 0 0 0 0 ] )\nrover ( name "b" pose [ 0 2 0 0 ] )\n'
 
@@ -74,6 +74,22 @@ def states(client, until):
             assert isinstance(message, p.Ranges) and message.time == seen[-1].time, "ranges follow their state"
             ranges += 1
     return seen, ranges
+
+
+def test_a_world_takes_all_of_its_robots_and_a_bounded_number_of_others(start):
+    names = [f"r{index}" for index in range(SPARE_CONNECTIONS + 6)]
+    rovers = "".join(f'rover ( name "{name}" pose [ {index} 0 0 0 ] )\n' for index, name in enumerate(names))
+    running = start(rovers, real_time_factor=0.0, duration=0.1)
+    others = [running.raw() for _ in range(SPARE_CONNECTIONS)]
+    clients = [running.connect(name) for name in names[:-1]]
+    one_more = [running.raw(), running.raw()][-1]
+    assert p.decode(one_more.recv(p.MAX_PACKET)).reason == "too many connections"
+    for connection in (others.pop(), one_more):
+        connection.close()
+    clients.append(running.connect(names[-1]))
+    running.join()
+    for connection in [*others, *clients]:
+        connection.close()
 
 
 def test_time_begins_when_all_robots_are_there(start):
