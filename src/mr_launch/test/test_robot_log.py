@@ -176,8 +176,9 @@ def test_a_base_station_is_no_robot_and_goes_by_the_robots_clock(tmp_path):
     told = server.logs["base"].samples_at(np.array([6.0, 7.5, 8.5]))
     assert [(one.bytes, one.frames) for one in told] == [(0, 0), (700, 7), (800, 8)]
     assert [note.at for note in server.logs["base"].notes(START, "base")] == [1.0, 2.0]
+    assert server._bases["base"].radio == {"bytes_sent": 800.0, "frames_sent": 8.0}
     server.begin_anew("base")
-    assert list(server.reports) == ["a", "b"]
+    assert server._bases["base"].radio == {} and list(server.reports) == ["a", "b"]
     server.close()
 
 

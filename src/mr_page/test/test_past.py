@@ -100,20 +100,35 @@ def test_the_whole_mission_stays_more_coarsely():
             assert shown(past.at(now, everything)) == was[int(begin)]
 
 
-def test_octets_are_bounded_and_given_back():
-    story = Story(3)
+def octets_of(past):
+    """What is really kept of values and tiles."""
+    values = {id(robot.values): robot.values for moment in past._moments for robot in moment.robots.values()}
+    tiles = [cells for film in past._films.values() for entries in film._tiles.values() for _, cells in entries]
+    return sum(map(len, [*values.values(), *tiles]))
+
+
+@pytest.mark.parametrize("size", [0, 2000])
+def test_octets_are_bounded_and_given_back(size):
+    """Where tiles are most of them, and where values are."""
+    story, rng = Story(3), np.random.default_rng(3)
     past, most = Past(story.state, most_octets=30_000), 0
     for now in range(0, 600, 2):
         story.step(now)
+        story.state.put("a", "text", rng.bytes(size).hex())
         past.note(float(now))
-        most = max(most, past.octets)
-    assert most <= 30_000 and len(past) >= 2
+        most = max(most, octets_of(past))
+        assert past.octets == octets_of(past)
+    assert 15_000 <= most <= 30_000 and len(past) >= 2
+
+
+def test_films_that_no_moment_shows_are_forgotten():
+    story = Story(3)
     gone = Past(story.state, most_moments=2)
-    for now in range(600, 700, 2):
+    for now in range(0, 100, 2):
         gone.note(1.0e6 + 1000.0 * now)
         story.state.forget("a"), story.state.forget("b")
         story.step(now)
-    assert len(gone._films) <= 2 * 2 * 2, "films of runs that no moment shows are forgotten"
+    assert len(gone._films) <= 2 * 2 * 2
 
 
 def test_moments_are_taken_as_often_as_they_are_kept():
