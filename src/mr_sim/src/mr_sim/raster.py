@@ -38,6 +38,8 @@ class _Canvas:
 
     def __init__(self, bounds: tuple[float, float, float, float], resolution: float) -> None:
         # The lattice holds the world's zero; a tiny slack keeps rounding from adding an empty row.
+        if not all(math.isfinite(bound / resolution) for bound in bounds):
+            raise ValueError(f"resolution {resolution:g} m makes too many cells: choose a coarser one")
         first_column = math.floor(bounds[0] / resolution + 1e-6)
         first_row = math.floor(bounds[1] / resolution + 1e-6)
         columns = max(1, math.ceil(bounds[2] / resolution - 1e-6) - first_column)

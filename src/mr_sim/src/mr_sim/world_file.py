@@ -17,6 +17,7 @@ from mr_sim.world_words import BLOCK_KINDS, nearest
 Value = float | str | tuple[float | str, ...]
 
 MAX_INCLUDE_DEPTH = 32
+MAX_BLOCK_DEPTH = 64
 
 _TOKEN = re.compile(
     r"""(?P<space>[ \t\r\f\v]+) | (?P<comment>\#[^\n]*) | (?P<newline>\n)
@@ -135,6 +136,7 @@ class _Parser:
         self._definitions: dict[str, _Definition] = {}
         self._in_use: list[str] = []
         self._open_files: list[Path] = []
+        self._depth = 0  # of blocks
 
     def parse_file(self, path: Path, into: Block, place: Place | None = None) -> None:
         where: Place | str = place if place is not None else str(path)
@@ -210,10 +212,14 @@ class _Parser:
         return [token.text for token in definition.tokens[definition.at :]] == [token.text for token in tokens]
 
     def _block(self, tokens: Sequence[_Token], at: int, into: Block, path: Path) -> int:
+        if self._depth >= MAX_BLOCK_DEPTH:
+            raise WorldFileError(tokens[at].place, f"blocks are nested deeper than {MAX_BLOCK_DEPTH}")
+        self._depth += 1
         block = self._open_block(tokens[at], into)
         end = self._statements(tokens, at + 2, block, path)
         if end >= len(tokens):
             raise WorldFileError(tokens[at].place, f'the block of "{tokens[at].text}" is never closed')
+        self._depth -= 1
         return end + 1
 
     def _open_block(self, token: _Token, into: Block) -> Block:

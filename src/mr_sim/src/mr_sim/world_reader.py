@@ -8,6 +8,7 @@ from mr_grid import Pose
 from mr_sim.world_file import Block, Place, Property, WorldFileError
 from mr_sim.world_words import KNOWN_WORDS, nearest, stem_of, words_of
 
+SHORTEST, LONGEST = 0.01, 1.0e7  # ms of an interval, so that one has a number of steps that fits
 LENGTH_UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 ANGLE_UNITS = {"degrees": math.pi / 180.0, "radians": 1.0}
 
@@ -147,7 +148,10 @@ class Reader:
 
     def interval(self, word: str, default: float) -> float:
         """s; the file and the default have ms."""
-        return self.number(word, default, above=0.0) / 1000.0
+        value = self.number(word, default)
+        if not SHORTEST <= value <= LONGEST:
+            raise self.fail(word, f"must be from {SHORTEST:g} to {LONGEST:g} ms, not {value:g}")
+        return value / 1000.0
 
 
 def units_of(root: Block) -> tuple[float, float]:

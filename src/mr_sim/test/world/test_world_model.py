@@ -153,7 +153,10 @@ def test_boundary_makes_a_wall_around(load):
         ("position ( pose [ 1 2 3 ] )", '"pose" needs 4 numbers'),
         ('position ( pose [ 1 2 3 "4" ] )', '"pose" needs 4 numbers'),
         ("position ( velocity_bounds [ 1 -1 0 0 0 0 -90 90 ] )", "minimum above its maximum"),
-        ("position ( update_interval 0 )", "greater than 0"),
+        ("position ( update_interval 0 )", "must be from 0.01 to 1e+07 ms, not 0"),
+        ("position ( update_interval 1e300 )", "must be from 0.01 to 1e+07 ms, not 1e+300"),
+        ("interval_sim 1e-300", '"interval_sim" must be from 0.01'),
+        ("model ( " * 3000 + ")" * 3000, "blocks are nested deeper than 64"),
         ('position ( name "a" ) position ( name "a" )', '"a" is used by two robots'),
         ('position ( name "robot_1" ) position ( )', '"robot_1" is used by two robots'),
         ("position ( position ( ) )", '"position" inside a position model'),
@@ -197,6 +200,7 @@ def test_unusable_bitmaps(load, image, tmp_path):
         rasterise(load('model ( bitmap "white.png" )').obstacles, 0.1)
 
 
-def test_resolution_too_fine_for_the_world(load):
+@pytest.mark.parametrize("resolution", [1.0e-3, 1.0e-320])
+def test_resolution_too_fine_for_the_world(load, resolution):
     with pytest.raises(ValueError, match="choose a coarser one"):
-        rasterise(load("model ( size [ 1000 1000 1 ] )").obstacles, 0.001)
+        rasterise(load("model ( size [ 1000 1000 1 ] )").obstacles, resolution)
