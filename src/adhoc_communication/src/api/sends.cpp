@@ -2,11 +2,19 @@
 
 #include <algorithm>
 
+#include "adhoc_communication/packet_size.hpp"
 #include "multicast/groups.hpp"
 #include "texts.hpp"
 #include "transport/packet_image.hpp"
 
 namespace adhoc_communication {
+
+std::size_t packet_size(const SendRequest& request) {
+  const std::size_t payload = std::max<std::size_t>(request.payload.size(), request.unpacked_size);
+  std::size_t size = transport::image_size(request.destination, request.topic, payload);
+  if (multicast::root_of(request.destination)) size += transport::image_size(request.destination, {}, 5);  // as a copy
+  return size;
+}
 
 std::string Sends::refusal(const SendRequest& request) const {
   if (request.destination == self_) return "the destination " + request.destination + " is this robot itself";
@@ -14,9 +22,7 @@ std::string Sends::refusal(const SendRequest& request) const {
   if (request.lifetime < Time(0)) return "the lifetime is negative";
   if (request.topic.empty()) return "the topic is empty";
   if (request.topic.size() > 65535) return "the topic is longer than 65535 octets";
-  const std::size_t payload = std::max<std::size_t>(request.payload.size(), request.unpacked_size);
-  std::size_t size = transport::image_size(request.destination, request.topic, payload);
-  if (multicast::root_of(request.destination)) size += transport::image_size(request.destination, {}, 5);  // as a copy
+  const std::size_t size = packet_size(request);
   if (size > max_packet_size_) {
     return "packet of " + size_text(size) + " exceeds max_packet_size of " + size_text(max_packet_size_);
   }

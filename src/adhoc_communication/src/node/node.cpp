@@ -64,7 +64,8 @@ Node::Node(const NodeOptions& options)
            to_text(link->address()).c_str());
   injector_ =
       std::make_unique<Injector>(std::make_unique<RosTopics>(node_, name_prefix_), topic_filter(), inbox_calls());
-  relay_ = std::make_unique<TopicRelay>(node_, name_prefix_, options_.engine.robot_name);
+  relay_ =
+      std::make_unique<TopicRelay>(node_, name_prefix_, options_.engine.robot_name, options_.engine.max_packet_size);
   discovery_ = std::make_unique<Discovery>(node_, service_prefix_ + options_.topic_new_robot,
                                            service_prefix_ + options_.topic_remove_robot);
   ReceiveFilter filter(options_.engine.robot_name, options_.sim_robot_macs, options_.channel,

@@ -10,6 +10,7 @@
 #include "link/mac_address.hpp"
 #include "node/relay_options.hpp"
 #include "node/timing_options.hpp"
+#include "robot_name.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -97,15 +98,6 @@ Parameter checked_without_effect(const std::string& name, const std::string& rea
 void set_packet_size(NodeOptions& options, int size) {
   if (size < 1) throw std::invalid_argument("is below 1 octet");
   options.engine.max_packet_size = static_cast<std::size_t>(size);
-}
-
-/// The same rules as for a ROS name of one element; host names add '-' and '.'.
-bool is_robot_name(const std::string& name) {
-  constexpr std::size_t kLongestName = 64;
-  if (name.empty() || name.size() > kLongestName) return false;
-  return std::all_of(name.begin(), name.end(), [](unsigned char character) {
-    return std::isalnum(character) || character == '_' || character == '-' || character == '.';
-  });
 }
 
 bool is_topic_element(const std::string& name) {

@@ -25,8 +25,9 @@ SerializedMessage serialized(const topic_tools::ShapeShifter& shape) {
 
 }  // namespace
 
-TopicRelay::TopicRelay(ros::NodeHandle node, std::string prefix, const std::string& own_name)
-    : node_(std::move(node)), prefix_(std::move(prefix)), table_(own_name) {}
+TopicRelay::TopicRelay(ros::NodeHandle node, std::string prefix, const std::string& own_name,
+                       std::size_t max_packet_size)
+    : node_(std::move(node)), prefix_(std::move(prefix)), table_(own_name, max_packet_size) {}
 
 void TopicRelay::start(Send send) {
   send_ = std::move(send);

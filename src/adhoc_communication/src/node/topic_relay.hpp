@@ -29,7 +29,7 @@ class TopicRelay {
   using Send = std::function<void(SendRequest, std::function<void(const Outcome&)>)>;
 
   /// `prefix` is put before every local topic: /<self>/ in simulation mode, else empty.
-  TopicRelay(ros::NodeHandle node, std::string prefix, const std::string& own_name);
+  TopicRelay(ros::NodeHandle node, std::string prefix, const std::string& own_name, std::size_t max_packet_size);
   ~TopicRelay() { stop(); }
 
   /// From now on messages go out by `send`, which may not wait.

@@ -133,6 +133,7 @@ void RelayQueue::finished(const RelayTransfer& transfer, bool delivered, const s
   ++(delivered ? delivered_ : failed_);
   if (delivered) return;
   last_failure_ = reason;
+  if (transfer.is_too_large) return;
   const bool by_itself = transfer.destination != entry_.destination;  // also after it was away
   if (last_ != transfer.message || (!by_itself && !present)) return;
   had_.erase(transfer.destination);

@@ -37,6 +37,7 @@ struct RelayTransfer {
   RelayedMessage message;
   std::string destination;
   Time expires = Time::max();
+  bool is_too_large = false;  ///< for any packet, so trying again is of no use
 };
 
 /// Drops its oldest message when it is slower than its topic. A message whose lifetime is over is dropped, and given to

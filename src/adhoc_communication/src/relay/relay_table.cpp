@@ -5,6 +5,9 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "adhoc_communication/packet_size.hpp"
+#include "robot_name.hpp"
+
 namespace adhoc_communication {
 namespace {
 
@@ -25,6 +28,10 @@ bool same_relay(const RelayEntry& a, const RelayEntry& b) {
 void RelayTable::check(const RelayEntry& entry) const {
   const std::string text = "relay of '" + entry.topic + "' to '" + entry.destination + "' ";
   if (entry.destination == own_name_) throw std::invalid_argument(text + "goes to this robot itself");
+  if (!entry.destination.empty() && !is_robot_name(group_root(entry.destination))) {
+    throw std::invalid_argument(text +
+                                "names no robot or group (mc_<robot>): 1 to 64 letters, digits, '_', '-' or '.'");
+  }
   if (!std::isfinite(entry.rate) || entry.rate < 0.0 || entry.rate > kHighestRate) {
     throw std::invalid_argument(text + "has a rate outside 0 .. 1000 messages per second");
   }
@@ -167,6 +174,7 @@ RelayTable::Transfer RelayTable::start(Id id, RelayQueue& relay, Time now) {
   request.latched = entry.latched || transfer.message->latched;
   request.newest_only = entry.newest_only;
   if (transfer.expires != Time::max()) request.lifetime = transfer.expires - now;
+  transfer.is_too_large = packet_size(request) > max_packet_size_;
   in_flight_.emplace(number, InFlight{id, std::move(transfer)});
   return {number, std::move(request)};
 }

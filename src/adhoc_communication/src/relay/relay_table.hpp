@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "adhoc_communication/options.hpp"
 #include "adhoc_communication/types.hpp"
 #include "relay/group_news.hpp"
 #include "relay/lessons.hpp"
@@ -30,7 +31,9 @@ class RelayTable {
   static constexpr std::size_t kMostRelays = 64;
   static constexpr std::size_t kMostOctets = 64'000'000;  ///< of all waiting and latched messages
 
-  explicit RelayTable(std::string own_name) : own_name_(std::move(own_name)), own_group_("mc_" + own_name_) {}
+  /// `max_packet_size`: of the engine, which refuses what is larger.
+  explicit RelayTable(std::string own_name, std::size_t max_packet_size = EngineOptions().max_packet_size)
+      : own_name_(std::move(own_name)), own_group_("mc_" + own_name_), max_packet_size_(max_packet_size) {}
 
   /// Throws std::invalid_argument with one sentence for an entry that cannot work, is there already, or is too many.
   Id add(RelayEntry entry);
@@ -85,6 +88,7 @@ class RelayTable {
 
   const std::string own_name_;
   const std::string own_group_;
+  const std::size_t max_packet_size_;
   OctetBudget budget_{kMostOctets};
   std::map<Id, RelayQueue> relays_;
   Letters letters_;

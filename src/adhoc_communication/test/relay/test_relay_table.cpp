@@ -308,6 +308,23 @@ TEST(RelayTable, LatchedMessageOfTheOwnGroupGoesToEachNewMemberAlone) {
   EXPECT_TRUE(table.next(4s)) << "a member that has been away";
 }
 
+TEST(RelayTable, LatchedMessageThatFitsNoPacketIsNotTriedAgain) {
+  RelayTable table("self", 1000);
+  RelayEntry entry = to("bob");
+  entry.latched = true;
+  const auto id = table.add(entry);
+  table.robot_appeared("bob", 0s);
+  table.offer(id, message(std::string(1000, 'x')), 0s);
+  const auto transfer = table.next(0s);
+  ASSERT_TRUE(transfer);
+  table.finished(transfer->number, false, "packet of 1.1 kB exceeds max_packet_size of 1.0 kB", 0s);
+  EXPECT_EQ(only_report(table).failed, 1u);
+  EXPECT_EQ(table.next_deadline(), Time::max());
+  EXPECT_FALSE(table.next(10s));
+  table.offer(id, message("1"), 11s);
+  EXPECT_EQ(deliver_all(table, 11s), std::vector<std::string>{"1"});
+}
+
 /// As std_msgs/Empty.
 TEST(RelayTable, LatchedMessageWithoutOctetsReachesWhoComesLate) {
   RelayTable table("self");
@@ -626,6 +643,10 @@ TEST(RelayTable, RefusesWithASentence) {
   eternal.lifetime = -1.0;
   EXPECT_EQ(refusal(table, eternal), "relay of 'scan' to 'bob' has a lifetime outside 0 .. 86400 s");
   EXPECT_EQ(refusal(table, to("self")), "relay of 'scan' to 'self' goes to this robot itself");
+  for (const std::string& name :
+       {std::string("no robot!"), std::string("mc_"), std::string("mc_a b"), std::string(65, 'x')}) {
+    EXPECT_NE(refusal(table, to(name)).find("names no robot or group"), std::string::npos) << name;
+  }
   RelayEntry fast = to("bob");
   for (const double rate : {-1.0, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
     fast.rate = rate;
