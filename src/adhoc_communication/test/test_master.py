@@ -1,5 +1,7 @@
 """A node without its ROS master: one that is not there yet, hangs, or has gone."""
 
+from __future__ import annotations
+
 import os
 import signal
 import socket
@@ -7,7 +9,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any, Iterator, List
+from typing import Any, Iterator
 
 import pytest
 
@@ -30,7 +32,7 @@ class Computer:
     def __init__(self, name: str, home: Path) -> None:
         self.name, self.home, self.port = name, home, free_port()
         self.environment = {**os.environ, "ROS_MASTER_URI": f"http://localhost:{self.port}", "ROS_HOME": str(home)}
-        self.processes: List[subprocess.Popen[str]] = []
+        self.processes: list[subprocess.Popen[str]] = []
 
     def start(self, *command: str, output: Any = subprocess.DEVNULL) -> subprocess.Popen[str]:
         process = subprocess.Popen(
