@@ -105,7 +105,9 @@ void AirClock::sample(std::uint64_t counter, Time spacing, Time now) {
   Transmission* transmission = find(counter);
   if (transmission == nullptr || transmission->sampled || transmission->gap >= spacing * 4 / 5) return;
   transmission->sampled = true;
-  kinds_[transmission->destination].sample(transmission->octets, spacing, now);
+  AirRate& kind = kinds_[transmission->destination];
+  kind.sample(transmission->octets, spacing, now);
+  if (transmission->destination != wire::kEverybody && kind.waits_for_others()) shared_.waited(now);
   common_.sample(transmission->octets, spacing, now);
   last_rate_ = &rate(last_destination_);
 }

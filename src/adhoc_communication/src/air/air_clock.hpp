@@ -9,6 +9,7 @@
 
 #include "adhoc_communication/types.hpp"
 #include "air/air_rate.hpp"
+#include "air/shared_air.hpp"
 #include "wire/frame_header.hpp"
 
 namespace adhoc_communication::air {
@@ -57,6 +58,8 @@ class AirClock {
   Time undisturbed_frame_time(const MacAddress& destination) const {
     return rate(destination).undisturbed_air_time(largest_frame_);
   }
+  /// Whether others send on the same channel.
+  bool shared(Time now) const { return shared_.shared(now); }
   /// False until the rhythm of the radio is known for frames that go there.
   bool calibrated(const MacAddress& destination) const;
 
@@ -83,6 +86,7 @@ class AirClock {
   std::size_t largest_frame_;
   AirRate common_;                       ///< of all frames, whatever their kind
   std::map<MacAddress, AirRate> kinds_;  ///< those measured, wire::kEverybody among them
+  SharedAir shared_;
   Time busy_until_{0};
   Transmissions recent_;
   std::uint64_t off_air_ = 0;  ///< the last frame known to be so

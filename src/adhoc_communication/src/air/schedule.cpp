@@ -91,16 +91,16 @@ bool Schedule::send_group_frame(const MacAddress& previous_hop, std::uint8_t pri
 }
 
 Time Schedule::next_deadline(Time now) const {
-  if (!something_waits()) return Time::max();
+  if (!something_waits(now)) return Time::max();
   return air_.ready_at() > now ? air_.ready_at() : air_.idle_at();
 }
 
-bool Schedule::something_waits() const {
-  if (hops_.something_to_send()) return true;
+bool Schedule::something_waits(Time now) const {
+  if (hops_.something_to_send(now)) return true;
   for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
     if (broadcasts_[priority].has_segment() || distributor_.has_frame(priority)) return true;
   }
-  return streams_.something_to_send();
+  return streams_.something_to_send(now);
 }
 
 }  // namespace adhoc_communication::air

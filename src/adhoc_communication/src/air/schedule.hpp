@@ -38,7 +38,7 @@ class Schedule {
   bool send_packet_frame(const MacAddress& previous_hop, std::uint8_t priority, Time now);
   bool send_broadcast(std::uint8_t priority, Time now);
   bool send_group_frame(const MacAddress& previous_hop, std::uint8_t priority, Time now);
-  bool something_waits() const;
+  bool something_waits(Time now) const;
 
   const AirClock& air_;
   Transmitter& transmitter_;

@@ -45,8 +45,8 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
 Time Engine::Implementation::next_deadline() const {
   if (touched_ || streams_.has_news()) return now_;
   return std::min({rhythm_.due(), router_.next_deadline(), flood_.next_deadline(), distributor_.next_deadline(),
-                   sends_.next_deadline(), hops_.next_deadline(), receivers_.next_deadline(), streams_.next_deadline(),
-                   schedule_.next_deadline(now_)});
+                   sends_.next_deadline(), hops_.next_deadline(now_), receivers_.next_deadline(),
+                   streams_.next_deadline(), schedule_.next_deadline(now_)});
 }
 
 /// What has to be looked at a few times a second; rides on the beacons, so that an idle engine has one timer.

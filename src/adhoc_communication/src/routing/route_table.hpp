@@ -28,6 +28,11 @@ struct Route {
   std::set<MacAddress> precursors;
 };
 
+/// Of the way, those that the next hop leaves.
+inline std::uint8_t hops_beyond(const Route& route) {
+  return static_cast<std::uint8_t>(std::max<int>(route.hops, 1) - 1);
+}
+
 /// What a message says about the way to a destination.
 struct RouteOffer {
   MacAddress destination{};

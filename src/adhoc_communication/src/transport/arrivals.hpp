@@ -19,13 +19,17 @@ class Arrivals {
   void acknowledged(Time sent, bool repeated, Time now) {
     if (repeated) return acknowledged_repeated(sent, now);
     newest_doubtful_ = Time(-1);
-    if (sent <= newest_) return;
-    newest_ = sent;
-    // With a timer that ran out in between, the time is that of the timer (Karn).
-    if (sent > asked_) round_trip_.sample(now - sent);
+    if (sent < newest_) reordering_ = std::clamp(newest_ - sent, reordering_, kMostReordering);
+    newest_ = std::max(newest_, sent);
+    // With a timer that ran out in between, the time may be that of the timer (Karn); or else the timer is too short.
+    round_trip_.sample(sent > asked_ ? now - sent : std::min(now - sent, 2 * round_trip_.timeout()));
   }
   /// Hops repeat frames and so change their order a little; what is overtaken by much more than that is lost.
-  bool overtaken(Time sent) const { return sent + reordering_ < newest_; }
+  /// On a long way that means little: a quarter of the round trip is tolerated there (RFC 8985).
+  bool overtaken(Time sent) const {
+    const Time round_trip = round_trip_.known() ? round_trip_.smoothed() : Time(0);
+    return sent + std::max(reordering_, round_trip / 4) < newest_;
+  }
   /// First copies would have been followed by others: it was the repetition that arrived.
   void nothing_followed() { newest_ = std::max(newest_, std::exchange(newest_doubtful_, Time(-1))); }
   void asked(Time now) { asked_ = now; }

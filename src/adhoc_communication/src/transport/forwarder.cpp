@@ -1,5 +1,6 @@
 #include "transport/forwarder.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace adhoc_communication::transport {
@@ -47,7 +48,10 @@ void Forwarder::pass_on(const MacAddress& from, Message message, FrameType type,
     return held_.add(destination, {type, to_bytes(message), priority, from});
   }
   if (route == nullptr || route->next_hop == from) return router_.no_route_for(destination, from, now);
-  hops_.enqueue(route->next_hop, {type, to_bytes(message), priority, from});
+  HopFrame frame{type, to_bytes(message), priority, from};
+  frame.beyond = hops_beyond(*route);
+  frame.route = static_cast<std::uint8_t>(std::min(message.hops + frame.beyond, 255));
+  hops_.enqueue(route->next_hop, std::move(frame));
 }
 
 void Forwarder::link_lost(const MacAddress& neighbor, Time now) {
@@ -76,6 +80,7 @@ void Forwarder::release(Time now) {
     const routing::Route* route = router_.route_to(destination, now);
     for (HopFrame& frame : frames) {
       if (route != nullptr && way_of(frame)->source != route->next_hop) {
+        frame.beyond = hops_beyond(*route);
         hops_.enqueue(route->next_hop, std::move(frame));
       }
     }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <iterator>
 #include <map>
@@ -20,6 +21,9 @@ struct HopFrame {
   MacAddress previous_hop{};  ///< from which it came; all zero for frames of this robot
   bool again = false;         ///< its content was sent before, in another frame
   bool held = false;          ///< it has waited for the repair of its route
+  std::uint8_t beyond = 0;    ///< hops that data has to go when the neighbour has it
+  std::uint8_t route = 0;     ///< hops of its whole way
+  bool more = false;          ///< of its stream, another segment could follow at once
 };
 
 /// In the order in which they came from each. When full, whoever has most frames here loses the latest of them, so that

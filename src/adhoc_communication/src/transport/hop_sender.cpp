@@ -22,6 +22,10 @@ std::size_t HopSender::waiting() const {
   return count;
 }
 
+bool HopSender::has_more() const {
+  return waiting() > 0 || std::any_of(lost_.begin(), lost_.end(), [](const auto& lost) { return !lost.empty(); });
+}
+
 /// More of them would crowd a crowded channel until it carries nothing but repetitions.
 std::size_t HopSender::most_unresolved() const {
   return round_trip_.timeout() < kSlowAnswers ? kMostUnresolved : kFewUnresolved;
@@ -60,10 +64,13 @@ HopSender::Outgoing HopSender::transmit(std::uint32_t link_sequence, InFlight& f
     earlier.expires = std::max(earlier.expires, std::min(now + timer(), earlier.latest));
   }
   const int backoff = std::min(flight.timeouts, 5);
-  const Time expires = now + timer() * (5 + backoff) / 5;
+  const Time expires = now + std::max(timer() * (5 + backoff) / 5, patience_);
   unresolved_.push_back({counter, link_sequence, now, expires, expires + HopReceiver::kLongestDelay});
   const bool again = flight.transmissions > 1 || flight.frame.again;
-  return {flight.frame.type, link_sequence, &flight.frame.body, flight.frame.previous_hop != MacAddress{}, again};
+  const HopFrame& frame = flight.frame;
+  const bool passed_on = frame.previous_hop != MacAddress{};
+  return {frame.type,   link_sequence, &frame.body, frame.priority, passed_on,
+          frame.beyond, frame.route,   frame.more,  again};
 }
 
 /// Timers that run out again and again say that the channel is crowded and acknowledgments come late: repeating would

@@ -35,8 +35,12 @@ class HopSender {
     wire::FrameType type;
     std::uint32_t link_sequence;
     const Bytes* body;  ///< until the next call
-    bool passed_on;     ///< it came from another robot
-    bool again;         ///< it was sent before
+    std::uint8_t priority;
+    bool passed_on;  ///< it came from another robot
+    std::uint8_t beyond;
+    std::uint8_t route;
+    bool more;
+    bool again;  ///< it was sent before
   };
   /// A frame that the neighbour has.
   struct Passed {
@@ -49,8 +53,13 @@ class HopSender {
   HopSender(std::uint32_t first_link_sequence, int most_resends)
       : next_link_sequence_(first_link_sequence), most_resends_(most_resends) {}
 
+  /// Timers run no shorter than that.
+  void be_patient(Time patience) { patience_ = patience; }
+
   void enqueue(HopFrame frame) { waiting_[frame.priority].push(std::move(frame)); }
   std::size_t waiting() const;
+  /// Frames wait, to be sent or to be repeated.
+  bool has_more() const;
 
   bool has_resend(std::uint8_t priority) const { return !lost_[priority].empty(); }
   bool has_waiting(std::uint8_t priority) const { return !waiting_[priority].empty(); }
@@ -120,7 +129,7 @@ class HopSender {
   std::size_t most_unresolved() const;
   void sample_round_trip(std::uint64_t counter, Time now);
   Time dead_at() const;
-  Time silence() const { return std::clamp(6 * round_trip_.timeout(), kSilence, kNoProgress); }
+  Time silence() const { return std::clamp(6 * std::max(round_trip_.timeout(), patience_), kSilence, kNoProgress); }
 
   std::uint32_t next_link_sequence_;
   int most_resends_;
@@ -131,6 +140,7 @@ class HopSender {
   std::deque<Transmission> late_;
   int expiries_ = 0;  ///< of timers since the last acknowledgment
   RoundTrip round_trip_{std::chrono::milliseconds(20), kShortestTimer, kLongestTimer};
+  Time patience_{0};
   std::optional<Time> waiting_since_;  ///< frames have been outstanding without a break since then
   Time silent_since_{0};
   Time last_progress_{0};

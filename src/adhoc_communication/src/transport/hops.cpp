@@ -15,6 +15,14 @@ namespace {
 constexpr Time kLatestAcknowledgment = std::chrono::milliseconds(50);
 constexpr Time kLongestBacklog = std::chrono::milliseconds(20);
 
+/// What is most urgent waits for nobody's turn.
+bool is_urgent(std::uint8_t priority) { return priority == static_cast<std::uint8_t>(Priority::kControl); }
+
+/// On a way of so many hops.
+bool takes_turns(std::uint8_t route, std::uint8_t priority) {
+  return route >= TurnTaking::kShortestRoute && !is_urgent(priority);
+}
+
 /// Of the frames that name it, the robot that they come from.
 std::optional<MacAddress> source_of(const HopFrame& frame) {
   const wire::Reader body(frame.body.data(), frame.body.size());
@@ -62,6 +70,11 @@ void Hops::unicast_once(const MacAddress& neighbor, FrameType type, Bytes body, 
   transmitter_.transmit(type, neighbor, body, now);
 }
 
+void Hops::enqueue(const MacAddress& neighbor, HopFrame frame) {
+  if (takes_turns(frame.route, frame.priority)) turns_.follow(frame.previous_hop);
+  hop(neighbor).sender.enqueue(std::move(frame));
+}
+
 // --- frames in -------------------------------------------------------------------------------------------------------
 
 void Hops::heard(const MacAddress& neighbor, Time now) {
@@ -73,6 +86,9 @@ bool Hops::take(const wire::FrameHeader& header, Time now) {
   Hop& from = hop(header.sender);
   if (!from.receiver || from.receiver->boot() != boot) from.receiver.emplace(boot);
   const bool at_once = (header.flags & wire::kAcknowledgeNow) != 0;
+  if (header.type == FrameType::kData) {
+    turns_.heard(header.sender, at_once, air_.undisturbed_frame_time(header.sender), now);
+  }
   if (from.receiver->take(header.link_sequence, header.counter, at_once, now)) return true;
   ++statistics_.frames_received_again;
   return false;
@@ -83,6 +99,7 @@ void Hops::on_acknowledgment(const MacAddress& from, const wire::HopAcknowledgme
   neighbors_.acknowledged(from, now);
   air_.acknowledged(acknowledgment.newest_counter, Time(acknowledgment.spacing_ns), now - Time(acknowledgment.held_ns),
                     kAcknowledgmentOctets);
+  turns_.answered(from, acknowledgment.newest_counter, now);
   std::vector<HopSender::Passed> passed;
   hop(from).sender.acknowledged(acknowledgment, now, journal_.kept() ? &passed : nullptr);
   record(from, passed, now);
@@ -112,24 +129,25 @@ std::vector<MacAddress> Hops::expire(Time now) {
 }
 
 /// On a crowded channel one later acknowledgment for many frames is better than a queue of them in the radio.
-Time Hops::acknowledgment_due(const HopReceiver& receiver) const {
-  const Time due = receiver.due();
+Time Hops::acknowledgment_due(const MacAddress& neighbor, const HopReceiver& receiver) const {
+  Time due = receiver.due();
   if (due == Time::max()) return due;
+  if (air_.shared(due)) due = std::max(due, turns_.ends(neighbor));
   return std::max(due, std::min(air_.ready_at(), receiver.owed_since() + kLatestAcknowledgment));
 }
 
 void Hops::acknowledge(Time now) {
   for (const auto& [neighbor, hop] : hops_.busy()) {
-    if (!hop->receiver || acknowledgment_due(*hop->receiver) > now) continue;
+    if (!hop->receiver || acknowledgment_due(neighbor, *hop->receiver) > now) continue;
     transmitter_.transmit(FrameType::kHopAcknowledgment, neighbor, to_bytes(hop->receiver->acknowledge(now)), now);
   }
 }
 
-Time Hops::next_deadline() const {
-  Time next = Time::max();
+Time Hops::next_deadline(Time now) const {
+  Time next = air_.shared(now) ? turns_.next_opening(now) : Time::max();
   for (const auto& [neighbor, hop] : hops_.busy()) {
     next = std::min(next, hop->sender.next_deadline());
-    if (hop->receiver) next = std::min(next, acknowledgment_due(*hop->receiver));
+    if (hop->receiver) next = std::min(next, acknowledgment_due(neighbor, *hop->receiver));
   }
   return next;
 }
@@ -144,7 +162,9 @@ std::vector<HopFrame> Hops::take_all(const MacAddress& neighbor) {
 }
 
 void Hops::maintain(Time now) {
-  hops_.erase_if([this](const MacAddress& neighbor, const Hop&) { return neighbors_.find(neighbor) == nullptr; });
+  const auto is_gone = [this](const MacAddress& neighbor) { return neighbors_.find(neighbor) == nullptr; };
+  hops_.erase_if([&](const MacAddress& neighbor, const Hop&) { return is_gone(neighbor); });
+  turns_.forget_if(is_gone);
   for (const auto& [neighbor, hop] : hops_.all()) neighbors_.set_loss(neighbor, hop.sender.loss(now));
 }
 
@@ -153,7 +173,9 @@ void Hops::maintain(Time now) {
 bool Hops::repeat_lost(std::uint8_t priority, Time now) {
   return visit_after(hops_.busy(), last_served_, [&](const auto& item) {
     Hop& hop = *item.second;
-    if (!hop.sender.has_resend(priority) || !hop.sender.may_resend() || !air_allows(item.first, hop, now)) return false;
+    if (!hop.sender.has_resend(priority) || !hop.sender.may_resend() || !air_allows(item.first, hop, priority, now)) {
+      return false;
+    }
     last_served_ = item.first;
     const std::uint64_t counter = transmitter_.take_counter();
     put_on_air(item.first, hop, hop.sender.resend(priority, counter, now), counter, now);
@@ -165,7 +187,7 @@ bool Hops::send_waiting(std::uint8_t priority, const MacAddress& previous_hop, T
   return visit_after(hops_.busy(), last_served_, [&](const auto& item) {
     Hop& hop = *item.second;
     if (!hop.sender.has_waiting(priority, previous_hop) || !hop.sender.may_start() ||
-        !air_allows(item.first, hop, now)) {
+        !air_allows(item.first, hop, priority, now)) {
       return false;
     }
     last_served_ = item.first;
@@ -174,9 +196,9 @@ bool Hops::send_waiting(std::uint8_t priority, const MacAddress& previous_hop, T
   });
 }
 
-bool Hops::may_start(const MacAddress& neighbor, Time now) {
+bool Hops::may_start(const MacAddress& neighbor, std::uint8_t priority, Time now) {
   const Hop& next = hop(neighbor);
-  return next.sender.may_start() && air_allows(neighbor, next, now);
+  return next.sender.may_start() && air_allows(neighbor, next, priority, now);
 }
 
 void Hops::start(const MacAddress& neighbor, HopFrame frame, Time now) {
@@ -195,20 +217,45 @@ void Hops::start(const MacAddress& neighbor, Hop& hop, HopFrame frame, Time now)
   put_on_air(neighbor, hop, hop.sender.start(std::move(frame), counter, now), counter, now);
 }
 
-void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
-                      Time now) {
-  std::uint8_t flags = wire::kWantsAcknowledgment;
+/// Frames that measure the air, and the one that fills the window.
+bool Hops::wants_answer(const MacAddress& neighbor, Hop& hop) {
   const bool calibrated = air_.calibrated(neighbor);
   hop.pair = (hop.pair + 1) % (calibrated ? air::AirClock::kPairInterval : 2);
-  if (!calibrated || hop.sender.pressing() || hop.pair == 1) flags |= wire::kAcknowledgeNow;
+  return !calibrated || hop.sender.pressing() || hop.pair == 1;
+}
+
+bool Hops::needs_turn(const HopSender::Outgoing& outgoing) {
+  return outgoing.type == FrameType::kData && takes_turns(outgoing.route, outgoing.priority);
+}
+
+bool Hops::ends_turn(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
+                     Time now) {
+  const bool more = hop.sender.may_start() && (outgoing.more || hop.sender.has_more());
+  return turns_.sent(neighbor, {counter, more, outgoing.beyond, air_.undisturbed_frame_time(neighbor)}, now);
+}
+
+void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
+                      Time now) {
+  hop.sender.be_patient(air_.shared(now) ? turns_.patience(neighbor) : Time(0));
+  const bool at_once = air_.shared(now) && needs_turn(outgoing) ? ends_turn(neighbor, hop, outgoing, counter, now)
+                                                                : wants_answer(neighbor, hop);
+  const auto flags = static_cast<std::uint8_t>(wire::kWantsAcknowledgment | (at_once ? wire::kAcknowledgeNow : 0));
   if (outgoing.type == FrameType::kData) count(statistics_.unicast_data, outgoing.passed_on, outgoing.again);
   transmitter_.transmit(outgoing.type, neighbor, {flags, outgoing.link_sequence, counter}, *outgoing.body, now);
+}
+
+bool Hops::is_turn(const MacAddress& neighbor, std::uint8_t priority, Time now) const {
+  return is_urgent(priority) || !air_.shared(now) || turns_.opens(neighbor) <= now;
 }
 
 /// Two frames may be on their way to each neighbour even if the air is believed to be slow, as long as that is not for
 /// long. Of a pair that measures the air, the first waits until the radio is idle and the second follows at once, so
 /// that no more is in its hands than otherwise.
-bool Hops::air_allows(const MacAddress& neighbor, const Hop& hop, Time now) const {
+bool Hops::air_allows(const MacAddress& neighbor, const Hop& hop, std::uint8_t priority, Time now) const {
+  if (!is_turn(neighbor, priority, now)) return false;
+  if (!is_urgent(priority) && air_.shared(now) && turns_.goes_on(neighbor)) {
+    return air_.ready_at() <= now + kLongestBacklog;
+  }
   const bool pair_begins = air_.calibrated(neighbor) && hop.pair == air::AirClock::kPairInterval - 1;
   if (pair_begins && air_.idle_at() > now && air_.idle_at() <= now + kLongestBacklog) return false;
   if (air_.ready_at() <= now) return true;
@@ -220,10 +267,11 @@ void Hops::add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops
   for (const auto& [neighbor, hop] : hops_.busy()) hop->sender.add_waiting_hops(priority, hops);
 }
 
-bool Hops::something_to_send() const {
-  return std::any_of(hops_.busy().begin(), hops_.busy().end(), [](const auto& item) {
+bool Hops::something_to_send(Time now) const {
+  return std::any_of(hops_.busy().begin(), hops_.busy().end(), [&](const auto& item) {
     const HopSender& sender = item.second->sender;
     for (std::uint8_t priority = 0; priority < kPriorities; ++priority) {
+      if (!is_turn(item.first, priority, now)) continue;
       if (sender.has_resend(priority) && sender.may_resend()) return true;
       if (sender.has_waiting(priority) && sender.may_start()) return true;
     }
@@ -233,9 +281,9 @@ bool Hops::something_to_send() const {
 
 // --- what others may look at -----------------------------------------------------------------------------------------
 
-bool Hops::has_room(const MacAddress& neighbor) const {
+bool Hops::has_room(const MacAddress& neighbor, std::uint8_t priority, Time now) const {
   const Hop* known = hops_.find(neighbor);
-  return known == nullptr || known->sender.may_start();
+  return is_turn(neighbor, priority, now) && (known == nullptr || known->sender.may_start());
 }
 
 bool Hops::idle(const MacAddress& neighbor) const {

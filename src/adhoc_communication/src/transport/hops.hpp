@@ -12,6 +12,7 @@
 #include "routing/robot_directory.hpp"
 #include "transport/hop_receiver.hpp"
 #include "transport/hop_sender.hpp"
+#include "transport/turn_taking.hpp"
 
 namespace adhoc_communication::transport {
 
@@ -27,7 +28,7 @@ class Hops : public Outbox {
   Time air_ready() const override { return air_.ready_at(); }
 
   /// A full queue loses the frame or another one; who sent it from end to end repeats it.
-  void enqueue(const MacAddress& neighbor, HopFrame frame) { hop(neighbor).sender.enqueue(std::move(frame)); }
+  void enqueue(const MacAddress& neighbor, HopFrame frame);
 
   // Frames in.
   void heard(const MacAddress& neighbor, Time now);
@@ -41,7 +42,7 @@ class Hops : public Outbox {
   /// Returns the neighbours to which frames go unanswered.
   std::vector<MacAddress> expire(Time now);
   void acknowledge(Time now);
-  Time next_deadline() const;
+  Time next_deadline(Time now) const;
   void settle();
 
   // What goes on the air. Each sends one frame, or none if it may not or there is none.
@@ -49,13 +50,13 @@ class Hops : public Outbox {
   /// A frame that came from there; one neighbour after the other.
   bool send_waiting(std::uint8_t priority, const MacAddress& previous_hop, Time now);
   /// Whether a frame may be started now.
-  bool may_start(const MacAddress& neighbor, Time now);
+  bool may_start(const MacAddress& neighbor, std::uint8_t priority, Time now);
   void start(const MacAddress& neighbor, HopFrame frame, Time now);
   /// From whom frames of that priority wait.
   void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const;
   /// Whether a frame would be sent if the air were free.
-  bool something_to_send() const;
-  bool has_room(const MacAddress& neighbor) const;
+  bool something_to_send(Time now) const;
+  bool has_room(const MacAddress& neighbor, std::uint8_t priority, Time now) const;
 
   /// What was not acknowledged.
   std::vector<HopFrame> take_all(const MacAddress& neighbor);
@@ -77,8 +78,13 @@ class Hops : public Outbox {
   };
 
   Hop& hop(const MacAddress& neighbor);
-  Time acknowledgment_due(const HopReceiver& receiver) const;
-  bool air_allows(const MacAddress& neighbor, const Hop& hop, Time now) const;
+  Time acknowledgment_due(const MacAddress& neighbor, const HopReceiver& receiver) const;
+  bool air_allows(const MacAddress& neighbor, const Hop& hop, std::uint8_t priority, Time now) const;
+  bool is_turn(const MacAddress& neighbor, std::uint8_t priority, Time now) const;
+  bool wants_answer(const MacAddress& neighbor, Hop& hop);
+  static bool needs_turn(const HopSender::Outgoing& outgoing);
+  bool ends_turn(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
+                 Time now);
   void start(const MacAddress& neighbor, Hop& hop, HopFrame frame, Time now);
   void put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
                   Time now);
@@ -93,6 +99,7 @@ class Hops : public Outbox {
   Journal& journal_;
   Statistics& statistics_;
   BusyMap<MacAddress, Hop> hops_;
+  TurnTaking turns_;
   MacAddress last_served_{};
 };
 

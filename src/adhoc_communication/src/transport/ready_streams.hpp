@@ -55,11 +55,13 @@ class ReadyStreams {
     return found;
   }
   template <typename Predicate>
-  bool any_over(Predicate neighbor_holds) const {
-    return std::any_of(over_.begin(), over_.end(), [&](const auto& of_priority) {
-      return std::any_of(of_priority.begin(), of_priority.end(),
-                         [&](const auto& item) { return neighbor_holds(item.first); });
-    });
+  bool any_over(Predicate holds) const {
+    for (std::uint8_t priority = 0; priority < kPriorities; ++priority) {
+      for (const auto& [neighbor, count] : over_[priority]) {
+        if (holds(neighbor, priority)) return true;
+      }
+    }
+    return false;
   }
 
  private:

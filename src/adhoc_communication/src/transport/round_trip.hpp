@@ -23,6 +23,8 @@ class RoundTrip {
     *smoothed_ += (round_trip - *smoothed_) / 8;
   }
   Time timeout() const { return smoothed_ ? std::clamp(*smoothed_ + 4 * variation_, shortest_, longest_) : initial_; }
+  bool known() const { return smoothed_.has_value(); }
+  Time variation() const { return variation_; }
   Time smoothed() const { return smoothed_.value_or(initial_); }
 
  private:

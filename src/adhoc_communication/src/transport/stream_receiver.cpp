@@ -38,7 +38,7 @@ std::vector<StreamReceiver::Complete> StreamReceiver::take(const wire::Data& dat
   deliver(data.stream, complete);
   if (stored == Stored::kFresh) ++stream.unacknowledged;
   // Of a packet refused a whole window may be under way, which need not be answered frame by frame.
-  const bool of_use = stored == Stored::kFresh || stored == Stored::kRefusedBefore;
+  const bool of_use = stored != Stored::kRefused;
   const bool now_due =
       data.acknowledge_now || !of_use || !complete.empty() || stream.unacknowledged >= kSegmentsPerAcknowledgment;
   stream.due = std::min(stream.due, now_due ? now : now + kLongestDelay);

@@ -138,6 +138,7 @@ Time Streams::serve(Stream& stream, std::vector<Undelivered>& undelivered, Time 
     router_.search({stream.address.value_or(MacAddress{}), destination}, now);
     return now + kStillSearching;
   }
+  stream.beyond = routing::hops_beyond(*route);
   if (stream.next_hop != route->next_hop) {
     stream.next_hop = route->next_hop;
     stream.sender.route_changed(now);
@@ -174,8 +175,8 @@ void Streams::record(Stream& stream, Time now) {
 // --- what goes on the air --------------------------------------------------------------------------------------------
 
 bool Streams::send_segment(std::uint8_t priority, Time now) {
-  Stream* stream =
-      ready_.next(priority, last_served_, [&](const MacAddress& neighbor) { return hops_.may_start(neighbor, now); });
+  Stream* stream = ready_.next(priority, last_served_,
+                               [&](const MacAddress& neighbor) { return hops_.may_start(neighbor, priority, now); });
   if (stream != nullptr) send_segment(*stream, now);
   return stream != nullptr;
 }
@@ -188,12 +189,17 @@ void Streams::send_segment(Stream& stream, Time now) {
   data.source_boot = self_.boot;
   data.destination = *stream.address;
   router_.used(self_.address, data.destination, self_.address, now);
-  hops_.start(*stream.next_hop, {wire::FrameType::kData, to_bytes(data), stream.key.second, {}, again}, now);
+  HopFrame frame{wire::FrameType::kData, to_bytes(data), stream.key.second, {}, again};
+  frame.beyond = stream.beyond;
+  frame.route = stream.beyond + 1;
+  frame.more = stream.sender.has_segment();
+  hops_.start(*stream.next_hop, std::move(frame), now);
   changed(stream);
 }
 
-bool Streams::something_to_send() const {
-  return ready_.any_over([this](const MacAddress& neighbor) { return hops_.has_room(neighbor); });
+bool Streams::something_to_send(Time now) const {
+  return ready_.any_over(
+      [&](const MacAddress& neighbor, std::uint8_t priority) { return hops_.has_room(neighbor, priority, now); });
 }
 
 }  // namespace adhoc_communication::transport

@@ -52,7 +52,7 @@ class Streams {
   /// Sends one segment if it may; one destination after the other.
   bool send_segment(std::uint8_t priority, Time now);
   /// Whether a segment would be sent if the air were free.
-  bool something_to_send() const;
+  bool something_to_send(Time now) const;
 
   std::size_t size() const { return streams_.size(); }
 
@@ -63,6 +63,7 @@ class Streams {
     StreamSender sender;
     std::optional<MacAddress> address{};
     std::optional<MacAddress> next_hop{};
+    std::uint8_t beyond = 0;  ///< hops that the next hop leaves
   };
 
   Stream* find(const std::string& destination, std::uint8_t priority);

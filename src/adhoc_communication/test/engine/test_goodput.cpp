@@ -95,7 +95,7 @@ TEST(StreamSender, TheRepetitionShowsThatAllBeforeItIsLost) {
   Stream stream = with_one_repeated();
   stream.receive(0, 1);
   stream.acknowledge(600ms);  // as late as the second copy would come
-  EXPECT_EQ(stream.repeats(300, 600ms), 150) << "of 200, those sent more than 50 ms before the repetition";
+  EXPECT_EQ(stream.repeats(300, 600ms), 149) << "of 200, those sent more than a quarter of 204 ms before it";
 }
 
 TEST(StreamSender, WhatIsFollowedBySilenceWasTheRepetition) {

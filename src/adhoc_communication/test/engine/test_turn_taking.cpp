@@ -1,0 +1,218 @@
+// Robots along a route that share one channel speak in turns.
+#include <gtest/gtest.h>
+
+#include "air/air_clock.hpp"
+#include "payloads.hpp"
+#include "simulation/team.hpp"
+#include "transport/arrivals.hpp"
+#include "transport/hop_sender.hpp"
+#include "transport/reassembly.hpp"
+#include "transport/stream_receiver.hpp"
+#include "transport/turn_taking.hpp"
+
+namespace adhoc_communication {
+namespace {
+
+using namespace std::chrono_literals;
+using transport::TurnTaking;
+
+const MacAddress kBefore{{1}};
+const MacAddress kBehind{{2}};
+constexpr Time kFrame = 300us;
+constexpr Time kTurn = TurnTaking::kFrames * kFrame;
+
+/// One that measures turns of kTurn, as a robot far from the destination.
+struct Speaker {
+  TurnTaking turns;
+  std::uint64_t counter = 0;
+
+  bool send(Time now, bool more = true, std::uint8_t beyond = 5) {
+    return turns.sent(kBehind, {++counter, more, beyond, kFrame}, now);
+  }
+  void speak(Time now, std::uint8_t beyond = 5) {
+    while (!send(now, true, beyond)) EXPECT_TRUE(turns.goes_on(kBehind));
+    turns.answered(kBehind, counter, now + kTurn);
+  }
+};
+
+TEST(TurnTaking, ATurnEndsWithItsLastFrameOrWhenNoneFollows) {
+  Speaker speaker;
+  for (int frame = 1; frame < TurnTaking::kFrames; ++frame) EXPECT_FALSE(speaker.send(0ms));
+  EXPECT_TRUE(speaker.send(0ms));
+  EXPECT_FALSE(speaker.turns.goes_on(kBehind));
+  EXPECT_FALSE(speaker.send(100ms));
+  EXPECT_TRUE(speaker.send(100ms, false));
+}
+
+TEST(TurnTaking, WhoBeginsWaitsUntilTheNextTwoHaveSpoken) {
+  for (const std::uint8_t beyond : {0, 1, 2, 5}) {
+    Speaker speaker;
+    for (Time now = 0ms; now < 1s; now += 20ms) speaker.speak(now, beyond);
+    EXPECT_NEAR(static_cast<double>((speaker.turns.opens(kBehind) - 980ms) / 1us),
+                static_cast<double>(std::min(beyond + 1, 3) * kTurn / 1us), 10.0)
+        << static_cast<int>(beyond);
+  }
+}
+
+TEST(TurnTaking, AShortTurnIsSoonForgotten) {
+  Speaker speaker;
+  speaker.speak(0ms);
+  speaker.send(100ms, false);
+  EXPECT_LT(speaker.turns.opens(kBehind) - 100ms, kTurn);
+}
+
+TEST(TurnTaking, ARelayFollowsTheRobotBeforeIt) {
+  Speaker relay;
+  relay.turns.follow(kBefore);
+  relay.speak(0ms);
+  const Time alone = relay.turns.opens(kBehind);
+  relay.turns.heard(kBefore, false, kFrame, 4ms);
+  EXPECT_GT(relay.turns.opens(kBehind), 4ms) << "it speaks";
+  relay.turns.heard(kBefore, true, kFrame, 5ms);
+  EXPECT_LE(relay.turns.opens(kBehind), 5ms) << "it has ended";
+  EXPECT_GT(alone, 5ms);
+}
+
+TEST(TurnTaking, ATurnWhoseEndIsLostEndsAllTheSame) {
+  Speaker relay;
+  relay.turns.follow(kBefore);
+  relay.speak(0ms);
+  Time now = 1ms;
+  for (int frame = 1; frame < TurnTaking::kFrames; ++frame, now += kFrame) {
+    relay.turns.heard(kBefore, false, kFrame, now);
+  }
+  EXPECT_EQ(relay.turns.opens(kBehind), now + kFrame) << "one frame was to come";
+  relay.turns.heard(kBefore, false, kFrame, now);
+  EXPECT_EQ(relay.turns.opens(kBehind), now) << "as many as a turn has";
+}
+
+/// Otherwise who knows of no turns and sends without end would silence all others.
+TEST(TurnTaking, NobodySpeaksWithoutEnd) {
+  TurnTaking turns;
+  turns.follow(kBefore);
+  int open = 0;
+  for (int frame = 0; frame < 100; ++frame) {
+    turns.heard(kBefore, false, kFrame, frame * kFrame);
+    open += turns.opens(kBehind) <= frame * kFrame;
+  }
+  EXPECT_EQ(open, 100 / TurnTaking::kFrames);
+}
+
+TEST(TurnTaking, WhoSendsNothingToPassOnIsNotWaitedFor) {
+  TurnTaking turns;
+  turns.heard(kBefore, false, kFrame, 1ms);
+  EXPECT_EQ(turns.opens(kBehind), 0ms);
+}
+
+TEST(SharedAir, IsRememberedLongerEachTime) {
+  air::SharedAir air;
+  EXPECT_FALSE(air.shared(0s));
+  air.waited(1s);
+  air.waited(5s);
+  EXPECT_TRUE(air.shared(10s));
+  EXPECT_FALSE(air.shared(11s));
+  air.waited(12s);
+  EXPECT_TRUE(air.shared(51s));
+  EXPECT_FALSE(air.shared(52s));
+}
+
+TEST(AirClock, FramesThatWaitForOthersShowThatTheChannelIsShared) {
+  for (const Time other : {0us, 300us}) {
+    air::AirClock clock(1500);
+    std::uint64_t counter = 0;
+    for (int i = 0; i < 40; ++i) {
+      const Time now = i * 10ms;
+      const Time spacing = 300us + (i % 4 == 0 ? 0us : other);
+      for (int frame = 0; frame < 2; ++frame) clock.transmitted(++counter, 1500, kBehind, now);
+      clock.acknowledged(counter, spacing, now + 300us + spacing, 0);
+    }
+    EXPECT_EQ(clock.shared(400ms), other > 0us);
+  }
+}
+
+TEST(HopSender, APatientOneWaitsForTheAnswersOfFurtherTurns) {
+  transport::HopSender sender(1, 10);
+  sender.be_patient(80ms);
+  sender.start({wire::FrameType::kData, text("x"), 3}, 1, 0ms);
+  EXPECT_EQ(sender.next_deadline(), 80ms);
+  EXPECT_FALSE(sender.dead(400ms)) << "six of these";
+  EXPECT_TRUE(sender.dead(480ms));
+}
+
+/// It stayed what it had been before the way became slow, and each timer ran out too soon.
+TEST(Arrivals, ATimerThatIsTooShortGetsLonger) {
+  transport::Arrivals arrivals;
+  arrivals.acknowledged(0ms, false, 100ms);
+  const Time before = arrivals.timeout();
+  for (Time sent = 1s; sent < 3s; sent += 10ms) {
+    arrivals.asked(sent + 500ms);
+    arrivals.acknowledged(sent, false, sent + 700ms);
+  }
+  EXPECT_GT(arrivals.timeout(), 700ms);
+  EXPECT_LT(before, 700ms);
+}
+
+TEST(Arrivals, WhatArrivesLateShowsHowMuchTheWayReorders) {
+  transport::Arrivals arrivals;
+  arrivals.acknowledged(500ms, false, 600ms);
+  EXPECT_TRUE(arrivals.overtaken(400ms));
+  arrivals.acknowledged(350ms, false, 600ms);
+  EXPECT_FALSE(arrivals.overtaken(400ms));
+  EXPECT_TRUE(arrivals.overtaken(300ms));
+}
+
+/// Each was answered by itself, and on a crowded way these answers took the air from what they were about.
+TEST(StreamReceiver, RepetitionsAreAnsweredTogether) {
+  transport::Reassembly reassembly(1000);
+  transport::StreamReceiver receiver(kBefore, 1, 1000, reassembly);
+  wire::Data data;
+  data.total = 100;
+  data.segment_size = 64;
+  data.octets = Bytes(64);
+  receiver.take(data, 0ms);
+  receiver.acknowledge(0);
+  receiver.take(data, 10ms);
+  EXPECT_EQ(receiver.due(0), 60ms);
+  data.acknowledge_now = true;
+  receiver.take(data, 20ms);
+  EXPECT_EQ(receiver.due(0), 20ms) << "when asked";
+}
+
+struct Outcome {
+  bool arrived;
+  double megabits;  ///< a second
+};
+
+Outcome transfer(double loss, std::uint64_t seed) {
+  MediumOptions medium;
+  medium.contention = true;
+  medium.loss = loss;
+  Team team(medium, seed);
+  team.add_line(11);
+  team.run_for(1s);
+  const Time start = team.now();
+  const SendId id = team.send(0, Team::name(10), noise(3'000'000), Priority::kBulk);
+  team.run_until_done([&] { return team.finished(0, id) != nullptr; }, 60s);
+  const SendFinished* finished = team.finished(0, id);
+  const double seconds = std::chrono::duration<double>(team.now() - start).count();
+  return {finished != nullptr && finished->delivered, 8 * 3.0 / seconds};
+}
+
+/// Half of all frames collided, and what arrived was sent four times end to end.
+TEST(TurnTaking, TenHopsOnAContendedChannelCarryAPacket) {
+  double megabits = 0.0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Outcome outcome = transfer(0.0, seed);
+    EXPECT_TRUE(outcome.arrived) << seed;
+    megabits += outcome.megabits / 3;
+  }
+  EXPECT_GT(megabits, 4.0);
+}
+
+/// Routes broke so often that their searches took the air, and sends failed for want of a route.
+TEST(TurnTaking, LossOnAContendedChannelEndsNoSend) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) EXPECT_TRUE(transfer(0.3, seed).arrived) << seed;
+}
+
+}  // namespace
+}  // namespace adhoc_communication
