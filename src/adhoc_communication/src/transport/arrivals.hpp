@@ -21,8 +21,8 @@ class Arrivals {
     newest_doubtful_ = Time(-1);
     if (sent < newest_) reordering_ = std::clamp(newest_ - sent, reordering_, kMostReordering);
     newest_ = std::max(newest_, sent);
-    // With a timer that ran out in between, the time may be that of the timer (Karn); or else the timer is too short.
-    round_trip_.sample(sent > asked_ ? now - sent : std::min(now - sent, 2 * round_trip_.timeout()));
+    // With a timer that ran out in between, the time is that of the timer (Karn).
+    if (sent > asked_) round_trip_.sample(now - sent);
   }
   /// Hops repeat frames and so change their order a little; what is overtaken by much more than that is lost.
   /// On a long way that means little: a quarter of the round trip is tolerated there (RFC 8985).

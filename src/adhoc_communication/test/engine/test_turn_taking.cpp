@@ -139,19 +139,6 @@ TEST(HopSender, APatientOneWaitsForTheAnswersOfFurtherTurns) {
   EXPECT_TRUE(sender.dead(480ms));
 }
 
-/// It stayed what it had been before the way became slow, and each timer ran out too soon.
-TEST(Arrivals, ATimerThatIsTooShortGetsLonger) {
-  transport::Arrivals arrivals;
-  arrivals.acknowledged(0ms, false, 100ms);
-  const Time before = arrivals.timeout();
-  for (Time sent = 1s; sent < 3s; sent += 10ms) {
-    arrivals.asked(sent + 500ms);
-    arrivals.acknowledged(sent, false, sent + 700ms);
-  }
-  EXPECT_GT(arrivals.timeout(), 700ms);
-  EXPECT_LT(before, 700ms);
-}
-
 TEST(Arrivals, WhatArrivesLateShowsHowMuchTheWayReorders) {
   transport::Arrivals arrivals;
   arrivals.acknowledged(500ms, false, 600ms);
