@@ -19,8 +19,11 @@ class Arrivals {
   void acknowledged(Time sent, bool repeated, Time now) {
     if (repeated) return acknowledged_repeated(sent, now);
     newest_doubtful_ = Time(-1);
-    if (sent < newest_) reordering_ = std::clamp(newest_ - sent, reordering_, kMostReordering);
-    newest_ = std::max(newest_, sent);
+    if (sent <= newest_) {
+      reordering_ = std::clamp(newest_ - sent, reordering_, kMostReordering);
+      return;
+    }
+    newest_ = sent;
     // With a timer that ran out in between, the time is that of the timer (Karn).
     if (sent > asked_) round_trip_.sample(now - sent);
   }
