@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "transport/turn_taking.hpp"
+
 namespace adhoc_communication::transport {
 
 using wire::FrameType;
@@ -25,6 +27,9 @@ std::optional<Way> way_of(const HopFrame& frame) {
   }
   return std::nullopt;
 }
+
+bool takes_turns(const wire::Data& data) { return TurnTaking::fills_turns(data); }
+bool takes_turns(const wire::TransportAcknowledgment&) { return false; }
 
 }  // namespace
 
@@ -50,7 +55,7 @@ void Forwarder::pass_on(const MacAddress& from, Message message, FrameType type,
   if (route == nullptr || route->next_hop == from) return router_.no_route_for(destination, from, now);
   HopFrame frame{type, to_bytes(message), priority, from};
   frame.beyond = hops_beyond(*route);
-  frame.route = static_cast<std::uint8_t>(std::min(message.hops + frame.beyond, 255));
+  if (takes_turns(message)) frame.route = static_cast<std::uint8_t>(std::min(message.hops + frame.beyond, 255));
   hops_.enqueue(route->next_hop, std::move(frame));
 }
 

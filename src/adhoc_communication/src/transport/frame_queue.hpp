@@ -22,7 +22,7 @@ struct HopFrame {
   bool again = false;         ///< its content was sent before, in another frame
   bool held = false;          ///< it has waited for the repair of its route
   std::uint8_t beyond = 0;    ///< hops that data has to go when the neighbour has it
-  std::uint8_t route = 0;     ///< hops of its whole way
+  std::uint8_t route = 0;     ///< hops of its whole way; 0: it takes no turns
   bool more = false;          ///< of its stream, another segment could follow at once
 };
 

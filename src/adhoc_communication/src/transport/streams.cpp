@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "texts.hpp"
+#include "transport/turn_taking.hpp"
 
 namespace adhoc_communication::transport {
 namespace {
@@ -191,7 +192,7 @@ void Streams::send_segment(Stream& stream, Time now) {
   router_.used(self_.address, data.destination, self_.address, now);
   HopFrame frame{wire::FrameType::kData, to_bytes(data), stream.key.second, {}, again};
   frame.beyond = stream.beyond;
-  frame.route = stream.beyond + 1;
+  frame.route = TurnTaking::fills_turns(data) ? stream.beyond + 1 : 0;
   frame.more = stream.sender.has_segment();
   hops_.start(*stream.next_hop, std::move(frame), now);
   changed(stream);

@@ -7,6 +7,7 @@
 
 #include "transport/hop_receiver.hpp"
 #include "transport/round_trip.hpp"
+#include "wire/messages.hpp"
 
 namespace adhoc_communication::transport {
 
@@ -20,6 +21,9 @@ class TurnTaking {
   static constexpr int kQuietFrames = 4;   ///< so long without a frame the turn of another robot is over
   static constexpr int kTurnsInReach = 3;  ///< of robots in a row: the first and the fourth may send at once
   static constexpr int kShortestRoute = kTurnsInReach + 1;  ///< in hops; on shorter ones no two may send at once
+
+  /// What fits into one turn waits for none: it is gone before others could be in its way.
+  static bool fills_turns(const wire::Data& data) { return data.total > kFrames * std::uint32_t{data.segment_size}; }
 
   /// What is to be known of a frame that goes out.
   struct Frame {

@@ -35,6 +35,15 @@ struct Speaker {
   }
 };
 
+TEST(TurnTaking, WhatFitsIntoOneTurnTakesNone) {
+  wire::Data data;
+  data.segment_size = 1000;
+  data.total = 8000;
+  EXPECT_FALSE(TurnTaking::fills_turns(data));
+  ++data.total;
+  EXPECT_TRUE(TurnTaking::fills_turns(data));
+}
+
 TEST(TurnTaking, ATurnEndsWithItsLastFrameOrWhenNoneFollows) {
   Speaker speaker;
   for (int frame = 1; frame < TurnTaking::kFrames; ++frame) EXPECT_FALSE(speaker.send(0ms));
