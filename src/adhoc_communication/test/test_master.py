@@ -7,7 +7,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any, Iterator
 
@@ -88,10 +87,12 @@ def bob(tmp_path: Path) -> Iterator[Computer]:
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 def test_a_node_that_waits_for_its_master_can_be_ended(bob: Computer, how: signal.Signals) -> None:
-    node = bob.start_node()
-    time.sleep(2.0)
-    node.send_signal(how)
-    node.wait(5.0)
+    with socket.create_server(("localhost", bob.port)) as silent:
+        silent.settimeout(PATIENCE)
+        node = bob.start(program("adhoc_communication"))  # without parameters, which would go to the master before
+        silent.accept()[0].close()  # it asks for its master
+        node.send_signal(how)
+        assert node.wait(5.0) == -how
 
 
 def test_known_topics_go_on_and_the_node_ends_in_order_when_its_master_has_gone(alice: Computer, bob: Computer) -> None:
