@@ -138,7 +138,7 @@ def print_results(plan: Plan, record: MissionRecord) -> None:
             "-" if robot.finished_at is None else f"{robot.finished_at:.1f} s",
             percent(robot.map.coverage),
             percent(robot.map.wrong_walls),
-            "-" if robot.map.error is None else f"{robot.map.error:+.2f} %",
+            "-" if robot.map.error is None else f"{round(robot.map.error, 2) + 0.0:+.2f} %",
             f"{robot.distance:.1f} m",
             str(robot.collisions.total),
             ", ".join(robot.partners) or "-",
