@@ -453,6 +453,20 @@ def with_robot(scan: LaserScan, x: float, y: float) -> LaserScan:
     return replace(scan, ranges=ranges.astype(np.float32))
 
 
+@pytest.mark.parametrize(("x", "y", "way"), [(1.3, 0.2, 0.3), (1.28, 0.25, 0.3), (1.3, -0.3, 0.3), (1.3, -0.3, -0.3)])
+def test_a_robot_that_stood_close_to_furniture_does_not_pull(x: float, y: float, way: float) -> None:
+    """With 0.2 m between it and a box 1 m wide, both were one thing, too large to be a robot: when it drove off, it took
+    this one's pose along by 0.3 m."""
+    slam = Slam()
+    for step in range(80):
+        slam.process(with_robot(boxed_room(1.5, reach=3.0), x, y), Pose(), 0.1 * step)
+    for step in range(1, 31):
+        ahead = 0.01 * step
+        scan = with_robot(boxed_room(1.5 - ahead, reach=3.0), x - ahead, y + way * step / 30)
+        pose = slam.process(scan, Pose(1.05 * ahead, 0.0, 0.0), 8.0 + 0.1 * step).pose
+        assert (pose.x, pose.y) == pytest.approx((ahead, 0.0), abs=0.02)
+
+
 def test_a_robot_that_comes_out_of_a_door_does_not_make_this_one_stand() -> None:
     """A Turtlebot drove along a wall, and another one came before that wall at the edge of its view: what it saw looked
     more like what it had seen than like what it would have, and it lost 0.3 m."""

@@ -6,7 +6,9 @@
 namespace mr_robot::slam {
 namespace {
 
-constexpr double kStep = 0.25;      // m in range from one beam to the next, at which a surface ends
+constexpr double kStep = 0.25;      // m in range from one beam to the next, at which a surface ends,
+constexpr double kNoise = 0.08;     // m, or at less, by so much more than
+constexpr double kGrazing = 5.67;   // cotangent of 10 degrees: on a surface that is seen at this angle
 constexpr double kTouching = 0.36;  // of the size of a small object, from the robot's centre: what is nearer touches it
 
 // Beams in a row without a step in range between them; of a laser that sees all around, the last ones of the scan may
@@ -20,9 +22,18 @@ double range_of(const Scan& scan, const Beam& beam) {
   return beam.hit ? std::hypot(beam.end.x - scan.eye.x, beam.end.y - scan.eye.y) : std::numeric_limits<double>::max();
 }
 
+// A breakpoint after Borges and Aldon (2004): beams close together tell a gap from a surface that is seen from its side.
+bool ends_between(const Scan& scan, const Beam& a, const Beam& b) {
+  const double range = range_of(scan, a), next = range_of(scan, b), step = std::abs(range - next);
+  if (step > kStep || !a.hit || !b.hit) return step > kStep;
+  const Point to_a{a.end.x - scan.eye.x, a.end.y - scan.eye.y}, to_b{b.end.x - scan.eye.x, b.end.y - scan.eye.y};
+  const double across = std::abs(to_a.x * to_b.y - to_a.y * to_b.x) / std::max(range, next);
+  return step > kNoise + kGrazing * across;
+}
+
 void join_ends(const Scan& scan, std::vector<Segment>* segments) {
-  const double first = range_of(scan, scan.beams.front()), last = range_of(scan, scan.beams.back());
-  if (std::abs(first - last) > kStep) {
+  if (ends_between(scan, scan.beams.back(), scan.beams.front())) {
+    const double first = range_of(scan, scan.beams.front()), last = range_of(scan, scan.beams.back());
     segments->front().before_left = first < last;
     segments->back().before_right = last < first;
     return;
@@ -37,7 +48,7 @@ std::vector<Segment> segments_of(const Scan& scan) {
   double previous = 0.0;
   for (std::size_t i = 0; i < scan.beams.size(); ++i) {
     const double range = range_of(scan, scan.beams[i]);
-    if (segments.empty() || std::abs(range - previous) > kStep) {
+    if (segments.empty() || ends_between(scan, scan.beams[i - 1], scan.beams[i])) {
       if (!segments.empty()) segments.back().before_right = previous < range;
       segments.push_back({i, i, segments.empty() || range < previous, true});
     }
