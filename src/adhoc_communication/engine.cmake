@@ -1,6 +1,10 @@
 # The protocol engine: a static library without ROS, and its tests. Included by CMakeLists.txt.
 option(ADHOC_SANITIZE "Build the protocol engine with AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
 
+# Reading the headers is most of the work on small files: so many are compiled as one, which takes less than half of the time.
+# Names in unnamed namespaces are therefore different in all files of a target. (CMake 3.16 and later.)
+set(ADHOC_FILES_AT_ONCE 8)
+
 find_path(ZSTD_INCLUDE_DIR zstd.h)
 find_library(ZSTD_LIBRARY zstd)
 find_path(ISAL_INCLUDE_DIR isa-l/erasure_code.h)
@@ -29,6 +33,7 @@ file(GLOB ADHOC_ENGINE_SOURCES CONFIGURE_DEPENDS
 
 add_library(adhoc_engine STATIC ${ADHOC_ENGINE_SOURCES})
 set_target_properties(adhoc_engine PROPERTIES POSITION_INDEPENDENT_CODE ON)
+set_target_properties(adhoc_engine PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ADHOC_FILES_AT_ONCE})
 target_compile_features(adhoc_engine PUBLIC cxx_std_17)
 target_compile_options(adhoc_engine PRIVATE -Wall -Wextra -Werror)
 target_include_directories(adhoc_engine PUBLIC ${ADHOC_ENGINE_DIR}/include ${ADHOC_ENGINE_DIR}/src
@@ -74,6 +79,7 @@ if(CATKIN_ENABLE_TESTING)
   catkin_add_gtest(${PROJECT_NAME}_engine_test ${ADHOC_ENGINE_TESTS} TIMEOUT 300)
   if(TARGET ${PROJECT_NAME}_engine_test)
     target_compile_options(${PROJECT_NAME}_engine_test PRIVATE -O1)
+    set_target_properties(${PROJECT_NAME}_engine_test PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ADHOC_FILES_AT_ONCE})
     target_link_libraries(${PROJECT_NAME}_engine_test adhoc_engine_scenarios gtest_main)
     set_property(SOURCE ${ADHOC_ENGINE_DIR}/test/engine/test_protocol_vectors.cpp APPEND PROPERTY
       COMPILE_DEFINITIONS PROTOCOL_VECTORS="${ADHOC_ENGINE_DIR}/docs/protocol_vectors.json")

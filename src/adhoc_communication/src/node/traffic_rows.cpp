@@ -10,7 +10,7 @@ namespace {
 
 using wire::FrameType;
 
-constexpr int kNone = 0;  // cooperative relaying, and what trees do without
+constexpr int kNothing = 0;  // cooperative relaying, and what trees do without
 
 std::uint64_t of(const Statistics::ByType& counts, FrameType type) { return counts[static_cast<std::size_t>(type)]; }
 
@@ -34,12 +34,12 @@ std::string unicast_row(const Statistics& statistics, long long time) {
   const Statistics::ByType& received = statistics.frames_received_by_type;
   const DataFrames& data = statistics.unicast_data;
   const std::string out =
-      csv_row(data.sent, data.passed_on, data.sent_again, data.passed_on_again, kNone, acknowledgments(sent), kNone,
-              of(sent, FrameType::kRouteRequest), of(sent, FrameType::kRouteReply), of(sent, FrameType::kBeacon), kNone,
-              kNone, of_others(sent));
+      csv_row(data.sent, data.passed_on, data.sent_again, data.passed_on_again, kNothing, acknowledgments(sent),
+              kNothing, of(sent, FrameType::kRouteRequest), of(sent, FrameType::kRouteReply),
+              of(sent, FrameType::kBeacon), kNothing, kNothing, of_others(sent));
   const std::string in =
-      csv_row(data.received, kNone, of(received, FrameType::kData), kNone, acknowledgments(received), kNone,
-              of(received, FrameType::kRouteRequest), of(received, FrameType::kRouteReply), kNone, kNone,
+      csv_row(data.received, kNothing, of(received, FrameType::kData), kNothing, acknowledgments(received), kNothing,
+              of(received, FrameType::kRouteRequest), of(received, FrameType::kRouteReply), kNothing, kNothing,
               statistics.frames_received_again, of(received, FrameType::kBeacon), of_others(received));
   return std::to_string(time) + ',' + out + ',' + in + ',' +
          csv_row(of_others(statistics.bytes_sent_by_type), of_others(statistics.bytes_received_by_type));
@@ -49,13 +49,13 @@ std::string multicast_row(const Statistics& statistics, long long time) {
   const Statistics::ByType& sent = statistics.frames_sent_by_type;
   const Statistics::ByType& received = statistics.frames_received_by_type;
   const DataFrames& data = statistics.group_data;
-  const std::string out = csv_row(data.sent, data.passed_on, data.sent_again, data.passed_on_again, kNone,
-                                  of(sent, FrameType::kGroupReport), kNone, kNone, kNone,
-                                  of(sent, FrameType::kGroupActivation), kNone, of_groups(sent));
-  const std::string in =
-      csv_row(data.received, kNone, of(received, FrameType::kGroupData), kNone, of(received, FrameType::kGroupReport),
-              kNone, kNone, kNone, of(received, FrameType::kGroupActivation), kNone,
-              of(received, FrameType::kGroupData) - data.received, of_groups(received));
+  const std::string out = csv_row(data.sent, data.passed_on, data.sent_again, data.passed_on_again, kNothing,
+                                  of(sent, FrameType::kGroupReport), kNothing, kNothing, kNothing,
+                                  of(sent, FrameType::kGroupActivation), kNothing, of_groups(sent));
+  const std::string in = csv_row(data.received, kNothing, of(received, FrameType::kGroupData), kNothing,
+                                 of(received, FrameType::kGroupReport), kNothing, kNothing, kNothing,
+                                 of(received, FrameType::kGroupActivation), kNothing,
+                                 of(received, FrameType::kGroupData) - data.received, of_groups(received));
   return std::to_string(time) + ',' + out + ',' + in + ',' +
          csv_row(of_groups(statistics.bytes_sent_by_type), of_groups(statistics.bytes_received_by_type));
 }

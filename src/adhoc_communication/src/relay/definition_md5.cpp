@@ -21,8 +21,8 @@ const std::set<std::string> kBuiltIn = {"bool",   "int8",     "uint8",  "int16",
                                         "uint32", "int64",    "uint64", "float32", "float64", "string",
                                         "time",   "duration", "byte",   "char"};
 
-using Definitions = std::map<std::string, std::string>;  ///< text by full type name
-using Sums = std::map<std::string, std::string>;         ///< of types that are done: who uses one twice pays once
+using TextByType = std::map<std::string, std::string>;  ///< text by full type name
+using Sums = std::map<std::string, std::string>;        ///< of types that are done: who uses one twice pays once
 
 std::string trimmed(const std::string& text) {
   const auto begin = text.find_first_not_of(kBlanks);
@@ -33,8 +33,8 @@ std::string trimmed(const std::string& text) {
 std::string package_of(const std::string& type) { return type.substr(0, type.find('/')); }
 
 /// The first text is that of the type itself; each further one follows a line of '=' and a line "MSG: package/Name".
-Definitions split(const std::string& type, const std::string& whole) {
-  Definitions definitions;
+TextByType split(const std::string& type, const std::string& whole) {
+  TextByType definitions;
   std::string current = type;
   std::istringstream lines(whole);
   bool named_next = false;
@@ -100,10 +100,10 @@ std::string md5(std::string text) {
   return digits;
 }
 
-std::string md5_of(const std::string& type, const Definitions& definitions, Sums& sums, int depth);
+std::string md5_of(const std::string& type, const TextByType& definitions, Sums& sums, int depth);
 
 /// A field, or nothing for an empty line; constants are kept apart because they come first.
-void take_line(const std::string& line, const std::string& package, const Definitions& definitions, Sums& sums,
+void take_line(const std::string& line, const std::string& package, const TextByType& definitions, Sums& sums,
                int depth, std::vector<std::string>& constants, std::vector<std::string>& fields) {
   const std::string without_comment = trimmed(line.substr(0, line.find('#')));
   const auto blank = without_comment.find_first_of(kBlanks);
@@ -127,7 +127,7 @@ void take_line(const std::string& line, const std::string& package, const Defini
   fields.push_back(md5_of(full, definitions, sums, depth + 1) + " " + rest);
 }
 
-std::string md5_of(const std::string& type, const Definitions& definitions, Sums& sums, int depth) {
+std::string md5_of(const std::string& type, const TextByType& definitions, Sums& sums, int depth) {
   if (const auto done = sums.find(type); done != sums.end()) return done->second;
   const auto found = definitions.find(type);
   if (found == definitions.end() || depth > kDeepest) {
@@ -147,7 +147,7 @@ std::string md5_of(const std::string& type, const Definitions& definitions, Sums
 }  // namespace
 
 std::string md5_of_definition(const std::string& type, const std::string& definition) {
-  Definitions definitions = split(type, definition);
+  TextByType definitions = split(type, definition);
   definitions[type];  // a message without fields
   Sums sums;
   return md5_of(type, definitions, sums, 0);

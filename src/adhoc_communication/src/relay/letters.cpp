@@ -6,10 +6,10 @@
 namespace adhoc_communication {
 namespace {
 
-const char* const kTopic = "definition";  // nobody publishes it, but a packet needs a topic
+const char* const kLetterTopic = "definition";  // nobody publishes it, but a packet needs a topic
 
 SendRequest letter(const std::string& robot, PayloadType type, Bytes payload) {
-  return {robot, kTopic, static_cast<std::uint8_t>(type), std::move(payload), Priority::kNormal};
+  return {robot, kLetterTopic, static_cast<std::uint8_t>(type), std::move(payload), Priority::kNormal};
 }
 
 }  // namespace

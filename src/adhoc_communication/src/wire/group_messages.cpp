@@ -4,7 +4,7 @@
 namespace adhoc_communication::wire {
 namespace {
 
-constexpr std::uint8_t kStreamMask = 0x03;
+constexpr std::uint8_t kGroupStreamMask = 0x03;
 constexpr std::uint8_t kReportFlag = 0x80;
 constexpr std::uint8_t kFollowsFlag = 0x40;
 constexpr std::uint8_t kCompleteFlag = 0x80;
@@ -65,7 +65,7 @@ std::optional<GroupData> read_group_data(Reader reader) {
   data.root = reader.individual_address();
   data.root_boot = reader.u64();
   const std::uint8_t stream = reader.u8();
-  data.stream = stream & kStreamMask;
+  data.stream = stream & kGroupStreamMask;
   data.report = (stream & kReportFlag) != 0;
   data.follows = (stream & kFollowsFlag) != 0;
   data.hops = reader.u8();
@@ -77,7 +77,7 @@ std::optional<GroupData> read_group_data(Reader reader) {
   data.block = reader.u16();
   data.symbol = reader.u8();
   data.octets = reader.rest();
-  if (!reader.ok() || (stream & ~(kStreamMask | kReportFlag | kFollowsFlag)) != 0) return std::nullopt;
+  if (!reader.ok() || (stream & ~(kGroupStreamMask | kReportFlag | kFollowsFlag)) != 0) return std::nullopt;
   if (data.hops == 0 || data.hops > kFarthestHop || data.total == 0) return std::nullopt;
   if (data.segment_size < kShortestSegment || data.segment_size > kLongestSegment) return std::nullopt;
   if (data.octets.size() > data.segment_size || (data.octets.empty() && !data.report)) return std::nullopt;
@@ -103,7 +103,7 @@ std::optional<GroupReport> read_group_report(Reader reader) {
   report.root = reader.individual_address();
   report.root_boot = reader.u64();
   const std::uint8_t stream = reader.u8();
-  report.stream = stream & kStreamMask;
+  report.stream = stream & kGroupStreamMask;
   report.complete = (stream & kCompleteFlag) != 0;
   report.packet = reader.u32();
   report.epoch = reader.u32();
@@ -113,7 +113,7 @@ std::optional<GroupReport> read_group_report(Reader reader) {
   report.coverage = reader.u32();
   report.first_block = reader.u16();
   report.missing = reader.rest();
-  if (!reader.ok() || (stream & ~(kStreamMask | kCompleteFlag)) != 0) return std::nullopt;
+  if (!reader.ok() || (stream & ~(kGroupStreamMask | kCompleteFlag)) != 0) return std::nullopt;
   if (report.missing.size() > kMostBlocksOfReport) return std::nullopt;
   return report;
 }

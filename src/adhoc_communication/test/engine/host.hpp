@@ -54,6 +54,11 @@ struct Host {
 /// host_<number>, wherever it is.
 Host make_host(std::size_t number);
 
+/// Hosts that the node does not hear itself.
+inline const Host kFar = make_host(100);
+inline const Host kFarther = make_host(101);
+inline const Host kSource = make_host(101);
+
 template <typename Message>
 struct Sent {
   Time at;

@@ -18,7 +18,7 @@ using multicast::Way;
 
 constexpr std::size_t kOctets = 1500;
 const MacAddress kNear{{2, 1}};
-const MacAddress kFar{{2, 2}};
+const MacAddress kFarOff{{2, 2}};
 const MacAddress kUnknown{{2, 3}};
 
 double microseconds(Time time) { return static_cast<double>(time.count()) * 1e-3; }
@@ -39,13 +39,13 @@ TEST(AirClockKinds, EachNeighborAndBroadcastsHaveTheirRate) {
   std::uint64_t counter = 0;
   for (int i = 0; i < 10; ++i) {
     measure(clock, counter, kNear, 400us, i * 100ms);
-    measure(clock, counter, kFar, 2ms, i * 100ms + 30ms);
+    measure(clock, counter, kFarOff, 2ms, i * 100ms + 30ms);
     measure(clock, counter, wire::kEverybody, 12ms, i * 100ms + 50ms);
   }
   EXPECT_NEAR(frame_time(clock, kNear), 400, 1);
-  EXPECT_NEAR(frame_time(clock, kFar), 2000, 1);
+  EXPECT_NEAR(frame_time(clock, kFarOff), 2000, 1);
   EXPECT_NEAR(frame_time(clock, wire::kEverybody), 12'000, 1);
-  for (const MacAddress& to : {kNear, kFar, wire::kEverybody}) EXPECT_TRUE(clock.calibrated(to));
+  for (const MacAddress& to : {kNear, kFarOff, wire::kEverybody}) EXPECT_TRUE(clock.calibrated(to));
   const Time now = 10s;
   clock.transmitted(++counter, kOctets, kNear, now);
   EXPECT_NEAR(microseconds(clock.idle_at() - now), 400, 1) << "paced by the rate of its receiver";
@@ -73,18 +73,18 @@ TEST(AirClockKinds, NeighborsThatAreGoneAreForgotten) {
   air::AirClock clock(kOctets);
   std::uint64_t counter = 0;
   measure(clock, counter, kNear, 400us, 0ms);
-  measure(clock, counter, kFar, 2ms, 50ms);
+  measure(clock, counter, kFarOff, 2ms, 50ms);
   measure(clock, counter, wire::kEverybody, 12ms, 100ms);
-  clock.forget_unless([](const MacAddress& neighbor) { return neighbor == kFar; });
+  clock.forget_unless([](const MacAddress& neighbor) { return neighbor == kFarOff; });
   EXPECT_GT(frame_time(clock, kNear), 450) << "believed to be like all";
-  EXPECT_NEAR(frame_time(clock, kFar), 2000, 1);
+  EXPECT_NEAR(frame_time(clock, kFarOff), 2000, 1);
   EXPECT_NEAR(frame_time(clock, wire::kEverybody), 12'000, 1);
 }
 
 TEST(AirClockKinds, AnAnswerThatComesAfterLaterOnesStillMeasures) {
   air::AirClock clock(kOctets);
   std::uint64_t counter = 0;
-  for (const MacAddress& peer : {kNear, kNear, kFar, kFar}) clock.transmitted(++counter, kOctets, peer, 0ms);
+  for (const MacAddress& peer : {kNear, kNear, kFarOff, kFarOff}) clock.transmitted(++counter, kOctets, peer, 0ms);
   clock.acknowledged_late(4, 2ms, 6ms);
   clock.acknowledged_late(2, 400us, 7ms);
   ASSERT_NE(clock.measured(kNear), nullptr);
@@ -117,7 +117,7 @@ class CarriageTest : public ::testing::Test {
   void know(const MacAddress& to, Time duration) {
     for (int i = 0; i < 4; ++i) measure(clock_, counter_, to, duration, now_ += 50ms);
   }
-  Way way(std::size_t frames = 100) const { return carriage_.way({kNear, kFar}, frames, now_); }
+  Way way(std::size_t frames = 100) const { return carriage_.way({kNear, kFarOff}, frames, now_); }
 
   Timings timings_ = robot_timings();
   routing::Neighbors neighbors_{timings_, 250ms};
@@ -140,9 +140,9 @@ TEST_F(CarriageTest, ATrialOnlyWhereItMayPay) {
 TEST_F(CarriageTest, TheCheaperWayByTheSumOverTheReceivers) {
   know(wire::kEverybody, 2ms);
   know(kNear, 400us);
-  know(kFar, 400us);
+  know(kFarOff, 400us);
   EXPECT_EQ(way(), Way::kUnicasts);
-  know(kFar, 1700us);
+  know(kFarOff, 1700us);
   EXPECT_EQ(way(), Way::kBroadcast);
   know(wire::kEverybody, 12ms);
   EXPECT_EQ(way(), Way::kUnicasts);
@@ -151,7 +151,7 @@ TEST_F(CarriageTest, TheCheaperWayByTheSumOverTheReceivers) {
 TEST_F(CarriageTest, WhatWasMeasuredLongAgoIsTriedAnew) {
   know(wire::kEverybody, 2ms);
   know(kNear, 400us);
-  know(kFar, 400us);
+  know(kFarOff, 400us);
   now_ += air::AirRate::kLatest;
   know(wire::kEverybody, 2ms);
   EXPECT_EQ(way(), Way::kTrial);

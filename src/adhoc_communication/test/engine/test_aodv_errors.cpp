@@ -12,9 +12,6 @@ namespace {
 using namespace std::chrono_literals;
 using wire::FrameType;
 
-const Host kFar = make_host(100);
-const Host kSource = make_host(101);
-
 /// A node between a, who asks, and b and c, who answer.
 struct Star : Stage {
   explicit Star(EngineOptions options = {})

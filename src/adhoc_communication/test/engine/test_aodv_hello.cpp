@@ -9,8 +9,6 @@ namespace {
 using namespace std::chrono_literals;
 using wire::FrameType;
 
-const Host kFar = make_host(100);
-
 /// With the repetition on each hop, quiet neighbours are asked, and silence shows sooner.
 EngineOptions hellos_only(const Timings& timings, std::chrono::milliseconds interval) {
   EngineOptions options;

@@ -12,9 +12,6 @@ namespace {
 using namespace std::chrono_literals;
 using wire::FrameType;
 
-const Host kFar = make_host(100);
-const Host kFarther = make_host(101);
-
 /// A node with a neighbour on either side.
 struct Line : Stage {
   explicit Line(EngineOptions options = {}) : Stage(std::move(options)), a(neighbor(1)), b(neighbor(2)) {

@@ -13,9 +13,6 @@ namespace {
 using namespace std::chrono_literals;
 using wire::FrameType;
 
-const Host kFar = make_host(100);
-const Host kSource = make_host(101);
-
 /// Source ... a - node - b ... destination, of which b falls silent with data in hand.
 struct Break : Stage {
   explicit Break(int hops, int hops_back = 2) : a(neighbor(1)), b(neighbor(2)), c(neighbor(3)) {

@@ -9,16 +9,13 @@ namespace {
 using namespace std::chrono_literals;
 using wire::FrameType;
 
-const Host kFar = make_host(100);
-const Host kFarther = make_host(101);
-
 bool has(const std::vector<MacAddress>& addresses, const Host& host) {
   return std::find(addresses.begin(), addresses.end(), host.address) != addresses.end();
 }
 
 /// A node with a neighbour on either side.
-struct Line : Stage {
-  explicit Line(EngineOptions options = {}) : Stage(std::move(options)), a(neighbor(1)), b(neighbor(2)) {
+struct ReplyLine : Stage {
+  explicit ReplyLine(EngineOptions options = {}) : Stage(std::move(options)), a(neighbor(1)), b(neighbor(2)) {
     run_for(50ms);
   }
   /// a asks for the host, b answers, the node passes on both.
@@ -42,7 +39,7 @@ enum class Stored { kNothing, kValid, kInvalid };
 
 /// Whether the node answers a request for `asked` (nothing: any number will do) from its table.
 bool answers(Stored stored, std::optional<std::uint32_t> asked, bool destination_only) {
-  Line line;
+  ReplyLine line;
   Host far = kFar;
   far.sequence = 10;
   if (stored != Stored::kNothing) line.give_route(line.b, far);
@@ -76,7 +73,7 @@ TEST(Replies, A6_1_WhoMayAnswer) {
 }
 
 TEST(Replies, A6_1_A2_8_ARouteWithoutNumberAnswersNobody) {
-  Line line;
+  ReplyLine line;
   Host& c = line.neighbor(3, false);
   line.acknowledge(c);
   line.say(c, error_about({{kFarther, 1}}));
@@ -95,7 +92,7 @@ TEST(Replies, A6_2_A6_3_TheDestinationAnswersWithItsOwnNumber) {
   for (const Timings& timings : {rfc3561_timings(), robot_timings()}) {
     EngineOptions options;
     options.timings = timings;
-    Line line(options);
+    ReplyLine line(options);
     wire::RouteRequest request = request_for(line.self(), kFarther);
     request.unknown_sequence_number = false;
     request.destination_sequence = 7;
@@ -113,7 +110,7 @@ TEST(Replies, A6_2_A6_3_TheDestinationAnswersWithItsOwnNumber) {
 }
 
 TEST(Replies, A6_4_AnAnswerFromTheTableTellsWhatIsLeftOfTheRoute) {
-  Line line;
+  ReplyLine line;
   Host far = kFar;
   far.sequence = 10;
   line.give_route(line.b, far, 4, 2s);
@@ -132,7 +129,7 @@ TEST(Replies, A6_4_AnAnswerFromTheTableTellsWhatIsLeftOfTheRoute) {
 
 TEST(Replies, A6_5_BothSidesOfAnAnswerFromTheTableBecomePrecursors) {
   for (const bool forward : {true, false}) {
-    Line line;
+    ReplyLine line;
     line.give_route(line.b, kFar);
     line.say(line.a, request_for(kFar, kFarther));
     line.run_for(5ms);
@@ -148,7 +145,7 @@ TEST(Replies, A6_5_BothSidesOfAnAnswerFromTheTableBecomePrecursors) {
 
 TEST(Replies, A6_6_TheDestinationLearnsTheWayBackWhereThatIsAskedFor) {
   for (const bool gratuitous : {true, false}) {
-    Line line;
+    ReplyLine line;
     line.give_route(line.b, kFar, 2);
     Host originator = kFarther;
     originator.sequence = 30;
@@ -178,7 +175,7 @@ enum class Known { kNothing, kWithoutNumber, kValid, kInvalid };
 
 /// Whether a reply by way of b takes the place of what is known of the way by a: number 10, three hops.
 bool reply_counts(Known known, std::uint32_t number, int hops) {
-  Line line;
+  ReplyLine line;
   Host far = kFar;
   far.sequence = known == Known::kInvalid ? 9 : 10;  // raised by the loss
   if (known != Known::kNothing) line.give_route(line.a, far, 3);
@@ -224,7 +221,7 @@ TEST(Replies, A6_7_A6_8_AReplyMakesARouteAndOneToItsTransmitter) {
 }
 
 TEST(Replies, A6_9_AReplyIsPassedOnOnceAndOnlyWhereThereIsAWayBack) {
-  Line line;
+  ReplyLine line;
   line.say(line.b, reply_about(kFar, kFarther), line.self().address);
   line.run_for(5ms);
   EXPECT_TRUE(line.sent<wire::RouteReply>().empty()) << "nobody knows the way to the originator";
@@ -246,7 +243,7 @@ TEST(Replies, A6_9_AReplyIsPassedOnOnceAndOnlyWhereThereIsAWayBack) {
 }
 
 TEST(Replies, A6_10_PassingOnAReplyNotesWhoReliesOnTheRoute) {
-  Line line;
+  ReplyLine line;
   line.say(line.a, request_for(kFar, kFarther));
   line.run_for(400ms);
   const Time now = line.now();
@@ -257,7 +254,7 @@ TEST(Replies, A6_10_PassingOnAReplyNotesWhoReliesOnTheRoute) {
 }
 
 TEST(Replies, A6_11_WaitingDataLeavesWithTheReply) {
-  Line line;
+  ReplyLine line;
   line.team.send(0, kFar.name, text("x"));
   line.run_for(60ms);
   const Time told = line.now();
@@ -268,7 +265,7 @@ TEST(Replies, A6_11_WaitingDataLeavesWithTheReply) {
 }
 
 TEST(Replies, A6_12_AReplyAboutTheNodeItselfMakesNoRoute) {
-  Line line;
+  ReplyLine line;
   const std::size_t before = line.node().routes().size();
   line.say(line.b, reply_about(line.self(), kFar), line.self().address);
   line.run_for(5ms);
@@ -288,7 +285,7 @@ TEST(OneWayLinks, A9_1_WithoutAcknowledgmentsOnHopsRepliesAskForOne) {
   for (const int num_link_retrans : {0, 10}) {
     EngineOptions options;
     options.num_link_retrans = num_link_retrans;
-    Line line(options);
+    ReplyLine line(options);
     line.say(line.a, request_for(line.self(), line.a));
     line.run_for(5ms);
     ASSERT_EQ(line.sent<wire::RouteReply>().size(), 1u);
@@ -297,7 +294,7 @@ TEST(OneWayLinks, A9_1_WithoutAcknowledgmentsOnHopsRepliesAskForOne) {
 }
 
 TEST(OneWayLinks, A9_2_AReplyIsRepeatedUntilItIsAcknowledged) {
-  Line line(without_hop_acknowledgments(robot_timings()));
+  ReplyLine line(without_hop_acknowledgments(robot_timings()));
   line.say(line.a, request_for(line.self(), line.a));
   line.run_for(20ms);
   EXPECT_EQ(line.sent<wire::RouteReply>().size(), 2u) << "once more after NEXT_HOP_WAIT";
@@ -309,7 +306,7 @@ TEST(OneWayLinks, A9_2_AReplyIsRepeatedUntilItIsAcknowledged) {
 
 /// When the node answers again a neighbour that does not acknowledge replies, after it was blacklisted.
 Time ignored_for(const Timings& timings) {
-  Line line(without_hop_acknowledgments(timings));
+  ReplyLine line(without_hop_acknowledgments(timings));
   std::uint32_t id = 0;
   line.say(line.a, request_for(line.self(), line.a, ++id));
   line.run_for(10ms);
@@ -331,7 +328,7 @@ TEST(OneWayLinks, A5_3_A9_2_A9_3_RequestsOfABlacklistedNeighborAreIgnored) {
 }
 
 TEST(OneWayLinks, A9_3_TheWayRoundABlacklistedNeighborIsTaken) {
-  Line line(without_hop_acknowledgments(rfc3561_timings()));
+  ReplyLine line(without_hop_acknowledgments(rfc3561_timings()));
   line.say(line.a, request_for(line.self(), line.a, 1));
   line.run_for(1s);
   line.forget();
@@ -349,7 +346,7 @@ TEST(OneWayLinks, A9_3_TheWayRoundABlacklistedNeighborIsTaken) {
 
 /// Where hops acknowledge, a lost reply is noticed by the missing acknowledgment.
 TEST(OneWayLinks, A9_2_AReplyLostOnTheHopBlacklistsAsWell) {
-  Line line;
+  ReplyLine line;
   line.a.acknowledges = false;
   line.say(line.a, request_for(line.self(), line.a, 1));
   line.run_for(1200ms);  // frames that go unacknowledged end the link although its beacons go on

@@ -14,9 +14,6 @@ namespace {
 using namespace std::chrono_literals;
 using wire::FrameType;
 
-const Host kFar = make_host(100);
-const Host kFarther = make_host(101);
-
 EngineOptions with(const Timings& timings) {
   EngineOptions options;
   options.timings = timings;
@@ -32,8 +29,8 @@ EngineOptions with_ring(const Timings& timings = robot_timings()) {
 }
 
 /// A node with a neighbour on either side.
-struct Line : Stage {
-  explicit Line(EngineOptions options = {}) : Stage(std::move(options)), a(neighbor(1)), b(neighbor(2)) {
+struct RequestLine : Stage {
+  explicit RequestLine(EngineOptions options = {}) : Stage(std::move(options)), a(neighbor(1)), b(neighbor(2)) {
     run_for(50ms);
   }
   void lose(Host& host) {
@@ -48,7 +45,7 @@ struct Line : Stage {
 };
 
 TEST(Requests, A4_1_ARouteIsAskedForWhenDataIsDueAndThereIsNone) {
-  Line line;
+  RequestLine line;
   line.run_for(1s);
   EXPECT_TRUE(line.requests().empty());
   line.team.send(0, kFar.name, text("x"));
@@ -64,7 +61,7 @@ TEST(Requests, A4_1_ARouteIsAskedForWhenDataIsDueAndThereIsNone) {
 }
 
 TEST(Requests, A4_2_TheLastKnownNumberIsAskedFor) {
-  Line line;
+  RequestLine line;
   line.team.send(0, kFar.name, text("x"));
   line.run_for(10ms);
   ASSERT_EQ(line.requests().size(), 1u);
@@ -81,7 +78,7 @@ TEST(Requests, A4_2_TheLastKnownNumberIsAskedFor) {
 }
 
 TEST(Requests, A4_3_IdsAreConsecutiveAndHopsCountFromZero) {
-  Line line;
+  RequestLine line;
   for (const char* name : {"x", "y", "z"}) line.team.send(0, name, text("x"));
   line.run_for(900ms);
   const auto requests = line.requests();
@@ -93,7 +90,7 @@ TEST(Requests, A4_3_IdsAreConsecutiveAndHopsCountFromZero) {
 }
 
 TEST(Requests, A4_4_OwnRequestsThatComeBackAreDropped) {
-  Line line;
+  RequestLine line;
   line.team.send(0, kFar.name, text("x"));
   line.run_for(10ms);
   const std::size_t before = line.node().routes().size();
@@ -181,7 +178,7 @@ TEST(Requests, A4_7_A12_2_WithoutRingThereAreOnlyTriesAtFullReach) {
 }
 
 TEST(Requests, A4_8_TheRingForALostRouteStartsALittleBeyondItsLength) {
-  Line line(with_ring());
+  RequestLine line(with_ring());
   line.give_route(line.b, kFar, 5);
   line.lose(line.b);
   line.team.send(0, kFar.name, text("x"));
@@ -194,7 +191,7 @@ TEST(Requests, A4_9_RequestsAreLimitedInRateAndAllGoOut) {
   EngineOptions options = with(robot_timings());
   options.timings.request_rate_limit = 5;
   for (const auto& [chosen, limit] : {std::pair(EngineOptions{}, 10u), std::pair(options, 5u)}) {
-    Line line(chosen);
+    RequestLine line(chosen);
     std::set<std::string> asked;
     for (int i = 0; i < 60; ++i) line.team.send(0, "nobody_" + std::to_string(i), text("x"));
     line.run_for(60s);
@@ -208,7 +205,7 @@ TEST(Requests, A4_9_RequestsAreLimitedInRateAndAllGoOut) {
 }
 
 TEST(Requests, A4_10_DataWaitsInOrderForTheRoute) {
-  Line line;
+  RequestLine line;
   for (int i = 0; i < 20; ++i) line.team.send(0, kFar.name, text(std::to_string(i)));
   line.run_for(10ms);
   EXPECT_TRUE(line.sent<wire::Data>().empty());
@@ -220,7 +217,7 @@ TEST(Requests, A4_10_DataWaitsInOrderForTheRoute) {
 }
 
 TEST(Requests, A4_10_WithoutRouteAllThatWaitsFails) {
-  Line line;
+  RequestLine line;
   std::vector<SendId> ids;
   for (int i = 0; i < 20; ++i) ids.push_back(line.team.send(0, "nobody", text("x")));
   line.run_for(2s);
@@ -232,7 +229,7 @@ TEST(Requests, A4_10_WithoutRouteAllThatWaitsFails) {
 }
 
 TEST(Requests, A4_11_WhatWaitsIsBoundedAndTheNewestIsRefused) {
-  Line line;
+  RequestLine line;
   std::vector<SendId> ids;
   for (int i = 0; i < 20'000; ++i) {
     ids.push_back(line.team.send(0, "nobody_" + std::to_string(i % 50), noise(100)));
@@ -245,7 +242,7 @@ TEST(Requests, A4_11_WhatWaitsIsBoundedAndTheNewestIsRefused) {
 }
 
 TEST(Requests, A4_12_TheDestinationIsToldTheWayBack) {
-  Line line;
+  RequestLine line;
   line.team.send(0, kFar.name, text("x"));
   line.run_for(10ms);
   ASSERT_EQ(line.requests().size(), 1u);
@@ -253,7 +250,7 @@ TEST(Requests, A4_12_TheDestinationIsToldTheWayBack) {
 }
 
 TEST(Requests, A4_13_A7_7_AnEntryIsKeptWhileItsRouteIsAskedFor) {
-  Line line(with(rfc3561_timings()));
+  RequestLine line(with(rfc3561_timings()));
   line.give_route(line.b, kFar);
   line.lose(line.b);
   const Time deleted = line.entry(kFar)->expires;
@@ -283,7 +280,7 @@ TEST(Requests, A5_1_A5_2_ARepeatedRequestIsDroppedButItsTransmitterNoted) {
 
 /// How often a request is passed on that a says, b repeats at once, and a once more after the pause.
 std::size_t passed_on_with(const Timings& timings, Time pause) {
-  Line line(with(timings));
+  RequestLine line(with(timings));
   line.neighbor(3);  // has it from nobody else
   line.run_for(50ms);
   line.say(line.a, request_for(kFar, kFarther));
@@ -302,7 +299,7 @@ TEST(Requests, A5_2_RequestsAreRememberedForTheTimeOfADiscovery) {
 }
 
 TEST(Requests, A5_4_A5_5_A5_6_TheWayBackToTheOriginator) {
-  Line line(with(rfc3561_timings()));
+  RequestLine line(with(rfc3561_timings()));
   Host originator = kFarther;
   originator.sequence = 10;
   wire::RouteRequest request = request_for(kFar, originator);
@@ -318,7 +315,7 @@ TEST(Requests, A5_4_A5_5_A5_6_TheWayBackToTheOriginator) {
 }
 
 TEST(Requests, A5_5_ARequestWithAnOldNumberLeavesTheRouteAsItIs) {
-  Line line;
+  RequestLine line;
   Host originator = kFarther;
   originator.sequence = 10;
   line.say(line.a, request_for(kFar, originator, 1));
@@ -332,7 +329,7 @@ TEST(Requests, A5_5_ARequestWithAnOldNumberLeavesTheRouteAsItIs) {
 }
 
 TEST(Requests, A5_6_TheWayBackIsNotShortened) {
-  Line line;
+  RequestLine line;
   line.give_route(line.a, kFarther, 1, 30s);
   Host originator = kFarther;
   ++originator.sequence;
@@ -342,7 +339,7 @@ TEST(Requests, A5_6_TheWayBackIsNotShortened) {
 }
 
 TEST(Requests, A5_7_TheWayBackCarriesData) {
-  Line line;
+  RequestLine line;
   line.say(line.a, request_for(kFar, kFarther));
   line.run_for(5ms);
   line.forget();
@@ -356,7 +353,7 @@ TEST(Requests, A5_7_TheWayBackCarriesData) {
 
 TEST(Requests, A5_8_TheHopLimitEndsARequest) {
   const auto passed_on = [](std::uint8_t hop_limit) {
-    Line line;
+    RequestLine line;
     wire::RouteRequest request = request_for(kFar, kFarther);
     request.hop_limit = hop_limit;
     request.hop_count = 1;
@@ -378,7 +375,7 @@ TEST(Requests, A5_8_TheHopLimitEndsARequest) {
 
 /// The number asked for in the copy, where the node knows number 10.
 std::uint32_t passed_on_number(bool unknown, std::uint32_t asked) {
-  Line line;
+  RequestLine line;
   Host far = kFar;
   far.sequence = 10;
   line.give_route(line.b, far);
@@ -400,7 +397,7 @@ TEST(Requests, A5_9_ACopyAsksForTheNewestNumberKnown) {
 }
 
 TEST(Requests, A5_10_WhoAnswersDoesNotPassOn) {
-  Line line;
+  RequestLine line;
   line.say(line.a, request_for(line.self(), kFarther));
   line.give_route(line.b, kFar);
   line.say(line.a, request_for(kFar, kFarther, 2));
@@ -410,7 +407,7 @@ TEST(Requests, A5_10_WhoAnswersDoesNotPassOn) {
 }
 
 TEST(Requests, A5_11_OwnRequestsAreDroppedAlsoWhenForgotten) {
-  Line line;
+  RequestLine line;
   line.team.send(0, kFar.name, text("x"));
   line.run_for(10ms);
   const wire::RouteRequest own = line.requests().at(0).message;

@@ -12,9 +12,6 @@ namespace {
 using namespace std::chrono_literals;
 using routing::kPerfectHop;
 
-const Host kFar = make_host(100);
-const Host kSource = make_host(101);
-
 TEST(Tables, A3_1_AnEntryTellsAllThatIsKeptOfARoute) {
   Stage stage;
   Host& a = stage.neighbor(1);

@@ -13,11 +13,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t kLargest = 100'000;
+constexpr std::size_t kLargestForGroup = 100'000;
 
 EngineOptions small() {
   EngineOptions options;
-  options.max_packet_size = kLargest;
+  options.max_packet_size = kLargestForGroup;
   return options;
 }
 
@@ -29,7 +29,7 @@ class Hoarders {
     for (std::size_t number = 11; number <= 14; ++number) {
       Host& host = stage_.neighbor(number);
       wire::Data data = data_for(stage_.self(), host);
-      data.total = kLargest;
+      data.total = kLargestForGroup;
       data.segment_size = 1400;
       data.index = index_;
       data.octets.assign(1400, 0);
@@ -56,7 +56,7 @@ TEST(GroupRoom, WantOfItIsTold) {
   wire::GroupData data;
   data.root = root.address;
   data.root_boot = root.boot();
-  data.total = kLargest;
+  data.total = kLargestForGroup;
   data.segment_size = 1400;
   data.report = true;
   data.round = 7;

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-bool finish(Team& team, std::size_t robot, SendId id, Time patience = 20s) {
+bool finish_soon(Team& team, std::size_t robot, SendId id, Time patience = 20s) {
   return team.run_until_done([&] { return team.finished(robot, id) != nullptr; }, patience);
 }
 
@@ -27,7 +27,7 @@ TEST(Groups, RobotsJoinByThemselvesAndEveryMemberReceives) {
   EXPECT_EQ(team.engine(0).group_state("mc_robot_0").members.size(), 3u);
   EXPECT_TRUE(team.engine(3).group_state("mc_robot_0").connected);
   const SendId id = team.send(0, "mc_robot_0", noise(20'000));
-  ASSERT_TRUE(finish(team, 0, id));
+  ASSERT_TRUE(finish_soon(team, 0, id));
   EXPECT_TRUE(team.finished(0, id)->delivered) << team.finished(0, id)->reason;
   for (std::size_t robot = 1; robot < 4; ++robot) {
     ASSERT_EQ(team.received(robot).size(), 1u);
@@ -41,7 +41,7 @@ TEST(Groups, B9_3_MemberThatIsNotTheRootReachesAll) {
   team.add_line(3);
   team.run_for(5s);
   const SendId id = team.send(2, "mc_robot_0", text("from a member"));
-  ASSERT_TRUE(finish(team, 2, id));
+  ASSERT_TRUE(finish_soon(team, 2, id));
   EXPECT_TRUE(team.finished(2, id)->delivered) << team.finished(2, id)->reason;
   EXPECT_EQ(team.received(0).size(), 1u);
   EXPECT_EQ(team.received(1).size(), 1u);
@@ -56,9 +56,9 @@ TEST(Groups, WithoutMembersSucceedsAtOnceAndWithoutMembershipFails) {
   team.run_for(1s);
   const SendId own = team.send(0, "mc_robot_0", text("x"));
   const SendId other = team.send(0, "mc_robot_1", text("x"));
-  ASSERT_TRUE(finish(team, 0, own, 10ms));
+  ASSERT_TRUE(finish_soon(team, 0, own, 10ms));
   EXPECT_TRUE(team.finished(0, own)->delivered);
-  ASSERT_TRUE(finish(team, 0, other, 10ms));
+  ASSERT_TRUE(finish_soon(team, 0, other, 10ms));
   EXPECT_EQ(team.finished(0, other)->reason, "this robot is not a member of mc_robot_1");
 }
 
@@ -68,7 +68,7 @@ TEST(Groups, UnreachableMemberIsNamed) {
   team.run_for(3s);
   team.kill(2);
   const SendId id = team.send(0, "mc_robot_0", text("x"));
-  ASSERT_TRUE(finish(team, 0, id));
+  ASSERT_TRUE(finish_soon(team, 0, id));
   EXPECT_FALSE(team.finished(0, id)->delivered);
   EXPECT_NE(team.finished(0, id)->reason.find("not delivered to robot_2 ("), std::string::npos)
       << team.finished(0, id)->reason;
@@ -130,7 +130,7 @@ TEST(Groups, AMemberLostByTheRootAloneStaysAMember) {
   team.medium().set_one_way_loss(1, 0, std::nullopt);
   team.run_for(2s);
   EXPECT_EQ(team.engine(0).group_state("mc_robot_0").members, std::vector<std::string>{"robot_1"});
-  ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", text("again"))));
+  ASSERT_TRUE(finish_soon(team, 0, team.send(0, "mc_robot_0", text("again"))));
   EXPECT_EQ(team.received(1).size(), 1u);
 }
 
@@ -157,7 +157,7 @@ TEST(Groups, ALeaveOutOfReachArrivesLater) {
   team.medium().set_link_loss(0, 1, std::nullopt);
   team.run_for(5s);
   EXPECT_TRUE(team.engine(0).group_state("mc_robot_0").members.empty());
-  ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", text("x"))));
+  ASSERT_TRUE(finish_soon(team, 0, team.send(0, "mc_robot_0", text("x"))));
   EXPECT_TRUE(team.received(1).empty());
 }
 
@@ -231,7 +231,7 @@ TEST(Groups, OneMemberTooManyIsToldSo) {
   ASSERT_EQ(team.group_changes(54).size(), 1u);
   EXPECT_EQ(team.group_changes(54)[0].reason, "cannot join mc_robot_0: it is full (53 members)");
   EXPECT_FALSE(team.engine(54).group_state("mc_robot_0").member);
-  ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", text("to all"))));
+  ASSERT_TRUE(finish_soon(team, 0, team.send(0, "mc_robot_0", text("to all"))));
   for (std::size_t i = 1; i < 54; ++i) EXPECT_EQ(team.received(i).size(), 1u);
   EXPECT_TRUE(team.received(54).empty());
   team.engine(7).leave_group("mc_robot_0", team.now());
@@ -247,7 +247,7 @@ TEST(Broadcast, OneHopIsSegmentedAndReportedAsSuccess) {
   team.run_for(1s);
   const Bytes payload = noise(10'000);
   const SendId id = team.send(1, "", payload);
-  ASSERT_TRUE(finish(team, 1, id));
+  ASSERT_TRUE(finish_soon(team, 1, id));
   EXPECT_TRUE(team.finished(1, id)->delivered);
   team.run_for(100ms);
   ASSERT_EQ(team.received(0).size(), 1u);
@@ -299,7 +299,7 @@ TEST(Groups, StateTellsTreeNeighboursAndMembersApart) {
   const auto state = [&](std::size_t robot) { return team.engine(robot).group_state("mc_robot_0"); };
   EXPECT_EQ(state(0).members, (std::vector<std::string>{"robot_1", "robot_2", "robot_3"}));
   EXPECT_EQ(state(0).downlinks, std::vector<std::string>{"robot_1"}) << "before the first packet";
-  ASSERT_TRUE(finish(team, 0, team.send(0, "mc_robot_0", noise(20'000))));
+  ASSERT_TRUE(finish_soon(team, 0, team.send(0, "mc_robot_0", noise(20'000))));
   EXPECT_EQ(state(0).downlinks, std::vector<std::string>{"robot_1"});
   EXPECT_EQ(state(1).downlinks, std::vector<std::string>{"robot_2"});
   EXPECT_TRUE(state(3).downlinks.empty());

@@ -1,6 +1,7 @@
 // Restarts, duplication, reordering, corruption, hostile frames, full queues.
 #include <gtest/gtest.h>
 
+#include "finish.hpp"
 #include "payloads.hpp"
 #include "simulation/team.hpp"
 #include "transport/hop_sender.hpp"
@@ -11,10 +12,6 @@ namespace adhoc_communication {
 namespace {
 
 using namespace std::chrono_literals;
-
-bool finish(Team& team, std::size_t robot, SendId id, Time patience = 30s) {
-  return team.run_until_done([&] { return team.finished(robot, id) != nullptr; }, patience);
-}
 
 /// A frame given up is left to the end-to-end repetition; with nothing outstanding silence means nothing.
 TEST(HopSender, AGivenUpFrameDoesNotKillTheLink) {

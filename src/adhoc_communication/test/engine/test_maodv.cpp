@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "finish.hpp"
 #include "host.hpp"
 #include "insider.hpp"
 #include "multicast/groups.hpp"
@@ -16,12 +17,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using wire::FrameType;
-
-const Host kFar = make_host(100);
-
-bool finish(Team& team, std::size_t robot, SendId id) {
-  return team.run_until_done([&] { return team.finished(robot, id) != nullptr; }, 30s);
-}
 
 TEST(Trees, B1_6_ActivationIsInNetworkByteOrder) {
   const wire::GroupActivation activation{{2, 0, 0, 0, 0, 1}, 0x1112131415161718, 0x01020304, {{2, 0, 0, 0, 0, 2}}};

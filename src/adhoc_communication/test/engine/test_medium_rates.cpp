@@ -10,12 +10,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t kOctets = 1500;
+constexpr std::size_t kFrameOctets = 1500;
 
-Frame frame_of(std::size_t sender) { return {wire::kEverybody, Team::address(sender), Bytes(kOctets)}; }
+Frame frame_of(std::size_t sender) { return {wire::kEverybody, Team::address(sender), Bytes(kFrameOctets)}; }
 
 Frame frame_of(std::size_t sender, std::size_t receiver) {
-  return {Team::address(receiver), Team::address(sender), Bytes(kOctets)};
+  return {Team::address(receiver), Team::address(sender), Bytes(kFrameOctets)};
 }
 
 void add_line(Medium& medium, const std::vector<double>& places) {
@@ -53,7 +53,7 @@ MediumOptions repeating(int retries) {
   return options;
 }
 
-Time on_air(double bit_rate) { return 50us + Time(static_cast<Time::rep>(8e9 * kOctets / bit_rate)); }
+Time on_air(double bit_rate) { return 50us + Time(static_cast<Time::rep>(8e9 * kFrameOctets / bit_rate)); }
 
 TEST(MediumRates, TheFastestThatTheMarginAllows) {
   const std::vector<Rate> rates = ofdm_rates();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "finish.hpp"
 #include "multicast/group_packet.hpp"
 #include "payloads.hpp"
 #include "simulation/team.hpp"
@@ -14,10 +15,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using multicast::GroupPacket;
-
-bool finish(Team& team, std::size_t robot, SendId id, Time patience = 30s) {
-  return team.run_until_done([&] { return team.finished(robot, id) != nullptr; }, patience);
-}
 
 /// Symbols that a robot has put on the air, without questions.
 struct SymbolCount {

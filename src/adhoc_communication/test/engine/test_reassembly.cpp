@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using transport::Reassembly;
 
-constexpr std::size_t kLargest = 100'000;
+constexpr std::size_t kLargestWhole = 100'000;
 
 Reassembly::Key key(std::uint8_t source, std::uint32_t packet, std::uint8_t carrier = 2) {
   return {{2, 0, 0, 0, 0, source}, 1, carrier, packet};
@@ -27,41 +27,41 @@ std::vector<std::uint32_t> evicted(Reassembly& reassembly) {
 }
 
 TEST(Reassembly, WhatWasAdmittedIsFinishedBeforeOthersBegin) {
-  Reassembly reassembly(kLargest);
+  Reassembly reassembly(kLargestWhole);
   for (std::uint8_t source = 1; source <= 4; ++source)
-    EXPECT_TRUE(reassembly.admit(key(source, 1), kLargest, true, 0s));
+    EXPECT_TRUE(reassembly.admit(key(source, 1), kLargestWhole, true, 0s));
   for (Time now = 0s; now < 5s; now += 100ms) {
     for (std::uint8_t source = 1; source <= 4; ++source) reassembly.progress(key(source, 1), 1400, now);
-    EXPECT_FALSE(reassembly.admit(key(5, 1), kLargest, true, now));
+    EXPECT_FALSE(reassembly.admit(key(5, 1), kLargestWhole, true, now));
   }
   reassembly.release(key(2, 1));
-  EXPECT_TRUE(reassembly.admit(key(5, 1), kLargest, true, 5s));
+  EXPECT_TRUE(reassembly.admit(key(5, 1), kLargestWhole, true, 5s));
   EXPECT_TRUE(evicted(reassembly).empty());
 }
 
 TEST(Reassembly, ASourceTakesHalfAtMost) {
-  Reassembly reassembly(kLargest);
-  EXPECT_TRUE(reassembly.admit(key(1, 1), kLargest, true, 0s));
-  EXPECT_TRUE(reassembly.admit(key(1, 1, Reassembly::kGroup), kLargest, true, 0s));
+  Reassembly reassembly(kLargestWhole);
+  EXPECT_TRUE(reassembly.admit(key(1, 1), kLargestWhole, true, 0s));
+  EXPECT_TRUE(reassembly.admit(key(1, 1, Reassembly::kGroup), kLargestWhole, true, 0s));
   EXPECT_FALSE(reassembly.admit(key(1, 1, Reassembly::kBroadcast), 100, true, 0s));
-  EXPECT_TRUE(reassembly.admit(key(2, 1), kLargest, true, 0s));
+  EXPECT_TRUE(reassembly.admit(key(2, 1), kLargestWhole, true, 0s));
   reassembly.keep(key(1, 1, Reassembly::kGroup));
   EXPECT_TRUE(reassembly.admit(key(1, 2, Reassembly::kGroup), 1000, true, 0s)) << "the one before is complete";
 }
 
 /// Later packets of a stream that had taken all the room waited for the first one, and that one for room.
 TEST(Reassembly, LaterPacketsMakeRoomForTheOneTheyWaitFor) {
-  Reassembly reassembly(kLargest);
-  EXPECT_TRUE(reassembly.admit(key(1, 2), kLargest, false, 0s));
-  EXPECT_TRUE(reassembly.admit(key(1, 3), kLargest, false, 0s));
-  EXPECT_FALSE(reassembly.admit(key(1, 4), kLargest, false, 0s));
-  EXPECT_TRUE(reassembly.admit(key(1, 1), kLargest, true, 0s));
+  Reassembly reassembly(kLargestWhole);
+  EXPECT_TRUE(reassembly.admit(key(1, 2), kLargestWhole, false, 0s));
+  EXPECT_TRUE(reassembly.admit(key(1, 3), kLargestWhole, false, 0s));
+  EXPECT_FALSE(reassembly.admit(key(1, 4), kLargestWhole, false, 0s));
+  EXPECT_TRUE(reassembly.admit(key(1, 1), kLargestWhole, true, 0s));
   EXPECT_EQ(evicted(reassembly), (std::vector<std::uint32_t>{3}));
 }
 
 TEST(Reassembly, TheYoungestOfTheStalledMakesRoom) {
-  Reassembly reassembly(kLargest);
-  for (std::uint8_t source = 1; source <= 4; ++source) reassembly.admit(key(source, source), kLargest, true, 0s);
+  Reassembly reassembly(kLargestWhole);
+  for (std::uint8_t source = 1; source <= 4; ++source) reassembly.admit(key(source, source), kLargestWhole, true, 0s);
   reassembly.progress(key(4, 4), 50'000, 1s);
   EXPECT_TRUE(reassembly.admit(key(5, 5), 1000, true, 2s));
   EXPECT_EQ(evicted(reassembly), (std::vector<std::uint32_t>{3}));
@@ -69,43 +69,43 @@ TEST(Reassembly, TheYoungestOfTheStalledMakesRoom) {
 }
 
 TEST(Reassembly, ATrickleDoesNotHoldRoom) {
-  Reassembly reassembly(kLargest);
-  for (std::uint8_t source = 1; source <= 4; ++source) reassembly.admit(key(source, source), kLargest, true, 0s);
+  Reassembly reassembly(kLargestWhole);
+  for (std::uint8_t source = 1; source <= 4; ++source) reassembly.admit(key(source, source), kLargestWhole, true, 0s);
   for (Time now = 0s; now <= 10s; now += 500ms) {
     for (std::uint8_t source = 1; source <= 4; ++source) reassembly.progress(key(source, source), 64, now);
   }
-  EXPECT_TRUE(reassembly.admit(key(5, 5), kLargest, true, 10s));
+  EXPECT_TRUE(reassembly.admit(key(5, 5), kLargestWhole, true, 10s));
 }
 
 /// A first segment that claims to be of a packet of the largest size.
 wire::Data forged_segment(const Host& destination, const Host& source) {
   wire::Data data = data_for(destination, source);
-  data.total = kLargest;
+  data.total = kLargestWhole;
   data.segment_size = 100;
   data.octets.assign(100, 0);
   return data;
 }
 
-EngineOptions small() {
+EngineOptions with_little_room() {
   EngineOptions options;
-  options.max_packet_size = kLargest;
+  options.max_packet_size = kLargestWhole;
   return options;
 }
 
 /// Four such frames held all the room for a minute.
 TEST(Reassembly, FourForgedFramesDoNotHoldIt) {
-  Stage stage(small());
+  Stage stage(with_little_room());
   for (std::size_t i = 0; i < 4; ++i) stage.say(stage.neighbor(i), forged_segment(stage.self(), stage.neighbor(i)));
   Host& honest = stage.neighbor(9);
   stage.run_for(2500ms);
   wire::Data data = forged_segment(stage.self(), honest);
-  for (data.index = 0; data.index < kLargest / 100; ++data.index) stage.say(honest, data);
+  for (data.index = 0; data.index < kLargestWhole / 100; ++data.index) stage.say(honest, data);
   stage.run_for(10ms);
   EXPECT_GE(stage.team.engine(0).statistics().frames_dropped.malformed, 1u) << "the image is zeros, but it is complete";
 }
 
 TEST(Reassembly, SegmentsNoLinkCarriesAreMalformed) {
-  Stage stage(small());
+  Stage stage(with_little_room());
   Host& forger = stage.neighbor(0);
   wire::Data data = forged_segment(stage.self(), forger);
   data.segment_size = 65'000;
@@ -119,7 +119,7 @@ TEST(Reassembly, SegmentsNoLinkCarriesAreMalformed) {
 }
 
 TEST(Reassembly, WantOfRoomIsToldOnce) {
-  Stage stage(small());
+  Stage stage(with_little_room());
   for (std::size_t i = 0; i < 4; ++i) stage.say(stage.neighbor(i), forged_segment(stage.self(), stage.neighbor(i)));
   Host& honest = stage.neighbor(9);
   stage.run_for(100ms);
@@ -189,8 +189,8 @@ struct Joined {
   }
 
   const transport::Image image = std::make_shared<Bytes>(noise(90'000));
-  Reassembly reassembly{kLargest};
-  transport::StreamReceiver receiver{{2, 0, 0, 0, 0, 1}, 7, kLargest, reassembly};
+  Reassembly reassembly{kLargestWhole};
+  transport::StreamReceiver receiver{{2, 0, 0, 0, 0, 1}, 7, kLargestWhole, reassembly};
   transport::StreamSender sender{2, 1, transport::StreamSender::kWindow};
   std::vector<Bytes> arrived;
   Time now{0};

@@ -27,7 +27,7 @@ struct Pair {
   FileDescriptor near, far;
 };
 
-Frame frame(std::size_t octets, std::uint8_t content) {
+Frame frame_with(std::size_t octets, std::uint8_t content) {
   return {{2, 0, 0, 0, 0, 1}, {2, 0, 0, 0, 0, 2}, Bytes(octets, content)};
 }
 
@@ -49,7 +49,8 @@ std::vector<Frame> read_all(int descriptor) {
 TEST(FrameSocket, MoreFramesThanOneCallTakesPassInOrder) {
   const Pair pair(SOCK_SEQPACKET);
   std::vector<Frame> sent;
-  for (std::size_t i = 0; i < SendBatch::kMostAtOnce + 9; ++i) sent.push_back(frame(i, static_cast<std::uint8_t>(i)));
+  for (std::size_t i = 0; i < SendBatch::kMostAtOnce + 9; ++i)
+    sent.push_back(frame_with(i, static_cast<std::uint8_t>(i)));
   SendBatch batch;
   const SendOutcome outcome = batch.send(pair.near.get(), sent.data(), sent.size());
   EXPECT_EQ(outcome.not_sent, 0u);
@@ -65,7 +66,8 @@ TEST(FrameSocket, MoreFramesThanOneCallTakesPassInOrder) {
 
 TEST(FrameSocket, RefusedFrameKeepsNoneOfTheOthersBack) {
   const Pair pair(SOCK_DGRAM);
-  const std::vector<Frame> sent = {frame(100, 1), frame(10'000'000, 2), frame(100, 3), frame(10'000'000, 4)};
+  const std::vector<Frame> sent = {frame_with(100, 1), frame_with(10'000'000, 2), frame_with(100, 3),
+                                   frame_with(10'000'000, 4)};
   SendBatch batch;
   const SendOutcome outcome = batch.send(pair.near.get(), sent.data(), sent.size());
   EXPECT_EQ(outcome.not_sent, 2u);
@@ -78,7 +80,7 @@ TEST(FrameSocket, RefusedFrameKeepsNoneOfTheOthersBack) {
 
 TEST(FrameSocket, WhatAFullSocketDoesNotTakeIsCounted) {
   const Pair pair(SOCK_SEQPACKET);
-  const std::vector<Frame> sent(5000, frame(1500, 1));
+  const std::vector<Frame> sent(5000, frame_with(1500, 1));
   SendBatch batch;
   const SendOutcome outcome = batch.send(pair.near.get(), sent.data(), sent.size());
   EXPECT_GT(outcome.not_sent, 0u);
@@ -89,7 +91,7 @@ TEST(FrameSocket, WhatAFullSocketDoesNotTakeIsCounted) {
 TEST(FrameSocket, ClosedSocketRefusesAll) {
   Pair pair(SOCK_SEQPACKET);
   pair.far.reset();
-  const std::vector<Frame> sent(3, frame(10, 1));
+  const std::vector<Frame> sent(3, frame_with(10, 1));
   SendBatch batch;
   const SendOutcome outcome = batch.send(pair.near.get(), sent.data(), sent.size());
   EXPECT_EQ(outcome.not_sent, 3u);
@@ -115,7 +117,7 @@ struct Stamped {
 /// Sends a frame, reads it 2 ms after it came, and says whether it is known to have come before those.
 bool stamped_on_arrival(int descriptor) {
   SendBatch sending;
-  const Frame sent = frame(10, 1);
+  const Frame sent = frame_with(10, 1);
   EXPECT_EQ(sending.send(descriptor, &sent, 1).not_sent, 0u);
   struct pollfd source {
     descriptor, POLLIN, 0
@@ -140,7 +142,7 @@ TEST(FrameSocket, ArrivalIsWhenTheFrameCameNotWhenItIsRead) {
 TEST(FrameSocket, WithoutStampsArrivalIsTheReading) {
   const Pair pair(SOCK_SEQPACKET);
   SendBatch sending;
-  const Frame sent = frame(10, 1);
+  const Frame sent = frame_with(10, 1);
   ASSERT_EQ(sending.send(pair.near.get(), &sent, 1).not_sent, 0u);
   const Time before = steady_now();
   ReceiveBatch batch(kLargest, kAtOnce);

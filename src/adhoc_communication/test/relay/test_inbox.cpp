@@ -12,13 +12,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const std::string kType = "pkg/Type";
+const std::string kTypeName = "pkg/Type";
 const std::string kDefinition = "float64 x\n";
-std::string sum() { return md5_of_definition(kType, kDefinition); }
+std::string sum() { return md5_of_definition(kTypeName, kDefinition); }
 
 PacketReceived packet(PayloadType payload_type, const std::string& topic, const std::string& octets,
                       const std::string& source = "bob") {
-  const SerializedMessage message{kType, sum(), kDefinition, Bytes(octets.begin(), octets.end()), false};
+  const SerializedMessage message{kTypeName, sum(), kDefinition, Bytes(octets.begin(), octets.end()), false};
   const bool with_definition = payload_type == PayloadType::kAnyMessage || payload_type == PayloadType::kDefinition;
   PacketReceived result;
   result.source = source;
@@ -112,7 +112,7 @@ TEST_F(InboxTest, AnUnaskedDefinitionIsNotKept) {
 TEST_F(InboxTest, ADefinitionHasToHaveItsSum) {
   inbox.take(by_type("scan", "1"), 0s);
   PacketReceived forged = definition();
-  forged.payload = encode_any_message({kType, sum(), "float64 y\n", {}, false});
+  forged.payload = encode_any_message({kTypeName, sum(), "float64 y\n", {}, false});
   inbox.take(forged, 0s);
   EXPECT_TRUE(local.published.empty());
   ASSERT_EQ(told.size(), 1u);
