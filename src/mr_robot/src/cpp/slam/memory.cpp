@@ -98,8 +98,10 @@ void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match
   shares.resize(std::min(shares.size(), kMostLinks));
   for (const auto& [share, origin] : shares) {
     const Pose& from = keyframes_[origin].drawn;
-    const Eigen::Matrix3d information = seen_from(from, match.origins.at(origin).information);
-    graph_.link(origin, next, between(from, pose), with_floor(information, static_cast<double>(shares.size()) * floor));
+    const Support& support = match.origins.at(origin);
+    const Eigen::Matrix3d information = seen_from(from, support.information);
+    graph_.link(origin, next, between(from, support.moved(pose)),
+                with_floor(information, static_cast<double>(shares.size()) * floor));
   }
 }
 

@@ -21,6 +21,8 @@ class Memory {
 
   // By what the surfaces of the scan that is added next are to be known.
   int origin(const Pose& pose) const;
+  // The last of what was drawn long ago; -1: nothing was.
+  int long_ago() const { return long_ago_; }
   // A scan, made of `ranges`, has entered the map at `pose`, where `match` has put it. `odometry`: without what its
   // wheels slipped. `way`: of the robot since its start. Returns whether that is a new keyframe.
   bool add(const std::vector<float>& ranges, const Scan& scan, const LaserGeometry& geometry, const Pose& pose,

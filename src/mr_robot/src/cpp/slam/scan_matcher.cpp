@@ -27,9 +27,11 @@ constexpr double kLeastOnOld = 0.5;         // of all hits must lie on old surfa
 constexpr double kLeastElsewhere = 0.3;     // where the robot seems not to be, if
 constexpr double kOfKnown = 0.95;           // of those in known parts do
 constexpr double kMoreOnOld = 0.1;          // elsewhere: so many more than where the robot seems to be
+constexpr int kAllLately = -1;              // no origin of long ago
 constexpr double kBorder = 2.0;             // cells
 constexpr Pose kTight{0.05, 0.05, 0.01};
-constexpr double kTrust = 0.5;  // of odometry's deviation where scan and odometry agree
+constexpr double kOwnPose = 0.02;  // m and rad that hits of one origin may have the pose off that all of them have
+constexpr double kTrust = 0.5;     // of odometry's deviation where scan and odometry agree
 
 // Takes from what hits say of a pose what is noise. Walls that all run one way say nothing of the position along them
 // (degenerate directions: Zhang, Kaess and Singh 2016); the normals at jambs and niches lean by how they were looked
@@ -45,6 +47,30 @@ Eigen::Matrix3d telling_part(const Eigen::Matrix3d& information) {
   return part;
 }
 
+// What is steady while a scan is matched.
+struct Surroundings {
+  const GridMap& map;
+  const std::vector<const Beam*>& beams;
+  Point eye;
+  int long_ago;  // see match_scan
+};
+
+// What hits say of the pose, and how they pull at it.
+struct Sum {
+  void add(double weight, double residual, const Eigen::Vector3d& jacobian) {
+    information += weight * jacobian * jacobian.transpose();
+    pull += weight * residual * jacobian;
+    ++hits;
+  }
+  Sum operator+(const Sum& other) const {
+    return {information + other.information, pull + other.pull, hits + other.hits};
+  }
+
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d pull = Eigen::Vector3d::Zero();
+  int hits = 0;
+};
+
 struct Fit {
   Pose pose;
   double share = 0.0;  // of the hits in known parts, those on a surface
@@ -56,7 +82,10 @@ void drop_noise(std::map<int, Support>* origins) {
   Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
   for (const auto& [origin, support] : *origins) all += support.information;
   const Eigen::Matrix3d part = telling_part(all);
-  for (auto& [origin, support] : *origins) support.information = part * support.information * part;
+  for (auto& [origin, support] : *origins) {
+    support.information = part * support.information * part;
+    support.pull = part * support.pull;
+  }
 }
 
 // A hit that lies on no surface: whether the map knows better.
@@ -65,19 +94,22 @@ bool contradicts(const GridMap& map, const Point& eye, const Point& point) {
 }
 
 // What the map says to the hits at the pose of the fit.
-void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Point& eye, double reach, double precision,
-           bool fresh, std::vector<Association>& associations, Fit* fit) {
+void judge(const Surroundings& around, double reach, double precision, bool fresh,
+           std::vector<Association>& associations, Fit* fit) {
+  const auto& [map, beams, eye, long_ago] = around;
   const Frame frame(fit->pose);
   const Point from = frame * eye;
   int on_surface = 0, against = 0;
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Point point = frame * beams[i]->end;
-    const Line* line = line_of(map, point, frame.turned(beams[i]->normal), reach, associations[i]);
+    const Line* line = line_of(map, point, frame.turned(beams[i]->normal), reach, long_ago, associations[i]);
     bool on = false;
+    double residual = 0.0;
     if (line != nullptr) {
       const double dx = point.x - line->through.x, dy = point.y - line->through.y;
       const double beside = -line->normal.y * dx + line->normal.x * dy;
-      on = std::abs(beside) <= kTangential && std::abs(line->normal.x * dx + line->normal.y * dy) < kOnSurface;
+      residual = line->normal.x * dx + line->normal.y * dy;
+      on = std::abs(beside) <= kTangential && std::abs(residual) < kOnSurface;
     }
     on_surface += on;
     if (on) {
@@ -85,7 +117,9 @@ void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Poin
       support.share += 1.0 / static_cast<double>(beams.size());
       const Point arm = frame.turned(beams[i]->end), &normal = line->normal;
       const Eigen::Vector3d jacobian(normal.x, normal.y, -normal.x * arm.y + normal.y * arm.x);
-      support.information += precision * (fresh ? line->density : line->weight) * jacobian * jacobian.transpose();
+      const double weight = precision * (fresh ? line->density : line->weight);
+      support.information += weight * jacobian * jacobian.transpose();
+      support.pull += weight * residual * jacobian;
     }
     against += !on && contradicts(map, from, point);
   }
@@ -97,9 +131,10 @@ void judge(const GridMap& map, const std::vector<const Beam*>& beams, const Poin
 
 // Gauss-Newton on point-to-line distances with Cauchy weights and the odometry prior. `fresh`: surfaces that were seen
 // once count as well.
-Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose& start, const Pose& expected,
-           const Pose& deviation, double surface_deviation, const Point& eye, const MatchOptions& options,
-           std::vector<Association>& associations, bool fresh = false) {
+Fit refine(const Surroundings& around, const Pose& start, const Pose& expected, const Pose& deviation,
+           double surface_deviation, const MatchOptions& options, std::vector<Association>& associations,
+           bool fresh = false) {
+  const auto& [map, beams, eye, long_ago] = around;
   const double precision = 1.0 / (surface_deviation * surface_deviation);
   Fit fit{start};
   double reach = options.reach;
@@ -109,13 +144,12 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
     information.diagonal() << 1.0 / (deviation.x * deviation.x), 1.0 / (deviation.y * deviation.y),
         1.0 / (deviation.yaw * deviation.yaw);
     const Eigen::Vector3d off(pose.x - expected.x, pose.y - expected.y, normalized(pose.yaw - expected.yaw));
-    Eigen::Matrix3d seen = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d pull = Eigen::Vector3d::Zero();
+    Sum lately, old;
     const Frame frame(pose);
     for (std::size_t i = 0; i < beams.size(); ++i) {
       const Point arm = frame.turned(beams[i]->end), normal = frame.turned(beams[i]->normal);
       const Point point{pose.x + arm.x, pose.y + arm.y};
-      const Line* found = line_of(map, point, normal, reach, associations[i]);
+      const Line* found = line_of(map, point, normal, reach, long_ago, associations[i]);
       if (found == nullptr) continue;
       const Line& line = *found;
       const double nx = line.normal.x, ny = line.normal.y;
@@ -124,17 +158,18 @@ Fit refine(const GridMap& map, const std::vector<const Beam*>& beams, const Pose
       if (std::abs(beside) > kTangential) continue;
       const double scaled = residual / (2.5 * options.surface_deviation);
       const double weight = precision * (fresh ? line.density : line.weight) / (1.0 + scaled * scaled);
-      const Eigen::Vector3d jacobian(nx, ny, -nx * arm.y + ny * arm.x);
-      seen += weight * jacobian * jacobian.transpose();
-      pull += weight * residual * jacobian;
+      (line.origin <= long_ago ? old : lately).add(weight, residual, {nx, ny, -nx * arm.y + ny * arm.x});
     }
-    const Eigen::Matrix3d part = telling_part(seen);
-    const Eigen::Vector3d step = (information + part * seen * part).ldlt().solve(-information * off - part * pull);
+    // A far wall of long ago that comes into sight would turn the robot, and what it draws next with it.
+    const Sum sum = old.hits < lately.hits ? lately : lately + old;
+    const Eigen::Matrix3d part = telling_part(sum.information);
+    const Eigen::Matrix3d seen = part * sum.information * part;
+    const Eigen::Vector3d step = (information + seen).ldlt().solve(-information * off - part * sum.pull);
     fit.pose = {pose.x + step.x(), pose.y + step.y(), normalized(pose.yaw + step.z())};
     reach = std::max(0.5 * reach, 0.12);
     if (iteration > 1 && step.head<2>().norm() < 2e-4 && std::abs(step.z()) < 1e-4) break;
   }
-  judge(map, beams, eye, reach, precision, fresh, associations, &fit);
+  judge(around, reach, precision, fresh, associations, &fit);
   return fit;
 }
 
@@ -224,16 +259,22 @@ bool better(const Fit& fit, const Fit& than) { return fit.share > than.share + 0
 
 }  // namespace
 
+Pose Support::moved(const Pose& pose) const {
+  const Eigen::Vector3d kept = Eigen::Vector3d::Constant(1.0 / (kOwnPose * kOwnPose));
+  const Eigen::Vector3d off = (information + Eigen::Matrix3d(kept.asDiagonal())).ldlt().solve(pull);
+  return {pose.x - off.x(), pose.y - off.y(), normalized(pose.yaw - off.z())};
+}
+
 Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
-                 const std::optional<Pose>& previous, bool sparse, const MatchOptions& options) {
+                 const std::optional<Pose>& previous, bool sparse, int long_ago, const MatchOptions& options) {
   const std::vector<const Beam*> beams = spaced_hits(scan);
   if (beams.size() < kFewBeams) {
     return without_surfaces(map, scan, expected, previous, {expected, 0.0, Outcome::kNothingSeen});
   }
+  const Surroundings around{map, beams, scan.eye, long_ago};
   std::vector<Association> associations(beams.size());
   const auto fit = [&](const Pose& start) {
-    return refine(map, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations,
-                  sparse);
+    return refine(around, start, start, deviation, options.surface_deviation, options, associations, sparse);
   };
   Fit best = fit(expected);
   if (best.known < options.known_share) {
@@ -260,8 +301,8 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
   // where it explains the scan worse.
   const bool agreed = agree(best.pose, expected, deviation);
   const Pose trusted{kTrust * deviation.x, kTrust * deviation.y, deviation.yaw};
-  const Fit joint = refine(map, beams, agreed ? best.pose : expected, expected, trusted, options.joint_deviation,
-                           scan.eye, options, associations, sparse);
+  const Fit joint = refine(around, agreed ? best.pose : expected, expected, trusted, options.joint_deviation, options,
+                           associations, sparse);
   if (!agreed && better(best, joint)) return {expected, joint.share, Outcome::kContradicts, best.pose};
   if (joint.share < options.poor_share) return {expected, joint.share, Outcome::kContradicts};
   Match match{joint.pose, joint.share, Outcome::kMatched};
@@ -275,9 +316,10 @@ std::optional<Match> match_old(const GridMap& old, const Scan& scan, const Pose&
                                const MatchOptions& options) {
   const std::vector<const Beam*> beams = spaced_hits(scan);
   if (beams.size() < kLeastBeams) return std::nullopt;
+  const Surroundings around{old, beams, scan.eye, kAllLately};
   const auto fit = [&](const Pose& start, const Pose& deviation) {
     std::vector<Association> associations(beams.size());
-    return refine(old, beams, start, start, deviation, options.surface_deviation, scan.eye, options, associations);
+    return refine(around, start, start, deviation, options.surface_deviation, options, associations);
   };
   const Fit now = fit(pose, kTight);
   const Fit best = fit(search(old, beams, pose, window), window);

@@ -30,8 +30,12 @@ enum class Outcome {
 
 // Of the hits that lie on surfaces of one origin: their share of all, and what they alone say of the pose.
 struct Support {
+  // Where they alone would have the pose that was found for all of them.
+  Pose moved(const Pose& pose) const;
+
   double share = 0.0;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d pull = Eigen::Vector3d::Zero();  // information times how far the pose is off
 };
 
 struct Match {
@@ -49,9 +53,10 @@ struct Match {
 // `expected`: pose by odometry with its standard deviations, weak enough for the scan to overrule slipping wheels.
 // `previous`: pose at the last match that held, where the robot still is if its wheels slipped; none if it has left.
 // `sparse`: the scan comes so far from the last one that most of what it shows was seen once, and that it is looked
-// for wherever odometry leaves it.
+// for wherever odometry leaves it. `long_ago`: the last origin of what was drawn long ago, which does not steer while
+// more hits lie on what was drawn lately.
 Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
-                 const std::optional<Pose>& previous, bool sparse, const MatchOptions& options);
+                 const std::optional<Pose>& previous, bool sparse, int long_ago, const MatchOptions& options);
 
 // Of a robot that comes back to where it was long ago: where it must be for its scan to lie on the surfaces of `old`.
 // That is `elsewhere`, within `window` (m, rad) of `pose`, where they say much more than at `pose`. Nothing where they

@@ -79,7 +79,7 @@ SlamUpdate Slam::rest(const Pose& odometry) {
 
 // The wheels turned and the robot moved by no more than it may have done before they slipped.
 SlamUpdate Slam::slip(const Scan& scan, const Pose& odometry) {
-  const Match match = match_scan(map_, scan, stood_, kSlipped, stood_, false, options_.match);
+  const Match match = match_scan(map_, scan, stood_, kSlipped, stood_, false, memory_.long_ago(), options_.match);
   pose_ = confirmed_ = match.outcome == Outcome::kMatched ? match.pose : stood_;
   odometry_ = odometry;
   driven_ = stood_driven_;
@@ -125,8 +125,8 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   left_confirmed_ |= verdict == Standing::Verdict::kMoved;
   const std::optional<Pose> previous = left_confirmed_ ? std::nullopt : std::optional(confirmed_);
   const bool sparse = moved(Pose{}, motion, kSparseDistance, kSparseAngle);
-  const Match match =
-      match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), previous, sparse, options_.match);
+  const Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), previous, sparse,
+                                 memory_.long_ago(), options_.match);
   const bool doubtful = verdict == Standing::Verdict::kSeemsToStand;
   if (match.outcome == Outcome::kMatched && !doubtful && !match.elsewhere && match.share > options_.match.good_share) {
     model_.learn(motion, between(pose_, match.pose), match.along);

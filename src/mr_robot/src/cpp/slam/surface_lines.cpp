@@ -35,7 +35,7 @@ const Surface* nearest(const GridMap& map, const Point& point, const Point& norm
 
 // The line through the nearest surface and its neighbours. A single cell would not do: a wall on the border of two
 // cells leaves half its hits in each, and hits would be drawn to the nearer half wherever they lie.
-Line line_near(const GridMap& map, const Point& point, const Point& normal, double reach) {
+Line line_near(const GridMap& map, const Point& point, const Point& normal, double reach, int long_ago) {
   const Surface* center = nearest(map, point, normal, reach);
   if (center == nullptr) return {};
   const Cell cell = map.cell_of({center->x, center->y});
@@ -43,7 +43,7 @@ Line line_near(const GridMap& map, const Point& point, const Point& normal, doub
   line.distance = std::hypot(point.x - center->x, point.y - center->y);
   double hits = 0.0, scans = 0.0;
   map.visit_surfaces(around(cell, -kNeighbours), around(cell, kNeighbours), [&](const Surface& surface) {
-    if (!same_side(surface, normal)) return;
+    if (!same_side(surface, normal) || (surface.origin <= long_ago) != (center->origin <= long_ago)) return;
     hits += surface.hits;
     scans += surface.hits * surface.scans;
     line.through.x += surface.hits * surface.x;
@@ -64,10 +64,11 @@ Line line_near(const GridMap& map, const Point& point, const Point& normal, doub
 
 }  // namespace
 
-const Line* line_of(const GridMap& map, const Point& point, const Point& normal, double reach, Association& known) {
+const Line* line_of(const GridMap& map, const Point& point, const Point& normal, double reach, int long_ago,
+                    Association& known) {
   const double dx = point.x - known.place.x, dy = point.y - known.place.y;
   const bool holds = dx * dx + dy * dy < kSamePlace * kSamePlace && (known.line.found || reach <= known.reach);
-  if (known.reach == 0.0 || !holds) known = {point, reach, line_near(map, point, normal, reach)};
+  if (known.reach == 0.0 || !holds) known = {point, reach, line_near(map, point, normal, reach, long_ago)};
   return known.line.found && known.line.distance < reach ? &known.line : nullptr;
 }
 

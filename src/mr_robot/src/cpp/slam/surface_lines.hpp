@@ -21,8 +21,10 @@ struct Association {
   Line line;
 };
 
-// The line within `reach` (m) of a hit on a surface that has `normal`, or nullptr. `known`: what was found for this hit
-// before; most of the time of matching went into finding the same lines again.
-const Line* line_of(const GridMap& map, const Point& point, const Point& normal, double reach, Association& known);
+// The line within `reach` (m) of a hit on a surface that has `normal`, or nullptr. What was drawn long ago, up to
+// origin `long_ago`, and what was drawn lately make no line together: the way between may have drifted. `known`: what
+// was found for this hit before; most of the time of matching went into finding the same lines again.
+const Line* line_of(const GridMap& map, const Point& point, const Point& normal, double reach, int long_ago,
+                    Association& known);
 
 }  // namespace mr_robot::slam
