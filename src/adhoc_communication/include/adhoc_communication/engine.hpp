@@ -34,6 +34,10 @@ class Engine {
   /// Does what is due and returns the frames to transmit now, in order.
   std::vector<Frame> poll(Time now);
 
+  /// To be called when what poll() returned was handed to the device, with whether something of it is there still: the
+  /// air was busy, or is slower than the robot. Without it the engine never takes the channel for shared.
+  void handed_over(bool kept);
+
   /// When poll() has to be called next at the latest. Time::max() when nothing is due.
   Time next_deadline() const;
 

@@ -35,7 +35,13 @@ void AirClock::transmitted(std::uint64_t counter, std::size_t octets, const MacA
   last_destination_ = destination;
   last_rate_ = &rate(destination);
   busy_until_ = std::max(busy_until_, now) + rate(destination).air_time(octets);
-  recent_.push_back({counter, octets, destination, now, gap, false, busy_until_});
+  recent_.push_back({counter, octets, destination, now, gap, false, false, busy_until_});
+}
+
+void AirClock::handed_over(bool kept) {
+  const auto first = first_after(handed_over_);
+  for (auto transmission = first; transmission != recent_.end(); ++transmission) transmission->kept = kept;
+  if (first != recent_.end()) handed_over_ = recent_.back().counter;
 }
 
 void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time answered, std::size_t octets) {
@@ -107,7 +113,9 @@ void AirClock::sample(std::uint64_t counter, Time spacing, Time now) {
   transmission->sampled = true;
   AirRate& kind = kinds_[transmission->destination];
   kind.sample(transmission->octets, spacing, now);
-  if (transmission->destination != wire::kEverybody && kind.waits_for_others()) shared_.waited(now);
+  if (transmission->destination != wire::kEverybody) {
+    shared_.measured(kind.waits_for_others(), transmission->kept, now);
+  }
   common_.sample(transmission->octets, spacing, now);
   last_rate_ = &rate(last_destination_);
 }

@@ -31,6 +31,9 @@ class AirClock {
 
   /// `destination`: a neighbour, or wire::kEverybody.
   void transmitted(std::uint64_t counter, std::size_t octets, const MacAddress& destination, Time now);
+  /// Whether the device has something left of what was transmitted since the last call; if it is never told, it has
+  /// not.
+  void handed_over(bool kept);
   /// `spacing`: between the arrivals of the frame before and of this one; zero unknown. `answered`: when the answer was
   /// here, less the time for which it was held back; the answer was a frame of so many octets, 0 if that is not known.
   void acknowledged(std::uint64_t counter, Time spacing, Time answered, std::size_t octets);
@@ -71,7 +74,8 @@ class AirClock {
     Time sent;
     Time gap;  ///< since the hand-over of the frame before
     bool sampled;
-    Time end;  ///< of its time on the air, as believed
+    bool kept;  ///< by the device
+    Time end;   ///< of its time on the air, as believed
   };
   using Transmissions = std::deque<Transmission>;
 
@@ -89,7 +93,8 @@ class AirClock {
   SharedAir shared_;
   Time busy_until_{0};
   Transmissions recent_;
-  std::uint64_t off_air_ = 0;  ///< the last frame known to be so
+  std::uint64_t handed_over_ = 0;  ///< the last frame of which it is known whether it was kept
+  std::uint64_t off_air_ = 0;      ///< the last frame known to be so
   MacAddress last_destination_ = wire::kEverybody;
   const AirRate* last_rate_ = &common_;  ///< of frames that go there
 };

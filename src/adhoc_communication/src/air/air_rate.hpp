@@ -28,7 +28,7 @@ class AirRate {
         count == 0 ? nanoseconds_per_octet_ : *std::min_element(latest_.begin(), latest_.begin() + count);
     return Time(static_cast<Time::rep>(least * static_cast<double>(octets + kOverheadOctets)));
   }
-  /// Frames have to wait for those of others, half of one for each at least.
+  /// Frames seem to wait for those of others, half of one for each at least.
   bool waits_for_others() const {
     return measured_often() && nanoseconds_per_octet_ >= 1.5 * *std::min_element(latest_.begin(), latest_.end());
   }

@@ -15,6 +15,7 @@ SendId Engine::broadcast(BroadcastRequest request, Time now) {
   return implementation_->broadcast(std::move(request), now);
 }
 std::vector<Frame> Engine::poll(Time now) { return implementation_->poll(now); }
+void Engine::handed_over(bool kept) { implementation_->handed_over(kept); }
 Time Engine::next_deadline() const { return implementation_->next_deadline(); }
 std::optional<Event> Engine::next_event() { return implementation_->next_event(); }
 std::vector<Record> Engine::take_records() { return implementation_->take_records(); }

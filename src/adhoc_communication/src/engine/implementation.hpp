@@ -28,6 +28,7 @@ class Engine::Implementation {
   SendId send(SendRequest request, Time now);
   SendId broadcast(BroadcastRequest request, Time now);
   std::vector<Frame> poll(Time now);
+  void handed_over(bool kept) { air_.handed_over(kept); }
   Time next_deadline() const;
   std::optional<Event> next_event() { return events_.next(); }
   std::vector<Record> take_records();

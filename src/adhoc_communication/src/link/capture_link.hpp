@@ -17,6 +17,7 @@ class CaptureLink : public Link {
   int receive(const FrameTaker& take) override;
   using Link::send;
   void send(const Frame* first, std::size_t count) override;
+  bool keeps_frames() const override { return link_->keeps_frames(); }
   void tend() override { link_->tend(); }
   bool is_up() const override { return link_->is_up(); }
   MacAddress address() const override { return link_->address(); }

@@ -36,6 +36,9 @@ class Link {
   /// In this order, without waiting; each frame that cannot be sent now is lost and counted, the others are sent.
   virtual void send(const Frame* first, std::size_t count) = 0;
   void send(const Frame& frame) { send(&frame, 1); }
+  /// Whether something of what was sent is still in the device: the radio has not got rid of it. False where nobody can
+  /// tell.
+  virtual bool keeps_frames() const { return false; }
   /// Looks after the link; call it about once a second.
   virtual void tend() = 0;
 

@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <linux/if_packet.h>
+#include <linux/sockios.h>
 #include <net/if.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -177,6 +178,12 @@ void PacketSocketLink::send_by(int socket, const Frame* first, std::size_t count
       to_send_.send(socket, first, count, reinterpret_cast<struct sockaddr*>(&remote), sizeof remote);
   not_sent_ += outcome.not_sent;
   if (outcome.error == ENETDOWN || outcome.error == ENXIO || outcome.error == ENODEV) up_ = false;
+}
+
+/// The kernel counts frames to the socket until the driver is done with them.
+bool PacketSocketLink::keeps_frames() const {
+  int octets = 0;
+  return ioctl(socket_.get(), SIOCOUTQ, &octets) == 0 && octets > 0;
 }
 
 void PacketSocketLink::tend() {

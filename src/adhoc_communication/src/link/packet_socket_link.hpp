@@ -18,6 +18,7 @@ class PacketSocketLink : public Link {
   using Link::send;
   /// Frames of control go to the queue of their access category (IEEE 802.11e), by a socket of their own.
   void send(const Frame* first, std::size_t count) override;
+  bool keeps_frames() const override;
   void tend() override;
   bool is_up() const override { return up_; }
   MacAddress address() const override { return address_; }

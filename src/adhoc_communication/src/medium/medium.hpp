@@ -64,6 +64,8 @@ class Medium {
   void set_up(Node node, bool up, Time now);
 
   void transmit(Node node, const Frame& frame, Time now);
+  /// Whether the node has frames that have not left it.
+  bool keeps_frames(Node node) const { return nodes_.at(node).queued > 0; }
   /// When something happens next: deliveries() is due then, though nothing may arrive.
   std::optional<Time> next_delivery() const;
   /// What has arrived until `now`, in order.

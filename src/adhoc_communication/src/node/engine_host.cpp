@@ -118,7 +118,9 @@ void EngineHost::receive_frames() {
 
 void EngineHost::transmit(Time now) {
   const std::vector<Frame> frames = engine_.poll(now);
-  if (!frames.empty()) link_->send(frames.data(), frames.size());
+  if (frames.empty()) return;
+  link_->send(frames.data(), frames.size());
+  engine_.handed_over(link_->keeps_frames());
 }
 
 void EngineHost::report_events() {

@@ -126,6 +126,7 @@ void Team::serve(std::size_t robot) {
     if (on_transmission) on_transmission(robot, frame);
     medium_.transmit(entry.node, frame, now_);
   }
+  entry.engine->handed_over(medium_.keeps_frames(entry.node));
   deadlines_[robot] = entry.engine->next_deadline();
   take_events(robot);
   if (after_step) after_step(robot);

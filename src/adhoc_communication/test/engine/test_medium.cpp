@@ -177,6 +177,21 @@ TEST(Medium, TurnsAreSharedByThoseFarApart) {
   EXPECT_EQ(course(false), (std::vector<Arrival>{{0, 1, 1ms}, {3, 4, 2ms}, {1, 2, 3ms}, {4, 5, 4ms}}));
 }
 
+TEST(Medium, FramesAreKeptUntilTheyAreOffTheAir) {
+  for (const bool contention : {false, true}) {
+    MediumOptions options;
+    options.contention = contention;
+    Medium medium(options, 1);
+    add_at(medium, {{0, 0}, {8, 0}});
+    EXPECT_FALSE(medium.keeps_frames(0));
+    medium.transmit(0, broadcast(0), 0ms);
+    EXPECT_TRUE(medium.keeps_frames(0));
+    EXPECT_FALSE(medium.keeps_frames(1));
+    arrivals(medium);
+    EXPECT_FALSE(medium.keeps_frames(0));
+  }
+}
+
 TEST(Medium, OptionsThatMakeNoRadioAreRefused) {
   const auto refused = [](auto change) {
     MediumOptions options;

@@ -115,28 +115,66 @@ TEST(TurnTaking, WhoSendsNothingToPassOnIsNotWaitedFor) {
 
 TEST(SharedAir, IsRememberedLongerEachTime) {
   air::SharedAir air;
-  EXPECT_FALSE(air.shared(0s));
-  air.waited(1s);
-  air.waited(5s);
+  for (int i = 0; i < air::SharedAir::kKept; ++i) {
+    EXPECT_FALSE(air.shared(1s));
+    air.measured(true, true, 1s);
+  }
+  air.measured(true, true, 5s);
   EXPECT_TRUE(air.shared(10s));
   EXPECT_FALSE(air.shared(11s));
-  air.waited(12s);
+  air.measured(true, true, 12s);
   EXPECT_TRUE(air.shared(51s));
   EXPECT_FALSE(air.shared(52s));
 }
 
-TEST(AirClock, FramesThatWaitForOthersShowThatTheChannelIsShared) {
-  for (const Time other : {0us, 300us}) {
-    air::AirClock clock(1500);
-    std::uint64_t counter = 0;
-    for (int i = 0; i < 40; ++i) {
-      const Time now = i * 10ms;
-      const Time spacing = 300us + (i % 4 == 0 ? 0us : other);
-      for (int frame = 0; frame < 2; ++frame) clock.transmitted(++counter, 1500, kBehind, now);
-      clock.acknowledged(counter, spacing, now + 300us + spacing, 0);
-    }
-    EXPECT_EQ(clock.shared(400ms), other > 0us);
+/// On a busy computer frames come late, and a device may once in a while be late to say that it has sent them.
+TEST(SharedAir, WhatTheDeviceSendsAtOnceWaitsForNobody) {
+  air::SharedAir air;
+  for (int i = 0; i < 100; ++i) air.measured(true, i % air::SharedAir::kKept != 0, 1s);
+  EXPECT_FALSE(air.shared(1s));
+}
+
+TEST(SharedAir, FramesAsCloseAsEverDoNotWait) {
+  air::SharedAir air;
+  for (int i = 0; i < 100; ++i) air.measured(false, true, 1s);
+  EXPECT_FALSE(air.shared(1s));
+}
+
+/// Whether the channel seems shared to who sends pairs of frames, most of which arrive later by `late`.
+bool seems_shared(Time late, bool kept) {
+  air::AirClock clock(1500);
+  std::uint64_t counter = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Time now = i * 10ms;
+    const Time spacing = 300us + (i % 4 == 0 ? 0us : late);
+    for (int frame = 0; frame < 2; ++frame) clock.transmitted(++counter, 1500, kBehind, now);
+    clock.handed_over(kept);
+    clock.acknowledged(counter, spacing, now + 300us + spacing, 0);
   }
+  return clock.shared(400ms);
+}
+
+TEST(AirClock, FramesThatWaitForOthersShowThatTheChannelIsShared) {
+  EXPECT_TRUE(seems_shared(300us, true));
+  EXPECT_FALSE(seems_shared(0us, true));
+}
+
+/// Ten hops between hosts that waited for their processor took turns, and twice as long.
+TEST(AirClock, FramesThatTheDeviceSentAtOnceHaveWaitedForNobody) { EXPECT_FALSE(seems_shared(300us, false)); }
+
+/// All frames handed over since are meant, and none of those before.
+TEST(AirClock, OneFrameThatWasKeptShowsNothing) {
+  air::AirClock clock(1500);
+  std::uint64_t counter = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Time now = i * 10ms;
+    for (int frame = 0; frame < 2; ++frame) clock.transmitted(++counter, 1500, kBehind, now);
+    clock.handed_over(false);
+    clock.transmitted(++counter, 1500, kBehind, now);
+    clock.handed_over(true);
+    clock.acknowledged(counter - 1, i % 4 == 0 ? 300us : 600us, now + 1ms, 0);
+  }
+  EXPECT_FALSE(clock.shared(400ms));
 }
 
 TEST(HopSender, APatientOneWaitsForTheAnswersOfFurtherTurns) {

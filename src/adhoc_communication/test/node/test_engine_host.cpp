@@ -3,6 +3,7 @@
 #include <sys/eventfd.h>
 
 #include <future>
+#include <utility>
 
 #include "link/file_descriptor.hpp"
 #include "link/steady_now.hpp"
@@ -50,6 +51,29 @@ TEST(EngineHost, FloodHoldsUpNeitherTimersNorCommands) {
   EXPECT_GE(snapshot.statistics.frames_received, std::uint64_t{Link::kMostAtOnce});
   EXPECT_EQ(snapshot.statistics.frames_dropped.malformed, snapshot.statistics.frames_received);
   EXPECT_EQ(snapshot.frames_not_sent, 3u);
+}
+
+/// The engine takes the channel for shared only where the device keeps frames.
+TEST(EngineHost, AsksTheLinkWhatItHasNotSent) {
+  class AskedLink : public FloodedLink {
+   public:
+    explicit AskedLink(std::promise<void>& asked) : asked_(asked) {}
+    void send(const Frame*, std::size_t) override { sent_ = true; }
+    bool keeps_frames() const override {
+      if (sent_ && !std::exchange(told_, true)) asked_.set_value();
+      return true;
+    }
+
+   private:
+    std::promise<void>& asked_;
+    bool sent_ = false;
+    mutable bool told_ = false;
+  };
+  EngineOptions options;
+  options.robot_name = "alice";
+  std::promise<void> asked;
+  EngineHost host(options, std::make_unique<AskedLink>(asked), ReceiveFilter("alice", {}, {}, nullptr), {});
+  EXPECT_EQ(asked.get_future().wait_for(std::chrono::seconds(30)), std::future_status::ready);
 }
 
 /// Becomes another one at its first look.

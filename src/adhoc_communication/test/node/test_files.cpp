@@ -147,6 +147,7 @@ class QueueLink : public Link {
   MacAddress address() const override { return {2, 0, 0, 0, 0, 9}; }
   int mtu() const override { return 1234; }
   std::uint64_t frames_not_sent() const override { return 7; }
+  bool keeps_frames() const override { return true; }
 
   std::deque<Frame> incoming;
   std::vector<Frame> outgoing;
@@ -169,6 +170,7 @@ TEST_F(Files, CaptureLinkPassesEverythingOnAndWritesItDown) {
     EXPECT_EQ(queue.tended, 1);
     EXPECT_EQ(link.mtu(), 1234);
     EXPECT_EQ(link.frames_not_sent(), 7u);
+    EXPECT_TRUE(link.keeps_frames());
   }
   const auto found = records(folder / "a.pcap");
   ASSERT_EQ(found.size(), 4u);

@@ -107,6 +107,25 @@ TEST_F(PacketSocketLinkTest, FrameTooLargeKeepsNoneOfTheOthersBack) {
   EXPECT_TRUE(near.is_up());
 }
 
+/// A channel that is too slow for what is sent; its queue is the kernel's here, a driver's on a robot.
+TEST_F(PacketSocketLinkTest, WhatHasNotLeftTheDeviceIsKnown) {
+  PacketSocketLink near("near0", std::nullopt, "near"), far("far0", std::nullopt, "far");
+  wait_for_cable(near, far);
+  int kept = 0;
+  for (int i = 0; i < 100; ++i) {
+    send(near, frames(near, kAll, 1));
+    kept += near.keeps_frames();
+  }
+  EXPECT_LT(kept, 10) << "a cable takes all at once";
+  if (std::system("tc qdisc add dev near0 root tbf rate 100kbit burst 1kb latency 9s 2> /dev/null") != 0) {
+    GTEST_SKIP() << "no slow queue is granted here";
+  }
+  send(near, frames(near, kAll, 20));
+  EXPECT_TRUE(near.keeps_frames());
+  EXPECT_EQ(received(far, 120).size(), 120u);
+  EXPECT_FALSE(near.keeps_frames());
+}
+
 TEST_F(PacketSocketLinkTest, FramesWhileTheInterfaceIsDownAreCounted) {
   PacketSocketLink near("near0", std::nullopt, "near"), far("far0", std::nullopt, "far");
   run("ip link set near0 down");
