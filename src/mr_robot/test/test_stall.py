@@ -44,3 +44,15 @@ def test_a_robot_that_creeps_against_something_is_noticed() -> None:
     """Three Turtlebots wedged into one another pressed at 0.03 m/s for as long as their manoeuvres lasted."""
     assert blocked_at((-0.03, 0.0), 0.0) < 4.0
     assert blocked_at((-0.03, 0.0), -0.03) == math.inf
+
+
+def test_a_robot_that_drives_to_and_fro_is_not() -> None:
+    """Two robots met in a corridor; the one that gave way backed off well, but braking before the other one had made
+    its way a little shorter than asked for, and little was left of to and fro. It took that for something behind it."""
+    watch, place = StallWatch(0.1), 0.0
+    for step in range(40):
+        now = 0.1 * step
+        command, motion = (0.4, 0.32) if now < 1.0 else (0.0, 0.0) if now < 1.5 else (-0.26, -0.26)
+        assert not watch.blocked(now, (place, 0.0, 0.0))
+        watch.command(now, (command, 0.0))
+        place += 0.1 * motion

@@ -9,6 +9,10 @@ from mr_grid import Pose
 # (s looked back, m and rad commanded in that time from which a standing robot is blocked)
 WINDOWS = ((0.4, 0.1, 0.35), (1.2, 0.08, 0.3), (3.6, 0.08, 0.3))
 STANDING = 0.3  # share of the commanded motion below which the robot stands
+ONE_WAY = 0.5  # share of all commanded motion that has to go one way: what is left of to and fro is mostly its errors
+Asked = Tuple[float, float, float, float]
+"""By all commands until a time: signed way and turn, m and rad, and both with each way and turn counted forward."""
+
 KEPT = 50  # commands and poses; more than the longest window holds
 
 
@@ -20,16 +24,16 @@ class StallWatch:
 
     def clear(self) -> None:
         self._command_times: List[float] = []
-        # (m/s, rad/s) from then on, and way and turn (m, rad) that all before it asked for
-        self._commands: List[Tuple[float, float, float, float]] = []
+        # (m/s, rad/s) from then on, and what all before it asked for
+        self._commands: List[Tuple[float, float, Asked]] = []
         self._pose_times: List[float] = []
         self._poses: List[Pose] = []
 
     def command(self, now: float, velocity: Tuple[float, float]) -> None:
         """Records the command given at `now`."""
-        way, turn = self._asked_until(now)
+        asked = self._asked_until(now)
         self._command_times.append(now)
-        self._commands.append((*velocity, way, turn))
+        self._commands.append((*velocity, asked))
         _shorten(self._command_times, self._commands)
 
     def blocked(self, now: float, pose: Pose) -> bool:
@@ -56,19 +60,23 @@ class StallWatch:
         return abs(turn) >= least_turn and turned / turn < STANDING and abs(distance) < least_distance
 
     def _commanded(self, start: float, end: float) -> Tuple[float, float]:
-        """Signed way and turn, m and rad, that the commands between two times ask for."""
-        way, turn = self._asked_until(end)
-        way_before, turn_before = self._asked_until(start)
-        return way - way_before, turn - turn_before
+        """Signed way and turn, m and rad, that the commands between two times ask for; 0 of what goes to and fro."""
+        before, after = self._asked_until(start), self._asked_until(end)
+        way, turn, all_ways, all_turns = (b - a for a, b in zip(before, after))
+        return way if abs(way) >= ONE_WAY * all_ways else 0.0, turn if abs(turn) >= ONE_WAY * all_turns else 0.0
 
-    def _asked_until(self, time: float) -> Tuple[float, float]:
-        """Signed way and turn, m and rad, that all commands known ask for until then."""
+    def _asked_until(self, time: float) -> Asked:
         if not self._commands:
-            return 0.0, 0.0
+            return 0.0, 0.0, 0.0, 0.0
         index = max(0, bisect_right(self._command_times, time) - 1)
-        linear, angular, way, turn = self._commands[index]
+        linear, angular, (way, turn, all_ways, all_turns) = self._commands[index]
         seconds = max(0.0, time - self._command_times[index])
-        return way + linear * seconds, turn + angular * seconds
+        return (
+            way + linear * seconds,
+            turn + angular * seconds,
+            all_ways + abs(linear) * seconds,
+            all_turns + abs(angular) * seconds,
+        )
 
 
 def _shorten(times: List[float], values: List) -> None:
