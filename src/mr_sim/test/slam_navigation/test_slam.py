@@ -455,8 +455,8 @@ def with_robot(scan: LaserScan, x: float, y: float) -> LaserScan:
 
 @pytest.mark.parametrize(("x", "y", "way"), [(1.3, 0.2, 0.3), (1.28, 0.25, 0.3), (1.3, -0.3, 0.3), (1.3, -0.3, -0.3)])
 def test_a_robot_that_stood_close_to_furniture_does_not_pull(x: float, y: float, way: float) -> None:
-    """With 0.2 m between it and a box 1 m wide, both were one thing, too large to be a robot: when it drove off, it took
-    this one's pose along by 0.3 m."""
+    """With 0.2 m between it and a box 1 m wide, both were one thing, too large to be a robot: it took this one's pose
+    along by 0.3 m when it drove off."""
     slam = Slam()
     for step in range(80):
         slam.process(with_robot(boxed_room(1.5, reach=3.0), x, y), Pose(), 0.1 * step)

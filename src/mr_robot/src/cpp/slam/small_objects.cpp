@@ -22,7 +22,7 @@ double range_of(const Scan& scan, const Beam& beam) {
   return beam.hit ? std::hypot(beam.end.x - scan.eye.x, beam.end.y - scan.eye.y) : std::numeric_limits<double>::max();
 }
 
-// A breakpoint after Borges and Aldon (2004): beams close together tell a gap from a surface that is seen from its side.
+// A breakpoint after Borges and Aldon (2004): close beams tell a gap from a surface that is seen from its side.
 bool ends_between(const Scan& scan, const Beam& a, const Beam& b) {
   const double range = range_of(scan, a), next = range_of(scan, b), step = std::abs(range - next);
   if (step > kStep || !a.hit || !b.hit) return step > kStep;
