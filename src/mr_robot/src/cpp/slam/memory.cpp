@@ -92,16 +92,16 @@ void Memory::open(const Pose& pose, const Pose& odometry, const Way& way, const 
 }
 
 void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor) {
-  std::vector<std::pair<double, int>> shares;
-  for (const auto& [origin, support] : match.origins) shares.emplace_back(support.share, origin);
-  std::sort(shares.rbegin(), shares.rend());
-  shares.resize(std::min(shares.size(), kMostLinks));
-  for (const auto& [share, origin] : shares) {
+  std::vector<std::pair<int, int>> most;  // hits on surfaces of an origin
+  for (const auto& [origin, evidence] : match.origins) most.emplace_back(evidence.hits, origin);
+  std::sort(most.rbegin(), most.rend());
+  most.resize(std::min(most.size(), kMostLinks));
+  for (const auto& [hits, origin] : most) {
     const Pose& from = keyframes_[origin].drawn;
-    const Support& support = match.origins.at(origin);
-    const Eigen::Matrix3d information = seen_from(from, support.information);
-    graph_.link(origin, next, between(from, support.moved(pose)),
-                with_floor(information, static_cast<double>(shares.size()) * floor));
+    const Evidence& evidence = match.origins.at(origin);
+    const Eigen::Matrix3d information = seen_from(from, evidence.information);
+    graph_.link(origin, next, between(from, moved(pose, evidence.step())),
+                with_floor(information, static_cast<double>(most.size()) * floor));
   }
 }
 

@@ -30,8 +30,7 @@ constexpr double kMoreOnOld = 0.1;          // elsewhere: so many more than wher
 constexpr int kAllLately = -1;              // no origin of long ago
 constexpr double kBorder = 2.0;             // cells
 constexpr Pose kTight{0.05, 0.05, 0.01};
-constexpr double kOwnPose = 0.02;  // m and rad that hits of one origin may have the pose off that all of them have
-constexpr double kTrust = 0.5;     // of odometry's deviation where scan and odometry agree
+constexpr double kTrust = 0.5;  // of odometry's deviation where scan and odometry agree
 
 // Takes from what hits say of a pose what is noise. Walls that all run one way say nothing of the position along them
 // (degenerate directions: Zhang, Kaess and Singh 2016); the normals at jambs and niches lean by how they were looked
@@ -55,36 +54,20 @@ struct Surroundings {
   int long_ago;  // see match_scan
 };
 
-// What hits say of the pose, and how they pull at it.
-struct Sum {
-  void add(double weight, double residual, const Eigen::Vector3d& jacobian) {
-    information += weight * jacobian * jacobian.transpose();
-    pull += weight * residual * jacobian;
-    ++hits;
-  }
-  Sum operator+(const Sum& other) const {
-    return {information + other.information, pull + other.pull, hits + other.hits};
-  }
-
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d pull = Eigen::Vector3d::Zero();
-  int hits = 0;
-};
-
 struct Fit {
   Pose pose;
   double share = 0.0;  // of the hits in known parts, those on a surface
   double known = 0.0;  // share of the hits that lie in known parts
-  std::map<int, Support> origins{};
+  std::map<int, Evidence> origins{};
 };
 
-void drop_noise(std::map<int, Support>* origins) {
+void drop_noise(std::map<int, Evidence>* origins) {
   Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
-  for (const auto& [origin, support] : *origins) all += support.information;
+  for (const auto& [origin, evidence] : *origins) all += evidence.information;
   const Eigen::Matrix3d part = telling_part(all);
-  for (auto& [origin, support] : *origins) {
-    support.information = part * support.information * part;
-    support.pull = part * support.pull;
+  for (auto& [origin, evidence] : *origins) {
+    evidence.information = part * evidence.information * part;
+    evidence.pull = part * evidence.pull;
   }
 }
 
@@ -113,13 +96,9 @@ void judge(const Surroundings& around, double reach, double precision, bool fres
     }
     on_surface += on;
     if (on) {
-      Support& support = fit->origins[line->origin];
-      support.share += 1.0 / static_cast<double>(beams.size());
       const Point arm = frame.turned(beams[i]->end), &normal = line->normal;
-      const Eigen::Vector3d jacobian(normal.x, normal.y, -normal.x * arm.y + normal.y * arm.x);
       const double weight = precision * (fresh ? line->density : line->weight);
-      support.information += weight * jacobian * jacobian.transpose();
-      support.pull += weight * residual * jacobian;
+      fit->origins[line->origin].add(weight, residual, {normal.x, normal.y, -normal.x * arm.y + normal.y * arm.x});
     }
     against += !on && contradicts(map, from, point);
   }
@@ -144,7 +123,7 @@ Fit refine(const Surroundings& around, const Pose& start, const Pose& expected, 
     information.diagonal() << 1.0 / (deviation.x * deviation.x), 1.0 / (deviation.y * deviation.y),
         1.0 / (deviation.yaw * deviation.yaw);
     const Eigen::Vector3d off(pose.x - expected.x, pose.y - expected.y, normalized(pose.yaw - expected.yaw));
-    Sum lately, old;
+    Evidence lately, old;
     const Frame frame(pose);
     for (std::size_t i = 0; i < beams.size(); ++i) {
       const Point arm = frame.turned(beams[i]->end), normal = frame.turned(beams[i]->normal);
@@ -161,11 +140,11 @@ Fit refine(const Surroundings& around, const Pose& start, const Pose& expected, 
       (line.origin <= long_ago ? old : lately).add(weight, residual, {nx, ny, -nx * arm.y + ny * arm.x});
     }
     // A far wall of long ago that comes into sight would turn the robot, and what it draws next with it.
-    const Sum sum = old.hits < lately.hits ? lately : lately + old;
+    const Evidence sum = old.hits < lately.hits ? lately : lately + old;
     const Eigen::Matrix3d part = telling_part(sum.information);
     const Eigen::Matrix3d seen = part * sum.information * part;
     const Eigen::Vector3d step = (information + seen).ldlt().solve(-information * off - part * sum.pull);
-    fit.pose = {pose.x + step.x(), pose.y + step.y(), normalized(pose.yaw + step.z())};
+    fit.pose = moved(pose, step);
     reach = std::max(0.5 * reach, 0.12);
     if (iteration > 1 && step.head<2>().norm() < 2e-4 && std::abs(step.z()) < 1e-4) break;
   }
@@ -214,7 +193,7 @@ double share_on(const Fit& fit) { return fit.share * fit.known; }
 // Information about the position, map frame.
 Eigen::Matrix2d said_of_position(const Fit& fit) {
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
-  for (const auto& [origin, support] : fit.origins) information += support.information.topLeftCorner<2, 2>();
+  for (const auto& [origin, evidence] : fit.origins) information += evidence.information.topLeftCorner<2, 2>();
   return information;
 }
 
@@ -258,12 +237,6 @@ Match without_surfaces(const GridMap& map, const Scan& scan, const Pose& expecte
 bool better(const Fit& fit, const Fit& than) { return fit.share > than.share + 0.05; }
 
 }  // namespace
-
-Pose Support::moved(const Pose& pose) const {
-  const Eigen::Vector3d kept = Eigen::Vector3d::Constant(1.0 / (kOwnPose * kOwnPose));
-  const Eigen::Vector3d off = (information + Eigen::Matrix3d(kept.asDiagonal())).ldlt().solve(pull);
-  return {pose.x - off.x(), pose.y - off.y(), normalized(pose.yaw - off.z())};
-}
 
 Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, const Pose& deviation,
                  const std::optional<Pose>& previous, bool sparse, int long_ago, const MatchOptions& options) {

@@ -1,10 +1,10 @@
 // Where must the robot be for its scan to lie on the surfaces of the map?
 #pragma once
 
-#include <Eigen/Core>
 #include <map>
 #include <optional>
 
+#include "evidence.hpp"
 #include "grid_map.hpp"
 #include "scan.hpp"
 
@@ -28,16 +28,6 @@ enum class Outcome {
   kContradicts,   // the pose is odometry's, and wrong
 };
 
-// Of the hits that lie on surfaces of one origin: their share of all, and what they alone say of the pose.
-struct Support {
-  // Where they alone would have the pose that was found for all of them.
-  Pose moved(const Pose& pose) const;
-
-  double share = 0.0;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d pull = Eigen::Vector3d::Zero();  // information times how far the pose is off
-};
-
 struct Match {
   Pose pose;
   double share = 0.0;  // of the hits in known parts, those that lie on a surface
@@ -47,7 +37,7 @@ struct Match {
   bool stays = false;  // that is where it was: its wheels slip
   double known = 0.0;  // share of the hits that lie in known parts
   double along = 0.0;  // share of the scan, beside odometry, in what is known of the position along the heading
-  std::map<int, Support> origins{};
+  std::map<int, Evidence> origins{};  // hits by the origin of the surfaces that they lie on
 };
 
 // `expected`: pose by odometry with its standard deviations, weak enough for the scan to overrule slipping wheels.
