@@ -1,6 +1,7 @@
 // Groups mc_<robot>, broadcasts and floods.
 #include <gtest/gtest.h>
 
+#include "finish.hpp"
 #include "payloads.hpp"
 #include "simulation/team.hpp"
 #include "transport/flood.hpp"
@@ -11,7 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 
 bool finish_soon(Team& team, std::size_t robot, SendId id, Time patience = 20s) {
-  return team.run_until_done([&] { return team.finished(robot, id) != nullptr; }, patience);
+  return finish(team, robot, id, patience);
 }
 
 std::vector<std::string> members_of(Team& team, std::size_t root) {

@@ -7,7 +7,7 @@ import math
 import select
 import socket
 from collections import deque
-from typing import Any, Iterable, Mapping
+from typing import Any, Mapping
 
 from mr_grid import Pose
 from mr_measures.drift import SPACING
@@ -44,13 +44,9 @@ class Digest:
     def set(self, **values: Any) -> None:
         self._values.update(values)
 
-    def merged(self, robots: Iterable[str]) -> None:
-        """Robots whose transform is known."""
-        self._values["merged"] = sorted(set(robots) - {self.robot})
-
     def believes(self, transforms: Mapping[str, Pose], now: float) -> None:
         """All transforms to other robots' maps that are believed."""
-        self._values["sees_merges"] = True
+        self._values.update(sees_merges=True, merged=sorted(transforms))
         for name, transform in self._beliefs.changes(transforms):
             place = None if transform is None else [round(value, 5) for value in transform]
             self._happened("merge", now, partner=name, transform=place)

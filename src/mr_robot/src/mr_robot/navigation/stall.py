@@ -10,10 +10,10 @@ from mr_grid import Pose
 WINDOWS = ((0.4, 0.1, 0.35), (1.2, 0.08, 0.3), (3.6, 0.08, 0.3))
 STANDING = 0.3  # share of the commanded motion below which the robot stands
 ONE_WAY = 0.5  # share of all commanded motion that has to go one way: what is left of to and fro is mostly its errors
+KEPT = 50  # commands and poses; more than the longest window holds
+
 Asked = Tuple[float, float, float, float]
 """By all commands until a time: signed way and turn, m and rad, and both with each way and turn counted forward."""
-
-KEPT = 50  # commands and poses; more than the longest window holds
 
 
 class StallWatch:
