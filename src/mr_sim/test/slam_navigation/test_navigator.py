@@ -14,13 +14,13 @@ from mr_robot.navigation.arrivals import Arrivals
 from mr_robot.navigation.clock import Clock
 from mr_robot.navigation.engine import Command, Navigator, Status
 from mr_robot.navigation.follower import Follower
-from mr_robot.navigation.motion import STOP, Motion, outside
+from mr_robot.navigation.motion import STOP, Motion, bare, outside
 from mr_robot.navigation.obstacles import ObstacleMemory
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan, make_scan
 from mr_robot.navigation.planner import CostMap, path, plan
 from mr_robot.navigation.route import Route
 from mr_robot.navigation.stall import StallWatch
-from mr_robot.navigation.surroundings import Surroundings
+from mr_robot.navigation.surroundings import FOREIGN, Surroundings
 from mr_robot.navigation.yielding import HeldUp, find_retreat
 from mr_sim.closed_loop import ClosedLoop, Robot
 
@@ -601,7 +601,7 @@ def test_close_obstacles_are_not_thinned_out() -> None:
     close, far = [[0.301, 0.001], [0.325, 0.025]], [[0.905, 0.001], [0.925, 0.025]]
     rows = _navigation.surroundings(
         np.array(close + far), (0.0, 0.0, 0.0), ObstacleMemory(1.0).rows, costs.walls, None, FOOTPRINT,
-        _navigation.Margins(0.02, 0.05, 0.1, 0.2), 0.1, 1.3, 0.03,
+        _navigation.Margins(0.02, 0.1, 0.05, 0.1, 0.2), 0.1, 1.3, 0.03,
     )  # fmt: skip
     assert sorted(rows[:, :2].tolist()) == sorted([*close, far[0]])
 
@@ -627,6 +627,30 @@ def test_a_wall_beside_the_robot_is_where_most_hits_are() -> None:
     points = seen_around(beside(0.205), OccupancyGrid.of(cells, 0.05))
     close = points[(np.abs(points[:, 0]) < 0.1) & (points[:, 1] < 0.0)]
     assert len(close) > 10 and close[:, 1].max() < -0.2
+
+
+def test_a_wall_that_goes_on_does_not_go_through_the_robot() -> None:
+    """A robot that began 3 cm beside a jamb took the wall to go on through its corner, and as it seemed to touch that
+    already it turned: it touched the jamb."""
+    angles = np.linspace(-2.356, -2.0, 41)
+    ranges = np.append(-0.26 / (np.sin(angles) + 0.3 * np.cos(angles)), np.full(500, np.inf))
+    scan = make_scan(ranges, -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.1, 0.0, 0.0))
+    points = np.abs(seen_around(scan, OccupancyGrid.of(np.full((80, 80), -1, np.int8), 0.05)))
+    inside = (points[:, 0] < 0.22 - 1e-6) & (points[:, 1] < 0.19 - 1e-6)
+    assert len(points) > 41 and not inside.any()
+
+
+def test_walls_that_only_others_have_mapped_are_kept_away_from() -> None:
+    """A robot that backed between such walls, which were drawn some centimetres off, touched them."""
+    cells = np.zeros((80, 80), np.int8)
+    cells[36, 30:50], cells[44, 30:50] = 100, 100
+    own = np.where(np.arange(80)[:, np.newaxis] < 40, cells, -1).astype(np.int8)  # nothing to the left of the robot
+    grid, mapped = OccupancyGrid.of(cells, 0.05), _navigation.Map(own, 0.05, (0.0, 0.0))
+    pose, options = Pose(2.0, 2.0, 0.0), NavigationOptions()
+    blind = make_scan(np.full(3, np.inf), 3.0, 0.01, 0.0, 8.0, Pose(0.0, 0.0, 0.0))
+    rows = bare(Surroundings(options).obstacles(CostMap(grid, options), mapped, pose, blind), options.obstacle_margin)
+    assert rows[rows[:, 1] > 2.0, 2].tolist() == pytest.approx([FOREIGN] * (rows[:, 1] > 2.0).sum())
+    assert (rows[rows[:, 1] < 2.0, 2] == 0.0).all() and (rows[:, 1] < 2.0).any() and (rows[:, 1] > 2.0).any()
 
 
 def test_a_wall_goes_on_where_the_laser_is_blind() -> None:

@@ -216,10 +216,10 @@ PYBIND11_MODULE(_navigation, module) {
            }),
            py::arg("duration"), py::arg("cell"), py::arg("known_within"), py::arg("seen_beyond"), py::arg("most"));
   py::class_<Margins>(module, "Margins")
-      .def(py::init([](double wall, double obstacle, double moving, double reaction_time) {
-             return Margins{wall, obstacle, moving, reaction_time};
+      .def(py::init([](double wall, double foreign, double obstacle, double moving, double reaction_time) {
+             return Margins{wall, foreign, obstacle, moving, reaction_time};
            }),
-           py::arg("wall"), py::arg("obstacle"), py::arg("moving"), py::arg("reaction_time"));
+           py::arg("wall"), py::arg("foreign"), py::arg("obstacle"), py::arg("moving"), py::arg("reaction_time"));
   module.def(
       "hits",
       [](const Doubles& readings, const Doubles& directions, double range_min, double range_max, const Pair& mount) {

@@ -175,12 +175,18 @@ void continue_edge(const ScanView& scan, bool first, double length, std::vector<
   }
 }
 
-std::vector<Point> continued(const ScanView& scan, double length) {
+std::vector<Point> continued(const ScanView& scan, const Footprint& footprint) {
+  const double length = 2.0 * footprint.half_length;
   std::vector<Point> result;
   const double view = std::abs(scan.angle_increment) * (static_cast<double>(scan.range_count) - 1.0);
   if (scan.point_count == 0 || scan.range_count < 2 || view > 2.0 * M_PI - 2.0 * kEdge) return result;
   continue_edge(scan, true, length, result);
   continue_edge(scan, false, length, result);
+  // Where the robot stands no wall goes on.
+  const auto inside = [&](const Point& point) {
+    return std::abs(point.x) < footprint.half_length && std::abs(point.y) < footprint.half_width;
+  };
+  result.erase(std::remove_if(result.begin(), result.end(), inside), result.end());
   return result;
 }
 
@@ -243,28 +249,32 @@ class BlindMap {
   BlindMap(const Walls& merged, const Map* own, const Pose& pose, double reach, double same_within)
       : merged_(merged.map), own_(own) {
     for (const Point& wall : walls_near(merged.map, pose, reach)) {
-      if (own == nullptr || !is_known(*own, wall.x, wall.y)) walls_.push_back(wall);
+      if (own == nullptr || !is_known(*own, wall.x, wall.y)) walls_.push_back({wall, own != nullptr});
     }
     if (own == nullptr) return;
     for (const Point& wall : walls_near(*own, pose, reach)) {
-      if (is_wall(merged, wall, same_within)) walls_.push_back(wall);
+      if (is_wall(merged, wall, same_within)) walls_.push_back({wall, false});
     }
   }
 
-  const std::vector<Point>& walls() const { return walls_; }
+  struct Wall {
+    Point place;
+    bool foreign;  // only other robots have mapped it
+  };
+  const std::vector<Wall>& walls() const { return walls_; }
 
   // Whether nothing is there, nor beside it.
   bool is_open(const Point& point) const {
     const bool known = (own_ != nullptr && is_known(*own_, point.x, point.y)) || is_known(merged_, point.x, point.y);
-    return known && std::none_of(walls_.begin(), walls_.end(), [&](const Point& wall) {
-             return within(wall, {point.x, point.y, 0.0}, kSameWall);
+    return known && std::none_of(walls_.begin(), walls_.end(), [&](const Wall& wall) {
+             return within(wall.place, {point.x, point.y, 0.0}, kSameWall);
            });
   }
 
  private:
   const Map& merged_;
   const Map* own_;
-  std::vector<Point> walls_;
+  std::vector<Wall> walls_;
 };
 
 }  // namespace
@@ -308,7 +318,7 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
                                    const Walls& walls, const Map* own, const Footprint& footprint,
                                    const Margins& margins, double known_within, double reach, double spacing) {
   const BlindMap blind(walls, own, pose, reach, known_within);
-  const std::vector<Point> beyond = continued(scan, 2.0 * footprint.half_length);
+  const std::vector<Point> beyond = continued(scan, footprint);
   const std::size_t most = scan.point_count + remembered.size() + blind.walls().size() + beyond.size();
   Nearest nearest(pose, std::hypot(footprint.half_length, footprint.half_width) + kClose, spacing, most);
   const Placement place(pose);
@@ -330,12 +340,11 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
     nearest.add({there.x, there.y, margins.obstacle, 0.0});
   }
   const Point eye = place({scan.mount.x, scan.mount.y});
-  for (const Point& wall : blind.walls()) {
-    if (std::any_of(guessed.begin(), guessed.end(), [&](const Point& p) { return distance(p, wall) < kSameWall; })) {
-      continue;
-    }
-    if (in_view(wall, eye, pose.yaw + scan.mount.yaw, scan)) continue;
-    nearest.add({wall.x, wall.y, margins.wall, 0.0});
+  for (const BlindMap::Wall& wall : blind.walls()) {
+    const auto same = [&](const Point& point) { return distance(point, wall.place) < kSameWall; };
+    if (std::any_of(guessed.begin(), guessed.end(), same)) continue;
+    if (in_view(wall.place, eye, pose.yaw + scan.mount.yaw, scan)) continue;
+    nearest.add({wall.place.x, wall.place.y, wall.foreign ? margins.foreign : margins.wall, 0.0});
   }
   return nearest.all();
 }

@@ -42,9 +42,10 @@ struct Memory {
   std::size_t most;     // points
 };
 
-// Distances that the footprint keeps, m, and for what may move, s by which that grows with speed.
+// Distances that the footprint keeps, m, and for what may move, s by which that grows with speed. `foreign`: from walls
+// that only other robots have mapped.
 struct Margins {
-  double wall, obstacle, moving, reaction_time;
+  double wall, foreign, obstacle, moving, reaction_time;
 };
 
 // What a laser's readings say: sets those that are none to 0 and the rest to at most `range_max`, and returns the hits

@@ -15,6 +15,7 @@ from mr_robot.navigation.yielding import Point, nearest_blocker
 from mr_robot.platforms.parameters import NARROW_VIEW
 
 WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
+FOREIGN = 0.05  # m by which walls that only other robots have mapped may lie elsewhere, however near the body has to come
 
 
 class Surroundings:
@@ -44,8 +45,9 @@ class Surroundings:
         # A robot that sees little has not much but the map beside it.
         wall_margin = WALL_MARGIN if 2.0 * scan.half_view >= NARROW_VIEW else options.obstacle_margin
         margins = _navigation.Margins(
-            wall_margin, options.obstacle_margin, options.moving_margin, options.moving_reaction_time
-        )
+            wall_margin, options.obstacle_margin + FOREIGN, options.obstacle_margin, options.moving_margin,
+            options.moving_reaction_time,
+        )  # fmt: skip
         return _navigation.surroundings(
             scan.points, pose, self._memory.rows, costs.walls, own, self._footprint, margins, KNOWN_WITHIN, self._near,
             _navigation.TOUCHING, scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
