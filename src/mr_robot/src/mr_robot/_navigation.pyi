@@ -69,9 +69,7 @@ class Memory:
     def __init__(self, duration: float, cell: float, known_within: float, seen_beyond: float, most: int) -> None: ...
 
 class Margins:
-    def __init__(
-        self, wall: float, foreign: float, obstacle: float, moving: float, reaction_time: float
-    ) -> None: ...
+    def __init__(self, wall: float, foreign: float, obstacle: float, moving: float, reaction_time: float) -> None: ...
 
 def remember(
     old: np.ndarray,

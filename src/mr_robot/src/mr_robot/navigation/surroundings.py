@@ -15,7 +15,7 @@ from mr_robot.navigation.yielding import Point, nearest_blocker
 from mr_robot.platforms.parameters import NARROW_VIEW
 
 WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
-FOREIGN = 0.05  # m by which walls that only other robots have mapped may lie elsewhere, however near the body has to come
+FOREIGN = 0.05  # m kept on top of all margins from walls that only other robots have mapped: they may lie elsewhere
 
 
 class Surroundings:
