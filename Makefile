@@ -22,16 +22,18 @@ dependencies:
 bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim bench-page
 
 RADIO_PARTS = intact goodput multicast mixed_rates routes idle priority mobile
-RADIO_ROWS = $(patsubst %,out/bench/adhoc%.json,_adversaries _scenarios $(addprefix _,$(RADIO_PARTS)) _memory _medium _hosts) out/bench/adhoc.json
+RADIO_ROWS = $(patsubst %,out/bench/adhoc%.json,_adversaries _scenarios $(addprefix _,$(RADIO_PARTS)) _memory _medium _hosts _babel) out/bench/adhoc.json
 
-# Publishes docs/results/radio.md: half an hour on two idle cores.
+# Publishes docs/results/radio.md: an hour on two idle cores.
 bench-adhoc: build
+	@tools/install_dependencies babel
 	@tools/build --target adhoc_communication_benchmarks adhoc_communication_engine_test engine_scenarios
 	@mkdir -p out/bench && $(ENVIRONMENT) missed=0; \
 	rosrun adhoc_communication bench_adversaries --out out/bench/adhoc_adversaries.json || missed=1; \
 	build/devel/lib/adhoc_communication/engine_scenarios --seed 10001 --count 1000 --keep-going --json out/bench/adhoc_scenarios.json || missed=1; \
 	rosrun adhoc_communication bench_namespaces --out out/bench/adhoc.json || missed=1; \
 	rosrun adhoc_communication bench_hosts --out out/bench/adhoc_hosts.json || missed=1; \
+	rosrun adhoc_communication bench_namespaces --only babel --kills 30 --out out/bench/adhoc_babel.json || missed=1; \
 	rosrun adhoc_communication bench_memory --json out/bench/adhoc_memory.json || missed=1; \
 	rosrun adhoc_communication bench_medium --json out/bench/adhoc_medium.json || missed=1; \
 	for part in $(RADIO_PARTS); do \

@@ -5,8 +5,11 @@ ip_peer.py tcp-receive PORT SECONDS               {"octets", "digest", "time"}
 ip_peer.py tcp-send ADDRESS PORT OCTETS SECONDS   {"begin", "digest"}
 ip_peer.py udp-receive PORT SECONDS               {"datagrams"}: until nothing has come for two seconds
 ip_peer.py udp-send ADDRESS PORT OCTETS RATE      {"datagrams"}: RATE in bit/s
+ip_peer.py udp-longest-gap PORT SECONDS           {"first"}, then {"gap"}: s without a datagram, once GAP or more
+ip_peer.py udp-tick ADDRESS PORT SECONDS          sends a datagram each PERIOD
 """
 
+import contextlib
 import hashlib
 import json
 import os
@@ -16,6 +19,8 @@ import sys
 import time
 
 DATAGRAM = 1400
+PERIOD = 0.01  # s
+GAP = 0.2  # s, much longer than it takes to start or stop a program
 
 
 def say(**values):
@@ -81,6 +86,35 @@ def udp_send(address, port, octets, rate):
     say(datagrams=count)
 
 
+def udp_longest_gap(port, seconds):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(("", port))
+        receiver.settimeout(seconds)
+        say(ready=True)
+        last = None
+        try:
+            while True:
+                receiver.recv(DATAGRAM)
+                now = time.monotonic()
+                if last is None:
+                    say(first=now)
+                elif now - last >= GAP:
+                    say(gap=now - last)
+                    return
+                last = now
+        except OSError:
+            say(gap=seconds)
+
+
+def udp_tick(address, port, seconds):
+    end = time.monotonic() + seconds
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        while time.monotonic() < end:
+            with contextlib.suppress(OSError):  # no route for the moment
+                sender.sendto(b"tick", (address, port))
+            time.sleep(PERIOD)
+
+
 def main():
     role, *words = sys.argv[1:]
     if role == "tcp-receive":
@@ -91,6 +125,10 @@ def main():
         udp_receive(int(words[0]), float(words[1]))
     elif role == "udp-send":
         udp_send(words[0], int(words[1]), int(words[2]), float(words[3]))
+    elif role == "udp-longest-gap":
+        udp_longest_gap(int(words[0]), float(words[1]))
+    elif role == "udp-tick":
+        udp_tick(words[0], int(words[1]), float(words[2]))
 
 
 if __name__ == "__main__":

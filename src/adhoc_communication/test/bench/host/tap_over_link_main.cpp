@@ -19,6 +19,7 @@
 #include "link/capability.hpp"
 #include "link/file_descriptor.hpp"
 #include "link/link.hpp"
+#include "wire/frame_header.hpp"
 
 namespace adhoc_communication::bench {
 namespace {
@@ -51,6 +52,8 @@ void to_radio(int tap, Link& link) {
     if (size <= static_cast<ssize_t>(kAddresses)) break;
     Frame& frame = frames.emplace_back();
     std::copy_n(buffer.begin(), 6, frame.destination.begin());
+    const bool for_a_group = (frame.destination[0] & 1) != 0;
+    if (for_a_group) frame.destination = wire::kEverybody;  // the radio knows no groups
     std::copy_n(buffer.begin() + 6, 6, frame.source.begin());
     frame.bytes.assign(buffer.begin() + kAddresses, buffer.begin() + size);
   }
