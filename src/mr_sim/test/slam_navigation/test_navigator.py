@@ -629,17 +629,6 @@ def test_a_wall_beside_the_robot_is_where_most_hits_are() -> None:
     assert len(close) > 10 and close[:, 1].max() < -0.2
 
 
-def test_a_wall_that_goes_on_does_not_go_through_the_robot() -> None:
-    """A robot that began 3 cm beside a jamb took the wall to go on through its corner, and as it seemed to touch that
-    already it turned: it touched the jamb."""
-    angles = np.linspace(-2.356, -2.0, 41)
-    ranges = np.append(-0.26 / (np.sin(angles) + 0.3 * np.cos(angles)), np.full(500, np.inf))
-    scan = make_scan(ranges, -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.1, 0.0, 0.0))
-    points = np.abs(seen_around(scan, OccupancyGrid.of(np.full((80, 80), -1, np.int8), 0.05)))
-    inside = (points[:, 0] < 0.22 - 1e-6) & (points[:, 1] < 0.19 - 1e-6)
-    assert len(points) > 41 and not inside.any()
-
-
 def test_walls_that_only_others_have_mapped_are_kept_away_from() -> None:
     """A robot that backed between such walls, which were drawn some centimetres off, touched them."""
     cells = np.zeros((80, 80), np.int8)

@@ -175,18 +175,12 @@ void continue_edge(const ScanView& scan, bool first, double length, std::vector<
   }
 }
 
-std::vector<Point> continued(const ScanView& scan, const Footprint& footprint) {
-  const double length = 2.0 * footprint.half_length;
+std::vector<Point> continued(const ScanView& scan, double length) {
   std::vector<Point> result;
   const double view = std::abs(scan.angle_increment) * (static_cast<double>(scan.range_count) - 1.0);
   if (scan.point_count == 0 || scan.range_count < 2 || view > 2.0 * M_PI - 2.0 * kEdge) return result;
   continue_edge(scan, true, length, result);
   continue_edge(scan, false, length, result);
-  // Where the robot stands no wall goes on.
-  const auto inside = [&](const Point& point) {
-    return std::abs(point.x) < footprint.half_length && std::abs(point.y) < footprint.half_width;
-  };
-  result.erase(std::remove_if(result.begin(), result.end(), inside), result.end());
   return result;
 }
 
@@ -318,7 +312,7 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
                                    const Walls& walls, const Map* own, const Footprint& footprint,
                                    const Margins& margins, double known_within, double reach, double spacing) {
   const BlindMap blind(walls, own, pose, reach, known_within);
-  const std::vector<Point> beyond = continued(scan, footprint);
+  const std::vector<Point> beyond = continued(scan, 2.0 * footprint.half_length);
   const std::size_t most = scan.point_count + remembered.size() + blind.walls().size() + beyond.size();
   Nearest nearest(pose, std::hypot(footprint.half_length, footprint.half_width) + kClose, spacing, most);
   const Placement place(pose);
