@@ -1,24 +1,16 @@
 """Two ends and two relays between them on the radio, which carry the kernel's IP with routes that babeld finds."""
 
 import json
-import subprocess
-import time
 
-from engine_hosts import Hosts
-from ip_chain import PORT, address
-from namespaces import TEST_FOLDER, program, wait_until
+from ip_hosts import PORT, IpHosts, address
+from namespaces import wait_until
 
 NAMES = ["robot_0", "robot_1", "robot_2", "robot_3"]
 LINKS = [("robot_0", "robot_1"), ("robot_0", "robot_2"), ("robot_1", "robot_3"), ("robot_2", "robot_3")]
 ENDS, RELAYS = (0, 3), (1, 2)
-SETTINGS = [
-    "net/ipv4/ip_forward=1", "net/ipv4/conf/all/send_redirects=0", "net/ipv4/conf/all/rp_filter=0",
-    "net/ipv4/conf/default/send_redirects=0", "net/ipv4/conf/default/rp_filter=0",
-    "net/ipv6/conf/default/accept_dad=0",
-]  # fmt: skip
 
 
-class BabelDiamond(Hosts):
+class BabelDiamond(IpHosts):
     """Use as a context manager. babeld runs as it comes, on an interface of type wireless."""
 
     def __init__(self, **options):
@@ -27,28 +19,16 @@ class BabelDiamond(Hosts):
 
     def _start_robots(self):
         for index, host in enumerate(self.hosts):
-            lines = [f"echo {value} > /proc/sys/{name}" for name, value in (each.split("=") for each in SETTINGS)]
-            done = host.run(["sh", "-ec", "\n".join(["ip link set lo up", *lines])])
-            assert done.returncode == 0, done.stderr
-            self.revive(index)
+            self.run_lines(host, ["ip link set lo up"])
+            self.set_up(host, "net/ipv6/conf/default/accept_dad=0")
+            self._revive(index)
 
-    def revive(self, index):
-        host = self.hosts[index]
-        carrier = host.start([program("tap_over_link"), "tap0", "radio0"], stdout=subprocess.PIPE, text=True)
-        assert carrier.stdout.readline() == "ready\n"
-        done = host.run(["sh", "-ec", f"ip address add {address(index)}/32 dev tap0; ip link set tap0 mtu 1498 up"])
-        assert done.returncode == 0, done.stderr
+    def _revive(self, index):
+        host, carrier = self.hosts[index], self.start_carrier(index)
         process, state = (self.folder / f"{host.name}.{kind}" for kind in ("pid", "state"))
         process.unlink(missing_ok=True)  # of one that was killed, as which it would not begin
         babeld = ["babeld", "-I", str(process), "-S", str(state), "-C", "interface tap0 type wireless"]
         self._running[index] = [carrier, host.start(babeld)]
-
-    def kill(self, index):
-        """From one moment to the next nothing comes from it any more."""
-        for process in self._running[index]:
-            process.kill()
-            process.wait()
-        self._running[index][0].stdout.close()
 
     def wait_for_routes(self, timeout=120.0):
         """Until all robots know ways to all others, and relays direct ones to the ends."""
@@ -66,22 +46,17 @@ class BabelDiamond(Hosts):
         return routes[0].get("gateway", address(other)) if routes else None
 
     def measure_one_repair(self, limit=60.0):
-        """Seconds without a datagram after the relay in use has died."""
-        relay = next(index for index in RELAYS if address(index) == self._via(ENDS[0], ENDS[1]))
-        peer = ["/usr/bin/python3", str(TEST_FOLDER / "ip_peer.py")]
-        receiver = self.hosts[ENDS[1]].start(
-            [*peer, "udp-longest-gap", str(PORT), str(limit)], stdout=subprocess.PIPE, text=True
-        )
-        assert json.loads(receiver.stdout.readline())["ready"]
-        sender = self.hosts[ENDS[0]].start([*peer, "udp-tick", address(ENDS[1]), str(PORT), str(limit + 5.0)])
-        json.loads(receiver.stdout.readline())  # the first datagram
-        time.sleep(1.0)
-        self.kill(relay)
-        gap = json.loads(receiver.stdout.readline())["gap"]
+        """Seconds without a datagram after the relay in use has died silently, `limit` if none comes by then."""
+        relay = next(index for index in RELAYS if address(index) == self._via(*ENDS))
+        receiver = self.start_peer(ENDS[1], "udp-longest-gap", PORT, limit)
+        assert self.answer_of(receiver)["ready"]
+        sender = self.start_peer(ENDS[0], "udp-tick", address(ENDS[1]), PORT, limit + 5.0)
+        assert "first" in self.answer_of(receiver)
+        for process in self._running[relay]:
+            self.kill(process)
+        gap = self.answer_of(receiver)["gap"]
         for process in (sender, receiver):
-            process.terminate()
-            process.wait()
-        receiver.stdout.close()
-        self.revive(relay)
+            self.kill(process)
+        self._revive(relay)
         self.wait_for_routes()
         return gap
