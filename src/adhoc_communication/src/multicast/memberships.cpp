@@ -43,10 +43,15 @@ void Memberships::start_join(const std::string& group) {
   words_.push_back({Word::Kind::kJoin, group});
 }
 
-int Memberships::automatic_joins_under_way() const {
-  return static_cast<int>(std::count_if(memberships_.begin(), memberships_.end(), [](const auto& item) {
-    return item.second.joining && !item.second.asked_by_host;
-  }));
+/// Those by themselves; one that takes long counts more than once, and does not hold up the others as long as it is the
+/// only one.
+int Memberships::joins_under_way(Time now) const {
+  int count = 0;
+  for (const auto& [group, membership] : memberships_) {
+    if (!membership.joining || membership.asked_by_host) continue;
+    count += now - membership.begun > kSlowJoin ? kJoinsAtOnce - 1 : 1;
+  }
+  return count;
 }
 
 /// Null while it is not there.
@@ -71,11 +76,12 @@ const std::string* Memberships::nearest_waiting(Time now) const {
 }
 
 void Memberships::start_waiting(Time now) {
-  for (int under_way = automatic_joins_under_way(); under_way < kJoinsAtOnce; ++under_way) {
+  for (int under_way = joins_under_way(now); under_way < kJoinsAtOnce; ++under_way) {
     if (now + kJoinBurst < next_join_at_) return;
     const std::string* nearest = nearest_waiting(now);
     if (nearest == nullptr) return;
-    next_join_at_ = std::max(now, next_join_at_) + kJoinSpacing * directory_.size();
+    next_join_at_ = std::max(now, next_join_at_) + kJoinSpacing * directory_.size() * (1 << slowdowns_);
+    memberships_.at(*nearest).begun = now;
     start_join(*nearest);
   }
 }
@@ -129,6 +135,8 @@ void Memberships::said(const Word& word, bool delivered, const std::string& reas
   if (std::exchange(membership.turned_away, false)) membership.retry_at = now + kFullRetry;
   if (!membership.asked_by_host) {
     membership.failures = delivered ? 0 : membership.failures + 1;
+    const bool slow = !delivered || now - membership.begun > kSlowJoin;
+    slowdowns_ = std::clamp(slowdowns_ + (slow ? 1 : -1), 0, kMostSlowdowns);
     if (!delivered) {
       const Time pause = kRetry * (1 << std::min(membership.failures - 1, kMostDoublings));
       membership.retry_at = std::max(membership.retry_at, now + pause);

@@ -23,6 +23,7 @@ struct Membership {
   bool turned_away = false;          ///< the root has said so before the join was acknowledged
   bool wanted = true;                ///< false once the host has left
   bool after_leave = false;          ///< the host had left before the join under way: if it fails, that holds again
+  Time begun{0};                     ///< the join under way, that happens by itself
   Time retry_at{0};                  ///< when to ask again after a failure
   int failures = 0;                  ///< of joins that nobody has asked for, in a row
 };
@@ -45,6 +46,8 @@ class Memberships {
   static constexpr int kJoinsAtOnce = 4;
   static constexpr Time kJoinSpacing = std::chrono::milliseconds(4);  ///< times the robots known: of the whole team
   static constexpr Time kJoinBurst = std::chrono::milliseconds(100);  ///< by which one may be early
+  static constexpr Time kSlowJoin = std::chrono::milliseconds(350);   ///< takes so long that others need the air more
+  static constexpr int kMostSlowdowns = 6;                            ///< doublings of the spacing
   static constexpr Time kFullRetry = std::chrono::seconds(30);        ///< after the root had no room for this robot
   static constexpr Time kMembersPatience = std::chrono::seconds(5);
 
@@ -91,7 +94,7 @@ class Memberships {
   void start_waiting(Time now);
   const std::string* nearest_waiting(Time now) const;
   const routing::Robot* root_in_reach(const std::string& group) const;
-  int automatic_joins_under_way() const;
+  int joins_under_way(Time now) const;
   void start_leave(const std::string& group);
   void end_join(const std::string& group, const std::string& failure, Time now);
   void give_up_join(const std::string& group, const std::string& failure, Time now);
@@ -103,6 +106,7 @@ class Memberships {
   std::size_t most_members_;
   std::map<std::string, Membership> memberships_;
   Time next_join_at_{0};  ///< by itself
+  int slowdowns_ = 0;     ///< for joins that took long or failed, less those that did not
   std::vector<Word> words_;
   std::vector<GroupChangeFinished> ends_;
 };
