@@ -6,9 +6,8 @@ namespace adhoc_communication::transport {
 
 bool FloodRelay::take(const wire::Flood& flood, Time now) {
   const Key key{flood.source, flood.source_boot, flood.id};
-  const auto found = seen_.find(key);
-  if (found != seen_.end() && now - found->second < kRemembered) return false;
-  if (found == seen_.end() && seen_.size() >= kMostSeen) {
+  if (seen_.count(key) != 0) return false;
+  if (seen_.size() >= kMostSeen) {
     seen_.erase(
         std::min_element(seen_.begin(), seen_.end(), [](const auto& a, const auto& b) { return a.second < b.second; }));
   }

@@ -13,13 +13,13 @@
 
 namespace adhoc_communication::transport {
 
-/// At most kMostSeen floods are remembered; the oldest makes room.
+/// At most kMostSeen floods are remembered, for as long as there is room: somebody may have recorded one. The oldest
+/// makes room.
 class FloodRelay {
  public:
   static constexpr std::size_t kMostSeen = 1024;
   static constexpr std::size_t kMostPending = 256;  ///< further floods are not passed on
   static constexpr std::size_t kMostWaiting = 64;   ///< own ones; further ones are refused
-  static constexpr Time kRemembered = std::chrono::seconds(10);
   static constexpr Time kJitter = std::chrono::milliseconds(10);
 
   FloodRelay(Outbox& outbox, Random& random) : outbox_(outbox), random_(random) {}

@@ -2,9 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "finish.hpp"
-#include "payloads.hpp"
+#include "host.hpp"
 #include "simulation/team.hpp"
 #include "transport/flood.hpp"
+#include "transport/packet_image.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -270,6 +271,25 @@ TEST(Flood, ReachesAsFarAsItsHopLimit) {
   const SendId large = team.engine(0).broadcast({"topic", 'A', noise(5000), 3}, team.now());
   team.run_for(1ms);
   EXPECT_FALSE(team.finished(0, large)->delivered);
+}
+
+/// Somebody recorded it near another robot, and said it again eleven seconds later.
+TEST(Flood, IsTakenOnceHoweverLateACopyComes) {
+  Stage stage;
+  Host &a = stage.neighbor(1), &b = stage.neighbor(2);
+  stage.run_for(500ms);
+  wire::Flood flood;
+  flood.source = kFar.address;
+  flood.source_boot = kFar.boot();
+  flood.source_name = kFar.name;
+  flood.hop_limit = 3;
+  flood.image = *transport::encode({transport::PacketKind::kUser, 'A', {}, "topic", text("x")});
+  stage.say_octets(a, wire::FrameType::kFlood, wire::to_bytes(flood));
+  stage.run_for(60s);
+  stage.say_octets(b, wire::FrameType::kFlood, wire::to_bytes(flood));
+  stage.run_for(1s);
+  EXPECT_EQ(stage.team.received(0).size(), 1u);
+  EXPECT_EQ(stage.count(wire::FrameType::kFlood), 1u) << "passed on";
 }
 
 /// Calls were refused while the radio was busy with those before.
