@@ -48,6 +48,7 @@ class Mission {
   void run(Time warm_up, Time duration, double patience) {
     give_up_at_ = processor_seconds() + patience;
     for (std::size_t robot = 0; robot < kRobots; ++robot) {
+      choose_partner(robot);
       if (robot % kGroupSize != 0) team().engine(robot).join_group(group_of(robot), team().now());
     }
     const Time end = warm_up + duration;
@@ -104,7 +105,7 @@ class Mission {
     const std::size_t turns = kInterval / MovingTeam::kStep;
     const bool change = team().now() % kNewPartners < kInterval;
     for (std::size_t robot = step % turns; robot < kRobots; robot += turns) {
-      if (change || partners_[robot] == robot) choose_partner(robot);
+      if (change) choose_partner(robot);
       send_one(robot);
       if (robot % kGroupSize == 0) send_to_group(robot);
     }
