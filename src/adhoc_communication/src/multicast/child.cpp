@@ -33,7 +33,8 @@ void Child::asked(Time patience, Time now) {
 }
 
 void Child::asked_by_itself(Time now) {
-  asked(no_room_since_ ? kRoomRetry : std::min<Time>(2 * question_wait_, kSubtreePatience), now);
+  const Time longest = misses_nothing() ? kLongestSubtreePatience : kSubtreePatience;
+  asked(no_room_since_ ? kRoomRetry : std::min<Time>(2 * question_wait_, longest), now);
 }
 
 void Child::wait_for_room(Time now) {
@@ -63,11 +64,14 @@ void Child::learn(std::size_t block, std::uint8_t missing, std::uint16_t round, 
   known_in_[block] = round;
 }
 
+bool Child::misses_nothing() const {
+  return std::all_of(missing_.begin(), missing_.end(), [](auto missing) { return missing == 0; });
+}
+
 bool Child::stuck(Time now) const {
   if (done_) return false;
   if (no_room_since_) return now - *no_room_since_ >= kRoomPatience;
-  const bool waits = std::all_of(missing_.begin(), missing_.end(), [](auto missing) { return missing == 0; });
-  return now - progress_ >= (waits ? kNoEnd : kNoProgress);
+  return now - progress_ >= (misses_nothing() ? kNoEnd : kNoProgress);
 }
 
 }  // namespace adhoc_communication::multicast

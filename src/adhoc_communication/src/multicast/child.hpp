@@ -13,6 +13,8 @@ namespace adhoc_communication::multicast {
 class Child {
  public:
   static constexpr Time kSubtreePatience = std::chrono::milliseconds(250);  ///< between questions to one that waits
+  /// The same at last of one that has it all itself: when those behind it do, it says so and is sure to be heard.
+  static constexpr Time kLongestSubtreePatience = std::chrono::seconds(2);
   static constexpr Time kNoProgress = std::chrono::seconds(10);
   static constexpr Time kNoEnd = std::chrono::seconds(30);
   /// Until one that had no room is asked again, and until it is given up.
@@ -59,6 +61,7 @@ class Child {
 
   void learn(std::size_t block, std::uint8_t missing, std::uint16_t round, Time now);
   void know_nothing();
+  bool misses_nothing() const;
 
   std::vector<std::uint16_t> sent_in_;   ///< by block: round of the newest symbol that went to it
   std::vector<std::uint8_t> missing_;    ///< by block; kUnknown at first

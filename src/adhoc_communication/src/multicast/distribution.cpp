@@ -146,7 +146,12 @@ bool Distribution::round_is_full() const {
 bool Distribution::question_due(const Carriage& carriage, Time now) const {
   if (round_is_full()) return true;
   if (children_.size() < 2 || frames_left() < Carriage::kWorthATrial || carriage.knows_broadcasts(now)) return false;
-  return rounds_.frames() >= (measured_ ? kFramesOfMeasure : kFramesOfFirstMeasure);
+  return rounds_.frames() >= (measures_at_first(carriage) ? kFramesOfFirstMeasure : kFramesOfMeasure);
+}
+
+/// Nothing is known of broadcasts: it is worth to wait for an answer, since they may be far too dear.
+bool Distribution::measures_at_first(const Carriage& carriage) const {
+  return measures_ < kFirstMeasures && !carriage.has_measured_broadcasts();
 }
 
 void Distribution::send_to_all(const Carriage& carriage, Time now) {
@@ -157,8 +162,8 @@ void Distribution::send_to_all(const Carriage& carriage, Time now) {
   Outgoing outgoing{place.block, place.symbol, question_due(carriage, now), rounds_.number(), std::nullopt, again};
   if (outgoing.question) {
     const bool early = rounds_.frames() < kFramesPerQuestion && has_symbol();
-    awaits_ = early && !measured_ && !carriage.has_measured_broadcasts();
-    measured_ = measured_ || early;
+    awaited_ = early && measures_at_first(carriage) ? 1 : 0;
+    measures_ += early ? 1 : 0;
     rounds_.close(now);
     for (auto& [address, child] : children_) child.asked(rounds_.patience(), now);
   }
@@ -187,6 +192,7 @@ void Distribution::send_to_each(const Carriage& carriage, std::size_t most, Time
   rounds_.close(now);
   rounds_.ask_later();
   run_asks_ = true;
+  if (most == kTrial) awaited_ = copies.size();
 }
 
 /// All questions of a round are out.
@@ -222,7 +228,7 @@ bool Distribution::reported(const MacAddress& from, const wire::GroupReport& rep
   }
   child.has_room(now);
   if (rounds_.answered(report.round, child.asked_at(), now)) {
-    awaits_ = false;
+    awaited_ -= awaited_ > 0 ? 1 : 0;
     child.answered(now);
   }
   child.learn(report, now);
@@ -283,7 +289,7 @@ void Distribution::fresh_parity(std::size_t block, const std::map<MacAddress, st
 
 std::vector<MacAddress> Distribution::poll(Time now) {
   std::vector<MacAddress> to_ask;
-  if (rounds_.overdue(now)) awaits_ = false;
+  if (rounds_.overdue(now)) awaited_ = 0;
   if (has_frame() || !packet_.complete()) return to_ask;
   if (rounds_.overdue(now)) {
     for (std::size_t block = 0; block < sent_.size(); ++block) plan_repairs(block, true);
@@ -307,7 +313,7 @@ std::vector<MacAddress> Distribution::stuck(Time now) const {
 }
 
 Time Distribution::next_deadline() const {
-  if (awaits_ && rounds_.due()) return *rounds_.due();
+  if (awaited_ > 0 && rounds_.due()) return *rounds_.due();
   if (has_frame() || !packet_.complete()) return Time::max();
   Time next = Time::max();
   for (const auto& [address, child] : children_) {

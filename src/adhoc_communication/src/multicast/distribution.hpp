@@ -28,6 +28,7 @@ class Distribution {
   /// The same while it is not known what a broadcast costs: at first, and then.
   static constexpr int kFramesOfFirstMeasure = 2;
   static constexpr int kFramesOfMeasure = 8;
+  static constexpr int kFirstMeasures = 3;  ///< until one of which was answered with the cost
   static constexpr std::size_t kRun = 16;   ///< frames to one child, before the next child gets them
   static constexpr std::size_t kTrial = 2;  ///< the same to learn what that costs
 
@@ -78,7 +79,7 @@ class Distribution {
     int symbol;
     std::vector<MacAddress> targets;  ///< children that it is known to be of use to
   };
-  bool has_symbol() const { return !awaits_ && (!repairs_.empty() || next_unsent().has_value()); }
+  bool has_symbol() const { return awaited_ == 0 && (!repairs_.empty() || next_unsent().has_value()); }
   std::optional<Place> next_unsent() const;
   Place next_symbol() const;
   void take_symbol(const Place& place);
@@ -87,6 +88,7 @@ class Distribution {
   std::size_t frames_left() const;
   bool round_is_full() const;
   bool question_due(const Carriage& carriage, Time now) const;
+  bool measures_at_first(const Carriage& carriage) const;
   void send_to_all(const Carriage& carriage, Time now);
   void send_to_each(const Carriage& carriage, std::size_t most, Time now);
   void close_run(Time now);
@@ -108,8 +110,9 @@ class Distribution {
   std::vector<Place> repairs_;  ///< in reverse order
   std::deque<Outgoing> run_;    ///< decided, and on its way
   bool run_asks_ = false;       ///< the round is closed when all of them have gone
-  bool measured_ = false;       ///< a question was put early, to learn what a broadcast costs
-  bool awaits_ = false;  ///< the first answer, which tells what a broadcast costs; until it is overdue, nothing is sent
+  int measures_ = 0;            ///< questions put early, to learn what a broadcast costs
+  /// Answers that tell what a way costs; until they are in or overdue, nothing is sent.
+  std::size_t awaited_ = 0;
 };
 
 }  // namespace adhoc_communication::multicast
