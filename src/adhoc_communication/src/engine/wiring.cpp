@@ -50,7 +50,7 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       broadcast_receiver_(options_.max_packet_size, reassembly_),
       flood_(hops_, random_),
       carriage_(air_, neighbors_),
-      distributor_(self_, router_, hops_, random_, air_, carriage_, reassembly_, options_.max_packet_size,
+      distributor_(self_, router_, hops_, random_, air_, carriage_, neighbors_, reassembly_, options_.max_packet_size,
                    room(options_, wire::kGroupDataHeaderSize)),
       groups_(self_, room_for_members(options_), options_.join_groups_automatically, directory_, router_, distributor_),
       schedule_(air_, transmitter_, hops_, streams_, broadcasts_, distributor_, statistics_),

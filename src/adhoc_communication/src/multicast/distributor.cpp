@@ -11,12 +11,12 @@ std::uint8_t first_parity(const Identity& self) { return static_cast<std::uint8_
 }  // namespace
 
 Distributor::Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random,
-                         air::AirClock& air, const Carriage& carriage, transport::Reassembly& reassembly,
-                         std::size_t largest_packet, std::uint16_t segment_size)
+                         air::AirClock& air, const Carriage& carriage, const routing::Neighbors& neighbors,
+                         transport::Reassembly& reassembly, std::size_t largest_packet, std::uint16_t segment_size)
     : self_(self),
       air_(air),
       branches_(self),
-      trees_(self, router, outbox, branches_),
+      trees_(self, neighbors, router, outbox, branches_),
       source_(segment_size, first_parity(self)),
       sink_(self, router, outbox, random, reassembly, largest_packet, first_parity(self)),
       downlink_(outbox, branches_, carriage) {}
@@ -63,13 +63,23 @@ void Distributor::on_activation(const Run& from, const wire::GroupActivation& ac
 }
 
 void Distributor::on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal, Time now) {
-  trees_.on_refusal(from, refusal);
+  trees_.on_refusal(from, refusal, now);
   settle(now);
 }
 
-bool Distributor::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Time now) {
+bool Distributor::has_place(const MacAddress& root, wire::BootTag boot) const {
+  const auto found = branches_.all().find(root);
+  return found != branches_.all().end() && found->second.tree.boot == boot && found->second.tree.upstream;
+}
+
+bool Distributor::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, bool expected,
+                          Time now) {
   if (branches_.is_root(data.root)) return false;
-  return sink_.on_data(from, counter, data, branches_.find(data.root, data.root_boot), now);
+  const bool question = data.octets.empty();
+  Branch* branch = branches_.find(data.root, data.root_boot);
+  if (branch != nullptr && !branch->tree.upstream && !expected) branch = nullptr;
+  if (branch == nullptr && expected && !question) branch = &branches_.of(data.root, data.root_boot, now);
+  return sink_.on_data(from, counter, data, branch, now);
 }
 
 void Distributor::on_report(const MacAddress& from, const wire::GroupReport& report, Time now) {

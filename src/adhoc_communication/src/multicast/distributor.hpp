@@ -21,8 +21,8 @@ namespace adhoc_communication::multicast {
 class Distributor {
  public:
   Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random, air::AirClock& air,
-              const Carriage& carriage, transport::Reassembly& reassembly, std::size_t largest_packet,
-              std::uint16_t segment_size);
+              const Carriage& carriage, const routing::Neighbors& neighbors, transport::Reassembly& reassembly,
+              std::size_t largest_packet, std::uint16_t segment_size);
 
   // At the root.
   /// Sends to `members` along the tree and returns the number of the packet; one MemberEnd follows for each.
@@ -39,8 +39,11 @@ class Distributor {
   // At every robot.
   void on_activation(const Run& from, const wire::GroupActivation& activation, bool takes_part, Time now);
   void on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal, Time now);
-  /// True when the frame was of use.
-  bool on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Time now);
+  /// Whether this robot knows its place in the tree of that run.
+  bool has_place(const MacAddress& root, wire::BootTag boot) const;
+  /// True when the frame was of use. `expected`: this robot is a member without a place, whose activation is late or
+  /// lost: what it hears by then is its own.
+  bool on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, bool expected, Time now);
   void on_report(const MacAddress& from, const wire::GroupReport& report, Time now);
   void evicted(const transport::Reassembly::Key& key);
   void take_copy(const MacAddress& root, wire::BootTag boot, std::uint8_t stream, std::uint32_t number,

@@ -211,6 +211,11 @@ bool GroupTraffic::takes_part(const MacAddress& root) const {
   return robot != nullptr && memberships_.takes_part(group_of(robot->name));
 }
 
+bool GroupTraffic::is_member_of(const MacAddress& root) const {
+  const routing::Robot* robot = directory_.find(root);
+  return robot != nullptr && memberships_.joined(group_of(robot->name));
+}
+
 void GroupTraffic::end(const std::string& reason) {
   memberships_.end(reason);
   carry_out_memberships();

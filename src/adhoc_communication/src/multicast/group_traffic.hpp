@@ -75,6 +75,8 @@ class GroupTraffic {
 
   /// Whether packets of the group of that robot are for this one.
   bool takes_part(const MacAddress& root) const;
+  /// Whether the root of the group has taken this robot in.
+  bool is_member_of(const MacAddress& root) const;
   /// The host has left it: its packets are not wanted.
   bool refuses(const std::string& group) const { return memberships_.refuses(group); }
 

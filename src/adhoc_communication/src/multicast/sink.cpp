@@ -13,7 +13,7 @@ void Sink::evicted(Branch& branch, const transport::Reassembly::Key& key) {
 bool Sink::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Branch* branch,
                    Time now) {
   const bool question = data.octets.empty();
-  if (branch == nullptr || !branch->tree.upstream || (question && branch->tree.upstream != from)) {
+  if (branch == nullptr || (question && branch->tree.upstream != from)) {
     if (question) disown(from, data);
     return false;
   }
@@ -86,6 +86,7 @@ Transfer* Sink::admit(Branch& branch, const wire::GroupData& data, Time now) {
   transfer.to_children = std::make_unique<Distribution>(*transfer.packet, branch.round_trip, first_parity_);
   transfer.to_children->set_children(tree.coverages(), true, now);
   transfer.hops = data.hops;
+  if (!tree.upstream) return &transfer;
   for (const auto& [child, members] : tree.children) {
     for (const MacAddress& member : members) router_.used(data.root, member, *tree.upstream, now);
   }
@@ -94,6 +95,7 @@ Transfer* Sink::admit(Branch& branch, const wire::GroupData& data, Time now) {
 
 /// Until there is room, the upstream neighbour keeps its frames and asks now and then.
 void Sink::tell_no_room(const Tree& tree, const wire::GroupData& data, GroupStream& stream, Time now) {
+  if (!tree.upstream) return;
   const bool question = data.octets.empty();
   if (!question && now - stream.told_no_room < kNoRoomInterval) return;
   stream.told_no_room = now;

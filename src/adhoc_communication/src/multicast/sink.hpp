@@ -46,7 +46,8 @@ class Sink {
         largest_packet_(largest_packet),
         first_parity_(first_parity) {}
 
-  /// `branch`: that of the root, if this robot is part of its tree. True when the frame was of use.
+  /// `branch`: that of the root, if this robot is part of its tree, or a member that will be. True when the frame was
+  /// of use.
   bool on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Branch* branch, Time now);
   /// A packet that came to this member by itself.
   void take_copy(const MacAddress& root, Branch& branch, std::uint8_t stream, std::uint32_t number, const Bytes& image,

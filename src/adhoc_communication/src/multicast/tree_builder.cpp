@@ -37,7 +37,26 @@ std::set<MacAddress> TreeBuilder::attach(const MacAddress& root, Tree& tree, con
       router_.used(root, member, tree.upstream.value_or(self_.address), now);
     }
   }
+  shorten(tree, members, now);
   return refused;
+}
+
+/// A frame for all children is sent as often as the worst of their links takes, and once more by each relay: a member
+/// in range is a child of its own though packets for it alone go round, unless its link is worse than both together.
+void TreeBuilder::shorten(Tree& tree, const std::set<MacAddress>& members, Time now) const {
+  routing::Cost worst = 0;
+  for (const auto& [child, behind] : tree.children) worst = std::max(worst, neighbors_.cost(child));
+  for (const MacAddress& member : members) {
+    const routing::Route* route = router_.route_to(member, now);
+    if (route == nullptr || route->next_hop == member || !neighbors_.two_way(member, now)) continue;
+    const auto relay = tree.children.find(route->next_hop);
+    if (relay == tree.children.end() || relay->second.count(member) == 0) continue;
+    const auto beyond = std::max<int>(route->cost - neighbors_.cost(relay->first), routing::kPerfectHop);
+    if (neighbors_.cost(member) >= worst + beyond) continue;
+    relay->second.erase(member);
+    if (relay->second.empty()) tree.children.erase(relay);
+    tree.entrust(member, member);
+  }
 }
 
 void TreeBuilder::attach_routed(Time now) {
@@ -141,7 +160,7 @@ void TreeBuilder::refuse(const MacAddress& root, Tree& tree, const std::set<MacA
   if (!tree.member) tree.leave();
 }
 
-void TreeBuilder::on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal) {
+void TreeBuilder::on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal, Time now) {
   Branch* branch = branches_.find(refusal.root, refusal.root_boot);
   if (branch == nullptr || refusal.epoch != branch->tree.epoch) return;
   Tree& tree = branch->tree;
@@ -154,29 +173,54 @@ void TreeBuilder::on_refusal(const MacAddress& from, const wire::GroupRefusal& r
     tree.refused[member].insert(from);
   }
   if (child->second.empty()) tree.children.erase(child);
-  refuse(refusal.root, tree, attach_elsewhere(refusal.root, tree, refused));
+  refuse(refusal.root, tree, attach_elsewhere(refusal.root, tree, refused, from, now));
   changed_.push_back({refusal.root, false});
 }
 
 /// The routes to two members may meet at a robot, coming from different neighbours of which only one can be its
-/// upstream neighbour. Perhaps the child that leads there reaches the other member, too. Returns those left over.
+/// upstream neighbour. Perhaps another child reaches the other member, too. Returns those left over.
 std::set<MacAddress> TreeBuilder::attach_elsewhere(const MacAddress& root, Tree& tree,
-                                                   const std::set<MacAddress>& members) {
+                                                   const std::set<MacAddress>& members, const MacAddress& refuser,
+                                                   Time now) {
   std::set<MacAddress> left;
   std::set<MacAddress> concerned;
   for (const MacAddress& member : members) {
-    const std::set<MacAddress>& tried = tree.refused[member];
-    const auto other = std::find_if(tree.children.begin(), tree.children.end(),
-                                    [&](const auto& child) { return tried.count(child.first) == 0; });
-    if (other == tree.children.end() || tried.size() >= kMostChildrenTried) {
+    const MacAddress* other = elsewhere(root, tree, member, refuser, now);
+    if (other == nullptr) {
       left.insert(member);
     } else {
-      other->second.insert(member);
-      concerned.insert(other->first);
+      tree.children.at(*other).insert(member);
+      concerned.insert(*other);
     }
   }
   activate(root, tree, concerned);
   return left;
+}
+
+/// The child to try next for the member: one that hears it, or hears who has refused it. Otherwise any; but where the
+/// refuser hears the member, it has its place elsewhere, and somebody above this robot knows where.
+const MacAddress* TreeBuilder::elsewhere(const MacAddress& root, const Tree& tree, const MacAddress& member,
+                                         const MacAddress& refuser, Time now) const {
+  const auto tried = tree.refused.find(member);
+  if (tried == tree.refused.end() || tried->second.size() >= kMostChildrenTried) return nullptr;
+  const MacAddress* nearby = nullptr;
+  const MacAddress* any = nullptr;
+  for (const auto& [child, behind] : tree.children) {
+    if (tried->second.count(child) != 0) continue;
+    if (child == member || hears(child, member, now)) return &child;
+    if (nearby == nullptr && hears(child, refuser, now)) nearby = &child;
+    if (any == nullptr) any = &child;
+  }
+  if (nearby != nullptr) return nearby;
+  return branches_.is_root(root) || !hears(refuser, member, now) ? any : nullptr;
+}
+
+/// As its beacons say.
+bool TreeBuilder::hears(const MacAddress& neighbor, const MacAddress& robot, Time now) const {
+  const routing::Neighbor* known = neighbors_.find(neighbor);
+  const routing::Route* route = router_.table().find(robot);
+  return known != nullptr && route != nullptr &&
+         neighbors_.delivery(*known, wire::neighbor_tag(route->boot), now) > 0.0;
 }
 
 void TreeBuilder::link_lost(const MacAddress& neighbor) {

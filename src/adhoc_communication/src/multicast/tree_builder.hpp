@@ -32,8 +32,9 @@ class TreeBuilder {
   static constexpr Time kActivationInterval = std::chrono::milliseconds(50);
   static constexpr std::size_t kMostChildrenTried = 2;  ///< for one member in one epoch
 
-  TreeBuilder(const Identity& self, routing::Router& router, Outbox& outbox, Branches& branches)
-      : self_(self), router_(router), outbox_(outbox), branches_(branches) {}
+  TreeBuilder(const Identity& self, const routing::Neighbors& neighbors, routing::Router& router, Outbox& outbox,
+              Branches& branches)
+      : self_(self), neighbors_(neighbors), router_(router), outbox_(outbox), branches_(branches) {}
 
   // At the root.
   void add_members(Tree& own, const std::set<MacAddress>& members, Time now);
@@ -44,7 +45,7 @@ class TreeBuilder {
   // At every robot.
   /// `takes_part`: this run has joined the group, or is about to. A former run may have been a member.
   void on_activation(const Run& from, const wire::GroupActivation& activation, bool takes_part, Time now);
-  void on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal);
+  void on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal, Time now);
   /// A child that knows another tree has missed an activation, or its refusal was lost.
   void activate_again(const MacAddress& root, Tree& tree, const MacAddress& child, Time now);
   /// These children are of no use: what is behind them goes back upstream.
@@ -66,12 +67,18 @@ class TreeBuilder {
 
   bool look_for(const MacAddress& root, const MacAddress& member, Time now);
   std::set<MacAddress> attach(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members, Time now);
+  void shorten(Tree& tree, const std::set<MacAddress>& members, Time now) const;
   void activate(const MacAddress& root, const Tree& tree, const std::set<MacAddress>& children);
   void turn_down(const MacAddress& from, const wire::GroupActivation& activation);
   void refuse(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members);
-  std::set<MacAddress> attach_elsewhere(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members);
+  std::set<MacAddress> attach_elsewhere(const MacAddress& root, Tree& tree, const std::set<MacAddress>& members,
+                                        const MacAddress& refuser, Time now);
+  const MacAddress* elsewhere(const MacAddress& root, const Tree& tree, const MacAddress& member,
+                              const MacAddress& refuser, Time now) const;
+  bool hears(const MacAddress& neighbor, const MacAddress& robot, Time now) const;
 
   const Identity& self_;
+  const routing::Neighbors& neighbors_;
   routing::Router& router_;
   Outbox& outbox_;
   Branches& branches_;

@@ -31,6 +31,7 @@ ADHOC_KIND(RouteReply, kRouteReply, read_route_reply);
 ADHOC_KIND(RouteError, kRouteError, read_route_error);
 ADHOC_KIND(HopAcknowledgment, kHopAcknowledgment, read_hop_acknowledgment);
 ADHOC_KIND(Data, kData, read_data);
+ADHOC_KIND(TransportAcknowledgment, kTransportAcknowledgment, read_transport_acknowledgment);
 ADHOC_KIND(GroupActivation, kGroupActivation, read_group_activation);
 ADHOC_KIND(GroupRefusal, kGroupRefusal, read_group_refusal);
 ADHOC_KIND(GroupData, kGroupData, read_group_data);
