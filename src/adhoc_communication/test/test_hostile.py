@@ -350,9 +350,11 @@ class Sealed(Pair):
 
     def test_recorded_runs_change_nothing(self):
         self.check_exchange(10_000)
-        self.bob.end()
-        type(self).bob = Node("bob", BOB, **self.parameters)
-        self.meet()
+        with Received("/alice/adhoc_communication/remove_robot", String) as lost:
+            self.bob.end()
+            type(self).bob = Node("bob", BOB, **self.parameters)
+            self.meet()
+            lost.wait_for("bob")  # its former run; said once the new one is heard, or its silence was long enough
         recorded = list(capture(self.capture))
         station, again = Station("player"), itertools.cycle(recorded)
 

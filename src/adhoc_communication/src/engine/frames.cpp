@@ -96,7 +96,7 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
     case FrameType::kGroupData:
       return with(wire::read_group_data(body), [&](auto data) {
         const bool expected = !distributor_.has_place(data.root, data.root_boot) && groups_.is_member_of(data.root) &&
-                              runs_.told(data.root, data.root_boot, now);
+                              runs_.lives(data.root, data.root_boot);
         if (distributor_.on_data(from, header.counter, data, expected, now)) ++statistics_.group_data.received;
       });
     case FrameType::kGroupReport:
