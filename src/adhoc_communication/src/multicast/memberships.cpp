@@ -62,15 +62,17 @@ const routing::Robot* Memberships::root_in_reach(const std::string& group) const
 }
 
 /// Of the groups to be joined that whose root is nearest: what is found out on the way to it helps to find the others.
+/// But a root that does not answer, however near, waits behind those that have not failed as often.
 const std::string* Memberships::nearest_waiting(Time now) const {
   const std::string* nearest = nullptr;
-  int least = 0;
+  std::pair<int, int> least;
   for (const auto& [group, membership] : memberships_) {
     if (!membership.wanted || membership.joined || membership.joining || membership.retry_at > now) continue;
     const routing::Robot* root = root_in_reach(group);
-    if (root == nullptr || (nearest != nullptr && root->hops >= least)) continue;
+    const std::pair<int, int> order(membership.failures, root == nullptr ? 0 : root->hops);
+    if (root == nullptr || (nearest != nullptr && order >= least)) continue;
     nearest = &group;
-    least = root->hops;
+    least = order;
   }
   return nearest;
 }
@@ -80,7 +82,8 @@ void Memberships::start_waiting(Time now) {
     if (now + kJoinBurst < next_join_at_) return;
     const std::string* nearest = nearest_waiting(now);
     if (nearest == nullptr) return;
-    next_join_at_ = std::max(now, next_join_at_) + kJoinSpacing * directory_.size() * (1 << slowdowns_);
+    const Time spacing = kJoinSpacing * directory_.size();
+    next_join_at_ = std::max(now, next_join_at_) + std::clamp(spacing * (1 << slowdowns_), spacing, kLongestSpacing);
     memberships_.at(*nearest).begun = now;
     start_join(*nearest);
   }
@@ -135,8 +138,7 @@ void Memberships::said(const Word& word, bool delivered, const std::string& reas
   if (std::exchange(membership.turned_away, false)) membership.retry_at = now + kFullRetry;
   if (!membership.asked_by_host) {
     membership.failures = delivered ? 0 : membership.failures + 1;
-    const bool slow = !delivered || now - membership.begun > kSlowJoin;
-    slowdowns_ = std::clamp(slowdowns_ + (slow ? 1 : -1), 0, kMostSlowdowns);
+    count_pace(membership, delivered, now);
     if (!delivered) {
       const Time pause = kRetry * (1 << std::min(membership.failures - 1, kMostDoublings));
       membership.retry_at = std::max(membership.retry_at, now + pause);
@@ -146,6 +148,13 @@ void Memberships::said(const Word& word, bool delivered, const std::string& reas
   if (!delivered) return give_up_join(word.group, reason, now);
   membership.confirmed_by = now + kMembersPatience;
   words_.push_back({Word::Kind::kConfirmation, word.group});
+}
+
+/// A root that fails again and again says something of itself, not of the air.
+void Memberships::count_pace(const Membership& membership, bool delivered, Time now) {
+  if (membership.failures > 1) return;
+  const bool slow = !delivered || now - membership.begun > kSlowJoin;
+  slowdowns_ = std::clamp(slowdowns_ + (slow ? 1 : -1), 0, kMostSlowdowns);
 }
 
 void Memberships::left(const std::string& group, bool delivered) {

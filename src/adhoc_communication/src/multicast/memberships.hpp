@@ -48,7 +48,8 @@ class Memberships {
   static constexpr Time kJoinBurst = std::chrono::milliseconds(100);  ///< by which one may be early
   static constexpr Time kSlowJoin = std::chrono::milliseconds(350);   ///< takes so long that others need the air more
   static constexpr int kMostSlowdowns = 6;                            ///< doublings of the spacing
-  static constexpr Time kFullRetry = std::chrono::seconds(30);        ///< after the root had no room for this robot
+  static constexpr Time kLongestSpacing = std::chrono::seconds(5);
+  static constexpr Time kFullRetry = std::chrono::seconds(30);  ///< after the root had no room for this robot
   static constexpr Time kMembersPatience = std::chrono::seconds(5);
 
   /// `automatic`: every robot's group is joined, except for those that the host has left. `most_members`: a group that
@@ -99,6 +100,7 @@ class Memberships {
   void end_join(const std::string& group, const std::string& failure, Time now);
   void give_up_join(const std::string& group, const std::string& failure, Time now);
   void turned_away(const std::string& group, std::size_t members, Time now);
+  void count_pace(const Membership& membership, bool delivered, Time now);
   void left(const std::string& group, bool delivered);
 
   const routing::RobotDirectory& directory_;

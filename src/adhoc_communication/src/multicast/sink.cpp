@@ -60,8 +60,7 @@ void Sink::made_progress(const Transfer& transfer, std::size_t octets, Time now)
 
 Transfer* Sink::transfer_for(Branch& branch, const wire::GroupData& data, Time now) {
   GroupStream& stream = branch.streams[data.stream];
-  if (!stream.base) stream.base = data.base;
-  if (!std::exchange(stream.started, true)) stream.next = data.base;
+  if (branch.tree.upstream) begin(data.root, stream, data.base);
   const auto found = stream.transfers.find(data.packet);
   if (found == stream.transfers.end()) return admit(branch, data, now);
   const GroupPacket& packet = *found->second.packet;
@@ -69,14 +68,29 @@ Transfer* Sink::transfer_for(Branch& branch, const wire::GroupData& data, Time n
   return same ? &found->second : nullptr;
 }
 
+void Sink::begin(const MacAddress& root, GroupStream& stream, std::uint32_t base) {
+  if (!stream.base) {
+    stream.base = base;
+    stream.early.reset();
+    for (auto transfer = stream.transfers.begin(); transfer != stream.transfers.end();) {
+      const bool ahead = transfer->first - base < kPacketsAhead;
+      transfer = ahead ? std::next(transfer) : stream.transfers.erase(transfer);
+    }
+  }
+  if (std::exchange(stream.started, true)) return;
+  stream.next = base;
+  deliver(root, stream);
+}
+
 Transfer* Sink::admit(Branch& branch, const wire::GroupData& data, Time now) {
   const Tree& tree = branch.tree;
   GroupStream& stream = branch.streams[data.stream];
   if (data.total > largest_packet_ || stream.transfers.size() >= kMostTransfers) return nullptr;
-  if (data.packet - *stream.base >= kPacketsAhead) return nullptr;
+  if (!stream.base && !stream.early) stream.early = data.base;
+  if (data.packet - stream.base.value_or(*stream.early) >= kPacketsAhead) return nullptr;
   const auto carrier = static_cast<std::uint8_t>(transport::Reassembly::kGroup + data.stream);
   const transport::Reassembly::Key room{data.root, tree.boot, carrier, data.packet};
-  if (!reassembly_.admit(room, data.total, data.packet == stream.next, now)) {
+  if (!reassembly_.admit(room, data.total, stream.started && data.packet == stream.next, now)) {
     tell_no_room(tree, data, stream, now);
     return nullptr;
   }
@@ -138,7 +152,7 @@ void Sink::skip_to(const MacAddress& root, GroupStream& stream, std::uint32_t nu
 }
 
 void Sink::deliver(const MacAddress& root, GroupStream& stream) {
-  for (;;) {
+  while (stream.started) {
     const auto found = stream.transfers.find(stream.next);
     if (found == stream.transfers.end() || !found->second.packet->complete()) return;
     arrived_.push_back({root, found->second.packet->image(), found->second.hops});

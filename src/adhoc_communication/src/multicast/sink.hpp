@@ -65,6 +65,7 @@ class Sink {
  private:
   static void measure(Branch& branch, std::uint64_t counter, bool follows, Time now);
   Transfer* transfer_for(Branch& branch, const wire::GroupData& data, Time now);
+  void begin(const MacAddress& root, GroupStream& stream, std::uint32_t base);
   Transfer* admit(Branch& branch, const wire::GroupData& data, Time now);
   void tell_no_room(const Tree& tree, const wire::GroupData& data, GroupStream& stream, Time now);
   void made_progress(const Transfer& transfer, std::size_t octets, Time now);

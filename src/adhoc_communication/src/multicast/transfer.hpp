@@ -44,12 +44,14 @@ struct Transfer {
   std::set<MacAddress> open;  ///< members that do not have it yet
 };
 
-/// Packets of one priority from one root. Delivered in order; a packet that the root has given up is passed over.
+/// Packets of one priority from one root. Delivered in order; a packet that the root has given up is passed over. It
+/// begins with the first frame at a place in the tree, or with a copy: what is heard before says nothing of the order.
 struct GroupStream {
   using Transfers = std::map<std::uint32_t, Transfer, routing::SequenceOrder>;
   bool started = false;
-  std::uint32_t next = 0;             ///< at the root: number of the next packet; elsewhere: next one to deliver
-  std::optional<std::uint32_t> base;  ///< packets before are finished at the root; not known from copies
+  std::uint32_t next = 0;              ///< at the root: number of the next packet; elsewhere: next one to deliver
+  std::optional<std::uint32_t> base;   ///< packets before are finished at the root; not known from copies
+  std::optional<std::uint32_t> early;  ///< that of the first frame heard without a place, while there is none
   Transfers transfers;
   Time told_no_room{-1};  ///< last
 };

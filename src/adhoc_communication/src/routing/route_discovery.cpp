@@ -37,7 +37,8 @@ bool RouteDiscovery::repair(const MacAddress& destination, int hop_limit, Time n
   return true;
 }
 
-std::vector<RouteDiscovery::Step> RouteDiscovery::poll(Time now) {
+std::vector<RouteDiscovery::Step> RouteDiscovery::poll(const std::function<std::uint8_t(const Target&)>& told_hops,
+                                                       Time now) {
   std::vector<Step> steps;
   for (auto iterator = searches_.begin(); iterator != searches_.end();) {
     Search& search = iterator->second;
@@ -47,6 +48,9 @@ std::vector<RouteDiscovery::Step> RouteDiscovery::poll(Time now) {
       steps.push_back(directed(search, now));
       ++iterator;
     } else if (!advance(search, now)) {
+      const bool patient = !search.repair && now - search.started < kPatience;
+      search.told_hops = patient ? told_hops(search.target) : std::uint8_t{0};
+      if (search.told_hops > 0) continue;
       failures_.push_back({search.target, now - search.started, search.repair});
       end(search);
       iterator = searches_.erase(iterator);

@@ -1,6 +1,7 @@
 // RFC 3561 sections 6.3 and 6.4: when to ask for a destination, how far, and when to give up.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -37,6 +38,7 @@ class RouteDiscovery {
   /// RING_TRAVERSAL_TIMEs for an answer to a directed request: hops repeat it, which a flood does not wait for, and a
   /// flood too many costs more than the wait.
   static constexpr int kDirectedPatience = 3;
+  static constexpr Time kPatience = std::chrono::seconds(10);  ///< with a target that lives
 
   struct Step {
     Target target;
@@ -65,8 +67,9 @@ class RouteDiscovery {
   template <typename Predicate>
   void finish_if(Predicate found);
 
-  /// The requests due now; failures are kept for take_failures().
-  std::vector<Step> poll(Time now);
+  /// The requests due now; failures are kept for take_failures(). `told_hops`: as for search(), for a target that was
+  /// not found: while there is a way that is told of, the target lives, and is asked for along it up to kPatience.
+  std::vector<Step> poll(const std::function<std::uint8_t(const Target&)>& told_hops, Time now);
   std::vector<DiscoveryFailure> take_failures() { return std::exchange(failures_, {}); }
   /// What became of a step, for the account of its search.
   void requested(const Target& target, std::uint32_t id);

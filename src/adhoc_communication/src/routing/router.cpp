@@ -67,7 +67,8 @@ void Router::used(const MacAddress& source, const MacAddress& destination, const
 
 void Router::poll(Time now) {
   finish_searches(now);
-  for (const RouteDiscovery::Step& step : discovery_.poll(now)) send_request(step, now);
+  const auto told = [&](const Target& target) { return hops_told(target, now); };
+  for (const RouteDiscovery::Step& step : discovery_.poll(told, now)) send_request(step, now);
   record_searches(now);
   flood_.poll(neighbors_, now);
   repeat_replies(now);

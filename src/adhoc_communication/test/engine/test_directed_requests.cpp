@@ -58,22 +58,45 @@ TEST(DirectedRequests, WhereTheWayHasEndedTheNextRequestIsFlooded) {
   }
 }
 
+/// In a full channel a search that failed ended the send, to a robot whose life signs kept coming.
+TEST(DirectedRequests, ASearchForARobotThatLivesGoesOn) {
+  const EngineOptions options;
+  for (const std::uint8_t told : {std::uint8_t{0}, std::uint8_t{3}}) {
+    Random random(1);
+    routing::RouteDiscovery discovery(options, random);
+    discovery.search({Team::address(7), {}}, 0, 0, 0s);
+    int floods = 0, directed = 0;
+    std::vector<routing::DiscoveryFailure> failures;
+    for (Time now = 0s; failures.empty() && now < 60s; now += 10ms) {
+      for (const auto& step : discovery.poll([&](const routing::Target&) { return told; }, now)) {
+        ++(step.directed ? directed : floods);
+      }
+      failures = discovery.take_failures();
+    }
+    ASSERT_EQ(failures.size(), 1u);
+    EXPECT_EQ(failures[0].elapsed >= routing::RouteDiscovery::kPatience, told > 0);
+    EXPECT_EQ(directed > 0, told > 0);
+    EXPECT_EQ(floods, options.num_rreq + options.timings.request_retries) << "no more of these";
+  }
+}
+
 /// Hops that repeat the request or the answer make it slow, and a flood would only be in their way.
 TEST(DirectedRequests, TheFloodWaitsForAnswersThatHopsHaveToRepeat) {
   const EngineOptions options;
   Random random(1);
   routing::RouteDiscovery discovery(options, random);
   constexpr std::uint8_t kTold = 4;
+  const auto untold = [](const routing::Target&) { return std::uint8_t{0}; };
   discovery.search({Team::address(7), {}}, 0, kTold, 0s);
-  const auto first = discovery.poll(0s);
+  const auto first = discovery.poll(untold, 0s);
   ASSERT_EQ(first.size(), 1u);
   EXPECT_TRUE(first.front().directed);
   const Time wait = routing::RouteDiscovery::kDirectedPatience *
                     options.timings.ring_traversal_time(kTold + routing::RouteDiscovery::kDetour);
   EXPECT_GE(wait, 2 * options.timings.ring_traversal_time(kTold + routing::RouteDiscovery::kDetour));
   EXPECT_EQ(discovery.next_deadline(), wait);
-  EXPECT_TRUE(discovery.poll(wait - 1ms).empty());
-  const auto second = discovery.poll(wait);
+  EXPECT_TRUE(discovery.poll(untold, wait - 1ms).empty());
+  const auto second = discovery.poll(untold, wait);
   ASSERT_EQ(second.size(), 1u);
   EXPECT_FALSE(second.front().directed);
 }

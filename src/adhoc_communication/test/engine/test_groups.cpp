@@ -273,7 +273,7 @@ TEST(Flood, ReachesAsFarAsItsHopLimit) {
   EXPECT_FALSE(team.finished(0, large)->delivered);
 }
 
-/// Somebody recorded it near another robot, and said it again eleven seconds later.
+/// Somebody recorded it near another robot, and said it again a minute later.
 TEST(Flood, IsTakenOnceHoweverLateACopyComes) {
   Stage stage;
   Host &a = stage.neighbor(1), &b = stage.neighbor(2);

@@ -170,6 +170,28 @@ TEST(Memberships, JoinsThatTakeLongMakeRoomForOthers) {
   EXPECT_LE(joins_of(2 * Memberships::kSlowJoin), quick / 3);
 }
 
+/// Robots that are there, near by, and never answer took every turn: nobody else was joined for ever.
+TEST(Memberships, RootsThatDoNotAnswerWaitBehindTheOthers) {
+  Crowd robot;
+  constexpr int kDumb = 7;
+  std::multimap<Time, std::string> ends;
+  std::set<std::string> joined;
+  for (Time now = 1s; now < 120s; now += 50ms) {
+    robot.memberships.expire(now);
+    for (; !ends.empty() && ends.begin()->first <= now; ends.erase(ends.begin())) {
+      const std::string& group = ends.begin()->second;
+      const bool answers = std::stoi(group.substr(4)) > kDumb;
+      if (answers) joined.insert(group);
+      robot.memberships.said({Kind::kJoin, group}, answers, "no route", now);
+    }
+    for (const Word& word : robot.memberships.take_words()) {
+      const bool answers = std::stoi(word.group.substr(4)) > kDumb;
+      ends.emplace(now + (answers ? 50ms : 3s), word.group);
+    }
+  }
+  EXPECT_EQ(joined.size(), static_cast<std::size_t>(Crowd::kRoots - kDumb));
+}
+
 TEST(Memberships, AJoinThatFailsAgainAndAgainIsTriedLessAndLess) {
   Fixture robot(true);
   robot.root_is_heard(1s);

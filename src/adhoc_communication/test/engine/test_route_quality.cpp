@@ -155,7 +155,7 @@ TEST(LocalRepair, A10_3_FailureIsAnnounced) {
   };
   team.kill(2);
   const std::vector<SendId> ids = flow(team, 0, 3, 3);
-  team.run_for(5s);
+  team.run_for(15s);  // until robot 3 is not taken to live any more
   EXPECT_GE(errors, 1u);
   for (const SendId id : ids) {
     ASSERT_TRUE(team.finished(0, id));
