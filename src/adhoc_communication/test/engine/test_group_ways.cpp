@@ -92,7 +92,7 @@ wire::GroupData question_after(wire::GroupData data) {
 }
 
 /// An activation may be lost some times, and a packet is half sent before the next one comes.
-TEST(GroupWays, AMemberTakesWhatItHearsBeforeItsActivation) {
+TEST(GroupWays, B9_1_AMemberTakesWhatItHearsBeforeItsActivation) {
   for (const bool member : {true, false}) {
     Fork fork;
     const wire::GroupData data = packet_for(fork.a, "mc_" + fork.a.name);
