@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from mr_grid import Pose
-from mr_robot.navigation.options import NavigationOptions, make_scan
-from mr_robot.navigation.other_robots import FRESH, OtherRobots
+from mr_robot.navigation.options import STANDING, NavigationOptions, make_scan
+from mr_robot.navigation.other_robots import OtherRobots
 
 HERE = Pose(1.0, 2.0, 0.0)
 BESIDE = (1.0, 3.0)  # m, where a laser that looks ahead is blind
@@ -44,8 +44,8 @@ def test_of_two_robots_on_the_way_to_one_place_the_later_name_lets_the_other_pas
 
 
 def test_who_stands_is_where_it_says() -> None:
-    others = robots("robot_2", ((0.6, 3.0), 0.0), (BESIDE, 0.4), (BESIDE, 0.4 + FRESH))
-    assert is_taken(others, (1.25, 3.0), 0.4 + FRESH) and not is_taken(others, (1.65, 3.0), 0.4 + FRESH)
+    others = robots("robot_2", ((0.6, 3.0), 0.0), (BESIDE, 0.4), (BESIDE, 0.4 + STANDING))
+    assert is_taken(others, (1.25, 3.0), 0.4 + STANDING) and not is_taken(others, (1.65, 3.0), 0.4 + STANDING)
 
 
 def test_a_place_told_again_with_those_of_others_is_no_news() -> None:
@@ -59,7 +59,7 @@ def test_a_transform_that_jumps_is_no_speed() -> None:
 
 
 def test_old_positions_and_such_of_the_future_tell_nothing_about_motion() -> None:
-    long_ago = robots("robot_2", ((0.0, 3.0), 6.9), (BESIDE, 9.0))
+    long_ago = robots("robot_2", ((0.0, 3.0), 8.9 - STANDING), (BESIDE, 9.0))
     clock_set_back = robots("robot_2", ((0.8, 3.0), 9.0), (BESIDE, 9.4), (BESIDE, 0.0))
     for others, now in ((long_ago, 9.0), (clock_set_back, 0.0)):
         assert is_taken(others, (1.25, 3.0), now) and not is_taken(others, (1.55, 3.0), now)

@@ -28,7 +28,6 @@ class Horizon:
     duration: float
     step: float
     goal_radius: float
-    heading_weight: float
     slack: float
     def __init__(self) -> None: ...
 
@@ -66,7 +65,7 @@ class Walls:
     def __init__(self, cells: np.ndarray, distance: np.ndarray, resolution: float, origin: _Pair) -> None: ...
 
 class Memory:
-    def __init__(self, duration: float, cell: float, known_within: float, seen_beyond: float, most: int) -> None: ...
+    def __init__(self, duration: float, cell: float, most: int) -> None: ...
 
 class Margins:
     def __init__(self, wall: float, foreign: float, obstacle: float, moving: float, reaction_time: float) -> None: ...
@@ -91,9 +90,7 @@ def surroundings(
     own: Map | None,
     footprint: Footprint,
     margins: Margins,
-    known_within: float,
     reach: float,
-    spacing: float,
     ranges: np.ndarray = ...,
     angle_min: float = ...,
     angle_increment: float = ...,
@@ -122,7 +119,6 @@ def manoeuvre(
     obstacles: np.ndarray,
     footprint: Footprint,
     agility: Agility,
-    at_once: bool,
 ) -> np.ndarray: ...
 def turn_wanted(cost: np.ndarray, resolution: float, origin: _Pair, goal: _Pair, pose: _Pose) -> float: ...
 def has_room_to_turn(pose: _Pose, obstacles: np.ndarray, footprint: Footprint) -> bool: ...

@@ -189,7 +189,6 @@ PYBIND11_MODULE(_navigation, module) {
       .def_readwrite("duration", &Horizon::duration)
       .def_readwrite("step", &Horizon::step)
       .def_readwrite("goal_radius", &Horizon::goal_radius)
-      .def_readwrite("heading_weight", &Horizon::heading_weight)
       .def_readwrite("slack", &Horizon::slack);
   module.def("march", &march_grid, py::arg("slowness"), py::arg("seeds"), py::arg("stop") = std::make_pair(-1, -1),
              py::arg("beyond") = 0.0F, py::arg("limit") = kUnreached, py::arg("former") = py::none(),
@@ -211,10 +210,10 @@ PYBIND11_MODULE(_navigation, module) {
       .def(py::init(&own_walls), py::arg("cells"), py::arg("distance"), py::arg("resolution"), py::arg("origin"))
       .def_property_readonly("resolution", [](const OwnedWalls& walls) { return walls.view.map.resolution; });
   py::class_<Memory>(module, "Memory")
-      .def(py::init([](double duration, double cell, double known_within, double seen_beyond, std::size_t most) {
-             return Memory{duration, cell, known_within, seen_beyond, most};
+      .def(py::init([](double duration, double cell, std::size_t most) {
+             return Memory{duration, cell, most};
            }),
-           py::arg("duration"), py::arg("cell"), py::arg("known_within"), py::arg("seen_beyond"), py::arg("most"));
+           py::arg("duration"), py::arg("cell"), py::arg("most"));
   py::class_<Margins>(module, "Margins")
       .def(py::init([](double wall, double foreign, double obstacle, double moving, double reaction_time) {
              return Margins{wall, foreign, obstacle, moving, reaction_time};
@@ -248,16 +247,15 @@ PYBIND11_MODULE(_navigation, module) {
   module.def(
       "surroundings",
       [](const Doubles& points, const Triple& pose, const Doubles& remembered, const OwnedWalls& walls,
-         const OwnedMap* own, const Footprint& footprint, const Margins& margins, double known_within, double reach,
-         double spacing, const Doubles& ranges, double angle_min, double angle_increment, const Triple& mount) {
+         const OwnedMap* own, const Footprint& footprint, const Margins& margins, double reach, const Doubles& ranges,
+         double angle_min, double angle_increment, const Triple& mount) {
         const ScanView scan = view_of(points, ranges, angle_min, angle_increment, mount);
         return to_rows(surroundings(scan, to_pose(pose), to_remembered(remembered), walls.view,
-                                    own == nullptr ? nullptr : &own->view, footprint, margins, known_within, reach,
-                                    spacing));
+                                    own == nullptr ? nullptr : &own->view, footprint, margins, reach));
       },
       py::arg("points"), py::arg("pose"), py::arg("remembered"), py::arg("walls"), py::arg("own"), py::arg("footprint"),
-      py::arg("margins"), py::arg("known_within"), py::arg("reach"), py::arg("spacing"), py::arg("ranges") = Doubles(0),
-      py::arg("angle_min") = 0.0, py::arg("angle_increment") = 1.0, py::arg("mount") = Triple(0.0, 0.0, 0.0),
+      py::arg("margins"), py::arg("reach"), py::arg("ranges") = Doubles(0), py::arg("angle_min") = 0.0,
+      py::arg("angle_increment") = 1.0, py::arg("mount") = Triple(0.0, 0.0, 0.0),
       "Obstacles near the robot, rows (x, y, margin, reaction time).");
   module.def("choose_velocity", &choose_velocity, py::arg("cost"), py::arg("resolution"), py::arg("origin"),
              py::arg("goal"), py::arg("pose"), py::arg("velocity"), py::arg("obstacles"), py::arg("limits"),
@@ -267,15 +265,14 @@ PYBIND11_MODULE(_navigation, module) {
   module.def(
       "manoeuvre",
       [](const Floats& cost, const Bytes& cells, double resolution, const Pair& origin, const Pair& goal,
-         const Triple& pose, const Doubles& obstacles, const Footprint& footprint, const Agility& agility,
-         bool at_once) {
+         const Triple& pose, const Doubles& obstacles, const Footprint& footprint, const Agility& agility) {
         require(same_shape(cells, cost), "cells and cost need the same shape (rows, columns)");
         const Field field = to_field(cost, resolution, origin, goal);
         const OwnedMap map = own_map(cells, resolution, origin);
-        return to_rows(manoeuvre(field, map.view, to_pose(pose), to_obstacles(obstacles), footprint, agility, at_once));
+        return to_rows(manoeuvre(field, map.view, to_pose(pose), to_obstacles(obstacles), footprint, agility));
       },
       py::arg("cost"), py::arg("cells"), py::arg("resolution"), py::arg("origin"), py::arg("goal"), py::arg("pose"),
-      py::arg("obstacles"), py::arg("footprint"), py::arg("agility"), py::arg("at_once"),
+      py::arg("obstacles"), py::arg("footprint"), py::arg("agility"),
       "Rows (x, y, yaw, direction, seconds), the first the present pose.");
   module.def(
       "turn_wanted",

@@ -16,15 +16,11 @@ constexpr double kReach = 0.9;              // m around the start; obstacles are
 constexpr double kCell = 0.05;              // m
 constexpr int kHeadings = 32;               // of a whole turn
 constexpr double kStep = 0.1;               // m of one motion
-constexpr double kLeastWay = 0.25;          // m of a way from where there is room already
 constexpr double kTight = 2.0 * kTouching;  // m to obstacles, less than which costs
 constexpr double kTightCost = 2.0;          // times the time, with none left or to turn where there is no room for it
 constexpr double kUnknownCost = 10.0;       // times the time, to back over what the map does not show
 constexpr std::size_t kMostNodes = 6000;
-constexpr double kCurvatures[] = {0.0, 2.0, -2.0};  // rad/m
-// Of long arcs along what the robot stands too close to: its corners come nearer before its middle gets away.
-constexpr double kShallow[] = {0.02, -0.02, 0.05, -0.05, 0.1, -0.1, 0.2, -0.2, 0.5, -0.5};
-constexpr int kShallowSteps = 12;
+constexpr double kCurvature = 2.0;  // rad/m
 
 struct Node {
   Pose pose;
@@ -48,14 +44,13 @@ Pose along(const Pose& pose, double way, double turn) {
 class Search {
  public:
   Search(const Field& field, const Map& map, const Pose& start, const std::vector<Obstacle>& obstacles,
-         const Footprint& footprint, const Agility& agility, bool at_once)
+         const Footprint& footprint, const Agility& agility)
       : field_(field),
         map_(map),
         start_(start),
         obstacles_(obstacles),
         footprint_(footprint),
         agility_(agility),
-        at_once_(at_once),
         body_(start, kReach + kCell, obstacles, footprint) {
     at_start_ = body_.clearance(start);
     least_ = least_clearance(at_start_, kSlack);
@@ -102,7 +97,7 @@ class Search {
     const double off = std::hypot(node.pose.x - start_.x, node.pose.y - start_.y);
     const double at_goal = std::hypot(node.pose.x - field_.goal_x, node.pose.y - field_.goal_y);
     if (roomy && !starts_roomy_ && roomiest_ < 0) roomiest_ = index;
-    const bool ends = roomy ? !starts_roomy_ || node.way >= kLeastWay : off >= kReach - kStep || at_goal < kStep;
+    const bool ends = roomy ? !starts_roomy_ || node.way >= 2.0 * kStep : off >= kReach - kStep || at_goal < kStep;
     if (!ends || !std::isfinite(cost_at(field_, node.pose.x, node.pose.y))) return;
     double total = node.price + left(node.pose);
     if (const auto direction = downhill(field_, node.pose.x, node.pose.y)) {
@@ -116,17 +111,22 @@ class Search {
 
   void expand(std::int32_t index) {
     for (const double direction : {1.0, -1.0}) {
-      for (const double curvature : kCurvatures) move(index, direction, curvature * kStep);
+      for (const double side : {0.0, 1.0, -1.0}) move(index, direction, side * kCurvature * kStep);
     }
     for (const double side : {1.0, -1.0}) move(index, 0.0, side * 2.0 * M_PI / kHeadings);
+    // Along what the robot stands too close to: its corners come nearer before its middle gets away.
     if (index == 0 && at_start_ < kTight) {
-      for (const double direction : {1.0, -1.0}) {
-        for (const double curvature : kShallow) {
-          std::int32_t last = index;
-          for (int i = 0; i < kShallowSteps && last >= 0; ++i) last = move(last, direction, curvature * kStep);
+      for (double curvature = kCurvature / 4.0; curvature > kCurvature / 100.0; curvature /= 2.0) {
+        for (const double direction : {1.0, -1.0}) {
+          for (const double side : {1.0, -1.0}) long_arc(direction, side * curvature);
         }
       }
     }
+  }
+
+  void long_arc(double direction, double curvature) {
+    std::int32_t last = 0;
+    for (double way = 0.0; way < kReach && last >= 0; way += kStep) last = move(last, direction, curvature * kStep);
   }
 
   // Adds the node that a motion leads to; its number, or -1 if something is in the way.
@@ -139,7 +139,7 @@ class Search {
     if (room < least_ || body_.clearance(along(node.pose, 0.5 * way, 0.5 * turn)) < least_) return -1;
     double seconds = std::abs(way) / agility_.linear;
     if (direction == 0.0) seconds = std::abs(turn) / agility_.angular;
-    if (from == 0 && at_once_ && !begins({way / seconds, turn / seconds})) return -1;
+    if (from == 0 && !begins({way / seconds, turn / seconds})) return -1;
     if (node.parent >= 0 && direction != node.direction)
       seconds += 2.0 * agility_.linear / agility_.limits.linear_acceleration;
     double weight = 1.0 + kTightCost * std::clamp((kTight - room) / kTight, 0.0, 1.0);
@@ -186,7 +186,6 @@ class Search {
   const std::vector<Obstacle>& obstacles_;
   Footprint footprint_;
   Agility agility_;
-  bool at_once_;
   Body body_;
   double at_start_ = 0.0, least_ = 0.0, start_cost_ = 0.0;
   bool starts_roomy_ = false;
@@ -201,8 +200,8 @@ class Search {
 
 std::vector<Waypoint> manoeuvre(const Field& field, const Map& map, const Pose& start,
                                 const std::vector<Obstacle>& obstacles, const Footprint& footprint,
-                                const Agility& agility, bool at_once) {
-  return Search(field, map, start, obstacles, footprint, agility, at_once).run();
+                                const Agility& agility) {
+  return Search(field, map, start, obstacles, footprint, agility).run();
 }
 
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint) {

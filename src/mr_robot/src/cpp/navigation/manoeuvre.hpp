@@ -29,11 +29,11 @@ struct Agility {
 // semi-structured environments, 2010). Ahead and back are the same but for the turns between them; it turns only where
 // the footprint does, comes no nearer to obstacles than kTouching, and from nearer not much nearer. Where no such way
 // is found, one to the roomiest pose. Empty if there is no better pose than the present one. Backing over what is
-// unknown in the map is the last choice: a laser that looks ahead does not show what is there. `at_once`: its first
-// motion is one that `is_clear` allows a robot that stands.
+// unknown in the map is the last choice: a laser that looks ahead does not show what is there. Its first motion
+// is one that `is_clear` allows a robot that stands.
 std::vector<Waypoint> manoeuvre(const Field& field, const Map& map, const Pose& start,
                                 const std::vector<Obstacle>& obstacles, const Footprint& footprint,
-                                const Agility& agility, bool at_once);
+                                const Agility& agility);
 
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint);
 

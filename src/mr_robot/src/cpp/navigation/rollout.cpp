@@ -64,7 +64,7 @@ struct ClearWay {
 ClearWay clear_poses(const Motion& motion, const Velocity& target, const std::vector<Obstacle>& obstacles,
                      const Clearance& at_start, const Footprint& footprint, double slack) {
   // From inside a margin only ways that lead no deeper are open.
-  const double least = std::min(0.0, at_start.with_margins - 0.003);
+  const double least = std::min(0.0, at_start.with_margins - kSlack);
   const double least_bare = least_clearance(at_start.bare, slack);
   ClearWay way;
   double before = at_start.bare;
@@ -97,7 +97,7 @@ double time_left(const Field& field, const Motion& motion, const Limits& limits,
   double time = horizon.duration + cost * field.resolution / limits.linear;
   if (const auto direction = downhill(field, end.x, end.y)) {
     const double error = std::abs(std::remainder(*direction - end.yaw, 2.0 * M_PI));
-    time += horizon.heading_weight * error / limits.angular;
+    time += kHeadingWeight * error / limits.angular;
   }
   return time;
 }
@@ -185,7 +185,7 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
       if (linear > 0.0 && std::abs(rates[i]) > limits.curvature * linear) continue;
       Motion motion = drive(&field, pose, velocity.linear, linear, headings[i], limits, horizon);
       double time = time_left(field, motion, limits, horizon);
-      time += 0.02 * std::abs(target.angular - velocity.angular);
+      time += kSteadiness * std::abs(target.angular - velocity.angular);
       if (time < kUnreached) candidates.push_back({target, std::move(motion), time});
     }
   }

@@ -9,10 +9,12 @@
 
 namespace mr_robot::navigation {
 
-constexpr double kTouching = 0.03;  // m to obstacles, less than which may be a touch: poses and points are inexact
-constexpr double kClosest = 0.02;   // m to obstacles, less than which no slack is given
-constexpr double kSlack = 0.002;    // m that a motion may come nearer to what the body touches already
-constexpr double kRamp = 0.4;       // s of a motion that have to be clear when it begins
+constexpr double kTouching = 0.03;      // m to obstacles, less than which may be a touch: poses and points are inexact
+constexpr double kSlack = 0.002;        // m that a motion may come nearer to what the body touches already
+constexpr double kHorizon = 1.1;        // s that local control looks ahead
+constexpr double kHeadingWeight = 0.7;  // s of turning towards the way after that, counted as this share of driving
+constexpr double kSteadiness = 0.02;    // s that a rad/s of change counts
+constexpr double kRamp = 0.4;           // s of a motion that have to be clear when it begins
 
 struct Pose {
   double x, y, yaw;  // m, rad
@@ -39,10 +41,9 @@ struct Footprint {
 };
 
 struct Horizon {
-  double duration = 1.1, step = 0.1;  // s
-  double goal_radius = 0.1;           // m, a motion that comes this near to the goal is complete
-  double heading_weight = 0.7;        // s of turning counted as this share of driving
-  double slack = 0.0;                 // m nearer than now that a robot within touching distance may come
+  double duration = kHorizon, step = 0.1;  // s
+  double goal_radius = 0.1;                // m, a motion that comes this near to the goal is complete
+  double slack = 0.0;                      // m nearer than now that a robot within touching distance may come
 };
 
 // Cost to go on a grid, in cells of time at full speed.
@@ -75,7 +76,7 @@ struct Clearance {
 // m that a motion has to keep, without margins, from obstacles that the body is `at_start` away from. `slack`: m nearer
 // that a robot within touching distance may come.
 inline double least_clearance(double at_start, double slack) {
-  return std::min({kTouching, at_start, std::max(at_start - slack, kClosest)});
+  return std::min({kTouching, at_start, std::max(at_start - slack, 0.5 * kTouching)});
 }
 
 // `speed`: for which the margins are taken, m/s.

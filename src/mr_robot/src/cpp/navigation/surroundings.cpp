@@ -7,18 +7,8 @@
 namespace mr_robot::navigation {
 namespace {
 
-// m from the corners; a robot that turns may touch what is this close, and the nearest point of a square to its middle
-// is not the nearest to a corner.
-constexpr double kClose = 0.16;
-constexpr double kDense = 0.6;         // m around the robot in which hits are smoothed
-constexpr double kPatch = 0.04;        // m around a hit of what belongs to the same surface
-constexpr std::size_t kStray = 3;      // hits that may be farther off between others of a surface
-constexpr std::size_t kPatchHits = 8;  // that make a surface
-constexpr double kEdge = 0.05;         // rad from the edge of the field of view of a hit at it
-constexpr double kEdgePatch = 0.15;    // m of a surface there by which it is continued
-constexpr double kAlong = 0.02;        // m between points of what is continued
-constexpr double kSameWall = 0.1;      // m from it in which walls of the map are the same
-constexpr double kStraight = 0.015;    // m, standard deviation of hits from a line up to which they are one
+constexpr std::size_t kPatchHits = 8;          // that make a surface
+constexpr double kStraight = 0.5 * kTouching;  // m, standard deviation of hits from a line up to which they are one
 
 // Numbers the squares of the plane that points lie in, in the order in which they come.
 class Squares {
@@ -130,18 +120,16 @@ double distance(const Point& a, const Point& b) { return std::hypot(a.x - b.x, a
 
 // Close to the robot hits lie denser than they are exact: the mean of many beams says where a surface is, while the
 // nearest of them seems to touch a robot that stands beside it.
-std::vector<Point> smoothed(const ScanView& scan) {
+std::vector<Point> smoothed(const ScanView& scan, double reach) {
   std::vector<Point> result(scan.points, scan.points + scan.point_count);
-  const auto near = [&](std::size_t i, std::size_t k) { return distance(scan.points[i], scan.points[k]) < kPatch; };
+  const auto near = [&](std::size_t i, std::size_t k) {
+    return distance(scan.points[i], scan.points[k]) < 2.0 * kTouching;
+  };
   for (std::size_t i = 0; i < result.size(); ++i) {
-    if (std::hypot(scan.points[i].x, scan.points[i].y) > kDense) continue;
+    if (!within(scan.points[i], {0.0, 0.0, 0.0}, reach)) continue;
     std::size_t first = i, last = i;
-    for (std::size_t k = i; k > 0 && first - (k - 1) <= kStray; --k) {
-      if (near(i, k - 1)) first = k - 1;
-    }
-    for (std::size_t k = i + 1; k < result.size() && k - last <= kStray; ++k) {
-      if (near(i, k)) last = k;
-    }
+    while (first > 0 && near(i, first - 1)) --first;
+    while (last + 1 < result.size() && near(i, last + 1)) ++last;
     const std::size_t count = last + 1 - first;
     if (count < kPatchHits) continue;
     const Line line = line_through(scan.points + first, count);
@@ -153,14 +141,15 @@ std::vector<Point> smoothed(const ScanView& scan) {
 // What is close beside the robot at an edge of the field of view goes on where the laser is blind: beside a wall a
 // robot that turns touches it with a corner that it does not see. `length`: m that it goes on. Points in the robot's
 // frame.
-void continue_edge(const ScanView& scan, bool first, double length, std::vector<Point>& result) {
+void continue_edge(const ScanView& scan, bool first, double length, double reach, std::vector<Point>& result) {
   const auto edge_of = [&](std::size_t i) { return first ? scan.points[i] : scan.points[scan.point_count - 1 - i]; };
   const Point edge = edge_of(0);
   const double end = first ? scan.angle_min : scan.angle_min + scan.angle_increment * (scan.range_count - 1.0);
   const double bearing = std::atan2(edge.y - scan.mount.y, edge.x - scan.mount.x) - scan.mount.yaw;
-  if (std::hypot(edge.x, edge.y) > kDense || std::abs(std::remainder(bearing - end, 2.0 * M_PI)) > kEdge) return;
+  const double at_edge = kPatchHits * std::abs(scan.angle_increment);
+  if (std::hypot(edge.x, edge.y) > reach || std::abs(std::remainder(bearing - end, 2.0 * M_PI)) > at_edge) return;
   std::vector<Point> patch;
-  for (std::size_t i = 0; i < scan.point_count && distance(edge_of(i), edge) < kEdgePatch; ++i) {
+  for (std::size_t i = 0; i < scan.point_count && distance(edge_of(i), edge) < kSameSurface; ++i) {
     patch.push_back(edge_of(i));
   }
   if (patch.size() < kPatchHits) return;
@@ -168,19 +157,20 @@ void continue_edge(const ScanView& scan, bool first, double length, std::vector<
   if (!line.straight) return;
   const Point from = line.nearest(edge), inside = line.nearest(patch.back());
   const double extent = distance(from, inside);
-  if (extent < kPatch) return;
+  if (extent < 2.0 * kTouching) return;
   const double x = (from.x - inside.x) / extent, y = (from.y - inside.y) / extent;
-  for (int i = 1; i <= std::lround(length / kAlong); ++i) {
-    result.push_back({from.x + i * kAlong * x, from.y + i * kAlong * y});
+  for (int i = 1; i <= std::lround(length / kTouching); ++i) {
+    result.push_back({from.x + i * kTouching * x, from.y + i * kTouching * y});
   }
 }
 
-std::vector<Point> continued(const ScanView& scan, double length) {
+std::vector<Point> continued(const ScanView& scan, double length, double reach) {
   std::vector<Point> result;
-  const double view = std::abs(scan.angle_increment) * (static_cast<double>(scan.range_count) - 1.0);
-  if (scan.point_count == 0 || scan.range_count < 2 || view > 2.0 * M_PI - 2.0 * kEdge) return result;
-  continue_edge(scan, true, length, result);
-  continue_edge(scan, false, length, result);
+  const double beams = static_cast<double>(scan.range_count) - 1.0 + 2.0 * kPatchHits;
+  if (scan.point_count == 0 || scan.range_count < 2 || beams * std::abs(scan.angle_increment) > 2.0 * M_PI)
+    return result;
+  continue_edge(scan, true, length, reach, result);
+  continue_edge(scan, false, length, reach, result);
   return result;
 }
 
@@ -188,8 +178,8 @@ std::vector<Point> continued(const ScanView& scan, double length) {
 class Nearest {
  public:
   // `close`: m from the robot's middle.
-  Nearest(const Pose& pose, double close, double spacing, std::size_t most)
-      : pose_(pose), close_within_(close), squares_(spacing, most) {}
+  Nearest(const Pose& pose, double close, std::size_t most)
+      : pose_(pose), close_within_(close), squares_(kTouching, most) {}
 
   void add(const Obstacle& obstacle) {
     const double dx = obstacle.x - pose_.x, dy = obstacle.y - pose_.y, squared = dx * dx + dy * dy;
@@ -240,14 +230,13 @@ std::vector<Point> walls_near(const Map& map, const Pose& pose, double reach) {
 // What is known of a place without seeing it.
 class BlindMap {
  public:
-  BlindMap(const Walls& merged, const Map* own, const Pose& pose, double reach, double same_within)
-      : merged_(merged.map), own_(own) {
+  BlindMap(const Walls& merged, const Map* own, const Pose& pose, double reach) : merged_(merged.map), own_(own) {
     for (const Point& wall : walls_near(merged.map, pose, reach)) {
       if (own == nullptr || !is_known(*own, wall.x, wall.y)) walls_.push_back({wall, own != nullptr});
     }
     if (own == nullptr) return;
     for (const Point& wall : walls_near(*own, pose, reach)) {
-      if (is_wall(merged, wall, same_within)) walls_.push_back({wall, false});
+      if (is_wall(merged, wall, kSameSurface)) walls_.push_back({wall, false});
     }
   }
 
@@ -261,7 +250,7 @@ class BlindMap {
   bool is_open(const Point& point) const {
     const bool known = (own_ != nullptr && is_known(*own_, point.x, point.y)) || is_known(merged_, point.x, point.y);
     return known && std::none_of(walls_.begin(), walls_.end(), [&](const Wall& wall) {
-             return within(wall.place, {point.x, point.y, 0.0}, kSameWall);
+             return within(wall.place, {point.x, point.y, 0.0}, kSameSurface);
            });
   }
 
@@ -297,29 +286,32 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
   const Placement place(pose);
   for (std::size_t i = 0; i < scan.point_count; ++i) {
     const Point hit = place(scan.points[i]);
-    if (!is_wall(walls, hit, memory.known_within)) keep({hit.x, hit.y, now});
+    if (!is_wall(walls, hit, kSameSurface)) keep({hit.x, hit.y, now});
   }
   const Point eye = place({scan.mount.x, scan.mount.y});
   const double heading = pose.yaw + scan.mount.yaw;
   for (const Remembered& point : old) {
     const bool valid = now - point.time < memory.duration && point.time <= now;
-    if (valid && !seen_gone({point.x, point.y}, eye, heading, scan, memory.seen_beyond)) keep(point);
+    if (valid && !seen_gone({point.x, point.y}, eye, heading, scan, kSameSurface)) keep(point);
   }
   return kept;
 }
 
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
                                    const Walls& walls, const Map* own, const Footprint& footprint,
-                                   const Margins& margins, double known_within, double reach, double spacing) {
-  const BlindMap blind(walls, own, pose, reach, known_within);
-  const std::vector<Point> beyond = continued(scan, 2.0 * footprint.half_length);
+                                   const Margins& margins, double reach) {
+  const BlindMap blind(walls, own, pose, reach);
+  const std::vector<Point> beyond = continued(scan, 2.0 * footprint.half_length, reach);
   const std::size_t most = scan.point_count + remembered.size() + blind.walls().size() + beyond.size();
-  Nearest nearest(pose, std::hypot(footprint.half_length, footprint.half_width) + kClose, spacing, most);
+  // A robot that turns may touch what is this close, and the nearest point of a square to its middle is not the nearest
+  // to a corner.
+  const double close = std::hypot(footprint.half_length, footprint.half_width) + margins.moving + 2.0 * kTouching;
+  Nearest nearest(pose, close, most);
   const Placement place(pose);
-  for (const Point& point : smoothed(scan)) {
+  for (const Point& point : smoothed(scan, reach)) {
     if (!within(point, {0.0, 0.0, 0.0}, reach)) continue;
     const Point hit = place(point);
-    const bool known = is_wall(walls, hit, known_within);
+    const bool known = is_wall(walls, hit, kSameSurface);
     nearest.add(known ? Obstacle{hit.x, hit.y, margins.obstacle, 0.0}
                       : Obstacle{hit.x, hit.y, margins.moving, margins.reaction_time});
   }
@@ -328,6 +320,8 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
   }
   std::vector<Point> guessed;
   for (const Point& point : beyond) {
+    // Where the robot is no surface goes on: the few hits that tell its direction did not tell it well.
+    if (std::abs(point.x) < footprint.half_length && std::abs(point.y) < footprint.half_width) continue;
     const Point there = place(point);
     if (blind.is_open(there)) continue;
     guessed.push_back(there);
@@ -335,7 +329,7 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
   }
   const Point eye = place({scan.mount.x, scan.mount.y});
   for (const BlindMap::Wall& wall : blind.walls()) {
-    const auto same = [&](const Point& point) { return distance(point, wall.place) < kSameWall; };
+    const auto same = [&](const Point& point) { return distance(point, wall.place) < kSameSurface; };
     if (std::any_of(guessed.begin(), guessed.end(), same)) continue;
     if (in_view(wall.place, eye, pose.yaw + scan.mount.yaw, scan)) continue;
     nearest.add({wall.place.x, wall.place.y, wall.foreign ? margins.foreign : margins.wall, 0.0});

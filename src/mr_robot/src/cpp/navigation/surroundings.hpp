@@ -10,6 +10,8 @@
 
 namespace mr_robot::navigation {
 
+constexpr double kSameSurface = 0.15;  // m between what the laser or a map shows of one surface
+
 struct Point {
   double x, y;  // m
 };
@@ -35,11 +37,9 @@ struct Remembered {
 };
 
 struct Memory {
-  double duration;      // s for which a point is remembered
-  double cell;          // m, one point is kept per square of this size
-  double known_within;  // m; hits this near to a wall of the map are that wall
-  double seen_beyond;   // m; a beam that goes this far past a point has seen it gone
-  std::size_t most;     // points
+  double duration;   // s for which a point is remembered
+  double cell;       // m, one point is kept per square of this size
+  std::size_t most;  // points
 };
 
 // Distances that the footprint keeps, m, and for what may move, s by which that grows with speed. `foreign`: from walls
@@ -58,12 +58,12 @@ std::vector<Point> hits(double* ranges, std::size_t count, const Point* directio
 std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanView& scan, const Pose& pose,
                                  const Walls& walls, const Memory& memory, double now);
 
-// Hits, remembered points and, where the laser is blind, walls within `reach` of the robot; of each square of `spacing`
+// Hits, remembered points and, where the laser is blind, walls within `reach` of the robot; of each square of kTouching
 // the nearest, of those close to the robot all. `own`: what the robot itself has mapped, if anything. It lies where the
 // robot believes to be, while what the others drew may lie beside it: blind walls are those of `own` that are not gone
 // in `walls`, and those of `walls` where `own` shows nothing.
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
                                    const Walls& walls, const Map* own, const Footprint& footprint,
-                                   const Margins& margins, double known_within, double reach, double spacing);
+                                   const Margins& margins, double reach);
 
 }  // namespace mr_robot::navigation

@@ -6,10 +6,7 @@ import cv2
 import numpy as np
 
 from mr_grid import OccupancyGrid
-
-NEW_WALL = 0.05  # m from a wall within which another is that wall, seen better
-LARGEST = 1.5  # m; what is larger came because SLAM draws its map elsewhere
-SETTLED = 30.0  # s after which what has come and stands is a wall
+from mr_robot.navigation.options import REACH
 
 Cell = Tuple[int, int]
 """(row, column) on the lattice of all maps, counted from its zero."""
@@ -18,7 +15,9 @@ Cell = Tuple[int, int]
 class Arrivals:
     """Knows such cells and takes them out of maps. SLAM draws a robot that stands in a corridor as a wall across it."""
 
-    def __init__(self) -> None:
+    def __init__(self, settles: float) -> None:
+        """`settles`: s after which what has come and stands is a wall."""
+        self._settles = settles
         self._before: Optional[OccupancyGrid] = None
         self._since: Dict[Cell, float] = {}
 
@@ -35,7 +34,7 @@ class Arrivals:
         for cell, since in self._since.items():
             row, column = cell[0] - offset[0], cell[1] - offset[1]
             inside = 0 <= row < rows and 0 <= column < columns
-            if inside and cells[row, column] > 50 and now - since < SETTLED:
+            if inside and cells[row, column] > 50 and now - since < self._settles:
                 cells[row, column] = 0
                 kept[cell] = since
         self._before, self._since = OccupancyGrid(own.info, cells), kept
@@ -48,7 +47,7 @@ class Arrivals:
     def taken_from(self, grid: OccupancyGrid, now: float) -> OccupancyGrid:
         """A map with free cells in place of what has come lately."""
         offset = _cells_of(grid)
-        present = [cell for cell, since in self._since.items() if now - since < SETTLED]
+        present = [cell for cell, since in self._since.items() if now - since < self._settles]
         if offset is None or self._before is None or self._before.resolution != grid.resolution or not present:
             return grid
         places = np.array(present) - offset
@@ -72,9 +71,10 @@ class Arrivals:
         came = (after.cells[a : a + height, b : b + width] > 50) & (old >= 0) & (old <= 50)
         if not came.any():
             return np.empty((0, 2), int)
-        reach = 2 * round(NEW_WALL / after.resolution) + 1
-        came &= cv2.dilate((old > 50).astype(np.uint8), np.ones((reach, reach), np.uint8)) == 0
-        return np.add(np.argwhere(_small(came, round(LARGEST / after.resolution))), (a, b))
+        # Beside a wall it is that wall, seen better.
+        came &= cv2.dilate((old > 50).astype(np.uint8), np.ones((3, 3), np.uint8)) == 0
+        # What is larger came because SLAM draws its map elsewhere.
+        return np.add(np.argwhere(_small(came, round(REACH / after.resolution))), (a, b))
 
 
 def _small(cells: np.ndarray, most: int) -> np.ndarray:

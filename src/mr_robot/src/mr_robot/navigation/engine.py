@@ -17,7 +17,7 @@ from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.known_map import KnownMap
 from mr_robot.navigation.look_around import LookAround
 from mr_robot.navigation.motion import STOP, Motion, outside
-from mr_robot.navigation.options import AT_REST, NavigationError, NavigationOptions, Scan
+from mr_robot.navigation.options import AT_REST, PROGRESS, REACH, STANDING, NavigationError, NavigationOptions, Scan
 from mr_robot.navigation.other_robots import OtherRobots
 from mr_robot.navigation.planner import CostMap, Plan, path
 from mr_robot.navigation.route import Route
@@ -25,13 +25,7 @@ from mr_robot.navigation.stall import StallWatch
 from mr_robot.navigation.surroundings import Surroundings
 from mr_robot.navigation.yielding import HeldUp, Point, find_retreat
 
-STANDING = 2.5  # s without progress, and with nothing in the way, after which a robot plans how to turn and back
-STILL = 1.0  # s without driving after which a robot that has to give way does
-CREEPING = 0.05  # m/s
-TO_AND_FRO = 3.0  # s for which driving without coming nearer counts as getting on
-GIVE_WAY_TIME, GIVE_WAY_FACTOR, GIVE_WAY_MOST = 10.0, 2.0, 30.0  # s, plus so often the way at full speed, up to s
-PASSING_NEAR = 2.5  # m within which a robot that passes is waited for
-INPUT_PATIENCE = 5.0  # s a goal waits for map, pose and scan, each time that one is missing
+CREEPING = PROGRESS / STANDING  # m/s
 
 
 class Mode(Enum):
@@ -56,7 +50,7 @@ class Navigator:
         self._motion = Motion(self.options)
         self._look_around = LookAround(self._motion, self.options)
         self._follower = Follower(self._motion, self.options)
-        self._held_up = HeldUp(name, self.options.yield_patience, self._random, self.options.largest_robot_radius)
+        self._held_up = HeldUp(name, self.options, self._random)
         self._stall = StallWatch(self.options.controller_period)
         self._clock = Clock()
         self._mode_until = 0.0
@@ -140,9 +134,9 @@ class Navigator:
         self._motion.velocity = STOP
         if not self._route.has_goal:
             return Command(*STOP, Status.IDLE)
-        if now - max(self._route.since, self._complete_at) <= INPUT_PATIENCE:
+        if now - max(self._route.since, self._complete_at) <= AT_REST:
             return Command(*STOP, Status.ACTIVE)
-        return self._abort(f"no {missing} for {INPUT_PATIENCE:g} s")
+        return self._abort(f"no {missing} for {AT_REST:g} s")
 
     def _come_to_rest(self, costs: CostMap, pose: Pose, scan: Scan) -> Command:
         self._stall.clear()
@@ -182,8 +176,8 @@ class Navigator:
         self._route.advance(now, pose)
         stuck = now - self._route.progress_at > STANDING and self._blocker(pose) is None
         velocity = self._follow(now, way, pose, obstacles, stuck)
-        drives = velocity is not None and abs(velocity[0]) + 0.1 * abs(velocity[1]) > CREEPING
-        if self._held(now, pose, drives and now - self._route.nearer_at < TO_AND_FRO):
+        drives = velocity is not None and abs(velocity[0]) + PROGRESS * abs(velocity[1]) > CREEPING
+        if self._held(now, pose, drives and now - self._route.nearer_at < STANDING):
             return self._begin_to_give_way(now, pose, costs)
         if now - self._route.progress_at > self.options.blocked_timeout:
             hint = "" if self._blocker(pose) is None else "; an obstacle that is not in the map is near"
@@ -235,26 +229,24 @@ class Navigator:
         self._held_up.gave_way(now)
         self._follower.drop_manoeuvre()
         self._gives_way_since = now
-        left = math.inf if self._retreat is None else self._retreat.cost_at(pose[0], pose[1])
-        self._mode_until = now + min(
-            GIVE_WAY_TIME + GIVE_WAY_FACTOR * left / self.options.max_linear_velocity, GIVE_WAY_MOST
-        )
+        self._mode_until = now + self.options.blocked_timeout
         return self._brake()
 
     def _give_way(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
         retreat = self._retreat
-        if retreat is None or now >= self._mode_until or math.dist(pose[:2], retreat.goal) < 0.2:
+        near = self.options.xy_goal_tolerance
+        if retreat is None or now >= self._mode_until or math.dist(pose[:2], retreat.goal) < near:
             self.mode = Mode.WAIT
             self._follower.drop_manoeuvre()
-            self._mode_until = now + 1.5 + 3.0 * self._random.random()
+            self._mode_until = now + self._held_up.draw()
             return self._brake()
-        velocity = self._follow(now, retreat, pose, obstacles, now - self._moved_at > STILL)
+        velocity = self._follow(now, retreat, pose, obstacles, now - self._moved_at > self.options.yield_patience)
         return self._brake() if velocity is None else Command(*velocity, Status.ACTIVE)
 
     def _lets_pass(self, now: float, pose: Pose) -> bool:
         """Whether a robot with the right of way is still near the one that made room for it."""
         others = self._others.lately(now)
-        near = [name for name, place in others.items() if math.dist(place, pose[:2]) < PASSING_NEAR]
+        near = [name for name, place in others.items() if math.dist(place, pose[:2]) < REACH]
         return now - self._mode_until < AT_REST and min(near, default=self.name) < self.name
 
     def _drive_on(self, now: float) -> None:

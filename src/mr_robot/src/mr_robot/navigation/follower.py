@@ -10,12 +10,8 @@ from mr_robot import _navigation
 from mr_robot.navigation.command import Velocity
 from mr_robot.navigation.manoeuvre import Manoeuvre, plan_manoeuvre
 from mr_robot.navigation.motion import STOP, Motion, bare
-from mr_robot.navigation.options import NavigationOptions
+from mr_robot.navigation.options import LEAST_TURN, NavigationOptions
 from mr_robot.navigation.planner import Plan
-
-AWAY = 0.6  # rad to the way from which a robot without room to turn does so at once
-PAUSE = 0.5  # s between plans of manoeuvres
-REFUSALS = 4  # plans in a row that could not be begun, after which one is made that can
 
 
 class Follower:
@@ -25,7 +21,6 @@ class Follower:
         self._options = options
         self._manoeuvre: Optional[Manoeuvre] = None
         self._planned_at = -math.inf
-        self._refusals = 0
 
     def drop_manoeuvre(self) -> None:
         self._manoeuvre = None
@@ -40,24 +35,20 @@ class Follower:
         self.gained_room = False
         if self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, tight, stuck):
             self._planned_at = now
-            self._manoeuvre = plan_manoeuvre(
-                way, pose, tight, self._motion.footprint, self._motion.limits, self._refusals >= REFUSALS
-            )
+            self._manoeuvre = plan_manoeuvre(way, pose, tight, self._motion.footprint, self._motion.limits)
         if self._manoeuvre is not None:
             target = self._manoeuvre.velocity(pose, self._options.controller_period)
             if target is not None:
                 if self._motion.is_clear(pose, tight, target):
-                    self._refusals = 0
                     return self._motion.towards(target)
                 self._manoeuvre = None
-                self._refusals += 1
                 return self._motion.towards(STOP)
             self._manoeuvre = None
             self.gained_room = True
         return self._motion.along(way, pose, obstacles)
 
     def _wants_manoeuvre(self, now: float, way: Plan, pose: Pose, tight: np.ndarray, stuck: bool) -> bool:
-        if now - self._planned_at < PAUSE:
+        if now - self._planned_at < self._options.plan_period:
             return False
         if stuck:
             return True
@@ -66,4 +57,4 @@ class Follower:
         if _navigation.clearance(pose, tight, self._motion.footprint) < _navigation.TOUCHING:
             return True
         off = _navigation.turn_wanted(way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose)
-        return abs(off) > AWAY
+        return abs(off) > LEAST_TURN

@@ -15,7 +15,7 @@ class KnownMap:
     def __init__(self, options: NavigationOptions) -> None:
         self._options = options
         self._grid: Optional[OccupancyGrid] = None
-        self._arrivals = Arrivals()
+        self._arrivals = Arrivals(2.0 * options.blocked_timeout)
         self._costs: Optional[CostMap] = None
         self._robots: List[Tuple[float, float]] = []
         self._costs_hold = False  # whether they are those of the present map and positions

@@ -9,11 +9,10 @@ import numpy as np
 from mr_grid import Pose
 from mr_robot.navigation.command import Velocity
 from mr_robot.navigation.motion import Motion, bare
-from mr_robot.navigation.options import NavigationOptions, Scan
+from mr_robot.navigation.options import AT_REST, NavigationOptions, Scan
+from mr_robot.platforms.parameters import NARROW_VIEW
 
-LITTLE = math.pi  # rad of view, below which a robot looks around
 RATE = 1.0  # rad/s
-PATIENCE = 2.0  # times what the turn takes, after which it is over
 
 
 class LookAround:
@@ -34,9 +33,9 @@ class LookAround:
         self._spent += self._options.controller_period
         tight = bare(obstacles, self._options.obstacle_margin)
         self._over = (
-            2.0 * scan.half_view >= LITTLE
+            2.0 * scan.half_view >= NARROW_VIEW
             or self._turned >= 2.0 * math.pi
-            or self._spent > PATIENCE * 2.0 * math.pi / self._rate
+            or self._spent > 2.0 * math.pi / self._rate + AT_REST
             or not self._motion.is_clear(pose, tight, (0.0, self._rate))
         )
         return None if self._over else self._motion.towards((0.0, self._rate))

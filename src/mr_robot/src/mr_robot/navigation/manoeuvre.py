@@ -8,10 +8,10 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_robot import _navigation
+from mr_robot.navigation.options import LEAST_TURN
 from mr_robot.navigation.planner import Plan
 
-AHEAD, ASIDE, TURN = 1.0, 8.0, 2.5  # 1/s, 1/m^2 and 1/s by which errors are made good
-BEHIND = (0.06, 0.15)  # m and rad of error from which the robot catches up first
+GAIN = 2.0  # 1/s by which errors are made good
 OVERTIME = 1.0  # s after the end in which the last error is made good
 
 
@@ -21,10 +21,9 @@ def plan_manoeuvre(
     obstacles: np.ndarray,
     footprint: _navigation.Footprint,
     limits: _navigation.Limits,
-    at_once: bool,
 ) -> Optional["Manoeuvre"]:
     """From a pose with little room on along the way, or to the nearest pose with room; None: nothing is better than to
-    stay. `obstacles`: rows (x, y, margin, reaction time). `at_once`: it begins with a motion that is clear."""
+    stay. `obstacles`: rows (x, y, margin, reaction time)."""
     agility = _navigation.Agility(limits)
     rows = _navigation.manoeuvre(
         way.cost,
@@ -36,7 +35,6 @@ def plan_manoeuvre(
         obstacles,
         footprint,
         agility,
-        at_once,
     )
     return Manoeuvre(rows) if len(rows) > 1 else None
 
@@ -58,14 +56,14 @@ class Manoeuvre:
         reference, linear, angular = self._reference()
         ahead, aside, turn = pose.between(reference)
         turn = math.remainder(turn, 2.0 * math.pi)
-        behind = math.hypot(ahead, aside) > BEHIND[0] or abs(turn) > BEHIND[1]
+        behind = abs(ahead) > 2.0 * _navigation.TOUCHING or abs(turn) > 0.5 * LEAST_TURN
         if not behind and self._time >= self._times[-1]:
             return None
         # A robot that lags is waited for, at a tenth of the pace so that the end comes in any case.
         self._time += 0.1 * period if behind else period
         return (
-            linear * math.cos(turn) + AHEAD * ahead,
-            angular + ASIDE * linear * aside + TURN * turn,
+            linear * math.cos(turn) + GAIN * ahead,
+            angular + GAIN**2 * linear * aside + GAIN * turn,
         )
 
     def _reference(self) -> Tuple[Pose, float, float]:

@@ -15,7 +15,6 @@ from mr_robot.navigation.options import NavigationOptions, Scan
 from mr_robot.navigation.planner import Plan
 
 LOOK_AHEAD = 0.5  # m that a robot drives before it is where it has looked: it turns no sharper than it sees
-REACHED = 0.7  # times the tolerance of goals, within which the way ends
 STOP: Velocity = (0.0, 0.0)
 
 
@@ -40,7 +39,7 @@ class Motion:
     def along(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Optional[Velocity]:
         """None where nothing is safe, not even to brake gently."""
         horizon = _navigation.Horizon()
-        horizon.goal_radius = REACHED * self._options.xy_goal_tolerance
+        horizon.goal_radius = self._options.xy_goal_tolerance - _navigation.TOUCHING
         found, linear, angular, _, _ = _navigation.choose_velocity(
             way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, self.velocity, obstacles,
             self.limits, self.footprint, horizon, self._options.controller_period,

@@ -6,8 +6,6 @@ from mr_grid import Pose
 from mr_robot import _navigation
 from mr_robot.navigation.options import Scan
 
-KNOWN_WITHIN = 0.15  # m, hits this near to a wall of the map are that wall
-SEEN_BEYOND = 0.25  # m, a beam that goes this far past a remembered point has seen it gone
 REMEMBERED_LIMIT = 2000
 
 
@@ -42,7 +40,7 @@ class ObstacleMemory:
 
     def update(self, scan: Scan, pose: Pose, walls: _navigation.Walls, now: float) -> None:
         """`walls`: of the map; hits at them are not remembered, and of others one in each of its cells."""
-        rule = _navigation.Memory(self._duration, walls.resolution, KNOWN_WITHIN, SEEN_BEYOND, REMEMBERED_LIMIT)
+        rule = _navigation.Memory(self._duration, walls.resolution, REMEMBERED_LIMIT)
         self._rows = _navigation.remember(
             self._rows, scan.points, scan.ranges, scan.angle_min, scan.angle_increment, scan.mount, pose, walls,
             rule, now,

@@ -10,8 +10,11 @@ from mr_grid import Pose
 from mr_robot import _navigation
 
 PROGRESS = 0.1  # m of motion that count as one: less is SLAM's
+LEAST_TURN = 0.3  # rad
+REACH = 1.4  # m within which robots, and what the map does not know, are in one another's way
 LONGEST_DETOUR = 5.0  # m that a robot goes out of its way, around what moves or to let it pass
-AT_REST = 8.0  # s after which what has not moved is taken to stay, and what was to pass is no longer waited for
+STANDING = 2.5  # s without progress after which a robot does not get on as it is
+AT_REST = 8.0  # s after which what has not moved is taken to stay, and what was to come or pass is no longer waited for
 
 
 class NavigationError(ValueError):
@@ -71,7 +74,7 @@ class NavigationOptions:
     @property
     def passing_distance(self) -> float:
         """Metres between the centres of this robot and another one from which on both can turn."""
-        return round(self.circumscribed_radius + self.largest_robot_radius + 0.22, 2)
+        return round(self.circumscribed_radius + self.largest_robot_radius + 2.0 * self.moving_margin, 3)
 
     @property
     def braking_time(self) -> float:
@@ -84,7 +87,7 @@ class NavigationOptions:
     def reach_in(self, seconds: float) -> float:
         """Metres around the robot's centre in which obstacles bear on a motion of that duration."""
         way = self.max_linear_velocity * (seconds + self.moving_reaction_time)
-        return round(way + self.circumscribed_radius + self.moving_margin + 0.23, 2)
+        return round(way + self.circumscribed_radius + 3.0 * self.moving_margin, 3)
 
 
 @dataclass(frozen=True)

@@ -7,16 +7,14 @@ from typing import Dict, List, Mapping, Tuple
 import numpy as np
 
 from mr_grid import Pose, is_place
-from mr_robot.navigation.options import AT_REST, PROGRESS, NavigationOptions, Scan
+from mr_robot import _navigation
+from mr_robot.navigation.options import AT_REST, PROGRESS, REACH, STANDING, NavigationOptions, Scan
 
 Point = Tuple[float, float]
 
-NEAR = 1.5  # m within which a robot that says where it is counts where the laser is blind
-RIM = 0.04  # m by which the rim that its footprint takes up lies within the radius of the largest robot
-LATELY = 6.0  # s for which a reported position counts
-SOON = (0.3, 0.6, 0.9, 1.2)  # s, when a robot is where it will be if it drives on: as long as motions look ahead
-FRESH = 2.0  # s between two positions that tell how a robot moves, and for which it is taken to go on
-BODY = 0.1  # m around a robot in which hits are its
+SOON = tuple(
+    share * _navigation.Horizon().duration for share in (0.25, 0.5, 0.75, 1.0)
+)  # s, when a robot is where it will be if it drives on: as long as motions look ahead
 # Unit vectors (12, 2) all around, for the rim of a robot.
 CIRCLE = np.stack([np.cos(np.arange(12) * math.pi / 6.0), np.sin(np.arange(12) * math.pi / 6.0)], axis=1)
 
@@ -43,7 +41,7 @@ class OtherRobots:
         self._heard_at = -math.inf
         self._fastest = options.max_linear_velocity
         self._radius, self._wall_margin = options.largest_robot_radius, options.obstacle_margin
-        self._rim = round(options.largest_robot_radius - RIM, 3) * CIRCLE
+        self._rim = round(options.largest_robot_radius - _navigation.TOUCHING, 3) * CIRCLE
         self._margins = (options.moving_margin, options.moving_reaction_time)
 
     def hear(self, positions: Mapping[str, Point], now: float) -> List[str]:
@@ -60,9 +58,9 @@ class OtherRobots:
         rests = math.dist(place, before.rest) < PROGRESS
         rest, since = (before.rest, before.rest_since) if rests else (place, now)
         seconds = now - before.at
-        if place == before.place and seconds < FRESH:
+        if place == before.place and seconds < STANDING:
             return before  # no news: positions of all robots come together
-        if not 0.0 < seconds < FRESH:
+        if not 0.0 < seconds < STANDING:
             return _Track(place, now, (0.0, 0.0), rest, since)
         x, y = (place[0] - before.place[0]) / seconds, (place[1] - before.place[1]) / seconds
         share = min(1.0, self._fastest / max(math.hypot(x, y), 1e-9))
@@ -75,7 +73,7 @@ class OtherRobots:
 
     def lately(self, now: float) -> Mapping[str, Point]:
         """Where those are that said so lately."""
-        known = self._tracks if now - self._heard_at < LATELY else {}
+        known = self._tracks if now - self._heard_at < AT_REST else {}
         return {name: track.place for name, track in known.items()}
 
     def unseen(self, now: float, pose: Pose, scan: Scan) -> np.ndarray:
@@ -83,7 +81,7 @@ class OtherRobots:
         of way, whose name sorts earlier, also where it will be soon, so that one of two robots that drive towards the
         same place lets the other pass."""
         places = np.array([place for name in self.lately(now) for place in self._ground_of(name, now)]).reshape(-1, 2)
-        near = places[np.hypot(*(places - pose[:2]).T) < NEAR]
+        near = places[np.hypot(*(places - pose[:2]).T) < REACH]
         blind = near[scan.blind_to(pose.apply_inverse(near))] if len(near) else near
         rims = (blind[:, None, :] + self._rim[None, :, :]).reshape(-1, 2)
         return np.hstack([rims, np.tile(self._margins, (len(rims), 1))])
@@ -93,13 +91,13 @@ class OtherRobots:
         their way between those that are home."""
         places = [track.rest for track in self._tracks.values() if now - track.rest_since > AT_REST]
         for place in places:
-            body = np.hypot(obstacles[:, 0] - place[0], obstacles[:, 1] - place[1]) < self._radius + BODY
+            body = np.hypot(obstacles[:, 0] - place[0], obstacles[:, 1] - place[1]) < self._radius + self._margins[0]
             obstacles[body, 2] = np.minimum(obstacles[body, 2], self._wall_margin)
             obstacles[body, 3] = 0.0
         return obstacles
 
     def _ground_of(self, name: str, now: float) -> List[Point]:
         track = self._tracks[name]
-        age = min(max(0.0, now - track.at), FRESH)
+        age = min(max(0.0, now - track.at), STANDING)
         soon = SOON if name < self._name else ()
         return [track.place] + [track.after(age + seconds) for seconds in (0.0, *soon)]

@@ -9,13 +9,11 @@ import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
 from mr_robot import _navigation
-from mr_robot.navigation.options import NavigationOptions
+from mr_robot.navigation.options import REACH, NavigationOptions
 
 NEAR_WALL_COST = 6.0  # a cell at the wall costs this much more than a free one
-ESCAPE_ROOM = 0.21  # m more than a robot has to keep from walls: around one that is nearer it may move out
-ESCAPE_COST = 25.0
-NARROW_COST = 12.0  # of a cell where the body fits through and has no margin
-FIELD_MARGIN = 2.0  # m of cost to go beyond the robot that local control can use
+# Of a cell where the body fits through and has no margin, and around a robot that stands in its margin.
+NARROW_COST = 2.0 * NEAR_WALL_COST
 
 
 Seeds = Tuple[Tuple[int, int, float], ...]
@@ -32,7 +30,7 @@ class Plan:
     exact: bool  # whether it is the goal asked for
     slowness: np.ndarray  # float32 (rows, columns) that the cost was computed from
     seeds: Seeds  # cells that the cost was computed from
-    start: Tuple[int, int]  # cell of the robot; the cost goes FIELD_MARGIN beyond what it has there
+    start: Tuple[int, int]  # cell of the robot; the cost goes REACH beyond what it has there
 
     def cost_at(self, x: float, y: float) -> float:
         """Metres of free way from (x, y), infinity where there is none."""
@@ -94,7 +92,9 @@ class CostMap:
         row, column = self.grid.info.cell_of(robot[0], robot[1])
         if not self.grid.info.contains(row, column) or np.isfinite(slowness[row, column]):
             return slowness
-        reach = math.ceil(round(self.options.inscribed_radius + ESCAPE_ROOM, 3) / self.grid.resolution)
+        reach = math.ceil(
+            round(self.options.inscribed_radius + 2.0 * self.options.moving_margin, 3) / self.grid.resolution
+        )
         top, left = max(0, row - reach), max(0, column - reach)
         slowness = slowness.copy()
         window = slowness[top : row + reach + 1, left : column + reach + 1]
@@ -102,7 +102,7 @@ class CostMap:
         inside = obstacles - (top, left)
         inside = inside[((inside >= 0) & (inside < window.shape)).all(axis=1)]
         walls[inside[:, 0], inside[:, 1]] = True
-        window[~np.isfinite(window) & ~walls] = ESCAPE_COST
+        window[~np.isfinite(window) & ~walls] = NARROW_COST
         return slowness
 
 
@@ -211,7 +211,7 @@ def _march(
         if former.slowness is slowness and former.cost[start] <= former.cost[former.start]:
             return former.cost
         beside = (former.slowness, former.cost)
-    return _navigation.march(slowness, seeds, start, FIELD_MARGIN / grid.resolution, former=beside)
+    return _navigation.march(slowness, seeds, start, REACH / grid.resolution, former=beside)
 
 
 def _seeds_near(slowness: np.ndarray, row: int, column: int, radius: float) -> Seeds:

@@ -8,15 +8,10 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_robot.navigation.command import GivenUp
-from mr_robot.navigation.options import AT_REST, LONGEST_DETOUR, PROGRESS, NavigationOptions
+from mr_robot.navigation.options import AT_REST, LONGEST_DETOUR, PROGRESS, REACH, NavigationOptions
 from mr_robot.navigation.planner import CostMap, Plan, plan
 
-NO_WAY_CHECKS = 3  # plans that must fail before a goal is called unreachable
-NO_WAY_PAUSE = 0.25  # s between them
-LONGER = 1.0  # m by which a way has to have grown to count as another
-TO_AND_FRO_LIMIT = 2.0  # times the timeout of a blocked way, for which a robot may give way and come back
-TIME_ALLOWED = 30.0  # s for any goal, plus
-TIME_FACTOR = 5.0  # times what the way takes at full speed
+TIME_FACTOR = 5.0  # times what the way takes at full speed, allowed for it beside the timeout of a blocked one
 
 
 @dataclass
@@ -29,7 +24,7 @@ class _Goal:
     nearest_at: float = -math.inf  # since when
     blocked_since: Optional[float] = None
     goes_around: bool = False  # what blocks the way is at rest
-    failed_plans: int = 0
+    failed: bool = False  # whether the latest plan did
 
 
 class Route:
@@ -115,11 +110,11 @@ class Route:
         if known is None:
             self._without_way(now, target, costs)
             return
-        goal.failed_plans = 0
+        goal.failed = False
         around = plan(costs, moving, pose, target, radius, known, narrow) if len(moving) else known
         way = self._prefer(now, pose, known, around)
         left = way.cost_at(pose[0], pose[1])
-        if self.plan is None or left > goal.best + LONGER:
+        if self.plan is None or left > goal.best + REACH:
             goal.best = left + PROGRESS
         if goal.deadline == math.inf:
             self._allow(left, now)
@@ -128,7 +123,8 @@ class Route:
     def _allow(self, left: float, now: float) -> None:
         """Time for a way of `left` m."""
         assert self._goal is not None
-        self._goal.deadline = now + TIME_ALLOWED + TIME_FACTOR * left / self._options.max_linear_velocity
+        seconds = TIME_FACTOR * left / self._options.max_linear_velocity
+        self._goal.deadline = now + self._options.blocked_timeout + seconds
 
     def _prefer(self, now: float, pose: Pose, known: Plan, around: Optional[Plan]) -> Plan:
         """Around what moves when that is not far; else up to it, waiting. Raises GivenUp when it has not moved for
@@ -147,7 +143,7 @@ class Route:
             return around
         timeout = self._options.blocked_timeout
         # Who gives way and comes back comes nearer each time, but not nearer than before.
-        goal.blocked_since = max(goal.blocked_since, min(self.nearer_at, goal.nearest_at + TO_AND_FRO_LIMIT * timeout))
+        goal.blocked_since = max(goal.blocked_since, min(self.nearer_at, goal.nearest_at + timeout))
         waited = now - goal.blocked_since
         if around is not None and waited > AT_REST:
             goal.goes_around, self.nearer_at = True, now
@@ -169,10 +165,9 @@ class Route:
                 goal.blocked_since = now
             if now - goal.blocked_since <= self._options.blocked_timeout:
                 return
-        goal.failed_plans += 1
-        if goal.failed_plans >= NO_WAY_CHECKS:
+        if goal.failed:
             raise GivenUp(f"no way to ({target[0]:.2f}, {target[1]:.2f}): {self._why_no_way(target, costs)}")
-        self._planned_at = now - self._options.plan_period + NO_WAY_PAUSE
+        goal.failed = True
 
     def _why_no_way(self, target: Tuple[float, float], costs: CostMap) -> str:
         grid = costs.grid

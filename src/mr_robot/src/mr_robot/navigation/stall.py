@@ -5,11 +5,11 @@ from bisect import bisect_left, bisect_right
 from typing import List, Tuple
 
 from mr_grid import Pose
+from mr_robot import _navigation
+from mr_robot.navigation.options import LEAST_TURN, PROGRESS
 
-# (s looked back, m and rad commanded in that time from which a standing robot is blocked)
-WINDOWS = ((0.4, 0.1, 0.35), (1.2, 0.08, 0.3), (3.6, 0.08, 0.3))
-STANDING = 0.3  # share of the commanded motion below which the robot stands
-ONE_WAY = 0.5  # share of all commanded motion that has to go one way: what is left of to and fro is mostly its errors
+WINDOWS = (_navigation.RAMP, 3.0 * _navigation.RAMP, 9.0 * _navigation.RAMP)  # s looked back
+MISSING = 0.7  # share of all commanded motion that a standing robot lacks: net motion of to and fro is mostly errors
 KEPT = 50  # commands and poses; more than the longest window holds
 
 Asked = Tuple[float, float, float, float]
@@ -43,27 +43,28 @@ class StallWatch:
         self._pose_times.append(now)
         self._poses.append(pose)
         _shorten(self._pose_times, self._poses)
-        return any(self._stands(now, pose, *window) for window in WINDOWS)
+        return any(self._stands(now, pose, window) for window in WINDOWS)
 
-    def _stands(self, now: float, pose: Pose, window: float, least_distance: float, least_turn: float) -> bool:
+    def _stands(self, now: float, pose: Pose, window: float) -> bool:
         index = bisect_left(self._pose_times, now - window - 1e-6)
         since, before = self._pose_times[index], self._poses[index]
         if now - since < window - 0.15:
             return False
-        distance, turn = self._commanded(since - self._latency, now - self._latency)
-        moved = math.dist(pose[:2], before[:2])
+        way, turn, all_ways, all_turns = self._commanded(since - self._latency, now - self._latency)
         if abs(turn) > math.pi:
             return False  # poses do not tell how often a robot turned
         turned = math.remainder(pose[2] - before[2], 2.0 * math.pi)
-        if abs(distance) >= least_distance and moved < STANDING * abs(distance):
-            return abs(turn) < least_turn or abs(turned) < STANDING * abs(turn)
-        return abs(turn) >= least_turn and turned / turn < STANDING and abs(distance) < least_distance
+        stands = abs(way) - math.dist(pose[:2], before[:2]) > MISSING * all_ways
+        still = abs(turn) - (turned if turn > 0.0 else -turned) > MISSING * all_turns
+        if abs(way) >= PROGRESS:
+            return stands and (still or abs(turn) < LEAST_TURN)
+        return abs(turn) >= LEAST_TURN and still
 
-    def _commanded(self, start: float, end: float) -> Tuple[float, float]:
-        """Signed way and turn, m and rad, that the commands between two times ask for; 0 of what goes to and fro."""
+    def _commanded(self, start: float, end: float) -> Asked:
+        """What the commands between two times ask for."""
         before, after = self._asked_until(start), self._asked_until(end)
         way, turn, all_ways, all_turns = (b - a for a, b in zip(before, after))
-        return way if abs(way) >= ONE_WAY * all_ways else 0.0, turn if abs(turn) >= ONE_WAY * all_turns else 0.0
+        return way, turn, all_ways, all_turns
 
     def _asked_until(self, time: float) -> Asked:
         if not self._commands:

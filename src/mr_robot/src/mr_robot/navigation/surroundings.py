@@ -8,14 +8,11 @@ import numpy as np
 from mr_grid import Pose
 from mr_robot import _navigation
 from mr_robot.navigation.command import Velocity
-from mr_robot.navigation.obstacles import KNOWN_WITHIN, ObstacleMemory
+from mr_robot.navigation.obstacles import ObstacleMemory
 from mr_robot.navigation.options import NavigationOptions, Scan
 from mr_robot.navigation.planner import CostMap
 from mr_robot.navigation.yielding import Point, nearest_blocker
 from mr_robot.platforms.parameters import NARROW_VIEW
-
-WALL_MARGIN = 0.02  # m to walls known from the map alone: their cells are coarse
-FOREIGN = 0.05  # m kept on top of all margins from walls that only other robots have mapped: they may lie elsewhere
 
 
 class Surroundings:
@@ -42,15 +39,15 @@ class Surroundings:
         """What the next motion must not touch: rows (x, y, margin, reaction time) in the map frame. `own`: what the
         robot itself has mapped, in the same frame."""
         options = self._options
-        # A robot that sees little has not much but the map beside it.
-        wall_margin = WALL_MARGIN if 2.0 * scan.half_view >= NARROW_VIEW else options.obstacle_margin
+        # Cells are coarse, so walls known from the map alone may be closer; a robot that sees little has not much else.
+        wall_margin = _navigation.TOUCHING if 2.0 * scan.half_view >= NARROW_VIEW else options.obstacle_margin
         margins = _navigation.Margins(
-            wall_margin, options.obstacle_margin + FOREIGN, options.obstacle_margin, options.moving_margin,
+            wall_margin, options.moving_margin, options.obstacle_margin, options.moving_margin,
             options.moving_reaction_time,
         )  # fmt: skip
         return _navigation.surroundings(
-            scan.points, pose, self._memory.rows, costs.walls, own, self._footprint, margins, KNOWN_WITHIN, self._near,
-            _navigation.TOUCHING, scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
+            scan.points, pose, self._memory.rows, costs.walls, own, self._footprint, margins, self._near,
+            scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
         )  # fmt: skip
 
     def moving_points(self, pose: Pose) -> np.ndarray:

@@ -12,27 +12,22 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_robot import _navigation
-from mr_robot.navigation.options import LONGEST_DETOUR, PROGRESS
+from mr_robot.navigation.options import AT_REST, LONGEST_DETOUR, PROGRESS, REACH, NavigationOptions
 from mr_robot.navigation.planner import CostMap, Plan, plan
 
 Point = Tuple[float, float]
 
-REACH = 1.4  # m within which something that the map does not know counts as in the way
-SPREAD, LARGEST_SPREAD = 3.0, 12.0  # times the patience
-AGAIN = 30.0  # s within which giving way once more shows that it was in vain
-WINNER_PATIENCE = 6.0  # s a robot with the right of way waits before it gives way nevertheless
-ROOM = 0.12  # m more than a robot has to keep from walls, at a place to wait
+SPREAD = 3.0  # times the patience, by chance; up to four times as much when it was in vain
 SLOWEST = 2.0  # times a free cell's cost; what narrow places cost on other ways would end the search in them
 
 
 class HeldUp:
     """Decides when a robot that something holds up has to give way."""
 
-    def __init__(self, name: str, patience: float, random: np.random.Generator, robot_radius: float) -> None:
-        """`patience`: s. `robot_radius`: of the largest robot of the team, m."""
+    def __init__(self, name: str, options: NavigationOptions, random: np.random.Generator) -> None:
         self._name = name
-        self._robot_size = round(2.0 * robot_radius + 0.12, 3)  # m around a reported position in which its hits lie
-        self._patience = patience
+        self._robot_size = 2.0 * options.largest_robot_radius + PROGRESS  # m around a position in which its hits lie
+        self._patience, self._again = options.yield_patience, options.blocked_timeout
         self._random = random
         self._since: Optional[float] = None
         self._limit = 0.0
@@ -45,7 +40,7 @@ class HeldUp:
 
     def gave_way(self, now: float) -> None:
         """Once per time. When it was in vain, as the other one did so, too, chance decides about more next time."""
-        self._spread = min(2.0 * self._spread, LARGEST_SPREAD) if now - self._gave_way_at < AGAIN else SPREAD
+        self._spread = min(2.0 * self._spread, 4.0 * SPREAD) if now - self._gave_way_at < self._again else SPREAD
         self._gave_way_at = now
 
     def must_give_way(self, now: float, place: Point, blocker: Optional[Point], others: Mapping[str, Point]) -> bool:
@@ -57,18 +52,19 @@ class HeldUp:
         off = math.dist(place, blocker)
         if self._since is None or now < self._since or off > self._closest + PROGRESS:
             self._since, self._closest = now, off
-            self._limit = self._draw(blocker, others)
+            self._limit = self._limit_for(blocker, others)
         self._closest = min(self._closest, off)
         return now - self._since >= self._limit
 
-    def _draw(self, blocker: Point, others: Mapping[str, Point]) -> float:
+    def _limit_for(self, blocker: Point, others: Mapping[str, Point]) -> float:
         near = [name for name, position in others.items() if math.dist(position, blocker) < self._robot_size]
-        chance = self._random.random()
         if not near:
-            return self._patience * (0.5 + self._spread * chance)
-        if self._name > min(near):
-            return 0.3 * self._patience
-        return WINNER_PATIENCE + 2.0 * chance
+            return self.draw()
+        return 0.5 * self._patience if self._name > min(near) else AT_REST + self._random.random() * self._patience
+
+    def draw(self) -> float:
+        """s to wait, by chance, so that two robots never keep step."""
+        return self._patience * (0.5 + self._spread * self._random.random())
 
 
 def nearest_blocker(points: np.ndarray, pose: Pose) -> Optional[Point]:
@@ -77,7 +73,7 @@ def nearest_blocker(points: np.ndarray, pose: Pose) -> Optional[Point]:
         return None
     offset = points - pose[:2]
     distance = np.hypot(offset[:, 0], offset[:, 1])
-    ahead = offset[:, 0] * math.cos(pose[2]) + offset[:, 1] * math.sin(pose[2]) > -0.2
+    ahead = offset[:, 0] * math.cos(pose[2]) + offset[:, 1] * math.sin(pose[2]) > 0.0
     distance = np.where(ahead, distance, np.inf)
     index = int(np.argmin(distance))
     return (float(points[index, 0]), float(points[index, 1])) if distance[index] < REACH else None
@@ -85,17 +81,17 @@ def nearest_blocker(points: np.ndarray, pose: Pose) -> Optional[Point]:
 
 def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Point) -> Optional[Plan]:
     """A way to the nearest place beside the way of what comes from `blocker`, or else far back along it."""
-    grid = costs.grid
+    grid, options = costs.grid, costs.options
     start = grid.info.cell_of(pose[0], pose[1])
     if not grid.info.contains(*start):
         return None
     slowness = costs.slowness(obstacles, pose, narrow=True)
     slowness = np.where(np.isfinite(slowness), np.minimum(slowness, SLOWEST), slowness)
     slowness[start] = min(slowness[start], SLOWEST)
-    limit = 3.0 * LONGEST_DETOUR / grid.resolution
+    limit = SLOWEST * LONGEST_DETOUR / grid.resolution
     cost = _navigation.march(slowness, [(start[0], start[1], 0.0)], limit=limit)
     rows, columns = np.nonzero(
-        np.isfinite(cost) & (costs.wall_distance > round(costs.options.inscribed_radius + ROOM, 3))
+        np.isfinite(cost) & (costs.wall_distance > round(options.inscribed_radius + options.moving_margin, 3))
     )
     if not rows.size:
         return None
@@ -103,12 +99,12 @@ def find_retreat(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Poi
     y = grid.origin[1] + (rows + 0.5) * grid.resolution - blocker[1]
     length = max(math.dist(pose[:2], blocker), 1e-6)
     ux, uy = (pose[0] - blocker[0]) / length, (pose[1] - blocker[1]) / length
-    aside, along, away = np.abs(ux * y - uy * x), ux * x + uy * y, np.hypot(x, y)
+    aside, along = np.abs(ux * y - uy * x), ux * x + uy * y
     way = cost[rows, columns] * grid.resolution
-    passing = costs.options.passing_distance  # beside the other's way, where it can pass
-    # Waiting on the other's way helps only when it is far away: each metre nearer than wanted costs.
-    price = way + 20.0 * np.maximum(0.0, passing - aside) + 4.0 * np.maximum(0.0, 1.2 - away)
-    price += np.where(aside < passing, 3.0 * np.maximum(0.0, LONGEST_DETOUR - along), 0.0)
+    passing = options.passing_distance  # beside the other's way, where it can pass
+    # Waiting on the other's way helps only far back along it.
+    short = np.maximum(0.0, passing - aside) + np.maximum(0.0, LONGEST_DETOUR - along)
+    price = way + np.where(aside < passing, short, 0.0)
     best = int(np.argmin(price))
     target = grid.info.centre_of(int(rows[best]), int(columns[best]))
-    return plan(costs, obstacles, pose, target, 0.3, narrow=True)
+    return plan(costs, obstacles, pose, target, options.goal_search_radius, narrow=True)

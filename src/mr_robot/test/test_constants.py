@@ -1,0 +1,41 @@
+"""What is tuned in navigation is told in one table, so that it stays little."""
+
+import ast
+import re
+from pathlib import Path
+from typing import Dict
+
+ROOT = Path(__file__).parents[1]
+# Of tables, searches and numerics: whatever they are, the robot drives alike.
+BOUNDS = {
+    "MOST_ROTATION", "FEEDBACK_PERIOD", "REMEMBERED_LIMIT", "KEPT", "kCell", "kHeadings", "kStep", "kMostNodes",
+    "kPerCost", "kTurns", "kFar", "kSmallest",
+}  # fmt: skip
+
+
+def test_the_table_of_constants_is_that_of_the_code() -> None:
+    code = {**_of_python(), **_of_cpp()}
+    assert BOUNDS.issubset(code)
+    assert {name: value for name, value in code.items() if name not in BOUNDS} == _told()
+
+
+def _of_python() -> Dict[str, float]:
+    found = {}
+    for path in sorted((ROOT / "src/mr_robot/navigation").glob("*.py")):
+        for node in ast.parse(path.read_text()).body:
+            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant):
+                (target,) = node.targets
+                if isinstance(target, ast.Name) and isinstance(node.value.value, (int, float)):
+                    found[target.id] = float(node.value.value)
+    return found
+
+
+def _of_cpp() -> Dict[str, float]:
+    texts = [path.read_text() for path in sorted((ROOT / "src/cpp/navigation").glob("*.[ch]pp"))]
+    found = re.findall(r"constexpr \S+ (k\w+) = (\d[\d.e-]*)F?;", "\n".join(texts))
+    return {name: float(value) for name, value in found}
+
+
+def _told() -> Dict[str, float]:
+    rows = re.findall(r"^\| `(\w+)` \| ([\d.]+) \| ", (ROOT / "docs/slam_and_navigation.md").read_text(), re.MULTILINE)
+    return {name: float(value) for name, value in rows}
