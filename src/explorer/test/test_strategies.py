@@ -113,6 +113,15 @@ def test_without_a_bid_the_place_of_a_robot_counts(number: int) -> None:
     assert chosen(number, replace(known, positions={})) == 2
 
 
+def test_a_robot_that_has_nothing_else_takes_what_another_claims_and_is_far_from() -> None:
+    """The claim made the cluster cost more, as if the other were working beside it: a robot 4 m away stood in a door
+    with nothing to do while the one that had claimed it came from 12 m away and could not get past."""
+    claims = {"robot_1": listed((9.0, 5.0), (9.0, 5.2), (9.0, 5.4))}
+    known = scene(cluster(1, 9.0), claims=claims, competitors=("robot_1",))
+    assert chosen(7, known, {"robot_1": {1: 12.0}}) == 1
+    assert chosen(7, known, {"robot_1": {1: 8.0}}) is None
+
+
 def test_loyalty_of_strategy_7() -> None:
     known = scene(cluster(1, 7.5), cluster(2, 2.9))
     other = {1: 2, 2: 1}[chosen(7, known) or 0]

@@ -155,10 +155,11 @@ def help_of(shares: Plan, scene: Scene) -> Optional[Cluster]:
 
 
 def crowd_penalty(scene: Scene, cluster: Cluster) -> float:
-    """Metres that a cluster costs more because places that others have claimed are near to it."""
-    penalty = 0.0
-    for claim in scene.claims.values():
-        if len(claim.places):
+    """Metres that a cluster costs more because places that others have claimed are near to it. A claim on the cluster
+    itself is no place nearby: the holder's cost tells what it is worth."""
+    penalty, holder = 0.0, scene.claimed.get(cluster.number)
+    for robot, claim in scene.claims.items():
+        if robot != holder and len(claim.places):
             gaps = np.hypot(*(cluster.points[:, None, :] - claim.places[None, :, :]).transpose(2, 0, 1))
             penalty = max(penalty, CROWD_PENALTY * max(0.0, 1.0 - float(gaps.min()) / CROWD_DISTANCE))
     return penalty
