@@ -639,6 +639,17 @@ def test_walls_that_only_others_have_mapped_are_kept_away_from() -> None:
     assert (rows[rows[:, 1] < 2.0, 2] == 0.0).all() and (rows[:, 1] < 2.0).any() and (rows[:, 1] > 2.0).any()
 
 
+def test_manoeuvres_keep_away_from_what_moves_at_speed() -> None:
+    """Two robots that backed past one another touched: for manoeuvres each of them took the other to stand."""
+    options, motion = NavigationOptions(), Motion(NavigationOptions())
+    beside = np.array([[x, 0.19 + 0.08, options.moving_margin, options.moving_reaction_time] for x in (-0.3, 0.0)])
+    tight = bare(beside, options.obstacle_margin)
+    assert motion.is_clear(Pose(0.0, 0.0, 0.0), tight, (-0.05, 0.0)), "slowly it may pass"
+    assert not motion.is_clear(Pose(0.0, 0.0, 0.0), tight, (-0.25, 0.0))
+    wall = np.array([[x, 0.19 + 0.08, options.obstacle_margin, 0.0] for x in (-0.3, 0.0)])
+    assert motion.is_clear(Pose(0.0, 0.0, 0.0), bare(wall, options.obstacle_margin), (-0.25, 0.0))
+
+
 def test_a_wall_goes_on_where_the_laser_is_blind() -> None:
     """Robots that turned touched it with a corner behind the last beam."""
     unknown, free = np.full((80, 80), -1, np.int8), np.zeros((80, 80), np.int8)
