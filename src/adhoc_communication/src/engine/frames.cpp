@@ -130,7 +130,7 @@ void Engine::Implementation::on_broadcast_data(const wire::FrameHeader& header, 
   const routing::Robot* robot = directory_.find(header.sender);
   if (robot == nullptr) return;
   const auto image = broadcast_receiver_.take(header.sender, wire::boot_tag(header.boot_id), data, now);
-  if (image) deliver(Carrier::kBroadcast, robot->name, *image, 1, now);
+  if (image) deliver(Carrier::kBroadcast, robot->name, robot->boot, *image, 1, now);
 }
 
 void Engine::Implementation::on_flood(const wire::Flood& flood, Time now) {
@@ -138,7 +138,8 @@ void Engine::Implementation::on_flood(const wire::Flood& flood, Time now) {
   const routing::Robot* robot = directory_.find(flood.source);
   if (robot != nullptr && robot->name != flood.source_name) return malformed();
   if (!flood_.take(flood, now)) return;
-  deliver(Carrier::kBroadcast, flood.source_name, flood.image, static_cast<std::uint8_t>(flood.hop_count + 1), now);
+  const auto hops = static_cast<std::uint8_t>(flood.hop_count + 1);
+  deliver(Carrier::kBroadcast, flood.source_name, flood.source_boot, flood.image, hops, now);
 }
 
 }  // namespace adhoc_communication

@@ -80,7 +80,8 @@ class Engine::Implementation {
   // packets.cpp: packets put together.
   enum class Carrier { kStream, kBroadcast, kGroup };
   bool admits(Carrier carrier, const std::string& source, const transport::Packet& packet) const;
-  void deliver(Carrier carrier, const std::string& source, const Bytes& image, std::uint8_t hops, Time now);
+  void deliver(Carrier carrier, const std::string& source, wire::BootTag boot, const Bytes& image, std::uint8_t hops,
+               Time now);
   void take_group_packets(Time now);
   void deliver_data(const wire::Data& data, Time now);
   void forget_evicted(Time now);

@@ -10,7 +10,7 @@ void Engine::Implementation::deliver_data(const wire::Data& data, Time now) {
   if (robot == nullptr) return router_.search({data.source, {}}, now);  // who is that?
   const std::string source = robot->name;
   for (const auto& complete : receivers_.take(data, now)) {
-    deliver(Carrier::kStream, source, complete.image, complete.hops, now);
+    deliver(Carrier::kStream, source, data.source_boot, complete.image, complete.hops, now);
   }
 }
 
@@ -21,8 +21,8 @@ bool Engine::Implementation::admits(Carrier carrier, const std::string& source, 
   return packet.kind == transport::PacketKind::kUser && packet.group == group;
 }
 
-void Engine::Implementation::deliver(Carrier carrier, const std::string& source, const Bytes& image, std::uint8_t hops,
-                                     Time now) {
+void Engine::Implementation::deliver(Carrier carrier, const std::string& source, wire::BootTag boot, const Bytes& image,
+                                     std::uint8_t hops, Time now) {
   // A flood is one frame, which may claim to be any number of zeros.
   const std::size_t little = std::max(kMostFloodOctets, 2 * image.size());
   const std::size_t most = carrier == Carrier::kBroadcast ? little : SIZE_MAX;
@@ -31,7 +31,7 @@ void Engine::Implementation::deliver(Carrier carrier, const std::string& source,
   if (packet->kind != transport::PacketKind::kUser) {
     if (packet->unpacked_size > little || !transport::unpack(packet->payload, packet->unpacked_size))
       return malformed();
-    if (!groups_.take(source, *packet, now)) malformed();
+    if (!groups_.take(source, boot, *packet, now)) malformed();
     return settle_groups(now);
   }
   if (groups_.refuses(packet->group)) return;
@@ -58,7 +58,8 @@ void Engine::Implementation::forget_evicted(Time now) {
 void Engine::Implementation::take_group_packets(Time now) {
   for (const multicast::Arrived& arrived : distributor_.take_arrived()) {
     if (!groups_.takes_part(arrived.root)) continue;
-    deliver(Carrier::kGroup, std::string(directory_.find(arrived.root)->name), arrived.image, arrived.hops, now);
+    const std::string root = directory_.find(arrived.root)->name;
+    deliver(Carrier::kGroup, root, directory_.find(arrived.root)->boot, arrived.image, arrived.hops, now);
   }
 }
 

@@ -46,10 +46,11 @@ bool GroupTraffic::replace_in_own(SendId former, SendId id, const Image& image, 
 
 /// A member that comes late or comes back is first sent what is still held, by itself; the tree takes it in once it
 /// has caught up, so that packets stay in order.
-void GroupTraffic::admit(const std::string& robot, Time now) {
-  const auto admission = own_group_.admit(robot);
+void GroupTraffic::admit(const std::string& robot, wire::BootTag boot, Time now) {
+  const auto admission = own_group_.admit(robot, boot);
   if (admission == OwnGroup::Admission::kFull) return name_members(robot);
   if (admission == OwnGroup::Admission::kKnown) return;
+  if (admission == OwnGroup::Admission::kRestarted) leave_out(robot, robot + " has restarted", now);
   for (const HeldPacket& packet : own_group_.held_for_newcomers(now)) send_copy(robot, packet, Purpose::kCatchUp, 0);
 }
 

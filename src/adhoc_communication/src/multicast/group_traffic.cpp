@@ -93,7 +93,7 @@ std::vector<std::string> GroupTraffic::cancel(SendId id, const std::string& grou
 }
 
 void GroupTraffic::appeared(const std::string& robot, wire::BootTag boot, Time now) {
-  if (own_group_.comes_back(robot, boot)) admit(robot, now);
+  if (own_group_.comes_back(robot, boot)) admit(robot, boot, now);
   memberships_.appeared(robot, now);
   carry_out_memberships();
 }
@@ -103,11 +103,11 @@ void GroupTraffic::lost(const std::string& robot, wire::BootTag boot, Time now) 
   memberships_.lost(robot);
 }
 
-bool GroupTraffic::take(const std::string& source, const transport::Packet& packet, Time now) {
+bool GroupTraffic::take(const std::string& source, wire::BootTag boot, const transport::Packet& packet, Time now) {
   const bool own = packet.group == group_of(self_.name);
   switch (packet.kind) {
     case PacketKind::kGroupJoin:
-      if (own) admit(source, now);
+      if (own) admit(source, boot, now);
       return true;
     case PacketKind::kGroupLeave:
       if (own && own_group_.leave(source)) leave_out(source, source + " has left the group", now);

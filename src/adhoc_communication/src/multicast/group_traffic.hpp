@@ -61,7 +61,8 @@ class GroupTraffic {
   void lost(const std::string& robot, wire::BootTag boot, Time now);
 
   /// A packet about groups. False if it is malformed.
-  bool take(const std::string& source, const transport::Packet& packet, Time now);
+  /// `boot`: of the run of `source` that has sent it.
+  bool take(const std::string& source, wire::BootTag boot, const transport::Packet& packet, Time now);
   /// What became of a letter.
   void ended(const transport::Sending& letter, bool delivered, const std::string& reason, Time now);
   /// What became of packets of the own group at its members.
@@ -98,7 +99,7 @@ class GroupTraffic {
   // group_root.cpp: the own group.
   void send_to_own(SendId id, const transport::Image& image, Priority priority, Time lifetime, Time now);
   bool replace_in_own(SendId former, SendId id, const transport::Image& image, Time lifetime, Time now);
-  void admit(const std::string& robot, Time now);
+  void admit(const std::string& robot, wire::BootTag boot, Time now);
   void leave_out(const std::string& robot, const std::string& reason, Time now);
   void name_members(const std::string& robot);
   void send_copy(const std::string& robot, const HeldPacket& packet, transport::Purpose purpose, SendId parent);

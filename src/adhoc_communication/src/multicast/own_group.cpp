@@ -6,16 +6,21 @@ namespace adhoc_communication::multicast {
 
 std::vector<std::string> OwnGroup::names() const {
   std::vector<std::string> result;
-  for (const auto& [name, copies] : members_) result.push_back(name);
+  for (const auto& [name, member] : members_) result.push_back(name);
   return result;
 }
 
-OwnGroup::Admission OwnGroup::admit(const std::string& robot) {
-  const bool known = holds(robot);
-  if (!known && members_.size() >= most_) return Admission::kFull;
-  members_.emplace(robot, 0);
+OwnGroup::Admission OwnGroup::admit(const std::string& robot, wire::BootTag boot) {
+  const auto known = members_.find(robot);
+  if (known == members_.end() && members_.size() >= most_) return Admission::kFull;
   forget_absent(robot);
-  return known ? Admission::kKnown : Admission::kNew;
+  if (known == members_.end()) {
+    members_[robot] = {boot, 0};
+    return Admission::kNew;
+  }
+  if (known->second.boot == boot) return Admission::kKnown;
+  known->second = {boot, 0};
+  return Admission::kRestarted;
 }
 
 bool OwnGroup::leave(const std::string& robot) {
@@ -24,7 +29,9 @@ bool OwnGroup::leave(const std::string& robot) {
 }
 
 bool OwnGroup::lose(const std::string& robot, wire::BootTag boot) {
-  if (members_.erase(robot) == 0) return false;
+  const auto member = members_.find(robot);
+  if (member == members_.end() || member->second.boot != boot) return false;
+  members_.erase(member);
   absent_.emplace_back(robot, boot);
   if (absent_.size() > kMostAbsent) absent_.pop_front();
   return true;
@@ -47,17 +54,17 @@ void OwnGroup::forget_absent(const std::string& robot) {
 }
 
 void OwnGroup::copy_started(const std::string& robot) {
-  if (const auto member = members_.find(robot); member != members_.end()) ++member->second;
+  if (const auto member = members_.find(robot); member != members_.end()) ++member->second.copies;
 }
 
 void OwnGroup::copy_finished(const std::string& robot) {
   const auto member = members_.find(robot);
-  if (member != members_.end() && member->second > 0) --member->second;
+  if (member != members_.end() && member->second.copies > 0) --member->second.copies;
 }
 
 bool OwnGroup::served_by_copies(const std::string& robot) const {
   const auto member = members_.find(robot);
-  return member != members_.end() && member->second > 0;
+  return member != members_.end() && member->second.copies > 0;
 }
 
 void OwnGroup::hold(HeldPacket packet, Time now) {

@@ -31,12 +31,13 @@ class OwnGroup {
   /// Without this robot.
   std::vector<std::string> names() const;
 
-  enum class Admission { kFull, kKnown, kNew };
-  Admission admit(const std::string& robot);
+  enum class Admission { kFull, kKnown, kNew, kRestarted };
+  /// `boot`: of the run that joins. A new run can be heard before the former one is known to be over.
+  Admission admit(const std::string& robot, wire::BootTag boot);
   /// The robot has left: it is none and does not become one again by coming back. False if it was none.
   bool leave(const std::string& robot);
   /// A member that falls silent stays one as long as it runs: it need not have noticed. Of more than kMostAbsent the
-  /// one lost longest ago is forgotten, and has to join again. False if it was none.
+  /// one lost longest ago is forgotten, and has to join again. False if that run was none.
   bool lose(const std::string& robot, wire::BootTag boot);
   /// True for the run of a member that had been lost.
   bool comes_back(const std::string& robot, wire::BootTag boot);
@@ -60,8 +61,12 @@ class OwnGroup {
   void forget_absent(const std::string& robot);
 
   std::size_t most_;
-  std::map<std::string, std::size_t> members_;  ///< the number of copies on their way to each
-  Absent absent_;                               ///< members that fell silent, and their run; the latest last
+  struct Member {
+    wire::BootTag boot{};
+    std::size_t copies = 0;  ///< on their way to it
+  };
+  std::map<std::string, Member> members_;
+  Absent absent_;  ///< members that fell silent, and their run; the latest last
   std::deque<HeldPacket> held_;
 };
 

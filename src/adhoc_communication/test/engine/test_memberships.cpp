@@ -308,24 +308,35 @@ HeldPacket packet(std::uint32_t number, std::size_t octets, Time sent, Time unti
 
 TEST(OwnGroup, ALostMemberComesBackOnlyAsTheSameRun) {
   OwnGroup group(1000);
-  EXPECT_EQ(group.admit("a"), OwnGroup::Admission::kNew);
-  EXPECT_EQ(group.admit("a"), OwnGroup::Admission::kKnown);
+  EXPECT_EQ(group.admit("a", 7), OwnGroup::Admission::kNew);
+  EXPECT_EQ(group.admit("a", 7), OwnGroup::Admission::kKnown);
   EXPECT_TRUE(group.lose("a", 7));
   EXPECT_FALSE(group.holds("a"));
   EXPECT_FALSE(group.comes_back("a", 8)) << "another run has to join";
-  group.admit("a");
+  group.admit("a", 7);
   group.lose("a", 7);
   EXPECT_TRUE(group.comes_back("a", 7));
-  group.admit("a");
+  group.admit("a", 7);
   group.lose("a", 7);
   group.leave("a");
   EXPECT_FALSE(group.comes_back("a", 7)) << "it has left meanwhile";
 }
 
+/// Its join came before the loss of the former run was told, which then took the new one for the former.
+TEST(OwnGroup, ARunThatJoinsBeforeTheFormerIsLostStays) {
+  OwnGroup group(1000);
+  group.admit("a", 7);
+  group.copy_started("a");
+  EXPECT_EQ(group.admit("a", 8), OwnGroup::Admission::kRestarted);
+  EXPECT_FALSE(group.served_by_copies("a")) << "those were for the former run";
+  EXPECT_FALSE(group.lose("a", 7));
+  EXPECT_TRUE(group.holds("a"));
+}
+
 TEST(OwnGroup, OfTooManyLostTheOneLostLongestAgoHasToJoinAgain) {
   OwnGroup group(10'000);
   const auto lose = [&](std::size_t number) {
-    group.admit("robot_" + std::to_string(number));
+    group.admit("robot_" + std::to_string(number), 7);
     group.lose("robot_" + std::to_string(number), 7);
   };
   for (std::size_t number = 0; number <= OwnGroup::kMostAbsent; ++number) lose(number);
@@ -342,15 +353,15 @@ TEST(OwnGroup, OfTooManyLostTheOneLostLongestAgoHasToJoinAgain) {
 TEST(OwnGroup, HasTheMembersThatOneActivationNames) {
   OwnGroup group(13);
   EXPECT_EQ(group.most(), 2u);
-  group.admit("a");
-  group.admit("b");
-  EXPECT_EQ(group.admit("c"), OwnGroup::Admission::kFull);
+  group.admit("a", 7);
+  group.admit("b", 7);
+  EXPECT_EQ(group.admit("c", 7), OwnGroup::Admission::kFull);
   EXPECT_EQ(group.names(), (std::vector<std::string>{"a", "b"}));
 }
 
 TEST(OwnGroup, ServesAMemberByCopiesUntilTheLastHasEnded) {
   OwnGroup group(1000);
-  group.admit("a");
+  group.admit("a", 7);
   group.copy_started("a");
   group.copy_started("a");
   group.copy_finished("a");
