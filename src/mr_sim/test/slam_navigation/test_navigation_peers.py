@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from mr_robot.navigation.options import NavigationOptions
 from mr_sim import bench_navigation_peers
 from mr_sim.bench_navigation_peers import EngineRun, rows
 from mr_sim.nuisance.mrpt_follower import settings
-from mr_sim.nuisance.planners import OURS, planning_with
+from mr_sim.nuisance.planners import OURS, ompl, planning_with
 from mr_sim.nuisance.runs import GoalRun, SceneRun, run_seed
 
 
@@ -26,6 +27,21 @@ def test_another_planner_plans_the_manoeuvres_and_ours_is_back_afterwards() -> N
         run_seed(6)
     assert len(asked) == len(spent) > 0
     assert _navigation.manoeuvre is OURS
+
+
+def test_ompl_is_asked_for_all_that_its_binding_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def manoeuvre(
+        cost, resolution, origin, goal, pose, obstacles, footprint, agility, radius: float, limit: float
+    ) -> np.ndarray:
+        asked.append((type(footprint), type(agility), radius, limit))
+        return np.empty((0, 5))
+
+    monkeypatch.setitem(sys.modules, "_ompl_peer", SimpleNamespace(manoeuvre=manoeuvre))
+    with planning_with(ompl(0.3, 0.01)):
+        run_seed(6)
+    assert set(asked) == {(_navigation.Footprint, _navigation.Agility, 0.3, 0.01)}
 
 
 def test_each_engine_has_its_rows() -> None:
