@@ -23,16 +23,25 @@ def _of_python() -> Dict[str, float]:
     found = {}
     for path in sorted((ROOT / "src/mr_robot/navigation").glob("*.py")):
         for node in ast.parse(path.read_text()).body:
-            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant):
-                (target,) = node.targets
-                if isinstance(target, ast.Name) and isinstance(node.value.value, (int, float)):
-                    found[target.id] = float(node.value.value)
+            if not isinstance(node, ast.Assign):
+                continue
+            parts = list(ast.walk(node.value))
+            numbers = [part.value for part in parts if isinstance(part, ast.Constant) and _is_number(part.value)]
+            follows = any(isinstance(part, ast.Name) for part in parts)
+            if numbers and not follows:
+                assert isinstance(node.value, ast.Constant), f"{ast.unparse(node)}: one name for each number"
+                found[ast.unparse(node.targets[0])] = float(numbers[0])
     return found
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def _of_cpp() -> Dict[str, float]:
     texts = [path.read_text() for path in sorted((ROOT / "src/cpp/navigation").glob("*.[ch]pp"))]
     found = re.findall(r"constexpr \S+ (k\w+) = (\d[\d.e-]*)F?;", "\n".join(texts))
+    assert not re.findall(r"constexpr \S+ k\w+\[", "\n".join(texts)), "one name for each number"
     return {name: float(value) for name, value in found}
 
 

@@ -79,8 +79,8 @@ def outside(pose: Pose, obstacles: np.ndarray, footprint: _navigation.Footprint)
 
 
 def bare(obstacles: np.ndarray, margin: float) -> np.ndarray:
-    """Rows (x, y, margin, reaction time) with `margin`, m, less: as near as the body can come. What moves is kept away
-    from at speed all the same: two robots that backed past one another touched."""
+    """Rows (x, y, margin, reaction time) with `margin`, m, less: as near as the body can come. At speed what moves is
+    kept away from all the same."""
     rows = obstacles - (0.0, 0.0, margin, 0.0)
     rows[:, 2] = np.maximum(rows[:, 2], 0.0)
     return rows

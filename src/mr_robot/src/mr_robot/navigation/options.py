@@ -11,7 +11,9 @@ from mr_robot import _navigation
 
 PROGRESS = 0.1  # m of motion that count as one: less is SLAM's
 LEAST_TURN = 0.3  # rad
-REACH = 1.4  # m within which robots, and what the map does not know, are in one another's way
+# m within which robots, and what the map does not know, are in one another's way; no larger is what moves, and by no
+# more does a way become another one.
+REACH = 1.4
 LONGEST_DETOUR = 5.0  # m that a robot goes out of its way, around what moves or to let it pass
 STANDING = 2.5  # s without progress after which a robot does not get on as it is
 AT_REST = 8.0  # s after which what has not moved is taken to stay, and what was to come or pass is no longer waited for

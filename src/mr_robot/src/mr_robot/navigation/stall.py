@@ -5,10 +5,10 @@ from bisect import bisect_left, bisect_right
 from typing import List, Tuple
 
 from mr_grid import Pose
-from mr_robot import _navigation
 from mr_robot.navigation.options import LEAST_TURN, PROGRESS
 
-WINDOWS = (_navigation.RAMP, 3.0 * _navigation.RAMP, 9.0 * _navigation.RAMP)  # s looked back
+SHORTEST_WINDOW = 0.4  # s looked back, and three and nine times that
+WINDOWS = (SHORTEST_WINDOW, 3.0 * SHORTEST_WINDOW, 9.0 * SHORTEST_WINDOW)
 MISSING = 0.7  # share of all commanded motion that a standing robot lacks: net motion of to and fro is mostly errors
 KEPT = 50  # commands and poses; more than the longest window holds
 
