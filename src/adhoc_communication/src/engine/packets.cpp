@@ -58,8 +58,8 @@ void Engine::Implementation::forget_evicted(Time now) {
 void Engine::Implementation::take_group_packets(Time now) {
   for (const multicast::Arrived& arrived : distributor_.take_arrived()) {
     if (!groups_.takes_part(arrived.root)) continue;
-    const std::string root = directory_.find(arrived.root)->name;
-    deliver(Carrier::kGroup, root, directory_.find(arrived.root)->boot, arrived.image, arrived.hops, now);
+    const routing::Robot root = *directory_.find(arrived.root);
+    deliver(Carrier::kGroup, root.name, root.boot, arrived.image, arrived.hops, now);
   }
 }
 

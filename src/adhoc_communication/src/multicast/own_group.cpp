@@ -15,11 +15,11 @@ OwnGroup::Admission OwnGroup::admit(const std::string& robot, wire::BootTag boot
   if (known == members_.end() && members_.size() >= most_) return Admission::kFull;
   forget_absent(robot);
   if (known == members_.end()) {
-    members_[robot] = {boot, 0};
+    members_.emplace(robot, Member{boot, 0});
     return Admission::kNew;
   }
   if (known->second.boot == boot) return Admission::kKnown;
-  known->second = {boot, 0};
+  known->second = Member{boot, 0};
   return Admission::kRestarted;
 }
 
