@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from mr_grid import OccupancyGrid, Pose
 from mr_robot import _navigation
+from mr_robot.navigation.driven import DrivenGround
 from mr_robot.navigation.options import NavigationOptions
-from mr_robot.navigation.planner import CostMap, path, plan, robot_extent, robot_reach, without_robots
+from mr_robot.navigation.planner import CostMap, Plan, path, plan, robot_extent, robot_reach, without_robots
 
 OPTIONS = NavigationOptions()
 RADIUS = OPTIONS.largest_robot_radius
@@ -178,6 +179,27 @@ def test_closed_room_is_no_way_and_goal_in_a_wall_goes_beside_it() -> None:
     assert plan(costs, np.empty((0, 2)), Pose(0.7, 1.5, 0.0), (2.5, 1.5), 0.5) is None
     beside = plan(costs, np.empty((0, 2)), Pose(0.7, 1.5, 0.0), (1.5, 1.5), 0.5)
     assert beside is not None and not beside.exact and 1.1 < beside.goal[0] < 1.3
+
+
+def test_a_way_that_the_robot_came_is_one_however_near_the_walls_are_drawn() -> None:
+    """A robot at the end of a corridor as wide as itself found no way out of it: its wall was drawn inside."""
+    cells = np.full((60, 60), 100, np.int8)
+    cells[10:50, 26:36] = 0
+    cells[30, 32:36] = 100
+    grid, options = OccupancyGrid.of(cells, 0.05), NavigationOptions()
+    driven = DrivenGround()
+    inside, out = (1.45, 0.9), (1.45, 2.2)
+
+    def way() -> Optional[Plan]:
+        costs = CostMap(grid, options, driven=driven)
+        return plan(costs, np.empty((0, 2)), Pose(*inside, 0.0), out, 0.1, narrow=True)
+
+    assert way() is None
+    for y in np.arange(out[1], inside[1], -0.04):
+        driven.add(Pose(1.45, y, 0.0))
+    assert way() is not None
+    driven.add(Pose(30.0, -30.0, 0.0))  # beside the map
+    assert plan(CostMap(grid, options, driven=driven), np.empty((0, 2)), Pose(*inside, 0.0), out, 0.1) is None
 
 
 def test_unknown_is_no_ground_unless_allowed() -> None:

@@ -95,6 +95,7 @@ def surroundings(
     angle_min: float = ...,
     angle_increment: float = ...,
     mount: _Pose = ...,
+    now: float = ...,
 ) -> np.ndarray: ...
 def choose_velocity(
     cost: np.ndarray,

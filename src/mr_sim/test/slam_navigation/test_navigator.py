@@ -14,6 +14,7 @@ from mr_robot.navigation.arrivals import Arrivals
 from mr_robot.navigation.clock import Clock
 from mr_robot.navigation.engine import Command, Navigator, Status
 from mr_robot.navigation.follower import Follower
+from mr_robot.navigation.manoeuvre import Manoeuvre
 from mr_robot.navigation.motion import STOP, Motion, bare, outside
 from mr_robot.navigation.obstacles import ObstacleMemory
 from mr_robot.navigation.options import AT_REST, NavigationError, NavigationOptions, Scan, make_scan
@@ -648,6 +649,44 @@ def test_manoeuvres_keep_away_from_what_moves_at_speed() -> None:
     assert not motion.is_clear(Pose(0.0, 0.0, 0.0), tight, (-0.25, 0.0))
     wall = np.array([[x, 0.19 + 0.08, options.obstacle_margin, 0.0] for x in (-0.3, 0.0)])
     assert motion.is_clear(Pose(0.0, 0.0, 0.0), bare(wall, options.obstacle_margin), (-0.25, 0.0))
+
+
+def test_what_moves_may_have_come_nearer_where_the_laser_is_blind() -> None:
+    """Robots backed into others that had followed them there since they were last seen."""
+    costs = CostMap(room(), NavigationOptions())
+    seen = np.array([[1.4, 2.0, 7.0], [1.4, 1.9, 9.0], [2.6, 2.0, 7.0]])  # two behind the robot, one ahead
+    rows = _navigation.surroundings(
+        np.empty((0, 2)), Pose(2.0, 2.0, 0.0), seen, costs.walls, None, FOOTPRINT,
+        _navigation.Margins(0.02, 0.1, 0.05, 0.1, 0.25), 1.3, EMPTY.ranges, EMPTY.angle_min, EMPTY.angle_increment,
+        EMPTY.mount, 10.0,
+    )  # fmt: skip
+    margins = {(x, y): margin for x, y, margin, _ in rows.tolist()}
+    assert margins == pytest.approx({(1.4, 2.0): 0.7, (1.4, 1.9): 0.3, (2.6, 2.0): 0.1})
+
+
+@pytest.mark.parametrize("off", [0.11, -0.11])
+def test_a_robot_that_is_farther_than_its_manoeuvre_does_not_creep(off: float) -> None:
+    """It drove on at full pace while what it followed went on at a tenth: it stayed as far, and backed at 3 cm/s."""
+    manoeuvre = Manoeuvre(np.array([(0.0, 0.0, 0.0, -1.0, 0.0), (-0.5, 0.0, 0.0, -1.0, 2.0)]))
+    x, seconds = off, 0.0
+    while (velocity := manoeuvre.velocity(Pose(x, 0.0, 0.0), 0.1)) is not None:
+        x, seconds = x + 0.1 * velocity[0], seconds + 0.1
+    assert x == pytest.approx(-0.5, abs=0.07)
+    assert seconds < 4.0
+
+
+def test_a_way_that_closed_leads_up_to_where_that_shows_from_wherever_the_robot_is() -> None:
+    """A robot that had made room stood until its goal was given up: the way it had was known near the other one only,
+    which SLAM had drawn across the corridor."""
+    options, route, nothing = NavigationOptions(), Route(NavigationOptions()), np.empty((0, 2))
+    near, away = Pose(1.5, 2.0, 0.0), Pose(3.4, 2.0, 0.0)
+    open_costs = CostMap(room(), options)
+    route.set_goal(Pose(0.8, 2.0, 0.0), 0.0)
+    route.update(0.0, near, open_costs, nothing)
+    assert route.plan is not None and math.isinf(route.plan.cost_at(away.x, away.y))
+    closed = CostMap(room((slice(0, 80), slice(25, 27))), options)
+    route.update(2.0, away, closed, nothing)
+    assert route.plan.cost_at(away.x, away.y) == pytest.approx(2.6, abs=0.3)
 
 
 def test_a_wall_goes_on_where_the_laser_is_blind() -> None:

@@ -299,7 +299,7 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
 
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
                                    const Walls& walls, const Map* own, const Footprint& footprint,
-                                   const Margins& margins, double reach) {
+                                   const Margins& margins, double reach, double now) {
   const BlindMap blind(walls, own, pose, reach);
   const std::vector<Point> beyond = continued(scan, 2.0 * footprint.half_length, reach);
   const std::size_t most = scan.point_count + remembered.size() + blind.walls().size() + beyond.size();
@@ -315,8 +315,12 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
     nearest.add(known ? Obstacle{hit.x, hit.y, margins.obstacle, 0.0}
                       : Obstacle{hit.x, hit.y, margins.moving, margins.reaction_time});
   }
+  const Point eye = place({scan.mount.x, scan.mount.y});
   for (const Remembered& point : remembered) {
-    if (within({point.x, point.y}, pose, reach)) nearest.add({point.x, point.y, margins.moving, margins.reaction_time});
+    if (!within({point.x, point.y}, pose, reach)) continue;
+    const bool seen = in_view({point.x, point.y}, eye, pose.yaw + scan.mount.yaw, scan);
+    const double nearer = seen ? 0.0 : kApproach * (now - point.time);
+    nearest.add({point.x, point.y, margins.moving + nearer, margins.reaction_time});
   }
   std::vector<Point> guessed;
   for (const Point& point : beyond) {
@@ -327,7 +331,6 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
     guessed.push_back(there);
     nearest.add({there.x, there.y, margins.obstacle, 0.0});
   }
-  const Point eye = place({scan.mount.x, scan.mount.y});
   for (const BlindMap::Wall& wall : blind.walls()) {
     const auto same = [&](const Point& point) { return distance(point, wall.place) < kSameSurface; };
     if (std::any_of(guessed.begin(), guessed.end(), same)) continue;

@@ -105,6 +105,7 @@ class Navigator:
             missing = "map" if costs is None else "pose in the map" if pose is None else "laser scan"
             return self._without_input(now, missing)
         self._complete_at = now
+        self._map.be_at(pose)
         self._surroundings.see(scan, pose, costs, now)
         if not self._route.has_goal:
             return self._come_to_rest(costs, pose, scan)

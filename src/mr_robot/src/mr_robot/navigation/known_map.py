@@ -2,9 +2,10 @@
 
 from typing import List, Optional, Tuple
 
-from mr_grid import FARTHEST, OccupancyGrid, is_place
+from mr_grid import FARTHEST, OccupancyGrid, Pose, is_place
 from mr_robot import _navigation
 from mr_robot.navigation.arrivals import Arrivals
+from mr_robot.navigation.driven import DrivenGround
 from mr_robot.navigation.options import NavigationError, NavigationOptions
 from mr_robot.navigation.planner import CostMap, without_robots
 
@@ -16,6 +17,7 @@ class KnownMap:
         self._options = options
         self._grid: Optional[OccupancyGrid] = None
         self._arrivals = Arrivals(2.0 * options.blocked_timeout)
+        self._driven = DrivenGround()
         self._costs: Optional[CostMap] = None
         self._robots: List[Tuple[float, float]] = []
         self._costs_hold = False  # whether they are those of the present map and positions
@@ -45,6 +47,10 @@ class KnownMap:
         self._costs_hold = False
         self._own_holds = False
 
+    def be_at(self, pose: Pose) -> None:
+        """Once per step: where the robot is it fits."""
+        self._driven.add(pose)
+
     def costs(self, now: float) -> Optional[CostMap]:
         """None without a map. Robots that stood still long enough to enter it are no walls: what came lately is taken
         out, and them where they report."""
@@ -54,7 +60,7 @@ class KnownMap:
         grid = self._arrivals.taken_from(self._grid, now)
         grid = without_robots(grid, self._robots, self._options.largest_robot_radius)
         if self._costs is None or not grid.equals(self._costs.grid):
-            self._costs = CostMap(grid, self._options, self._costs)
+            self._costs = CostMap(grid, self._options, self._costs, self._driven)
         return self._costs
 
     @property

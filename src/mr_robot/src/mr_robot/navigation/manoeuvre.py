@@ -59,11 +59,12 @@ class Manoeuvre:
         behind = abs(ahead) > 2.0 * _navigation.TOUCHING or abs(turn) > 0.5 * LEAST_TURN
         if not behind and self._time >= self._times[-1]:
             return None
-        # A robot that lags is waited for, at a tenth of the pace so that the end comes in any case.
-        self._time += 0.1 * period if behind else period
+        # A robot that is elsewhere is waited for, at a tenth of the pace so that the end comes in any case.
+        pace = 0.1 if behind else 1.0
+        self._time += pace * period
         return (
-            linear * math.cos(turn) + GAIN * ahead,
-            angular + GAIN**2 * linear * aside + GAIN * turn,
+            pace * linear * math.cos(turn) + GAIN * ahead,
+            pace * (angular + GAIN**2 * linear * aside) + GAIN * turn,
         )
 
     def _reference(self) -> Tuple[Pose, float, float]:

@@ -1,7 +1,7 @@
 """Ways through a map: costs near walls, cost to go to a goal by fast marching, paths down that cost."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import List, Optional, Tuple
 
 import cv2
@@ -9,6 +9,7 @@ import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
 from mr_robot import _navigation
+from mr_robot.navigation.driven import DrivenGround
 from mr_robot.navigation.options import REACH, NavigationOptions
 
 NEAR_WALL_COST = 6.0  # a cell at the wall costs this much more than a free one
@@ -43,9 +44,17 @@ class Plan:
 class CostMap:
     """Distances to walls of one map, m, 1000 where walls do not slow down, and slowness for planning over it."""
 
-    def __init__(self, grid: OccupancyGrid, options: NavigationOptions, former: Optional["CostMap"] = None) -> None:
-        """`former`: any earlier one with the same options; only what has changed since is computed again."""
+    def __init__(
+        self,
+        grid: OccupancyGrid,
+        options: NavigationOptions,
+        former: Optional["CostMap"] = None,
+        driven: Optional[DrivenGround] = None,
+    ) -> None:
+        """`former`: any earlier one with the same options; only what has changed since is computed again. `driven`:
+        where the body has been."""
         self.grid, self.options = grid, options
+        self._driven = driven or DrivenGround()
         self._narrow: Optional[np.ndarray] = None
         self._inflation = _navigation.Inflation(options.inscribed_radius, options.inflation_radius, NEAR_WALL_COST)
         reach = math.ceil(options.inflation_radius / grid.resolution) + 1  # one more for what rounding leaves
@@ -67,7 +76,7 @@ class CostMap:
 
     def slowness(self, obstacles: np.ndarray, robot: Optional[Pose], narrow: bool = False) -> np.ndarray:
         """Cost per cell, float32 (rows, columns), infinity = blocked, with obstacle points (n, 2) beside the map's
-        walls. `narrow`: also between walls where only the body fits. Not to be written to."""
+        walls. `narrow`: also between walls where only the body fits or has been. Not to be written to."""
         slowness, cells = self._with_narrow_places() if narrow else self._of_walls, self._cells_of(obstacles)
         if len(cells):
             slowness = _navigation.slower_around(slowness, cells, self.grid.resolution, self._inflation)
@@ -75,7 +84,10 @@ class CostMap:
 
     def _with_narrow_places(self) -> np.ndarray:
         if self._narrow is None:
-            fits = (self.wall_distance >= self.options.half_width) & ~np.isfinite(self._of_walls)
+            fits = self.wall_distance >= self.options.half_width
+            rows, columns = self._driven.cells_of(self.grid.info).T
+            fits[rows, columns] = True
+            fits &= (self.grid.cells <= 50) & ~np.isfinite(self._of_walls)
             if not self.options.allow_unknown:
                 fits &= self.grid.cells >= 0
             self._narrow = np.where(fits, np.float32(NARROW_COST), self._of_walls)
@@ -180,7 +192,7 @@ def plan(
 ) -> Optional[Plan]:
     """The way from `robot` to `goal`, or to the nearest reachable point within `search_radius`; None: no way.
     `former`: any earlier plan; what still holds of it is not computed again, the result is the same. `narrow`: also
-    through places where only the body fits."""
+    through places where only the body fits or has been."""
     grid = costs.grid
     start = grid.info.cell_of(robot[0], robot[1])
     if not grid.info.contains(*start):
@@ -223,6 +235,15 @@ def _seeds_near(slowness: np.ndarray, row: int, column: int, radius: float) -> S
     off = np.hypot(rows + top - row, columns + left - column)
     near = off <= radius
     return tuple(zip((rows[near] + top).tolist(), (columns[near] + left).tolist(), (10.0 * off[near]).tolist()))
+
+
+def from_here(way: Plan, robot: Pose) -> Plan:
+    """The same way from where the robot is now, through the map that it was planned on; itself where there is none."""
+    start = way.grid.info.cell_of(robot[0], robot[1])
+    if not way.grid.info.contains(*start) or np.isfinite(way.cost[start]):
+        return way
+    cost = _march(way.slowness, way.seeds, start, way.grid, way)
+    return replace(way, cost=cost, start=start) if np.isfinite(cost[start]) else way
 
 
 def path(way: Plan, robot: Pose) -> List[Tuple[float, float]]:

@@ -9,7 +9,7 @@ import numpy as np
 from mr_grid import Pose
 from mr_robot.navigation.command import GivenUp
 from mr_robot.navigation.options import AT_REST, LONGEST_DETOUR, PROGRESS, REACH, NavigationOptions
-from mr_robot.navigation.planner import CostMap, Plan, plan
+from mr_robot.navigation.planner import CostMap, Plan, from_here, plan
 
 TIME_FACTOR = 5.0  # times what the way takes at full speed, allowed for it beside the timeout of a blocked one
 
@@ -108,7 +108,7 @@ class Route:
             known = plan(costs, empty, pose, target, radius, self._known, narrow)
         self._known = known
         if known is None:
-            self._without_way(now, target, costs)
+            self._without_way(now, pose, costs)
             return
         goal.failed = False
         around = plan(costs, moving, pose, target, radius, known, narrow) if len(moving) else known
@@ -156,17 +156,19 @@ class Route:
             "that is not in the map"
         )
 
-    def _without_way(self, now: float, target: Tuple[float, float], costs: CostMap) -> None:
+    def _without_way(self, now: float, pose: Pose, costs: CostMap) -> None:
         assert self._goal is not None
         goal = self._goal
         if self.plan is not None:
-            # There was a way: what closed it came later and may go again. The old plan leads up to it.
+            # There was a way: what closed it came later and may go again. The old plan leads up to where that shows.
+            self.plan = from_here(self.plan, pose)
             if goal.blocked_since is None:
                 goal.blocked_since = now
             if now - goal.blocked_since <= self._options.blocked_timeout:
                 return
         if goal.failed:
-            raise GivenUp(f"no way to ({target[0]:.2f}, {target[1]:.2f}): {self._why_no_way(target, costs)}")
+            x, y, _ = goal.pose
+            raise GivenUp(f"no way to ({x:.2f}, {y:.2f}): {self._why_no_way((x, y), costs)}")
         goal.failed = True
 
     def _why_no_way(self, target: Tuple[float, float], costs: CostMap) -> str:

@@ -20,11 +20,13 @@ class Surroundings:
         self._options = options
         self._memory = ObstacleMemory(options.obstacle_memory)
         self._hits = np.empty((0, 2))  # of the latest scan, robot's frame
+        self._seen_at = 0.0  # s, when that came
         self._footprint = _navigation.Footprint(options.footprint_length / 2.0, options.footprint_width / 2.0)
         self._near = options.reach_in(_navigation.Horizon().duration)
 
     def see(self, scan: Scan, pose: Pose, costs: CostMap, now: float) -> None:
         self._hits = scan.points
+        self._seen_at = now
         self._memory.update(scan, pose, costs.walls, now)
 
     def bump(self, pose: Pose, velocity: Velocity, now: float) -> None:
@@ -47,7 +49,7 @@ class Surroundings:
         )  # fmt: skip
         return _navigation.surroundings(
             scan.points, pose, self._memory.rows, costs.walls, own, self._footprint, margins, self._near,
-            scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
+            scan.ranges, scan.angle_min, scan.angle_increment, scan.mount, self._seen_at,
         )  # fmt: skip
 
     def moving_points(self, pose: Pose) -> np.ndarray:
