@@ -4,13 +4,13 @@ and in larger teams than those of the office."""
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Callable, Mapping, Sequence
 
 import numpy as np
 
 from mr_experiments.bench.bench_merging import Row, row
-from mr_experiments.bench.explore_missions import world_name
+from mr_experiments.bench.explore_missions import LIMIT, world_name
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial
 from mr_measures.record.mission_record import MissionRecord
@@ -27,13 +27,15 @@ WIDE_HALLS: Bars = (5.0, 5.0)
 
 @dataclass(frozen=True)
 class Kind:
-    """`world`: from a seed; empty is the scenario's own. `unrevoked`: transforms that are right must stay."""
+    """`world`: from a seed; empty is the scenario's own. `unrevoked`: transforms that are right must stay. `limit`: s
+    for a mission, the scenario's own if 0."""
 
     scenario: str
     teams: tuple[int, ...]
     walls: Bars = PIONEERS
     world: Callable[[int], str] = lambda seed: ""
     unrevoked: bool = False
+    limit: float = 0.0
 
 
 KINDS: Mapping[str, Kind] = {
@@ -42,7 +44,7 @@ KINDS: Mapping[str, Kind] = {
     "turtlebot": Kind("turtlebot", (1, 2, 3, 4), TURTLEBOTS, unrevoked=True),
     "mixed": Kind("mixed", (4,), TURTLEBOTS),
     "wide": Kind("paper", (1, 4), WIDE_HALLS, lambda seed: WIDE[seed % len(WIDE)].format(seed), unrevoked=True),
-    "generated": Kind("paper", (1, 4), world=world_name),
+    "generated": Kind("paper", (1, 4), world=world_name, limit=LIMIT),
     "large": Kind("large", (4,)),
     "many": Kind("many", (8, 16)),
 }
@@ -59,7 +61,8 @@ def trials_of(names: Sequence[str], seeds: Sequence[int], huge_seeds: Sequence[i
 
 
 def _trial(kind: Kind, team: int, seed: int) -> Trial:
-    return load_scenario(kind.scenario).trial(team, STRATEGY, seed, kind.world(seed))
+    trial = load_scenario(kind.scenario).trial(team, STRATEGY, seed, kind.world(seed))
+    return replace(trial, limit=kind.limit or trial.limit)
 
 
 def table(groups: Mapping[tuple[str, int], Sequence[MissionRecord]]) -> list[Row]:
