@@ -316,11 +316,15 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
                       : Obstacle{hit.x, hit.y, margins.moving, margins.reaction_time});
   }
   const Point eye = place({scan.mount.x, scan.mount.y});
+  const double cosine = std::cos(pose.yaw), sine = std::sin(pose.yaw);
   for (const Remembered& point : remembered) {
-    if (!within({point.x, point.y}, pose, reach)) continue;
-    const bool seen = in_view({point.x, point.y}, eye, pose.yaw + scan.mount.yaw, scan);
-    const double nearer = seen ? 0.0 : kApproach * (now - point.time);
-    nearest.add({point.x, point.y, margins.moving + nearer, margins.reaction_time});
+    const Point there{point.x, point.y};
+    if (!within(there, pose, reach)) continue;
+    const bool behind = cosine * (there.x - pose.x) + sine * (there.y - pose.y) < -footprint.half_length;
+    const bool comes = behind && !in_view(there, eye, pose.yaw + scan.mount.yaw, scan) &&
+                       !is_wall(walls, there, kSameSurface);
+    const double nearer = comes ? kApproach * (now - point.time) : 0.0;
+    nearest.add({there.x, there.y, margins.moving + nearer, margins.reaction_time});
   }
   std::vector<Point> guessed;
   for (const Point& point : beyond) {
