@@ -11,7 +11,7 @@
 namespace mr_robot::navigation {
 
 constexpr double kSameSurface = 0.15;  // m between what the laser or a map shows of one surface
-constexpr double kApproach = 0.2;      // m/s at which what was seen and may move is taken to come where the laser is blind
+constexpr double kApproach = 0.2;      // m/s at which what was seen behind the robot and may move is taken to come
 
 struct Point {
   double x, y;  // m
