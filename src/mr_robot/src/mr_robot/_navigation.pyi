@@ -8,6 +8,7 @@ _Pair = tuple[float, float]
 _Pose = tuple[float, float, float]
 
 TOUCHING: float
+SAME_SURFACE: float
 SLACK: float
 RAMP: float
 
@@ -95,7 +96,6 @@ def surroundings(
     angle_min: float = ...,
     angle_increment: float = ...,
     mount: _Pose = ...,
-    now: float = ...,
 ) -> np.ndarray: ...
 def choose_velocity(
     cost: np.ndarray,

@@ -21,7 +21,7 @@ from mr_robot.navigation.options import AT_REST, NavigationError, NavigationOpti
 from mr_robot.navigation.planner import CostMap, path, plan
 from mr_robot.navigation.route import Route
 from mr_robot.navigation.stall import StallWatch
-from mr_robot.navigation.surroundings import Surroundings
+from mr_robot.navigation.surroundings import Hazards, Surroundings
 from mr_robot.navigation.yielding import HeldUp, find_retreat
 from mr_sim.closed_loop import ClosedLoop, Robot
 
@@ -323,7 +323,7 @@ def test_away_from_a_jamb_behind_that_the_body_seems_to_touch() -> None:
     motion = Motion(NavigationOptions())
     follower, pose = Follower(motion, NavigationOptions()), Pose(1.0, 2.0, 0.0)
     for step in range(80):
-        motion.velocity = follower.follow(0.1 * step, way, pose, jamb, stuck=True) or STOP
+        motion.velocity = follower.follow(0.1 * step, way, pose, Hazards(jamb, np.empty((0, 4))), stuck=True) or STOP
         yaw = pose.yaw + 0.1 * motion.velocity[1]
         way_on = 0.1 * motion.velocity[0]
         pose = Pose(pose.x + way_on * math.cos(yaw), pose.y + way_on * math.sin(yaw), yaw)
@@ -651,18 +651,22 @@ def test_manoeuvres_keep_away_from_what_moves_at_speed() -> None:
     assert motion.is_clear(Pose(0.0, 0.0, 0.0), bare(wall, options.obstacle_margin), (-0.25, 0.0))
 
 
-def test_what_moves_may_have_come_nearer_where_the_laser_is_blind() -> None:
-    """Robots backed into others that had followed them there since they were last seen."""
+def test_what_moves_may_have_come_nearer_behind_the_robot() -> None:
+    """Robots backed into others that had followed them since they were last seen."""
+    surroundings, pose = Surroundings(NavigationOptions()), Pose(2.0, 2.0, 0.0)
     costs = CostMap(room((slice(44, 46), slice(24, 26))), NavigationOptions())
-    # Two behind the robot, one ahead, and behind it one that has turned out to be a wall.
-    seen = np.array([[1.4, 2.0, 7.0], [1.4, 1.9, 9.0], [2.6, 2.0, 7.0], [1.26, 2.37, 7.0]])
-    rows = _navigation.surroundings(
-        np.empty((0, 2)), Pose(2.0, 2.0, 0.0), seen, costs.walls, None, FOOTPRINT,
-        _navigation.Margins(0.02, 0.1, 0.05, 0.1, 0.25), 1.3, EMPTY.ranges, EMPTY.angle_min, EMPTY.angle_increment,
-        EMPTY.mount, 10.0,
-    )  # fmt: skip
-    margins = {(x, y): margin for x, y, margin, _ in rows.tolist() if [x, y] in seen[:, :2].tolist()}
-    assert margins == pytest.approx({(1.4, 2.0): 0.7, (1.4, 1.9): 0.3, (2.6, 2.0): 0.1, (1.26, 2.37): 0.1})
+    angles = np.linspace(-math.pi, math.pi, 720)
+    robot = np.where(np.cos(angles - math.pi) > math.cos(0.05), 0.8, 8.0)  # behind
+    surroundings.see(make_scan(robot, -math.pi, 2.0 * math.pi / 719, 0.1, 8.0, Pose()), pose, costs, 7.0)
+    surroundings.see(EMPTY, pose, costs, 10.0)
+    behind = surroundings.followers(10.0, costs, pose, EMPTY)
+    assert len(behind) and behind[:, 0] == pytest.approx(1.2, abs=0.05)
+    assert behind[:, 2] == pytest.approx(0.1 + 3.0 * 0.2)
+    assert len(surroundings.followers(10.0, costs, Pose(2.0, 2.0, math.pi), EMPTY)) == 0, "it is seen there"
+    wall = CostMap(room((slice(38, 42), slice(22, 24))), NavigationOptions())
+    assert len(surroundings.followers(10.0, wall, pose, EMPTY)) == 0, "it has turned out to be a wall"
+    unknown = CostMap(OccupancyGrid.of(np.full((80, 80), -1, np.int8), 0.05), NavigationOptions())
+    assert len(surroundings.followers(10.0, unknown, pose, EMPTY)) == 0, "it may be one"
 
 
 @pytest.mark.parametrize("off", [0.11, -0.11])

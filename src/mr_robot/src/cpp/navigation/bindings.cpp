@@ -169,6 +169,7 @@ py::tuple choose_velocity(const Floats& cost, double resolution, const Pair& ori
 PYBIND11_MODULE(_navigation, module) {
   module.doc() = "Hot loops of the navigation engine. SI units, poses as (x, y, yaw).";
   module.attr("TOUCHING") = kTouching;
+  module.attr("SAME_SURFACE") = kSameSurface;
   module.attr("SLACK") = kSlack;
   module.attr("RAMP") = kRamp;
   py::class_<Limits>(module, "Limits")
@@ -248,14 +249,14 @@ PYBIND11_MODULE(_navigation, module) {
       "surroundings",
       [](const Doubles& points, const Triple& pose, const Doubles& remembered, const OwnedWalls& walls,
          const OwnedMap* own, const Footprint& footprint, const Margins& margins, double reach, const Doubles& ranges,
-         double angle_min, double angle_increment, const Triple& mount, double now) {
+         double angle_min, double angle_increment, const Triple& mount) {
         const ScanView scan = view_of(points, ranges, angle_min, angle_increment, mount);
         return to_rows(surroundings(scan, to_pose(pose), to_remembered(remembered), walls.view,
-                                    own == nullptr ? nullptr : &own->view, footprint, margins, reach, now));
+                                    own == nullptr ? nullptr : &own->view, footprint, margins, reach));
       },
       py::arg("points"), py::arg("pose"), py::arg("remembered"), py::arg("walls"), py::arg("own"), py::arg("footprint"),
       py::arg("margins"), py::arg("reach"), py::arg("ranges") = Doubles(0), py::arg("angle_min") = 0.0,
-      py::arg("angle_increment") = 1.0, py::arg("mount") = Triple(0.0, 0.0, 0.0), py::arg("now") = 0.0,
+      py::arg("angle_increment") = 1.0, py::arg("mount") = Triple(0.0, 0.0, 0.0),
       "Obstacles near the robot, rows (x, y, margin, reaction time).");
   module.def("choose_velocity", &choose_velocity, py::arg("cost"), py::arg("resolution"), py::arg("origin"),
              py::arg("goal"), py::arg("pose"), py::arg("velocity"), py::arg("obstacles"), py::arg("limits"),

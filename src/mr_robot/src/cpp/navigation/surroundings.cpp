@@ -299,7 +299,7 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
 
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
                                    const Walls& walls, const Map* own, const Footprint& footprint,
-                                   const Margins& margins, double reach, double now) {
+                                   const Margins& margins, double reach) {
   const BlindMap blind(walls, own, pose, reach);
   const std::vector<Point> beyond = continued(scan, 2.0 * footprint.half_length, reach);
   const std::size_t most = scan.point_count + remembered.size() + blind.walls().size() + beyond.size();
@@ -315,16 +315,8 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
     nearest.add(known ? Obstacle{hit.x, hit.y, margins.obstacle, 0.0}
                       : Obstacle{hit.x, hit.y, margins.moving, margins.reaction_time});
   }
-  const Point eye = place({scan.mount.x, scan.mount.y});
-  const double cosine = std::cos(pose.yaw), sine = std::sin(pose.yaw);
   for (const Remembered& point : remembered) {
-    const Point there{point.x, point.y};
-    if (!within(there, pose, reach)) continue;
-    const bool behind = cosine * (there.x - pose.x) + sine * (there.y - pose.y) < -footprint.half_length;
-    const bool comes = behind && !in_view(there, eye, pose.yaw + scan.mount.yaw, scan) &&
-                       !is_wall(walls, there, kSameSurface);
-    const double nearer = comes ? kApproach * (now - point.time) : 0.0;
-    nearest.add({there.x, there.y, margins.moving + nearer, margins.reaction_time});
+    if (within({point.x, point.y}, pose, reach)) nearest.add({point.x, point.y, margins.moving, margins.reaction_time});
   }
   std::vector<Point> guessed;
   for (const Point& point : beyond) {
@@ -335,6 +327,7 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
     guessed.push_back(there);
     nearest.add({there.x, there.y, margins.obstacle, 0.0});
   }
+  const Point eye = place({scan.mount.x, scan.mount.y});
   for (const BlindMap::Wall& wall : blind.walls()) {
     const auto same = [&](const Point& point) { return distance(point, wall.place) < kSameSurface; };
     if (std::any_of(guessed.begin(), guessed.end(), same)) continue;

@@ -11,7 +11,6 @@
 namespace mr_robot::navigation {
 
 constexpr double kSameSurface = 0.15;  // m between what the laser or a map shows of one surface
-constexpr double kApproach = 0.2;      // m/s at which what was seen behind the robot and may move is taken to come
 
 struct Point {
   double x, y;  // m
@@ -62,9 +61,9 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
 // Hits, remembered points and, where the laser is blind, walls within `reach` of the robot; of each square of kTouching
 // the nearest, of those close to the robot all. `own`: what the robot itself has mapped, if anything. It lies where the
 // robot believes to be, while what the others drew may lie beside it: blind walls are those of `own` that are not gone
-// in `walls`, and those of `walls` where `own` shows nothing. `now`: s, the clock of what is remembered.
+// in `walls`, and those of `walls` where `own` shows nothing.
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
                                    const Walls& walls, const Map* own, const Footprint& footprint,
-                                   const Margins& margins, double reach, double now);
+                                   const Margins& margins, double reach);
 
 }  // namespace mr_robot::navigation

@@ -22,7 +22,7 @@ from mr_robot.navigation.other_robots import OtherRobots
 from mr_robot.navigation.planner import CostMap, Plan, path
 from mr_robot.navigation.route import Route
 from mr_robot.navigation.stall import StallWatch
-from mr_robot.navigation.surroundings import Surroundings
+from mr_robot.navigation.surroundings import Hazards, Surroundings
 from mr_robot.navigation.yielding import HeldUp, Point, find_retreat
 
 CREEPING = PROGRESS / STANDING  # m/s
@@ -118,8 +118,9 @@ class Navigator:
         obstacles = self._surroundings.obstacles(costs, self._map.own, pose, scan)
         obstacles = self._others.settle(np.concatenate([obstacles, self._others.unseen(now, pose, scan)]), now)
         obstacles = outside(pose, obstacles, self._motion.footprint)
+        hazards = Hazards(obstacles, self._surroundings.followers(now, costs, pose, scan))
         try:
-            command = self._turn_around(now, pose, scan, obstacles) or self._act(now, pose, costs, obstacles)
+            command = self._turn_around(now, pose, scan, obstacles) or self._act(now, pose, costs, hazards)
         except GivenUp as reason:
             command = self._abort(str(reason))
         if not self._route.has_goal:
@@ -159,9 +160,9 @@ class Navigator:
         self._route.progress_at = now
         return Command(*velocity, Status.ACTIVE)
 
-    def _act(self, now: float, pose: Pose, costs: CostMap, obstacles: np.ndarray) -> Command:
+    def _act(self, now: float, pose: Pose, costs: CostMap, hazards: Hazards) -> Command:
         if self.mode is Mode.GIVE_WAY:
-            return self._give_way(now, pose, obstacles)
+            return self._give_way(now, pose, hazards)
         if self.mode is Mode.WAIT and (now < self._mode_until or self._lets_pass(now, pose)):
             return self._brake()
         if self.mode is Mode.WAIT:
@@ -169,14 +170,14 @@ class Navigator:
         self._route.update(now, pose, costs, self._surroundings.moving_points(pose))
         if self._route.plan is None:
             return self._brake()
-        return self._drive(now, pose, costs, self._route.plan, obstacles)
+        return self._drive(now, pose, costs, self._route.plan, hazards)
 
-    def _drive(self, now: float, pose: Pose, costs: CostMap, way: Plan, obstacles: np.ndarray) -> Command:
+    def _drive(self, now: float, pose: Pose, costs: CostMap, way: Plan, hazards: Hazards) -> Command:
         if self.mode is Mode.TURN or math.dist(pose[:2], way.goal) < self.options.xy_goal_tolerance:
-            return self._turn_to_goal(now, pose, obstacles)
+            return self._turn_to_goal(now, pose, hazards.obstacles)
         self._route.advance(now, pose)
         stuck = now - self._route.progress_at > STANDING and self._blocker(pose) is None
-        velocity = self._follow(now, way, pose, obstacles, stuck)
+        velocity = self._follow(now, way, pose, hazards, stuck)
         drives = velocity is not None and abs(velocity[0]) + PROGRESS * abs(velocity[1]) > CREEPING
         if self._held(now, pose, drives and now - self._route.nearer_at < STANDING):
             return self._begin_to_give_way(now, pose, costs)
@@ -201,8 +202,8 @@ class Navigator:
             return self._brake()
         return Command(*self._motion.towards(target), Status.ACTIVE)
 
-    def _follow(self, now: float, way: Plan, pose: Pose, obstacles: np.ndarray, stuck: bool) -> Optional[Velocity]:
-        velocity = self._follower.follow(now, way, pose, obstacles, stuck)
+    def _follow(self, now: float, way: Plan, pose: Pose, hazards: Hazards, stuck: bool) -> Optional[Velocity]:
+        velocity = self._follower.follow(now, way, pose, hazards, stuck)
         if self._follower.gained_room:
             self._route.progress_at = now
         return velocity
@@ -233,7 +234,7 @@ class Navigator:
         self._mode_until = now + self.options.blocked_timeout
         return self._brake()
 
-    def _give_way(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
+    def _give_way(self, now: float, pose: Pose, hazards: Hazards) -> Command:
         retreat = self._retreat
         near = self.options.xy_goal_tolerance
         if retreat is None or now >= self._mode_until or math.dist(pose[:2], retreat.goal) < near:
@@ -241,7 +242,7 @@ class Navigator:
             self._follower.drop_manoeuvre()
             self._mode_until = now + self._held_up.draw()
             return self._brake()
-        velocity = self._follow(now, retreat, pose, obstacles, now - self._moved_at > self.options.yield_patience)
+        velocity = self._follow(now, retreat, pose, hazards, now - self._moved_at > self.options.yield_patience)
         return self._brake() if velocity is None else Command(*velocity, Status.ACTIVE)
 
     def _lets_pass(self, now: float, pose: Pose) -> bool:

@@ -12,6 +12,7 @@ from mr_robot.navigation.manoeuvre import Manoeuvre, plan_manoeuvre
 from mr_robot.navigation.motion import STOP, Motion, bare
 from mr_robot.navigation.options import LEAST_TURN, NavigationOptions
 from mr_robot.navigation.planner import Plan
+from mr_robot.navigation.surroundings import Hazards
 
 
 class Follower:
@@ -29,11 +30,15 @@ class Follower:
         """Drops the manoeuvre, and another may be planned at once."""
         self._manoeuvre, self._planned_at = None, -math.inf
 
-    def follow(self, now: float, way: Plan, pose: Pose, obstacles: np.ndarray, stuck: bool) -> Optional[Velocity]:
+    def follow(
+        self, now: float, way: Plan, pose: Pose, hazards: Hazards, stuck: bool
+    ) -> Optional[Velocity]:
         """None where nothing is safe. `stuck`: whether the way does not lead on although nothing is in the way."""
-        tight = bare(obstacles, self._options.obstacle_margin)
+        tight = bare(hazards.obstacles, self._options.obstacle_margin)
         self.gained_room = False
-        if self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, tight, stuck):
+        wanted = self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, tight, stuck)
+        tight = np.concatenate([tight, bare(hazards.followers, self._options.obstacle_margin)])
+        if wanted:
             self._planned_at = now
             self._manoeuvre = plan_manoeuvre(way, pose, tight, self._motion.footprint, self._motion.limits)
         if self._manoeuvre is not None:
@@ -45,7 +50,7 @@ class Follower:
                 return self._motion.towards(STOP)
             self._manoeuvre = None
             self.gained_room = True
-        return self._motion.along(way, pose, obstacles)
+        return self._motion.along(way, pose, hazards.obstacles)
 
     def _wants_manoeuvre(self, now: float, way: Plan, pose: Pose, tight: np.ndarray, stuck: bool) -> bool:
         if now - self._planned_at < self._options.plan_period:

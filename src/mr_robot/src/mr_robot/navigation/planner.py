@@ -82,6 +82,15 @@ class CostMap:
             slowness = _navigation.slower_around(slowness, cells, self.grid.resolution, self._inflation)
         return slowness if robot is None else self._open_around(robot, slowness, cells)
 
+    def is_open(self, points: np.ndarray, off: float) -> np.ndarray:
+        """bool (n,), of points (n, 2): on free ground, more than `off`, m, from walls."""
+        cells = self.grid.info.cells_of(points)
+        open_: np.ndarray = self.grid.info.inside(cells)
+        rows, columns = cells[open_].T
+        known = (self.grid.cells[rows, columns] >= 0) & (self.wall_distance[rows, columns] > off)
+        open_[open_] = known
+        return open_
+
     def _with_narrow_places(self) -> np.ndarray:
         if self._narrow is None:
             fits = self.wall_distance >= self.options.half_width

@@ -1,7 +1,7 @@
 """What is around the robot beside the walls of its map: what its laser sees and has seen."""
 
 import math
-from typing import Optional
+from typing import NamedTuple, Optional
 
 import numpy as np
 
@@ -14,19 +14,26 @@ from mr_robot.navigation.planner import CostMap
 from mr_robot.navigation.yielding import Point, nearest_blocker
 from mr_robot.platforms.parameters import NARROW_VIEW
 
+APPROACH = 0.2  # m/s at which what was seen behind the robot and may move is taken to come
+
+
+class Hazards(NamedTuple):
+    """Rows (x, y, margin, reaction time) in the map frame."""
+
+    obstacles: np.ndarray
+    followers: np.ndarray  # what may have come nearer behind the robot, for manoeuvres
+
 
 class Surroundings:
     def __init__(self, options: NavigationOptions) -> None:
         self._options = options
         self._memory = ObstacleMemory(options.obstacle_memory)
         self._hits = np.empty((0, 2))  # of the latest scan, robot's frame
-        self._seen_at = 0.0  # s, when that came
         self._footprint = _navigation.Footprint(options.footprint_length / 2.0, options.footprint_width / 2.0)
         self._near = options.reach_in(_navigation.Horizon().duration)
 
     def see(self, scan: Scan, pose: Pose, costs: CostMap, now: float) -> None:
         self._hits = scan.points
-        self._seen_at = now
         self._memory.update(scan, pose, costs.walls, now)
 
     def bump(self, pose: Pose, velocity: Velocity, now: float) -> None:
@@ -49,8 +56,19 @@ class Surroundings:
         )  # fmt: skip
         return _navigation.surroundings(
             scan.points, pose, self._memory.rows, costs.walls, own, self._footprint, margins, self._near,
-            scan.ranges, scan.angle_min, scan.angle_increment, scan.mount, self._seen_at,
+            scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
         )  # fmt: skip
+
+    def followers(self, now: float, costs: CostMap, pose: Pose, scan: Scan) -> np.ndarray:
+        """Rows (x, y, margin, reaction time), map frame, of what the robot saw on free ground behind it, where it sees no
+        more: it may have come nearer since."""
+        rows = self._memory.rows
+        places = pose.apply_inverse(rows[:, :2])
+        behind = (places[:, 0] < -self._footprint.half_length) & (np.hypot(*places.T) < self._near)
+        rows = rows[behind & scan.blind_to(places)]
+        rows = rows[costs.is_open(rows[:, :2], _navigation.SAME_SURFACE)]
+        margins = self._options.moving_margin + APPROACH * (now - rows[:, 2])
+        return np.column_stack([rows[:, :2], margins, np.full(len(rows), self._options.moving_reaction_time)])
 
     def moving_points(self, pose: Pose) -> np.ndarray:
         """Remembered obstacles (n, 2) but for what lies inside the robot itself."""
