@@ -138,10 +138,14 @@ std::vector<Point> smoothed(const ScanView& scan, double reach) {
   return result;
 }
 
+// A point where the laser is blind, and the last one that it sees of the same surface. Robot's frame.
+struct Beyond {
+  Point point, edge;
+};
+
 // What is close beside the robot at an edge of the field of view goes on where the laser is blind: beside a wall a
-// robot that turns touches it with a corner that it does not see. `length`: m that it goes on. Points in the robot's
-// frame.
-void continue_edge(const ScanView& scan, bool first, double length, double reach, std::vector<Point>& result) {
+// robot that turns touches it with a corner that it does not see. `length`: m that it goes on.
+void continue_edge(const ScanView& scan, bool first, double length, double reach, std::vector<Beyond>& result) {
   const auto edge_of = [&](std::size_t i) { return first ? scan.points[i] : scan.points[scan.point_count - 1 - i]; };
   const Point edge = edge_of(0);
   const double end = first ? scan.angle_min : scan.angle_min + scan.angle_increment * (scan.range_count - 1.0);
@@ -160,12 +164,12 @@ void continue_edge(const ScanView& scan, bool first, double length, double reach
   if (extent < 2.0 * kTouching) return;
   const double x = (from.x - inside.x) / extent, y = (from.y - inside.y) / extent;
   for (int i = 1; i <= std::lround(length / kTouching); ++i) {
-    result.push_back({from.x + i * kTouching * x, from.y + i * kTouching * y});
+    result.push_back({{from.x + i * kTouching * x, from.y + i * kTouching * y}, edge});
   }
 }
 
-std::vector<Point> continued(const ScanView& scan, double length, double reach) {
-  std::vector<Point> result;
+std::vector<Beyond> continued(const ScanView& scan, double length, double reach) {
+  std::vector<Beyond> result;
   const double beams = static_cast<double>(scan.range_count) - 1.0 + 2.0 * kPatchHits;
   if (scan.point_count == 0 || scan.range_count < 2 || beams * std::abs(scan.angle_increment) > 2.0 * M_PI)
     return result;
@@ -301,7 +305,7 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
                                    const Walls& walls, const Map* own, const Footprint& footprint,
                                    const Margins& margins, double reach) {
   const BlindMap blind(walls, own, pose, reach);
-  const std::vector<Point> beyond = continued(scan, 2.0 * footprint.half_length, reach);
+  const std::vector<Beyond> beyond = continued(scan, 2.0 * footprint.half_length, reach);
   const std::size_t most = scan.point_count + remembered.size() + blind.walls().size() + beyond.size();
   // A robot that turns may touch what is this close, and the nearest point of a square to its middle is not the nearest
   // to a corner.
@@ -319,10 +323,14 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
     if (within({point.x, point.y}, pose, reach)) nearest.add({point.x, point.y, margins.moving, margins.reaction_time});
   }
   std::vector<Point> guessed;
-  for (const Point& point : beyond) {
+  for (const auto& [point, edge] : beyond) {
     // Where the robot is no surface goes on: the few hits that tell its direction did not tell it well.
     if (std::abs(point.x) < footprint.half_length && std::abs(point.y) < footprint.half_width) continue;
     const Point there = place(point);
+    if (blind.is_open(place(edge))) {
+      nearest.add({there.x, there.y, margins.moving, margins.reaction_time});
+      continue;
+    }
     if (blind.is_open(there)) continue;
     guessed.push_back(there);
     nearest.add({there.x, there.y, margins.obstacle, 0.0});
