@@ -498,6 +498,21 @@ def test_a_far_wall_of_long_ago_does_not_turn_a_robot_that_sees_it_out_of_a_pass
     assert max(math.hypot(error.x, error.y) for error in errors) < 0.005
 
 
+def test_what_was_hit_from_too_far_to_be_a_surface_contradicts_no_scan() -> None:
+    """A Turtlebot saw a wall at 4 m, where it reads too roughly to tell which way a wall runs, and then near: where it
+    had been drawn the map knew better, and the robot was soon believed to be elsewhere."""
+    slam, random = Slam(SlamOptions()), np.random.default_rng(1)
+    angles = np.linspace(-0.5, 0.5, 640)
+    for step in range(30):
+        x = 0.1 * step
+        roughly = 0.04 if step < 10 else 0.004  # m
+        ranges = (3.9 - x) / np.cos(angles) + random.normal(0.0, roughly, angles.size)
+        scan = LaserScan(ranges, -0.5, 1.0 / 639, 0.1, 5.0, Pose())
+        update = slam.process(scan, Pose(x, 0.0, 0.0), 0.2 * step)
+        assert update.matched, f"at {x:.1f} m"
+        assert math.dist(update.pose[:2], (x, 0.0)) < 0.1
+
+
 def test_a_robot_that_comes_out_of_a_door_does_not_make_this_one_stand() -> None:
     """A Turtlebot drove along a wall, and another one came before that wall at the edge of its view: what it saw looked
     more like what it had seen than like what it would have, and it lost 0.3 m."""

@@ -247,6 +247,19 @@ bool GridMap::known(const Cell& cell) const {
          seen({cell.x, cell.y + 1});
 }
 
+bool GridMap::occupied(const Cell& cell) const {
+  return seen_[index_of(cell)] != 0 && grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x] < 0;
+}
+
+bool GridMap::hit_beside(const Cell& cell) const {
+  for (int y = cell.y - 1; y <= cell.y + 1; ++y) {
+    for (int x = cell.x - 1; x <= cell.x + 1; ++x) {
+      if (contains({x, y}) && !has_surface({x, y}) && occupied({x, y})) return true;
+    }
+  }
+  return false;
+}
+
 bool GridMap::blocked(const Point& eye, const Point& end) const {
   const double length = std::hypot(end.x - eye.x, end.y - eye.y);
   if (length <= 0.0) return false;

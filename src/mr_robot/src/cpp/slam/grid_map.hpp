@@ -59,6 +59,8 @@ class GridMap {
 
   // Whether the cell and those around it have been seen: a wall in it that is not on the map would be new.
   bool known(const Cell& cell) const;
+  // Whether something was hit there or beside it, too far away or too scattered to be a surface.
+  bool hit_beside(const Cell& cell) const;
   // Whether a surface of the map lies across the line, well before its end.
   bool blocked(const Point& eye, const Point& end) const;
 
@@ -74,6 +76,7 @@ class GridMap {
   bool contains(const Cell& cell) const;
   std::size_t index_of(const Cell& cell) const;
   bool has_surface(const Cell& cell) const;
+  bool occupied(const Cell& cell) const;
   void mark_surface(const Cell& cell);
   void grow_to(Cell low, Cell high);
   void change_odds(const Cell& cell, int step);

@@ -73,7 +73,8 @@ void drop_noise(std::map<int, Evidence>* origins) {
 
 // A hit that lies on no surface: whether the map knows better.
 bool contradicts(const GridMap& map, const Point& eye, const Point& point) {
-  return map.known(map.cell_of(point)) || map.blocked(eye, point);
+  const Cell cell = map.cell_of(point);
+  return (map.known(cell) && !map.hit_beside(cell)) || map.blocked(eye, point);
 }
 
 // What the map says to the hits at the pose of the fit.
