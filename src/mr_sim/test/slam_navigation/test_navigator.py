@@ -694,14 +694,17 @@ def test_a_way_that_closed_leads_up_to_where_that_shows_from_wherever_the_robot_
     assert route.plan.cost_at(away.x, away.y) == pytest.approx(2.6, abs=0.3)
 
 
-def test_a_wall_goes_on_where_the_laser_is_blind() -> None:
-    """Robots that turned touched it with a corner behind the last beam."""
-    unknown, free = np.full((80, 80), -1, np.int8), np.zeros((80, 80), np.int8)
-    for cells, known in ((unknown, False), (free, True)):
-        points = seen_around(beside(0.205), OccupancyGrid.of(cells, 0.05))
-        behind = points[(points[:, 0] < -0.3) & (points[:, 0] > -0.5)]
-        assert (len(behind) == 0) == known
-        assert np.abs(behind[:, 1] + 0.205).max(initial=0.0) < 0.03
+def test_what_is_beside_the_robot_goes_on_where_the_laser_is_blind() -> None:
+    """Robots that turned touched a wall with a corner behind the last beam, and backed into others that passed."""
+    options, unknown, free = NavigationOptions(), np.full((80, 80), -1, np.int8), np.zeros((80, 80), np.int8)
+    ends = free.copy()
+    ends[35, 35:] = 100  # the wall that is seen, as far as it is seen
+    for cells, goes_on in ((unknown, True), (ends, False), (free, True)):
+        costs = CostMap(OccupancyGrid.of(cells, 0.05), options)
+        rows = Surroundings(options).obstacles(costs, None, Pose(2.0, 2.0, 0.0), beside(0.205))
+        behind = rows[(rows[:, 0] < 1.58) & (rows[:, 0] > 1.4)]
+        assert (len(behind) > 0) == goes_on
+        assert np.abs(behind[:, 1] - 1.795).max(initial=0.0) < 0.04
 
 
 def test_a_surface_does_not_go_on_inside_the_robot() -> None:

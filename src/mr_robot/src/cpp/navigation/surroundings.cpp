@@ -327,11 +327,9 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
     // Where the robot is no surface goes on: the few hits that tell its direction did not tell it well.
     if (std::abs(point.x) < footprint.half_length && std::abs(point.y) < footprint.half_width) continue;
     const Point there = place(point);
-    if (blind.is_open(place(edge))) {
-      nearest.add({there.x, there.y, margins.moving, margins.reaction_time});
-      continue;
-    }
-    if (blind.is_open(there)) continue;
+    // Where the map shows free ground a wall has ended, but what moves goes on.
+    const bool moves = point.x < 0.0 && blind.is_open(place(edge));
+    if (!moves && blind.is_open(there)) continue;
     guessed.push_back(there);
     nearest.add({there.x, there.y, margins.obstacle, 0.0});
   }
