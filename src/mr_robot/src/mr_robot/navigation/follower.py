@@ -30,9 +30,7 @@ class Follower:
         """Drops the manoeuvre, and another may be planned at once."""
         self._manoeuvre, self._planned_at = None, -math.inf
 
-    def follow(
-        self, now: float, way: Plan, pose: Pose, hazards: Hazards, stuck: bool
-    ) -> Optional[Velocity]:
+    def follow(self, now: float, way: Plan, pose: Pose, hazards: Hazards, stuck: bool) -> Optional[Velocity]:
         """None where nothing is safe. `stuck`: whether the way does not lead on although nothing is in the way."""
         tight = bare(hazards.obstacles, self._options.obstacle_margin)
         self.gained_room = False

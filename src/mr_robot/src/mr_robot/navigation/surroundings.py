@@ -60,7 +60,7 @@ class Surroundings:
         )  # fmt: skip
 
     def followers(self, now: float, costs: CostMap, pose: Pose, scan: Scan) -> np.ndarray:
-        """Rows (x, y, margin, reaction time), map frame, of what the robot saw on free ground behind it, where it sees no
+        """Rows (x, y, margin, reaction time), map frame, of what the robot saw on free ground behind it and sees no
         more: it may have come nearer since."""
         rows = self._memory.rows
         places = pose.apply_inverse(rows[:, :2])
