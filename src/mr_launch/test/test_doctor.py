@@ -169,6 +169,16 @@ BROKEN = {  # cause: facts, words of the finding, words of the remedy
         "roslaunch mr_launch robot.launch",
     ),
     "misspelt parameter": (with_parameters("explorer", view_distanse=2.0), "is view_distance meant?", "correct it"),
+    "misspelt parameter of navigation": (
+        with_parameters("move_base", footprint_length=0.4, xy_goal_tolerence=0.3),
+        "is xy_goal_tolerance meant?",
+        "correct it",
+    ),
+    "misspelt parameter of SLAM": (
+        with_parameters("slam", small_object_size=0.7, search_windw=0.3),
+        "is search_window meant?",
+        "correct it",
+    ),
     "parameter out of range": (with_parameters("explorer", seed=-1), "~seed is -1, out of range", "correct it"),
     "parameter of the merger": (
         with_parameters("map_merger", split_size=4096),

@@ -20,6 +20,8 @@ CsvFile::CsvFile(const std::string& log_path, const std::string& robot, const st
   path_ = folder / name;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
+  std::error_code unknown;
+  if (std::filesystem::symlink_status(path_, unknown).type() == std::filesystem::file_type::regular) keep_as_old();
   if (!begin_file() && errno != ENOSPC && errno != EDQUOT && error != std::errc::no_space_on_device) {
     throw std::invalid_argument("parameter ~log_path = " + log_path + " names no folder that can be written");
   }
@@ -30,7 +32,7 @@ void CsvFile::add(const std::string& row) {
   if (path_.empty()) return;
   if (file_.is_open() && size_ + static_cast<std::int64_t>(row.size()) + 1 > most_octets_) {
     file_.reset();
-    std::rename(path_.c_str(), (path_ + ".old").c_str());
+    keep_as_old();
   }
   const bool written = (file_.is_open() || begin_file()) && append(row + "\n");
   if (!written) ++rows_lost_;
@@ -40,6 +42,8 @@ std::uint64_t CsvFile::rows_lost() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return rows_lost_;
 }
+
+void CsvFile::keep_as_old() const { std::rename(path_.c_str(), (path_ + ".old").c_str()); }
 
 bool CsvFile::begin_file() {
   FileDescriptor file(open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644));

@@ -26,6 +26,7 @@ class CsvFile {
 
  private:
   bool begin_file();
+  void keep_as_old() const;
   bool append(const std::string& line);
 
   std::string path_;

@@ -185,6 +185,15 @@ TEST_F(Files, LogHasItsHeaderAndRows) {
   EXPECT_EQ(file.rows_lost(), 0u);
 }
 
+// A node that crashed was started again, and nothing was left of what its logs said of that.
+TEST_F(Files, LogOfTheRunBeforeIsKept) {
+  const fs::path path = folder / "adhoc_communication/alice/a.csv";
+  CsvFile(folder, "alice", "a.csv", "#a").add("1");
+  CsvFile(folder, "alice", "a.csv", "#a").add("2");
+  EXPECT_EQ(content(path), "#a\n2\n");
+  EXPECT_EQ(content(path.string() + ".old"), "#a\n1\n");
+}
+
 TEST_F(Files, NoLogPathNoLog) {
   CsvFile file("", "alice", "a.csv", "#a, b");
   file.add("1, 2");

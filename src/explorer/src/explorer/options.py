@@ -4,7 +4,7 @@ import math
 import re
 import socket
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from explorer import strategies
 from explorer.errors import ParameterError
@@ -179,6 +179,11 @@ def summary(options: Options) -> str:
         f"robot {options.robot_name}, strategy {options.frontier_selection}: {title};"
         f" robots in simulation: {options.robots_in_simulation}"
     )
+
+
+def known_names() -> Set[str]:
+    """Of parameters and of groups of them, also of those without effect."""
+    return {parameter.name.split("/")[0] for parameter in PARAMETERS} | set(WITHOUT_EFFECT)
 
 
 def warnings(given: Mapping[str, Any]) -> List[str]:

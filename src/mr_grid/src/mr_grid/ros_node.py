@@ -2,16 +2,24 @@
 
 import contextlib
 import logging
-from typing import Any
+from typing import Any, Iterable
 
 import rospy
 from rosgraph.roslogging import RosStreamHandler
+
+from mr_grid.parameter_names import unknown_parameters
 
 
 def init_node(name: str, **options: Any) -> None:
     """As `rospy.init_node`. What the node logs is lost where it cannot be written, and the node goes on."""
     rospy.init_node(name, **options)
     lose_what_cannot_be_written(logging.getLogger("rosout"))
+
+
+def warn_of_unknown_parameters(known: Iterable[str]) -> None:
+    """Of the node's own, `~`."""
+    for line in unknown_parameters(rospy.get_param("~", {}), known):
+        rospy.logwarn(f"{rospy.get_name()}: {line}")
 
 
 def lose_what_cannot_be_written(logger: logging.Logger) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import socket
 from dataclasses import fields
 from typing import Any, Callable, Iterable, Iterator, Mapping
@@ -10,7 +9,9 @@ from typing import Any, Callable, Iterable, Iterator, Mapping
 from explorer import options as explorer_options
 from explorer.errors import ExplorerError
 from map_merger import options as merger_options
+from mr_grid.parameter_names import unknown_parameters
 from mr_launch.doctor.facts import SetUp, Topic
+from mr_robot import parameter_names
 from mr_robot.navigation.options import NavigationError, NavigationOptions
 
 Parameters = Mapping[str, Any]
@@ -92,8 +93,7 @@ def folders_of(given: Parameters) -> list[str]:
 
 
 def _explorer_faults(given: Parameters) -> Iterator[str]:
-    known = {parameter.name.split("/")[0] for parameter in explorer_options.PARAMETERS}
-    yield from _unknown(given, known | set(explorer_options.WITHOUT_EFFECT))
+    yield from unknown_parameters(given, explorer_options.known_names())
     try:
         explorer_options.load(given)
     except ExplorerError as error:
@@ -102,7 +102,7 @@ def _explorer_faults(given: Parameters) -> Iterator[str]:
 
 def _merger_faults(given: Parameters) -> Iterator[str]:
     known = set(merger_options.PARAMETERS)
-    yield from _unknown(given, known)
+    yield from unknown_parameters(given, known)
     values = {name: value for name, value in given.items() if name in known}
     if values.get("initial_poses") == "":
         del values["initial_poses"]
@@ -116,20 +116,22 @@ def _navigation_faults(given: Parameters) -> Iterator[str]:
     """Of our node; that of ROS has its own parameters."""
     if "footprint_length" not in given:
         return
+    yield from unknown_parameters(given, parameter_names.NAVIGATION)
     try:
         NavigationOptions(**{each.name: given[each.name] for each in fields(NavigationOptions) if each.name in given})
     except (NavigationError, TypeError) as error:
         yield str(error)
 
 
-def _unknown(given: Parameters, known: Iterable[str]) -> Iterator[str]:
-    for name in sorted(set(given) - set(known)):
-        near = difflib.get_close_matches(name, known, 1)
-        yield f"parameter {name} is unknown" + (f", is {near[0]} meant?" if near else "")
+def _slam_faults(given: Parameters) -> Iterator[str]:
+    """Of our node."""
+    if "small_object_size" in given:
+        yield from unknown_parameters(given, parameter_names.SLAM)
 
 
 _CHECKS: dict[str, Callable[[Parameters], Iterator[str]]] = {
     "explorer": _explorer_faults,
     "map_merger": _merger_faults,
+    "slam": _slam_faults,
     "move_base": _navigation_faults,
 }

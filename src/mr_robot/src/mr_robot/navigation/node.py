@@ -16,7 +16,8 @@ from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
 from mr_grid import Pose
-from mr_grid.ros_node import init_node
+from mr_grid.ros_node import init_node, warn_of_unknown_parameters
+from mr_robot import parameter_names
 from mr_robot.navigation import ros_io
 from mr_robot.navigation.action_server import LatestGoalServer
 from mr_robot.navigation.engine import Navigator, Status
@@ -200,6 +201,7 @@ def main() -> int:
     except NavigationError as error:
         rospy.logfatal(str(error))
         return 1
+    warn_of_unknown_parameters(parameter_names.NAVIGATION)
     rospy.spin()
     return 0
 

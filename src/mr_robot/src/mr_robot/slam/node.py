@@ -14,7 +14,8 @@ from sensor_msgs.msg import LaserScan
 from mr_grid import GridError, Pose
 from mr_grid.ros import NumpyOccupancyGrid, grid_message, yaw_of
 from mr_grid.ros_laser import Mount, mount_value
-from mr_grid.ros_node import init_node
+from mr_grid.ros_node import init_node, warn_of_unknown_parameters
+from mr_robot import parameter_names
 from mr_robot.ros_poses import frame_name, frame_parameters
 from mr_robot.slam import ros_io
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
@@ -177,6 +178,7 @@ def main() -> int:
     except SlamError as error:
         rospy.logfatal(str(error))
         return 1
+    warn_of_unknown_parameters(parameter_names.SLAM)
     rospy.spin()
     return 0
 
