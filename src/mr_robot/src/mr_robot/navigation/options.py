@@ -100,6 +100,7 @@ class Scan:
     ranges: np.ndarray  # m, valid beams keep their reading, others are 0
     angle_min: float
     angle_increment: float
+    range_min: float
     range_max: float
     mount: Pose
 
@@ -108,13 +109,15 @@ class Scan:
         """rad to each side of where the laser looks."""
         return abs(0.5 * (len(self.ranges) - 1) * self.angle_increment)
 
-    def blind_to(self, points: np.ndarray) -> np.ndarray:
-        """bool (n,), of points (n, 2) in the robot's frame: behind the robot, or beside the field of view."""
+    def blind_to(self, points: np.ndarray, radius: float = 0.0) -> np.ndarray:
+        """bool (n,), of points (n, 2) in the robot's frame: behind the robot, beside the field of view, or, with all that
+        is within `radius`, m, of them, so near that the sensor does not read it."""
         middle = self.angle_min + 0.5 * (len(self.ranges) - 1) * self.angle_increment
         from_laser = self.mount.apply_inverse(points)
         bearing = np.arctan2(from_laser[:, 1], from_laser[:, 0]) - middle
         beside = np.abs(np.remainder(bearing + math.pi, 2.0 * math.pi) - math.pi) > self.half_view
-        blind: np.ndarray = (points[:, 0] < 0.0) | beside
+        near = np.hypot(*from_laser.T) - radius < self.range_min
+        blind: np.ndarray = (points[:, 0] < 0.0) | beside | near
         return blind
 
 
@@ -124,7 +127,7 @@ def make_scan(
     """`ranges`: m, (m,), of beams from `angle_min` on, rad; infinity = nothing hit. `mount`: the laser on the robot."""
     directions = _directions(len(ranges), angle_min, angle_increment, mount[2])
     ranges, points = _navigation.hits(ranges, directions, range_min, range_max, mount[:2])
-    return Scan(points, ranges, angle_min, angle_increment, range_max, mount)
+    return Scan(points, ranges, angle_min, angle_increment, range_min, range_max, mount)
 
 
 @lru_cache(maxsize=16)
