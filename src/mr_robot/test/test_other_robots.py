@@ -35,6 +35,14 @@ def test_a_robot_counts_where_the_laser_is_blind_and_near(place: Tuple[float, fl
     assert is_taken(others, (place[0] + 0.25, place[1]), 0.1) == taken
 
 
+def test_a_robot_counts_where_it_is_too_near_to_be_seen() -> None:
+    """A Turtlebot that had waited close behind another one for longer than it remembers what it saw drove into it; its
+    wheels slipped there, and its map was lost."""
+    too_near, farther = robots("robot_2", ((1.4, 2.0), 0.0)), robots("robot_2", ((1.6, 2.0), 0.0))
+    assert is_taken(too_near, (1.65, 2.0), 0.1), "its middle is 0.4 m away, and the sensor reads from 0.45 m on"
+    assert not is_taken(farther, (1.85, 2.0), 0.1)
+
+
 @pytest.mark.parametrize("own, yields", [("robot_2", True), ("robot_0", False)])
 def test_of_two_robots_on_the_way_to_one_place_the_later_name_lets_the_other_pass(own: str, yields: bool) -> None:
     """Turtlebots that knew where both were drove into one another: each counted the other where it had been."""

@@ -441,7 +441,7 @@ def test_thinning_keeps_the_nearest_point() -> None:
     options = NavigationOptions()
     costs = CostMap(OccupancyGrid.of(np.zeros((40, 40), np.int8), 0.05, Pose(-1.0, -1.0)), options)
     points = np.array([[0.599, 0.0], [0.571, 0.0], [0.585, 0.0]])
-    scan = Scan(points, np.full(3, 0.6), 0.0, 0.01, 8.0, (0.0, 0.0, 0.0))
+    scan = Scan(points, np.full(3, 0.6), 0.0, 0.01, 0.0, 8.0, (0.0, 0.0, 0.0))
     rows = Surroundings(options).obstacles(costs, None, Pose(), scan)
     assert rows[:, 0].min() == pytest.approx(0.571)
 

@@ -89,9 +89,9 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
     Beam& beam = scan.beams[i];
     if (!beam.hit) continue;
     // Far hits may scatter too much to tell within the window which way their wall runs.
-    beam.has_normal = fit_normal(scan.beams, i, options.surface_window, scan.eye, &beam.normal) ||
-                      (!beam.on_small_object &&
-                       fit_normal(scan.beams, i, 2.0 * options.surface_window, scan.eye, &beam.normal));
+    beam.has_normal =
+        fit_normal(scan.beams, i, options.surface_window, scan.eye, &beam.normal) ||
+        (!beam.on_small_object && fit_normal(scan.beams, i, 2.0 * options.surface_window, scan.eye, &beam.normal));
     const Point ray{beam.end.x - scan.eye.x, beam.end.y - scan.eye.y};
     const double range = std::hypot(ray.x, ray.y);
     const double incidence = std::abs(beam.normal.x * ray.x + beam.normal.y * ray.y) / range;

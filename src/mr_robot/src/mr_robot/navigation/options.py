@@ -109,14 +109,14 @@ class Scan:
         """rad to each side of where the laser looks."""
         return abs(0.5 * (len(self.ranges) - 1) * self.angle_increment)
 
-    def blind_to(self, points: np.ndarray, radius: float = 0.0) -> np.ndarray:
-        """bool (n,), of points (n, 2) in the robot's frame: behind the robot, beside the field of view, or, with all that
-        is within `radius`, m, of them, so near that the sensor does not read it."""
+    def blind_to(self, points: np.ndarray) -> np.ndarray:
+        """bool (n,), of points (n, 2) in the robot's frame: behind the robot, beside the field of view, or nearer than
+        the sensor reads."""
         middle = self.angle_min + 0.5 * (len(self.ranges) - 1) * self.angle_increment
         from_laser = self.mount.apply_inverse(points)
         bearing = np.arctan2(from_laser[:, 1], from_laser[:, 0]) - middle
         beside = np.abs(np.remainder(bearing + math.pi, 2.0 * math.pi) - math.pi) > self.half_view
-        near = np.hypot(*from_laser.T) - radius < self.range_min
+        near = np.hypot(*from_laser.T) < self.range_min
         blind: np.ndarray = (points[:, 0] < 0.0) | beside | near
         return blind
 

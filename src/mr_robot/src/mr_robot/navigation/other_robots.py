@@ -82,7 +82,7 @@ class OtherRobots:
         same place lets the other pass."""
         places = np.array([place for name in self.lately(now) for place in self._ground_of(name, now)]).reshape(-1, 2)
         near = places[np.hypot(*(places - pose[:2]).T) < REACH]
-        blind = near[scan.blind_to(pose.apply_inverse(near), self._radius)] if len(near) else near
+        blind = near[scan.blind_to(pose.apply_inverse(near))] if len(near) else near
         rims = (blind[:, None, :] + self._rim[None, :, :]).reshape(-1, 2)
         return np.hstack([rims, np.tile(self._margins, (len(rims), 1))])
 
