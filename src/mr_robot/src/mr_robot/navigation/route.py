@@ -164,6 +164,7 @@ class Route:
             self.plan = from_here(self.plan, pose)
             if goal.blocked_since is None:
                 goal.blocked_since = now
+            goal.blocked_since = max(goal.blocked_since, self.nearer_at)
             if now - goal.blocked_since <= self._options.blocked_timeout:
                 return
         if goal.failed:
