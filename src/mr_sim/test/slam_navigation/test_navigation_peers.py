@@ -11,6 +11,7 @@ from mr_robot import _navigation
 from mr_robot.navigation.options import NavigationOptions
 from mr_sim import bench_navigation_peers
 from mr_sim.bench_navigation_peers import EngineRun, rows
+from mr_sim.nuisance import mrpt_follower
 from mr_sim.nuisance.mrpt_follower import settings
 from mr_sim.nuisance.planners import OURS, ompl, planning_with
 from mr_sim.nuisance.runs import GoalRun, SceneRun, run_seed
@@ -42,6 +43,28 @@ def test_ompl_is_asked_for_all_that_its_binding_takes(monkeypatch: pytest.Monkey
     with planning_with(ompl(0.3, 0.01)):
         run_seed(6)
     assert set(asked) == {(_navigation.Footprint, _navigation.Agility, 0.3, 0.01)}
+
+
+def test_mrpt_is_told_the_obstacles(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = []
+
+    class Navigator:
+        def __init__(self, settings: str) -> None:
+            pass
+
+        def go(self, target, allowed, speed) -> None:
+            pass
+
+        def step(self, now, pose, velocity, obstacles: np.ndarray):
+            told.append(obstacles.shape[1])
+            return 0.3, 0.0, True
+
+    monkeypatch.setitem(sys.modules, "_mrpt_peer", SimpleNamespace(Navigator=Navigator))
+    mrpt_follower._navigator.cache_clear()
+    with mrpt_follower.driving_with_mrpt() as spent:
+        run_seed(6)
+    mrpt_follower._navigator.cache_clear()
+    assert set(told) == {4} and len(spent) == len(told)
 
 
 def test_each_engine_has_its_rows() -> None:

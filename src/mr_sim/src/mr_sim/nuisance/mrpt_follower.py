@@ -17,6 +17,7 @@ from mr_robot.navigation.command import Velocity
 from mr_robot.navigation.motion import Motion
 from mr_robot.navigation.options import NavigationOptions
 from mr_robot.navigation.planner import Plan, path
+from mr_robot.navigation.surroundings import Hazards
 
 AHEAD = 0.6  # m along the way to the point that MRPT is sent to
 ALLOWED = 0.3  # m from that point at which it is sent on
@@ -147,9 +148,10 @@ class MrptFollower:
     def plan_anew(self) -> None:
         self._sent_at = -math.inf
 
-    def follow(self, now: float, way: Plan, pose: Pose, obstacles: np.ndarray, stuck: bool) -> Velocity:
+    def follow(self, now: float, way: Plan, pose: Pose, hazards: Hazards, stuck: bool) -> Velocity:
         if now - self._sent_at >= RENEWED or math.dist(pose[:2], self._target) < ALLOWED:
             self._send(now, way, pose)
+        obstacles = hazards.obstacles
         near = obstacles[np.hypot(obstacles[:, 0] - pose.x, obstacles[:, 1] - pose.y) < 3.0]
         begun = time.process_time()
         linear, angular, drives = self._core.step(now, pose, self._motion.velocity, near)
