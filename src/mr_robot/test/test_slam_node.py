@@ -10,9 +10,10 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
 from mr_grid.ros_laser import Mount
+from mr_robot.parameter_names import FRAMES
 from mr_robot.slam import node as module
 from mr_robot.slam.engine import OdometryHistory, Slam
-from mr_robot.slam.node import FRAMES, SlamNode
+from mr_robot.slam.node import SlamNode
 
 
 class Broadcaster:

@@ -16,12 +16,12 @@ from mr_grid.ros_laser import Mount
 from mr_robot.navigation import ros_io as navigation_io
 from mr_robot.navigation.node import MoveBaseNode
 from mr_robot.navigation.tf_poses import TfPoses
+from mr_robot.parameter_names import FRAMES
 from mr_robot.ros_poses import frame_parameters
 from mr_robot.slam import ros_io as slam_io
 from mr_robot.slam.engine import Slam
 from mr_robot.slam.node import SlamNode
 
-FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}
 MOUNT = Pose(0.1, 0.05, 0.3)
 TURNING = 1.5  # rad/s
 SPEED = 0.5  # m/s

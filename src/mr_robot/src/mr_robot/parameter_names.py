@@ -5,10 +5,13 @@ from dataclasses import fields
 from mr_robot.navigation.options import NavigationOptions
 from mr_robot.slam.engine import SlamOptions
 
-FRAMES = {"map_frame", "odom_frame", "base_frame"}
-SLAM = {field.name for field in fields(SlamOptions)} | FRAMES | {
-    "map_update_interval", "transform_publish_period", "transform_tolerance", "scan_topic", "odometry_topic",
+# With what they are where nobody says.
+FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}
+SLAM_INPUTS = {"scan_topic": "base_scan", "odometry_topic": "odom"}
+DRIVERS = {"scan_topic": "base_scan", "velocity_topic": "cmd_vel"}  # of navigation
+
+SLAM = {
+    *(field.name for field in fields(SlamOptions)), *FRAMES, *SLAM_INPUTS,
+    "map_update_interval", "transform_publish_period", "transform_tolerance",
 }  # fmt: skip
-NAVIGATION = {field.name for field in fields(NavigationOptions)} | FRAMES | {
-    "map_topic", "robot_name", "scan_topic", "velocity_topic",
-}  # fmt: skip
+NAVIGATION = {*(field.name for field in fields(NavigationOptions)), *FRAMES, *DRIVERS, "map_topic", "robot_name"}

@@ -17,16 +17,14 @@ from sensor_msgs.msg import LaserScan
 
 from mr_grid import Pose
 from mr_grid.ros_node import init_node, warn_of_unknown_parameters
-from mr_robot import parameter_names
 from mr_robot.navigation import ros_io
 from mr_robot.navigation.action_server import LatestGoalServer
 from mr_robot.navigation.engine import Navigator, Status
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan
 from mr_robot.navigation.tf_poses import TfPoses, is_recent
+from mr_robot.parameter_names import DRIVERS, FRAMES, NAVIGATION
 from mr_robot.ros_poses import frame_name, frame_parameters, transform_pose
 
-FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}
-DRIVERS = {"scan_topic": "base_scan", "velocity_topic": "cmd_vel"}
 TOPICS = {"others": "all_positions", "plan": "~plan"}
 MAP_TOPIC = "map_merger/global_map"
 OWN_MAP_TOPIC = "map"  # of this robot's SLAM
@@ -201,7 +199,7 @@ def main() -> int:
     except NavigationError as error:
         rospy.logfatal(str(error))
         return 1
-    warn_of_unknown_parameters(parameter_names.NAVIGATION)
+    warn_of_unknown_parameters(NAVIGATION)
     rospy.spin()
     return 0
 

@@ -15,15 +15,13 @@ from mr_grid import GridError, Pose
 from mr_grid.ros import NumpyOccupancyGrid, grid_message, yaw_of
 from mr_grid.ros_laser import Mount, mount_value
 from mr_grid.ros_node import init_node, warn_of_unknown_parameters
-from mr_robot import parameter_names
+from mr_robot.parameter_names import FRAMES, SLAM, SLAM_INPUTS
 from mr_robot.ros_poses import frame_name, frame_parameters
 from mr_robot.slam import ros_io
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
 
 T = TypeVar("T")
 
-FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}
-INPUTS = {"scan_topic": "base_scan", "odometry_topic": "odom"}
 TOPICS = {"map": "map", "metadata": "map_metadata"}
 TRANSFORM_PUBLISH_PERIOD = 0.1  # s
 MOUNT_PATIENCE = 5.0  # s in which the drivers may begin to tell where the laser is
@@ -47,7 +45,7 @@ class SlamNode:
     def __init__(self) -> None:
         self._slam = Slam(options())
         self._frames = frame_parameters(FRAMES)
-        inputs: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in INPUTS.items()}
+        inputs: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in SLAM_INPUTS.items()}
         self._map_interval = number_parameter("map_update_interval", MAP_UPDATE_INTERVAL)
         self._transform_period = number_parameter("transform_publish_period", TRANSFORM_PUBLISH_PERIOD)
         self._tolerance = rospy.Duration(number_parameter("transform_tolerance", TRANSFORM_TOLERANCE))
@@ -178,7 +176,7 @@ def main() -> int:
     except SlamError as error:
         rospy.logfatal(str(error))
         return 1
-    warn_of_unknown_parameters(parameter_names.SLAM)
+    warn_of_unknown_parameters(SLAM)
     rospy.spin()
     return 0
 
