@@ -269,18 +269,21 @@ def test_arguments_go_before_the_preset():
     assert parameters["/move_base/velocity_topic"] == "drive"
 
 
-def test_configuration_files_go_before_the_preset(tmp_path):
+def test_configuration_files_go_before_the_preset_and_before_defaults(tmp_path):
+    """A coarser map was asked for in vain: arguments that nobody had given went before the files."""
     for path in (PACKAGE / "config").glob("*.yaml"):
         (tmp_path / path.name).write_text(path.read_text())
     for node, words in {
         "explorer": "view_distance: 0.9",
-        "slam": "free_radius: 0.1",
-        "navigation": "footprint_width: 1",
+        "slam": "free_radius: 0.1\nresolution: 0.1\nmap_update_interval: 5.0",
+        "navigation": "footprint_width: 1\nxy_goal_tolerance: 0.3\nmap_topic: my_map",
     }.items():
         (tmp_path / f"{node}.yaml").write_text(words + "\n")
     parameters = parameters_of("robot.launch", f"config:={tmp_path}")
     assert parameters["/explorer/view_distance"] == 0.9 and parameters["/slam/free_radius"] == 0.1
-    assert parameters["/move_base/footprint_width"] == 1
+    assert parameters["/slam/resolution"] == 0.1 and parameters["/slam/map_update_interval"] == 5.0
+    assert parameters["/move_base/footprint_width"] == 1 and parameters["/move_base/map_topic"] == "my_map"
+    assert parameters["/move_base/xy_goal_tolerance"] == 0.3
 
 
 def test_an_own_robot(tmp_path):

@@ -12,6 +12,7 @@ from mr_grid import OccupancyGrid, Pose
 from mr_robot import _navigation
 from mr_robot.navigation.arrivals import Arrivals
 from mr_robot.navigation.clock import Clock
+from mr_robot.navigation.command import GivenUp
 from mr_robot.navigation.engine import Command, Navigator, Status
 from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.manoeuvre import Manoeuvre
@@ -692,6 +693,27 @@ def test_a_way_that_closed_leads_up_to_where_that_shows_from_wherever_the_robot_
     closed = CostMap(room((slice(0, 80), slice(25, 27))), options)
     route.update(2.0, away, closed, nothing)
     assert route.plan.cost_at(away.x, away.y) == pytest.approx(2.6, abs=0.3)
+
+
+def test_a_robot_that_comes_nearer_to_what_closed_its_way_is_not_blocked_by_it() -> None:
+    """One that came back from making room had its goal given up on the way to where it would have seen that the corridor
+    was free again."""
+    options, route, nothing = NavigationOptions(), Route(NavigationOptions()), np.empty((0, 2))
+    closed = CostMap(room((slice(0, 80), slice(25, 27))), options)
+    route.set_goal(Pose(0.8, 2.0, 0.0), 0.0)
+    route.update(0.0, Pose(3.5, 2.0, 0.0), CostMap(room(), options), nothing)
+
+    def stay(x: float, since: int, until: int, speed: float) -> float:
+        for now in range(since, until):
+            x -= speed
+            route.update(float(now), Pose(x, 2.0, 0.0), closed, nothing)
+            route.advance(float(now), Pose(x, 2.0, 0.0))
+        return x
+
+    x = stay(3.5, 1, 29, 0.06)
+    assert options.blocked_timeout < 29 and route.plan is not None
+    with pytest.raises(GivenUp, match="no way"):
+        stay(x, 29, 57, 0.0)
 
 
 def test_what_is_beside_the_robot_goes_on_where_the_laser_is_blind() -> None:
