@@ -696,7 +696,7 @@ def test_a_way_that_closed_leads_up_to_where_that_shows_from_wherever_the_robot_
 
 
 def test_a_robot_that_comes_nearer_to_what_closed_its_way_is_not_blocked_by_it() -> None:
-    """One that came back from making room had its goal given up on the way to where it would have seen that the corridor
+    """One that came back from making room had its goal given up before it could see that the corridor
     was free again."""
     options, route, nothing = NavigationOptions(), Route(NavigationOptions()), np.empty((0, 2))
     closed = CostMap(room((slice(0, 80), slice(25, 27))), options)
