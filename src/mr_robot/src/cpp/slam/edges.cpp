@@ -15,13 +15,20 @@ constexpr std::size_t kLeastHits = 8;    // on it
 constexpr double kStraight = 0.04;       // m off it at most
 constexpr double kWidestGap = 0.08;      // m from one beam to the next on a surface whose end is told
 constexpr double kLeastIncidence = 0.1;  // sine of the angle to the surface: less is seen of what is round
+constexpr double kDeepest = 0.3;         // m of the face of a wall's end, from
+constexpr double kShallowest = 0.05;     // m on, on which there are
+constexpr std::size_t kLeastOnFace = 2;  // hits, off it by no more than
+constexpr double kUpright = 0.06;        // m
+constexpr double kOfHit = 0.03;          // m, deviation of each
 constexpr double kNoise = 0.01;          // m
 constexpr double kSameInPlace = 0.1;     // m within which edges seen from nearly one place are one
+constexpr double kThickest = 0.3;        // m of a wall
 constexpr double kSameWay = 0.8;         // cosine
 
 double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y; }
 double cross(const Point& a, const Point& b) { return a.x * b.y - a.y * b.x; }
 Point minus(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y}; }
+double norm(const Point& a) { return std::hypot(a.x, a.y); }
 
 struct Line {
   Point through;
@@ -57,16 +64,25 @@ bool is_on(const Line& line, const std::vector<Point>& hits) {
   return off < kStraight * static_cast<double>(hits.size());
 }
 
-// The line of the surface that ends at `index`; `step`: to the next hit on it, 1 or -1. None unless all of it lies on
-// that line for more than `size`: a robot may stand so near to a wall that both look like one.
-std::optional<Line> line_before(const std::vector<Beam>& beams, std::size_t index, int step, double size) {
-  std::vector<Point> near, beyond;
-  Point last = beams[index].end;
+// Hits from `index` on that follow one another; `step`: to the next, 1 or -1. No more than `length` m.
+std::vector<Point> chain_from(const std::vector<Beam>& beams, std::size_t index, int step, double length) {
+  std::vector<Point> chain;
   for (std::size_t i = index; i < beams.size() && beams[i].hit; i += step) {
-    const Point gap = minus(beams[i].end, last), way = minus(beams[i].end, beams[index].end);
-    const double length = std::hypot(way.x, way.y);
-    if (std::hypot(gap.x, gap.y) > 2.0 * kWidestGap) break;
-    (length <= kLongest ? near : beyond).push_back(last = beams[i].end);
+    const Point& hit = beams[i].end;
+    if (!chain.empty() && norm(minus(hit, chain.back())) > 2.0 * kWidestGap) break;
+    chain.push_back(hit);
+    if (norm(minus(hit, chain.front())) > length) break;
+  }
+  return chain;
+}
+
+// The line of a surface that ends at the hit `first`. None unless all of it lies on that line for more than `size`: a
+// robot may stand so near to a wall that both look like one.
+std::optional<Line> line_from(const std::vector<Point>& chain, std::size_t first, double size) {
+  std::vector<Point> near, beyond;
+  for (std::size_t i = first; i < chain.size(); ++i) {
+    const double length = norm(minus(chain[i], chain[first]));
+    (length <= kLongest ? near : beyond).push_back(chain[i]);
     if (length <= size) continue;
     const auto line = line_through(near);
     return line && is_on(*line, beyond) ? line : std::nullopt;
@@ -74,25 +90,64 @@ std::optional<Line> line_before(const std::vector<Beam>& beams, std::size_t inde
   return std::nullopt;
 }
 
-// Where the surface seen by the beam ends because the beam beside it, `next`, passes it by.
+// How far along a line, m from what it goes through, its end's face is: `count` hits of the chain behind the line that
+// lie one behind the other.
+std::optional<double> face_of(const Line& line, const Point& normal, const std::vector<Point>& chain,
+                              std::size_t count) {
+  double sum = 0.0, deepest = 0.0, least = INFINITY, most = -INFINITY;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Point from = minus(chain[i], line.through);
+    const double along = dot(line.along, from);
+    sum += along, least = std::min(least, along), most = std::max(most, along);
+    deepest = std::max(deepest, -dot(normal, from));
+  }
+  if (deepest < kShallowest || most - least > 2.0 * kUpright) return std::nullopt;
+  return sum / static_cast<double>(count);
+}
+
+// What ends a surface: the ray to its end, the beam beside it that passes it by, and the angle between both, rad.
+struct Passing {
+  Point ray, beyond;
+  double angle;
+};
+
+// The end of the surface that begins with the hit `first`; those before it are on the face of its end.
+std::optional<Edge> edge_of(const std::vector<Point>& chain, std::size_t first, const Passing& passing, double size) {
+  const auto line = line_from(chain, first, size);
+  if (!line) return std::nullopt;
+  Point normal{-line->along.y, line->along.x};
+  if (dot(normal, passing.ray) > 0.0) normal = {-normal.x, -normal.y};
+  const double range = norm(passing.ray), incidence = -dot(normal, passing.ray) / range;
+  const double spacing = range * passing.angle / std::max(incidence, 1e-3);
+  if (incidence < kLeastIncidence || spacing > kWidestGap) return std::nullopt;
+  if (-dot(normal, minus(passing.beyond, line->through)) < kBehind) return std::nullopt;
+  double end = dot(line->along, minus(chain[first], line->through)) + 0.5 * spacing, deviation = 0.5 * spacing;
+  if (first > 0) {
+    const auto face = face_of(*line, normal, chain, first);
+    if (!face || std::abs(*face - end) > kWidestGap) return std::nullopt;
+    end = *face;
+    deviation = kOfHit / std::sqrt(static_cast<double>(first));
+  }
+  const Point place{line->through.x + end * line->along.x, line->through.y + end * line->along.y};
+  return Edge{place, line->along, normal, std::hypot(deviation, kNoise)};
+}
+
+// Where the surface seen by the beam ends because the beam beside it, `next`, passes it by. Of a wall seen from beyond
+// its end comes the face of that end first.
 std::optional<Edge> edge_at(const Scan& scan, std::size_t index, std::size_t next, double size) {
   const Beam &near = scan.beams[index], &far = scan.beams[next];
   if (!near.hit || std::max(near.index, far.index) - std::min(near.index, far.index) != 1) return std::nullopt;
   const Point ray = minus(near.end, scan.eye), far_ray = minus(far.end, scan.eye);
-  const double range = std::hypot(ray.x, ray.y), far_range = std::hypot(far_ray.x, far_ray.y);
+  const double range = norm(ray), far_range = norm(far_ray);
   if (far_range < range + kJump) return std::nullopt;
-  const auto line = line_before(scan.beams, index, index < next ? -1 : 1, size);
-  if (!line) return std::nullopt;
-  Point normal{-line->along.y, line->along.x};
-  if (dot(normal, ray) > 0.0) normal = {-normal.x, -normal.y};
-  const double incidence = -dot(normal, ray) / range;
-  const double between = std::abs(cross(ray, far_ray)) / (range * far_range);  // rad
-  const double spacing = range * between / std::max(incidence, 1e-3);
-  if (incidence < kLeastIncidence || spacing > kWidestGap) return std::nullopt;
-  if (-dot(normal, minus(far.end, line->through)) < kBehind) return std::nullopt;
-  const double end = dot(line->along, minus(near.end, line->through)) + 0.5 * spacing;
-  const Point place{line->through.x + end * line->along.x, line->through.y + end * line->along.y};
-  return Edge{place, line->along, normal, std::hypot(0.5 * spacing, kNoise)};
+  const Passing passing{ray, far.end, std::abs(cross(ray, far_ray)) / (range * far_range)};
+  const auto chain = chain_from(scan.beams, index, index < next ? -1 : 1, kDeepest + size);
+  if (const auto edge = edge_of(chain, 0, passing, size)) return edge;
+  for (std::size_t first = kLeastOnFace; first < chain.size(); ++first) {
+    if (norm(minus(chain[first - 1], chain.front())) > kDeepest) break;
+    if (const auto edge = edge_of(chain, first, passing, size)) return edge;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -100,6 +155,13 @@ std::optional<Edge> edge_at(const Scan& scan, std::size_t index, std::size_t nex
 bool same_edge(const Edge& a, const Edge& b, double reach) {
   const Point apart = minus(a.place, b.place);
   return std::hypot(apart.x, apart.y) < reach && dot(a.off, b.off) > kSameWay && dot(a.normal, b.normal) > kSameWay;
+}
+
+bool same_end(const Edge& a, const Edge& b, double reach) {
+  const Point apart = minus(a.place, b.place);
+  const double sides = dot(a.normal, b.normal), behind = dot(a.normal, apart);
+  if (dot(a.off, b.off) < kSameWay || std::abs(sides) < kSameWay || std::abs(dot(a.off, apart)) > reach) return false;
+  return behind > -reach && behind < (sides > 0.0 ? reach : kThickest);
 }
 
 std::vector<Edge> edges_of(const Scan& scan, double small_object_size) {

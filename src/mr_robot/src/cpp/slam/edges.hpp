@@ -21,6 +21,9 @@ inline Edge operator*(const Frame& frame, const Edge& edge) {
 // Whether both may be seen of one thing: within `reach`, m, and the same way round.
 bool same_edge(const Edge& a, const Edge& b, double reach);
 
+// Whether both may be of one end of a wall, perhaps seen from its two sides.
+bool same_end(const Edge& a, const Edge& b, double reach);
+
 // Ends of surfaces behind which something farther away comes into sight, in the robot's frame. What is no longer than
 // `small_object_size`, m, may be a robot that drives along and has none.
 std::vector<Edge> edges_of(const Scan& scan, double small_object_size);

@@ -7,6 +7,7 @@ namespace mr_robot::slam {
 namespace {
 
 constexpr double kReach = 0.15;  // m within which edges are the same
+constexpr long kAround = 2;      // squares of that size within which they lie, from one side of a wall to the other
 
 struct Group {
   Edge mean;  // map frame
@@ -18,12 +19,12 @@ class Groups {
  public:
   Group& of(const Edge& edge) {
     const auto [column, row] = square_of(edge.place);
-    for (long x = column - 1; x <= column + 1; ++x) {
-      for (long y = row - 1; y <= row + 1; ++y) {
+    for (long x = column - kAround; x <= column + kAround; ++x) {
+      for (long y = row - kAround; y <= row + kAround; ++y) {
         const auto found = squares_.find({x, y});
         if (found == squares_.end()) continue;
         for (const std::size_t index : found->second) {
-          if (same_edge(groups_[index].mean, edge, kReach)) return groups_[index];
+          if (same_end(groups_[index].mean, edge, kReach)) return groups_[index];
         }
       }
     }

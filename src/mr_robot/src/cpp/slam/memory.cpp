@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kKeyframeDistance = 0.75;  // m between keyframes
 constexpr double kKeyframeAngle = 0.8;      // rad
-constexpr int kSolveEvery = 6;              // keyframes
+constexpr int kSolveEvery = 3;              // keyframes
 constexpr int kIterations = 8;              // of a solution, and
 constexpr int kIterationsAtOnce = 2;        // of these with each scan that comes
 constexpr std::size_t kMostLinks = 8;       // of a keyframe to others, by scans
