@@ -43,4 +43,11 @@ inline std::string escaped(const std::string& words) {
   return text;
 }
 
+/// Of what cannot be the name of a robot.
+inline std::string no_name_text(const std::string& words) {
+  constexpr std::size_t kShown = 80;
+  return "'" + escaped(words.substr(0, kShown)) + (words.size() > kShown ? "..." : "") +
+         "' cannot be the name of a robot: it has no more than 64 letters, digits or signs and no blank";
+}
+
 }  // namespace adhoc_communication

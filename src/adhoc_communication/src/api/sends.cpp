@@ -6,6 +6,7 @@
 #include "multicast/groups.hpp"
 #include "texts.hpp"
 #include "transport/packet_image.hpp"
+#include "wire/messages.hpp"
 
 namespace adhoc_communication {
 
@@ -18,7 +19,8 @@ std::size_t packet_size(const SendRequest& request) {
 
 std::string Sends::refusal(const SendRequest& request) const {
   if (request.destination == self_) return "the destination " + request.destination + " is this robot itself";
-  if (request.destination.size() > 255) return "the destination's name is longer than 255 octets";
+  const std::string robot = multicast::root_of(request.destination).value_or(request.destination);
+  if (!robot.empty() && !wire::is_name(robot)) return no_name_text(robot);
   if (request.lifetime < Time(0)) return "the lifetime is negative";
   if (request.topic.empty()) return "the topic is empty";
   if (request.topic.size() > 65535) return "the topic is longer than 65535 octets";

@@ -39,9 +39,10 @@ std::uint32_t Distributor::start(SendId id, Priority priority, transport::Image 
   return source_.start(own, id, priority, std::move(image), members, now);
 }
 
-std::optional<std::uint32_t> Distributor::replace(SendId former, SendId id, const transport::Image& image, Time now) {
+std::optional<std::uint32_t> Distributor::replace(SendId former, SendId id, const transport::Image& image,
+                                                  const std::set<MacAddress>& members, Time now) {
   Branch* own = branches_.own();
-  return own == nullptr ? std::nullopt : source_.replace(*own, former, id, image, now);
+  return own == nullptr ? std::nullopt : source_.replace(*own, former, id, image, members, now);
 }
 
 std::set<MacAddress> Distributor::drop(SendId id) {

@@ -28,7 +28,8 @@ class Distributor {
   /// Sends to `members` along the tree and returns the number of the packet; one MemberEnd follows for each.
   std::uint32_t start(SendId id, Priority priority, transport::Image image, const std::set<MacAddress>& members,
                       Time now);
-  std::optional<std::uint32_t> replace(SendId former, SendId id, const transport::Image& image, Time now);
+  std::optional<std::uint32_t> replace(SendId former, SendId id, const transport::Image& image,
+                                       const std::set<MacAddress>& members, Time now);
   std::set<MacAddress> drop(SendId id);
   /// The member has left or is lost.
   void drop_member(const MacAddress& member, const std::string& reason, Time now);

@@ -36,7 +36,13 @@ void GroupTraffic::send_to_own(SendId id, const Image& image, Priority priority,
 }
 
 bool GroupTraffic::replace_in_own(SendId former, SendId id, const Image& image, Time lifetime, Time now) {
-  const auto number = distributor_.replace(former, id, image, now);
+  std::set<MacAddress> members;
+  for (const std::string& name : own_group_.names()) {
+    const auto address = directory_.address_of(name);
+    if (!address) return false;
+    members.insert(*address);
+  }
+  const auto number = distributor_.replace(former, id, image, members, now);
   if (!number) return false;
   const HeldPacket packet{sends_.packet_of(former).stream, *number, image, now, end_of(lifetime, now)};
   sends_.replace(former, id, packet);

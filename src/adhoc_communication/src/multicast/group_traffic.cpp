@@ -44,6 +44,7 @@ void GroupTraffic::join(const std::string& group) {
   const auto root = root_of(group);
   if (!root) return changes_.push_back({group, true, false, group + " is not the name of a group (mc_<robot>)"});
   if (*root == self_.name) return changes_.push_back({group, true, true, {}});
+  if (!wire::is_name(*root)) return changes_.push_back({group, true, false, no_name_text(*root)});
   memberships_.join(group);
   carry_out_memberships();
 }
@@ -202,6 +203,7 @@ void GroupTraffic::expire(Time now) {
     ends_.push_back({id, false, "the root of the group did not name its members within " + patience});
   }
   for (const std::string& group : overdue.groups_to_ask) ask_for_members(group);
+  own_group_.lose_if([this](const std::string& robot) { return !directory_.address_of(robot); });
   memberships_.expire(now);
   carry_out_memberships();
 }

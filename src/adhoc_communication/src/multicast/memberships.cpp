@@ -109,8 +109,19 @@ void Memberships::lost(const std::string& root) {
   if (membership != memberships_.end()) membership->second.joined = false;
 }
 
+/// Those that came about by themselves, and would again: of robots that nobody knows any more.
+void Memberships::forget_unknown() {
+  for (auto entry = memberships_.begin(); automatic_ && entry != memberships_.end();) {
+    const Membership& membership = entry->second;
+    const bool idle = membership.wanted && !membership.joined && !membership.joining && !membership.asked_by_host;
+    const bool unknown = idle && !directory_.address_of(*root_of(entry->first));
+    entry = unknown ? memberships_.erase(entry) : std::next(entry);
+  }
+}
+
 /// By itself, when the root is there.
 void Memberships::expire(Time now) {
+  forget_unknown();
   std::vector<std::string> unconfirmed;
   for (auto& [group, membership] : memberships_) {
     if (membership.confirmed_by && *membership.confirmed_by <= now) unconfirmed.push_back(group);
@@ -243,6 +254,7 @@ std::vector<std::string> Memberships::groups() const {
 void Memberships::end(const std::string& reason) {
   for (auto& [group, membership] : memberships_) {
     if (!std::exchange(membership.asked_by_host, false)) continue;
+    membership.wanted = membership.joined = automatic_ && !membership.after_leave;
     ends_.push_back({group, true, false, "cannot join " + group + ": " + reason});
   }
 }

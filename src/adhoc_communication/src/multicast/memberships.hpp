@@ -91,6 +91,7 @@ class Memberships {
   void succeed(const Memberships& former);
 
  private:
+  void forget_unknown();
   void start_join(const std::string& group);
   void start_waiting(Time now);
   const std::string* nearest_waiting(Time now) const;

@@ -39,6 +39,15 @@ class OwnGroup {
   /// A member that falls silent stays one as long as it runs: it need not have noticed. Of more than kMostAbsent the
   /// one lost longest ago is forgotten, and has to join again. False if that run was none.
   bool lose(const std::string& robot, wire::BootTag boot);
+  /// A member of which nobody knows any more: as above.
+  template <typename Predicate>
+  void lose_if(const Predicate& is_unknown) {
+    const auto members = std::exchange(members_, {});
+    for (const auto& [name, member] : members) {
+      members_.emplace(name, member);
+      if (is_unknown(name)) lose(name, member.boot);
+    }
+  }
   /// True for the run of a member that had been lost.
   bool comes_back(const std::string& robot, wire::BootTag boot);
 

@@ -69,7 +69,8 @@ Transfer* Sink::transfer_for(Branch& branch, const wire::GroupData& data, Time n
 }
 
 void Sink::begin(const MacAddress& root, GroupStream& stream, std::uint32_t base) {
-  if (!stream.base) {
+  const bool first = !stream.base;
+  if (first) {
     stream.base = base;
     stream.early.reset();
     for (auto transfer = stream.transfers.begin(); transfer != stream.transfers.end();) {
@@ -77,20 +78,26 @@ void Sink::begin(const MacAddress& root, GroupStream& stream, std::uint32_t base
       transfer = ahead ? std::next(transfer) : stream.transfers.erase(transfer);
     }
   }
-  if (std::exchange(stream.started, true)) return;
-  stream.next = base;
+  if (!std::exchange(stream.started, true)) {
+    stream.next = base;
+  } else if (first) {
+    skip_to(root, stream, base);  // copies had come before
+  } else {
+    return;
+  }
   deliver(root, stream);
 }
 
 Transfer* Sink::admit(Branch& branch, const wire::GroupData& data, Time now) {
   const Tree& tree = branch.tree;
   GroupStream& stream = branch.streams[data.stream];
-  if (data.total > largest_packet_ || stream.transfers.size() >= kMostTransfers) return nullptr;
+  if (data.total > largest_packet_) return nullptr;
   if (!stream.base && !stream.early) stream.early = data.base;
-  if (data.packet - stream.base.value_or(*stream.early) >= kPacketsAhead) return nullptr;
+  if (data.packet - (stream.base ? *stream.base : *stream.early) >= kPacketsAhead) return nullptr;
   const auto carrier = static_cast<std::uint8_t>(transport::Reassembly::kGroup + data.stream);
   const transport::Reassembly::Key room{data.root, tree.boot, carrier, data.packet};
-  if (!reassembly_.admit(room, data.total, stream.started && data.packet == stream.next, now)) {
+  if (!has_place(data.root, branch, data.stream) ||
+      !reassembly_.admit(room, data.total, stream.started && data.packet == stream.next, now)) {
     tell_no_room(tree, data, stream, now);
     return nullptr;
   }
@@ -105,6 +112,19 @@ Transfer* Sink::admit(Branch& branch, const wire::GroupData& data, Time now) {
     for (const MacAddress& member : members) router_.used(data.root, member, *tree.upstream, now);
   }
   return &transfer;
+}
+
+/// A packet that some other member has still to get keeps the root from going on; those behind it that are done with
+/// here must not keep out further ones. Should one of them come again, it is taken anew.
+bool Sink::has_place(const MacAddress& root, Branch& branch, std::uint8_t stream) {
+  auto& transfers = branch.streams[stream].transfers;
+  if (transfers.size() < kMostTransfers) return true;
+  const auto done_with = std::find_if(transfers.begin(), transfers.end(), [&](auto& entry) {
+    return entry.second.told && settled({root, branch, stream, entry.first, entry.second});
+  });
+  if (done_with == transfers.end()) return false;
+  transfers.erase(done_with);
+  return true;
 }
 
 /// Until there is room, the upstream neighbour keeps its frames and asks now and then.

@@ -30,7 +30,7 @@ struct Place {
 
 class Sink {
  public:
-  static constexpr std::size_t kMostTransfers = 256;       ///< of one root and priority; further ones are not taken yet
+  static constexpr std::size_t kMostTransfers = 256;       ///< of one root and priority; those done with make room
   static constexpr std::uint32_t kPacketsAhead = 1 << 20;  ///< taken beyond what the root has finished
   static constexpr Time kIdleTransfer = std::chrono::seconds(20);
   static constexpr Time kReportJitter = std::chrono::milliseconds(1);
@@ -67,6 +67,7 @@ class Sink {
   Transfer* transfer_for(Branch& branch, const wire::GroupData& data, Time now);
   void begin(const MacAddress& root, GroupStream& stream, std::uint32_t base);
   Transfer* admit(Branch& branch, const wire::GroupData& data, Time now);
+  bool has_place(const MacAddress& root, Branch& branch, std::uint8_t stream);
   void tell_no_room(const Tree& tree, const wire::GroupData& data, GroupStream& stream, Time now);
   void made_progress(const Transfer& transfer, std::size_t octets, Time now);
   void pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base);

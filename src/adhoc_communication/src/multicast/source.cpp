@@ -56,7 +56,7 @@ void Source::begin(Branch& own, Transfer& transfer, SendId id, transport::Image 
 }
 
 std::optional<std::uint32_t> Source::replace(Branch& own, SendId former, SendId id, const transport::Image& image,
-                                             Time now) {
+                                             const std::set<MacAddress>& members, Time now) {
   // Of one member it has ended already: the count of the rest is the former's.
   const auto is_former = [&](const MemberEnd& end) { return end.id == former; };
   if (std::any_of(ends_.begin(), ends_.end(), is_former)) return std::nullopt;
@@ -64,6 +64,9 @@ std::optional<std::uint32_t> Source::replace(Branch& own, SendId former, SendId 
     for (auto& [number, transfer] : own.streams[priority].transfers) {
       if (transfer.id != former) continue;
       if (transfer.to_children->begun() || copies_[priority].count(number) != 0) return std::nullopt;
+      if (!std::includes(transfer.open.begin(), transfer.open.end(), members.begin(), members.end())) {
+        return std::nullopt;
+      }
       begin(own, transfer, id, image, now);
       own.busy = true;
       return number;

@@ -40,9 +40,10 @@ class Source {
   /// The number of the packet; one MemberEnd follows for each of `members`, who are in the tree.
   std::uint32_t start(Branch& own, SendId id, Priority priority, transport::Image image,
                       const std::set<MacAddress>& members, Time now);
-  /// Puts another packet in the place of one not begun yet, for the same members. Its number; nothing if it has begun,
-  /// or goes to members by itself as well.
-  std::optional<std::uint32_t> replace(Branch& own, SendId former, SendId id, const transport::Image& image, Time now);
+  /// Puts another packet in the place of one not begun yet. Its number; nothing if it has begun, or does not await
+  /// each of `members` on the tree: it went or goes to some by itself, or they joined later.
+  std::optional<std::uint32_t> replace(Branch& own, SendId former, SendId id, const transport::Image& image,
+                                       const std::set<MacAddress>& members, Time now);
   /// Members are to pass the packet over. Returns those that it has not reached.
   std::set<MacAddress> drop(Branch& own, SendId id);
   void drop_member(Branch& own, const MacAddress& member, const std::string& reason);

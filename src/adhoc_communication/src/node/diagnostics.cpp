@@ -41,14 +41,9 @@ DiagnosticStatus healthy(const std::string& message) {
   return status;
 }
 
-/// A name that more than one robot known uses, or another one than this robot itself.
-std::optional<std::string> ambiguous_name(const NetworkState& state) {
-  std::vector<std::string> names = state.robots;
-  names.push_back(state.robot_name);
-  std::sort(names.begin(), names.end());
-  const auto twice = std::adjacent_find(names.begin(), names.end());
-  if (twice == names.end()) return std::nullopt;
-  return *twice;
+/// Two others of one name complain of it themselves.
+bool own_name_is_taken(const NetworkState& state) {
+  return std::find(state.robots.begin(), state.robots.end(), state.robot_name) != state.robots.end();
 }
 
 std::string percent(double ratio) {
@@ -127,8 +122,9 @@ DiagnosticStatus Diagnostics::security(const NetworkState& state) {
 DiagnosticStatus Diagnostics::neighbors(const NetworkState& state) {
   DiagnosticStatus status = healthy(std::to_string(state.links.size()) + " neighbours, " +
                                     std::to_string(state.robots.size()) + " robots known");
-  if (const auto name = ambiguous_name(state)) {
-    complain(status, DiagnosticStatus::ERROR, "two robots are called " + *name + ": give each its own ~robot_name");
+  if (own_name_is_taken(state)) {
+    complain(status, DiagnosticStatus::ERROR,
+             "two robots are called " + state.robot_name + ": give each its own ~robot_name");
   }
   for (const NetworkLink& link : state.links) {
     const std::string name = link.robot.empty() ? link.address : link.robot;

@@ -58,9 +58,9 @@ void TopicRelay::add(RelayEntry entry) {
   options.initByFullCallbackType<const Event&>(topic, kSubscriberQueue,
                                                [this, id](const Event& event) { take(id, event); });
   options.callback_queue = &arrivals_;
-  const ros::Subscriber subscriber = node_.subscribe(options);
+  ros::Subscriber subscriber = node_.subscribe(options);
   const std::lock_guard<std::mutex> lock(mutex_);
-  subscribers_[id] = subscriber;
+  if (table_.has(id)) std::swap(subscribers_[id], subscriber);  // it may have been removed meanwhile
 }
 
 void TopicRelay::remove(const std::string& topic, const std::string& destination, const std::string& remote_topic) {

@@ -153,13 +153,13 @@ TEST(Source, AMemberLeftOverGetsALittlePacketByItselfAndALargeOneByANewTree) {
 TEST(Source, OnlyAPacketNotBegunIsReplaced) {
   Root root;
   const std::uint32_t number = root.send(1, 500, {kA});
-  EXPECT_EQ(root.source.replace(root.own, 1, 2, image(600), 2s), number);
-  EXPECT_FALSE(root.source.replace(root.own, 1, 3, image(600), 2s)) << "it has gone";
+  EXPECT_EQ(root.source.replace(root.own, 1, 2, image(600), {kA}, 2s), number);
+  EXPECT_FALSE(root.source.replace(root.own, 1, 3, image(600), {kA}, 2s)) << "it has gone";
   const air::AirClock air(1500);
   const Timings timings = robot_timings();
   const routing::Neighbors neighbors(timings, 250ms);
   root.own.streams[kStream].transfers.at(number).to_children->next(Carriage(air, neighbors), 2s);
-  EXPECT_FALSE(root.source.replace(root.own, 2, 3, image(600), 2s)) << "some of it was sent";
+  EXPECT_FALSE(root.source.replace(root.own, 2, 3, image(600), {kA}, 2s)) << "some of it was sent";
   EXPECT_EQ(root.source.drop(root.own, 2), std::set<MacAddress>{kA});
 }
 
@@ -167,8 +167,17 @@ TEST(Source, APacketThatHasEndedForOneMemberIsNotReplacedForTheRest) {
   Root root;
   root.send(1, 500, {kA, kB});
   root.source.drop_member(root.own, kA, "lost");
-  EXPECT_FALSE(root.source.replace(root.own, 1, 2, image(600), 2s));
+  EXPECT_FALSE(root.source.replace(root.own, 1, 2, image(600), {kB}, 2s));
   EXPECT_EQ(root.source.take_ends().size(), 1u);
+}
+
+TEST(Source, APacketThatAMemberHasGotByItselfIsNotReplacedForTheRest) {
+  Root root;
+  const std::uint32_t number = root.send(1, 500, {kB});
+  root.source.copy_started(kStream, number);
+  root.source.copy_finished(kStream, number);
+  EXPECT_FALSE(root.source.replace(root.own, 1, 2, image(600), {kA, kB}, 2s)) << "kA would never get the new one";
+  EXPECT_TRUE(root.source.replace(root.own, 1, 2, image(600), {kB}, 2s));
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include "host.hpp"
 #include "multicast/distribution.hpp"
+#include "multicast/groups.hpp"
+#include "multicast/sink.hpp"
 #include "multicast/tree.hpp"
 #include "transport/packet_image.hpp"
 
@@ -156,6 +158,70 @@ TEST(GroupRoom, IsGivenUpAfterAMinute) {
   }
   EXPECT_NEAR(static_cast<double>(now.count()) * 1e-9, 60.0, 0.2);
   EXPECT_NEAR(questions, 600, 10);
+}
+
+/// Of a packet, as the root's neighbour passes it on.
+wire::GroupData user_packet(const Host& root, std::uint32_t number, std::uint32_t base) {
+  const auto image = transport::encode({transport::PacketKind::kUser, 'A', "mc_" + root.name, "topic", {1, 2, 3}});
+  wire::GroupData data;
+  data.root = root.address;
+  data.root_boot = root.boot();
+  data.stream = 2;
+  data.report = true;
+  data.round = 1;
+  data.packet = number;
+  data.base = base;
+  data.total = static_cast<std::uint32_t>(image->size());
+  data.segment_size = 1000;
+  data.octets = *image;
+  return data;
+}
+
+TEST(GroupRoom, PacketsDoneWithHereKeepNoFurtherOnesOut) {
+  Stage stage(without_groups());
+  Host& root = stage.neighbor(1);
+  stage.run_for(1s);
+  stage.node().join_group("mc_host_1", stage.now());
+  stage.say(root, wire::GroupActivation{root.address, root.boot(), 1, {stage.self().address}}, stage.self().address);
+  stage.run_for(20ms);
+  // Some other member has still to get packet 1, so that the root does not go on.
+  const std::uint32_t count = 2 * multicast::Sink::kMostTransfers;
+  for (std::uint32_t number = 1; number <= count; ++number) {
+    stage.say(root, user_packet(root, number, 1));
+    stage.run_for(5ms);
+  }
+  EXPECT_EQ(stage.team.received(0).size(), count);
+}
+
+TEST(GroupRoom, AMemberServedByCopiesGoesOnWithTheTreeWhoeverIsHeardFirst) {
+  Stage stage(without_groups());
+  Host &upstream = stage.neighbor(1), &other = stage.neighbor(2);
+  stage.run_for(1s);
+  const Host root = kFar;
+  stage.give_route(upstream, root);
+  stage.node().join_group("mc_" + root.name, stage.now());
+  stage.run_for(20ms);
+  multicast::HeldPacket held;
+  held.stream = 2;
+  held.number = 3;
+  held.image = transport::encode({transport::PacketKind::kUser, 'A', "mc_" + root.name, "topic", {3}});
+  const auto copy =
+      transport::encode({transport::PacketKind::kGroupCopy, 0, "mc_" + root.name, {}, multicast::encode_copy(held)});
+  wire::Data data = data_for(stage.self(), root);
+  data.stream = 2;
+  data.total = static_cast<std::uint32_t>(copy->size());
+  data.segment_size = 1000;
+  data.octets = *copy;
+  stage.say(upstream, data, stage.self().address);
+  stage.run_for(20ms);
+  stage.say(upstream, wire::GroupActivation{root.address, root.boot(), 1, {stage.self().address}},
+            stage.self().address);
+  stage.run_for(20ms);
+  stage.say(other, user_packet(root, 6, 6));
+  stage.run_for(5ms);
+  stage.say(upstream, user_packet(root, 6, 6));
+  stage.run_for(2s);
+  EXPECT_EQ(stage.team.received(0).size(), 2u);
 }
 
 }  // namespace

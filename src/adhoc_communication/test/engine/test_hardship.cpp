@@ -173,6 +173,9 @@ TEST(Hardship, A4_11_RefusalsNameTheNumbers) {
   };
   EXPECT_EQ(reason(team.send(0, "robot_1", Bytes(12'000'000))), "packet of 12.0 MB exceeds max_packet_size of 10.0 MB");
   EXPECT_EQ(reason(team.send(0, "robot_0", {})), "the destination robot_0 is this robot itself");
+  for (const char* name : {"no robot", "mc_ b\n"}) {  // neighbours would count each search for it as a malformed frame
+    EXPECT_NE(reason(team.send(0, name, {})).find("cannot be the name of a robot"), std::string::npos) << name;
+  }
   EXPECT_EQ(reason(team.send(0, "robot_1", {}, Priority::kNormal, "")), "the topic is empty");
   SendId last = 0;
   for (int i = 0; i < 257; ++i) last = team.send(0, "robot_8", {});

@@ -293,6 +293,33 @@ TEST(Memberships, AnotherRunKeepsWhatTheHostWanted) {
   EXPECT_TRUE(robot.memberships.groups().empty()) << "the root has not heard of this run";
 }
 
+TEST(Memberships, AJoinThatEndsWithTheRunIsNotTakenOver) {
+  Fixture robot(false);
+  robot.root_is_heard(1s);
+  robot.memberships.join(kGroup);
+  robot.memberships.end("the interface has changed");
+  EXPECT_EQ(robot.memberships.take_ends().size(), 1u);
+  Fixture next(false);
+  next.memberships.succeed(robot.memberships);
+  next.root_is_heard(2s);
+  next.memberships.appeared("root", 2s);
+  EXPECT_EQ(next.words(), Kinds{}) << "the host was told that it failed";
+}
+
+TEST(Memberships, GroupsOfRobotsThatNobodyKnowsAreForgotten) {
+  Fixture robot(true);
+  for (std::size_t i = 0; i < Memberships::kMostGroups; ++i) {
+    robot.memberships.appeared("rumour_" + std::to_string(i), 1s);
+  }
+  robot.root_is_heard(2s);
+  robot.memberships.appeared("root", 2s);
+  EXPECT_EQ(robot.memberships.find(kGroup), nullptr) << "no room";
+  robot.memberships.expire(3s);
+  EXPECT_EQ(robot.memberships.size(), 0u);
+  robot.memberships.appeared("root", 3s);
+  EXPECT_EQ(robot.words(), Kinds{Kind::kJoin});
+}
+
 TEST(Memberships, TheTableIsBounded) {
   Fixture robot(false);
   for (std::size_t i = 0; i <= Memberships::kMostGroups; ++i) robot.memberships.join("mc_" + std::to_string(i));
@@ -331,6 +358,15 @@ TEST(OwnGroup, ARunThatJoinsBeforeTheFormerIsLostStays) {
   EXPECT_FALSE(group.served_by_copies("a")) << "those were for the former run";
   EXPECT_FALSE(group.lose("a", 7));
   EXPECT_TRUE(group.holds("a"));
+}
+
+TEST(OwnGroup, AMemberThatNobodyKnowsIsLost) {
+  OwnGroup group(1000);
+  group.admit("a", 1);
+  group.admit("b", 2);
+  group.lose_if([](const std::string& robot) { return robot == "a"; });
+  EXPECT_EQ(group.names(), std::vector<std::string>{"b"});
+  EXPECT_TRUE(group.comes_back("a", 1));
 }
 
 TEST(OwnGroup, OfTooManyLostTheOneLostLongestAgoHasToJoinAgain) {
