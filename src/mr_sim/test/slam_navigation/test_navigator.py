@@ -332,6 +332,25 @@ def test_away_from_a_jamb_behind_that_the_body_seems_to_touch() -> None:
     assert _navigation.clearance(tuple(pose), jamb, FOOTPRINT) > 0.0
 
 
+def test_a_manoeuvre_slows_down_where_it_would_turn_too_far() -> None:
+    """In a corner behind a desk the way out began with a turn that was looked at beyond its end, and given up: the robot
+    never came home."""
+    ahead = [(1.29, 2.0 + y) for y in np.arange(-0.2, 0.62, 0.02)]
+    beside = [(1.0 + x, 2.6) for x in np.arange(-0.95, 0.3, 0.02)]
+    desk = [(1.0 + x, 1.83 - y) for x in np.arange(-0.58, -0.26, 0.04) for y in (0.0, 0.05, 0.1)]
+    obstacles = np.array([*((x, y, 0.05, 0.0) for x, y in ahead + beside), *((x, y, 0.03, 0.0) for x, y in desk)])
+    way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (0.2, 2.2), 0.5)
+    assert way is not None
+    motion = Motion(NavigationOptions())
+    follower, pose = Follower(motion, NavigationOptions()), Pose(1.0, 2.0, 0.0)
+    for step in range(150):
+        hazards = Hazards(obstacles, np.empty((0, 4)))
+        motion.velocity = follower.follow(0.1 * step, way, pose, hazards, stuck=step > 20) or STOP
+        pose = pose.compose(Pose(0.1 * motion.velocity[0], 0.0, 0.1 * motion.velocity[1]))
+        assert _navigation.clearance(tuple(pose), obstacles, FOOTPRINT) > 0.0
+    assert math.dist(pose[:2], (1.0, 2.0)) > 0.5
+
+
 def test_out_of_a_niche_backwards_and_turned_where_there_is_room() -> None:
     sides = [(x, y) for x in np.arange(0.6, 1.4, 0.02) for y in (1.77, 2.23)]
     obstacles = np.array([(x, y, 0.0, 0.0) for x, y in [*sides, *((1.3, y) for y in np.arange(1.78, 2.22, 0.02))]])

@@ -42,13 +42,22 @@ class Follower:
         if self._manoeuvre is not None:
             target = self._manoeuvre.velocity(pose, self._options.controller_period)
             if target is not None:
-                if self._motion.is_clear(pose, tight, target):
-                    return self._motion.towards(target)
-                self._manoeuvre = None
-                return self._motion.towards(STOP)
+                velocity = self._slowed(pose, tight, target)
+                if velocity is None:
+                    self._manoeuvre = None
+                return self._motion.towards(velocity or STOP)
             self._manoeuvre = None
             self.gained_room = True
         return self._motion.along(way, pose, hazards.obstacles)
+
+    def _slowed(self, pose: Pose, tight: np.ndarray, target: Velocity) -> Optional[Velocity]:
+        """The target, as slow as it has to be to be clear: what was planned ends sooner than what is looked at. None
+        where it touches something at a quarter of the pace, too."""
+        for share in (1.0, 0.5, 0.25):
+            velocity = (share * target[0], share * target[1])
+            if self._motion.is_clear(pose, tight, velocity):
+                return velocity
+        return None
 
     def _wants_manoeuvre(self, now: float, way: Plan, pose: Pose, tight: np.ndarray, stuck: bool) -> bool:
         if now - self._planned_at < self._options.plan_period:
