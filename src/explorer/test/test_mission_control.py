@@ -27,7 +27,7 @@ class Field:
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / 0.5)):
             self.now += 0.5
-            self.control.on_robots(sorted(self.reached))
+            self.control.on_robots(sorted(self.reached), self.now)
             for robot, order in self.control.tick(self.now):
                 if order.order != ROLL_CALL:
                     self.orders.append(f"{robot} {order.order}")
@@ -155,9 +155,23 @@ def test_an_order_is_told_from_one_of_another_run_of_the_control() -> None:
     assert field.robots["anna"].agent.state == State.EXPLORING
 
 
+def test_nobody_is_in_reach_of_a_control_whose_radio_says_nothing() -> None:
+    """Orders were "sent to bob" hours after adhoc_communication had died."""
+    control = MissionControl("base", 0)
+    control.on_robots(["bob"], 0.0)
+    control.tick(1.0)
+    assert control.order("stop").done
+    assert control.tick(10.0) == []
+    answer = control.order("stop")
+    assert not answer.done and "adhoc_communication says nothing, is it running?" in answer.text
+    assert not control.members(10.0)[0].in_reach
+    control.on_robots(["bob"], 11.0)
+    assert [send.order.order for send in control.tick(11.0)] == ["stop"]
+
+
 def test_tables_are_bounded() -> None:
     control = MissionControl("base", 0)
-    control.on_robots([f"r{number}" for number in range(5 * MOST_ROBOTS)])
+    control.on_robots([f"r{number}" for number in range(5 * MOST_ROBOTS)], 0.0)
     assert len(control.members(0.0)) == MOST_ROBOTS
     control.on_state(TeamState("stranger", 1, "here"), 0.0)
     assert len(control.members(0.0)) == MOST_ROBOTS
@@ -170,5 +184,5 @@ def test_tables_are_bounded() -> None:
 @pytest.mark.parametrize("count", [0, 1])
 def test_the_summary_is_one_line(count: int) -> None:
     control = MissionControl("base", 0)
-    control.on_robots(["anna"][:count])
+    control.on_robots(["anna"][:count], 0.0)
     assert summary_of(control.members(0.0)) == ("anna: has told nothing" if count else "no robot was heard of")

@@ -8,9 +8,10 @@ import rospy
 from geometry_msgs.msg import Quaternion
 from hypothesis import given
 from hypothesis import strategies as st
+from rospy.exceptions import TransportTerminated
 
 from mr_grid import FARTHEST, GridError, OccupancyGrid, Pose
-from mr_grid.ros import grid_message, grid_value, pose_message, pose_value, quaternion, yaw_of
+from mr_grid.ros import CALL_FAILED, grid_message, grid_value, pose_message, pose_value, quaternion, yaw_of
 
 METRES = st.floats(-FARTHEST, FARTHEST)
 CELLS = np.array([[0, 100, -1], [50, 7, 0]], np.int8)
@@ -62,3 +63,8 @@ def changed(path, value):
 def test_bad_messages_are_refused_with_the_culprit(path, value, words):
     with pytest.raises(GridError, match=words):
         grid_value(changed(path, value))
+
+
+def test_a_node_that_ends_while_a_call_is_written_to_it_is_a_failed_call() -> None:
+    """The thread that called ended for good: a map merger never told its map again."""
+    assert issubclass(TransportTerminated, CALL_FAILED)

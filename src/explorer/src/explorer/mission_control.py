@@ -11,6 +11,7 @@ from explorer.team_state import ORDERS, ROLL_CALL, TeamOrder, TeamState
 
 ROLL_CALL_PERIOD = 5.0  # s
 REPEAT_PERIOD = 2.0  # s after which an order that was not answered is sent again
+RADIO_SILENT = 5.0  # s without a word of adhoc_communication, after which nobody is in reach
 MOST_ROBOTS = 100  # further ones are not watched
 NEVER = -1.0  # age of a state that was not told
 
@@ -56,6 +57,8 @@ class MissionControl:
         self._name, self._number = name, first_number
         self._robots: Dict[str, _Watched] = {}
         self._for_all: Optional[TeamOrder] = None
+        self._heard_radio: Optional[float] = None  # s
+        self._radio_silent = True
 
     def order(self, order: str, robots: Sequence[str] = ()) -> Answer:
         """Takes an order to these robots, or to all."""
@@ -81,12 +84,15 @@ class MissionControl:
         there = [robot for robot in robots if self._robots[robot].in_reach]
         away = [robot for robot in robots if robot not in there]
         parts = [f"{order}: sent to {', '.join(there)}"] if there else [f"{order}: no robot is in reach"]
+        if self._radio_silent:
+            parts.append("adhoc_communication says nothing, is it running?")
         if away:
             parts.append(f"{', '.join(away)} get it when they are back")
         return Answer(bool(there), "; ".join(parts))
 
-    def on_robots(self, names: Sequence[str]) -> None:
-        """All robots that the radio reaches now."""
+    def on_robots(self, names: Sequence[str], now: float) -> None:
+        """All robots that the radio reaches now, told about once a second."""
+        self._heard_radio, self._radio_silent = now, False
         for name in names:
             if name not in self._robots and len(self._robots) < MOST_ROBOTS:
                 self._robots[name] = _Watched()
@@ -107,7 +113,9 @@ class MissionControl:
     def tick(self, now: float) -> List[SendOrder]:
         """What is to be sent now; call it about twice a second."""
         sent = []
+        self._radio_silent = self._heard_radio is None or abs(now - self._heard_radio) > RADIO_SILENT
         for name, watched in self._robots.items():
+            watched.in_reach = watched.in_reach and not self._radio_silent
             if not watched.in_reach:
                 watched.called = float("-inf")
                 continue

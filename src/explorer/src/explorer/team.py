@@ -57,23 +57,32 @@ class Team:
         if name == self._own_name or not name:
             return None
         if name not in self._peers:
-            if len(self._peers) >= MAXIMUM_ROBOTS:
+            if len(self._peers) >= MAXIMUM_ROBOTS and not self._make_room():
                 return None
             self._peers[name] = Peer()
         return self._peers[name]
 
+    def _make_room(self) -> bool:
+        """The robot that was heard of first among those that have left is forgotten."""
+        gone = next((name for name, peer in self._peers.items() if not peer.known), None)
+        if gone is not None:
+            del self._peers[gone]
+        return gone is not None
+
     def set_known(self, names: Sequence[str]) -> Tuple[List[str], List[str]]:
-        """Takes the robots the radio knows now; returns those that came and those that left."""
+        """Takes the robots the radio knows now; returns those that came, as far as there is room, and those that
+        left."""
         now_known = {name for name in names if name and name != self._own_name}
-        came = sorted(name for name in now_known if not (name in self._peers and self._peers[name].known))
         left = sorted(name for name, peer in self._peers.items() if peer.known and name not in now_known)
-        for name in came:
-            peer = self.peer(name)
-            if peer is not None:
-                peer.known, peer.unanswered = True, 0
         for name in left:
             self._peers[name].known = False
             self._peers[name].claim = None
+        came = []
+        for name in sorted(now_known):
+            peer = self.peer(name)
+            if peer is not None and not peer.known:
+                peer.known, peer.unanswered = True, 0
+                came.append(name)
         return came, left
 
     def set_positions(self, positions: Mapping[str, Position], now: float) -> None:

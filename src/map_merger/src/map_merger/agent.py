@@ -4,7 +4,7 @@ It hands values from one owner of state to the next: the exchange of maps, where
 registrations, the team's graph, and the global map.
 """
 
-from typing import List, Optional
+from typing import Collection, List, Optional, Set
 
 from mr_grid import OccupancyGrid, Pose
 
@@ -56,6 +56,7 @@ class Agent:
         self.view = TeamView(
             options, self.exchange, reference, seen.whereabouts, own.registrar, believed, self._merged, self._hearing
         )
+        self._missing: Set[str] = set()  # robots that the radio did not name when it last named all
         self._effects: List[Effect] = []
         self._question: Optional[Timer] = Timer(NEIGHBOR_QUESTION_S, NEIGHBOR_QUESTION_S)
         self._transform_timer = Timer(TRANSFORM_PERIOD_S)
@@ -86,6 +87,16 @@ class Agent:
     def on_robot(self, name: str, now: float, returned: bool = False) -> None:
         """A robot is there. `returned`: the radio announced it anew (new_robot), so what was sent last may be lost."""
         self.exchange.on_robot(name, now, returned)
+
+    def on_robots(self, names: Collection[str], now: float) -> None:
+        """All robots that the radio knows, again and again. Who is missing twice in a row is lost: a radio that was
+        started anew has never heard of it, and does not say so."""
+        for name in names:
+            self.on_robot(name, now)
+        missing = {name for name in self.exchange.robots() if name not in names and self.exchange.present(name)}
+        for name in sorted(missing & self._missing):
+            self.on_robot_lost(name, now)
+        self._missing = missing
 
     def on_robot_lost(self, name: str, now: float) -> None:
         """The radio lost the robot. Its map and transform stay."""

@@ -63,12 +63,15 @@ class GlobalMap:
         return tuple(name for name in sorted(self._layers) if name not in self._drawn)
 
     def set_local(self, grid: OccupancyGrid) -> None:
-        """The local map; it may grow to all sides. Another resolution, heading or a shift by a part of a cell draws
-        everything anew."""
+        """The local map; it may grow to all sides. Another resolution, heading, a shift by a part of a cell or by
+        more than its size draws everything anew."""
         before, shift = self._local, whole_shift(grid.info, self._lattice)
         self._local = grid
         relative = None if before is None else whole_shift(before.info, grid.info)
-        if before is None or shift is None or relative is None:
+        elsewhere = (
+            relative is not None and full_box(before.info).shifted(*relative).intersection(full_box(grid.info)).empty
+        )
+        if before is None or shift is None or relative is None or elsewhere:
             self._start_anew(grid)
             return
         self._at = full_box(grid.info).shifted(*shift)
@@ -135,7 +138,7 @@ class GlobalMap:
         self._board, self._published = Board(), None
         self._mark(self._at)
         for layer in self._layers.values():
-            layer.redrawn(self._lattice)
+            layer.draw_anew(self._lattice)
             self._mark(layer.box)
         for track in self._places.values():
             track.draw(self._lattice)

@@ -41,10 +41,16 @@ class Layer:
     def redrawn(self, lattice: GridInfo) -> Box:
         """Draws everything; returns the box of the cells that became others."""
         assert self._source is not None
-        before, self.board, self.box = self.board, Board(), EMPTY_BOX
-        self._draw(known_box(self._source), lattice)
+        before = self.board
+        self.draw_anew(lattice)
         box = before.box.union(self.board.box)
         return changed_box(before.read(box), self.board.read(box)).shifted(box.top, box.left)
+
+    def draw_anew(self, lattice: GridInfo) -> None:
+        """Draws everything on a lattice that has nothing to do with the one before."""
+        assert self._source is not None
+        self.board, self.box = Board(), EMPTY_BOX
+        self._draw(known_box(self._source), lattice)
 
     def _changed_part(self, source: OccupancyGrid, transform: Pose, changed: Optional[Box]) -> Optional[Box]:
         """Cells of the new source that may differ from the former one; None if it is another lattice or transform."""

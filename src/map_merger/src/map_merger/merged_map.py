@@ -29,6 +29,7 @@ class MergedMap:
         self._size = options.robot_size
         self._map = GlobalMap(self._name, self._policy, self._size)
         self._drawn: Set[str] = set()
+        self._placed: Set[str] = set()  # of whose ways obstacles are erased
         self._version = -1
         self._left_out: Set[str] = set()
         self.grid: Optional[OccupancyGrid] = None
@@ -37,7 +38,7 @@ class MergedMap:
     def forget(self) -> None:
         """The own frame is a new one."""
         self._map = GlobalMap(self._name, self._policy, self._size)
-        self._drawn, self._version, self.grid = set(), -1, None
+        self._drawn, self._placed, self._version, self.grid = set(), set(), -1, None
 
     def step(
         self,
@@ -78,7 +79,6 @@ class MergedMap:
     def _draw(self, transforms: Mapping[str, Pose], exchange: Exchange) -> None:
         for name in sorted(self._drawn - transforms.keys()):
             self._map.remove_layer(name)
-            self._map.set_places(name, np.empty((0, 2)))
         self._drawn.intersection_update(transforms)
         for name, transform in transforms.items():
             grid = exchange.map_of(name)
@@ -91,7 +91,11 @@ class MergedMap:
         own = whereabouts.own_track.points()
         if len(own):
             self._map.set_places(self._name, own)
+        for name in sorted(self._placed - transforms.keys()):
+            self._map.set_places(name, np.empty((0, 2)))
+        self._placed.intersection_update(transforms)
         for name, transform in transforms.items():
             points = whereabouts.track(name).points()
             if len(points):
                 self._map.set_places(name, transform.apply(points))
+                self._placed.add(name)

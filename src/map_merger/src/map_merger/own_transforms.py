@@ -57,8 +57,8 @@ class OwnTransforms:
         for robot in self._exchange.robots():
             grid = self._exchange.map_of(robot)
             if grid is not None:
-                version = self._exchange.version_of(robot)
-                maps[robot] = Versioned((robot, self._exchange.run_of(robot), version), grid)
+                version, known = self._exchange.version_of(robot), self.registrar.generation(robot)
+                maps[robot] = Versioned((robot, known, self._exchange.run_of(robot), version), grid)
                 self._observations.look_through(robot, grid, version, now)
         return maps
 

@@ -73,6 +73,10 @@ class Registrar:
         self._words.pop(robot, None)
         self._generations[robot] = self._generations.get(robot, 0) + 1
 
+    def generation(self, robot: str) -> int:
+        """Another one after each `forget`."""
+        return self._generations.get(robot, 0)
+
     def next_job(self, now: float, team: Team) -> Optional[Register]:
         """The registration to start now; None if one is under way or none is due."""
         if self._busy:
@@ -83,7 +87,7 @@ class Registrar:
             job = self._due_job(robot, now, team)
             if job is not None:
                 self._busy, self._started[robot] = True, now
-                return Register(job, self._generations.get(robot, 0))
+                return Register(job, self.generation(robot))
         return None
 
     def _due_job(self, robot: str, now: float, team: Team) -> Optional[Job]:

@@ -62,6 +62,17 @@ def passable(grid, begin, end):
     return labels[tuple(np.add(cell_of(grid, *begin), 1))] == labels[tuple(np.add(cell_of(grid, *end), 1))]
 
 
+@pytest.mark.parametrize("jump", [20000.0, 20000.02])
+def test_a_local_map_that_jumps_far_away_is_drawn_anew(jump):
+    """The cells between were read as well: 150 GB."""
+    fusion = GlobalMap("own", Policy.EVIDENCE)
+    fusion.set_local(room())
+    fusion.set_layer("a", room(), 0, Pose(0.5, 0.0, 0.0))
+    fusion.render()
+    fusion.set_local(room(x=jump))
+    assert value_at(fusion.render().grid, jump + 1.0, 1.0) == FREE
+
+
 def pseudo_frontier(grid):
     """Free cells beside unknown ones and not beside obstacles: where an explorer would go."""
     kernel = np.ones((3, 3), np.uint8)

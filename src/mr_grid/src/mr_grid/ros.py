@@ -9,12 +9,15 @@ from geometry_msgs.msg import Point, Quaternion
 from geometry_msgs.msg import Pose as PoseMessage
 from nav_msgs.msg import MapMetaData
 from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
+from rospy.exceptions import TransportException
 from rospy.numpy_msg import numpy_msg
 
 from mr_grid.grid import GridError, GridInfo, OccupancyGrid, grid_of
 from mr_grid.pose import FARTHEST, Pose, is_place
 
 NumpyOccupancyGrid = numpy_msg(OccupancyGridMessage)
+CALL_FAILED = (rospy.ServiceException, rospy.ROSException, TransportException, OSError)
+"""What a call of a service may raise; the third one where its node ends while the request is being written."""
 
 
 def yaw_of(q: Quaternion) -> float:

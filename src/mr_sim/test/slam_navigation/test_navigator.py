@@ -333,7 +333,7 @@ def test_away_from_a_jamb_behind_that_the_body_seems_to_touch() -> None:
 
 
 def test_a_manoeuvre_slows_down_where_it_would_turn_too_far() -> None:
-    """In a corner behind a desk the way out began with a turn that was looked at beyond its end, and given up: the robot
+    """In a corner behind a desk the way out began with a turn that was looked at beyond its end, and given up: it
     never came home."""
     ahead = [(1.29, 2.0 + y) for y in np.arange(-0.2, 0.62, 0.02)]
     beside = [(1.0 + x, 2.6) for x in np.arange(-0.95, 0.3, 0.02)]

@@ -27,6 +27,7 @@ class _Peer:
         self.map = PeerMap(name)
         self.present = True
         self.answering = False
+        self.complained = False
         self.failures = 0
         self.retry = Retry(bounds.FIRST_PAUSE_S, bounds.LONGEST_REQUEST_PAUSE_S, bounds.STEADY_REQUESTS)
 
@@ -136,7 +137,11 @@ class Exchange:
             peer.progress(now)
         except GridError as error:
             # It will not fit the next time either, so the pauses between requests for it go on growing.
-            self._effects.append(Note(f"map update of {tile.robot} ignored: {error}", warning=True))
+            if not peer.complained:
+                peer.complained = True
+                self._effects.append(
+                    Note(f"map update of {tile.robot} ignored, as further ones are: {error}", warning=True)
+                )
 
     def on_request(self, request: Request, now: float) -> None:
         """A robot asks for updates: none listed = everything, first one -1 = ignore (contract 2.4)."""

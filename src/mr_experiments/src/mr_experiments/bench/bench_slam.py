@@ -45,7 +45,7 @@ WORLDS = {
     LARGE_FLOOR: ("large60x60",),  # slanted walls among square ones, and far ends where the least turn shows
 }
 """Of kinds that have not the one of their scenario. Their worlds take turns."""
-MOST_LARGE = 3  # missions of the large kinds
+MOST_LARGE = 6  # missions of the large kinds
 ODOMETRY_ERROR = {"pioneers": (0.03, 0.05), "turtlebots": (0.03, 0.01)}
 """Standard deviations of a random walk after 1 m and 1 rad: the bounds of Stage's bias in the worlds. Those of Pioneers
 hold for all other kinds."""
