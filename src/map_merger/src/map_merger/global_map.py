@@ -68,10 +68,7 @@ class GlobalMap:
         before, shift = self._local, whole_shift(grid.info, self._lattice)
         self._local = grid
         relative = None if before is None else whole_shift(before.info, grid.info)
-        elsewhere = (
-            relative is not None and full_box(before.info).shifted(*relative).intersection(full_box(grid.info)).empty
-        )
-        if before is None or shift is None or relative is None or elsewhere:
+        if before is None or shift is None or relative is None or _apart(before.info, grid.info, relative):
             self._start_anew(grid)
             return
         self._at = full_box(grid.info).shifted(*shift)
@@ -198,6 +195,11 @@ class GlobalMap:
             if (cells != UNKNOWN).any():
                 maps[name] = cells
         return maps
+
+
+def _apart(before: GridInfo, after: GridInfo, shift: Tuple[int, int]) -> bool:
+    """Whether grids on one lattice, the first one's corner at `shift` of the second, have no cell in common."""
+    return full_box(before).shifted(*shift).intersection(full_box(after)).empty
 
 
 def merged(local: OccupancyGrid, others: Sequence[Tuple[OccupancyGrid, Pose]]) -> OccupancyGrid:
