@@ -104,6 +104,17 @@ def test_output_folder_that_cannot_be_made(tmp_path):
         make_output_folder(plan_with(tmp_path / "file" / "out"))
 
 
+def test_output_folder_that_nobody_may_look_into(tmp_path, monkeypatch):
+    """Once that was a traceback."""
+
+    def refuse(path):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr("pathlib.Path.exists", refuse)
+    with pytest.raises(UserError, match=r"cannot write to the output folder .*: Permission denied"):
+        make_output_folder(plan_with(tmp_path / "out"))
+
+
 def test_a_launch_file_of_ones_own_is_found_from_anywhere(tmp_path, monkeypatch):
     (tmp_path / "own.launch").touch()
     monkeypatch.chdir(tmp_path)

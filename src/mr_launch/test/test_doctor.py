@@ -364,6 +364,46 @@ def test_output_is_one_line_for_each_finding_or_json(monkeypatch, capsys):
     assert str(Finding("cpu", "a", "b")) == "a: b"
 
 
+@pytest.mark.parametrize(
+    ("node", "words", "what"),
+    [
+        ("map_merger", 5, "map_merger: holds no parameters, but 5"),
+        ("velocity_override", "x", "velocity_override: holds no parameters, but 'x'"),
+        ("adhoc_communication", {"max_frame_size": "big"}, "parameter max_frame_size must be a number, not 'big'"),
+        (
+            "move_base",
+            {"footprint_length": 0.4, "plan_period": "slow"},
+            "move_base: parameter plan_period must be a number, not 'slow'",
+        ),
+    ],
+)
+def test_values_of_a_wrong_type_are_findings(node, words, what):
+    """Once each of them was a traceback, or named no parameter."""
+    given = {**PARAMETERS, node: words}
+    assert topics_of(given) and folders_of(given) == []
+    findings = diagnose(replace(HEALTHY, set_up=set_up_of(given)))
+    assert any(what in finding.what for finding in findings), findings
+
+
+@pytest.mark.parametrize("uri", ["foo", "http://localhost:99999", "ftp://a:1"])
+def test_a_master_that_cannot_be_is_a_finding(uri, monkeypatch):
+    examination = pytest.importorskip("mr_launch.doctor.examination")
+    monkeypatch.setenv("ROS_MASTER_URI", uri)
+    facts = examination.examine(examination.Wanted())
+    assert facts.master.uri == uri and facts.master.fault
+    assert any(f"no ROS master answers at {uri}" in finding.what for finding in diagnose(facts))
+
+
+def test_an_interrupted_doctor_ends_without_a_traceback(monkeypatch, capsys):
+    examination = pytest.importorskip("mr_launch.doctor.examination")
+
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(examination, "examine", interrupted)
+    assert command.main([]) == 130 and capsys.readouterr().err == "doctor: interrupted\n"
+
+
 @pytest.mark.parametrize("words", [["bob", "carl"], ["bob,carl"], ["bob,", "carl"]])
 def test_peers_are_given_with_blanks_or_commas(words):
     assert command.names_of(command.make_parser().parse_args(["--peers", *words]).peers) == ("bob", "carl")

@@ -14,6 +14,7 @@ from rosbags.highlevel import AnyReader
 from mr_launch.arguments import parse_arguments
 from mr_launch.plan import PLAN_FILE, Plan, RobotPlan
 from mr_launch.recordings.export_command import main
+from mr_launch.recordings.recording import find_recording
 
 CELLS = {"anna": np.array([[0, 100, -1], [-1, 0, 50]]), "bob": np.array([[100, 100], [0, -1]])}
 AHEAD, LATE = 1000 * SECOND, SECOND // 100  # bob's clock before anna's; way of a message on the radio
@@ -173,6 +174,52 @@ def test_what_is_refused(mission, capsys):
     (mission / "mission.mcap").touch()
     assert "is there already" in refused(mission)
     assert not list(mission.glob(".*"))
+
+
+def test_what_reindex_keeps_is_no_bag(tmp_path):
+    """Once a bag that had been mended was refused for ever for the copy beside it."""
+    (tmp_path / "topics_1.bag").touch()
+    for name in ("topics_1.bag.orig.active", "topics_1.orig.bag", "topics_1.bag.orig"):
+        (tmp_path / name).touch()
+    (robot,) = find_recording(tmp_path).robots
+    assert robot.bags == (tmp_path / "topics_1.bag",)
+
+
+def test_a_bag_without_messages_is_as_good_as_none(mission, capsys):
+    bag = mission / "anna" / "anna.bag"
+    bag.unlink()
+    with Bag(bag):
+        pass
+    assert main([str(mission)]) == 0
+    assert "export: the bags of anna hold no message" in capsys.readouterr().err
+    assert not any(topic.startswith("/anna/") for topic in Read(mission / "mission.mcap").topics)
+    assert main([str(bag)]) == 2
+    assert capsys.readouterr().err == f"export: no message in any bag of {bag.parent}\n"
+
+
+def test_messages_that_cannot_be_decoded_are_counted_and_left_out(mission, capsys):
+    """Once one of them ended the export with a traceback."""
+    bag, frame = mission / "anna" / "anna.bag", b"\x0f\0\0\0base_laser_link"
+    octets = bag.read_bytes()
+    place = octets.index(frame, octets.index(b"sensor_msgs/LaserScan"))
+    status = octets.index(b"\x04\0\0\0anna\x0b\0\0\0distributed")
+    octets = bytearray(octets)
+    octets[place : place + 4] = octets[status : status + 4] = b"\xff\xff\xff\x7f"
+    bag.write_bytes(octets)
+    assert main([str(mission)]) == 0
+    said = capsys.readouterr().err
+    for topic in ("base_scan", "map_merger/status"):
+        assert f"{bag}, {topic}: left out what cannot be decoded, messages: 1\n" in said
+    assert len(Read(mission / "mission.mcap").topics["/anna/base_scan"]) == 29
+
+
+def test_a_mission_that_cannot_be_read_is_not_said_to_be_unwritable(mission, capsys, monkeypatch):
+    def refuse(path, **_):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "read_text", refuse)
+    assert main([str(mission)]) == 2
+    assert capsys.readouterr().err == f"export: {mission / PLAN_FILE} cannot be read: Permission denied\n"
 
 
 def test_a_bag_that_ends_in_the_middle(mission, capsys):

@@ -41,6 +41,12 @@ def test_a_recorder_that_the_full_disk_ended_is_no_failure(tmp_path):
     assert done.returncode == 0 and done.stderr.startswith("record: ")
 
 
+def test_a_folder_that_is_not_there_is_no_full_disk(tmp_path):
+    words = [sys.executable, "-c", GUARD, "raise SystemExit(5)", str(tmp_path / "none"), "1"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0 and done.stderr.startswith(f"record: there is no folder {tmp_path / 'none'}; ")
+
+
 def test_a_recorder_with_room_ends_as_it_ends(tmp_path):
     done = run_guarded("raise SystemExit(5)", tmp_path, NOTHING)
     assert (done.returncode, done.stderr) == (5, "")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 from roslaunch.config import ROSLaunchConfig
-from roslaunch.xmlloader import XmlLoader
+from roslaunch.xmlloader import XmlLoader, XmlParseException
 
 from mr_launch.nodes import RESPAWNED
 from mr_launch.recorder import record_command
@@ -237,6 +237,15 @@ def test_the_bag_holds_the_topics_of_the_robots_own_drivers(tmp_path):
     assert {"scan", "wheels", "cmd_vel_mux/input/navi", "/tf_static", "map", "auction"} <= set(command)
     assert {"base_scan", "odom", "cmd_vel"} & set(command) == set()
     assert "base_scan" in record_command("/record", {"output": "--output-name=/x"}, [])
+
+
+@pytest.mark.parametrize("path", ["records", "~/records"])
+def test_a_relative_folder_for_records_is_refused(path, tmp_path, monkeypatch, capfd):
+    """Once roslaunch made it where it was called, the recorder looked for it elsewhere and found the disk full."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(XmlParseException):
+        loaded("robot.launch", "record:=true", f"record_path:={path}")
+    assert f"record_path:={path} has to begin with /" in capfd.readouterr().err and not list(tmp_path.iterdir())
 
 
 def test_nodes_are_started_again_but_for_slam():

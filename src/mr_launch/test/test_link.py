@@ -66,6 +66,24 @@ def settle(hub, steps=20):
         hub.step(0.0)
 
 
+def test_only_sockets_are_removed(wire, tmp_path):
+    """Once any file at the path of the hub was deleted."""
+    path = tmp_path / "notes"
+    path.write_text("mine")
+    with pytest.raises(UserError, match=f"no hub socket at {path}: .* no socket"):
+        Hub(path, Wire(wire[0]))
+    assert path.read_text() == "mine"
+    hub = Hub(tmp_path / "hub", Wire(wire[0]))
+    (tmp_path / "hub").unlink()
+    path.rename(tmp_path / "hub")
+    hub.close()
+    assert (tmp_path / "hub").read_text() == "mine"
+    left = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    with left:
+        left.bind(str(tmp_path / "left"))
+    Hub(tmp_path / "left", Wire(wire[0])).close()
+
+
 def test_frames_pass_both_ways(hub, wire, tmp_path):
     with client(tmp_path / "new" / "hub") as anna:
         anna.send(b"\1" * 2318)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 import yaml
+from test_launch_files import parameters_of
 
 from mr_grid import Pose
 from mr_launch import isolation
@@ -133,6 +134,29 @@ def test_robot_is_told_the_topic_of_the_laser_by_which_it_finds_its_way(tmp_path
     kinds, presets = presets_of(str(world), ["a", "b"])
     scans = {name: yaml.safe_load(presets[kinds[name]])["topics"]["scan"] for name in kinds}
     assert scans == {"a": "base_scan", "b": "base_scan_1"}
+    robots = [RobotPlan(name, index, 11311, Pose(0.0, 0.0, 0.0), kinds[name]) for index, name in enumerate(kinds)]
+    team = replace(plan(isolation.HUB), robots=robots, presets=presets)
+    told = [launch_arguments(launch_command(team, robot))["scan_topic"] for robot in robots]
+    assert told == ["base_scan", "base_scan_1"]
+    assert launch_arguments(launch_command(plan(isolation.HUB), ROBOTS[0]))["scan_topic"] == ""
+
+
+@pytest.mark.parametrize(("rangers", "number"), [(1, ""), (2, "_1")])
+def test_all_nodes_listen_to_the_ranger_that_the_world_publishes(tmp_path, rangers, number):
+    """Once robots with several rangers listened to base_scan, which nobody publishes then."""
+    world = tmp_path / "w.world"
+    sonars = "ranger ( scount 2 ) " if rangers == 2 else ""
+    world.write_text(f'position ( name "a" {sonars}ranger ( sensor ( samples 181 ) ) )')
+    kinds, presets = presets_of(str(world), ["a"])
+    preset = tmp_path / "a.yaml"
+    preset.write_text(presets[kinds["a"]])
+    arguments = (f"robot:={preset}", f"robot_parameters:={tmp_path}", "bag:=/x")
+    parameters = parameters_of("team_robot.launch", *arguments)
+    assert {parameters[f"/{node}/scan_topic"] for node in ("slam", "move_base", "map_merger", "bag")} == {
+        f"base_scan{number}"
+    }
+    description = yaml.safe_load(parameters["/description"])
+    assert description["robot"]["mount"]["frame"] == f"base_laser_link{number}"
 
 
 def test_start_poses_are_told_only_when_asked_for():
@@ -206,7 +230,7 @@ def test_without_a_base_robots_merge_for_themselves():
 
 def test_robots_are_told_what_they_and_their_team_are():
     kinds = [replace(robot, preset=preset) for robot, preset in zip(ROBOTS, ("robot_0", "turtlebot"))]
-    mixed = replace(plan(), robots=kinds, presets={"robot_0": "..."})
+    mixed = replace(plan(), robots=kinds, presets={"robot_0": "topics: {scan: base_scan}"})
     arguments = [launch_arguments(launch_command(mixed, robot)) for robot in kinds]
     assert [each["robot"] for each in arguments] == ["/o/robots/robot_0.yaml", "turtlebot"]
     assert {each["team"] for each in arguments} == {"/o/robots/robot_0.yaml,turtlebot"}

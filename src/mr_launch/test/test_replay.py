@@ -8,12 +8,15 @@ import pytest
 from recorded_bags import SECOND, Bag
 from test_launch_files import parameters_of
 
+from mr_grid import Pose
+from mr_launch.arguments import parse_arguments
 from mr_launch.errors import UserError
+from mr_launch.plan import PLAN_FILE, Plan, RobotPlan
 from mr_launch.recordings import replay_command
 from mr_launch.recordings.bags import Span, opened
 from mr_launch.recordings.cut import cut, is_played
 from mr_launch.recordings.recording import find_recording
-from mr_launch.recordings.replay_command import COMPUTED, main, played_spans
+from mr_launch.recordings.replay_command import COMPUTED, main, make_parser, make_plan, played_spans
 
 PACKAGE = Path(__file__).resolve().parents[1]
 ARGUMENTS = ("robot_name:=robot_0", "bag:=/x", "report_socket:=/x", "map_merger:=true", "explorer:=true")
@@ -110,11 +113,33 @@ def test_what_is_refused(tmp_path, capsys):
     assert "--from 5: the recording has 1.0 s" in refused("--from", 5)
     assert "--strategy: strategy 99 is unknown; there are 0 " in refused("--strategy", 99)
     assert "--robot" in refused("--robot", "turtle") and "turtlebot" in refused("--robot", "turtle")
+    out = tmp_path / "out,put"
+    assert "out,put has a , in it, which launch files do not take" in refused()
+    out = tmp_path / "out"
+    (tmp_path / "a" / "a.bag").unlink()
+    with Bag(tmp_path / "a" / "a.bag"):
+        pass
+    assert f"no message in any bag of {tmp_path / 'a'}" in refused()
     (tmp_path / "a" / "a.bag").write_bytes(b"x")
     assert "a.bag is no bag of ROS 1" in refused()
     out = tmp_path / "a"
     assert main([str(tmp_path / "a"), "--out", str(out)]) == 2
     assert "is not an empty folder" in capsys.readouterr().err
+
+
+def test_presets_are_those_of_the_plan(tmp_path):
+    """Once a file that was gone from the mission was said to be unwritable."""
+    mission, out = tmp_path / "it,s", tmp_path / "out"
+    record(mission / "a" / "a.bag", 3, 4)
+    robots = [RobotPlan("a", 0, 11311, Pose(1.0, 2.0, 0.0), "a")]
+    plan = Plan(parse_arguments(["--out", str(out)]), "w", robots, str(mission), "hub", presets={"a": "text"})
+    (mission / PLAN_FILE).write_text(plan.to_json())
+    options = make_parser().parse_args([str(mission), "--compute", "explorer", "--isolation", "hub"])
+    (out / "played").mkdir(parents=True)
+    (played_robot,) = make_plan(find_recording(mission), options, out, {}).robots
+    preset = out / "robots" / "a.yaml"
+    assert preset.read_text() == "text"
+    assert {played_robot.arguments["robot"], played_robot.arguments["team"]} == {str(preset)}
 
 
 def test_nodes_run_again_as_on_a_robot(tmp_path):

@@ -1,12 +1,14 @@
 """What a soak concludes from what it saw. The missions themselves run in `make soak`."""
 
 import contextlib
+import json
 import os
 import subprocess
 import sys
 
 import pytest
 
+from mr_launch.soak import command
 from mr_launch.soak.command import main
 from mr_launch.soak.faults import NODES, disturbed, full_disk, partitions
 from mr_launch.soak.leftovers import Leftovers
@@ -163,3 +165,58 @@ def test_bad_options(capsys):
     with pytest.raises(SystemExit) as stopped:
         main(["--minutes", "1"])
     assert stopped.value.code == 2 and "--minutes 1 is out of range: 30 to 1440" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--seed", "-1"], "--seed -1 is out of range: 0 to 2147473647"),
+        (["--seed", "2147483647"], "--seed 2147483647 is out of range"),
+        (["--world", "{tmp}/one.world"], "--robots 3, but {tmp}/one.world has 1: robot_0"),
+        (["--world", "{tmp}/others.world"], "the first robots are a, b, c; a soak is of robot_0, robot_1, robot_2"),
+        (["--out", "{tmp}"], "--out {tmp} is a folder; give a file"),
+    ],
+)
+def test_what_every_mission_would_be_refused_for(arguments, said, tmp_path, capsys, monkeypatch):
+    """Once a soak went on and on with missions that ended at once, or noticed at its end where its rows should go."""
+    robot = 'position ( name "{}" pose [ {} 0 0 0 ] ranger ( sensor ( samples 181 ) ) )\n'
+    (tmp_path / "one.world").write_text(robot.format("robot_0", 0))
+    (tmp_path / "others.world").write_text("".join(robot.format(name, 2 * place) for place, name in enumerate("abc")))
+    monkeypatch.setattr(os, "geteuid", lambda: 0)
+    monkeypatch.setattr(command, "soak", lambda *_: pytest.fail("it began"))
+    with pytest.raises(SystemExit) as stopped:
+        main([word.format(tmp=tmp_path) for word in arguments])
+    assert stopped.value.code == 2 and said.format(tmp=tmp_path) in capsys.readouterr().err
+
+
+class Missions:
+    """In place of the real ones: with these exit codes, then Ctrl-C."""
+
+    name = "rest"
+
+    def __init__(self, *codes):
+        self._codes = iter(codes)
+
+    def __call__(self, *_, **__):
+        return self
+
+    def run(self, *_):
+        for code in self._codes:
+            return outcome(AT_REST, code=code)
+        raise KeyboardInterrupt
+
+
+def test_an_interrupted_soak_keeps_its_rows(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(os, "geteuid", lambda: 0)
+    monkeypatch.setattr(command, "SoakMission", Missions(0))
+    assert main(["--world", "office26x15", "--out", str(tmp_path / "rows.json")]) == 130
+    rows = {row["what"]: row for row in json.loads((tmp_path / "rows.json").read_text())}
+    assert rows["soak: missions survived"]["value"] == 1
+    assert capsys.readouterr().err.endswith("soak: interrupted; the rows are those of the missions before\n")
+
+
+def test_a_soak_ends_with_a_mission_that_is_refused(monkeypatch):
+    monkeypatch.setattr(command, "SoakMission", Missions(2))
+    outcomes = []
+    command.soak(command.Path("/none"), "office26x15", 1, 1e6, outcomes)
+    assert [each.code for each in outcomes] == [2]

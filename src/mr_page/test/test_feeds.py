@@ -2,12 +2,14 @@
 
 import asyncio
 import socket
+import sys
 import threading
 
 import numpy as np
 import pytest
 
 from mr_grid import OccupancyGrid
+from mr_page import team_page
 from mr_page.commands import Answer, Order
 from mr_page.feeds import FeedLink, FeedServer
 from mr_page.radio_switch import RadioSwitch
@@ -140,3 +142,21 @@ def test_radios_that_cannot_be_switched(tmp_path):
         server.close()
 
     asyncio.run(run())
+
+
+@pytest.mark.parametrize("port", ["0", "-1", "65536", "99999"])
+def test_a_port_that_cannot_be_is_refused(tmp_path, monkeypatch, capsys, port):
+    """Once 99999 was served at another port."""
+    monkeypatch.setattr(sys, "argv", ["team_page", "--feeds", str(tmp_path / "feeds"), "--port", port])
+    with pytest.raises(SystemExit) as stopped:
+        team_page.main()
+    assert stopped.value.code == 2 and f"--port {port} is out of range: 1 to 65535" in capsys.readouterr().err
+
+
+def test_a_file_in_place_of_the_socket_of_feeds_is_one_sentence(tmp_path, monkeypatch, capsys):
+    path = tmp_path / "feeds"
+    path.write_text("mine")
+    monkeypatch.setattr(sys, "argv", ["team_page", "--feeds", str(path)])
+    assert team_page.main() == 1
+    assert capsys.readouterr().err == f"team_page: --feeds {path} is there already, and no socket; give another path\n"
+    assert path.read_text() == "mine"

@@ -196,12 +196,12 @@ def parse_arguments(arguments: Sequence[str], now: float | None = None) -> Optio
     if not values["out"]:
         stamp = time.strftime("%Y-%m-%d_%H-%M-%S", time.localtime(now))
         values["out"] = f"out/{stamp}"
-    _check_folder(os.path.abspath(values["out"]))
+    check_folder(os.path.abspath(values["out"]))
     return Options(**values)
 
 
-def _check_folder(path: str) -> None:
-    """Its name goes through launch files: in quotes, and in lists with commas."""
+def check_folder(path: str) -> None:
+    """Its name goes through launch files: in quotes, and in lists with commas. Raises UserError."""
     culprits = [character for character in _NOT_IN_PATHS if character in path]
     if culprits:
         raise UserError(

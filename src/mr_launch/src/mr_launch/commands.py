@@ -104,9 +104,9 @@ def start_notice(options: Options, start: Pose) -> str:
 def make_output_folder(plan: Plan) -> None:
     """The output folder, empty, and ``latest`` beside it when it stands in ``out``."""
     out = Path(plan.out)
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise UserError(f"--out {out} exists and is not an empty folder")
     try:
+        if out.exists() and (not out.is_dir() or any(out.iterdir())):
+            raise UserError(f"--out {out} exists and is not an empty folder")
         for robot in plan.robots:
             plan.robot_folder(robot).mkdir(parents=True)
         for host in plan.hosts:

@@ -52,6 +52,7 @@ def _runs(process: subprocess.Popen[bytes], seconds: float) -> bool:
 
 
 def _said(folder: Path, least: int) -> int:
-    text = f"less than {least / 1e6:.0f} MB are free in {folder}; the recording has ended, the mission goes on without"
+    what = f"less than {least / 1e6:.0f} MB are free in {folder}" if folder.is_dir() else f"there is no folder {folder}"
+    text = f"{what}; the recording has ended, the mission goes on without"
     print(f"{LABEL}{text}", file=sys.stderr, flush=True)
     return 0

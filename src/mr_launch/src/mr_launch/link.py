@@ -9,6 +9,7 @@ import os
 import selectors
 import signal
 import socket
+import stat
 import sys
 from pathlib import Path
 from typing import Callable, NoReturn, Protocol, Sequence
@@ -66,7 +67,7 @@ class Hub:
         self._selector = selectors.DefaultSelector()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.unlink(missing_ok=True)
+            _remove_socket(path)
             self._listener.bind(str(path))
         except OSError as error:
             raise UserError(f"no hub socket at {path}: {error.strerror or error}") from error
@@ -88,7 +89,8 @@ class Hub:
             self._drop(client)
         self._selector.close()
         self._listener.close()
-        self._path.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            _remove_socket(self._path)
 
     def _accept(self) -> None:
         client, _ = self._listener.accept()
@@ -123,6 +125,17 @@ class Hub:
         del self._named[client]
         self._selector.unregister(client)
         client.close()
+
+
+def _remove_socket(path: Path) -> None:
+    """What an earlier hub left, and nothing else. Raises OSError."""
+    try:
+        mode = path.lstat().st_mode
+    except FileNotFoundError:
+        return
+    if not stat.S_ISSOCK(mode):
+        raise OSError("there is something else, which is no socket; choose another path")
+    path.unlink(missing_ok=True)
 
 
 class _Parser(argparse.ArgumentParser):

@@ -8,6 +8,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import yaml  # type: ignore[import-untyped]
+
 from mr_grid import Pose
 from mr_launch import isolation
 from mr_launch.arguments import Options
@@ -23,8 +25,7 @@ TRUTH_FILE = "truth.pickle"  # what maps are compared with, in the private folde
 
 @dataclass(frozen=True)
 class RobotPlan:
-    """One robot of the team. ``start`` is its true pose in the world frame: x, y in m, yaw in rad; ``scan`` the topic
-    of the ranger by which it finds its way."""
+    """One robot of the team. ``start`` is its true pose in the world frame: x, y in m, yaw in rad."""
 
     name: str
     index: int
@@ -68,6 +69,11 @@ class Plan:
     def team(self) -> str:
         """The kinds of robots, as an argument of robot.launch."""
         return ",".join(dict.fromkeys(self.preset_file(robot.preset) for robot in self.robots))
+
+    def scan_topic(self, robot: RobotPlan) -> str:
+        """Of the ranger by which the robot finds its way, as its preset has it; empty without one of this plan."""
+        preset = yaml.safe_load(self.presets.get(robot.preset, "")) or {}
+        return str(preset.get("topics", {}).get("scan", ""))
 
     def log_folder(self, robot: RobotPlan | None = None) -> Path:
         logs = Path(self.out) / "logs"
@@ -206,6 +212,7 @@ def launch_command(plan: Plan, robot: RobotPlan, boot: int = 1) -> list[str]:
         "team": plan.team,
         "simulated": "true",
         "world_socket": plan.socket("world"),
+        "scan_topic": plan.scan_topic(robot),
         "slam": options.slam,
         "navigation": options.navigation,
         "frontier_selection": str(options.strategy),

@@ -14,6 +14,8 @@ from mr_page.radio_switch import RadioSwitch
 from mr_page.server import ADDRESS, PORT, PageServer, listening_sockets, quiet_logs
 from mr_page.state import PageState
 
+MAX_PORT = 65535
+
 
 def make_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="team_page", description="Serves the status page of a team.")
@@ -30,7 +32,10 @@ async def serve(options: argparse.Namespace) -> None:
     """Until SIGTERM or SIGINT."""
     state = PageState()
     radio = RadioSwitch(options.radio) if options.radio else None
-    feeds = FeedServer(state, options.feeds, radio)
+    try:
+        feeds = FeedServer(state, options.feeds, radio)
+    except ValueError:
+        raise OSError(f"--feeds {options.feeds} is there already, and no socket; give another path") from None
     server = PageServer(state, options.title, feeds.command)
     if options.descriptor is not None:
         given = socket.socket(fileno=options.descriptor)
@@ -48,9 +53,13 @@ async def serve(options: argparse.Namespace) -> None:
 
 def main() -> int:
     quiet_logs()
+    parser = make_parser()
+    options = parser.parse_args()
+    if not 1 <= options.port <= MAX_PORT:
+        parser.error(f"--port {options.port} is out of range: 1 to {MAX_PORT}")
     try:
         with contextlib.suppress(KeyboardInterrupt):
-            asyncio.run(serve(make_parser().parse_args()))
+            asyncio.run(serve(options))
     except OSError as error:
         print(f"team_page: {error}", file=sys.stderr)
         return 1

@@ -9,6 +9,7 @@ from dataclasses import asdict
 from typing import Sequence
 
 from mr_launch.doctor.diagnosis import diagnose
+from mr_launch.exit_codes import INTERRUPTED
 
 HEALTHY, FAULTS = 0, 1
 
@@ -18,7 +19,7 @@ def make_parser() -> argparse.ArgumentParser:
         prog="doctor",
         description="Says what is wrong with this robot and what to do, one line each: WHAT: REMEDY. It asks the ROS "
         "master that ROS_MASTER_URI names; without one it looks at the computer alone.",
-        epilog="Exit code: 0 nothing is wrong, 1 something is, 2 bad options.",
+        epilog="Exit code: 0 nothing is wrong, 1 something is, 2 bad options, 130 interrupted.",
     )
     add = parser.add_argument
     add(
@@ -51,9 +52,13 @@ def main(arguments: Sequence[str]) -> int:
     given = parser.parse_args(arguments)
     if not 1.0 <= given.seconds <= 60.0:
         parser.error(f"--seconds {given.seconds:g} is out of range: 1 to 60")
-    from mr_launch.doctor.examination import Wanted, examine  # ROS, not needed for --help
+    try:
+        from mr_launch.doctor.examination import Wanted, examine  # ROS, not needed for --help
 
-    findings = diagnose(examine(Wanted(given.interface, given.key_file, names_of(given.peers), given.seconds)))
+        findings = diagnose(examine(Wanted(given.interface, given.key_file, names_of(given.peers), given.seconds)))
+    except KeyboardInterrupt:
+        print("doctor: interrupted", file=sys.stderr)
+        return INTERRUPTED
     if given.json:
         print(json.dumps([asdict(finding) for finding in findings], indent=2))
     else:

@@ -19,10 +19,10 @@ import rospy
 from adhoc_communication.msg import Status
 from adhoc_communication.srv import GetNeighbors
 
-from mr_launch.doctor.facts import HUB, Facts, Master, Radio, SetUp, Topic
+from mr_launch.doctor.facts import FRAME_SIZE, HUB, Facts, Master, Radio, SetUp, Topic
 from mr_launch.doctor.listener import Listener
-from mr_launch.doctor.machine import FRAME_SIZE, computer_of, hub_of, interface_of, key_file_of
-from mr_launch.doctor.set_up import folders_of, set_up_of, topics_of
+from mr_launch.doctor.machine import computer_of, hub_of, interface_of, key_file_of
+from mr_launch.doctor.set_up import folders_of, frame_size_of, parameters_of, set_up_of, topics_of
 
 PATIENCE = 3.0  # s that a master, a node or a service may take to answer
 TAIL = 65536  # octets of a log in which the last words are looked for
@@ -44,11 +44,10 @@ def examine(wanted: Wanted) -> Facts:
     uri = rosgraph.get_master_uri()
     namespace = rosgraph.names.get_ros_namespace()
     with _patience():
-        master = rosgraph.Master("/doctor")
-        fault = _fault_of(master)
+        master, fault = _master()
         given = {} if fault else _parameters(master, namespace)
     facts = Facts(master=Master(uri, fault), peers=wanted.peers)
-    facts = _with_files(facts, wanted, given.get("adhoc_communication", {}))
+    facts = _with_files(facts, wanted, parameters_of(given, "adhoc_communication"))
     folders = [os.environ.get("ROS_HOME", "~/.ros"), *folders_of(given)]
     if fault:
         return replace(facts, computer=computer_of(folders, 0.5))
@@ -63,7 +62,7 @@ def _with_files(facts: Facts, wanted: Wanted, radio: Mapping[str, Any]) -> Facts
     if interface.startswith(HUB):
         facts = replace(facts, hub=hub_of(interface))
     elif interface:
-        facts = replace(facts, interface=interface_of(interface, int(radio.get("max_frame_size", FRAME_SIZE))))
+        facts = replace(facts, interface=interface_of(interface, frame_size_of(radio) or FRAME_SIZE))
     return replace(facts, key_file=key_file_of(key_file)) if key_file else facts
 
 
@@ -78,12 +77,14 @@ def _patience() -> Iterator[None]:
         socket.setdefaulttimeout(before)
 
 
-def _fault_of(master: Any) -> str:
+def _master() -> tuple[Any, str]:
+    """The master that ROS_MASTER_URI names, and what is wrong with it; nothing if it answers."""
     try:
+        master = rosgraph.Master("/doctor")
         master.getPid()
     except (OSError, ValueError, rosgraph.MasterException, xmlrpc.client.Error) as error:
-        return getattr(error, "strerror", None) or str(error) or type(error).__name__
-    return ""
+        return None, getattr(error, "strerror", None) or str(error) or type(error).__name__
+    return master, ""
 
 
 def _parameters(master: Any, namespace: str) -> dict[str, Any]:
@@ -180,7 +181,7 @@ class Robot:
 
     def _radio(self, answers: bool, listener: Listener) -> Radio:
         """Without a key everybody is warned, by intention."""
-        sealed = bool(self._given.get("adhoc_communication", {}).get("key_file"))
+        sealed = bool(parameters_of(self._given, "adhoc_communication").get("key_file"))
         told = [each for each in listener.complaints() if _is_fault(each.part, each.text, sealed)]
         robots = tuple(self._status.robots) if self._status is not None else ()
         return Radio(answers, robots, tuple(told))

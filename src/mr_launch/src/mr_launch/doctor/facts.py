@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Mapping
 
 HUB = "hub:"  # how the name of an interface begins that is a socket of a radio daemon
+FRAME_SIZE = 1500  # octets, default of adhoc_communication's max_frame_size
 
 
 @dataclass(frozen=True)

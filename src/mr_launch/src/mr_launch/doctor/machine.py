@@ -20,7 +20,6 @@ from mr_launch.programs import find_executable
 CAP_NET_RAW = 13  # number of the capability, linux/capability.h
 SIOCGIWMODE = 0x8B07  # linux/wireless.h
 WIRELESS_MODES = {1: "IBSS", 2: "managed", 3: "AP", 4: "repeater", 5: "secondary", 6: "monitor", 7: "mesh point"}
-FRAME_SIZE = 1500  # default of adhoc_communication's max_frame_size
 
 
 def interface_of(name: str, frame_size: int) -> Interface:

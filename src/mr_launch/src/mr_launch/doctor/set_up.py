@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import socket
 from dataclasses import fields
 from typing import Any, Callable, Iterable, Iterator, Mapping
@@ -10,7 +11,7 @@ from explorer import options as explorer_options
 from explorer.errors import ExplorerError
 from map_merger import options as merger_options
 from mr_grid.parameter_names import unknown_parameters
-from mr_launch.doctor.facts import SetUp, Topic
+from mr_launch.doctor.facts import FRAME_SIZE, SetUp, Topic
 from mr_robot import parameter_names
 from mr_robot.navigation.options import NavigationError, NavigationOptions
 
@@ -34,10 +35,11 @@ def set_up_of(given: Parameters) -> SetUp:
     """`given`: all parameters of the robot's namespace, nested."""
     nodes = tuple(node for node in NODES if _is_node(node, given.get(node)))
     merger, explorer, slam, navigation = (
-        given.get(node, {}) for node in ("map_merger", "explorer", "slam", "move_base")
+        parameters_of(given, node) for node in ("map_merger", "explorer", "slam", "move_base")
     )
     named = [node for node in nodes if "robot_name" in given[node]]
     faults = {node: tuple(check(given[node])) for node, check in _CHECKS.items() if node in nodes}
+    faults.update({node: (f"holds no parameters, but {given[node]!r:.60}",) for node in _scalars(given)})
     return SetUp(
         nodes,
         {node: str(given[node]["robot_name"]) for node in named},
@@ -56,14 +58,32 @@ def _is_node(name: str, given: Any) -> bool:
     return isinstance(given, dict) and (name != "robot" or "socket" in given)
 
 
+def parameters_of(given: Parameters, node: str) -> Parameters:
+    """Those of one node; none where something else has its name."""
+    found = given.get(node)
+    return found if isinstance(found, dict) else {}
+
+
+def _scalars(given: Parameters) -> list[str]:
+    """Nodes whose name has one value in place of parameters."""
+    return [node for node in NODES if node in given and node != "robot" and not isinstance(given[node], dict)]
+
+
+def frame_size_of(radio: Parameters) -> int | None:
+    """Octets that adhoc_communication is told to send; None for what is no number."""
+    size = radio.get("max_frame_size", FRAME_SIZE)
+    is_number = isinstance(size, (int, float)) and not isinstance(size, bool) and math.isfinite(size)
+    return int(size) if is_number else None
+
+
 def _first(values: Iterable[Any], default: str) -> str:
     return next((str(value).strip("/") for value in values if value), default)
 
 
 def topics_of(given: Parameters) -> dict[str, Topic]:
     """The topics that the robot lives on, by what they are for, with names as the nodes have them."""
-    merger, slam, navigation = (given.get(node, {}) for node in ("map_merger", "slam", "move_base"))
-    override = given.get("velocity_override", {})
+    nodes = ("map_merger", "slam", "move_base", "velocity_override")
+    merger, slam, navigation, override = (parameters_of(given, node) for node in nodes)
     names = {
         "scan": slam.get("scan_topic") or merger.get("scan_topic") or "base_scan",
         "odometry": slam.get("odometry_topic") or merger.get("position_local_robot_topic") or "odom",
@@ -92,6 +112,11 @@ def folders_of(given: Parameters) -> list[str]:
 # ---- faults of parameters -----------------------------------------------------------------------------------------
 
 
+def _radio_faults(given: Parameters) -> Iterator[str]:
+    if frame_size_of(given) is None:
+        yield f"parameter max_frame_size must be a number, not {given['max_frame_size']!r:.60}"
+
+
 def _explorer_faults(given: Parameters) -> Iterator[str]:
     yield from unknown_parameters(given, explorer_options.known_names())
     try:
@@ -117,9 +142,14 @@ def _navigation_faults(given: Parameters) -> Iterator[str]:
     if "footprint_length" not in given:
         return
     yield from unknown_parameters(given, parameter_names.NAVIGATION)
+    values = {each.name: given[each.name] for each in fields(NavigationOptions) if each.name in given}
+    wrong = [name for name, value in values.items() if not isinstance(value, (int, float))]
+    yield from (f"parameter {name} must be a number, not {values[name]!r:.60}" for name in wrong)
+    if wrong:
+        return
     try:
-        NavigationOptions(**{each.name: given[each.name] for each in fields(NavigationOptions) if each.name in given})
-    except (NavigationError, TypeError) as error:
+        NavigationOptions(**values)
+    except NavigationError as error:
         yield str(error)
 
 
@@ -130,6 +160,7 @@ def _slam_faults(given: Parameters) -> Iterator[str]:
 
 
 _CHECKS: dict[str, Callable[[Parameters], Iterator[str]]] = {
+    "adhoc_communication": _radio_faults,
     "explorer": _explorer_faults,
     "map_merger": _merger_faults,
     "slam": _slam_faults,

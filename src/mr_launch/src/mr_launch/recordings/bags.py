@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Iterator, NamedTuple, Sequence
@@ -9,6 +10,7 @@ from typing import Any, Iterator, NamedTuple, Sequence
 from mr_launch.errors import UserError
 
 SECOND = 10**9  # ns
+UNDECODABLE = (ValueError, IndexError, struct.error)  # of rosbags, beside its own
 
 
 class Span(NamedTuple):
@@ -60,6 +62,21 @@ def messages(
     connections."""
     if connections:
         yield from reader.messages(connections=connections, start=start, stop=stop)
+
+
+def decoded(reader: Any, connection: Any, octets: bytes) -> Any:
+    """The message, or None for octets that are none of its type."""
+    from rosbags.serde import SerdeError
+
+    try:
+        return reader.typestore.deserialize_ros1(octets, connection.msgtype)
+    except (*UNDECODABLE, SerdeError):
+        return None
+
+
+def place_of(connection: Any) -> tuple[str, str]:
+    """Bag and topic."""
+    return str(connection.owner.path), topic_of(connection)
 
 
 def _check(path: Path) -> None:

@@ -22,7 +22,10 @@ class Conversion:
 
     def message(self, reader: Any, kind: str, octets: bytes) -> Any:
         """A message of a bag as a value of ROS 2, which may be changed."""
-        found = reader.typestore.deserialize_ros1(octets, kind)
+        return self.migrated(reader, kind, reader.typestore.deserialize_ros1(octets, kind))
+
+    def migrated(self, reader: Any, kind: str, found: Any) -> Any:
+        """The same of one that is decoded."""
         return migrate_message(reader.typestore, self.types, kind, kind, self._defaults, found)
 
     def octets(self, message: Any, kind: str) -> Any:

@@ -6,12 +6,13 @@ import contextlib
 import heapq
 import math
 import shutil
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Iterator, NamedTuple, Sequence
 
 from mr_grid import Pose
-from mr_launch.recordings.bags import SECOND, latched, messages, opened, topic_of
+from mr_launch.recordings.bags import SECOND, decoded, latched, messages, opened, place_of, topic_of
 from mr_launch.recordings.conversion import LATCHED, Conversion
 from mr_launch.recordings.message_frames import below, rewrite
 from mr_launch.recordings.recording import Recording
@@ -29,13 +30,14 @@ TF, TF_MESSAGE = "tf", "tf2_msgs/msg/TFMessage"
 @dataclass
 class Exported:
     """`span`: of the common time, ns. `untied`: robots whose frames hang below no common one; `untimed`: those whose
-    clock nothing ties to the others'."""
+    clock nothing ties to the others'; `broken`: how many messages cannot be decoded, by bag and topic."""
 
     messages: int = 0
     span: tuple[int, int] = (0, 0)
     topics: dict[str, int] = field(default_factory=dict)
     untied: tuple[str, ...] = ()
     untimed: tuple[str, ...] = ()
+    broken: dict[tuple[str, str], int] = field(default_factory=dict)
 
 
 class _Source(NamedTuple):
@@ -66,7 +68,10 @@ def export(
         writer = _Writer(work, compress, Conversion([reader.typestore for reader in readers.values()]), result)
         with writer:
             writer.write_static(sources)
-            _write_all(writer, sources, wanted, recording.plan is not None, everything, progress)
+            broken = _write_all(writer, sources, wanted, recording.plan is not None, everything, progress)
+        for survey in surveys.values():
+            broken |= survey.broken  # the larger count of each: some were met twice
+        result.broken = dict(broken)
         (work / f"{work.name}.mcap").replace(target)
     return result
 
@@ -112,7 +117,9 @@ def _write_all(
     true_world: bool,
     everything: bool,
     progress: Callable[[float], None],
-) -> None:
+) -> Counter[tuple[str, str]]:
+    """Returns how many messages cannot be decoded, by bag and topic."""
+    broken: Counter[tuple[str, str]] = Counter()
     chosen = {source.robot: [each for each in source.survey.connections if wanted(each)] for source in sources}
     total = sum(each.msgcount for connections in chosen.values() for each in connections)
     streams = [_stream(source, chosen[source.robot]) for source in sources]
@@ -120,7 +127,11 @@ def _write_all(
         topic = topic_of(connection)
         if topic == STATIC or (topic == TRUTH and not true_world):
             continue
-        message = writer.conversion.message(source.reader, connection.msgtype, octets)
+        found = decoded(source.reader, connection, octets)
+        if found is None:
+            broken[place_of(connection)] += 1
+            continue
+        message = writer.conversion.migrated(source.reader, connection.msgtype, found)
         rewrite(message, below(source.robot), source.shift)
         if topic == TRUTH:
             message.header.frame_id = ROOT
@@ -133,6 +144,7 @@ def _write_all(
         if count % 500 == 0:
             progress(count / total)
     progress(1.0)
+    return broken
 
 
 def _stream(source: _Source, connections: Sequence[Any]) -> Iterator[tuple[int, _Source, Any, bytes]]:

@@ -10,7 +10,7 @@ from typing import Sequence
 from mr_launch.errors import UserError
 from mr_launch.exit_codes import BAD_CALL, FAILED, INTERRUPTED, OK
 from mr_launch.recordings.bags import SECOND
-from mr_launch.recordings.recording import WHAT_IS_FOUND, Recording, find_recording
+from mr_launch.recordings.recording import WHAT_IS_FOUND, Recording, find_recording, with_messages
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -67,13 +67,16 @@ def _export(recording: Recording, target: Path, options: argparse.Namespace) -> 
             f"the Python package {error.name} is missing: run tools/install_dependencies, then source "
             "tools/environment.sh"
         ) from None
-    for name in recording.missing:
-        print(f"export: there is no bag of {name}", file=sys.stderr)
+    recording = with_messages(recording)
+    for note in recording.notes:
+        print(f"export: {note}", file=sys.stderr)
     result = export(recording, target, options.topics, options.all, options.compress, Progress())
     for name in result.untied:
         print(f"export: nothing tells where {name} was; its frames have no way to the others", file=sys.stderr)
     for name in result.untimed:
         print(f"export: nothing ties the clock of {name} to the others; its times are its own", file=sys.stderr)
+    for (bag, topic), count in result.broken.items():
+        print(f"export: {bag}, {topic}: left out what cannot be decoded, messages: {count}", file=sys.stderr)
     seconds = (result.span[1] - result.span[0]) / SECOND
     robots = ", ".join(robot.name for robot in recording.robots)
     size = target.stat().st_size / 1e6

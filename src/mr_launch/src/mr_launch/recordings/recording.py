@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mr_launch.errors import UserError
 from mr_launch.plan import PLAN_FILE, Plan, bag_name
+from mr_launch.recordings.bags import opened
 
 WHAT_IS_FOUND = (
     "output folder of the team runner; of a real robot its folder of bags or one bag; a folder with several of these"
@@ -22,18 +23,32 @@ class RecordedRobot:
 
 @dataclass(frozen=True)
 class Recording:
-    """`plan`: of a mission of the team runner; None for real robots. `missing`: its robots without a bag."""
+    """`plan`: of a mission of the team runner; None for real robots. `missing`: its robots without a bag; `silent`:
+    those whose bags hold no message."""
 
     folder: Path
     robots: tuple[RecordedRobot, ...]
     plan: Plan | None = None
     missing: tuple[str, ...] = ()
+    silent: tuple[str, ...] = ()
+
+    @property
+    def notes(self) -> list[str]:
+        """What people should know of the robots that are left out."""
+        missing = [f"there is no bag of {name}; the others go without" for name in self.missing]
+        return missing + [f"the bags of {name} hold no message; the others go without" for name in self.silent]
 
 
 def find_recording(path: Path) -> Recording:
     """A mission folder of the team runner, the folder or a bag of a real robot, or a folder with several of such
     folders. Raises UserError."""
-    path = path.resolve()
+    try:
+        return _found(path.resolve())
+    except OSError as error:
+        raise UserError(f"{error.filename or path} cannot be read: {error.strerror}") from None
+
+
+def _found(path: Path) -> Recording:
     if path.is_file():
         return Recording(path.parent, (RecordedRobot(_name_of([path]), (path,)),))
     if not path.is_dir():
@@ -50,6 +65,19 @@ def find_recording(path: Path) -> Recording:
     if doubles:
         raise UserError(f"{path} has more than one robot {doubles[0]}; a folder is called as its robot")
     return Recording(path, robots)
+
+
+def with_messages(recording: Recording) -> Recording:
+    """Without the robots whose bags hold no message. Raises UserError if none is left."""
+    heard = tuple(robot for robot in recording.robots if _has_messages(robot))
+    if not heard:
+        raise UserError(f"no message in any bag of {recording.folder}")
+    return replace(recording, robots=heard, silent=tuple(each.name for each in recording.robots if each not in heard))
+
+
+def _has_messages(robot: RecordedRobot) -> bool:
+    with opened(robot.bags) as reader:
+        return bool(reader.message_count)
 
 
 def _of_team(folder: Path) -> Recording:
@@ -71,8 +99,9 @@ def _first_bags(folder: Path) -> tuple[Path, ...]:
 
 
 def _bags(folder: Path) -> list[Path]:
-    """Also those that a recorder left open, which the reader refuses with a remedy."""
-    return sorted(path for path in folder.glob("*.bag*") if path.suffix in (".bag", ".active"))
+    """Also those that a recorder left open, which the reader refuses with a remedy; not what `rosbag reindex` kept."""
+    found = (path for path in folder.glob("*.bag*") if path.suffix in (".bag", ".active"))
+    return sorted(path for path in found if not path.stem.endswith(".orig"))
 
 
 def _name_of(bags: list[Path]) -> str:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Iterator, Sequence
 
 from mr_launch import isolation
-from mr_launch.arguments import STRATEGY, strategy_number
+from mr_launch.arguments import STRATEGY, check_folder, strategy_number
 from mr_launch.errors import UserError
 from mr_launch.exit_codes import BAD_CALL, FAILED, INTERRUPTED
 from mr_launch.outside import run_inside
@@ -23,7 +23,7 @@ from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, initial_poses
 from mr_launch.programs import find_played, free_ports
 from mr_launch.recordings.bags import SECOND, Span, opened
 from mr_launch.recordings.cut import cut, is_played
-from mr_launch.recordings.recording import WHAT_IS_FOUND, Recording, find_recording
+from mr_launch.recordings.recording import WHAT_IS_FOUND, Recording, find_recording, with_messages
 from mr_launch.recordings.replay_plan import PlayedRobot, ReplayPlan
 from mr_launch.recordings.survey import Survey, clock_shifts
 
@@ -57,6 +57,7 @@ def main(arguments: Sequence[str]) -> int:
     out = options.out or Path("out") / time.strftime("replay_%Y-%m-%d_%H-%M-%S")
     try:
         check(options)
+        check_folder(os.path.abspath(out))
         recording = find_recording(options.mission)
         programs = find_played(options.compute)
         with _output_folder(out):
@@ -107,8 +108,9 @@ def check_robot(preset: str) -> None:
 
 def make_plan(recording: Recording, options: argparse.Namespace, out: Path, programs: dict[str, str]) -> ReplayPlan:
     """Cuts the bags, too. Raises UserError and OSError."""
-    for name in recording.missing:
-        print(f"replay: there is no bag of {name}; the others go without", file=sys.stderr)
+    recording = with_messages(recording)
+    for note in recording.notes:
+        print(f"replay: {note}", file=sys.stderr)
     kind, _ = isolation.choose(options.isolation, os.geteuid())
     if kind == isolation.HUB and options.isolation == "namespaces":
         raise UserError("network namespaces are not allowed here; --isolation hub does without")
@@ -116,28 +118,29 @@ def make_plan(recording: Recording, options: argparse.Namespace, out: Path, prog
     ports = free_ports(len(names)) if kind == isolation.HUB else [FIRST_PORT] * len(names)
     spans = played_spans(recording, options.first, options.last)
     seconds = (spans[names[0]].end - spans[names[0]].start) / SECOND
+    copy = replace(recording.plan, out=str(out)) if recording.plan else None
     robots = []
     for robot, port in zip(recording.robots, ports):
         bag = cuts_folder(out) / f"{robot.name}.bag"
         with opened(robot.bags) as reader:
             cut(reader, bag, spans[robot.name], is_played(options.compute))
-        arguments = computing_arguments(recording.plan, robot.name, options) if options.compute else {}
+        arguments = computing_arguments(copy, robot.name, options) if options.compute else {}
         robots.append(PlayedRobot(robot.name, port, str(bag), spans[robot.name].end / SECOND, arguments))
     if options.compute:
-        _prepare_results(recording, out)
+        _prepare_results(recording, copy, out)
     return ReplayPlan(robots, str(out), kind, programs, seconds, options.rate, list(options.compute))
 
 
-def _prepare_results(recording: Recording, out: Path) -> None:
-    """What is computed can be exported and played back like the mission itself."""
+def _prepare_results(recording: Recording, copy: Plan | None, out: Path) -> None:
+    """What is computed can be exported and played back like the mission itself. `copy`: its plan, moved to `out`."""
     for robot in recording.robots:
         (out / robot.name).mkdir()
-    if recording.plan:
-        (out / PLAN_FILE).write_text(replace(recording.plan, out=str(out)).to_json() + "\n", encoding="utf-8")
-        for name in recording.plan.presets:
-            copy = Path(replace(recording.plan, out=str(out)).preset_file(name))
-            copy.parent.mkdir(exist_ok=True)
-            shutil.copy(recording.plan.preset_file(name), copy)
+    if copy:
+        (out / PLAN_FILE).write_text(copy.to_json() + "\n", encoding="utf-8")
+        for name, text in copy.presets.items():
+            path = Path(copy.preset_file(name))
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(text, encoding="utf-8")
 
 
 def played_spans(recording: Recording, first: float, last: float) -> dict[str, Span]:

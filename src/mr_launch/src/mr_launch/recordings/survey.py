@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Any, Mapping
 
 from mr_grid import Pose
 from mr_launch.merger_status import transforms_of
-from mr_launch.recordings.bags import SECOND, Span, messages, span_of, topic_of
+from mr_launch.recordings.bags import SECOND, Span, decoded, messages, place_of, span_of, topic_of
 from mr_launch.recordings.clocks import shifts
 
 POSITIONS, MERGER, STATIC, CLOCK = "position_other_robots", "map_merger/status", "tf_static", "clock"
@@ -14,7 +15,8 @@ POSITIONS, MERGER, STATIC, CLOCK = "position_other_robots", "map_merger/status",
 
 class Survey:
     """One robot. `believed`: where the maps of others lie in its own, as its map_merger said last; `heard`: least delay
-    in ns of what each other robot told; `static`: transforms that never change, by child frame."""
+    in ns of what each other robot told; `static`: transforms that never change, by child frame; `broken`: how many of
+    the messages that were looked at cannot be decoded, by bag and topic."""
 
     def __init__(self, reader: Any) -> None:
         self.span: Span = span_of(reader)
@@ -24,10 +26,15 @@ class Survey:
         self.believed: dict[str, Pose] = {}
         self.heard: dict[str, int] = {}
         self.static: dict[str, Any] = {}
+        self.broken: Counter[tuple[str, str]] = Counter()
         take = {POSITIONS: self._take_position, MERGER: self._take_status, STATIC: self._take_static}
         wanted = [connection for connection in self.connections if topic_of(connection) in take]
         for connection, time, octets in messages(reader, wanted):
-            take[topic_of(connection)](reader.typestore.deserialize_ros1(octets, connection.msgtype), time)
+            message = decoded(reader, connection, octets)
+            if message is None:
+                self.broken[place_of(connection)] += 1
+            else:
+                take[topic_of(connection)](message, time)
 
     def _take_position(self, message: Any, time: int) -> None:
         stamp = message.position.header.stamp

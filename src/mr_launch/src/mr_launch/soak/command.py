@@ -11,14 +11,16 @@ import time
 from pathlib import Path
 from typing import Sequence
 
+from mr_launch.arguments import LIMITS, choose_robots
 from mr_launch.errors import UserError
-from mr_launch.exit_codes import FAILED, OK
+from mr_launch.exit_codes import BAD_CALL, FAILED, INTERRUPTED, OK
 from mr_launch.soak.faults import disturbed, full_disk
 from mr_launch.soak.missions import ROBOTS, Outcome, SoakMission
 from mr_launch.soak.rows import LEAST_HOLD_S, rows_of
-from mr_launch.world import find_world
+from mr_launch.world import check_start, find_world, robots_of
 
 HOLD_SHARE = 0.25  # of the whole time
+MOST_MISSIONS = 10000  # each has a seed of its own
 SHORTEST, LONGEST = 30.0, 1440.0  # min: one mission of each kind, and the rest
 
 
@@ -29,7 +31,7 @@ def make_parser() -> argparse.ArgumentParser:
         "disk and clocks that jump. In the first one nothing is killed, and the robots stand for a quarter of the "
         f"time, {LEAST_HOLD_S / 60.0:g} min at least, to look at their memory. Needs root, for disks and namespaces of "
         "its own.",
-        epilog="Exit code: 0 all was survived and nothing left, 1 not, 2 bad options.",
+        epilog="Exit code: 0 all was survived and nothing left, 1 not, 2 bad options, 130 interrupted.",
     )
     add = parser.add_argument
     add(
@@ -54,8 +56,10 @@ def main(arguments: Sequence[str]) -> int:
     if os.geteuid() != 0:
         parser.error("a soak needs root, for disks and namespaces of its own")
     try:
-        find_world(options.world)
+        check(options.world, options.seed)
         if options.out:
+            if options.out.is_dir():
+                raise UserError(f"--out {options.out} is a folder; give a file")
             options.out.parent.mkdir(parents=True, exist_ok=True)
             options.out.touch()
     except UserError as error:
@@ -64,18 +68,42 @@ def main(arguments: Sequence[str]) -> int:
         parser.error(f"--out {options.out} cannot be written: {error.strerror}")
     with tempfile.TemporaryDirectory(prefix="soak-") as name:
         folder = (options.keep or Path(name)).absolute()
-        rows = rows_of(soak(folder, options.world, options.seed, 60.0 * options.minutes))
+        outcomes: list[Outcome] = []
+        interrupted = False
+        try:
+            soak(folder, options.world, options.seed, 60.0 * options.minutes, outcomes)
+        except KeyboardInterrupt:
+            interrupted = True
+            print("soak: interrupted; the rows are those of the missions before", file=sys.stderr)
+    rows = rows_of(outcomes)
     if options.out:
         options.out.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
+    if interrupted:
+        return INTERRUPTED
     return OK if all(entry["holds"] for entry in rows) else FAILED
 
 
-def soak(folder: Path, world: str, seed: int, seconds: float) -> list[Outcome]:
-    """One mission at rest, then disturbed ones and such on a full disk in turns, at least one of each."""
+def check(world: str, seed: int) -> None:
+    """What every mission would be refused for. Raises UserError."""
+    lowest, highest, _ = LIMITS["seed"]
+    highest -= MOST_MISSIONS
+    if not lowest <= seed <= highest:
+        raise UserError(f"--seed {seed} is out of range: {lowest:.0f} to {highest:.0f}")
+    path = find_world(world)
+    names = choose_robots(len(ROBOTS), [name for name, _ in robots_of(path)], path)
+    if names != ROBOTS:
+        raise UserError(f"--world {world}: the first robots are {', '.join(names)}; a soak is of {', '.join(ROBOTS)}")
+    check_start(path, len(ROBOTS))
+
+
+def soak(folder: Path, world: str, seed: int, seconds: float, outcomes: list[Outcome]) -> None:
+    """One mission at rest, then disturbed ones and such on a full disk in turns, at least one of each; adds to
+    `outcomes`. Ends with a call that the team runner refuses."""
     end = time.monotonic() + seconds
-    outcomes = [_run(SoakMission("rest", folder / "0_rest", world, seed), hold=max(HOLD_SHARE * seconds, LEAST_HOLD_S))]
+    rest = SoakMission("rest", folder / "0_rest", world, seed)
+    outcomes.append(_run(rest, hold=max(HOLD_SHARE * seconds, LEAST_HOLD_S)))
     turn = 0
-    while turn < 2 or time.monotonic() < end:
+    while outcomes[-1].code != BAD_CALL and (turn < 2 or time.monotonic() < end):
         number = seed + turn + 1
         if turn % 2 == 0:
             mission = SoakMission(f"disturbed {turn}", folder / f"{turn + 1}_disturbed", world, number)
@@ -84,7 +112,6 @@ def soak(folder: Path, world: str, seed: int, seconds: float) -> list[Outcome]:
             mission = SoakMission(f"full disk {turn}", folder / f"{turn + 1}_full_disk", world, number, small_disk=True)
             outcomes.append(_run(mission, full_disk(ROBOTS, turn)))
         turn += 1
-    return outcomes
 
 
 def _run(mission: SoakMission, faults: Sequence = (), hold: float = 0.0) -> Outcome:

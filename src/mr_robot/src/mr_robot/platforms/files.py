@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import re
 import sys
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -87,8 +88,9 @@ def described(given: argparse.Namespace) -> Platform:
         raise PlatformError("give the kind of robot: --robot pioneer, for example")
     platform = load_platform(name)
     if given.simulated == "true":
-        mount = replace(platform.mount, frame=Mount.frame)
-        platform = replace(platform, frames=Frames(), topics=Topics(), mount=mount)
+        mount = replace(platform.mount, frame=_numbered(platform.mount.frame, Mount.frame))
+        topics = Topics(_numbered(platform.topics.scan, Topics.scan))
+        platform = replace(platform, frames=Frames(), topics=topics, mount=mount)
     for option, (section, word) in _OVERRIDES.items():
         value = getattr(given, option)
         if value:
@@ -98,6 +100,11 @@ def described(given: argparse.Namespace) -> Platform:
     for argument in ALTERNATIVES:
         check_alternative(argument, getattr(given, argument), find_package)
     return platform
+
+
+def _numbered(name: str, usual: str) -> str:
+    """A simulated robot numbers what its rangers have, where it has several."""
+    return name if re.fullmatch(rf"{usual}_\d+", name) else usual
 
 
 def _below(prefix: str, frames: Frames) -> Frames:
