@@ -175,6 +175,20 @@ def test_a_sensor_that_goes_round_sees_all_around_wherever_it_begins(first, turn
     assert scan.sensor.view == pytest.approx(2.0 * math.pi, abs=0.01)
 
 
+def test_a_laser_that_takes_a_beam_more_or_less_is_one_sensor():
+    """Each sweep began the history anew, and nothing was ever seen where another robot was."""
+    sweeps = SweepHistory()
+    for time, beams in enumerate([360, 361, 359, 360, 362]):
+        angles = -math.pi + 2.0 * math.pi / beams * np.arange(beams)
+        ranges = np.where(np.abs(angles - 1.0) < 0.15, 2.0, 5.0)
+        sweeps.add(float(time), LaserScan(ranges, -math.pi, 2.0 * math.pi / beams, 0.1, 8.0), Pose())
+    places = np.full(5, 2.0 * complex(math.cos(1.0), math.sin(1.0)))
+    assert sweeps.all().look(places, np.ones(5, bool)).there.all()
+    assert sweeps.all().look(-places, np.ones(5, bool)).empty.all()
+    sweeps.add(5.0, LaserScan(np.full(180, 5.0), 0.0, math.pi / 180, 0.1, 8.0), Pose())
+    assert len(sweeps.all().ranges) == 1, "another field of view is another sensor"
+
+
 def test_what_is_beside_the_view_is_neither():
     scan = LaserScan(np.full(541, 5.0), -0.75 * math.pi, 1.5 * math.pi / 540, 0.1, 8.0)
     assert scan.sensor.view == pytest.approx(1.5 * math.pi)

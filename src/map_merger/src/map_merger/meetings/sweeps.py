@@ -16,6 +16,8 @@ _NEAR_M = 0.5
 _MARGIN_M = 0.3
 _SIDE_M = 0.1
 _EDGE_BEAMS = 6
+_MOST_OFF = 0.03
+"""Of the field of view, by which sweeps of one sensor differ."""
 
 
 class Seen(NamedTuple):
@@ -83,13 +85,28 @@ class SweepHistory:
 
     def add(self, now: float, scan: LaserScan, pose: Pose) -> None:
         """Scans of another sensor, or a clock that jumped back, begin the history anew."""
-        geometry = (scan.angle_min, scan.angle_increment, scan.range_max, scan.ranges.size)
-        if geometry != self._geometry or (self._kept and now < self._kept[-1][0]):
+        if not self._is_alike(scan) or (self._kept and now < self._kept[-1][0]):
             self._kept.clear()
-            self._geometry = geometry
+            self._geometry = (scan.angle_min, scan.angle_increment, scan.range_max, scan.ranges.size)
         with np.errstate(invalid="ignore"):
             ranges = np.where(scan.ranges >= scan.range_min, scan.ranges, 0.0).astype(np.float32)
-        self._kept.append((now, pose.compose(scan.mount), ranges))
+        self._kept.append((now, pose.compose(scan.mount), self._resampled(scan, ranges)))
+
+    def _is_alike(self, scan: LaserScan) -> bool:
+        """Whether the sensor looks where it looked: some take a beam more or less from one turn to the next."""
+        first, step, farthest, beams = self._geometry
+        last, scan_last = first + step * beams, scan.angle_min + scan.angle_increment * scan.ranges.size
+        off = max(abs(scan.angle_min - first), abs(scan_last - last), abs(scan.ranges.size - beams) * abs(step))
+        return scan.range_max == farthest and scan.angle_increment * step > 0.0 and off <= _MOST_OFF * abs(last - first)
+
+    def _resampled(self, scan: LaserScan, ranges: np.ndarray) -> np.ndarray:
+        """The beams that are nearest to those of the geometry."""
+        first, step, _, beams = self._geometry
+        if (scan.angle_min, scan.angle_increment, scan.range_max, scan.ranges.size) == self._geometry:
+            return ranges
+        at = np.rint((first + step * np.arange(beams) - scan.angle_min) / scan.angle_increment).astype(int)
+        there = (at >= 0) & (at < ranges.size)
+        return np.where(there, ranges[np.clip(at, 0, ranges.size - 1)], np.float32(0.0))
 
     def clear(self) -> None:
         """Forgets everything."""
