@@ -24,11 +24,11 @@ def test_a_control_beside_a_robot_pauses_the_other_one_and_lets_it_go_on():
         take(topic, octets, now)
 
     def send(_):
+        control.on_robots(["robot_1"], mission.now)
         for robot, order in control.tick(mission.now):
             first.explorer._radio.send_typed(robot, ORDERS_TOPIC, order_to(order), lambda *_: None)
 
     first.on_packet = on_packet
-    control.on_robots(["robot_1"])
     mission.run(until=8.0, progress=send)
     (member,) = control.members(mission.now)
     assert member.state is not None and member.state.text.startswith("drives to")
