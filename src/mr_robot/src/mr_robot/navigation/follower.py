@@ -14,6 +14,8 @@ from mr_robot.navigation.options import LEAST_TURN, NavigationOptions
 from mr_robot.navigation.planner import Plan
 from mr_robot.navigation.surroundings import Hazards
 
+SLOWEST_PACE = 0.25  # of a manoeuvre where a faster one would touch something
+
 
 class Follower:
     def __init__(self, motion: Motion, options: NavigationOptions) -> None:
@@ -52,11 +54,13 @@ class Follower:
 
     def _slowed(self, pose: Pose, tight: np.ndarray, target: Velocity) -> Optional[Velocity]:
         """The target, as slow as it has to be to be clear: what was planned ends sooner than what is looked at. None
-        where it touches something at a quarter of the pace, too."""
-        for share in (1.0, 0.5, 0.25):
-            velocity = (share * target[0], share * target[1])
+        where it touches something at the slowest pace, too."""
+        pace = 1.0
+        while pace >= SLOWEST_PACE:
+            velocity = (pace * target[0], pace * target[1])
             if self._motion.is_clear(pose, tight, velocity):
                 return velocity
+            pace *= 0.5
         return None
 
     def _wants_manoeuvre(self, now: float, way: Plan, pose: Pose, tight: np.ndarray, stuck: bool) -> bool:
