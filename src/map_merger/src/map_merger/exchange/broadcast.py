@@ -63,9 +63,7 @@ class Broadcast:
             if told:
                 self.sender.set_map(grid)
         except GridError as error:
-            self._warn_once(
-                f"local map: {error}", f"local map ignored: {error}; restart map_merger to begin anew with it"
-            )
+            self._warn_once("ignoring", f"local map ignored: {error}; restart map_merger to begin anew with it")
             return False
         self._local = grid if told else self._local
         return True

@@ -124,6 +124,7 @@ class Exchange:
         peer = self._peers[anchor.robot]
         peer.progress(now)
         if peer.map.set_anchor(anchor, now, self._room_for(peer)):
+            peer.complained = False
             self._effects.append(Note(f"{anchor.robot} restarted: its former map is dropped"))
 
     def on_tile(self, tile: Tile, now: float) -> None:

@@ -76,6 +76,10 @@ class Sweeps(NamedTuple):
 NO_SWEEPS = Sweeps(np.zeros(0), np.zeros(0, complex), np.zeros(0, complex), np.zeros((0, 1), np.float32), 0.0, 1.0, 0.0)
 
 
+def _geometry_of(scan: LaserScan) -> Tuple[float, float, float, int]:
+    return scan.angle_min, scan.angle_increment, scan.range_max, scan.ranges.size
+
+
 class SweepHistory:
     """The latest scans of one sensor, bounded."""
 
@@ -87,7 +91,7 @@ class SweepHistory:
         """Scans of another sensor, or a clock that jumped back, begin the history anew."""
         if not self._is_alike(scan) or (self._kept and now < self._kept[-1][0]):
             self._kept.clear()
-            self._geometry = (scan.angle_min, scan.angle_increment, scan.range_max, scan.ranges.size)
+            self._geometry = _geometry_of(scan)
         with np.errstate(invalid="ignore"):
             ranges = np.where(scan.ranges >= scan.range_min, scan.ranges, 0.0).astype(np.float32)
         self._kept.append((now, pose.compose(scan.mount), self._resampled(scan, ranges)))
@@ -102,7 +106,7 @@ class SweepHistory:
     def _resampled(self, scan: LaserScan, ranges: np.ndarray) -> np.ndarray:
         """The beams that are nearest to those of the geometry."""
         first, step, _, beams = self._geometry
-        if (scan.angle_min, scan.angle_increment, scan.range_max, scan.ranges.size) == self._geometry:
+        if _geometry_of(scan) == self._geometry:
             return ranges
         at = np.rint((first + step * np.arange(beams) - scan.angle_min) / scan.angle_increment).astype(int)
         there = (at >= 0) & (at < ranges.size)
