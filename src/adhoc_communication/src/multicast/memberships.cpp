@@ -254,7 +254,8 @@ std::vector<std::string> Memberships::groups() const {
 void Memberships::end(const std::string& reason) {
   for (auto& [group, membership] : memberships_) {
     if (!std::exchange(membership.asked_by_host, false)) continue;
-    membership.wanted = membership.joined = automatic_ && !membership.after_leave;
+    membership.joined = false;
+    membership.wanted = automatic_ && !membership.after_leave;
     ends_.push_back({group, true, false, "cannot join " + group + ": " + reason});
   }
 }

@@ -42,11 +42,11 @@ class OwnGroup {
   /// A member of which nobody knows any more: as above.
   template <typename Predicate>
   void lose_if(const Predicate& is_unknown) {
-    const auto members = std::exchange(members_, {});
-    for (const auto& [name, member] : members) {
-      members_.emplace(name, member);
-      if (is_unknown(name)) lose(name, member.boot);
+    std::vector<std::pair<std::string, wire::BootTag>> unknown;
+    for (const auto& [name, member] : members_) {
+      if (is_unknown(name)) unknown.emplace_back(name, member.boot);
     }
+    for (const auto& [name, boot] : unknown) lose(name, boot);
   }
   /// True for the run of a member that had been lost.
   bool comes_back(const std::string& robot, wire::BootTag boot);
