@@ -86,6 +86,18 @@ def test_a_new_mission_of_a_robot_counts_from_the_start() -> None:
     assert agreement.take(said(number=1, mission=8), 0.0) and agreement.stage("robot_1") == Stage.EXPLORING
 
 
+def test_an_explorer_that_was_started_anew_leaves_no_points_of_its_former_run_to_others() -> None:
+    """Its numbers begin at 0 again, so that a claim of them would be of two places."""
+    agent = Bench().map(corridor()).agent
+    agent.on_robots(["robot_1"], 100.0)
+    agent.on_transform("robot_1", IDENTITY, 100.0)
+    agent.on_statement(said(mission=7), 100.0)
+    agent.on_frontiers([Element("robot_1", 0, 1.0, 0.0), Element("robot_1", 1, 9.0, 0.0)], 100.0)
+    agent.on_statement(said(mission=8), 101.0)
+    agent.on_frontiers([Element("robot_1", 0, 5.0, 0.0)], 101.0)
+    assert agent.foreign.places("robot_1") == [(5.0, 0.0)]
+
+
 def test_robots_beyond_the_bound_are_not_heard() -> None:
     agreement = Agreement(ForeignFrontiers())
     taken = [agreement.take(said(robot=f"robot_{number}"), 0.0) for number in range(MAXIMUM_ROBOTS + 1)]

@@ -8,7 +8,7 @@ from conftest import drawn, map_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from explorer.foreign import Element, ForeignFrontiers, rigid_transform
+from explorer.foreign import MAXIMUM_MISSIONS, Element, ForeignFrontiers, rigid_transform
 from explorer.frontier_map import frontier_cells
 from explorer.frontiers import THINNING_DISTANCE, FrontierStore, thin
 
@@ -109,3 +109,21 @@ def test_transform_from_three_points(angle: float, x: float, y: float) -> None:
 @pytest.mark.parametrize("images", [[(0, 0), (20, 0), (0, 20)], [(0, 0), (10, 0), (0, math.nan)]])
 def test_transform_that_is_not_rigid_is_refused(images: list) -> None:
     assert rigid_transform(np.array([(0, 0), (10, 0), (0, 10)]), np.array(images)) is None
+
+
+def test_points_of_a_former_mission_are_gone_also_after_the_robot_was_away() -> None:
+    foreign = ForeignFrontiers()
+    foreign.set_transform("robot_1", np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
+    foreign.add(Element("robot_1", 7, 1.0, 2.0))
+    foreign.take_mission("robot_1", 5)
+    foreign.take_mission("robot_1", 5)
+    assert foreign.places("robot_1") == [(1.0, 2.0)]
+    foreign.take_mission("robot_1", 6)
+    assert foreign.places("robot_1") == []
+
+
+def test_missions_of_any_number_of_robots_take_bounded_memory() -> None:
+    foreign = ForeignFrontiers()
+    for number in range(2 * MAXIMUM_MISSIONS):
+        foreign.take_mission(f"robot_{number}", 1)
+    assert len(foreign._missions) == MAXIMUM_MISSIONS

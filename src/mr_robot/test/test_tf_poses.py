@@ -1,7 +1,7 @@
 """Scan and pose of different moments, as tf and a laser's driver give them."""
 
 import math
-from typing import List, Optional, Tuple
+from typing import Any, List, Optional, Tuple
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ from mr_robot.navigation import ros_io as navigation_io
 from mr_robot.navigation.node import MoveBaseNode
 from mr_robot.navigation.tf_poses import TfPoses
 from mr_robot.parameter_names import FRAMES
-from mr_robot.ros_poses import frame_parameters
+from mr_robot.ros_poses import ParameterError, frame_parameters, topic_parameters
 from mr_robot.slam import ros_io as slam_io
 from mr_robot.slam.engine import Slam
 from mr_robot.slam.node import SlamNode
@@ -148,3 +148,12 @@ def test_frames_may_begin_with_a_slash(monkeypatch: pytest.MonkeyPatch) -> None:
     assert mounts(Quaternion(0.0, 0.0, 0.0, 1.0), "/laser") == (Mount(), Mount())
     monkeypatch.setattr(rospy, "get_param", {"~map_frame": "/map", "~odom_frame": "r1/odom"}.get)
     assert frame_parameters(FRAMES) == {"map_frame": "map", "odom_frame": "r1/odom", "base_frame": "base_footprint"}
+
+
+@pytest.mark.parametrize("topic", [5, "", "my scan", True, ["scan"]])
+def test_what_no_topic_can_be_named_is_refused_with_its_parameter(monkeypatch: pytest.MonkeyPatch, topic: Any) -> None:
+    """rospy raised a TypeError that told neither node nor parameter."""
+    monkeypatch.setattr(rospy, "get_param", {"~scan_topic": topic}.get)
+    with pytest.raises(ParameterError, match="parameter ~scan_topic must be the name of a topic, not "):
+        topic_parameters({"scan_topic": "base_scan"})
+    assert topic_parameters({"velocity_topic": "/cmd_vel"}) == {"velocity_topic": "/cmd_vel"}

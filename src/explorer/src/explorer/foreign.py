@@ -11,6 +11,9 @@ from mr_grid import is_place
 # Points of one robot that are kept.
 MAXIMUM_POINTS = 4000
 
+# Robots whose mission is remembered, those heard last.
+MAXIMUM_MISSIONS = 200
+
 Key = Tuple[str, int]
 
 
@@ -39,6 +42,7 @@ class ForeignFrontiers:
         self._maximum = maximum_per_robot
         self._points: Dict[str, Dict[int, Tuple[float, float]]] = {}
         self._transforms: Dict[str, Tuple[float, ...]] = {}
+        self._missions: Dict[str, int] = {}
         self.revision = 0  # counts the changes
         self.transform_revision = 0  # counts those of transforms
 
@@ -49,6 +53,16 @@ class ForeignFrontiers:
         points[element.number] = (element.x, element.y)
         while len(points) > self._maximum:
             del points[next(iter(points))]
+
+    def take_mission(self, robot: str, mission: int) -> None:
+        """The mission that a robot is on. With another one than before its points are gone: an explorer that was
+        started anew counts them from the start again."""
+        if self._missions.get(robot, mission) != mission and self._points.pop(robot, None):
+            self.revision += 1
+        self._missions.pop(robot, None)
+        self._missions[robot] = mission
+        while len(self._missions) > MAXIMUM_MISSIONS:
+            del self._missions[next(iter(self._missions))]
 
     def remove(self, key: Key) -> None:
         self._points.get(key[0], {}).pop(key[1], None)

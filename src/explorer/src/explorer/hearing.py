@@ -53,8 +53,8 @@ class Hearing:
 
     def take_statement(self, statement: Statement, now: float) -> None:
         """What another robot has decided, and whether it has anything left."""
-        if statement.robot in self._team.known():
-            self._agreement.take(statement, now)
+        if statement.robot in self._team.known() and self._agreement.take(statement, now):
+            self._foreign.take_mission(statement.robot, statement.mission)
 
     def take_choice(self, elements: Sequence[Element], now: float) -> None:
         """The clusters that others have chosen (strategies 5 and 6)."""

@@ -23,7 +23,7 @@ from mr_robot.navigation.engine import Navigator, Status
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan
 from mr_robot.navigation.tf_poses import TfPoses, is_recent
 from mr_robot.parameter_names import DRIVERS, FRAMES, NAVIGATION
-from mr_robot.ros_poses import frame_name, frame_parameters, transform_pose
+from mr_robot.ros_poses import ParameterError, frame_name, frame_parameters, topic_parameters, transform_pose
 
 TOPICS = {"others": "all_positions", "plan": "~plan"}
 MAP_TOPIC = "map_merger/global_map"
@@ -52,7 +52,7 @@ class MoveBaseNode:
     def __init__(self) -> None:
         self._navigator = Navigator(options(), robot_name())
         self._frames = frame_parameters(FRAMES)
-        drivers: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in DRIVERS.items()}
+        topics = topic_parameters({**DRIVERS, "map_topic": MAP_TOPIC})
         self._lock = threading.RLock()
         self._scan: Optional[Any] = None
         self._planned_at = self._fed_back_at = -float("inf")
@@ -60,16 +60,15 @@ class MoveBaseNode:
         self._buffer = tf2_ros.Buffer(rospy.Duration(10.0))
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._tf_poses = TfPoses(self._buffer, self._frames)
-        self._command = rospy.Publisher(drivers["velocity_topic"], Twist, queue_size=1)
+        self._command = rospy.Publisher(topics["velocity_topic"], Twist, queue_size=1)
         self._plan = rospy.Publisher(TOPICS["plan"], Path, queue_size=1, latch=True)
         self._server = LatestGoalServer("move_base", MoveBaseAction, auto_start=False)
         self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1)
-        map_topic = rospy.get_param("~map_topic", MAP_TOPIC)
-        rospy.Subscriber(map_topic, numpy_msg(OccupancyGrid), self._on_map, queue_size=1, buff_size=2**24)
+        rospy.Subscriber(topics["map_topic"], numpy_msg(OccupancyGrid), self._on_map, queue_size=1, buff_size=2**24)
         rospy.Subscriber(OWN_MAP_TOPIC, numpy_msg(OccupancyGrid), self._on_own_map, queue_size=1, buff_size=2**24)
         rospy.Subscriber(TOPICS["others"], MmListOfPoints, self._on_others, queue_size=1)
-        rospy.Subscriber(drivers["scan_topic"], numpy_msg(LaserScan), self._on_scan, queue_size=1)
+        rospy.Subscriber(topics["scan_topic"], numpy_msg(LaserScan), self._on_scan, queue_size=1)
         self._server.start()
         period = rospy.Duration(self._navigator.options.controller_period)
         self._timer = rospy.Timer(period, self._on_timer, reset=True)
@@ -196,7 +195,7 @@ def main() -> int:
     init_node("move_base")
     try:
         MoveBaseNode()
-    except NavigationError as error:
+    except (NavigationError, ParameterError) as error:
         rospy.logfatal(str(error))
         return 1
     warn_of_unknown_parameters(NAVIGATION)

@@ -10,6 +10,7 @@ from geometry_msgs.msg import Twist
 
 from mr_grid.ros_node import init_node
 from mr_robot.override.engine import HOLD, Override, Velocity
+from mr_robot.ros_poses import ParameterError, topic_parameters
 
 PERSON, NAVIGATION = "teleop/cmd_vel", "navigation/cmd_vel"
 TICK = 0.1  # s of wall time: a joystick is silent in real seconds, whatever the simulation does
@@ -44,14 +45,18 @@ class VelocityOverrideNode:
 def main() -> int:
     init_node("velocity_override")
     hold = rospy.get_param("~hold", HOLD)
-    topic = rospy.get_param("~velocity_topic", "cmd_vel")
     if isinstance(hold, bool) or not isinstance(hold, (int, float)) or not 0.1 <= hold <= 60.0:
         rospy.logfatal(f"velocity_override: parameter ~hold must be a number from 0.1 to 60 s, not {hold!r}")
         return 1
-    if rospy.resolve_name(str(topic)) in (rospy.resolve_name(PERSON), rospy.resolve_name(NAVIGATION)):
+    try:
+        topic = topic_parameters({"velocity_topic": "cmd_vel"})["velocity_topic"]
+    except ParameterError as error:
+        rospy.logfatal(f"velocity_override: {error}")
+        return 1
+    if rospy.resolve_name(topic) in (rospy.resolve_name(PERSON), rospy.resolve_name(NAVIGATION)):
         rospy.logfatal(f"velocity_override: parameter ~velocity_topic must not be {topic!r}, which it reads itself")
         return 1
-    VelocityOverrideNode(float(hold), str(topic)).run()
+    VelocityOverrideNode(float(hold), topic).run()
     return 0
 
 

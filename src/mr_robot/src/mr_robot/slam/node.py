@@ -16,7 +16,7 @@ from mr_grid.ros import NumpyOccupancyGrid, grid_message, yaw_of
 from mr_grid.ros_laser import Mount, mount_value
 from mr_grid.ros_node import init_node, warn_of_unknown_parameters
 from mr_robot.parameter_names import FRAMES, SLAM, SLAM_INPUTS
-from mr_robot.ros_poses import frame_name, frame_parameters
+from mr_robot.ros_poses import ParameterError, frame_name, frame_parameters, topic_parameters
 from mr_robot.slam import ros_io
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
 
@@ -45,7 +45,7 @@ class SlamNode:
     def __init__(self) -> None:
         self._slam = Slam(options())
         self._frames = frame_parameters(FRAMES)
-        inputs: Dict[str, str] = {key: rospy.get_param("~" + key, name) for key, name in SLAM_INPUTS.items()}
+        inputs = topic_parameters(SLAM_INPUTS)
         self._map_interval = number_parameter("map_update_interval", MAP_UPDATE_INTERVAL)
         self._transform_period = number_parameter("transform_publish_period", TRANSFORM_PUBLISH_PERIOD)
         self._tolerance = rospy.Duration(number_parameter("transform_tolerance", TRANSFORM_TOLERANCE))
@@ -173,7 +173,7 @@ def main() -> int:
     init_node("slam")
     try:
         SlamNode()
-    except SlamError as error:
+    except (SlamError, ParameterError) as error:
         rospy.logfatal(str(error))
         return 1
     warn_of_unknown_parameters(SLAM)
