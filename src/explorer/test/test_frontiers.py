@@ -1,6 +1,7 @@
 """Frontier cells, thinning, identity over time, foreign frontiers."""
 
 import math
+from typing import List, Tuple
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from conftest import drawn, map_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from explorer.foreign import MAXIMUM_MISSIONS, Element, ForeignFrontiers, rigid_transform
+from explorer.foreign import MAXIMUM_ROBOTS, Element, ForeignFrontiers, rigid_transform
 from explorer.frontier_map import frontier_cells
 from explorer.frontiers import THINNING_DISTANCE, FrontierStore, thin
 
@@ -122,8 +123,24 @@ def test_points_of_a_former_mission_are_gone_also_after_the_robot_was_away() -> 
     assert foreign.places("robot_1") == []
 
 
-def test_missions_of_any_number_of_robots_take_bounded_memory() -> None:
+@given(st.lists(st.tuples(st.integers(0, 5), st.booleans(), st.floats(-2, 2), st.floats(-2, 2)), max_size=30))
+def test_what_is_near_is_told_from_the_points_that_are_there_now(changes: List[Tuple[int, bool, float, float]]) -> None:
+    foreign, points = ForeignFrontiers(), {}
+    for number, stays, x, y in changes:
+        if stays:
+            foreign.add(Element("robot_1", number, x, y))
+            points[number] = (x, y)
+        else:
+            foreign.remove(("robot_1", number))
+            points.pop(number, None)
+        near = any(math.hypot(px - 0.5, py) <= 0.7 for px, py in points.values())
+        assert foreign.has_near(Element("robot_1", 9, 0.5, 0.0), 0.7) == near
+
+
+def test_any_number_of_robots_takes_bounded_memory() -> None:
     foreign = ForeignFrontiers()
-    for number in range(2 * MAXIMUM_MISSIONS):
+    for number in range(MAXIMUM_ROBOTS + 50):
         foreign.take_mission(f"robot_{number}", 1)
-    assert len(foreign._missions) == MAXIMUM_MISSIONS
+        foreign.add(Element(f"robot_{number}", 0, 1.0, 1.0))
+    assert len(foreign._missions) == len(foreign.robots()) == foreign.count() == MAXIMUM_ROBOTS
+    assert foreign.robots()[-1] == "robot_99"

@@ -11,8 +11,8 @@ from mr_grid import is_place
 # Points of one robot that are kept.
 MAXIMUM_POINTS = 4000
 
-# Robots whose mission is remembered, those heard last.
-MAXIMUM_MISSIONS = 200
+# Robots whose points and mission are remembered, those that came last.
+MAXIMUM_ROBOTS = 200
 
 Key = Tuple[str, int]
 
@@ -41,6 +41,7 @@ class ForeignFrontiers:
     def __init__(self, maximum_per_robot: int = MAXIMUM_POINTS) -> None:
         self._maximum = maximum_per_robot
         self._points: Dict[str, Dict[int, Tuple[float, float]]] = {}
+        self._places: Dict[str, np.ndarray] = {}  # the same as (n, 2) arrays, made when they are asked for
         self._transforms: Dict[str, Tuple[float, ...]] = {}
         self._missions: Dict[str, int] = {}
         self.revision = 0  # counts the changes
@@ -49,23 +50,31 @@ class ForeignFrontiers:
     def add(self, element: Element) -> None:
         points = self._points.setdefault(element.detected_by, {})
         points.pop(element.number, None)
-        self.revision += 1
+        self._changed(element.detected_by)
         points[element.number] = (element.x, element.y)
-        while len(points) > self._maximum:
+        if len(points) > self._maximum:
             del points[next(iter(points))]
+        if len(self._points) > MAXIMUM_ROBOTS:
+            first = next(iter(self._points))
+            del self._points[first]
+            self._changed(first)
 
     def take_mission(self, robot: str, mission: int) -> None:
         """The mission that a robot is on. With another one than before its points are gone: an explorer that was
         started anew counts them from the start again."""
         if self._missions.get(robot, mission) != mission and self._points.pop(robot, None):
-            self.revision += 1
+            self._changed(robot)
         self._missions.pop(robot, None)
         self._missions[robot] = mission
-        while len(self._missions) > MAXIMUM_MISSIONS:
+        if len(self._missions) > MAXIMUM_ROBOTS:
             del self._missions[next(iter(self._missions))]
 
     def remove(self, key: Key) -> None:
         self._points.get(key[0], {}).pop(key[1], None)
+        self._changed(key[0])
+
+    def _changed(self, robot: str) -> None:
+        self._places.pop(robot, None)
         self.revision += 1
 
     def set_transform(self, robot: str, transform: Optional[np.ndarray]) -> None:
@@ -86,8 +95,13 @@ class ForeignFrontiers:
 
     def has_near(self, element: Element, radius: float) -> bool:
         """True if its detector has reported a point within `radius` metres of it that is still there."""
-        points = self._points.get(element.detected_by, {})
-        return any(math.hypot(x - element.x, y - element.y) <= radius for x, y in points.values())
+        points = self._points.get(element.detected_by)
+        if not points:
+            return False
+        places = self._places.get(element.detected_by)
+        if places is None:
+            places = self._places[element.detected_by] = np.array(list(points.values()), dtype=float)
+        return bool((np.hypot(places[:, 0] - element.x, places[:, 1] - element.y) <= radius).any())
 
     def count(self) -> int:
         return sum(len(points) for points in self._points.values())
