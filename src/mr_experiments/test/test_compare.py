@@ -1,6 +1,7 @@
 """Two record sets whose differences are known."""
 
 import csv
+from dataclasses import replace
 
 import pytest
 from sample_records import failed_record, make_record, write_random_set, write_record
@@ -94,7 +95,17 @@ def test_files_of_a_comparison(tmp_path):
 
 def test_pairs_with_unequal_settings_are_named(tmp_path):
     first, second = write_set(tmp_path / "a", 6, limit=900.0), write_set(tmp_path / "b", 6, limit=1800.0)
-    assert compare_sets(first, second).notes == (
+    assert compare_sets(first, second).notes[1:] == (
         "Comparison: setting limit differs between the two trials of 6 of 6 pairs",
     )
-    assert compare_sets(first, first).notes == ()
+    assert len(compare_sets(first, first).notes) == 1
+
+
+def test_it_is_told_which_code_made_either_set(tmp_path):
+    """A tutorial has its reader look whether the change was there."""
+    first, second = write_set(tmp_path / "a", 6), write_set(tmp_path / "b", 6)
+    changed = tuple(replace(record, versions={"code": "c2"}) for record in second.records)
+    assert compare_sets(first, first).notes == ("Comparison: both sets were made by the code unknown",)
+    assert compare_sets(first, replace(second, records=changed)).notes == (
+        "Comparison: this set was made by the code unknown, the other one by c2",
+    )

@@ -77,6 +77,24 @@ def test_missions_of_a_kind_make_one_row():
     assert (two["wrong_maps"], two["maps"], two["collisions"]) == (4, 4, 4)
 
 
+def test_missions_that_failed_are_counted_and_enter_no_mean():
+    crashed = made_mission([], settings={"seed": 2, "robots": 1}, status="failed")
+    (row,) = mission_rows([record(1, 1, 100.0), crashed])
+    assert (row["trials"], row["failed"], row["finished"], row["distance"], row["maps"]) == (2, 1, 1, 50.0, 1)
+
+
+def test_a_trial_counts_once(tmp_path, capsys):
+    """Its interval was too narrow where it counted twice."""
+    folder, table = tmp_path / "records", str(tmp_path / "t.csv")
+    folder.mkdir()
+    write_record(record(1, 1, 100.0), folder / "a.json")
+    assert publish_command.main(["missions", str(folder), str(folder), table]) == 2
+    write_record(record(1, 1, 100.0), folder / "copy.json")
+    assert publish_command.main(["missions", str(folder), table]) == 2
+    first, second = capsys.readouterr().err.splitlines()
+    assert "a.json is given twice" in first and "record the same trial" in second
+
+
 def test_worlds_are_compared_one_by_one():
     def mission(world, robots, strategy, time):
         return MissionRow(

@@ -54,6 +54,41 @@ def test_different_settings_in_a_group_are_told(tmp_path):
     assert "limit" in sentence and "999.0" in sentence
 
 
+def test_trials_of_different_odometry_are_not_put_together(tmp_path):
+    """A record of the default does not name it, and so they passed for equal."""
+    for seed, odometry in ((1, {}), (2, {}), (3, {"odometry": "random_walk"})):
+        record = make_record(1, seed)
+        record["trial"].update(odometry)
+        write_record(tmp_path, record)
+    groups = load_records(tmp_path).groups
+    assert {group.odometry: len(records) for group, records in groups.items()} == {"bias": 2, "random_walk": 1}
+    titles = [group.chapter.title for group in groups]
+    assert [title.endswith("odometry random_walk") for title in titles] == [False, True]
+    assert len({group.chapter.slug for group in groups}) == 2
+
+
+def test_worlds_of_one_name_in_two_folders_have_figures_of_their_own():
+    one, other = Chapter("a/map.yaml", "paper", 7), Chapter("b/map.yaml", "paper", 7)
+    assert one.slug != other.slug and one.title != other.title
+
+
+def test_times_of_death_that_are_drawn_from_the_seed_are_no_difference(tmp_path):
+    for seed in (1, 2):
+        record = make_record(2, seed)
+        record["trial"]["deaths"] = {"1": 30.0 + seed}
+        write_record(tmp_path, record)
+    assert load_records(tmp_path).mixed_settings() == []
+
+
+def test_records_of_both_hosts_in_one_folder_are_refused(tmp_path):
+    """Those of virtual time were left out without a word."""
+    write_record(tmp_path, make_record(1, 1))
+    (tmp_path / "team").mkdir()
+    (tmp_path / "team" / "record.json").write_text(json.dumps(make_record(1, 2, scenario="ros_stack")))
+    with pytest.raises(RecordError, match=r"holds records of trials, as small8x8.*and missions of the ROS stack"):
+        load_records(tmp_path)
+
+
 def test_no_records(tmp_path):
     with pytest.raises(RecordError, match="holds no records"):
         load_records(tmp_path)

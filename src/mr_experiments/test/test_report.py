@@ -105,11 +105,11 @@ def test_all_figures_are_in_and_beside(made, text):
 def test_trials_that_did_not_finish_are_counted_and_named(text):
     page = Page(text)
     assert "16 missions: 14 finished, 1 unfinished, 1 failed" in text
-    assert page.rows(paper.WORLD, "paper", "7", "3") == [
-        [paper.WORLD, "paper", "7", "3", "4", "3", "0", "1"],
-        [paper.WORLD, "paper", "7", "3", "2", "failed", "12.5", "map_merger: IndexError at 12.5 s"],
+    assert page.rows(paper.WORLD, "paper", "7", "bias", "3") == [
+        [paper.WORLD, "paper", "7", "bias", "3", "4", "3", "0", "1"],
+        [paper.WORLD, "paper", "7", "bias", "3", "2", "failed", "12.5", "map_merger: IndexError at 12.5 s"],
     ]
-    assert ["4", "unfinished"] in [[row[3], row[5]] for row in page.rows(paper.WORLD) if row[4] == "3"]
+    assert ["4", "unfinished"] in [[row[4], row[6]] for row in page.rows(paper.WORLD) if row[5] == "3"]
 
 
 def test_numbers_on_the_page_and_in_the_tables(tmp_path):

@@ -1,6 +1,7 @@
 """Sweeps: every trial leaves a record, whatever becomes of its process, its worker or the sweep itself."""
 
 import ctypes
+import errno
 import json
 import os
 import signal
@@ -17,11 +18,11 @@ from mr_experiments.bench.bench import dask_cluster
 from mr_experiments.sweep import dask_cluster as cluster_module
 from mr_experiments.sweep import trial_process
 from mr_experiments.sweep.dask_cluster import ClusterLostError, DaskCluster
-from mr_experiments.sweep.run_command import main
+from mr_experiments.sweep.run_command import LOST, main
 from mr_experiments.sweep.sweep import Done, LocalPool, split_done
 from mr_experiments.sweep.trial_process import failed_record, record_path
 from mr_experiments.trial.trial import Trial, TrialError
-from mr_measures.record.files import document_of, read_record
+from mr_measures.record.files import document_of, read_record, write_record
 from mr_measures.record.mission_record import Asked, Measured, MissionRecord, Outcome, Team
 
 
@@ -90,6 +91,37 @@ def test_lost_process_is_a_failed_record_and_the_others_go_on(tmp_path, fake_mis
         assert "Fatal Python error: Aborted" in recorded(tmp_path, TRIALS[1])["outcome"]["traceback"]
     assert recorded(tmp_path, TRIALS[1])["outcome"]["time"] == 12.5
     assert done[1].reason == done[3].reason == "made by the test"
+
+
+def test_a_folder_without_room_is_lost_and_its_missions_are_no_failures(short, fake_mission, monkeypatch, capsys):
+    """They counted as crashes of an engine."""
+
+    def no_room(record, path):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    fake_mission({})
+    monkeypatch.setattr(trial_process, "write_record", no_room)
+    assert main([*short, "--trials", "1"]) == LOST
+    told = capsys.readouterr().err
+    assert "small8x8-r1-short-7-s1.json cannot be written: No space left on device" in told
+
+
+def test_what_another_sweep_has_recorded_meanwhile_stays(tmp_path):
+    """A sweep removed it when it began the trial, and lost it when it was stopped then."""
+    path = record_path(tmp_path, TRIALS[0])
+    for robots, outcome, stays in (
+        ([made_robot()], Outcome("unfinished", 60.0), True),
+        ([], Outcome("failed", 3.0), False),
+    ):
+        written = {f"robot_{number}": robot for number, robot in enumerate(robots)}
+        write_record(MissionRecord(Asked(TRIALS[0].to_json()), outcome, robots=written), path)
+        LocalPool._clear(path)
+        assert path.exists() == stays
+
+
+def test_a_robot_that_starts_outside_the_walls_is_refused_before_its_mission(short, capsys):
+    assert main([*short, "--starts", "100", "100", "0"]) == 2
+    assert "start where nothing can be explored" in capsys.readouterr().err
 
 
 def test_trial_that_stands_still_is_ended_and_says_where(tmp_path, fake_mission):
@@ -239,7 +271,8 @@ def test_sweep_runs_goes_on_and_tells(short, tmp_path, capsys):
 
 TWO = """
 define rover position ( size [ 0.44 0.38 0.25 ] ranger ( sensor ( range [ 0 8 ] fov 270 samples 91 ) ) )
-model ( size [ 0.1 4 1 ] pose [ 3 0 0 0 ] )
+define wall model ( size [ 0.1 8 1 ] )
+wall ( pose [ 4 0 0 0 ] ) wall ( pose [ -4 0 0 0 ] ) wall ( pose [ 0 4 0 90 ] ) wall ( pose [ 0 -4 0 90 ] )
 rover ( pose [ 0 0 0 0 ] ) rover ( pose [ 0 1 0 0 ] )
 """
 

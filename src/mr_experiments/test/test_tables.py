@@ -133,9 +133,9 @@ def test_outcomes_name_every_trial_that_did_not_finish(tmp_path):
     write_record(tmp_path, make_record(1, 2, times=[None], status="unfinished", reason="still exploring"))
     write_record(tmp_path, failed_record(1, 3, "IndexError"))
     records = load_records(tmp_path)
-    assert outcome_table(records).rows == (("small8x8", "paper", "7", 1, 3, 1, 1, 1),)
+    assert outcome_table(records).rows == (("small8x8", "paper", "7", "bias", 1, 3, 1, 1, 1),)
     rows = trouble_table(records).rows
-    assert [(row[4], row[5], row[7]) for row in rows] == [
+    assert [(row[5], row[6], row[8]) for row in rows] == [
         (2, "unfinished", "still exploring"),
         (3, "failed", "IndexError"),
     ]

@@ -19,7 +19,7 @@ Row = dict[str, Any]
 
 
 def mission_rows(records: Sequence[MissionRecord]) -> list[Row]:
-    """Sorted by KEYS; None for what there is not."""
+    """Sorted by KEYS; None for what there is not. Missions that failed are counted and enter nothing else."""
     groups: dict[tuple, list[MissionRecord]] = {}
     for record in records:
         groups.setdefault(tuple(record.asked.settings.get(key, DEFAULTS.get(key)) for key in KEYS), []).append(record)
@@ -29,28 +29,32 @@ def mission_rows(records: Sequence[MissionRecord]) -> list[Row]:
 
 
 def _summary(records: Sequence[MissionRecord]) -> Row:
-    missions = [row_of(record) for record in records]
+    all_missions = [row_of(record) for record in records]
+    came_to_a_result = [record for record in records if not record.failed]
+    missions = [row_of(record) for record in came_to_a_result]
     finished = [mission for mission in missions if mission.time is not None]
-    robots = [robot for record in records for robot in record.survivors.values()]
+    robots = [robot for record in came_to_a_result for robot in record.survivors.values()]
     maps = [robot.map for robot in robots]
     walls = [each.wrong_walls for each in maps if each.wrong_walls is not None]
+    coverages = [each.coverage for each in maps if each.coverage is not None]
     errors = [abs(each.error) for each in maps if each.error is not None]
     return {
         "trials": len(records),
+        "failed": len(records) - len(missions),
         "finished": sum(mission.status == "finished" for mission in missions),
         **_of_times(finished),
         "distance": _mean([mission.distance for mission in missions]),
-        "coverage_mean": _mean([each.coverage or 0.0 for each in maps]),
-        "coverage_worst": min((each.coverage or 0.0 for each in maps), default=None),
+        "coverage_mean": _mean(coverages),
+        "coverage_worst": min(coverages, default=None),
         "abs_error_mean": _mean(errors),
         "wrong_walls_mean": _mean(walls),
         "wrong_walls_worst": max(walls, default=None),
         "wrong_maps": sum(share > WRONG_WALLS for share in walls),
         "maps": len(maps),
         "collisions": sum(robot.collisions.total for robot in robots),
-        "first_seed": min(mission.seed for mission in missions),
-        "last_seed": max(mission.seed for mission in missions),
-        "code": " ".join(sorted({mission.code for mission in missions})),
+        "first_seed": min(mission.seed for mission in all_missions),
+        "last_seed": max(mission.seed for mission in all_missions),
+        "code": " ".join(sorted({mission.code for mission in all_missions})),
     }
 
 

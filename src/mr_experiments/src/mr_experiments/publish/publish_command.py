@@ -13,7 +13,7 @@ from mr_experiments.bench.explore_missions import read_rows
 from mr_experiments.common.command_line import BAD_CALL, CallError, Parser
 from mr_experiments.publish.mission_table import mission_rows, world_rows
 from mr_experiments.publish.published import PublishError, render
-from mr_experiments.report.record_set import load_records
+from mr_experiments.report.record_set import load_records, refuse_doubles
 from mr_experiments.report.stack_missions import is_of_stack
 from mr_measures.record.files import RecordError, read_record
 from mr_measures.record.mission_record import MissionRecord
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str]) -> int:
         print(f"publish: {error}", file=sys.stderr)
         return BAD_CALL
     except OSError as error:
-        print(f"publish: {error.filename}: {error.strerror}", file=sys.stderr)
+        print(f"publish: {error.filename or options.table}: {error.strerror}", file=sys.stderr)
         return BAD_CALL
     return 0
 
@@ -99,7 +99,12 @@ def _cell(value: Any) -> Any:
 
 def _of_missions(folders: Sequence[str]) -> list[dict[str, Any]]:
     try:
-        records = [record for folder in map(Path, folders) for record in _records(folder)]
+        found = [pair for folder in map(Path, folders) for pair in _records(folder)]
+        paths = [path for path, _ in found]
+        if len(set(paths)) < len(paths):
+            raise RecordError(f"{next(path for path in paths if paths.count(path) > 1)} is given twice")
+        refuse_doubles(dict(found))
+        records = [record for _, record in found]
     except RecordError as error:
         raise CallError(str(error)) from None
     if not records:
@@ -107,16 +112,19 @@ def _of_missions(folders: Sequence[str]) -> list[dict[str, Any]]:
     return mission_rows(records)
 
 
-def _records(folder: Path) -> list[MissionRecord]:
-    """Of missions of the ROS stack below the folder, all that were begun; else of its own files those that are
-    records. Raises RecordError."""
+def _records(folder: Path) -> list[tuple[Path, MissionRecord]]:
+    """Of missions of the ROS stack below the folder, all that were begun, each under a path of its own; else of its own
+    files those that are records. Raises RecordError."""
     if is_of_stack(folder):
         found = load_records(folder)
         if found.lost:
             raise RecordError(f"nothing is known of {', '.join(found.lost)}: no row can count them; remove them")
-        return list(found.records)
+        return [(folder.resolve() / str(number), record) for number, record in enumerate(found.records)]
     documents = {path: _json(path) for path in sorted(folder.glob("*.json"))}
-    return [read_record(path) for path, each in documents.items() if isinstance(each, dict) and "trial" in each]
+    others = [path for path, each in documents.items() if not (isinstance(each, dict) and "trial" in each)]
+    if others:
+        print(f"publish: no records of missions, passed over: {', '.join(map(str, others))}", file=sys.stderr)
+    return [(path.resolve(), read_record(path)) for path in documents if path not in others]
 
 
 def _of_worlds(files: Sequence[str]) -> list[dict[str, Any]]:

@@ -57,7 +57,8 @@ def load_record(path: Path) -> MissionRecord:
             f"{error}; give a record that `rosrun mr_experiments run` or `mr_launch team` wrote"
         ) from None
     if not record.robots:
-        raise ReplayError(f"{path} holds no robots, so there is nothing to show: the trial failed before it began")
+        failure = f"the trial failed at {record.outcome.time:g} s: {record.outcome.reason}"
+        raise ReplayError(f"{path} holds no robots, so there is nothing to show: {failure}")
     return record
 
 

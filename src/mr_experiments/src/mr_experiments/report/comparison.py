@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Iterator, Sequence, Tuple
+from typing import Callable, Iterable, Iterator, Sequence, Tuple
 
 from mr_experiments.common.statistics import MINIMUM_PAIRS, Difference, compare_pairs
 from mr_experiments.report.derived import mean, moving_share
@@ -87,6 +87,7 @@ def compare_sets(candidate: RecordSet, baseline: RecordSet, across: Sequence[str
     if not common:
         raise RecordError(
             f"no trial of {candidate.folder} has a partner in {baseline.folder} with equal {', '.join(keys)} and seed"
+            f"{_what_differs(first, second, keys)}"
         )
     groups: dict[GroupKey, list[tuple[MissionRecord, MissionRecord]]] = {}
     for key in common:
@@ -101,8 +102,25 @@ def compare_sets(candidate: RecordSet, baseline: RecordSet, across: Sequence[str
         len(common),
         len(first) - len(common),
         len(second) - len(common),
-        tuple(_unequal_settings([(first[key], second[key]) for key in common], across)),
+        (_codes(candidate, baseline), *_unequal_settings([(first[key], second[key]) for key in common], across)),
     )
+
+
+def _what_differs(first: Iterable[GroupKey], second: Iterable[GroupKey], keys: Sequence[str]) -> str:
+    """Between the first trials of two sets, in words."""
+    for one, other in zip(first, second):
+        differ = [f"{name} {a!r} and {b!r}" for name, a, b in zip((*keys, "seed"), one, other) if a != b]
+        return f": their first ones have {', '.join(differ)}"
+    return ""
+
+
+def _codes(candidate: RecordSet, baseline: RecordSet) -> str:
+    """Who compares a change has to see that there was one."""
+    made_by = [sorted({record.code or "unknown" for record in records.records}) for records in (candidate, baseline)]
+    one, other = (" and ".join(codes) for codes in made_by)
+    if one == other:
+        return f"Comparison: both sets were made by the code {one}"
+    return f"Comparison: this set was made by the code {one}, the other one by {other}"
 
 
 def _unequal_settings(pairs: Sequence[tuple[MissionRecord, MissionRecord]], across: Sequence[str]) -> Iterator[str]:

@@ -6,14 +6,16 @@ import json
 import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Callable, Iterable, Mapping, TypeVar
+from typing import Any, Callable, Iterable, Mapping, TypeVar
 
 from mr_experiments.report.stack_missions import begun_missions, failed_by_note, is_of_stack
 from mr_measures.record.files import STACK_RECORD, RecordError, read_record
-from mr_measures.record.mission_record import STATUSES, MissionRecord
+from mr_measures.record.mission_record import BIAS, STATUSES, MissionRecord
 from mr_sim.worlds import label_of
 
 _Key = TypeVar("_Key")
+
+MOST_TOLD = 5  # of the values of a setting that differs
 
 
 @dataclass(frozen=True)
@@ -24,15 +26,16 @@ class Group:
     scenario: str
     strategy: int
     robots: int
+    odometry: str = BIAS
 
     @classmethod
     def of(cls, record: MissionRecord) -> Group:
         asked = record.asked
-        return cls(asked.world, asked.scenario, asked.strategy, asked.robots)
+        return cls(asked.world, asked.scenario, asked.strategy, asked.robots, asked.odometry)
 
     @property
     def chapter(self) -> Chapter:
-        return Chapter(self.world, self.scenario, self.strategy)
+        return Chapter(self.world, self.scenario, self.strategy, self.odometry)
 
 
 @dataclass(frozen=True)
@@ -42,15 +45,23 @@ class Chapter:
     world: str
     scenario: str
     strategy: int
+    odometry: str = BIAS
 
     @property
     def title(self) -> str:
-        return f"{label_of(self.world)}, scenario {self.scenario}, strategy {self.strategy}"
+        odometry = "" if self.odometry == BIAS else f", odometry {self.odometry}"
+        return f"{self._label}, scenario {self.scenario}, strategy {self.strategy}{odometry}"
+
+    @property
+    def _label(self) -> str:
+        """Files in two folders may have one name."""
+        return self.world if "/" in self.world else label_of(self.world)
 
     @property
     def slug(self) -> str:
         """Name for files and anchors."""
-        return re.sub(r"[^\w.-]", "_", f"{label_of(self.world)}-{self.scenario}-{self.strategy}")
+        odometry = "" if self.odometry == BIAS else f"-{self.odometry}"
+        return re.sub(r"[^\w.-]", "_", f"{self._label}-{self.scenario}-{self.strategy}{odometry}")
 
 
 @dataclass(frozen=True)
@@ -87,10 +98,17 @@ class RecordSet:
             ):
                 for name in sorted({key for value in values for key in value} - {"seed"}):
                     # What is noted of an attempt without a record says little.
-                    found = sorted({json.dumps(value[name], sort_keys=True) for value in values if name in value})
+                    shared = [_comparable(name, value[name]) for value in values if name in value]
+                    found = sorted({json.dumps(value, sort_keys=True) for value in shared})
                     if len(found) > 1:
-                        sentences.append(f"{where}: {what} {name} is not the same in all trials ({', '.join(found)})")
+                        told = ", ".join(found[:MOST_TOLD]) + ", ..." * (len(found) > MOST_TOLD)
+                        sentences.append(f"{where}: {what} {name} is not the same in all trials ({told})")
         return sentences
+
+
+def _comparable(name: str, value: Any) -> Any:
+    """Of a setting, what is the same for all trials of a scenario: when robots die it draws from the seed."""
+    return len(value) if name == "deaths" and isinstance(value, Mapping) else value
 
 
 def grouped(records: Iterable[MissionRecord], key: Callable[[MissionRecord], _Key]) -> dict[_Key, list[MissionRecord]]:
@@ -114,6 +132,7 @@ def load_records(folder: str | Path) -> RecordSet:
     if not folder.is_dir():
         raise RecordError(f"{folder} is no folder; give the folder into which the trials were written")
     if is_of_stack(folder):
+        refuse_both_kinds(folder)
         found = _of_stack(folder)
     else:
         found = {path: load_record(path) for path in sorted(folder.glob("*.json"))}
@@ -122,9 +141,27 @@ def load_records(folder: str | Path) -> RecordSet:
             f"{folder} holds no records (*.json) and no missions of rosrun mr_launch team ({STACK_RECORD})"
         )
     records = {path: record for path, record in found.items() if record is not None}
-    _refuse_doubles(records)
+    refuse_doubles(records)
     lost = tuple(str(path) for path, record in found.items() if record is None)
     return RecordSet(folder, tuple(sorted(records.values(), key=_order)), lost)
+
+
+def refuse_both_kinds(folder: Path) -> None:
+    """Of a folder with missions of the ROS stack below it. Raises RecordError if it holds others as well."""
+    others = [path for path in sorted(folder.glob("*.json")) if path.name != STACK_RECORD and _is_record(path)]
+    if others:
+        raise RecordError(
+            f"{folder} holds records of trials, as {others[0].name}, and missions of the ROS stack below it: they do "
+            "not count together; move one kind to a folder of its own"
+        )
+
+
+def _is_record(path: Path) -> bool:
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(document, Mapping) and "trial" in document
 
 
 def _of_stack(folder: Path) -> dict[Path, MissionRecord | None]:
@@ -149,8 +186,8 @@ def _order(record: MissionRecord) -> tuple[str, str, int, int, int]:
     return asked.world, asked.scenario, asked.strategy, asked.robots, asked.seed
 
 
-def _refuse_doubles(records: Mapping[Path, MissionRecord]) -> None:
-    """A mission that failed may have been tried again."""
+def refuse_doubles(records: Mapping[Path, MissionRecord]) -> None:
+    """A mission that failed may have been tried again. Raises RecordError."""
     seen: dict[tuple[Group, int], Path] = {}
     for path, record in records.items():
         if record.failed:

@@ -41,8 +41,8 @@ MAP_TEXT = FigureText(
     "fig3-map",
     "Fig. 3: merged map with the local maps laid over it",
     "Final global map of one robot, its walls dark, in the world frame by the robot's true start pose. Each local map, "
-    "placed by its own robot's true start pose, tints what it knows. Shown is the mission whose map error is the "
-    "median of its team size.",
+    "placed by its own robot's true start pose, tints what it knows. Of the finished missions of a team size it shows "
+    "the one whose largest map error is the median; where there is no reference to tell errors by, the middle one.",
 )
 PROGRESS_TEXT = FigureText(
     "fig4-progress",

@@ -79,7 +79,7 @@ def main(arguments: Sequence[str]) -> int:
         print(f"report: {error}", file=sys.stderr)
         return BAD_CALL
     except OSError as error:
-        print(f"report: cannot write {error.filename}: {error.strerror}", file=sys.stderr)
+        print(f"report: cannot write {error.filename or out}: {error.strerror}", file=sys.stderr)
         return BAD_CALL
     except KeyboardInterrupt:
         print("report: interrupted, the report is not complete", file=sys.stderr)

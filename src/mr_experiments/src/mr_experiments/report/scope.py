@@ -9,7 +9,7 @@ from typing import Mapping, Sequence
 from mr_experiments.report import paper
 from mr_experiments.report.record_set import Chapter, RecordSet
 from mr_experiments.report.table import Column
-from mr_measures.record.mission_record import MissionRecord
+from mr_measures.record.mission_record import BIAS, MissionRecord
 
 ROBOTS = Column("robots", "R")
 
@@ -24,7 +24,9 @@ class Scope:
     @property
     def beside_paper(self) -> bool:
         """Whether these are the paper's simulations, repeated."""
-        return Path(self.chapter.world).stem == paper.WORLD and self.chapter.scenario == paper.SCENARIO
+        chapter = self.chapter
+        is_paper = Path(chapter.world).stem == paper.WORLD and chapter.scenario == paper.SCENARIO
+        return is_paper and chapter.odometry == BIAS
 
     @property
     def merges_judged(self) -> bool:

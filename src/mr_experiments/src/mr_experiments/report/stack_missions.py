@@ -80,6 +80,7 @@ def read_attempts(folder: Path) -> list[Attempt]:
 def failed_by_note(note: Mapping[str, Any]) -> MissionRecord | None:
     """What is to be counted for a mission that left no record; None if too little was noted of it."""
     settings = {name: note.get(name) for name in ("world", "robots", "seed")}
+    settings.update({name: note[name] for name in ("odometry",) if name in note})
     try:
         asked = Asked({**settings, "scenario": STACK, "strategy": note.get("strategy", STRATEGY)})
     except ValueError:

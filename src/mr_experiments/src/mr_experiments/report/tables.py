@@ -121,9 +121,10 @@ _GROUP_COLUMNS = (
     Column("world", "world", text=True),
     Column("scenario", "scenario", text=True),
     Column("strategy", "strategy", text=True),
+    Column("odometry", "odometry", text=True),
     Column("robots", "R"),
 )
 
 
 def _group_cells(group: Group) -> tuple[Cell, ...]:
-    return group.world, group.scenario, str(group.strategy), group.robots
+    return group.world, group.scenario, str(group.strategy), group.odometry, group.robots

@@ -10,6 +10,7 @@ import sys
 from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from types import FrameType
 from typing import Iterator, Sequence
 
@@ -18,6 +19,7 @@ from rich.table import Table
 
 from mr_experiments.common.code_version import code_version
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser, strategy_number
+from mr_experiments.host.recorder import truth_for
 from mr_experiments.sweep.dask_cluster import ClusterLostError, DaskCluster
 from mr_experiments.sweep.following import follow
 from mr_experiments.sweep.sweep import Done, LocalPool, default_jobs, split_done
@@ -133,7 +135,7 @@ def _run(arguments: argparse.Namespace) -> int:
     _check_numbers(arguments)
     trials = plan(load_scenario(arguments.scenario), arguments)
     for trial in {(trial.world, trial.robots): trial for trial in trials}.values():
-        world_of(trial)
+        _check_world(trial)
     for world in dict.fromkeys(trial.world for trial in trials):
         warning = warning_of(world)
         if warning:
@@ -152,6 +154,14 @@ def _run(arguments: argparse.Namespace) -> int:
         done += _run_left(arguments, left, folder, console)
     _print_summary(console, done, folder)
     return 0 if all(entry.status == "finished" for entry in done) else 1
+
+
+def _check_world(trial: Trial) -> None:
+    """A mission in which no robot sees anything is not worth its time. Raises TrialError."""
+    if len(truth_for(trial, world_of(trial)).reference) == 0:
+        raise TrialError(
+            f"{trial.world}: the robots start where nothing can be explored; give --starts inside of its walls"
+        )
 
 
 def _warn_of_other_code(console: Console, done: Sequence[Done]) -> None:
@@ -205,7 +215,7 @@ def _print_summary(console: Console, done: list[Done], folder: Path) -> None:
         console.print("Failed trials are done again with --retry-failed.", highlight=False)
     if len({entry.code for entry in done}) > 1:
         console.print("Warning: these records were made by different code or parameters.", highlight=False)
-    console.print(f"Records in {folder}. Next: rosrun mr_experiments report {folder}", highlight=False)
+    console.print(f"Records in {folder}. Next: rosrun mr_experiments report {quote(str(folder))}", highlight=False)
 
 
 def _by_reason(failed: Sequence[Done]) -> dict[str, list[str]]:

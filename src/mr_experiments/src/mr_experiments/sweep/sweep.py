@@ -19,6 +19,7 @@ import cv2
 from mr_experiments.common.code_version import code_version
 from mr_experiments.host.recorder import truth_for
 from mr_experiments.sweep.trial_process import (
+    NOT_WRITTEN,
     PATIENCE,
     crash_text,
     failed_record,
@@ -144,7 +145,7 @@ class LocalPool:
                 entry.process.join()
 
     def _begin(self, trial: Trial, folder: Path) -> _Running:
-        record_path(folder, trial).unlink(missing_ok=True)  # of a failed trial that is done again
+        self._clear(record_path(folder, trial))
         with contextlib.suppress(Exception):  # the trial itself says what is wrong with its world
             truth_for(trial, world_of(trial))
         crash = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
@@ -154,9 +155,19 @@ class LocalPool:
         process.start()
         return _Running(process, trial, crash, clock)
 
+    @staticmethod
+    def _clear(path: Path) -> None:
+        """Of a failed trial that is done again. What another run has recorded meanwhile stays until it is replaced."""
+        with contextlib.suppress(OSError, RecordError):
+            if read_record(path).failed:
+                path.unlink()
+
     def _end(self, entry: _Running, folder: Path) -> Done:
         entry.process.join()
         path = record_path(folder, entry.trial)
+        if entry.process.exitcode == NOT_WRITTEN:
+            entry.crash.seek(0)
+            raise OSError(f"{path} cannot be written: {crash_text(entry.crash.read())}")
         if not path.exists():
             entry.crash.seek(0)
             told, clock = crash_text(entry.crash.read()), read_clock(entry.clock.read())

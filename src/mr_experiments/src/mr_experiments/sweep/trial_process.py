@@ -19,6 +19,7 @@ from mr_measures.record.files import write_record
 from mr_measures.record.mission_record import FAILED, Asked, MissionRecord, Outcome
 
 PATIENCE = 600.0  # s of real time that a trial may stand still
+NOT_WRITTEN = 74  # exit code of a trial whose record cannot be written (EX_IOERR)
 
 
 def record_path(folder: Path, trial: Trial) -> Path:
@@ -67,30 +68,45 @@ def read_clock(octets: bytes) -> float:
     return float(struct.unpack("d", octets)[0]) if len(octets) == struct.calcsize("d") else 0.0
 
 
-def _run_and_write(trial: Trial, folder: Path, snapshot_period: float, clock: ClockFile, watch: HangWatch) -> None:
-    path = record_path(folder, trial)
-
+def _record_of(trial: Trial, snapshot_period: float, clock: ClockFile, watch: HangWatch) -> MissionRecord:
     def progress(virtual: float) -> None:
         clock.write(virtual)
         watch.progress(virtual)
 
     try:
-        write_record(run_trial(trial, snapshot_period, progress), path)
+        return run_trial(trial, snapshot_period, progress)
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
-        write_record(failed_record(trial, reason, traceback.format_exc(), clock.time), path)
+        return failed_record(trial, reason, traceback.format_exc(), clock.time)
+
+
+def _write(record: MissionRecord, trial: Trial, folder: Path, time: float) -> None:
+    """Raises OSError."""
+    path = record_path(folder, trial)
+    try:
+        write_record(record, path)
+    except ValueError as error:  # a number that JSON does not have
+        write_record(failed_record(trial, f"ValueError: {error}", traceback.format_exc(), time), path)
 
 
 def run_as_child(
     trial: Trial, folder: Path, snapshot_period: float, patience: float, parent: int, crash: IO[bytes], clock: Path
 ) -> None:
     """The whole life of a process that runs one trial. Ctrl-C is the parent's affair; without it there is no use.
-    Where an engine crashes or hangs goes to `crash`, the virtual time to the file `clock`."""
+    Where an engine crashes or hangs, or why the record cannot be written, goes to `crash`, the virtual time to the file
+    `clock`."""
     faulthandler.enable(crash, all_threads=False)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     threading.Thread(target=_end_without, args=(parent,), daemon=True).start()
-    _run_and_write(trial, folder, snapshot_period, ClockFile(clock), HangWatch(crash, patience))
+    told = ClockFile(clock)
+    record = _record_of(trial, snapshot_period, told, HangWatch(crash, patience))
+    try:
+        _write(record, trial, folder, told.time)
+    except OSError as error:
+        crash.write(str(error.strerror).encode())
+        crash.flush()
+        os._exit(NOT_WRITTEN)
 
 
 def _end_without(parent: int) -> None:

@@ -39,10 +39,14 @@ def record_of_document(document: Any) -> MissionRecord:
 
 def write_record(record: MissionRecord, path: Path) -> None:
     """Whole or not at all."""
-    partial = path.with_suffix(".partial")
+    partial = path.with_suffix(f".{os.getpid()}.partial")
     text = json.dumps(document_of(record), separators=(",", ":"), allow_nan=False)
-    partial.write_text(text + "\n", encoding="utf-8")
-    os.replace(partial, path)
+    try:
+        partial.write_text(text + "\n", encoding="utf-8")
+        os.replace(partial, path)
+    except OSError:
+        partial.unlink(missing_ok=True)
+        raise
 
 
 def read_record(path: Path) -> MissionRecord:

@@ -18,6 +18,8 @@ READABLE = (1, SCHEMA)
 """Versions that are read; others are refused. What 1 does not say has a default."""
 STACK = "ros_stack"
 """Scenario of missions of the ROS stack."""
+BIAS = "bias"
+"""Odometry that errs by one share for the whole mission."""
 FINISHED, UNFINISHED, FAILED = STATUSES = ("finished", "unfinished", "failed")
 
 
@@ -55,6 +57,11 @@ class Asked:
     @property
     def strategy(self) -> int:
         return int(self.settings["strategy"])
+
+    @property
+    def odometry(self) -> str:
+        """How it errs; records that do not say it are of the constant bias."""
+        return str(self.settings.get("odometry", BIAS))
 
     @property
     def limit(self) -> float | None:
