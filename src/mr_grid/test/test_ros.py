@@ -68,3 +68,10 @@ def test_bad_messages_are_refused_with_the_culprit(path, value, words):
 def test_a_node_that_ends_while_a_call_is_written_to_it_is_a_failed_call() -> None:
     """The thread that called ended for good: a map merger never told its map again."""
     assert issubclass(TransportTerminated, CALL_FAILED)
+
+
+@pytest.mark.parametrize("length", [0.5, 1.09, 2.0])
+def test_a_heading_is_the_same_at_any_length_of_its_quaternion(length):
+    q = quaternion(1.0)
+    q.x, q.y, q.z, q.w = (length * value for value in (q.x, q.y, q.z, q.w))
+    assert yaw_of(q) == pytest.approx(1.0)

@@ -84,3 +84,9 @@ def test_others_pass_nearer_to_robots_at_rest_than_to_such_that_may_move() -> No
     assert settled[0, 2:].tolist() == [options.obstacle_margin, 0.0] and settled[1].tolist() == rows[1].tolist()
     others.hear({"robot_1": (1.0, 3.2)}, 9.4)
     assert others.settle(rows.copy(), 9.4).tolist() == rows.tolist()
+
+
+def test_a_robot_in_this_ones_own_place_is_none() -> None:
+    """Explorer and navigation had other names for one robot: its own position held it up for good."""
+    assert len(robots("robot_2", ((1.05, 2.02), 0.0)).unseen(0.1, HERE, SCAN)) == 0
+    assert len(robots("robot_2", ((1.05, 2.25), 0.0)).unseen(0.1, HERE, SCAN)) > 0

@@ -1,5 +1,6 @@
 """The SLAM node without a master: scans and odometry of different clocks, drivers that start."""
 
+from collections import deque
 from typing import List
 
 import numpy as np
@@ -9,10 +10,11 @@ from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
+from mr_grid import Pose
 from mr_grid.ros_laser import Mount
 from mr_robot.parameter_names import FRAMES
 from mr_robot.slam import node as module
-from mr_robot.slam.engine import OdometryHistory, Slam
+from mr_robot.slam.engine import OdometryHistory, Slam, SlamError
 from mr_robot.slam.node import SlamNode
 
 
@@ -42,7 +44,12 @@ def said(monkeypatch: pytest.MonkeyPatch) -> List[str]:
 @pytest.fixture
 def node(monkeypatch: pytest.MonkeyPatch) -> SlamNode:
     made = SlamNode.__new__(SlamNode)
-    made._slam, made._odometry, made._pending, made._mounts = Slam(), OdometryHistory(), None, {"laser": Mount()}
+    made._slam, made._odometry, made._waiting, made._mounts = (
+        Slam(),
+        OdometryHistory(),
+        deque(maxlen=40),
+        {"laser": Mount()},
+    )
     made._transformed_at, made._transform_period = -float("inf"), 0.1
     made._frames, made._tolerance = FRAMES, rospy.Duration(0.2)
     made._published_at, made._map_interval = -float("inf"), 2.0
@@ -78,6 +85,60 @@ def test_clocks_that_are_apart_are_told(node: SlamNode, said: List[str], ahead: 
         node._on_scan(scan(time + ahead - 0.02))
     assert (node._slam.revision > 0) == (not words)
     assert (len(said) > 0) == bool(words) and all(text.startswith(f"scan is dated {words}") for text in said)
+
+
+def test_scans_wait_for_odometry_that_comes_later_than_the_next_one(node: SlamNode) -> None:
+    """Each took the place of the one before, and none was ever used."""
+    used = []
+    process = node._slam.process
+    node._slam.process = lambda *arguments: used.append(arguments[2]) or process(*arguments)  # type: ignore[method-assign]
+    for step in range(200):
+        if step % 2 == 0:
+            node._on_odometry(odometry(1000.0 + 0.025 * step - 0.06))
+        node._on_scan(scan(1000.0 + 0.025 * step))
+    assert len(used) > 190 and used == sorted(used)
+
+
+def test_a_scan_that_cannot_be_used_holds_up_no_other(node: SlamNode) -> None:
+    node._on_odometry(odometry(1000.0))
+    bad = scan(1000.05)
+    bad.range_max = 0.0
+    for message in (bad, scan(1000.06)):
+        node._on_scan(message)
+    with pytest.raises(SlamError):
+        node._on_odometry(odometry(1000.1))
+    node._on_odometry(odometry(1000.15))
+    assert not node._waiting and node._slam.revision
+
+
+def test_scans_of_a_clock_that_was_set_back_do_not_wait_behind_those_before(node: SlamNode, said: List[str]) -> None:
+    node._on_odometry(odometry(1000.0))
+    node._on_scan(scan(1000.5))
+    for step in range(10):
+        node._on_odometry(odometry(10.0 + 0.1 * step))
+        node._on_scan(scan(10.0 + 0.1 * step - 0.05))
+    assert node._slam.revision and not node._waiting
+
+
+def test_odometry_is_kept_for_as_long_at_any_rate() -> None:
+    """A hundred messages of a driver at 1 kHz were less than the time of a scan."""
+    fast, slow = OdometryHistory(), OdometryHistory()
+    for step in range(8000):
+        fast.add(0.001 * step, Pose(0.0001 * step, 0.0, 0.0))
+    for step in range(200):
+        slow.add(0.2 * step, Pose(0.01 * step, 0.0, 0.0))
+    assert fast.at(5.5) is not None and fast.at(4.0) is None and len(fast._times) <= 4000
+    assert slow.at(30.0) is not None
+
+
+def test_odometry_out_of_order_is_passed_over() -> None:
+    """It was taken for a clock that was set back, and all before it was forgotten."""
+    history = OdometryHistory()
+    for time in (10.0, 10.1, 10.09, 10.2):
+        assert history.add(time, Pose(time, 0.0, 0.0))
+    assert list(history._times) == [10.0, 10.1, 10.2]
+    history.add(2.0, Pose(0.0, 0.0, 0.0))
+    assert list(history._times) == [2.0]
 
 
 def test_a_driver_of_the_wheels_that_begins_anew_moves_no_robot(node: SlamNode, said: List[str]) -> None:

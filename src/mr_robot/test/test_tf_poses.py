@@ -1,13 +1,15 @@
 """Scan and pose of different moments, as tf and a laser's driver give them."""
 
 import math
+import threading
+from types import SimpleNamespace
 from typing import Any, List, Optional, Tuple
 
 import numpy as np
 import pytest
 import rospy
 import tf2_ros
-from geometry_msgs.msg import Quaternion, TransformStamped
+from geometry_msgs.msg import Quaternion, TransformStamped, Twist
 from sensor_msgs.msg import LaserScan
 
 from mr_grid import Pose
@@ -89,6 +91,25 @@ def test_a_scan_of_the_future_is_none(poses: TfPoses, monkeypatch: pytest.Monkey
     assert node._scan_value(10.4, stamp) is None
     assert len(said) == 1 and said[0].startswith("scan ignored: dated 0.6 s ahead")
     assert node._scan_value(11.6, stamp) is None and len(said) == 1
+
+
+def test_what_fails_in_a_control_period_stops_the_robot_and_ends_no_control(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It ended the thread of the timer: no command came any more, and goals stayed active for ever."""
+    said: List[str] = []
+    monkeypatch.setattr(rospy, "logerr", said.append)
+    monkeypatch.setattr(rospy, "get_time", lambda: 1.0)
+    node, sent, aborted = MoveBaseNode.__new__(MoveBaseNode), [], []
+    node._lock, node._moving, node._navigator = threading.RLock(), True, SimpleNamespace(cancel=lambda: None)
+    node._command = SimpleNamespace(publish=sent.append)
+    node._server = SimpleNamespace(
+        is_new_goal_available=lambda: False, is_preempt_requested=lambda: False, is_active=lambda: True,
+        set_aborted=lambda _, text: aborted.append(text),
+    )  # fmt: skip
+    monkeypatch.setattr(node, "_control", lambda now: [][0])
+    for _ in range(2):
+        node._on_timer(None)
+    assert sent == [Twist(), Twist()] and aborted == 2 * ["navigation failed: list index out of range"]
+    assert len(said) == 2 and "Traceback" in said[0] and not node._moving
 
 
 class Unused:

@@ -21,8 +21,8 @@ CALL_FAILED = (rospy.ServiceException, rospy.ROSException, TransportException, O
 
 
 def yaw_of(q: Quaternion) -> float:
-    """Heading of a quaternion of length 1, rad."""
-    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+    """Heading of a quaternion of any length but 0, rad."""
+    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z)
 
 
 def quaternion(yaw: float) -> Quaternion:

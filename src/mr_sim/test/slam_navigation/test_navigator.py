@@ -179,6 +179,7 @@ def test_a_scan_that_is_late_ends_no_goal() -> None:
         lambda n: n.set_map(OccupancyGrid.of(np.zeros((4, 4), np.int8), 0.05, Pose(1e308, 0))),
         lambda n: n.set_map(OccupancyGrid.of(np.zeros((4, 4), np.int8), 0.05, Pose(yaw=0.1))),
         lambda n: n.set_map(OccupancyGrid.of(np.zeros((0, 4), np.int8), 0.05, Pose(0, 0))),
+        lambda n: n.set_own_map(OccupancyGrid.of(np.zeros((4, 4), np.int8), 0.05, Pose(yaw=1.57)), 0.0),
     ],
 )
 def test_bad_input_is_refused(call: Callable[[Navigator], None]) -> None:
@@ -186,6 +187,43 @@ def test_bad_input_is_refused(call: Callable[[Navigator], None]) -> None:
         call(Navigator())
     with pytest.raises(NavigationError, match="max_linear_velocity"):
         NavigationOptions(max_linear_velocity=-1.0)
+
+
+@pytest.mark.parametrize(
+    "angle_min, angle_increment, range_min, range_max",
+    [(math.nan, 0.01, 0.1, 8.0), (-2.0, 0.0, 0.1, 8.0), (-2.0, 0.01, math.nan, 8.0), (-2.0, 0.01, 0.1, 0.0),
+     (-2.0, 0.01, 0.1, math.nan)],
+)  # fmt: skip
+def test_a_scan_that_would_leave_the_robot_blind_is_refused(
+    angle_min: float, angle_increment: float, range_min: float, range_max: float
+) -> None:
+    """It showed nothing, and the robot drove into what was before it."""
+    with pytest.raises(NavigationError, match="scan"):
+        make_scan(np.full(400, 1.0), angle_min, angle_increment, range_min, range_max, Pose())
+    assert len(make_scan(np.full(400, 1.0), -2.0, 0.01, 0.1, math.inf, Pose()).points) == 400
+
+
+def test_a_robot_off_the_map_of_its_way_has_no_path() -> None:
+    """rviz asked for it, and an exception ended the thread that controls the robot."""
+    navigator = Navigator()
+    navigator.set_map(room())
+    navigator.set_goal(Pose(3.0, 2.0, 0.0), 0.0)
+    navigator.step(0.1, Pose(0.6, 2.0, 0.0), EMPTY)
+    assert navigator.path(Pose(0.6, 2.0, 0.0)) and navigator.path(Pose(30.0, 2.0, 0.0)) == []
+
+
+@pytest.mark.parametrize("tolerance", [0.01, 0.03, 0.05])
+def test_a_goal_of_any_tolerance_can_be_reached(tolerance: float) -> None:
+    """At 0.03 m its radius was 0."""
+    navigator, pose = Navigator(NavigationOptions(xy_goal_tolerance=tolerance)), Pose(1.0, 2.0, 0.0)
+    navigator.set_map(room())
+    navigator.set_goal(Pose(3.0, 2.0, 0.0), 0.0)
+    for step in range(150):
+        command = navigator.step(0.1 * step, pose, EMPTY)
+        if command.status is not Status.ACTIVE:
+            break
+        pose = pose.compose(Pose(0.1 * command.linear, 0.0, 0.1 * command.angular))
+    assert command.status is Status.SUCCEEDED, command.text
 
 
 @pytest.mark.parametrize("value", [1e308, -1e308, 3e5, math.inf, math.nan])
@@ -848,7 +886,8 @@ def test_readings_become_ranges_and_hits() -> None:
     scan = make_scan(readings, 0.0, math.pi / 2, 0.1, 4.0, Pose(0.5, 0.25, 0.0))
     assert scan.ranges.tolist() == [0.0, 0.0, 0.0, 2.0, 4.0, 4.0, 0.0]
     assert scan.points == pytest.approx(np.array([[0.5, -1.75]]))
-    assert make_scan(readings, 0.0, math.pi / 2, 0.1, math.nan, Pose(0.0, 0.0, 0.0)).points.size == 0
+    with pytest.raises(NavigationError):
+        make_scan(readings, 0.0, math.pi / 2, 0.1, math.nan, Pose(0.0, 0.0, 0.0))
 
 
 def test_giving_way_in_vain_widens_the_chance() -> None:

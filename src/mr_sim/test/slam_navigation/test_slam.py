@@ -98,6 +98,41 @@ def test_drift_over_a_loop_in_the_office(seed: int) -> None:
     assert robot.drift[-1] < 0.03
 
 
+class Described(Drives):
+    """It sees 3 m, on wheels that err by much, so that the map is drawn anew. `turns`: every other scan is told from
+    its last beam to its first one."""
+
+    def __init__(self, turns: bool) -> None:
+        super().__init__("office26x15", seed=3)
+        self._turns, self._random = turns, np.random.default_rng(1)
+        self._before, self._odometry = Pose(), Pose()
+
+    def process(self, robot: Robot, state: np.void, ranges: np.ndarray) -> None:
+        ranger, scans = self.world.robots[robot.index].rangers[0], len(robot.drift)
+        first, step = ranger.angle_min, ranger.angle_increment
+        seen = np.where(ranges < 3.0, ranges, np.inf).astype(np.float32)
+        beams = (seen[::-1], -first, -step) if self._turns and scans % 2 else (seen, first, step)
+        truth = robot.local(Pose(float(state["x"]), float(state["y"]), float(state["yaw"])))
+        motion, self._before = self._before.between(truth), truth
+        error = self._random.normal(0.0, 0.006)
+        self._odometry = self._odometry.compose(Pose(1.02 * motion.x, motion.y, 1.02 * motion.yaw + error))
+        scan = LaserScan(*beams, ranger.range_min, 3.0, ranger.mount)
+        robot.slam.process(scan, self._odometry, self.world.time)
+        robot.drift.append(0.0)
+
+
+def test_each_scan_is_drawn_anew_as_it_was_taken() -> None:
+    """All were drawn with the beams of the last one: of a laser that does not turn evenly, or of two, a third more
+    walls were there as soon as the map had been drawn anew."""
+    maps = []
+    for turns in (False, True):
+        drives = Described(turns)
+        drives.run(100.0, follow(ROUND))
+        maps.append(drives.loop.robots[0].slam.map())
+    one, other = (np.count_nonzero(map_.cells == 100) for map_ in maps)
+    assert 0.9 * one < other < 1.1 * one, "walls drawn twice"
+
+
 def test_walls_are_crisp() -> None:
     drives = Drives("office26x15")
     drives.run(20.0, follow(ROUND[:1]))

@@ -53,20 +53,17 @@ bool Memory::due(const Pose& pose) const {
 int Memory::origin(const Pose& pose) const { return static_cast<int>(keyframes_.size()) - (due(pose) ? 0 : 1); }
 
 Scan Memory::scan_of(const Kept& kept) const {
-  LaserGeometry geometry = geometry_;
-  geometry.swept = kept.swept;
-  return make_scan(kept.ranges.data(), kept.ranges.size(), geometry, options_);
+  return make_scan(kept.ranges.data(), kept.ranges.size(), kept.geometry, options_);
 }
 
 bool Memory::add(const std::vector<float>& ranges, const Scan& scan, const LaserGeometry& geometry, const Pose& pose,
                  const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match) {
   if (scans_ == kMostScans) return false;
   ++scans_;
-  geometry_ = geometry;
   const bool opens = due(pose);
   if (opens) open(pose, odometry, way, model, match);
   Keyframe& keyframe = keyframes_.back();
-  keyframe.scans.push_back({ranges, geometry.swept, between(keyframe.drawn, pose)});
+  keyframe.scans.push_back({ranges, geometry, between(keyframe.drawn, pose)});
   keyframe.hits.add(scan, keyframe.scans.back().relative);
   keyframe.edges.add(scan, keyframe.scans.back().relative, options_.small_object_size);
   keyframe.walls.add(scan, keyframe.scans.back().relative.yaw);

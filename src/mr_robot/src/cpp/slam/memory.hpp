@@ -37,8 +37,8 @@ class Memory {
  private:
   struct Kept {
     std::vector<float> ranges;
-    Pose swept;     // see LaserGeometry
-    Pose relative;  // to the keyframe
+    LaserGeometry geometry;  // that of another scan may be another: of two lasers, or of one that does not turn evenly
+    Pose relative;           // to the keyframe
   };
   struct Keyframe {
     Pose drawn;  // where it is on the map
@@ -69,7 +69,6 @@ class Memory {
 
   GridOptions grid_;
   ScanOptions options_;
-  LaserGeometry geometry_{};
   PoseGraph graph_;
   std::vector<Keyframe> keyframes_;
   std::optional<Redrawing> redrawing_;

@@ -28,18 +28,25 @@ std::vector<bool> readings_of_small_objects(const Scan& scan, std::size_t size) 
   return found;
 }
 
+bool same_beams(const LaserGeometry& a, const LaserGeometry& b) {
+  return a.angle_min == b.angle_min && a.angle_increment == b.angle_increment && a.mount.x == b.mount.x &&
+         a.mount.y == b.mount.y && a.mount.yaw == b.mount.yaw;
+}
+
 }  // namespace
 
-void Standing::keep(const float* ranges, std::size_t size, const Scan& scan, const Pose& odometry) {
+void Standing::keep(const float* ranges, std::size_t size, const LaserGeometry& geometry, const Scan& scan,
+                    const Pose& odometry) {
   ranges_.assign(ranges, ranges + size);
+  geometry_ = geometry;
   beams_ = scan.beams;
   odometry_ = odometry;
 }
 
 Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const LaserGeometry& geometry,
                                   const Scan& scan, const Pose& odometry) {
-  if (ranges_.size() != size) {
-    keep(ranges, size, scan, odometry);
+  if (ranges_.size() != size || !same_beams(geometry_, geometry)) {
+    keep(ranges, size, geometry, scan, odometry);
     return Verdict::kUnknown;
   }
   const Pose motion = between(odometry_, odometry);
@@ -75,7 +82,7 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
   const bool moves = compared > 0 && moved - same >= kSeen * compared;
   // Along a wall, or turned by little, a robot would see much the same.
   if (!moves && !far) return same - moved >= kSeen * compared ? Verdict::kSeemsToStand : Verdict::kUndecided;
-  keep(ranges, size, scan, odometry);
+  keep(ranges, size, geometry, scan, odometry);
   return moves ? Verdict::kMoved : Verdict::kUnknown;
 }
 

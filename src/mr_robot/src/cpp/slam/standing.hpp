@@ -22,9 +22,11 @@ class Standing {
                 const Pose& odometry);
 
  private:
-  void keep(const float* ranges, std::size_t size, const Scan& scan, const Pose& odometry);
+  void keep(const float* ranges, std::size_t size, const LaserGeometry& geometry, const Scan& scan,
+            const Pose& odometry);
 
   std::vector<float> ranges_;  // of the scan that later ones are compared with
+  LaserGeometry geometry_{};
   std::vector<Beam> beams_;
   Pose odometry_;
 };

@@ -28,16 +28,13 @@ class KnownMap:
         """Raises NavigationError for a grid that is no map."""
         if 0 in grid.cells.shape:
             raise NavigationError(f"map has no cells: shape {grid.cells.shape}")
-        x, y, yaw = grid.origin
-        if not is_place(x, y) or abs(yaw) > MOST_ROTATION:
-            raise NavigationError(
-                f"map needs an origin within {FARTHEST:g} m that is not rotated, not ({x:g}, {y:g}, {yaw:g})"
-            )
+        _check_origin(grid)
         self._grid = grid
         self._costs_hold = False
 
     def set_own_grid(self, grid: OccupancyGrid, now: float) -> None:
-        """What this robot's own SLAM says tells what moves."""
+        """What this robot's own SLAM says tells what moves. Raises NavigationError for a grid that is no map."""
+        _check_origin(grid)
         self._arrivals.update(grid, now)
         self._costs_hold = False
         self._own_holds = False
@@ -72,3 +69,11 @@ class KnownMap:
             self._own = _navigation.Map(grid.cells, grid.resolution, grid.origin[:2])
         self._own_holds = True
         return None if settled is None else self._own
+
+
+def _check_origin(grid: OccupancyGrid) -> None:
+    x, y, yaw = grid.origin
+    if not is_place(x, y) or abs(yaw) > MOST_ROTATION:
+        raise NavigationError(
+            f"map needs an origin within {FARTHEST:g} m that is not rotated, not ({x:g}, {y:g}, {yaw:g})"
+        )

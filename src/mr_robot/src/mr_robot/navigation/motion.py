@@ -39,7 +39,8 @@ class Motion:
     def along(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Optional[Velocity]:
         """None where nothing is safe, not even to brake gently."""
         horizon = _navigation.Horizon()
-        horizon.goal_radius = self._options.xy_goal_tolerance - _navigation.TOUCHING
+        tolerance = self._options.xy_goal_tolerance
+        horizon.goal_radius = max(tolerance - _navigation.TOUCHING, 0.5 * tolerance)
         found, linear, angular, _, _ = _navigation.choose_velocity(
             way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, self.velocity, obstacles,
             self.limits, self.footprint, horizon, self._options.controller_period,

@@ -3,6 +3,7 @@
 import socket
 import sys
 import threading
+import traceback
 from dataclasses import fields
 from typing import Any, Dict, Optional, Union
 
@@ -77,6 +78,7 @@ class MoveBaseNode:
     # --- inputs -------------------------------------------------------------------------------------------------------
 
     def _on_map(self, message: Any) -> None:
+        self._look_at_frame("map", message)
         try:
             with self._lock:
                 self._navigator.set_map(ros_io.grid_value(message))
@@ -84,11 +86,20 @@ class MoveBaseNode:
             rospy.logwarn_throttle(10.0, f"map ignored: {error}")
 
     def _on_own_map(self, message: Any) -> None:
+        self._look_at_frame("own map", message)
         try:
             with self._lock:
                 self._navigator.set_own_map(ros_io.grid_value(message), rospy.get_time())
         except NavigationError as error:
             rospy.logwarn_throttle(10.0, f"own map ignored: {error}")
+
+    def _look_at_frame(self, what: str, message: Any) -> None:
+        frame = frame_name(message.header.frame_id)
+        if frame and frame != self._frames["map_frame"]:
+            rospy.logwarn_throttle(
+                60.0,
+                f"{what} is in frame {frame}, and is taken as in {self._frames['map_frame']}: is ~map_frame right?",
+            )
 
     def _on_scan(self, message: Any) -> None:
         self._scan = message
@@ -149,7 +160,19 @@ class MoveBaseNode:
             self._take_requests()
             if not self._server.is_active() and not self._moving:
                 return
-            self._control(rospy.get_time())
+            try:
+                self._control(rospy.get_time())
+            except Exception as error:
+                # It would end the timer's thread, and with it all control of a robot that may be driving.
+                rospy.logerr(f"navigation failed, the robot stops: {traceback.format_exc()}")
+                self._give_up(f"navigation failed: {error}")
+
+    def _give_up(self, reason: str) -> None:
+        self._stop()
+        self._moving = False
+        self._navigator.cancel()
+        if self._server.is_active():
+            self._server.set_aborted(MoveBaseResult(), reason)
 
     def _control(self, now: float) -> None:
         located = self._tf_poses.robot(now)
@@ -185,7 +208,11 @@ class MoveBaseNode:
         if message is None or not is_recent("scan", message.header.stamp, now):
             return None
         mount = self._tf_poses.laser(message.header.frame_id, message.header.stamp, stamp)
-        return None if mount is None else ros_io.scan_value(message, mount)
+        try:
+            return None if mount is None else ros_io.scan_value(message, mount)
+        except NavigationError as error:
+            rospy.logwarn_throttle(10.0, f"scan ignored: {error}")
+            return None
 
     def _stop(self) -> None:
         self._command.publish(Twist())

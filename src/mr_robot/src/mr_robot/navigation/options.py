@@ -124,7 +124,15 @@ class Scan:
 def make_scan(
     ranges: np.ndarray, angle_min: float, angle_increment: float, range_min: float, range_max: float, mount: Pose
 ) -> Scan:
-    """`ranges`: m, (m,), of beams from `angle_min` on, rad; infinity = nothing hit. `mount`: the laser on the robot."""
+    """`ranges`: m, (m,), of beams from `angle_min` on, rad; infinity = nothing hit. `mount`: the laser on the robot.
+    Raises NavigationError for what would leave the robot blind."""
+    if not all(map(math.isfinite, (range_min, angle_min, angle_increment))) or angle_increment == 0.0:
+        raise NavigationError(
+            f"scan has an angle_min of {angle_min:g}, angle_increment of {angle_increment:g} and range_min of "
+            f"{range_min:g}: they must be finite, and the increment not 0"
+        )
+    if not range_max > 0.0:
+        raise NavigationError(f"range_max of the scan must be above 0, not {range_max:g}")
     directions = _directions(len(ranges), angle_min, angle_increment, mount[2])
     ranges, points = _navigation.hits(ranges, directions, range_min, range_max, mount[:2])
     return Scan(points, ranges, angle_min, angle_increment, range_min, range_max, mount)

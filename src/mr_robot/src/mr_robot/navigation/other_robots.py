@@ -40,6 +40,7 @@ class OtherRobots:
         self._tracks: Dict[str, _Track] = {}
         self._heard_at = -math.inf
         self._fastest = options.max_linear_velocity
+        self._half_size = (0.5 * options.footprint_length, 0.5 * options.footprint_width)
         self._radius, self._wall_margin = options.largest_robot_radius, options.obstacle_margin
         self._rim = round(options.largest_robot_radius - _navigation.TOUCHING, 3) * CIRCLE
         self._margins = (options.moving_margin, options.moving_reaction_time)
@@ -80,11 +81,17 @@ class OtherRobots:
         """Rows (x, y, margin, reaction time), map frame: rims of robots where the laser is blind; of one with the right
         of way, whose name sorts earlier, also where it will be soon, so that one of two robots that drive towards the
         same place lets the other pass."""
-        places = np.array([place for name in self.lately(now) for place in self._ground_of(name, now)]).reshape(-1, 2)
+        names = [name for name, place in self.lately(now).items() if not self._is_here(place, pose)]
+        places = np.array([place for name in names for place in self._ground_of(name, now)]).reshape(-1, 2)
         near = places[np.hypot(*(places - pose[:2]).T) < REACH]
         blind = near[scan.blind_to(pose.apply_inverse(near))] if len(near) else near
         rims = (blind[:, None, :] + self._rim[None, :, :]).reshape(-1, 2)
         return np.hstack([rims, np.tile(self._margins, (len(rims), 1))])
+
+    def _is_here(self, place: Point, pose: Pose) -> bool:
+        """Two bodies cannot be in one place: this is the robot itself under another name, or a wrong position."""
+        x, y = pose.inverse().apply_point(*place)
+        return abs(x) < self._half_size[0] and abs(y) < self._half_size[1]
 
     def settle(self, obstacles: np.ndarray, now: float) -> np.ndarray:
         """Rows (x, y, margin, reaction time) in which robots at rest have the margin of walls, so that others find

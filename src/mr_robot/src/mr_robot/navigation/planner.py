@@ -256,6 +256,9 @@ def from_here(way: Plan, robot: Pose) -> Plan:
 
 
 def path(way: Plan, robot: Pose) -> List[Tuple[float, float]]:
-    """Cell centres down the cost to go, from the robot to the point led to."""
-    cells = _navigation.descend(way.cost, way.grid.info.cell_of(robot[0], robot[1]), way.cost.size)
+    """Cell centres down the cost to go, from the robot to the point led to; none for a robot off the map."""
+    start = way.grid.info.cell_of(robot[0], robot[1])
+    if not way.grid.info.contains(*start):
+        return []
+    cells = _navigation.descend(way.cost, start, way.cost.size)
     return [way.grid.info.centre_of(row, column) for row, column in cells]

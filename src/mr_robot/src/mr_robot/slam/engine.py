@@ -16,7 +16,9 @@ import numpy as np
 from mr_grid import IDENTITY, OccupancyGrid, Pose
 from mr_robot import _slam
 
-ODOMETRY_KEPT = 100
+ODOMETRY_TIME = 3.0  # s of it that are kept, and
+LEAST_ODOMETRY, MOST_ODOMETRY = 100, 4000  # messages whatever their rate
+OUT_OF_ORDER = 1.0  # s by which a message may come too late; one that is older yet is of a clock that was set back
 FASTEST, FASTEST_TURN = 5.0, 10.0  # m/s, rad/s: odometry that says more has jumped
 SHORTEST_STEP, LONGEST_STEP = 0.1, 1.0  # s that a step counts at least, for stamps jitter, and at most
 BEGUN_ANEW = 0.05  # m or rad to exactly 0, from which on it is the driver that begins
@@ -81,16 +83,17 @@ class OdometryHistory:
 
     def __init__(self) -> None:
         self.offset = IDENTITY
-        self._times: Deque[float] = deque(maxlen=ODOMETRY_KEPT)
-        self._poses: Deque[Pose] = deque(maxlen=ODOMETRY_KEPT)
+        self._times: Deque[float] = deque(maxlen=MOST_ODOMETRY)
+        self._poses: Deque[Pose] = deque(maxlen=MOST_ODOMETRY)
 
     def add(self, time: float, pose: Pose) -> bool:
-        """Whether the driver's `pose` follows from the one before; if not it has jumped. Times must rise; a time before
-        the last one (the clock was set back) starts the history anew. SlamError for what is not finite."""
+        """Whether the driver's `pose` follows from the one before; if not it has jumped. What is out of order is of no
+        use; a time long before the last one (the clock was set back) starts the history anew. SlamError for what is not
+        finite."""
         if not np.isfinite((time, *pose)).all():
             raise SlamError("odometry is not finite: mend its driver")
         if self._times and time <= self._times[-1]:
-            if time == self._times[-1]:
+            if time >= self._times[-1] - OUT_OF_ORDER:
                 return True
             self._times.clear()
             self._poses.clear()
@@ -99,6 +102,9 @@ class OdometryHistory:
             self.offset = self._poses[-1].compose(pose.inverse())
         self._times.append(time)
         self._poses.append(self.offset.compose(pose))
+        while len(self._times) > LEAST_ODOMETRY and time - self._times[0] > ODOMETRY_TIME:
+            self._times.popleft()
+            self._poses.popleft()
         return follows
 
     def _follows(self, time: float, pose: Pose) -> bool:

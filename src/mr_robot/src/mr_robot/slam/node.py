@@ -2,8 +2,9 @@
 
 import sys
 import threading
+from collections import deque
 from dataclasses import fields
-from typing import Any, Callable, Dict, Optional, TypeVar
+from typing import Any, Callable, Deque, Dict, Optional, TypeVar
 
 import rospy
 import tf2_ros
@@ -26,6 +27,7 @@ TOPICS = {"map": "map", "metadata": "map_metadata"}
 TRANSFORM_PUBLISH_PERIOD = 0.1  # s
 MOUNT_PATIENCE = 5.0  # s in which the drivers may begin to tell where the laser is
 TRANSFORM_TOLERANCE = 0.2  # s by which map -> odom is dated ahead
+MOST_WAITING = 40  # scans, a second of a fast laser
 CLOCKS_APART = 0.5  # s between a scan and the newest odometry, from which on they seem to have two clocks
 
 
@@ -51,7 +53,7 @@ class SlamNode:
         self._tolerance = rospy.Duration(number_parameter("transform_tolerance", TRANSFORM_TOLERANCE))
         self._lock = threading.Lock()
         self._odometry = OdometryHistory()
-        self._pending: Optional[Any] = None  # a scan that waits for odometry to catch up
+        self._waiting: Deque[Any] = deque(maxlen=MOST_WAITING)  # scans, for odometry to catch up
         self._mounts: Dict[str, Mount] = {}
         self._published_revision = 0
         self._published_at = -float("inf")
@@ -72,8 +74,10 @@ class SlamNode:
             try:
                 with self._lock:
                     handler(message)
-            except SlamError as error:
+            except (SlamError, GridError) as error:
                 rospy.logwarn_throttle(10.0, f"message dropped: {error}")
+            except (MemoryError, RuntimeError) as error:
+                rospy.logerr_throttle(10.0, f"message dropped, SLAM failed: {error!r}")
 
         return guarded
 
@@ -88,16 +92,28 @@ class SlamNode:
                 f"odometry has jumped to ({pose.position.x:.1f}, {pose.position.y:.1f}), as of a driver that begins "
                 "anew: the robot is taken not to have moved",
             )
-        if self._pending is not None:
-            scan, self._pending = self._pending, None
-            self._on_scan(scan)
+        self._use_waiting()
         if self._slam.revision and not 0.0 <= stamp.to_sec() - self._transformed_at < self._transform_period - 0.01:
             self._publish_transform(stamp)
 
     def _on_scan(self, message: Any) -> None:
+        if self._waiting and message.header.stamp < self._waiting[-1].header.stamp:
+            self._waiting.clear()  # the clock was set back
+        self._waiting.append(message)
+        self._use_waiting()
+
+    def _use_waiting(self) -> None:
+        while self._waiting:
+            message = self._waiting.popleft()
+            if not self._use(message):
+                self._waiting.appendleft(message)
+                return
+
+    def _use(self, message: Any) -> bool:
+        """False if the odometry of its time is still to come."""
         mount = self._mount(message.header.frame_id)
         if mount is None:
-            return
+            return True
         time = message.header.stamp.to_sec()
         last = time + self._sweep_time(message)
         newest = self._odometry.newest()
@@ -109,15 +125,15 @@ class SlamNode:
             )
         odometry, odometry_after = self._odometry.at(time), self._odometry.at(last)
         if odometry is None or odometry_after is None:
-            # Too new: wait for the odometry of its time. Too old: of no use any more.
-            self._pending = message if newest is not None and last > newest[0] else None
-            return
+            # What is too old, or came before all odometry, is of no use any more.
+            return newest is None or last <= newest[0]
         scan = ros_io.scan_value(message, mount, odometry.between(odometry_after))
         update = self._slam.process(scan, odometry, time)
         if not update.matched:
             rospy.logwarn_throttle(10.0, f"scan does not match the map ({update.share:.0%} of it does)")
         if not 0.0 <= time - self._published_at < self._map_interval:
             self._publish_map(message.header.stamp)
+        return True
 
     @staticmethod
     def _sweep_time(message: Any) -> float:
