@@ -62,7 +62,8 @@ class ForeignFrontiers:
     def take_mission(self, robot: str, mission: int) -> None:
         """The mission that a robot is on. With another one than before its points are gone: an explorer that was
         started anew counts them from the start again."""
-        if self._missions.get(robot, mission) != mission and self._points.pop(robot, None):
+        if self._missions.get(robot, mission) != mission and robot in self._points:
+            del self._points[robot]
             self._changed(robot)
         self._missions.pop(robot, None)
         self._missions[robot] = mission

@@ -7,19 +7,28 @@ import numpy as np
 
 from mr_sim.world_file import WorldFileError
 
-OCCUPIED_BELOW = 128  # grey level of a pixel under which it is wall
+OCCUPIED_BELOW = 128  # level of a pixel under which it is wall
+RED = 2  # channel of a picture that Stage looks at
 
 Rectangle = tuple[int, int, int, int]
 """First column and row, then the column and row behind the last; row 0 at the bottom."""
 
 
+def read_image(path: str | Path) -> np.ndarray | None:
+    """uint8 (rows, columns, 3), blue first; None for what is no picture, or too large a one."""
+    try:
+        return cv2.imread(str(path), cv2.IMREAD_COLOR) if Path(path).is_file() else None
+    except cv2.error:
+        return None
+
+
 def load_bitmap(path: str | Path) -> np.ndarray:
     """Occupied pixels, bool (rows, columns), row 0 at the bottom, cropped to their bounding box as Stage does. Raises
     WorldFileError."""
-    image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+    image = read_image(path)
     if image is None:
-        raise WorldFileError(str(path), "is not an image that can be read")
-    occupied = np.flipud(image < OCCUPIED_BELOW)
+        raise WorldFileError(str(path), "is no image that can be read, or too large a one")
+    occupied = np.flipud(image[..., RED] < OCCUPIED_BELOW)
     rows, columns = np.flatnonzero(occupied.any(axis=1)), np.flatnonzero(occupied.any(axis=0))
     if rows.size == 0:
         raise WorldFileError(str(path), "has no dark pixel, so no walls")

@@ -31,6 +31,8 @@ def bitmap_of(reader: Reader, world: Path) -> Path | None:
     path = find_file(name, world, mentioned_in)
     if path is None:
         raise reader.fail("bitmap", f'names a file that does not exist: "{mentioned_in.parent / name}"')
+    if 0.0 in size_of(reader):
+        raise reader.fail("size", "must be positive for a bitmap")
     return path
 
 
@@ -38,9 +40,11 @@ def polygons_of(reader: Reader) -> tuple[Polygon, ...]:
     """Of a model's blocks, or else of its kind. None of what is in it, nor of its bitmap."""
     blocks = [_block_polygon(child, reader) for child in reader.block.children if child.kind == "block"]
     size = size_of(reader)
-    if blocks:
+    if blocks and 0.0 not in size:
         return _fit(blocks, size, reader.block)
     if reader.block.kind in BODILESS or reader.flag("noblocks", False):
+        return ()
+    if 0.0 in size:
         return ()
     if reader.block.kind == "gripper":
         return _fit(_gripper_polygons(reader), size, reader.block)
@@ -55,7 +59,8 @@ def part_polygons(reader: Reader, world: Path) -> tuple[Polygon, ...]:
     else:
         corners = [tuple(map(float, rectangle)) for rectangle in rectangles(load_bitmap(bitmap))]
         polygons = _fit([_rectangle(*corner) for corner in corners], size, reader.block)
-    return (*polygons, *(_boundary(size) if reader.flag("boundary", False) else ()))
+    bounded = reader.flag("boundary", False) and 0.0 not in size
+    return (*polygons, *(_boundary(size) if bounded else ()))
 
 
 def moved(polygons: Sequence[Polygon], pose: Pose) -> tuple[Polygon, ...]:

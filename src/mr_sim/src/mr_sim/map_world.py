@@ -1,5 +1,6 @@
 """A map of map_server as a world: what is not known to be free is wall, and Pioneers stand where they are told to."""
 
+import contextlib
 import hashlib
 import math
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ import yaml  # type: ignore[import-untyped]
 
 from mr_grid import Pose
 from mr_plans.world_files import WorldFiles
+from mr_sim.bitmap import read_image
 
 SUFFIXES = (".yaml", ".yml")
 
@@ -92,10 +94,13 @@ def _load(path: Path) -> _Map:
     if resolution <= 0.0:
         raise MapError(f'{path}: "resolution" must be positive, not {resolution:g}')
     free_below = _number(path, {"free_thresh": 0.196, **values}, "free_thresh")
-    image = cv2.imread(str(path.parent / str(values["image"])), cv2.IMREAD_GRAYSCALE)
+    image = read_image(path.parent / str(values["image"]))
     if image is None:
-        raise MapError(f'{path}: "image" is no picture that can be read: {path.parent / str(values["image"])}')
-    darkness = (image if values.get("negate") else 255 - image.astype(float)) / 255.0
+        raise MapError(
+            f'{path}: "image" is no picture that can be read, or too large a one: {path.parent / str(values["image"])}'
+        )
+    brightness = image.mean(axis=2)
+    darkness = (brightness if values.get("negate") else 255.0 - brightness) / 255.0
     free = np.flipud(darkness < free_below)
     if not free.any():
         raise MapError(f"{path}: nothing in the map is free")
@@ -104,6 +109,9 @@ def _load(path: Path) -> _Map:
 
 def _number(path: Path, values: dict[str, Any], key: str) -> float:
     value = values[key]
+    if isinstance(value, str):
+        with contextlib.suppress(ValueError):  # YAML 1.1 takes 5e-2 for a text
+            value = float(value)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise MapError(f'{path}: "{key}" must be a number, not {value!r}')
     return float(value)

@@ -1,7 +1,7 @@
 """Obstacles of a world description as a raster of occupied cells."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,9 +9,9 @@ import numpy as np
 
 from mr_sim.bitmap import load_bitmap
 from mr_sim.bodies import Polygon
-from mr_sim.world_model import Obstacle
+from mr_sim.world_model import MAX_CELLS, Obstacle, bounds_of
 
-MAX_CELLS = 100_000_000
+CELLS_AT_ONCE = 1_000_000  # that are drawn: bounds memory
 
 
 @dataclass(frozen=True)
@@ -21,16 +21,6 @@ class Grid:
     cells: np.ndarray
     resolution: float
     origin: tuple[float, float]
-
-
-def _bounds(obstacles: Sequence[Obstacle]) -> tuple[float, float, float, float]:
-    points: list[tuple[float, float]] = [(0.0, 0.0)] if not obstacles else []
-    for obstacle in obstacles:
-        half_x, half_y = obstacle.size[0] / 2.0, obstacle.size[1] / 2.0
-        for corner in ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)):
-            points.append(obstacle.pose.apply_point(*corner))
-    xs, ys = [p[0] for p in points], [p[1] for p in points]
-    return min(xs), min(ys), max(xs), max(ys)
 
 
 class _Canvas:
@@ -55,14 +45,16 @@ class _Canvas:
         rows, columns = self.cells.shape
         return np.clip(indices[..., 1], 0, rows - 1), np.clip(indices[..., 0], 0, columns - 1)
 
-    def _centres(self, corners: np.ndarray) -> tuple[np.ndarray, slice, slice]:
-        """World coordinates (rows, columns, 2) of the cell centres in the bounding box of `corners`."""
+    def _centres(self, corners: np.ndarray) -> Iterator[tuple[np.ndarray, slice, slice]]:
+        """World coordinates (rows, columns, 2) of the cell centres in the bounding box of `corners`, in bands."""
         rows, columns = self._cells_at(corners)
-        row_slice = slice(int(rows.min()), int(rows.max()) + 1)
         column_slice = slice(int(columns.min()), int(columns.max()) + 1)
         x = self.origin[0] + (np.arange(column_slice.start, column_slice.stop) + 0.5) * self.resolution
-        y = self.origin[1] + (np.arange(row_slice.start, row_slice.stop) + 0.5) * self.resolution
-        return np.stack(np.meshgrid(x, y), axis=-1), row_slice, column_slice
+        first, end, height = int(rows.min()), int(rows.max()) + 1, max(1, CELLS_AT_ONCE // len(x))
+        for row in range(first, end, height):
+            row_slice = slice(row, min(row + height, end))
+            y = self.origin[1] + (np.arange(row_slice.start, row_slice.stop) + 0.5) * self.resolution
+            yield np.stack(np.meshgrid(x, y), axis=-1), row_slice, column_slice
 
     def draw_bitmap(self, obstacle: Obstacle, bitmap: Path) -> None:
         pixels = load_bitmap(bitmap)
@@ -72,25 +64,25 @@ class _Canvas:
         rotation = np.array([[cosine, -sine], [sine, cosine]])
         half = np.array(obstacle.size) / 2.0
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half @ rotation.T + obstacle.pose[:2]
-        centres, row_slice, column_slice = self._centres(corners)
-        local = ((centres - obstacle.pose[:2]) @ rotation + half) / scale
-        index = np.floor(local + 1e-6).astype(np.int64)
-        inside = ((index >= 0) & (index < [columns, rows])).all(axis=-1)
-        index = np.clip(index, 0, [columns - 1, rows - 1])
-        self.cells[row_slice, column_slice] |= (inside & pixels[index[..., 1], index[..., 0]]).astype(np.uint8)
+        for centres, row_slice, column_slice in self._centres(corners):
+            local = ((centres - obstacle.pose[:2]) @ rotation + half) / scale
+            index = np.floor(local + 1e-6).astype(np.int64)
+            inside = ((index >= 0) & (index < [columns, rows])).all(axis=-1)
+            index = np.clip(index, 0, [columns - 1, rows - 1])
+            self.cells[row_slice, column_slice] |= (inside & pixels[index[..., 1], index[..., 0]]).astype(np.uint8)
         if scale.min() < self.resolution:
             occupied = np.argwhere(pixels)[:, ::-1] + 0.5
             self.cells[self._cells_at((occupied * scale - half) @ rotation.T + obstacle.pose[:2])] = 1
 
     def draw_polygon(self, corners: np.ndarray) -> None:
-        centres, row_slice, column_slice = self._centres(corners)
-        inside = np.zeros(centres.shape[:2], dtype=bool)
-        x, y = centres[..., 0], centres[..., 1]
-        for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-            if a[1] != b[1]:
-                crossing = (a[1] > y) != (b[1] > y)
-                inside ^= crossing & (x < (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]) + a[0])
-        self.cells[row_slice, column_slice] |= inside.astype(np.uint8)
+        for centres, row_slice, column_slice in self._centres(corners):
+            inside = np.zeros(centres.shape[:2], dtype=bool)
+            x, y = centres[..., 0], centres[..., 1]
+            for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+                if a[1] != b[1]:
+                    crossing = (a[1] > y) != (b[1] > y)
+                    inside ^= crossing & (x < (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]) + a[0])
+            self.cells[row_slice, column_slice] |= inside.astype(np.uint8)
 
     def draw_outline(self, corners: np.ndarray) -> None:
         for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
@@ -127,7 +119,7 @@ def write_image(grid: Grid, path: str | Path) -> None:
 
 def rasterise(obstacles: Sequence[Obstacle], resolution: float) -> Grid:
     """Raster of the given obstacles at `resolution` metres. Raises WorldFileError for a bitmap without use."""
-    canvas = _Canvas(_bounds(obstacles), resolution)
+    canvas = _Canvas(bounds_of(obstacles), resolution)
     for obstacle in obstacles:
         if obstacle.bitmap is not None:
             canvas.draw_bitmap(obstacle, obstacle.bitmap)

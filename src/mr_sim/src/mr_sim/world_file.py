@@ -127,6 +127,16 @@ def _on_stage_path(name: str) -> Path | None:
     return next((path for path in found if path.is_file()), None)
 
 
+def _decoded(octets: bytes) -> str:
+    """Stage takes any octets in comments and texts, as old files have them. Raises OSError for what is no text."""
+    if b"\0" in octets:
+        raise OSError(0, "it is no text")
+    try:
+        return octets.decode("utf-8").replace("\r\n", "\n")
+    except UnicodeDecodeError:
+        return octets.decode("latin-1").replace("\r\n", "\n")
+
+
 class _Parser:
     """Recursive descent over one world file and the files it includes."""
 
@@ -147,11 +157,11 @@ class _Parser:
         if len(self._open_files) >= MAX_INCLUDE_DEPTH:
             raise WorldFileError(where, f"includes are nested deeper than {MAX_INCLUDE_DEPTH} files")
         try:
-            text = path.read_text(encoding="utf-8")
+            text = _decoded(path.read_bytes())
         except FileNotFoundError:
             raise WorldFileError(where, f'no such file: "{path}"') from None
-        except (OSError, UnicodeDecodeError) as error:
-            raise WorldFileError(where, f'cannot read "{path}": {getattr(error, "strerror", None) or error}') from None
+        except OSError as error:
+            raise WorldFileError(where, f'cannot read "{path}": {error.strerror}') from None
         self._open_files.append(resolved)
         tokens = list(_tokens(text, str(path)))
         end = self._statements(tokens, 0, into, path)

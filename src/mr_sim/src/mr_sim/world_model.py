@@ -4,13 +4,14 @@ SI units throughout: metres, radians (the files say degrees), seconds (the files
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mr_grid import IDENTITY, Pose
 from mr_sim.bodies import Polygon, bitmap_of, moved, part_polygons, polygons_of, size_of
 from mr_sim.world_file import Block, WorldFile, WorldFileError, parse_world_file
-from mr_sim.world_reader import Context, PassedOver, Reader, units_of
+from mr_sim.world_reader import Context, PassedOver, Reader, refuse_misspelling, units_of
 from mr_sim.world_words import (
     GRIPPER_WORDS,
     MODEL_WORDS,
@@ -22,6 +23,7 @@ from mr_sim.world_words import (
     WORLD_WORDS,
 )
 
+MAX_CELLS = 100_000_000  # of a world
 MAX_SAMPLES = 20_000  # beams of a ranger: a sweep must fit into one packet of the world socket
 MAX_RANGERS = 255  # sensors of a robot: the world socket numbers them by a byte
 DRIVES = ("diff", "omni")
@@ -109,6 +111,17 @@ class WorldDescription:
     warning: str = ""  # one line: what the file says without effect here
 
 
+def bounds_of(obstacles: Sequence[Obstacle]) -> tuple[float, float, float, float]:
+    """Least x and y, greatest x and y in m."""
+    points: list[tuple[float, float]] = [(0.0, 0.0)] if not obstacles else []
+    for obstacle in obstacles:
+        half_x, half_y = obstacle.size[0] / 2.0, obstacle.size[1] / 2.0
+        for corner in ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)):
+            points.append(obstacle.pose.apply_point(*corner))
+    xs, ys = [p[0] for p in points], [p[1] for p in points]
+    return min(xs), min(ys), max(xs), max(ys)
+
+
 class _Builder:
     """Walks the tree and collects obstacles and robots."""
 
@@ -135,6 +148,8 @@ class _Builder:
             self._context.passed_over.models.add(block.kind)
             known = words | (GRIPPER_WORDS if block.kind == "gripper" else frozenset())
             # What else such a model says is passed over with it.
+            for word, entry in block.properties.items():
+                refuse_misspelling(word, entry, block, known)
             properties = {word: entry for word, entry in block.properties.items() if word in known}
             block = Block(block.kind, block.word, block.place, properties, block.children)
             return Reader(block, known, self._context)
@@ -147,7 +162,9 @@ class _Builder:
         pose = parent.compose(reader.pose())
         bitmap = bitmap_of(reader, self._world)
         polygons = () if bitmap else polygons_of(reader)
-        boundary = reader.flag("boundary", False)
+        if bitmap and any(child.kind == "block" for child in block.children):
+            self._context.passed_over.models.add("block beside a bitmap")
+        boundary = reader.flag("boundary", False) and 0.0 not in size_of(reader)
         if bitmap or polygons or boundary:
             self.obstacles.append(
                 Obstacle(
@@ -168,8 +185,8 @@ class _Builder:
         reader = Reader(block, POSITION_WORDS, self._context)
         drive = reader.text("drive", "diff", DRIVES)
         localization = reader.text("localization", "gps", ("gps", "odom"))
-        name = reader.text("name", f"robot_{len(self.robots)}")
-        if any(robot.name == name for robot in self.robots):
+        name, unnamed = reader.text("name", ""), f"robot_{len(self.robots)}"
+        if name and any(robot.name == name for robot in self.robots):
             raise reader.fail("name", f'"{name}" is used by two robots')
         start = parent.compose(reader.pose())
         quarter = math.pi / 2.0
@@ -180,7 +197,8 @@ class _Builder:
         rangers = self._rangers(block)
         if not rangers and any(child.kind == "camera" for child in block.children):
             raise WorldFileError(
-                block.place, f'a camera is the only sensor of "{name}", and it is not simulated: add a ranger'
+                block.place,
+                f'a camera is the only sensor of "{name or unnamed}", and it is not simulated: add a ranger',
             )
         footprint = (*moved(part_polygons(reader, self._world), reader.origin()), *self._parts(block, IDENTITY))
         self.robots.append(
@@ -212,7 +230,9 @@ class _Builder:
             elif child.kind not in ("block", "sensor"):
                 reader = self._reader(child, PART_WORDS)
                 here = pose.compose(reader.pose())
-                if reader.flag("obstacle_return", True):
+                if not reader.flag("obstacle_return", True):
+                    self._context.passed_over.models.add("part of a robot with obstacle_return 0")
+                else:
                     polygons.extend(moved(part_polygons(reader, self._world), here.compose(reader.origin())))
                 if any(inner.kind in ("ranger", "laser") for inner in child.children):
                     self._context.passed_over.models.add("ranger that is not mounted on the robot itself")
@@ -235,7 +255,7 @@ def _sensors(block: Block, context: Context) -> list[RangerDescription]:
     reader = Reader(block, RANGER_WORDS, context)
     sensors = [child for child in block.children if child.kind == "sensor"]
     if not sensors:
-        return _ring(reader) if reader.has("scount") else [_sensor(reader, reader, reader.pose())]
+        return _ring(reader) if reader.has("scount") else [_sensor(reader, reader, _mount(reader))]
     context.passed_over.words.update(
         word for word in ("range", "range_min", "range_max", "fov", "samples", "scount") if reader.has(word)
     )
@@ -244,8 +264,12 @@ def _sensors(block: Block, context: Context) -> list[RangerDescription]:
         for child in sensor.children:
             raise WorldFileError(child.place, f'"{child.word}" inside a sensor is not supported')
         inner = Reader(sensor, SENSOR_WORDS, context)
-        found.append(_sensor(inner, reader, reader.pose().compose(inner.pose())))
+        found.append(_sensor(inner, reader, _mount(reader).compose(inner.pose())))
     return found
+
+
+def _mount(ranger: Reader) -> Pose:
+    return ranger.pose().compose(ranger.origin())
 
 
 def _ring(ranger: Reader) -> list[RangerDescription]:
@@ -255,7 +279,7 @@ def _ring(ranger: Reader) -> list[RangerDescription]:
         raise ranger.fail("scount", f"must be a whole number up to {MAX_RANGERS}, not {count:g}")
     nearest, farthest, view = ranger.numbers("sview", (*SONAR_RANGE, math.pi / count), "lla")
     poses = [ranger.numbers(f"spose[{index}]", (0.0, 0.0, 0.0), "lla") for index in range(int(count))]
-    return [_description(ranger, ranger, ranger.pose().compose(Pose(x, y, yaw)), "sview", (nearest, farthest), view, 1)
+    return [_description(ranger, ranger, _mount(ranger).compose(Pose(x, y, yaw)), "sview", (nearest, farthest), view, 1)
             for x, y, yaw in poses]  # fmt: skip
 
 
@@ -278,7 +302,7 @@ def _description(
     if limits[0] < 0.0 or limits[1] <= limits[0]:
         bounds = f"{limits[0]:g} to {limits[1]:g}"
         raise reader.fail(range_word, f"must go from a minimum >= 0 to a larger maximum, not {bounds}")
-    if not 0.0 < view <= 2.0 * math.pi + 1e-9:
+    if not (0.0 < view <= 2.0 * math.pi + 1e-9 or (view == 0.0 and samples == 1)):
         raise reader.fail("fov", f"must be above 0 and at most 360 degrees, not {math.degrees(view):g}")
     noisy = reader if reader.has("noise") else ranger
     noise = noisy.numbers("noise", (0.0, 0.0, 0.0), "lfa")
@@ -309,13 +333,41 @@ def load_world(path: str | Path) -> WorldDescription:
     for block in file.root.children:
         builder.add(block, IDENTITY)
     quit_time = reader.number("quit_time", 0.0, minimum=0.0)
+    resolution = reader.number("resolution", 0.02, above=0.0)
+    fitting = _fitting_resolution(builder.obstacles, resolution)
+    if fitting > resolution:
+        place = file.root.properties["resolution"].place if reader.has("resolution") else file.root.place
+        passed_over.remarks.append(f"{place}: resolution {resolution:g} makes too many cells, {fitting:g} is used")
     return WorldDescription(
         path=Path(path),
-        resolution=reader.number("resolution", 0.02, above=0.0),
+        resolution=fitting,
         interval=reader.interval("interval_sim", 100.0),
         speedup=reader.number("speedup", 1.0),
         quit_time=quit_time or None,
         obstacles=tuple(builder.obstacles),
-        robots=tuple(builder.robots),
+        robots=_named(builder.robots),
         warning=passed_over.text(),
     )
+
+
+def _named(robots: Sequence[RobotDescription]) -> tuple[RobotDescription, ...]:
+    """Those without a name by their place in the file, or the next one that is free."""
+    taken, named = {robot.name for robot in robots}, []
+    for index, robot in enumerate(robots):
+        number = index
+        while not robot.name and f"robot_{number}" in taken:
+            number += 1
+        named.append(robot if robot.name else replace(robot, name=f"robot_{number}"))
+        taken.add(named[-1].name)
+    return tuple(named)
+
+
+def _fitting_resolution(obstacles: Sequence[Obstacle], resolution: float) -> float:
+    """m; a coarser one where the world would have more than MAX_CELLS, in tenths of its order of magnitude."""
+    left, low, right, high = bounds_of(obstacles)
+    area = (right - left) * (high - low)
+    if not math.isfinite(area) or area <= 0.8 * MAX_CELLS * resolution**2:
+        return resolution
+    least = math.sqrt(area / (0.8 * MAX_CELLS))
+    unit = 10.0 ** (math.floor(math.log10(least)) - 1)
+    return round(math.ceil(least / unit) * unit, 9)

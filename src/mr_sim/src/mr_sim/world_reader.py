@@ -1,7 +1,7 @@
 """Typed access to the words of a world file's blocks, in SI units, and what of them has no effect."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from mr_grid import Pose
@@ -66,11 +66,7 @@ class Reader:
         if stem in KNOWN_WORDS:
             self.context.passed_over.words.add(stem)
             return
-        meant = nearest(stem, words_of(self.block.kind))
-        if meant:
-            raise WorldFileError(
-                entry.place, f'unknown word "{stem}" in "{self.block.word}", did you mean "{meant}"?'
-            )  # fmt: skip
+        refuse_misspelling(stem, entry, self.block, words_of(self.block.kind))
         self.context.passed_over.unknown.setdefault(stem, entry.place)
 
     def _entry(self, word: str) -> Property | None:
@@ -138,8 +134,8 @@ class Reader:
     def size(self, default: tuple[float, float]) -> tuple[float, float]:
         """Length and width in m; heights do not matter and may be missing."""
         x, y = self.numbers("size", default, "ll")
-        if x <= 0.0 or y <= 0.0:
-            raise self.fail("size", "must be positive")
+        if x < 0.0 or y < 0.0:
+            raise self.fail("size", "must not be negative")
         return x, y
 
     def visible(self) -> bool:
@@ -152,6 +148,14 @@ class Reader:
         if not SHORTEST <= value <= LONGEST:
             raise self.fail(word, f"must be from {SHORTEST:g} to {LONGEST:g} ms, not {value:g}")
         return value / 1000.0
+
+
+def refuse_misspelling(word: str, entry: Property, block: Block, words: Iterable[str]) -> None:
+    """Raises WorldFileError for a word that nobody knows and that looks like one of `words`."""
+    stem = stem_of(word)
+    meant = "" if stem in KNOWN_WORDS else nearest(stem, words)
+    if meant:
+        raise WorldFileError(entry.place, f'unknown word "{stem}" in "{block.word}", did you mean "{meant}"?')
 
 
 def units_of(root: Block) -> tuple[float, float]:

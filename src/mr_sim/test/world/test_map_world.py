@@ -115,6 +115,11 @@ def test_other_contents_have_another_name(write_map):
     assert map_world_files(write_map()).stem in names
 
 
+@pytest.mark.parametrize("resolution", ["5e-2", "1e-1"])
+def test_numbers_that_yaml_takes_for_text_are_numbers(write_map, resolution):
+    map_world_files(write_map(resolution=resolution))
+
+
 def test_map_gives_no_warning(write_map, tmp_path):
     path = write_map()
     assert warning_of(str(path), load(path, tmp_path)) == ""

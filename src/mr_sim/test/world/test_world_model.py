@@ -158,11 +158,12 @@ def test_boundary_makes_a_wall_around(load):
         ("interval_sim 1e-300", '"interval_sim" must be from 0.01'),
         ("model ( " * 3000 + ")" * 3000, "blocks are nested deeper than 64"),
         ('position ( name "a" ) position ( name "a" )', '"a" is used by two robots'),
-        ('position ( name "robot_1" ) position ( )', '"robot_1" is used by two robots'),
         ("position ( position ( ) )", '"position" inside a position model'),
         ('model ( bitmap "none.png" )', "does not exist"),
         ('model ( bitmap "" )', "needs a file name"),
-        ("model ( size [ 1 0 1 ] )", "must be positive"),
+        ("model ( size [ 1 -1 1 ] )", "must not be negative"),
+        ("position ( gripper ( padle_size [ 0.5 0.1 ] ) )", 'did you mean "paddle_size"?'),
+        ("position ( ranger ( ) camera ( orign [ 1 0 0 0 ] ) )", 'did you mean "origin"?'),
         ("model ( size 1 )", "needs 2 numbers"),
         ("sensor ( )", "cannot stand here"),
         ("block ( )", "cannot stand here"),
@@ -191,9 +192,61 @@ def test_faults_name_place_and_word(load, text, message):
     assert "\n" not in str(caught.value)
 
 
+def test_robots_without_a_name_have_none_that_is_taken(load):
+    """Stage names them by type and number; a name of the file was called doubled that stood there once."""
+    world = load('position ( name "robot_1" ) position ( ) position ( name "robot_0" ) position ( )')
+    assert [robot.name for robot in world.robots] == ["robot_1", "robot_2", "robot_0", "robot_3"]
+
+
+def test_a_world_of_too_many_cells_is_drawn_coarser_and_says_so(load):
+    """Stage's own SFU.world and large.world have more than can be held here, and did not load."""
+    world = load("resolution 0.02\nmodel ( size [ 1200 600 1 ] boundary 1 noblocks 1 )")
+    assert world.resolution == pytest.approx(0.095) and "test.world:1: resolution 0.02 makes too many" in world.warning
+    assert world.warning.endswith("0.095 is used")
+    assert rasterise(world.obstacles, world.resolution).cells.size < 100_000_000
+
+
+TRIANGLE = "block ( points 3 point[0] [ 0 0 ] point[1] [ 1 0 ] point[2] [ 0 1 ] )"
+
+
+@pytest.mark.parametrize("text", ["", "boundary 1", TRIANGLE])
+def test_what_has_no_size_has_no_body(load, text):
+    """As Stage's blobfinder, and models that only hold others."""
+    assert load(f"model ( size [ 0 0 0 ] {text} )").obstacles == ()
+    assert load(f"position ( size [ 0 0 0 ] {text} )").robots[0].footprint == ()
+
+
+def test_a_rangers_own_origin_moves_its_beams(load):
+    ranger = load("position ( ranger ( pose [ 0.1 0 0 90 ] origin [ 0.5 0 0 0 ] sensor ( fov 0 samples 1 ) ) )")
+    assert ranger.robots[0].rangers[0].mount == pytest.approx((0.1, 0.5, math.pi / 2))
+
+
+def test_of_a_coloured_picture_stage_looks_at_red(load, image):
+    red = np.zeros((4, 4, 3), dtype=np.uint8)
+    red[..., 2], red[0, 0] = 255, 0  # blue first
+    red[3, 3] = (255, 255, 0)
+    image("red.png", red)
+    assert load_bitmap(load('model ( bitmap "red.png" )').obstacles[0].bitmap).sum() == 2
+
+
+def test_a_comment_of_an_old_file_may_be_of_any_octets(tmp_path):
+    path = tmp_path / "old.world"
+    path.write_bytes(b"# Jos\xe9\nposition ( )\n")
+    assert len(load_world(path).robots) == 1
+
+
+def test_what_a_robots_part_or_picture_has_without_effect_is_told(load, image):
+    image("black.png", np.zeros((3, 3), dtype=np.uint8))
+    assert "part of a robot with obstacle_return 0" in load("position ( model ( obstacle_return 0 ) )").warning
+    assert "block beside a bitmap" in load(f'model ( bitmap "black.png" {TRIANGLE} )').warning
+
+
 def test_unusable_bitmaps(load, image, tmp_path):
     (tmp_path / "text.png").write_text("no image")
-    with pytest.raises(WorldFileError, match=r"text\.png: is not an image"):
+    (tmp_path / "huge.pgm").write_bytes(b"P5 100000 100000 255\n")
+    with pytest.raises(WorldFileError, match=r"huge\.pgm: is no image that can be read, or too large a one"):
+        rasterise(load('model ( bitmap "huge.pgm" )').obstacles, 0.1)
+    with pytest.raises(WorldFileError, match=r"text\.png: is no image"):
         rasterise(load('model ( bitmap "text.png" )').obstacles, 0.1)
     image("white.png", np.full((3, 3), 255, dtype=np.uint8))
     with pytest.raises(WorldFileError, match=r"white\.png: has no dark pixel"):
