@@ -141,6 +141,15 @@ def test_odometry_out_of_order_is_passed_over() -> None:
     assert list(history._times) == [2.0]
 
 
+def test_odometry_of_another_world_after_the_clock_was_set_back_makes_no_map_of_that_size() -> None:
+    """It was believed without a look, and the map from here to there did not fit into memory."""
+    history = OdometryHistory()
+    history.add(100.0, Pose(3.0, 0.0, 0.0))
+    assert not history.add(1.0, Pose(1e9, 0.0, 0.0))
+    assert history.newest() == (1.0, pytest.approx(Pose(3.0, 0.0, 0.0)))
+    assert history.add(1.1, Pose(1e9, 0.0, 0.0)) and history.add(0.0, Pose(1e9 + 20.0, 0.0, 0.0))
+
+
 def test_a_driver_of_the_wheels_that_begins_anew_moves_no_robot(node: SlamNode, said: List[str]) -> None:
     for step in range(40):
         node._on_odometry(odometry(1000.0 + 0.05 * step, 0.02 * step))

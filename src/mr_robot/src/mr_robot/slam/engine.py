@@ -21,6 +21,7 @@ LEAST_ODOMETRY, MOST_ODOMETRY = 100, 4000  # messages whatever their rate
 OUT_OF_ORDER = 1.0  # s by which a message may come too late; one that is older yet is of a clock that was set back
 FASTEST, FASTEST_TURN = 5.0, 10.0  # m/s, rad/s: odometry that says more has jumped
 SHORTEST_STEP, LONGEST_STEP = 0.1, 1.0  # s that a step counts at least, for stamps jitter, and at most
+ELSEWHERE = 1000.0  # m from the last pose that no robot is when the clock was set back
 BEGUN_ANEW = 0.05  # m or rad to exactly 0, from which on it is the driver that begins
 MAP_UPDATE_INTERVAL = 2.0  # s between maps that are handed out
 
@@ -92,20 +93,25 @@ class OdometryHistory:
         finite."""
         if not np.isfinite((time, *pose)).all():
             raise SlamError("odometry is not finite: mend its driver")
+        last = self._poses[-1] if self._poses else None
         if self._times and time <= self._times[-1]:
             if time >= self._times[-1] - OUT_OF_ORDER:
                 return True
             self._times.clear()
             self._poses.clear()
-        follows = not self._times or self._follows(time, pose)
-        if not follows:
-            self.offset = self._poses[-1].compose(pose.inverse())
+        follows = self._follows(time, pose) if self._times else last is None or self._is_near(last, pose)
+        if last is not None and not follows:
+            self.offset = last.compose(pose.inverse())
         self._times.append(time)
         self._poses.append(self.offset.compose(pose))
         while len(self._times) > LEAST_ODOMETRY and time - self._times[0] > ODOMETRY_TIME:
             self._times.popleft()
             self._poses.popleft()
         return follows
+
+    def _is_near(self, last: Pose, pose: Pose) -> bool:
+        """Whether the driver's `pose` is no other place altogether, however long it took to get there."""
+        return math.dist(self.offset.compose(pose)[:2], last[:2]) < ELSEWHERE
 
     def _follows(self, time: float, pose: Pose) -> bool:
         motion = self.offset.inverse().compose(self._poses[-1]).between(pose)
