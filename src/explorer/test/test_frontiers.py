@@ -9,7 +9,7 @@ from conftest import drawn, map_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from explorer.foreign import MAXIMUM_ROBOTS, Element, ForeignFrontiers, rigid_transform
+from explorer.foreign import REMEMBERED_ROBOTS, Element, ForeignFrontiers, rigid_transform
 from explorer.frontier_map import frontier_cells
 from explorer.frontiers import THINNING_DISTANCE, FrontierStore, thin
 
@@ -139,8 +139,8 @@ def test_what_is_near_is_told_from_the_points_that_are_there_now(changes: List[T
 
 def test_any_number_of_robots_takes_bounded_memory() -> None:
     foreign = ForeignFrontiers()
-    for number in range(MAXIMUM_ROBOTS + 50):
+    for number in range(REMEMBERED_ROBOTS + 50):
         foreign.take_mission(f"robot_{number}", 1)
         foreign.add(Element(f"robot_{number}", 0, 1.0, 1.0))
-    assert len(foreign._missions) == len(foreign.robots()) == foreign.count() == MAXIMUM_ROBOTS
+    assert len(foreign._missions) == len(foreign.robots()) == foreign.count() == REMEMBERED_ROBOTS
     assert foreign.robots()[-1] == "robot_99"

@@ -19,7 +19,7 @@ from mr_experiments.sweep import dask_cluster as cluster_module
 from mr_experiments.sweep import trial_process
 from mr_experiments.sweep.dask_cluster import ClusterLostError, DaskCluster
 from mr_experiments.sweep.run_command import LOST, main
-from mr_experiments.sweep.sweep import Done, LocalPool, split_done
+from mr_experiments.sweep.sweep import Done, LocalPool, remove_failed, split_done
 from mr_experiments.sweep.trial_process import failed_record, record_path
 from mr_experiments.trial.trial import Trial, TrialError
 from mr_measures.record.files import document_of, read_record, write_record
@@ -115,7 +115,7 @@ def test_what_another_sweep_has_recorded_meanwhile_stays(tmp_path):
     ):
         written = {f"robot_{number}": robot for number, robot in enumerate(robots)}
         write_record(MissionRecord(Asked(TRIALS[0].to_json()), outcome, robots=written), path)
-        LocalPool._clear(path)
+        remove_failed(path)
         assert path.exists() == stays
 
 

@@ -12,7 +12,7 @@ from mr_grid import is_place
 MAXIMUM_POINTS = 4000
 
 # Robots whose points and mission are remembered, those that came last.
-MAXIMUM_ROBOTS = 200
+REMEMBERED_ROBOTS = 200
 
 Key = Tuple[str, int]
 
@@ -54,7 +54,7 @@ class ForeignFrontiers:
         points[element.number] = (element.x, element.y)
         if len(points) > self._maximum:
             del points[next(iter(points))]
-        if len(self._points) > MAXIMUM_ROBOTS:
+        if len(self._points) > REMEMBERED_ROBOTS:
             first = next(iter(self._points))
             del self._points[first]
             self._changed(first)
@@ -67,7 +67,7 @@ class ForeignFrontiers:
             self._changed(robot)
         self._missions.pop(robot, None)
         self._missions[robot] = mission
-        if len(self._missions) > MAXIMUM_ROBOTS:
+        if len(self._missions) > REMEMBERED_ROBOTS:
             del self._missions[next(iter(self._missions))]
 
     def remove(self, key: Key) -> None:

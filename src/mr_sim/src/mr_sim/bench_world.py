@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from mr_sim.world import World
-from mr_sim.world_model import WorldDescription, load_world
+from mr_sim.world_description import WorldDescription
+from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
 
 # What Stage reached through stageros on a 2-core machine, by number of robots.

@@ -13,7 +13,8 @@ from mr_robot.navigation.engine import Command, Navigator, Status
 from mr_robot.navigation.options import NavigationOptions, make_scan
 from mr_robot.slam.engine import LaserScan, Slam
 from mr_sim.world import World
-from mr_sim.world_model import WorldDescription, load_world
+from mr_sim.world_description import WorldDescription
+from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
 
 MAP_PERIOD = 2.0  # s between maps handed to navigation

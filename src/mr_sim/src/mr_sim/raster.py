@@ -9,7 +9,7 @@ import numpy as np
 
 from mr_sim.bitmap import load_bitmap
 from mr_sim.bodies import Polygon
-from mr_sim.world_model import MAX_CELLS, Obstacle, bounds_of
+from mr_sim.world_description import MAX_CELLS, Obstacle, bounds_of
 
 CELLS_AT_ONCE = 1_000_000  # that are drawn: bounds memory
 

@@ -3,7 +3,7 @@
 import math
 
 from mr_robot.platforms.platform import Drive, Footprint, Mount, Platform, PlatformError, RangeSensor, Topics
-from mr_sim.world_model import RangerDescription, RobotDescription
+from mr_sim.world_description import RangerDescription, RobotDescription
 
 
 def platform_of(robot: RobotDescription) -> Platform:

@@ -9,7 +9,7 @@ from mr_measures.true_world import TrueRobot, TrueWorld
 from mr_sim import _world
 from mr_sim.raster import Grid
 from mr_sim.world import World
-from mr_sim.world_model import RobotDescription
+from mr_sim.world_description import RobotDescription
 
 
 def true_world_of(world: World) -> TrueWorld:

@@ -14,7 +14,7 @@ import numpy as np
 from mr_grid import Pose
 from mr_sim import _world
 from mr_sim.raster import Grid, closed_plan, rasterise
-from mr_sim.world_model import Obstacle, RobotDescription, WorldDescription
+from mr_sim.world_description import Obstacle, RobotDescription, WorldDescription
 
 COMMAND_TIMEOUT = 0.5  # s of simulated time without a fresh command after which a robot stops
 

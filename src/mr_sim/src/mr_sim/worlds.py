@@ -14,8 +14,8 @@ from mr_measures.reference import reference_path
 from mr_plans.names import FORM, is_generated, parse_name
 from mr_plans.world_files import WorldFiles, world_files
 from mr_sim.map_world import is_map, map_world_files
+from mr_sim.world_description import WorldDescription
 from mr_sim.world_folders import world_folders
-from mr_sim.world_model import WorldDescription
 from mr_sim.world_words import nearest
 
 GENERATED = Path("out/worlds")

@@ -13,7 +13,8 @@ from mr_sim.nuisance.merged import MergedMap
 from mr_sim.nuisance.reach import Reach
 from mr_sim.nuisance.runs import MODEL_WORLD, GoalRun, SceneRun, run_seed
 from mr_sim.nuisance.scenes import KINDS, STANDING_ROOM, draw
-from mr_sim.world_model import Obstacle, WorldDescription, load_world
+from mr_sim.world_description import Obstacle, WorldDescription
+from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
 
 ROBOT = load_world(find_world(MODEL_WORLD)).robots[0]

@@ -12,7 +12,7 @@ from mr_grid import OccupancyGrid, Pose
 from mr_robot.navigation.engine import Navigator, Status
 from mr_robot.navigation.options import NavigationError, NavigationOptions, make_scan
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, LaserScan, Slam, SlamOptions
-from mr_sim.world_model import RangerDescription
+from mr_sim.world_description import RangerDescription
 
 GoalEnd = Callable[[int, bool, str], None]
 """Number of a goal, whether it was reached, and why not."""

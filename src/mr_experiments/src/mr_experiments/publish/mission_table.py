@@ -9,10 +9,10 @@ import numpy as np
 from mr_experiments.bench.bench_explore import BEST, NEAREST
 from mr_experiments.bench.explore_missions import MissionRow, row_of
 from mr_experiments.common.statistics import mean_interval
-from mr_measures.record.mission_record import MissionRecord
+from mr_measures.record.mission_record import BIAS, MissionRecord
 
 KEYS = ("world", "scenario", "odometry", "strategy", "robots")
-DEFAULTS = {"odometry": "bias"}  # of records that do not name it
+DEFAULTS = {"odometry": BIAS}  # of records that do not name it
 WRONG_WALLS = 0.005  # share from which a map counts as one with walls out of place
 
 Row = dict[str, Any]

@@ -13,7 +13,7 @@ from mr_experiments.bench.explore_missions import read_rows
 from mr_experiments.common.command_line import BAD_CALL, CallError, Parser
 from mr_experiments.publish.mission_table import mission_rows, world_rows
 from mr_experiments.publish.published import PublishError, render
-from mr_experiments.report.record_set import load_records, refuse_doubles
+from mr_experiments.report.record_set import is_record, load_records, refuse_doubles
 from mr_experiments.report.stack_missions import is_of_stack
 from mr_measures.record.files import RecordError, read_record
 from mr_measures.record.mission_record import MissionRecord
@@ -121,7 +121,7 @@ def _records(folder: Path) -> list[tuple[Path, MissionRecord]]:
             raise RecordError(f"nothing is known of {', '.join(found.lost)}: no row can count them; remove them")
         return [(folder.resolve() / str(number), record) for number, record in enumerate(found.records)]
     documents = {path: _json(path) for path in sorted(folder.glob("*.json"))}
-    others = [path for path, each in documents.items() if not (isinstance(each, dict) and "trial" in each)]
+    others = [path for path, each in documents.items() if not is_record(each)]
     if others:
         print(f"publish: no records of missions, passed over: {', '.join(map(str, others))}", file=sys.stderr)
     return [(path.resolve(), read_record(path)) for path in documents if path not in others]

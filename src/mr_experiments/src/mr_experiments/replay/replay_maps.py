@@ -25,9 +25,11 @@ from mr_experiments.replay.replay_data import ReplayError
 from mr_grid import IDENTITY, Pose
 from mr_measures.map_picture import Picture as StoredPicture
 from mr_sim import _world
+from mr_sim.bodies import Polygon
 from mr_sim.raster import Grid, rasterise
+from mr_sim.world_description import RobotDescription
 from mr_sim.world_file import WorldFileError
-from mr_sim.world_model import Polygon, RobotDescription, load_world
+from mr_sim.world_model import load_world
 from mr_sim.worlds import WorldNotFoundError, find_world
 
 OCCUPIED, UNKNOWN, FREE = 0, 128, 255  # classes of a cell, as gray values

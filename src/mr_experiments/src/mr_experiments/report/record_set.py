@@ -148,7 +148,7 @@ def load_records(folder: str | Path) -> RecordSet:
 
 def refuse_both_kinds(folder: Path) -> None:
     """Of a folder with missions of the ROS stack below it. Raises RecordError if it holds others as well."""
-    others = [path for path in sorted(folder.glob("*.json")) if path.name != STACK_RECORD and _is_record(path)]
+    others = [path for path in sorted(folder.glob("*.json")) if path.name != STACK_RECORD and _holds_record(path)]
     if others:
         raise RecordError(
             f"{folder} holds records of trials, as {others[0].name}, and missions of the ROS stack below it: they do "
@@ -156,11 +156,16 @@ def refuse_both_kinds(folder: Path) -> None:
         )
 
 
-def _is_record(path: Path) -> bool:
+def _holds_record(path: Path) -> bool:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return False
+    return is_record(document)
+
+
+def is_record(document: Any) -> bool:
+    """Whether a JSON document is meant for the record of a mission."""
     return isinstance(document, Mapping) and "trial" in document
 
 

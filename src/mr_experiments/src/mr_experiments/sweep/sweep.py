@@ -145,7 +145,7 @@ class LocalPool:
                 entry.process.join()
 
     def _begin(self, trial: Trial, folder: Path) -> _Running:
-        self._clear(record_path(folder, trial))
+        remove_failed(record_path(folder, trial))
         with contextlib.suppress(Exception):  # the trial itself says what is wrong with its world
             truth_for(trial, world_of(trial))
         crash = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
@@ -154,13 +154,6 @@ class LocalPool:
         process = self._context.Process(target=run_as_child, args=arguments, daemon=True)
         process.start()
         return _Running(process, trial, crash, clock)
-
-    @staticmethod
-    def _clear(path: Path) -> None:
-        """Of a failed trial that is done again. What another run has recorded meanwhile stays until it is replaced."""
-        with contextlib.suppress(OSError, RecordError):
-            if read_record(path).failed:
-                path.unlink()
 
     def _end(self, entry: _Running, folder: Path) -> Done:
         entry.process.join()
@@ -176,6 +169,14 @@ class LocalPool:
         entry.crash.close()
         entry.clock.close()
         return Done.of(entry.trial, read_record(path))
+
+
+def remove_failed(path: Path) -> None:
+    """The record of a failed trial that is done again. What another run has recorded meanwhile stays until it is
+    replaced."""
+    with contextlib.suppress(OSError, RecordError):
+        if read_record(path).failed:
+            path.unlink()
 
 
 def default_jobs() -> int:

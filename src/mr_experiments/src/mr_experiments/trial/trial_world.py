@@ -9,8 +9,9 @@ from mr_robot.platforms.platform import Platform, PlatformError
 from mr_sim import worlds
 from mr_sim.simulated_platform import platform_of
 from mr_sim.world import World, WorldError
+from mr_sim.world_description import RobotDescription, WorldDescription
 from mr_sim.world_file import WorldFileError
-from mr_sim.world_model import RobotDescription, WorldDescription, load_world
+from mr_sim.world_model import load_world
 from mr_sim.worlds import WorldNotFoundError, find_world
 
 

@@ -157,11 +157,10 @@ class MoveBaseNode:
 
     def _on_timer(self, _: rospy.timer.TimerEvent) -> None:
         with self._lock:
-            self._take_requests()
-            if not self._server.is_active() and not self._moving:
-                return
             try:
-                self._control(rospy.get_time())
+                self._take_requests()
+                if self._server.is_active() or self._moving:
+                    self._control(rospy.get_time())
             except Exception as error:
                 # It would end the timer's thread, and with it all control of a robot that may be driving.
                 rospy.logerr(f"navigation failed, the robot stops: {traceback.format_exc()}")

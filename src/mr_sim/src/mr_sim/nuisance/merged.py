@@ -4,7 +4,7 @@ import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
 from mr_sim.raster import rasterise
-from mr_sim.world_model import WorldDescription
+from mr_sim.world_description import WorldDescription
 
 BORDER = 1.0  # m around the scene
 

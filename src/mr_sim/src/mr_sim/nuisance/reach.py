@@ -11,8 +11,9 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from mr_grid import Pose
+from mr_sim.bodies import Polygon
 from mr_sim.raster import Grid, rasterise
-from mr_sim.world_model import Polygon, WorldDescription
+from mr_sim.world_description import WorldDescription
 
 CELL = 0.06  # m of the lattice, a multiple of the resolution of a world
 MARGIN = 0.01  # m around the footprint

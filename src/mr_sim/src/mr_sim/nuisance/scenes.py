@@ -10,7 +10,7 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_sim.nuisance.reach import Reach
-from mr_sim.world_model import Obstacle, RobotDescription, WorldDescription
+from mr_sim.world_description import Obstacle, RobotDescription, WorldDescription
 
 Box = tuple[float, float, float, float, float]  # m and rad: middle x, y; length, width; yaw
 Point = tuple[float, float]

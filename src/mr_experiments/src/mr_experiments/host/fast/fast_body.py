@@ -18,7 +18,7 @@ from mr_robot.slam.engine import MAP_UPDATE_INTERVAL
 from mr_sim import _world
 from mr_sim.raster import Grid as Raster
 from mr_sim.true_world import occupancy_of
-from mr_sim.world_model import RangerDescription
+from mr_sim.world_description import RangerDescription
 
 BEAMS = 181  # that bound the visible area
 BEHIND = 0.08  # m behind where a beam ends that are seen, which is the wall itself
