@@ -201,6 +201,7 @@ def test_a_scan_that_would_leave_the_robot_blind_is_refused(
     with pytest.raises(NavigationError, match="scan"):
         make_scan(np.full(400, 1.0), angle_min, angle_increment, range_min, range_max, Pose())
     assert len(make_scan(np.full(400, 1.0), -2.0, 0.01, 0.1, math.inf, Pose()).points) == 400
+    assert len(make_scan(np.full(1, 1.0), 0.0, 0.0, 0.1, 8.0, Pose()).points) == 1, "one beam has none beside it"
 
 
 def test_a_robot_off_the_map_of_its_way_has_no_path() -> None:

@@ -36,7 +36,7 @@ def _summary(records: Sequence[MissionRecord]) -> Row:
     robots = [robot for record in came_to_a_result for robot in record.survivors.values()]
     maps = [robot.map for robot in robots]
     walls = [each.wrong_walls for each in maps if each.wrong_walls is not None]
-    coverages = [each.coverage for each in maps if each.coverage is not None]
+    coverages = [each.coverage or 0.0 for each in maps]  # who has no map knows nothing
     errors = [abs(each.error) for each in maps if each.error is not None]
     return {
         "trials": len(records),

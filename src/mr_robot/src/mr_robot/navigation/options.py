@@ -126,10 +126,11 @@ def make_scan(
 ) -> Scan:
     """`ranges`: m, (m,), of beams from `angle_min` on, rad; infinity = nothing hit. `mount`: the laser on the robot.
     Raises NavigationError for what would leave the robot blind."""
-    if not all(map(math.isfinite, (range_min, angle_min, angle_increment))) or angle_increment == 0.0:
+    beside = angle_increment != 0.0 or len(ranges) == 1
+    if not all(map(math.isfinite, (range_min, angle_min, angle_increment))) or not beside:
         raise NavigationError(
             f"scan has an angle_min of {angle_min:g}, angle_increment of {angle_increment:g} and range_min of "
-            f"{range_min:g}: they must be finite, and the increment not 0"
+            f"{range_min:g}: they must be finite, and the increment of several beams not 0"
         )
     if not range_max > 0.0:
         raise NavigationError(f"range_max of the scan must be above 0, not {range_max:g}")
