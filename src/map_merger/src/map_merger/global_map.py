@@ -87,7 +87,7 @@ class GlobalMap:
             raise ValueError(f"the map of {name} is the local one")
         layer = self._layers.setdefault(name, Layer())
         if not layer.follows(version, transform):
-            self._mark(layer.set(source, version, transform, changed, self._lattice))
+            self._mark(layer.set(source, version, transform, changed, self._lattice, self._most_cells()))
 
     def remove_layer(self, name: str) -> None:
         """The robot's map does not count any more; nothing happens if there is none."""
@@ -135,7 +135,7 @@ class GlobalMap:
         self._board, self._published = Board(), None
         self._mark(self._at)
         for layer in self._layers.values():
-            layer.draw_anew(self._lattice)
+            layer.draw_anew(self._lattice, self._most_cells())
             self._mark(layer.box)
         for track in self._places.values():
             track.draw(self._lattice)
@@ -145,12 +145,15 @@ class GlobalMap:
             margin = weighing.reach(len(self._layers)) + ghosts.reach(self._lattice.resolution, self._size)
             self._dirty.add(box, margin)
 
+    def _most_cells(self) -> int:
+        return max(MOST_GLOBAL_CELLS, self._at.area)
+
     def _choose_layers(self) -> None:
         """Those with which the map is not too large, by name."""
-        most = max(MOST_GLOBAL_CELLS, self._at.area)
+        most = self._most_cells()
         chosen: List[str] = []
         for name in sorted(self._layers):
-            if self._extent([*chosen, name]).area <= most:
+            if not self._layers[name].too_large and self._extent([*chosen, name]).area <= most:
                 chosen.append(name)
         for name in set(chosen).symmetric_difference(self._drawn):
             if name in self._layers:

@@ -18,6 +18,8 @@ class Layer:
         self.board = Board()
         self.box = EMPTY_BOX
         """Around the known cells."""
+        self.too_large = False
+        """It would take more cells than allowed, and is not drawn."""
         self._source: Optional[OccupancyGrid] = None
         self._transform = Pose()
         self._version: object = None
@@ -27,30 +29,37 @@ class Layer:
         return self._source is not None and version == self._version and nearly(transform, self._transform)
 
     def set(
-        self, source: OccupancyGrid, version: object, transform: Pose, changed: Optional[Box], lattice: GridInfo
-    ) -> Box:
-        """Draws what changed; returns the box of the cells that became others. `changed` counts from the source's
-        corner; None: any cell may have changed."""
+        self, source: OccupancyGrid, version: object, transform: Pose, changed: Optional[Box], lattice: GridInfo,
+        most: int,
+    ) -> Box:  # fmt: skip
+        """Draws what changed, `most` cells in all; returns the box of the cells that became others. `changed` counts
+        from the source's corner; None: any cell may have changed."""
         part = self._changed_part(source, transform, changed)
         self._source, self._version = source, version
-        if part is None:
+        if part is None or self.too_large or self._size(transform, lattice) > most:
             self._transform = transform
-            return self.redrawn(lattice)
+            return self._redrawn(lattice, most)
         return self._draw(part, lattice)
 
-    def redrawn(self, lattice: GridInfo) -> Box:
+    def _redrawn(self, lattice: GridInfo, most: int) -> Box:
         """Draws everything; returns the box of the cells that became others."""
-        assert self._source is not None
         before = self.board
-        self.draw_anew(lattice)
+        self.draw_anew(lattice, most)
         box = before.box.union(self.board.box)
         return changed_box(before.read(box), self.board.read(box)).shifted(box.top, box.left)
 
-    def draw_anew(self, lattice: GridInfo) -> None:
-        """Draws everything on a lattice that has nothing to do with the one before."""
+    def draw_anew(self, lattice: GridInfo, most: int) -> None:
+        """Draws everything, `most` cells in all, on a lattice that has nothing to do with the one before."""
         assert self._source is not None
         self.board, self.box = Board(), EMPTY_BOX
-        self._draw(known_box(self._source), lattice)
+        self.too_large = self._size(self._transform, lattice) > most
+        if not self.too_large:
+            self._draw(known_box(self._source), lattice)
+
+    def _size(self, transform: Pose, lattice: GridInfo) -> int:
+        """Cells of the lattice that the known part takes at most."""
+        assert self._source is not None
+        return box_of(self._source.info, full_box(self._source.info), transform, lattice).area
 
     def _changed_part(self, source: OccupancyGrid, transform: Pose, changed: Optional[Box]) -> Optional[Box]:
         """Cells of the new source that may differ from the former one; None if it is another lattice or transform."""

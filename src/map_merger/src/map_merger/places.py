@@ -9,7 +9,9 @@ from mr_grid import GridInfo
 from .grid import Box
 
 MOST_PLACES = 4000
-"""Places of one robot that count; of more, every second one."""
+"""Places of one robot that count; more are thinned out."""
+_THINNED_M = 0.2
+"""Places of a track that is thinned out are at least about so far apart."""
 SAME_PLACE_M = 0.02
 """Places that moved by less, as a transform is refined, stay where they are."""
 _BLOCK = 32
@@ -29,8 +31,8 @@ class Places:
         points = np.array(points, float)
         if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
             raise ValueError(f"places are finite numbers of shape (n, 2), not {points.shape}")
-        while len(points) > MOST_PLACES:
-            points = points[::2]
+        if len(points) > MOST_PLACES:
+            points = points[thinned(points, MOST_PLACES, _THINNED_M)]
         same = self._same(points)
         points[:same] = self.points[:same]
         before = self.cells
@@ -47,6 +49,17 @@ class Places:
         common = min(len(points), len(self.points))
         moved = np.hypot(*(points[:common] - self.points[:common]).T) > SAME_PLACE_M
         return int(np.argmax(moved)) if moved.any() else common
+
+
+def thinned(points: np.ndarray, most: int, square: float) -> np.ndarray:
+    """Which of the points (n, 2) to keep, in their order: the last one in each square of so many metres or, if those
+    are more than `most`, in each of the smallest larger ones."""
+    while True:
+        squares = np.floor(points / square).astype(np.int64)
+        _, last = np.unique(squares[::-1], axis=0, return_index=True)
+        if len(last) <= most:
+            return np.sort(len(points) - 1 - last)
+        square *= 2.0
 
 
 def blocks(cells: np.ndarray) -> List[Box]:

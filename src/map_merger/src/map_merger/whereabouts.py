@@ -8,6 +8,8 @@ import numpy as np
 
 from mr_grid import Pose
 
+from .places import thinned
+
 TRACK_SPACING_M = 0.1
 LONGEST_TRACK = 4000
 POSE_PERIOD_S = 0.2
@@ -17,8 +19,8 @@ MOST_POSES = 80
 
 
 class Track:
-    """Where and when a robot has been, in its own frame: points TRACK_SPACING_M apart, thinned out when there are
-    LONGEST_TRACK."""
+    """Where and when a robot has been, in its own frame: points TRACK_SPACING_M apart, thinned out evenly when there
+    are LONGEST_TRACK: the last one in each square."""
 
     def __init__(self) -> None:
         self._points = np.empty((0, 3))
@@ -31,7 +33,7 @@ class Track:
                 return False
         self._points = np.concatenate([self._points, [(x, y, time)]])
         if len(self._points) > LONGEST_TRACK:
-            self._points = self._points[::2].copy()
+            self._points = self._points[thinned(self._points[:, :2], LONGEST_TRACK // 2, 2.0 * TRACK_SPACING_M)]
         return True
 
     def timed_points(self) -> np.ndarray:

@@ -312,3 +312,42 @@ def test_unknown_cells_reach_the_other_side():
                 (receiver.on_anchor if isinstance(payload, Anchor) else receiver.on_tile)(payload, now)
             sender.on_sent(send, DELIVERED, now)
     assert receiver.map_of("robot_0").info.shape == (8, 4)
+
+
+def lone_anchor(robot, updates=1):
+    return Anchor(robot, INFO, (1, 1), updates)
+
+
+def test_a_map_for_which_there_is_no_room_is_asked_for_ever_more_seldom(monkeypatch):
+    """Each answer begins with an anchor, and part of it fits; neither makes the next request come sooner."""
+    monkeypatch.setattr(bounds, "MOST_MAP_CELLS", 64 * 64)
+    exchange, found = exchange_of(), []
+    for begin in range(100, 700):
+        exchange.on_anchor(lone_anchor("robot_1", 3), begin)
+        exchange.on_tile(tile(0), begin)
+        exchange.on_tile(replace(tile(1), row=200), begin)
+        found += drive(exchange, begin, begin + 1)
+    asked = requests(found)
+    assert len(asked) < 30
+    assert asked[-1] - asked[-2] == pytest.approx(bounds.LONGEST_REQUEST_PAUSE_S, abs=1.5)
+
+
+def test_a_request_that_is_on_its_way_is_not_followed_by_another():
+    exchange, waiting = exchange_of(), []
+    for step in range(400):
+        now = 100.0 + 0.25 * step
+        exchange.on_anchor(lone_anchor("robot_1"), now)
+        exchange.tick(now)
+        waiting += sends(exchange, Purpose.REQUEST)
+    assert len(waiting) == 1
+    exchange.on_sent(waiting[0], Outcome(waiting[0].payloads), 200.0)
+    assert requests(drive(exchange, 200.0, 240.0))
+
+
+def test_a_map_that_others_could_not_store_with_its_margin_is_not_sent(monkeypatch):
+    monkeypatch.setattr(bounds, "MOST_MAP_CELLS", 128 * 128)
+    exchange = exchange_of(split_size=2048)
+    exchange.on_robot("robot_1", 100.0)
+    exchange.on_local_map(square(120))
+    found = drive(exchange, 100.0, 130.0)
+    assert not [send for _, send in found if send.purpose is Purpose.CHANGES]

@@ -160,6 +160,19 @@ def test_layers_with_which_the_map_would_be_too_large_are_left_out(monkeypatch):
     assert fusion.left_out == ()
 
 
+def test_a_coarse_map_of_a_large_place_is_left_out_before_it_is_drawn(monkeypatch):
+    monkeypatch.setattr(global_map, "MOST_GLOBAL_CELLS", 100 * 100)
+    coarse = OccupancyGrid(GridInfo(500, 500, 100.0), np.zeros((500, 500), np.int8))
+    fusion = GlobalMap("own")
+    fusion.set_local(room())
+    fusion.set_layer("coarse", coarse, 0, Pose(0.0, 0.0, 0.5))
+    assert fusion.render().grid.info == room().info
+    assert fusion.left_out == ("coarse",)
+    fusion.set_layer("coarse", room(), 1, Pose(0.0, 0.0, 0.5))
+    fusion.render()
+    assert fusion.left_out == ()
+
+
 def test_bad_calls_are_refused():
     fusion = GlobalMap("own")
     with pytest.raises(ValueError, match="own is the local one"):

@@ -322,6 +322,11 @@ def test_what_others_tell_of_a_forgotten_robot_counts_when_it_is_heard_again():
 
 FLAT = ((1.0, 1.0, 0.0), (1.0, 1.0, 0.0), (0.0, 0.0, 0.1))
 LOPSIDED = ((1.0, 0.5, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.1))
+FAR_WALLS = (
+    (400497.5799799086, 8585401.418712627, 158.62854370303927),
+    (8585401.418712627, 184043874.23684126, 3400.4946673045347),
+    (158.62854370303927, 3400.4946673045347, 0.06282938800843563),
+)  # with which the solver could not go on
 VAGUE = ((400.0, 0.0, 0.0), (0.0, 400.0, 0.0), (0.0, 0.0, 0.1))
 
 
@@ -333,6 +338,7 @@ VAGUE = ((400.0, 0.0, 0.0), (0.0, 400.0, 0.0), (0.0, 0.0, 0.1))
         ({"covariance": FLAT}, "not positive definite"),
         ({"covariance": LOPSIDED}, "not symmetric"),
         ({"covariance": VAGUE}, "known to 20.0 m"),
+        ({"covariance": FAR_WALLS}, "walls more than 10000 m away"),
         ({"covariance": ((math.inf,) * 3,) * 3}, "not finite"),
         ({"covariance": ((1.0,),)}, "missing"),
         ({"shared_wall": -1.0}, "cannot be"),
@@ -392,6 +398,13 @@ def test_tables_are_bounded():
         assert graph.heard(EdgeReport(f"robot_{number}", (1, 0), ())) == ()
     (refused,) = graph.heard(EdgeReport("one_too_many", (1, 0), ()))
     assert "one_too_many" in refused and str(MOST_ROBOTS) in refused
+
+
+def test_an_edge_with_which_nothing_can_be_solved_is_left_out(monkeypatch):
+    monkeypatch.setattr("map_merger.graph.edges.FARTHEST_EDGE_M", math.inf)
+    truth = Truth(3, 2).find_all()
+    truth.edges["robot_1", "robot_2"] = replace(truth.edges["robot_1", "robot_2"], covariance=FAR_WALLS)
+    assert set(truth.graph_of("robot_0").placed()) == {"robot_1", "robot_2"}
 
 
 def test_a_turn_about_far_walls_is_no_contradiction():

@@ -27,6 +27,7 @@ class _Peer:
         self.map = PeerMap(name)
         self.present = True
         self.answering = False
+        self.asking = False
         self.complained = False
         self.failures = 0
         self.retry = Retry(bounds.FIRST_PAUSE_S, bounds.LONGEST_REQUEST_PAUSE_S, bounds.STEADY_REQUESTS)
@@ -38,9 +39,10 @@ class _Peer:
         self.present = True
 
     def progress(self, now: float) -> None:
-        """Something came that concerns maps: it may be asked soon."""
+        """Something came that concerns maps: it may be asked soon, unless its map does not fit in here."""
         self.heard()
-        self.retry.progress(now)
+        if not self.complained:
+            self.retry.progress(now)
 
 
 class Exchange:
@@ -122,9 +124,11 @@ class Exchange:
         if not self.meet(anchor.robot):
             return
         peer = self._peers[anchor.robot]
-        peer.progress(now)
-        if peer.map.set_anchor(anchor, now, self._room_for(peer)):
+        restarted = peer.map.set_anchor(anchor, now, self._room_for(peer))
+        if restarted:
             peer.complained = False
+        peer.progress(now)
+        if restarted:
             self._effects.append(Note(f"{anchor.robot} restarted: its former map is dropped"))
 
     def on_tile(self, tile: Tile, now: float) -> None:
@@ -161,8 +165,12 @@ class Exchange:
             return
         if outcome.too_large is not None:
             self._broadcast.halve(outcome.too_large)
-        if send.purpose is Purpose.ANSWER and send.destination in self._peers:
+        if send.destination not in self._peers:
+            return
+        if send.purpose is Purpose.ANSWER:
             self._go_on(send, outcome)
+        elif send.purpose is Purpose.REQUEST:
+            self._peers[send.destination].asking = False
 
     def tick(self, now: float) -> None:
         """Does what is due."""
@@ -241,7 +249,10 @@ class Exchange:
             text = f"{name} announces no anchor: the corner of its map is taken for (0, 0) of its frame"
             self._effects.append(Note(text, warning=True))
         wanted = peer.map.wanted()
-        if wanted is not None and peer.present and peer.retry.ready(now):
+        if wanted is None:
+            peer.complained = False
+        elif peer.present and not peer.asking and peer.retry.ready(now):
+            peer.asking = True
             self._send(Purpose.REQUEST, name, [Request(self._name, wanted)])
 
     def _answer(self, name: str, tiles: Sequence[Tile], always: bool = False) -> None:

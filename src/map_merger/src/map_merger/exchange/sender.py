@@ -7,12 +7,12 @@ from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequenc
 
 import numpy as np
 
-from mr_grid import UNKNOWN, OccupancyGrid
+from mr_grid import UNKNOWN, GridError, OccupancyGrid
 
 from ..grid import EMPTY_BOX, Box, bounding_box, changed_box, cropped, known_box, offset_between, union_of
 from ..messages import Anchor, Boot, Tile
 from . import bounds
-from .canvas import Canvas
+from .canvas import BLOCK, Canvas
 
 
 class _Untold(NamedTuple):
@@ -89,6 +89,7 @@ class MapSender:
         due = worth(0 if untold is None else untold.changed, self._known)
         if not due or untold is None or self._told is None:
             return []
+        _check_size(untold.reached)
         self._told.write(untold.box.top, untold.box.left, untold.present, bounds.MOST_MAP_CELLS)
         self._reached, self._untold = untold.reached, None
         self._known += int(np.count_nonzero(untold.present != UNKNOWN) - np.count_nonzero(untold.told != UNKNOWN))
@@ -221,3 +222,11 @@ class MapSender:
         while -(-box.shape[0] // size) * -(-box.shape[1] // size) > bounds.MOST_TILES:
             size *= 2
         return box.tiles(min(size, self._largest_taken))
+
+
+def _check_size(reached: Box) -> None:
+    """GridError if others cannot store what answers carry."""
+    stored = reached.grown(bounds.FULL_MAP_MARGIN).aligned(BLOCK)
+    if stored.area > bounds.MOST_MAP_CELLS:
+        rows, columns = stored.shape
+        raise GridError(f"others would have to store {columns} x {rows} cells, and take {bounds.MOST_MAP_CELLS}")

@@ -93,6 +93,8 @@ def _covariance_fault(covariance: np.ndarray) -> str:
         return "a covariance that is not symmetric"
     if np.linalg.eigvalsh(covariance)[0] < SMALLEST_VARIANCE:
         return "a covariance that is not positive definite"
+    if math.hypot(*arm_to_walls(covariance[None])[0, :2, 2]) > FARTHEST_EDGE_M:
+        return f"fixed by walls more than {FARTHEST_EDGE_M:g} m away"
     deviations = np.sqrt(np.diag(covariance_at_walls(covariance[None])[0]))
     if max(deviations[:2]) > LARGEST_DEVIATION_M or deviations[2] > LARGEST_DEVIATION_RAD:
         return f"known to {max(deviations[:2]):.1f} m and {math.degrees(deviations[2]):.0f} deg only"

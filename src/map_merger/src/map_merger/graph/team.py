@@ -11,7 +11,7 @@ from ..covariance import Covariance, as_covariance
 from ..messages import NO_BOOT, Boot
 from .change import Change, differ
 from .consistency import largest_consistent
-from .edges import MOST_EDGES, MOST_ROBOTS, Edge, EdgeError, EdgeReport, check
+from .edges import MOST_EDGES, MOST_ROBOTS, Edge, EdgeError, EdgeReport, arm_to_walls, check
 from .links import links_of
 from .pose_graph import Poses, relative, relative_covariance
 from .words import contradiction
@@ -157,7 +157,7 @@ class TeamGraph:
 
     def _solved(self) -> _Solution:
         if self._solution is None:
-            self._solution = _solution_of(self._own, self._present())
+            self._solution = _best_solution(self._own, self._present())
         return self._solution
 
     def _present(self) -> List[Edge]:
@@ -208,6 +208,18 @@ def _likely_runs(edges: Iterable[Edge]) -> Dict[str, Boot]:
             runs = weights.setdefault(robot, {})
             runs[run] = runs.get(run, 0.0) + edge.weight
     return {robot: max(runs, key=lambda run: (runs[run], run)) for robot, runs in weights.items()}
+
+
+def _best_solution(own: str, edges: List[Edge]) -> _Solution:
+    """Without the edges from the farthest walls, as many as rounding makes unsolvable."""
+    while True:
+        try:
+            return _solution_of(own, edges)
+        except ValueError:
+            if not edges:
+                raise
+            arms = arm_to_walls(np.array([edge.covariance for edge in edges]))[:, :2, 2]
+            del edges[int(np.argmax(np.hypot(*arms.T)))]
 
 
 def _solution_of(own: str, edges: List[Edge]) -> _Solution:
