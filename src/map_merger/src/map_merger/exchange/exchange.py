@@ -79,6 +79,10 @@ class Exchange:
         """The own map begins anew, in another frame; `boot` names the new run."""
         self._broadcast.begin_run(boot)
 
+    def resume(self, anchor: Anchor) -> None:
+        """Before the first map: goes on with the run of the own map that had come so far."""
+        self._sender.resume(anchor)
+
     def meet(self, name: str) -> bool:
         """Takes note of a robot; False for the own name, none, and one too many."""
         if not name or name == self._name:
@@ -232,6 +236,11 @@ class Exchange:
     def missing(self, robot: str) -> Optional[Tuple[int, ...]]:
         """Update numbers of the robot that are known to be missing: () means all, None nothing."""
         return self._peers[robot].map.wanted() if robot in self._peers else ()
+
+    @property
+    def anchor(self) -> Optional[Anchor]:
+        """That of the own map; None before the first one."""
+        return self._sender.anchor()
 
     @property
     def updates(self) -> int:

@@ -65,6 +65,10 @@ class MapSender:
         """Names this run."""
         return self._boot
 
+    def resume(self, anchor: Anchor) -> None:
+        """Before the first map: goes on with this run, of whose cells nothing is known any more."""
+        self._boot, self._told, self._next = anchor.boot, Canvas(anchor.info), anchor.updates
+
     def check(self, grid: OccupancyGrid) -> None:
         """GridError if the map's resolution or heading differs from the first one's."""
         if self._told is None:
