@@ -1,6 +1,7 @@
 """The doctor names the cause of each of many broken set-ups, and nothing on healthy ones."""
 
 import json
+import os
 from dataclasses import replace
 
 import pytest
@@ -18,6 +19,7 @@ from mr_launch.doctor.facts import (
     KeyFile,
     Link,
     Master,
+    OwnName,
     Radio,
     Topic,
 )
@@ -43,6 +45,7 @@ LINKS = (
     Link("map", "odom", "/slam"), Link("odom", "base_footprint", "/base"), Link("base_footprint", "base_link", "/base"),
     Link("base_link", "laser", "/base"), Link("map", "bob/map", "/map_merger"),
 )  # fmt: skip
+UNKNOWN, ELSEWHERE = "leads nowhere (Name or service not known)", "is not an address of this computer"
 HEALTHY = Facts(
     Computer(program="/adhoc_communication", disks={"~/.ros": 50 << 30}),
     Interface("wlan0", ("eth0", "lo", "wlan0"), wireless=True, mode="IBSS"),
@@ -74,6 +77,17 @@ def with_computer(**words):
     return replace(HEALTHY, computer=replace(HEALTHY.computer, **words))
 
 
+def with_own_name(name="anna", source="host name", fault=""):
+    """As it is then: no node answers, and nothing is heard."""
+    computer = replace(HEALTHY.computer, own_name=OwnName(name, source, fault))
+    silent = {purpose: replace(topic, rate=0.0) for purpose, topic in TOPICS.items()}
+    return replace(HEALTHY, computer=computer, running=(), topics=silent, links=(), radio=None, offered=False)
+
+
+def without_radio(facts):
+    return replace(facts, running=NODES[1:], radio=None)
+
+
 def with_key(**words):
     return replace(HEALTHY, key_file=replace(HEALTHY.key_file, **words))
 
@@ -93,6 +107,10 @@ HEALTHY_ROBOTS = {
     "a driver that does not tell its mode": with_interface(mode=""),
     "a moment of hard work": with_computer(busy=1.0),
     "a mesh": with_interface(mode="mesh point"),
+    "a service with rights and a key of its own": replace(
+        with_key(fault="cannot be read: Permission denied", denied=True),
+        computer=replace(HEALTHY.computer, raw_sockets=False),
+    ),
     "own SLAM and navigation": replace(
         HEALTHY,
         set_up=set_up_of({node: PARAMETERS[node] for node in NODES[:3]}),
@@ -143,13 +161,33 @@ BROKEN = {  # cause: facts, words of the finding, words of the remedy
         "no radio answers at hub socket /tmp/hub",
         "radio --hub /tmp/hub",
     ),
-    "no right to raw frames": (with_computer(raw_sockets=False), "cap_net_raw", "setcap cap_net_raw+ep /adhoc"),
-    "not built": (with_computer(raw_sockets=False, program=""), "is not found", "make build"),
+    "no right to raw frames": (
+        without_radio(with_computer(raw_sockets=False)),
+        "cap_net_raw",
+        "setcap cap_net_raw+ep /adhoc",
+    ),
+    "not built": (without_radio(with_computer(raw_sockets=False, program="")), "is not found", "make build"),
     "no key file": (with_key(fault="cannot be read: No such file or directory"), "/team.key cannot be read", "create"),
+    "key of another user": (
+        without_radio(with_key(fault="cannot be read: Permission denied", denied=True)),
+        "cannot be read: Permission denied",
+        "run the doctor as the robot's user",
+    ),
     "key that others can read": (with_key(mode=0o644), "can be read by others", "chmod 600 /team.key"),
     "broken key": (with_key(fault="is broken: line 2 is not a key"), "is broken: line 2", "team_key create"),
     "relative path of the key": (with_key(path="team.key", absolute=False), "relative path", "whole path"),
-    "host name without address": (with_computer(host_fault="Name or service not known"), "leads nowhere", "/etc/hosts"),
+    "host name without address": (with_own_name(fault=UNKNOWN), "host name anna leads nowhere", "/etc/hosts"),
+    "host name of another computer": (with_own_name(fault=ELSEWHERE), "host name anna is not an", "/etc/hosts"),
+    "unresolvable ROS_HOSTNAME": (
+        with_own_name("anna.lab", "ROS_HOSTNAME", UNKNOWN),
+        "ROS_HOSTNAME anna.lab leads nowhere (Name or service not known)",
+        "unset ROS_HOSTNAME",
+    ),
+    "stale ROS_IP": (
+        with_own_name("203.0.113.7", "ROS_IP", ELSEWHERE),
+        "ROS_IP 203.0.113.7 is not an address of this computer",
+        "unset ROS_IP or correct it",
+    ),
     "disk full": (with_computer(disks={"~/.ros": 1 << 20}), "disk of ~/.ros is nearly full: 1 MB", "rosclean purge"),
     "no memory": (with_computer(memory_available=50 << 20), "50 of 8192 MB are left", "end what"),
     "busy computer": (
@@ -337,6 +375,52 @@ def test_key_files_are_read_as_the_radio_reads_them(tmp_path, text, mode, fault)
     assert machine.key_file_of(str(tmp_path)).fault == "is not a file"
     assert machine.key_file_of(str(tmp_path / "none")).fault == "cannot be read: No such file or directory"
     assert not machine.key_file_of("team.key").absolute
+
+
+def test_the_key_of_another_user_is_not_said_to_be_missing(tmp_path, monkeypatch):
+    def denied(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(machine.Path, "stat", denied)
+    key = machine.key_file_of(str(tmp_path / "team.key"))
+    assert key.denied and key.fault == "cannot be read: Permission denied"
+
+
+def test_folders_of_another_user_are_passed_over(tmp_path, monkeypatch):
+    """Once the doctor ended with a PermissionError where the robot's user keeps records in a home of his own."""
+    closed, real = tmp_path / "robot", os.stat
+
+    def stat(path, *args, **words):
+        if str(path).startswith(f"{closed}/"):
+            raise PermissionError(13, "Permission denied")
+        return real(path, *args, **words)
+
+    closed.mkdir()
+    monkeypatch.setattr(os, "stat", stat)
+    assert machine.computer_of([str(closed / ".ros" / "records")], 0.0).disks
+    monkeypatch.setattr(machine.psutil, "disk_usage", lambda _: real("/not/there"))
+    assert machine.computer_of([str(closed)], 0.0).disks == {}
+
+
+@pytest.mark.parametrize(
+    ("variables", "source", "fault"),
+    [
+        ({"ROS_IP": "127.0.0.1"}, "ROS_IP", ""),
+        ({"ROS_IP": "203.0.113.7"}, "ROS_IP", ELSEWHERE),
+        ({"ROS_IP": "203.0.113.7", "ROS_HOSTNAME": "localhost"}, "ROS_HOSTNAME", ""),
+        ({"ROS_HOSTNAME": "nobody.invalid"}, "ROS_HOSTNAME", "leads nowhere ("),
+        ({"ROS_HOSTNAME": "a" * 70}, "ROS_HOSTNAME", "leads nowhere ("),
+    ],
+)
+def test_the_name_that_nodes_tell_has_to_lead_here(variables, source, fault, monkeypatch):
+    for variable in ("ROS_IP", "ROS_HOSTNAME"):
+        monkeypatch.delenv(variable, raising=False)
+    assert machine.own_name().source == "host name"
+    for variable, name in variables.items():
+        monkeypatch.setenv(variable, name)
+    own = machine.own_name()
+    assert (own.source, own.name) == (source, variables[source])
+    assert own.fault.startswith(fault) and bool(own.fault) == bool(fault)
 
 
 def test_the_computer_is_looked_at():

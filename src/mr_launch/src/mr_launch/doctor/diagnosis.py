@@ -24,6 +24,9 @@ CHECKS: tuple[Check, ...] = (
     robot.check_set_up,
     robot.check_parameters,
     robot.check_robot_names,
+)
+
+ASKING_CHECKS: tuple[Check, ...] = (
     robot.check_nodes,
     robot.check_time,
     robot.check_drivers,
@@ -33,8 +36,10 @@ CHECKS: tuple[Check, ...] = (
     robot.check_navigation,
     robot.check_radio,
 )
+"""Of what nodes answer, which they cannot under a name that leads elsewhere."""
 
 
 def diagnose(facts: Facts) -> list[Finding]:
     """What is wrong, the cause before its consequences."""
-    return [finding for check in CHECKS for finding in check(facts)]
+    checks = CHECKS if facts.computer.own_name.fault else CHECKS + ASKING_CHECKS
+    return [finding for check in checks for finding in check(facts)]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Mapping
 
 HUB = "hub:"  # how the name of an interface begins that is a socket of a radio daemon
+HOST_NAME = "host name"  # source of the own name where no variable says another
 FRAME_SIZE = 1500  # octets, default of adhoc_communication's max_frame_size
 
 
@@ -49,22 +50,34 @@ class Hub:
 
 @dataclass(frozen=True)
 class KeyFile:
-    """`fault`: why no key can be read from it, empty if one can; `mode`: permission bits."""
+    """`fault`: why no key can be read from it, empty if one can; `denied`: only to this user, as far as is known;
+    `mode`: permission bits."""
 
     path: str
     absolute: bool = True
     fault: str = ""
+    denied: bool = False
     mode: int = 0o600
+
+
+@dataclass(frozen=True)
+class OwnName:
+    """By what nodes tell others to reach them. `source`: who says so, the host name or a variable; `fault`: why it does
+    not lead to this computer, empty if it does."""
+
+    name: str = "anna"
+    source: str = HOST_NAME
+    fault: str = ""
 
 
 @dataclass(frozen=True)
 class Computer:
     """`busy`: share of all cores now; `load`: programs of the last minute that ran or waited, for each core; `busiest`:
     the process with the largest share; octets of memory, and of the file systems that the robot writes to, by folder;
-    `year` of the system's clock. `host_fault`: why the own host name leads nowhere, empty if nodes can use it."""
+    `year` of the system's clock."""
 
     host_name: str = "anna"
-    host_fault: str = ""
+    own_name: OwnName = OwnName()
     raw_sockets: bool = True
     program: str = ""
     busy: float = 0.1

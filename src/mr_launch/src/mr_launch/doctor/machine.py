@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import os
 import socket
@@ -9,11 +10,11 @@ import stat
 import struct
 import time
 from pathlib import Path
-from typing import Iterable
+from typing import Any, Iterable
 
 import psutil
 
-from mr_launch.doctor.facts import HUB, Computer, Hub, Interface, KeyFile
+from mr_launch.doctor.facts import HOST_NAME, HUB, Computer, Hub, Interface, KeyFile, OwnName
 from mr_launch.processor_shares import process_name
 from mr_launch.programs import find_executable
 
@@ -73,7 +74,7 @@ def key_file_of(path: str) -> KeyFile:
         fault = _fault_in(place.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
         reason = "it is no text" if isinstance(error, UnicodeDecodeError) else error.strerror
-        return KeyFile(path, fault=f"cannot be read: {reason}")
+        return KeyFile(path, fault=f"cannot be read: {reason}", denied=isinstance(error, PermissionError))
     return KeyFile(path, fault=fault, mode=stat.S_IMODE(status.st_mode))
 
 
@@ -95,7 +96,7 @@ def computer_of(folders: Iterable[str], seconds: float) -> Computer:
     busy, busiest = _load(seconds)
     return Computer(
         host_name=socket.gethostname(),
-        host_fault=_host_fault(),
+        own_name=own_name(),
         raw_sockets=bool(program) and (_own_capability() or _file_capability(program)),
         program=program,
         busy=busy,
@@ -108,14 +109,34 @@ def computer_of(folders: Iterable[str], seconds: float) -> Computer:
     )
 
 
-def _host_fault() -> str:
+def own_name() -> OwnName:
     """Nodes tell one another the host name, unless the environment says another one."""
-    name = os.environ.get("ROS_HOSTNAME") or os.environ.get("ROS_IP") or socket.gethostname()
+    for variable in ("ROS_HOSTNAME", "ROS_IP"):
+        name = os.environ.get(variable)
+        if name:
+            return OwnName(name, variable, _fault_of_name(name))
+    name = socket.gethostname()
+    return OwnName(name, HOST_NAME, _fault_of_name(name))
+
+
+def _fault_of_name(name: str) -> str:
     try:
-        socket.getaddrinfo(name, None)
-    except OSError as error:
-        return error.strerror or str(error)
-    return ""
+        found = socket.getaddrinfo(name, None, type=socket.SOCK_DGRAM)
+    except (OSError, UnicodeError) as error:
+        return f"leads nowhere ({getattr(error, 'strerror', None) or error})"
+    if any(_is_own(family, address) for family, _, _, _, address in found):
+        return ""
+    return "is not an address of this computer"
+
+
+def _is_own(family: int, address: tuple[Any, ...]) -> bool:
+    """Only an own address can be bound."""
+    try:
+        with socket.socket(family, socket.SOCK_DGRAM) as any_socket:
+            any_socket.bind(address)
+    except OSError:
+        return False
+    return True
 
 
 def _own_capability() -> bool:
@@ -156,11 +177,13 @@ def _share(process: psutil.Process) -> float:
 
 
 def _free_octets(folders: Iterable[str]) -> dict[str, int]:
-    """Of the file system of each folder, or of the nearest one above it that exists; each file system once."""
+    """Of the file system of each folder, or of the nearest one above it that is seen to exist; each file system once.
+    Folders of the robot's user may be closed to others."""
     found: dict[int, tuple[str, int]] = {}
     for folder in folders:
         place = Path(folder).expanduser().absolute()
-        while not place.exists():
+        while not os.path.exists(place):
             place = place.parent
-        found.setdefault(place.stat().st_dev, (folder, psutil.disk_usage(str(place)).free))
+        with contextlib.suppress(OSError):
+            found.setdefault(place.stat().st_dev, (folder, psutil.disk_usage(str(place)).free))
     return dict(found.values())

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Iterator
 
-from mr_launch.doctor.facts import Facts, Finding
+from mr_launch.doctor.facts import HOST_NAME, Facts, Finding
 
 AD_HOC_MODES = ("IBSS", "mesh point", "outside context of a BSS")
 HEADER = 14  # octets of an Ethernet header
+RADIO_NODE = "adhoc_communication"
 LEAST_FRAME = 256  # octets, the smallest max_frame_size
 MOST_BUSY = 0.95
 MOST_LOAD = 1.0  # a moment of hard work is no fault, a minute is
@@ -48,7 +49,8 @@ def check_hub(facts: Facts) -> Iterator[Finding]:
 
 
 def check_rights(facts: Facts) -> Iterator[Finding]:
-    if facts.interface is None or facts.computer.raw_sockets:
+    """A node that runs has them, perhaps from its service and not from its file."""
+    if facts.interface is None or facts.computer.raw_sockets or RADIO_NODE in facts.running:
         return
     program = facts.computer.program
     if program:
@@ -60,12 +62,15 @@ def check_rights(facts: Facts) -> Iterator[Finding]:
 
 
 def check_key(facts: Facts) -> Iterator[Finding]:
+    """A key that only the robot's own user may read is as it should be, whoever the doctor runs as."""
     key = facts.key_file
-    if key is None:
+    if key is None or (key.denied and RADIO_NODE in facts.running):
         return
     if not key.absolute:
         remedy = "give the whole path: nodes run in ~/.ros"
         yield Finding("key", f"key file {key.path} is a relative path", remedy)
+    elif key.denied:
+        yield Finding("key", f"key file {key.path} {key.fault}", "run the doctor as the robot's user")
     elif key.fault:
         remedy = f"rosrun adhoc_communication team_key create {key.path} on one robot, and copy it to the others"
         yield Finding("key", f"key file {key.path} {key.fault}", remedy)
@@ -74,10 +79,14 @@ def check_key(facts: Facts) -> Iterator[Finding]:
 
 
 def check_host_name(facts: Facts) -> Iterator[Finding]:
-    host, fault = facts.computer.host_name, facts.computer.host_fault
-    if fault:
-        remedy = f"add '127.0.1.1 {host}' to /etc/hosts, or export ROS_HOSTNAME=localhost before roslaunch"
-        yield Finding("name", f"host name {host} leads nowhere ({fault}), so nodes cannot reach one another", remedy)
+    own = facts.computer.own_name
+    if not own.fault:
+        return
+    if own.source == HOST_NAME:
+        remedy = f"add '127.0.1.1 {own.name}' to /etc/hosts, or export ROS_HOSTNAME=localhost before roslaunch"
+    else:
+        remedy = f"unset {own.source} or correct it, and start the nodes again"
+    yield Finding("name", f"{own.source} {own.name} {own.fault}, so nodes cannot reach one another", remedy)
 
 
 def check_load(facts: Facts) -> Iterator[Finding]:
