@@ -124,6 +124,11 @@ def test_radios_are_switched(tmp_path):
             answer = await server.command("robot_1", Order("radio_off"))
             assert answer == (True, "radio of robot_1 off") and state.get("robot_1", "radio_off") is True
             link.close()
+            await until(lambda: state.get("robot_1", "lost"))
+            link = FeedLink(str(tmp_path / "feeds"), "robot_1")
+            await until(lambda: state.get("robot_1", "lost") is False)
+            assert state.get("robot_1", "radio_off") is True, "a feed that begins anew repairs no radio"
+            link.close()
             server.close()
 
         asyncio.run(run())

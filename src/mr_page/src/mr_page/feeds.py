@@ -78,8 +78,11 @@ class FeedServer:
         before = self._feeds.get(name)
         if before is not None:
             before.stream.close()
+        radio_off = self._state.get(name, "radio_off")
         self._state.forget(name)
         self._state.put(name, "lost", False)
+        if radio_off:
+            self._state.put(name, "radio_off", True)  # of the radio daemon, which goes on
         self._state.put(name, "switchable", self._radio is not None)
         self._feeds[name] = feed
 
