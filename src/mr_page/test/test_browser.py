@@ -285,7 +285,7 @@ def test_before_the_first_answer_the_page_is_connecting():
         async with served(PageState()) as address, browser() as one:
             tab = await one.open("data:text/html,nothing", 1300, 850)
             await tab.call("Page.enable")
-            wait = "window.WebSocket = class { constructor() { window.sockets = [...(window.sockets ?? []), this]; } }"
+            wait = "window.WebSocket = class { close() {} constructor() { window.sockets = [...(window.sockets ?? []), this]; } }"
             await tab.call("Page.addScriptToEvaluateOnNewDocument", {"source": wait})
             await tab.call("Page.navigate", {"url": f"http://{address}/"})
             await tab.wait_for(f"document.getElementById('status') && {text('#status')} === 'connecting'")
@@ -293,3 +293,36 @@ def test_before_the_first_answer_the_page_is_connecting():
             await tab.wait_for(f"{text('#status')} === 'no connection'")
 
     asyncio.run(run())
+
+
+def test_orders_without_a_connection_are_said_not_to_be_sent():
+    """The link goes dead: the server says nothing more, and the browser does not see it."""
+    state, asked = PageState(), []
+    state.put("anna", "about", {"start": None})
+    state.put("anna", "state", {"state": "exploring"})
+    state.put("anna", "services", {"pause": True})
+
+    async def command(robot, order):
+        asked.append(robot)
+        await asyncio.sleep(60.0)
+
+    async def run():
+        async with served(state, command) as address, browser() as one:
+            tab = await one.open("data:text/html,nothing", 1300, 850)
+            await tab.call("Page.enable")
+            kept = "window.sockets = []; window.WebSocket = class extends WebSocket {"
+            kept += " constructor(place) { super(place); window.sockets.push(this); } }"
+            await tab.call("Page.addScriptToEvaluateOnNewDocument", {"source": kept})
+            await tab.call("Page.navigate", {"url": f"http://{address}/"})
+            await tab.wait_for("document.querySelectorAll('#robots tr').length === 1")
+            await tab.click("#command-pause")
+            await tab.run("window.sockets[0].onmessage = null")
+            await tab.wait_for(f"{text('#status')} === 'no connection'")
+            assert await tab.run(text("#answer")) == "no connection: Pause may not have arrived"
+            await tab.click("#command-pause")
+            assert await tab.run(text("#answer")) == "no connection: Pause was not sent"
+            await tab.wait_for(f"window.sockets.length === 2 && {text('#status')} === 'exploring'")
+            assert tab.errors == []
+
+    asyncio.run(run())
+    assert asked == ["anna"]

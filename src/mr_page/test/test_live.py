@@ -124,3 +124,40 @@ def test_numbers_that_are_rounded_to_zero_have_no_sign():
     script = """const { fixed, kilobits } = await import("./dom.js");
     console.log(JSON.stringify([fixed(-0.001, 2), fixed(-1.25, 1), fixed(0, 1), kilobits(100), kilobits(5000)]));"""
     assert node(script) == ["0.00", "-1.3", "0.0", "0.8", "40"]
+
+
+SILENT = """
+let now = 0, watch = null;
+const sockets = [], changes = [], sent = [], later = [];
+globalThis.performance = { now: () => now };
+globalThis.window = { location: { protocol: "http:", host: "robot" } };
+globalThis.setInterval = (look) => { watch = look; };
+globalThis.setTimeout = (open) => later.push(open);
+globalThis.WebSocket = class {
+  static OPEN = 1;
+  constructor() { this.readyState = 0; sockets.push(this); }
+  send(text) { sent.push(text); }
+  close() { this.readyState = 2; this.onclose?.(); }
+};
+const { Connection } = await import("./connection.js");
+const connection = new Connection({ answered() {}, changed: (is) => changes.push(is) });
+const open = () => { sockets.at(-1).readyState = 1; sockets.at(-1).onopen(); };
+const after = (ms) => { now += ms; watch(); };
+open();
+after(4000);
+sockets[0].onmessage({ data: "{}" });
+after(4000);
+const alive = [connection.order("a", "pause", ""), ...changes];
+after(2000);
+const lost = [connection.order("a", "pause", ""), ...changes, sockets[0].readyState];
+later.pop()();
+open();
+console.log(JSON.stringify({ alive, lost, again: [sockets.length, later.length, ...changes], sent: sent.length }));
+"""
+
+
+def test_a_connection_that_is_silent_is_lost_and_sends_nothing():
+    """A browser took minutes to see that a link was dead, and meanwhile orders went nowhere."""
+    assert node(SILENT) == {
+        "alive": [True, True], "lost": [False, True, False, 2], "again": [2, 0, True, False, True], "sent": 3,
+    }  # fmt: skip

@@ -3,6 +3,7 @@
 import asyncio
 import re
 import socket
+import time
 
 import numpy as np
 import pytest
@@ -51,6 +52,21 @@ def test_a_viewer_is_told_what_there_is_and_what_becomes_new():
             assert len((await guest.hear()).tiles) == 4
             state.put("a", "pose", [3.0, 2.0, 0.0])
             assert (await guest.hear()).robots["a"].values == {"pose": [3.0, 2.0, 0.0]}
+
+    asyncio.run(run())
+
+
+def test_a_viewer_hears_something_when_nothing_is_new():
+    """By that its page knows that the connection is alive."""
+
+    async def run():
+        async with served(state_with_a_map()) as address:
+            guest = await Guest.at(address)
+            await guest.hear()
+            begin = time.monotonic()
+            for _ in range(2):
+                assert not await guest.hear()
+            assert 2.0 < time.monotonic() - begin < 4.0
 
     asyncio.run(run())
 

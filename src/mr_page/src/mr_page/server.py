@@ -27,6 +27,7 @@ PORT = 8088
 ADDRESS = "localhost"
 MAX_VIEWERS = 16
 MAX_ORDERS = 16  # of a viewer at a time
+QUIET = 1.5  # s without news after which a viewer is told that there are none; pages wait 5 s
 MAX_REQUEST = 4096  # octets of a message from a browser
 
 
@@ -118,6 +119,7 @@ class _Live(_Handler, WebSocketHandler):
         self._server = server
         self._viewer: Viewer | None = None
         self._busy = False
+        self._told_at = -float("inf")
         self._orders: set[asyncio.Task[None]] = set()
 
     def get_compression_options(self) -> dict[str, Any]:
@@ -174,12 +176,17 @@ class _Live(_Handler, WebSocketHandler):
             await self.write_message(told)
 
     def tell(self) -> None:
-        """Send what is new, unless the last update is still on its way."""
+        """Send what is new, unless the last update is still on its way. Nothing new is told, too, now and then: a page
+        knows by it that its connection is alive."""
         if self._viewer is None or self._busy:
             return
-        update = self._viewer.update(IOLoop.current().time())
+        now = IOLoop.current().time()
+        update = self._viewer.update(now)
+        if update is None and now - self._told_at >= QUIET:
+            update = Update()
         if update is not None:
             self._busy = True
+            self._told_at = now
             IOLoop.current().add_callback(self._send, encoded(update))
 
     async def _send(self, message: bytes) -> None:

@@ -74,9 +74,10 @@ function passing(robot) {
 }
 
 export class CommandBar {
-  /** `order(robot, command, to)` sends one. */
+  /** `order(robot, command, to)` sends one, and says whether it was sent. */
   constructor(order) {
     this._order = order;
+    this._unanswered = ""; // label of what was sent last, until there is an answer
     this._addressees = [];
     this._select = make("select");
     this._select.title = "Whom the buttons are for";
@@ -107,6 +108,7 @@ export class CommandBar {
   }
 
   answered({ robot, command, done, text }) {
+    this._unanswered = "";
     this._say(`${robot}: ${text || (done ? "done" : `${command} was refused`)}`, done);
   }
 
@@ -123,7 +125,15 @@ export class CommandBar {
     const reasons = this._reasons(name), { robots, way, to } = this._chosen(), able = robots.filter((_, i) => !reasons[i]);
     if (!able.length) return this._say(this._buttons[name].title, false);
     this._say(`${COMMANDS[name].text}: ${to || able.map((robot) => robot.name).join(", ")} …`, true);
-    for (const robot of able) this._order(robot.name, name in ORDERS ? way + name : name, to);
+    const sent = able.map((robot) => this._order(robot.name, name in ORDERS ? way + name : name, to));
+    if (sent.every(Boolean)) this._unanswered = COMMANDS[name].text;
+    else this._say(`no connection: ${COMMANDS[name].text} was not sent`, false);
+  }
+
+  /** The connection is lost. */
+  lost() {
+    if (this._unanswered) this._say(`no connection: ${this._unanswered} may not have arrived`, false);
+    this._unanswered = "";
   }
 
   /** Why each of those addressed cannot do it; empty where it can. */

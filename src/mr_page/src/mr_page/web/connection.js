@@ -2,6 +2,8 @@
 
 const TILE_OCTETS = 1024;
 const RETRY = 1500; // ms
+const WATCH = 1000; // ms between two looks whether it is alive
+const SILENCE = 5000; // ms; the server says something every two seconds
 
 /** {anew, robots, maps, tiles: [{robot, kind, row, column, octets}], rest, moment (of what was)} of a message. */
 export function decoded(buffer) {
@@ -21,8 +23,10 @@ export class Connection {
     this._answered = answered;
     this._changed = changed;
     this._socket = null;
+    this._heardAt = 0;
     this._maps = "[]";
     this._open();
+    setInterval(() => this._watch(), WATCH);
   }
 
   /** The maps that are looked at, [[robot, kind]]. Whether they are others than before. */
@@ -34,9 +38,9 @@ export class Connection {
     return true;
   }
 
-  /** `to`: the robot to which it is to be passed on, empty: to none. */
+  /** `to`: the robot to which it is to be passed on, empty: to none. Whether it was sent. */
   order(robot, command, to) {
-    this._send(JSON.stringify(to ? { robot, command, to } : { robot, command }));
+    return this._send(JSON.stringify(to ? { robot, command, to } : { robot, command }));
   }
 
   /** What was at a time of the team's clock comes to `tookPast(update)`. */
@@ -45,6 +49,7 @@ export class Connection {
   }
 
   _heard(data) {
+    this._heardAt = performance.now();
     if (typeof data === "string") {
       this._answered(JSON.parse(data));
       return;
@@ -54,21 +59,35 @@ export class Connection {
   }
 
   _send(text) {
-    if (this._socket.readyState === WebSocket.OPEN) this._socket.send(text);
+    if (this._socket?.readyState !== WebSocket.OPEN) return false;
+    this._socket.send(text);
+    return true;
+  }
+
+  /** A browser takes minutes to find out that a link is dead. */
+  _watch() {
+    if (this._socket?.readyState === WebSocket.OPEN && performance.now() - this._heardAt > SILENCE) this._lose();
+  }
+
+  _lose() {
+    const socket = this._socket;
+    this._socket = null;
+    socket.onopen = socket.onmessage = socket.onclose = null;
+    socket.close();
+    this._changed(false);
+    setTimeout(() => this._open(), RETRY);
   }
 
   _open() {
     const place = window.location, socket = new WebSocket(`${place.protocol === "https:" ? "wss" : "ws"}://${place.host}/live`);
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
+      this._heardAt = performance.now();
       this._changed(true);
       this._send(`{"maps":${this._maps}}`);
     };
     socket.onmessage = ({ data }) => this._heard(data);
-    socket.onclose = () => {
-      this._changed(false);
-      setTimeout(() => this._open(), RETRY);
-    };
+    socket.onclose = () => this._lose();
     this._socket = socket;
   }
 }

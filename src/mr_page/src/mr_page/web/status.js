@@ -61,7 +61,7 @@ const connection = new Connection({
       live.reset();
       log.reset();
       past.reset();
-    }
+    } else commands.lost();
     redraw();
   },
 });
