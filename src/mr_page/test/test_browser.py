@@ -285,7 +285,7 @@ def test_before_the_first_answer_the_page_is_connecting():
         async with served(PageState()) as address, browser() as one:
             tab = await one.open("data:text/html,nothing", 1300, 850)
             await tab.call("Page.enable")
-            wait = "window.WebSocket = class { close() {} constructor() { window.sockets = [...(window.sockets ?? []), this]; } }"
+            wait = "window.sockets = []; window.WebSocket = class { close() {} constructor() { sockets.push(this); } }"
             await tab.call("Page.addScriptToEvaluateOnNewDocument", {"source": wait})
             await tab.call("Page.navigate", {"url": f"http://{address}/"})
             await tab.wait_for(f"document.getElementById('status') && {text('#status')} === 'connecting'")
