@@ -1,4 +1,4 @@
-"""Ctrl-C while the team runner is still being read."""
+"""Ctrl-C while the team runner, or a node, is still being read."""
 
 import os
 import signal
@@ -28,3 +28,23 @@ def test_an_interrupt_during_the_imports_ends_it_without_a_traceback(slow):
         team.send_signal(signal.SIGINT)
         _, errors = team.communicate(timeout=20.0)
     assert (team.returncode, errors) == (-signal.SIGINT, "")
+
+
+@pytest.mark.parametrize(
+    "node",
+    ["explorer/nodes/explorer", "map_merger/nodes/map_merger", "mr_launch/nodes/monitor", "mr_robot/nodes/move_base"],
+)
+def test_an_interrupt_during_the_imports_ends_a_node(node, tmp_path):
+    """The import of cv2 lost it, as this one does: the team runner then waited for the node for half a minute."""
+    (tmp_path / "cv2.py").write_text(
+        "import time\nprint('importing', flush=True)\ntry:\n    time.sleep(30.0)\nexcept BaseException:\n    pass\n"
+    )
+    path = f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"
+    command = [sys.executable, str(TEAM.parents[2] / node)]
+    with subprocess.Popen(
+        command, env={**os.environ, "PYTHONPATH": path}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout.readline() == "importing\n"
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=20.0)
+    assert (process.returncode, errors) == (-signal.SIGINT, "")
