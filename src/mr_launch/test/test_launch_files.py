@@ -1,6 +1,7 @@
 """Every launch file and every parameter file loads; robot.launch explains its arguments."""
 
 import os
+import shlex
 import subprocess
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -226,6 +227,20 @@ def test_robots_under_one_master_have_their_own_names_and_frames(count):
         }
         for node, values in words.items():
             assert {key: parameters[f"/{robot}/{node}/{key}"] for key in values} == values
+
+
+def test_robots_under_one_master_are_called_by_their_number_whatever_the_world_calls_them():
+    """In a world with anna and bob two robots waited for ever; a folder with a blank was two arguments."""
+    given = ("world:=/my worlds/w.world", "robot:=turtlebot")
+    config = loaded("simulation_2.launch", *given)
+    (stage,) = (node for node in config.nodes if node.name == "stageros")
+    assert shlex.split(stage.args) == ["-g", "/my worlds/w.world"]
+    parameters = {key: parameter.value for key, parameter in config.params.items()}
+    assert {parameters[f"/robot_{number}/explorer/field_of_view"] for number in range(2)} == {0.99}
+
+
+def test_the_name_of_a_played_robot_may_be_a_number():
+    assert parameters_of("replayed_robot.launch", "robot_name:=7", "map_merger:=true")["/map_merger/robot_name"] == "7"
 
 
 def test_the_bag_holds_the_topics_of_the_robots_own_drivers(tmp_path):

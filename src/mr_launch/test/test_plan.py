@@ -177,13 +177,17 @@ def test_socket_paths_fit_the_kernel():
         assert len(Plan(plan().options, "", [], "", "", {}, isolation.PRIVATE_MOUNT).socket(name)) < 108
 
 
+UNSET = ["--unset=ROS_IP", "--unset=ROS_NAMESPACE", "--unset=ROS_ROOT_LOG"]  # of whoever enters
+ENV = ["env", "-C", "/here", *UNSET, "A=1", "rostopic", "list"]
+
+
 def test_entering_a_robot():
     command = isolation.command_inside(isolation.USER_NAMESPACES, 500, 7, {"A": "1"}, "/here", ["rostopic", "list"])
     text = " ".join(command)
     assert re.match(r"nsenter --target 500 --user --preserve-credentials --mount --pid --", text)
-    assert text.endswith("nsenter --target 7 --net -- env -C /here A=1 rostopic list")
+    assert text.endswith("nsenter --target 7 --net -- " + " ".join(ENV))
     hub = isolation.command_inside(isolation.HUB, 500, None, {"A": "1"}, "/here", ["rostopic", "list"])
-    assert hub == ["env", "-C", "/here", "A=1", "rostopic", "list"]
+    assert hub == ENV
 
 
 def test_system_python_comes_first_on_path():

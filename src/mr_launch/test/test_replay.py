@@ -1,6 +1,7 @@
 """What a replay plays: stretches of time, topics, robots; and what it refuses. No ROS process is started."""
 
 import math
+import shlex
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -170,3 +171,14 @@ def test_after_a_failure_nothing_is_said_to_have_been_made(tmp_path, capsys, mon
     arguments = [tmp_path / "a", "--out", tmp_path / "out", "--compute", "explorer", "--isolation", "hub"]
     assert main([str(argument) for argument in arguments]) == code
     assert ("what explorer made of it" in capsys.readouterr().out) == told
+
+
+def test_the_command_to_look_inside_can_be_copied(tmp_path, capsys, monkeypatch):
+    """Also where the folder has a blank."""
+    record(tmp_path / "a" / "a.bag", 3, 4)
+    monkeypatch.setattr(replay_command, "run_inside", lambda *_: 0)
+    out = tmp_path / "my replay"
+    assert main([str(tmp_path / "a"), "--out", str(out), "--isolation", "hub"]) == 0
+    (line,) = (line for line in capsys.readouterr().err.splitlines() if "rosrun" in line)
+    words = shlex.split(line.partition("with: ")[2])
+    assert words == ["rosrun", "mr_launch", "enter", "--team", str(out), "a", "rostopic", "list"]

@@ -21,6 +21,9 @@ HUB = "hub"
 # Hides nothing a team needs: its sockets live here, on a file system that nobody else sees.
 PRIVATE_MOUNT = "/dev/shm"
 
+# Variables of whoever starts or enters a team that would mislead its programs.
+MISLEADING = ("ROS_IP", "ROS_NAMESPACE", "ROS_ROOT_LOG")
+
 _PROBE = (
     "mount -t tmpfs -o mode=0755 none " + PRIVATE_MOUNT + " && "
     "ip link add air0 type veth peer name radio0 && ip link set lo up && ip link set air0 up && "
@@ -94,11 +97,12 @@ def command_inside(
         isolation: of the running team.
         init: process id of the team's first process, as seen by the caller.
         holder: process id of the robot's namespace holder, as seen inside the team; None without namespaces.
-        environment: variables to set (ROS_MASTER_URI and others).
+        environment: variables to set (ROS_MASTER_URI and others); MISLEADING ones are taken away.
         folder: working directory.
         command: program and arguments.
     """
-    tail = ["env", "-C", folder, *(f"{name}={value}" for name, value in environment.items()), *command]
+    without = [f"--unset={name}" for name in MISLEADING]
+    tail = ["env", "-C", folder, *without, *(f"{name}={value}" for name, value in environment.items()), *command]
     if isolation == HUB or holder is None:
         return tail
     user = ["--user", "--preserve-credentials"] if isolation == USER_NAMESPACES else []

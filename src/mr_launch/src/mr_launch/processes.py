@@ -18,7 +18,7 @@ def program_environment() -> dict[str, str]:
     """For all programs of a team. Several nodes share few cores; threads of numerical libraries would only get in each
     other's way."""
     environment = {**os.environ, **FEW_THREADS}
-    for name in ("ROS_IP", "ROS_NAMESPACE", "ROS_ROOT_LOG"):
+    for name in isolation.MISLEADING:
         environment.pop(name, None)
     return environment
 
