@@ -178,7 +178,8 @@ def test_what_is_refused(mission, capsys):
 
 def test_what_reindex_keeps_is_no_bag(tmp_path):
     """Once a bag that had been mended was refused for ever for the copy beside it."""
-    (tmp_path / "topics_1.bag").touch()
+    with Bag(tmp_path / "topics_1.bag"):
+        pass
     for name in ("topics_1.bag.orig.active", "topics_1.orig.bag", "topics_1.bag.orig"):
         (tmp_path / name).touch()
     (robot,) = find_recording(tmp_path).robots
@@ -239,3 +240,13 @@ def test_without_rosbags_one_line_says_what_to_do(mission):
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 2 and done.stderr.startswith("export: the Python package rosbags is missing: run")
+
+
+def test_robots_are_called_as_they_called_themselves(tmp_path):
+    """Without robot_name:= the folder of each robot's records is called robot."""
+    record(tmp_path / "robot" / "topics_1.bag", "anna")
+    record(tmp_path / "bob" / "topics_1.bag", "bob")  # whose map_merger says nothing
+    assert [robot.name for robot in find_recording(tmp_path).robots] == ["bob", "anna"]
+    assert find_recording(tmp_path / "robot" / "topics_1.bag").robots[0].name == "anna"
+    record(tmp_path / "attic" / "topics_1.bag", "anna")
+    assert [robot.name for robot in find_recording(tmp_path).robots] == ["attic", "bob", "robot"]

@@ -121,11 +121,10 @@ def test_what_is_refused(tmp_path, capsys):
     with Bag(tmp_path / "a" / "a.bag"):
         pass
     assert f"no message in any bag of {tmp_path / 'a'}" in refused()
+    assert main([str(tmp_path / "a"), "--out", str(tmp_path / "a")]) == 2
+    assert "is not an empty folder" in capsys.readouterr().err
     (tmp_path / "a" / "a.bag").write_bytes(b"x")
     assert "a.bag is no bag of ROS 1" in refused()
-    out = tmp_path / "a"
-    assert main([str(tmp_path / "a"), "--out", str(out)]) == 2
-    assert "is not an empty folder" in capsys.readouterr().err
 
 
 def test_presets_are_those_of_the_plan(tmp_path):

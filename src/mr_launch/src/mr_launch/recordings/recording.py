@@ -7,12 +7,13 @@ from pathlib import Path
 
 from mr_launch.errors import UserError
 from mr_launch.plan import PLAN_FILE, Plan, bag_name
-from mr_launch.recordings.bags import opened
+from mr_launch.recordings.bags import decoded, messages, opened, topic_of
 
 WHAT_IS_FOUND = (
     "output folder of the team runner; of a real robot its folder of bags or one bag; a folder with several of these"
 )
-ROBOTS_OWN = "topics_"  # with what robot.launch begins the names of its bags; the folder is called as the robot then
+ROBOTS_OWN = "topics_"  # with what robot.launch begins the names of its bags
+MERGER = "map_merger/status"  # says the name of its robot
 
 
 @dataclass(frozen=True)
@@ -50,14 +51,14 @@ def find_recording(path: Path) -> Recording:
 
 def _found(path: Path) -> Recording:
     if path.is_file():
-        return Recording(path.parent, (RecordedRobot(_name_of([path]), (path,)),))
+        return Recording(path.parent, _recorded([[path]]))
     if not path.is_dir():
         raise UserError(f"{path} does not exist")
     if (path / PLAN_FILE).is_file():
         return _of_team(path)
     own = _bags(path)
     folders = [path] if own else [folder for folder in sorted(path.iterdir()) if folder.is_dir() and _bags(folder)]
-    robots = tuple(RecordedRobot(_name_of(_bags(folder)), tuple(_bags(folder))) for folder in folders)
+    robots = _recorded([_bags(folder) for folder in folders])
     if not robots:
         raise UserError(f"no bags in {path}: missions with --no-bag and robots without record:=true have none")
     names = [robot.name for robot in robots]
@@ -102,6 +103,24 @@ def _bags(folder: Path) -> list[Path]:
     """Also those that a recorder left open, which the reader refuses with a remedy; not what `rosbag reindex` kept."""
     found = (path for path in folder.glob("*.bag*") if path.suffix in (".bag", ".active"))
     return sorted(path for path in found if not path.stem.endswith(".orig"))
+
+
+def _recorded(all_bags: list[list[Path]]) -> tuple[RecordedRobot, ...]:
+    """Those of one robot and another: called as they called themselves, or by their folders where two say the same."""
+    own = [_own_name(bags) for bags in all_bags]
+    names = [name if name and own.count(name) == 1 else _name_of(bags) for name, bags in zip(own, all_bags)]
+    return tuple(RecordedRobot(name, tuple(bags)) for name, bags in zip(names, all_bags))
+
+
+def _own_name(bags: list[Path]) -> str:
+    """As the robot called itself, empty if the bags do not tell. Without robot_name:= all folders are called robot."""
+    with opened(bags) as reader:
+        told = [connection for connection in reader.connections if topic_of(connection) == MERGER]
+        for connection, _, octets in messages(reader, told):
+            message = decoded(reader, connection, octets)
+            if message is not None:
+                return str(getattr(message, "robot", ""))
+    return ""
 
 
 def _name_of(bags: list[Path]) -> str:
