@@ -5,6 +5,7 @@ import shlex
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
+import numpy as np
 import pytest
 from recorded_bags import SECOND, Bag
 from test_launch_files import parameters_of
@@ -181,3 +182,60 @@ def test_the_command_to_look_inside_can_be_copied(tmp_path, capsys, monkeypatch)
     (line,) = (line for line in capsys.readouterr().err.splitlines() if "rosrun" in line)
     words = shlex.split(line.partition("with: ")[2])
     assert words == ["rosrun", "mr_launch", "enter", "--team", str(out), "a", "rostopic", "list"]
+
+
+def record_base(path):
+    """What a base station hears and merges."""
+    with Bag(path) as bag:
+        bag.add(3 * SECOND, "map_merger/global_map", bag.grid(3 * SECOND, np.zeros((2, 3))))
+        bag.add(4 * SECOND, "all_positions", bag.positions("a", 3.0, 4.0))
+
+
+def test_a_base_station_is_not_played(tmp_path, capsys):
+    """Once the replay of the whole team failed for want of its map."""
+    record(tmp_path / "records" / "a" / "a.bag", 3, 4)
+    record_base(tmp_path / "records" / "base" / "topics_1.bag")
+    assert [robot.name for robot in planned(tmp_path, "records").robots] == ["a"]
+    assert capsys.readouterr().err == "replay: base has no body; it is not played\n"
+    (tmp_path / "records" / "a" / "a.bag").unlink()
+    with pytest.raises(UserError, match="base stations are not played"):
+        planned(tmp_path, "records")
+
+
+def planned(folder, mission, *arguments):
+    out = folder / "out"
+    (out / "played").mkdir(parents=True, exist_ok=True)
+    options = make_parser().parse_args([str(folder / mission), "--isolation", "hub", *arguments])
+    return make_plan(find_recording(folder / mission), options, out, {})
+
+
+def record_drivers(path, *scans):
+    with Bag(path) as bag:
+        for topic in scans:
+            bag.add(3 * SECOND, topic, bag.scan(3 * SECOND))
+        bag.add(4 * SECOND, "/pose", bag.odometry(4 * SECOND))
+        bag.add(4 * SECOND, "base_pose_ground_truth", bag.odometry(4 * SECOND))
+        bag.add(5 * SECOND, "map", bag.grid(5 * SECOND, np.zeros((2, 3))))
+
+
+@pytest.mark.parametrize(
+    ("scans", "arguments", "note"),
+    [
+        (("/scan",), {"scan_topic": "scan"}, ""),
+        (("base_scan",), {}, ""),
+        (("base_scan", "rear"), {}, ""),
+        (("front", "rear"), {}, "no scans on base_scan, only on front, rear; is --robot right?"),
+        ((), {}, "no scans on base_scan, on no topic; is --robot right?"),
+    ],
+)
+def test_topics_that_the_launch_file_was_given_are_found_in_the_bags(tmp_path, capsys, scans, arguments, note):
+    """Once nodes that ran again waited in vain for those of the preset."""
+    record_drivers(tmp_path / "a" / "a.bag", *scans)
+    (robot,) = planned(tmp_path, "a", "--compute", "map_merger").robots
+    told = {word: value for word, value in robot.arguments.items() if word.endswith("_topic")}
+    assert told == {"odometry_topic": "pose", **arguments}
+    assert note in capsys.readouterr().err if note else capsys.readouterr().err == ""
+    words = [f"{word}:={value}" for word, value in told.items()]
+    parameters = parameters_of("replayed_robot.launch", *ARGUMENTS, *words)
+    assert parameters["/map_merger/position_local_robot_topic"] == "pose"
+    assert parameters["/map_merger/scan_topic"] == arguments.get("scan_topic", "base_scan")

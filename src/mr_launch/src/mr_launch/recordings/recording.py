@@ -8,11 +8,13 @@ from pathlib import Path
 from mr_launch.errors import UserError
 from mr_launch.plan import PLAN_FILE, Plan, bag_name
 from mr_launch.recordings.bags import decoded, messages, opened, topic_of
+from mr_launch.recordings.drivers import topics_of_kind
 
 WHAT_IS_FOUND = (
     "output folder of the team runner; of a real robot its folder of bags or one bag; a folder with several of these"
 )
 ROBOTS_OWN = "topics_"  # with what robot.launch begins the names of its bags
+MAP = "map"  # of a robot's own SLAM
 MERGER = "map_merger/status"  # says the name of its robot
 
 
@@ -25,19 +27,21 @@ class RecordedRobot:
 @dataclass(frozen=True)
 class Recording:
     """`plan`: of a mission of the team runner; None for real robots. `missing`: its robots without a bag; `silent`:
-    those whose bags hold no message."""
+    those whose bags hold no message; `bodiless`: base stations, where these are left out."""
 
     folder: Path
     robots: tuple[RecordedRobot, ...]
     plan: Plan | None = None
     missing: tuple[str, ...] = ()
     silent: tuple[str, ...] = ()
+    bodiless: tuple[str, ...] = ()
 
     @property
     def notes(self) -> list[str]:
         """What people should know of the robots that are left out."""
         missing = [f"there is no bag of {name}; the others go without" for name in self.missing]
-        return missing + [f"the bags of {name} hold no message; the others go without" for name in self.silent]
+        silent = [f"the bags of {name} hold no message; the others go without" for name in self.silent]
+        return missing + silent + [f"{name} has no body; it is not played" for name in self.bodiless]
 
 
 def find_recording(path: Path) -> Recording:
@@ -79,6 +83,20 @@ def with_messages(recording: Recording) -> Recording:
 def _has_messages(robot: RecordedRobot) -> bool:
     with opened(robot.bags) as reader:
         return bool(reader.message_count)
+
+
+def with_bodies(recording: Recording) -> Recording:
+    """Without base stations, whose bags have neither scans nor a map of their own. Raises UserError if none is left."""
+    there = tuple(robot for robot in recording.robots if _has_body(robot))
+    if not there:
+        raise UserError(f"no scans and no own map in any bag of {recording.folder}; base stations are not played")
+    return replace(recording, robots=there, bodiless=tuple(each.name for each in recording.robots if each not in there))
+
+
+def _has_body(robot: RecordedRobot) -> bool:
+    with opened(robot.bags) as reader:
+        own_map = any(topic_of(connection) == MAP for connection in reader.connections)
+        return own_map or bool(topics_of_kind(reader.connections, "scan"))
 
 
 def _of_team(folder: Path) -> Recording:

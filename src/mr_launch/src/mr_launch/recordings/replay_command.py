@@ -11,9 +11,9 @@ import shlex
 import shutil
 import sys
 import time
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Iterator, Sequence
+from typing import Any, Iterator, Sequence
 
 from mr_launch import isolation
 from mr_launch.arguments import STRATEGY, check_folder, strategy_number
@@ -24,7 +24,8 @@ from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, initial_poses
 from mr_launch.programs import find_played, free_ports
 from mr_launch.recordings.bags import SECOND, Span, opened
 from mr_launch.recordings.cut import cut, is_played
-from mr_launch.recordings.recording import WHAT_IS_FOUND, Recording, find_recording, with_messages
+from mr_launch.recordings.drivers import driver_arguments, scan_note
+from mr_launch.recordings.recording import WHAT_IS_FOUND, Recording, find_recording, with_bodies, with_messages
 from mr_launch.recordings.replay_plan import PlayedRobot, ReplayPlan
 from mr_launch.recordings.survey import Survey, clock_shifts
 
@@ -110,7 +111,7 @@ def check_robot(preset: str) -> None:
 
 def make_plan(recording: Recording, options: argparse.Namespace, out: Path, programs: dict[str, str]) -> ReplayPlan:
     """Cuts the bags, too. Raises UserError and OSError."""
-    recording = with_messages(recording)
+    recording = with_bodies(with_messages(recording))
     for note in recording.notes:
         print(f"replay: {note}", file=sys.stderr)
     kind, _ = isolation.choose(options.isolation, os.geteuid())
@@ -126,7 +127,7 @@ def make_plan(recording: Recording, options: argparse.Namespace, out: Path, prog
         bag = cuts_folder(out) / f"{robot.name}.bag"
         with opened(robot.bags) as reader:
             cut(reader, bag, spans[robot.name], is_played(options.compute))
-        arguments = computing_arguments(copy, robot.name, options) if options.compute else {}
+            arguments = computing_arguments(copy, robot.name, options, reader.connections) if options.compute else {}
         robots.append(PlayedRobot(robot.name, port, str(bag), spans[robot.name].end / SECOND, arguments))
     if options.compute:
         _prepare_results(recording, copy, out)
@@ -166,11 +167,14 @@ def played_spans(recording: Recording, first: float, last: float) -> dict[str, S
     return {name: Span(begin - moves[name], until - moves[name]) for name in names}
 
 
-def computing_arguments(plan: Plan | None, name: str, options: argparse.Namespace) -> dict[str, str]:
-    """Of replayed_robot.launch: what the nodes have to know, from the mission's plan or from the options."""
+def computing_arguments(
+    plan: Plan | None, name: str, options: argparse.Namespace, connections: Sequence[Any]
+) -> dict[str, str]:
+    """Of replayed_robot.launch: what the nodes have to know, from the mission's plan or from options and bags."""
     strategy = options.strategy if options.strategy is not None else plan.options.strategy if plan else STRATEGY
     if plan is None:
-        return {"robot": options.robot or "pioneer", "frontier_selection": str(strategy)}
+        robot = options.robot or "pioneer"
+        return {"robot": robot, "frontier_selection": str(strategy), **_driver_topics(name, robot, connections)}
     preset = {robot.name: robot.preset for robot in plan.robots}[name]
     return {
         "robot": options.robot or plan.preset_file(preset),
@@ -182,6 +186,17 @@ def computing_arguments(plan: Plan | None, name: str, options: argparse.Namespac
         "base_station": BASE if plan.base else "",
         "seed": str(plan.options.seed + next(robot.index for robot in plan.robots if robot.name == name)),
     }
+
+
+def _driver_topics(name: str, preset: str, connections: Sequence[Any]) -> dict[str, str]:
+    """Those that robot.launch was told, as far as the bags tell."""
+    from mr_robot.platforms.preset import load_platform
+
+    topics = asdict(load_platform(preset).topics)
+    note = scan_note(name, connections, topics)
+    if note:
+        print(f"replay: {note}", file=sys.stderr)
+    return driver_arguments(connections, topics)
 
 
 def cuts_folder(out: Path) -> Path:
