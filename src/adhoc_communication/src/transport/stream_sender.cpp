@@ -39,10 +39,14 @@ void StreamSender::drop(SendId id, Time now) {
   pass_over_dropped();
 }
 
-/// What is now the first packet may have arrived and wait for those before: a segment of it carries the new base.
 void StreamSender::pass_over_dropped() {
   if (packets_.empty() || !packets_.front().dropped) return;
   while (!packets_.empty() && packets_.front().dropped) pop_front();
+  tell_base();
+}
+
+/// What is now the first packet may have arrived and wait for those before: a segment of it carries the new base.
+void StreamSender::tell_base() {
   if (packets_.empty() || packets_.front().started == 0) return;
   OutgoingPacket& first = packets_.front();
   probing_ = true;
@@ -285,6 +289,7 @@ std::vector<StreamSender::GivenUp> StreamSender::give_up_refused(Time now) {
     pop_front();
   }
   pass_over_dropped();
+  if (!given_up.empty()) tell_base();
   return given_up;
 }
 

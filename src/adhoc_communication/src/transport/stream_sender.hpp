@@ -93,6 +93,7 @@ class StreamSender {
   void tell_given_up(const OutgoingPacket& packet, Time now);
   void pop_front();
   void pass_over_dropped();
+  void tell_base();
   std::deque<OutgoingPacket>::iterator find_id(SendId id);
   std::vector<GivenUp> give_up_refused(Time now);
   wire::Data segment(OutgoingPacket& packet, std::uint32_t index, Time now);

@@ -252,5 +252,29 @@ TEST(Reassembly, ASendWithoutRoomFailsAfterAMinute) {
   EXPECT_TRUE(joined.sender.idle());
 }
 
+/// It was held for ever: nobody told the receiver that the packet before it would not come.
+TEST(Reassembly, APacketBehindOneGivenUpForWantOfRoomIsDelivered) {
+  Joined joined;
+  const Reassembly::Key others[] = {key(20, 1), key(21, 1), key(22, 1), key(23, 1)};
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(joined.reassembly.admit(others[i], i < 3 ? kLargestWhole : 60'000, true, 0s));
+  const transport::Image text = std::make_shared<Bytes>(noise(200));
+  joined.sender.add(2, text, 1000, 0s);
+  std::vector<transport::StreamSender::GivenUp> given_up;
+  std::vector<SendId> finished;
+  for (; finished.empty() && joined.now < 70s; joined.now += 10ms) {
+    for (const Reassembly::Key& other : others) joined.reassembly.progress(other, 1000, joined.now);
+    joined.pass(200);
+    if (joined.receiver.due(2) <= joined.now) {
+      finished = joined.sender.acknowledged(joined.receiver.acknowledge(2), joined.now);
+    }
+    for (const auto& packet : joined.sender.expire(10, joined.now, joined.random)) given_up.push_back(packet);
+  }
+  ASSERT_EQ(given_up.size(), 1u);
+  EXPECT_TRUE(given_up[0].no_room);
+  EXPECT_EQ(finished, std::vector<SendId>{2});
+  ASSERT_EQ(joined.arrived.size(), 1u);
+  EXPECT_TRUE(joined.arrived[0] == *text);
+}
+
 }  // namespace
 }  // namespace adhoc_communication
