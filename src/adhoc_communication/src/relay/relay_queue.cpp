@@ -52,7 +52,7 @@ void RelayQueue::remember_last(RelayedMessage message) {
   const bool was_whole = std::exchange(last_is_whole_, entry_.latched && budget_.fits(message->bytes.size()));
   if (last_is_whole_) {
     last_ = std::move(message);
-  } else if (!last_ || was_whole || !(type_of(*last_) == type_of(*message))) {
+  } else if (!last_ || was_whole || last_->definition.empty() || !(type_of(*last_) == type_of(*message))) {
     last_ =
         std::make_shared<SerializedMessage>(SerializedMessage{message->type, message->md5sum, message->definition, {}});
   }

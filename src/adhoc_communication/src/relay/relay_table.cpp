@@ -161,9 +161,11 @@ RelayTable::Transfer RelayTable::start(Id id, RelayQueue& relay, Time now) {
   const RelayEntry& entry = relay.entry();
   const std::uint64_t number = next_number_++;
   const TypeName carried = type_of(*transfer.message);
-  const bool knows = lessons_.known(transfer.destination, carried);
+  // Some publishers give no definition: nobody who asks for it later could be answered.
+  const bool teaches = !transfer.message->definition.empty();
+  const bool knows = teaches && lessons_.known(transfer.destination, carried);
   // Nobody answers for a broadcast.
-  if (!knows && !transfer.destination.empty()) lessons_.begin(transfer.destination, carried, number);
+  if (teaches && !knows && !transfer.destination.empty()) lessons_.begin(transfer.destination, carried, number);
   const PayloadType type = knows ? PayloadType::kMessageByType : PayloadType::kAnyMessage;
   SendRequest request;
   request.destination = transfer.destination;
@@ -214,7 +216,7 @@ void RelayTable::answer(const PacketReceived& request) {
   const SerializedMessage asked = decode_any_message(request);
   const TypeName type = type_of(asked);
   for (const auto& [id, relay] : relays_) {
-    if (!relay.last() || !(type_of(*relay.last()) == type)) continue;
+    if (!relay.last() || relay.last()->definition.empty() || !(type_of(*relay.last()) == type)) continue;
     return letters_.answer(request.source, type, relay.last()->definition);
   }
 }

@@ -617,6 +617,42 @@ TEST(RelayTable, AnswersWhoLacksADefinition) {
   EXPECT_THROW(table.answer(question("none", kMd5sum)), PayloadError);
 }
 
+/// All but the first went by type only, and were lost at a receiver whom nobody could tell the definition.
+TEST(RelayTable, MessagesOfAPublisherWithoutADefinitionAllGoInFull) {
+  RelayTable table("self");
+  const auto id = table.add(to("bob"));
+  table.robot_appeared("bob", 0s);
+  table.robot_appeared("carol", 0s);
+  const auto offer = [&](const char* octets, const char* definition) {
+    const std::string text = octets;
+    table.offer(id,
+                std::make_shared<SerializedMessage>(
+                    SerializedMessage{"pkg/Type", kMd5sum, definition, Bytes(text.begin(), text.end())}),
+                0s);
+  };
+  const auto next_type = [&] {
+    const auto transfer = table.next(0s);
+    if (!transfer) return '-';
+    table.finished(transfer->number, true, "", 0s);
+    return type_of(*transfer);
+  };
+  offer("1", "");
+  offer("2", "");
+  const auto first = table.next(0s);
+  EXPECT_EQ(next_type(), 'X') << "none waits for what another teaches";
+  table.finished(first->number, true, "", 0s);
+  offer("3", "");
+  EXPECT_EQ(next_type(), 'X');
+  table.answer(question("pkg/Type", kMd5sum));
+  EXPECT_EQ(next_type(), '-') << "an empty definition is no answer";
+  offer("4", "float64 x");
+  EXPECT_EQ(next_type(), 'X') << "nobody has been taught it yet";
+  offer("5", "float64 x");
+  EXPECT_EQ(next_type(), 'x');
+  table.answer(question("pkg/Type", kMd5sum));
+  EXPECT_EQ(next_type(), 'D') << "another publisher gave it";
+}
+
 TEST(RelayTable, AsksAheadOfMessages) {
   RelayTable table("self");
   table.offer(table.add(to("bob")), message("1"), 0s);
