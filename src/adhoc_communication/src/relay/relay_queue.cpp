@@ -128,18 +128,18 @@ RelayTransfer RelayQueue::take(const MaySend& may_send, Time now) {
   return first;
 }
 
-void RelayQueue::finished(const RelayTransfer& transfer, bool delivered, const std::string& reason, bool present,
+void RelayQueue::finished(const MessageUnderWay& sent, bool delivered, const std::string& reason, bool present,
                           Time now, const std::vector<std::string>& missed) {
   ++(delivered ? delivered_ : failed_);
   if (delivered) return;
   last_failure_ = reason;
-  if (transfer.is_too_large) return;
-  const bool by_itself = transfer.destination != entry_.destination;  // also after it was away
-  if (last_ != transfer.message || (!by_itself && !present)) return;
-  had_.erase(transfer.destination);
+  if (sent.is_too_large) return;
+  const bool by_itself = sent.destination != entry_.destination;  // also after it was away
+  if (last_ != sent.message.lock() || (!by_itself && !present)) return;
+  had_.erase(sent.destination);
   const Time due = std::max(due_, now + kRetry);
   // Those who have it are not to get it again because others have not.
-  if (missed.empty()) owe_last(transfer.destination, now);
+  if (missed.empty()) owe_last(sent.destination, now);
   for (const std::string& member : missed) owe_last(member, now);
   due_ = due;
 }

@@ -32,11 +32,18 @@ using RelayedMessage = std::shared_ptr<const SerializedMessage>;
 
 inline TypeName type_of(const SerializedMessage& message) { return {message.type, message.md5sum}; }
 
-/// A message on its way to one destination.
+/// A message for one destination.
 struct RelayTransfer {
   RelayedMessage message;
   std::string destination;
   Time expires = Time::max();
+};
+
+/// A message on its way to one destination. Its octets, which are in the request by now, are not kept.
+struct MessageUnderWay {
+  std::weak_ptr<const SerializedMessage> message;
+  TypeName type;
+  std::string destination;
   bool is_too_large = false;  ///< for any packet, so trying again is of no use
 };
 
@@ -83,7 +90,7 @@ class RelayQueue {
   void ended() { --in_flight_; }
   /// How a transfer ended that ended(). `missed`: of a group, the members that have not got it; nobody named means that
   /// nobody may have.
-  void finished(const RelayTransfer& transfer, bool delivered, const std::string& reason, bool present, Time now,
+  void finished(const MessageUnderWay& sent, bool delivered, const std::string& reason, bool present, Time now,
                 const std::vector<std::string>& missed);
 
  private:

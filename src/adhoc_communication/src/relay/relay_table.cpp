@@ -157,7 +157,7 @@ std::optional<RelayTable::Transfer> RelayTable::next(Time now) {
 }
 
 RelayTable::Transfer RelayTable::start(Id id, RelayQueue& relay, Time now) {
-  RelayTransfer transfer = relay.take(may_send(), now);
+  const RelayTransfer transfer = relay.take(may_send(), now);
   const RelayEntry& entry = relay.entry();
   const std::uint64_t number = next_number_++;
   const TypeName carried = type_of(*transfer.message);
@@ -176,8 +176,8 @@ RelayTable::Transfer RelayTable::start(Id id, RelayQueue& relay, Time now) {
   request.latched = entry.latched || transfer.message->latched;
   request.newest_only = entry.newest_only;
   if (transfer.expires != Time::max()) request.lifetime = transfer.expires - now;
-  transfer.is_too_large = packet_size(request) > max_packet_size_;
-  in_flight_.emplace(number, InFlight{id, std::move(transfer)});
+  const bool is_too_large = packet_size(request) > max_packet_size_;
+  in_flight_.emplace(number, InFlight{id, {transfer.message, carried, transfer.destination, is_too_large}});
   return {number, std::move(request)};
 }
 
@@ -186,7 +186,7 @@ std::optional<RelayTable::InFlight> RelayTable::end_transfer(std::uint64_t numbe
   if (found == in_flight_.end()) return std::nullopt;
   InFlight ended = std::move(found->second);
   in_flight_.erase(found);
-  lessons_.end(ended.transfer.destination, type_of(*ended.transfer.message), number, delivered);
+  lessons_.end(ended.message.destination, ended.message.type, number, delivered);
   const auto relay = relays_.find(ended.relay);
   if (relay == relays_.end()) return std::nullopt;
   relay->second.ended();
@@ -201,7 +201,7 @@ void RelayTable::finished(std::uint64_t number, bool delivered, const std::strin
   const std::optional<InFlight> ended = end_transfer(number, delivered);
   if (!ended) return;
   RelayQueue& relay = relays_.at(ended->relay);
-  relay.finished(ended->transfer, delivered, reason, present(relay.entry().destination), now, missed);
+  relay.finished(ended->message, delivered, reason, present(relay.entry().destination), now, missed);
 }
 
 Time RelayTable::next_deadline() const {

@@ -77,7 +77,7 @@ class RelayTable {
  private:
   struct InFlight {
     Id relay = 0;
-    RelayTransfer transfer;
+    MessageUnderWay message;
   };
 
   void check(const RelayEntry& entry) const;

@@ -189,6 +189,27 @@ TEST(RelayTable, AtMostFourOfARelayAreOnTheWay) {
   EXPECT_EQ(started, static_cast<int>(RelayQueue::kMostInFlight));
 }
 
+/// They were in memory beside the requests until the sends ended, outside of all bounds.
+TEST(RelayTable, OctetsOfMessagesOnTheirWayAreNotKept) {
+  for (const bool latched : {false, true}) {
+    RelayTable table("self");
+    RelayEntry entry = to("bob");
+    entry.latched = latched;
+    const auto id = table.add(entry);
+    table.robot_appeared("bob", 0s);
+    RelayTable::Message offered = message("octets");
+    const std::weak_ptr<const SerializedMessage> kept = offered;
+    table.offer(id, std::move(offered), 0s);
+    const auto under_way = table.next(0s);
+    ASSERT_TRUE(under_way);
+    EXPECT_EQ(kept.expired(), !latched) << "a latched relay keeps its newest";
+    table.offer(id, message("newer"), 0s);
+    EXPECT_TRUE(kept.expired()) << "latched " << latched;
+    table.finished(under_way->number, false, "no route", 0s);
+    EXPECT_EQ(only_report(table).failed, 1u);
+  }
+}
+
 TEST(RelayTable, OneRelayDoesNotStarveAnother) {
   RelayTable table("self");
   const auto a = table.add(to("bob", "a"));
