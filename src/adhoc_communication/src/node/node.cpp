@@ -22,13 +22,7 @@ constexpr std::uint64_t kMegabyte = 1'000'000;
 /// The link first, because it fails most: only then does the rest of the node come into being.
 std::unique_ptr<Link> open_link_for(NodeOptions& options) {
   auto link = open_link(options.interface, options.mac, options.engine.robot_name);
-  options.engine.mtu = link->mtu();
-  const int largest = link->mtu() + 14;
-  if (options.engine.max_frame_size > largest) {
-    ROS_WARN("Parameter ~max_frame_size = %d is more than interface %s carries: %d is used",
-             options.engine.max_frame_size, options.interface.c_str(), largest);
-    options.engine.max_frame_size = largest;
-  }
+  if (const auto warning = set_mtu(options, link->mtu())) ROS_WARN("The %s", warning->c_str());
   return link;
 }
 

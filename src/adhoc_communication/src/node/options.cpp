@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "link/ethernet.hpp"
 #include "link/mac_address.hpp"
 #include "node/relay_options.hpp"
 #include "node/timing_options.hpp"
@@ -303,6 +304,16 @@ OptionsRead read_options(const XmlRpcValue& values, const std::string& host_name
   complete(result.options, host_name);
   check(result.options);
   return result;
+}
+
+/// max_frame_size stays as it is: the interface may come back with a larger MTU.
+std::optional<std::string> set_mtu(NodeOptions& options, int mtu) {
+  options.engine.mtu = mtu;
+  const int largest = mtu + static_cast<int>(kEthernetHeaderSize);
+  const int wanted = options.engine.max_frame_size;
+  if (wanted <= largest) return std::nullopt;
+  return "parameter ~max_frame_size = " + std::to_string(wanted) + " is more than interface " + options.interface +
+         " carries: " + std::to_string(largest) + " is used";
 }
 
 }  // namespace adhoc_communication

@@ -63,6 +63,10 @@ struct OptionsRead {
 /// with one sentence that names the parameter, its value and what is allowed.
 OptionsRead read_options(const XmlRpc::XmlRpcValue& values, const std::string& host_name);
 
+/// Of the interface. The engine's frames are as long as both it and max_frame_size allow; returns a warning if it is
+/// the interface that bounds them.
+std::optional<std::string> set_mtu(NodeOptions& options, int mtu);
+
 /// name,mac!name,mac!...  Throws std::invalid_argument.
 std::map<MacAddress, std::string> parse_robot_macs(const std::string& text);
 

@@ -101,6 +101,17 @@ TEST(Options, EachParameterReachesItsOption) {
   EXPECT_FALSE(read(with("join_groups_automatically", false)).engine.join_groups_automatically);
 }
 
+/// The MTU of the start bounded frames for good.
+TEST(Options, SmallMtuAtTheStartLeavesTheFrameSizeThatWasAskedFor) {
+  NodeOptions options = read(with("max_frame_size", 1400));
+  EXPECT_EQ(set_mtu(options, 1000),
+            "parameter ~max_frame_size = 1400 is more than interface wlan0 carries: 1014 is used");
+  EXPECT_EQ(options.engine.mtu, 1000);
+  EXPECT_EQ(options.engine.max_frame_size, 1400) << "the interface may come back with a larger MTU";
+  EXPECT_EQ(set_mtu(options, 1386), std::nullopt);
+  EXPECT_EQ(options.engine.mtu, 1386);
+}
+
 TEST(Options, WholeNumberServesAsANumber) { EXPECT_DOUBLE_EQ(read(with("loss_ratio", 0)).engine.loss_ratio, 0.0); }
 
 TEST(Options, WrongTypeIsRefusedByName) {
