@@ -60,6 +60,10 @@ void TopicRelay::add(RelayEntry entry) {
   options.callback_queue = &arrivals_;
   ros::Subscriber subscriber = node_.subscribe(options);
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (!subscriber) {
+    table_.remove(id);
+    throw std::invalid_argument("relay of '" + topic + "': the ROS master does not answer");
+  }
   if (table_.has(id)) std::swap(subscribers_[id], subscriber);  // it may have been removed meanwhile
 }
 

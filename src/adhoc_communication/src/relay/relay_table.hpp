@@ -39,6 +39,7 @@ class RelayTable {
   Id add(RelayEntry entry);
   /// Every relay of that topic and destination; an empty remote topic stands for any. Returns those removed.
   std::vector<Id> remove(const std::string& topic, const std::string& destination, const std::string& remote_topic);
+  void remove(Id id) { relays_.erase(id); }
   bool has(Id id) const { return relays_.count(id) != 0; }
   std::vector<RelayReport> reports() const;
 
