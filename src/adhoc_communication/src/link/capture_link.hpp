@@ -20,6 +20,7 @@ class CaptureLink : public Link {
   bool keeps_frames() const override { return link_->keeps_frames(); }
   void tend() override { link_->tend(); }
   bool is_up() const override { return link_->is_up(); }
+  std::string trouble() const override { return link_->trouble(); }
   MacAddress address() const override { return link_->address(); }
   int mtu() const override { return link_->mtu(); }
   std::uint64_t frames_not_sent() const override { return link_->frames_not_sent(); }

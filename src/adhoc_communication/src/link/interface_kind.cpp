@@ -4,6 +4,8 @@
 #include <net/if_arp.h>
 #include <sys/ioctl.h>
 
+#include "link/master_interface.hpp"
+
 namespace adhoc_communication {
 namespace {
 
@@ -11,6 +13,11 @@ std::string in_words(unsigned mode) {
   if (mode == IW_MODE_INFRA) return "is a station of an access point (mode managed)";
   if (mode == IW_MODE_MASTER) return "is an access point (mode AP)";
   return "is in monitor mode";
+}
+
+/// The others, as batman-adv and VRFs, leave frames to those who listen at their ports.
+bool takes_all_frames(const std::string& master_kind) {
+  return master_kind == "bridge" || master_kind == "bond" || master_kind == "team";
 }
 
 }  // namespace
@@ -23,6 +30,7 @@ InterfaceKind interface_kind(int socket, const std::string& interface) {
   struct iwreq wireless {};
   interface.copy(wireless.ifr_name, IFNAMSIZ - 1);
   if (ioctl(socket, SIOCGIWMODE, &wireless) == 0) kind.wireless_mode = wireless.u.mode;
+  kind.master = master_of(interface);
   return kind;
 }
 
@@ -31,6 +39,10 @@ std::optional<std::string> objection(const std::string& interface, const Interfa
   if (kind.hardware != ARPHRD_ETHER && kind.hardware != ARPHRD_LOOPBACK) {
     return name + " carries no Ethernet frames (hardware type " + std::to_string(kind.hardware) +
            "): a tunnel or modem will not do, give a wireless interface in ad hoc or mesh mode, or an Ethernet";
+  }
+  if (takes_all_frames(kind.master.kind)) {
+    return name + " is a port of " + kind.master.kind + " " + kind.master.name +
+           ", which takes all that it hears: use " + kind.master.name;
   }
   const bool is_wrong =
       kind.wireless_mode && (*kind.wireless_mode == IW_MODE_INFRA || *kind.wireless_mode == IW_MODE_MASTER ||

@@ -4,11 +4,14 @@
 #include <optional>
 #include <string>
 
+#include "link/master_interface.hpp"
+
 namespace adhoc_communication {
 
 struct InterfaceKind {
   int hardware = 0;                       ///< ARPHRD_*
   std::optional<unsigned> wireless_mode;  ///< IW_MODE_*; nothing if it is not wireless, or does not tell
+  MasterInterface master{};               ///< of which it is a port
 };
 
 /// `socket`: any.

@@ -43,6 +43,8 @@ class Link {
   virtual void tend() = 0;
 
   virtual bool is_up() const = 0;
+  /// One sentence on why it is not up, where more is known than that.
+  virtual std::string trouble() const { return {}; }
   virtual MacAddress address() const = 0;             ///< tend() may find another one
   virtual int mtu() const = 0;                        ///< octets behind the Ethernet header; the same
   virtual std::uint64_t frames_not_sent() const = 0;  ///< that the link did not take

@@ -121,9 +121,11 @@ void PacketSocketLink::open() {
   read_interface();
 }
 
-/// Another radio may have taken the place of the one before, or somebody has set another address or size of frames.
+/// Another radio may have taken the place of the one before, or somebody has set another mode, address or size of
+/// frames.
 void PacketSocketLink::read_interface() {
-  up_ = interface_is_up(socket_.get(), interface_);
+  trouble_ = objection(interface_, interface_kind(socket_.get(), interface_)).value_or("");
+  up_ = trouble_.empty() && interface_is_up(socket_.get(), interface_);
   mtu_ = interface_mtu(socket_.get(), interface_);
   address_ = given_address_ ? *given_address_ : hardware_address(socket_.get(), interface_);
   if (is_zero(address_)) address_ = address_of_robot(robot_name_);
@@ -190,13 +192,15 @@ void PacketSocketLink::tend() {
   const unsigned index = if_nametoindex(interface_.c_str());
   if (index == 0) {
     up_ = false;
+    trouble_.clear();
     return;
   }
   if (static_cast<int>(index) != index_) {  // the interface was removed and made anew
     try {
       open();
-    } catch (const LinkError&) {
+    } catch (const LinkError& error) {
       up_ = false;
+      trouble_ = error.what();
     }
     return;
   }

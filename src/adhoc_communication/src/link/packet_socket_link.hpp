@@ -21,6 +21,7 @@ class PacketSocketLink : public Link {
   bool keeps_frames() const override;
   void tend() override;
   bool is_up() const override { return up_; }
+  std::string trouble() const override { return trouble_; }
   MacAddress address() const override { return address_; }
   int mtu() const override { return mtu_; }
   std::uint64_t frames_not_sent() const override { return not_sent_; }
@@ -45,6 +46,7 @@ class PacketSocketLink : public Link {
   int index_ = 0;
   int mtu_ = 0;
   bool up_ = false;
+  std::string trouble_;
   bool hears_all_ = false;
   std::uint64_t not_sent_ = 0;
   std::uint64_t missed_ = 0;

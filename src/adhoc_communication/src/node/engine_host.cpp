@@ -164,9 +164,18 @@ void EngineHost::tend_link(Time now) {
   next_tending_ = now + kTendingInterval;
   link_->tend();
   if (link_->is_up() && (link_->address() != address_ || link_->mtu() != mtu_)) restart_engine(now);
-  if (link_->is_up() == link_was_up_) return;
-  link_was_up_ = link_->is_up();
-  callbacks_.on_warning(link_was_up_ ? "the interface is up again" : "the interface is down; waiting for its return");
+  tell_link_state();
+}
+
+void EngineHost::tell_link_state() {
+  const bool up = link_->is_up();
+  const std::string trouble = link_->trouble();
+  const bool is_told = up == link_was_up_ && (up || trouble.empty() || trouble == trouble_told_);
+  if (is_told) return;
+  link_was_up_ = up;
+  trouble_told_ = trouble;
+  const std::string why = trouble.empty() ? "" : ": " + trouble;
+  callbacks_.on_warning(up ? "the interface is up again" : "the interface is down; waiting for its return" + why);
 }
 
 void EngineHost::restart_engine(Time now) {

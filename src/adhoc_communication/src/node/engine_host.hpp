@@ -99,6 +99,7 @@ class EngineHost {
   void report_events();
   void report_records();
   void tend_link(Time now);
+  void tell_link_state();
   void restart_engine(Time now);
   void report(PacketReceived& packet);
   void report(const SendFinished& end);
@@ -125,6 +126,7 @@ class EngineHost {
   std::map<SendId, Waiter> sends_;
   std::multimap<std::pair<std::string, bool>, Waiter> group_changes_;  ///< by group and whether it is to be joined
   bool link_was_up_ = true;
+  std::string trouble_told_;
   Time next_tending_{0};
 
   std::mutex mutex_;

@@ -101,6 +101,34 @@ TEST(EngineHost, BeginsAnewOnAnInterfaceThatHasChanged) {
   EXPECT_EQ(host.snapshot().address, (MacAddress{2, 0, 0, 0, 0, 9}));
 }
 
+/// It was only said that the interface is down.
+TEST(EngineHost, SaysWhyAnInterfaceThatIsBackCannotBeUsed) {
+  class UselessLink : public FloodedLink {
+   public:
+    int receive(const FrameTaker&) override { return 0; }
+    void tend() override { ++looks_; }
+    bool is_up() const override { return looks_ == 0; }
+    std::string trouble() const override { return looks_ < 2 ? "" : "it is a tunnel"; }
+
+   private:
+    int looks_ = 0;
+  };
+  EngineOptions options;
+  options.robot_name = "alice";
+  std::promise<std::vector<std::string>> told;
+  std::vector<std::string> warnings;
+  HostCallbacks callbacks;
+  callbacks.on_warning = [&](const std::string& text) {
+    warnings.push_back(text);
+    if (warnings.size() == 2) told.set_value(warnings);
+  };
+  EngineHost host(options, std::make_unique<UselessLink>(), ReceiveFilter("alice", {}, {}, nullptr), callbacks);
+  std::future<std::vector<std::string>> all = told.get_future();
+  ASSERT_EQ(all.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  EXPECT_EQ(all.get(), (std::vector<std::string>{"the interface is down; waiting for its return",
+                                                 "the interface is down; waiting for its return: it is a tunnel"}));
+}
+
 /// Whatever its kind, an exception ended the whole process without a word.
 TEST(EngineHost, SaysWhatHasEndedIt) {
   class ThrowingLink : public ReplacedLink {

@@ -221,6 +221,62 @@ TEST_F(PacketSocketLinkTest, TunnelsAreRefused) {
   }
 }
 
+std::string refusal_of(const std::string& interface) {
+  try {
+    PacketSocketLink link(interface, std::nullopt, "near");
+  } catch (const LinkError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// They were taken without a word, and deaf.
+TEST_F(PacketSocketLinkTest, PortsOfABridgeAreRefused) {
+  PacketSocketLink near("near0", std::nullopt, "near");
+  if (std::system("ip link add br0 type bridge 2> /dev/null") != 0) GTEST_SKIP() << "no bridge is granted here";
+  run("ip link set near0 master br0");
+  const std::string why = "interface 'near0' is a port of bridge br0, which takes all that it hears: use br0";
+  EXPECT_EQ(refusal_of("near0"), why);
+  EXPECT_EQ(refusal_of("br0"), "");
+  near.tend();
+  EXPECT_FALSE(near.is_up());
+  EXPECT_EQ(near.trouble(), why);
+  run("ip link set near0 nomaster");
+  near.tend();
+  EXPECT_TRUE(near.is_up());
+  EXPECT_EQ(near.trouble(), "");
+}
+
+TEST_F(PacketSocketLinkTest, SlavesOfABondAreRefused) {
+  if (std::system("ip link add bond7 type bond 2> /dev/null") != 0) GTEST_SKIP() << "no bond is granted here";
+  run("ip link set near0 down && ip link set near0 master bond7");
+  EXPECT_EQ(refusal_of("near0"), "interface 'near0' is a port of bond bond7, which takes all that it hears: use bond7");
+}
+
+TEST_F(PacketSocketLinkTest, InterfaceThatIsMadeAnewAndOfNoUseSaysWhy) {
+  PacketSocketLink near("near0", std::nullopt, "near");
+  run("ip link delete near0");
+  near.tend();
+  EXPECT_EQ(near.trouble(), "");
+  run("ip link add near0 type ip6tnl local ::1 remote ::2 2>/dev/null || ip tuntap add dev near0 mode tun");
+  near.tend();
+  EXPECT_FALSE(near.is_up());
+  EXPECT_NE(near.trouble().find("'near0' carries no Ethernet frames"), std::string::npos) << near.trouble();
+  run("ip link delete near0");
+  lay_cable();
+  near.tend();
+  EXPECT_TRUE(near.is_up());
+  EXPECT_EQ(near.trouble(), "");
+}
+
+TEST(InterfaceKind, PortsAreOfUseWhereTheyAreHeardBesideTheirMaster) {
+  const auto is_refused = [](const char* kind) {
+    return objection("wlan0", {ARPHRD_ETHER, std::nullopt, {kind, "m0"}}).has_value();
+  };
+  for (const char* deaf : {"bridge", "bond", "team"}) EXPECT_TRUE(is_refused(deaf)) << deaf;
+  for (const char* hears : {"", "batadv", "vrf"}) EXPECT_FALSE(is_refused(hears)) << hears;
+}
+
 TEST(InterfaceKind, OnlyThoseOverWhichRobotsHearEachOther) {
   const auto said = [](int hardware, std::optional<unsigned> mode) {
     return objection("wlan0", {hardware, mode}).value_or("");
