@@ -188,6 +188,11 @@ BROKEN = {  # cause: facts, words of the finding, words of the remedy
         "ROS_IP 203.0.113.7 is not an address of this computer",
         "unset ROS_IP or correct it",
     ),
+    "nodes that were started with a stale ROS_IP": (
+        replace(without_radio(HEALTHY), running=NODES[2:], astray=dict.fromkeys(NODES[:2], "203.0.113.7")),
+        "adhoc_communication, map_merger cannot be reached at 203.0.113.7, which does not lead to this computer",
+        "unset ROS_IP",
+    ),
     "disk full": (with_computer(disks={"~/.ros": 1 << 20}), "disk of ~/.ros is nearly full: 1 MB", "rosclean purge"),
     "no memory": (with_computer(memory_available=50 << 20), "50 of 8192 MB are left", "end what"),
     "busy computer": (

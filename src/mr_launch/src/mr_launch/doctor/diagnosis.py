@@ -27,6 +27,7 @@ CHECKS: tuple[Check, ...] = (
 )
 
 ASKING_CHECKS: tuple[Check, ...] = (
+    robot.check_hosts,
     robot.check_nodes,
     robot.check_time,
     robot.check_drivers,

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import socket
 import threading
 import time
 import xmlrpc.client
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Iterator, Mapping
+from typing import Any, Iterable, Iterator, Mapping
+from urllib.parse import urlparse
 
 import rosgraph
 import rospkg
@@ -21,7 +22,7 @@ from adhoc_communication.srv import GetNeighbors
 
 from mr_launch.doctor.facts import FRAME_SIZE, HUB, Facts, Master, Radio, SetUp, Topic
 from mr_launch.doctor.listener import Listener
-from mr_launch.doctor.machine import computer_of, hub_of, interface_of, key_file_of
+from mr_launch.doctor.machine import computer_of, fault_of_name, hub_of, interface_of, key_file_of
 from mr_launch.doctor.set_up import folders_of, frame_size_of, parameters_of, set_up_of, topics_of
 
 PATIENCE = 3.0  # s that a master, a node or a service may take to answer
@@ -66,7 +67,7 @@ def _with_files(facts: Facts, wanted: Wanted, radio: Mapping[str, Any]) -> Facts
     return replace(facts, key_file=key_file_of(key_file)) if key_file else facts
 
 
-@contextmanager
+@contextlib.contextmanager
 def _patience() -> Iterator[None]:
     """For calls of a master or a node, which have no time limit of their own."""
     before = socket.getdefaulttimeout()
@@ -107,6 +108,7 @@ class Robot:
         assert facts.set_up is not None
         with _patience():
             running = tuple(node for node in facts.set_up.nodes if self._runs(node))
+            astray = self._astray(node for node in facts.set_up.nodes if node not in running)
             publishers, subscribers, _ = self._master.getSystemState()
             kinds = dict(self._master.getTopicTypes())
         graph = Graph(dict(publishers), dict(subscribers), kinds)
@@ -122,6 +124,7 @@ class Robot:
             facts,
             computer=computer,
             running=running,
+            astray=astray,
             clock=listener.clock(graph.publishers("/clock")),
             topics=listener.topics(),
             links=listener.links(),
@@ -144,6 +147,16 @@ class Robot:
         except (OSError, rosgraph.MasterException, xmlrpc.client.Error):
             return False
         return True
+
+    def _astray(self, nodes: Iterable[str]) -> dict[str, str]:
+        """Those that the master knows at hosts that do not lead here, and these hosts."""
+        found = {}
+        for node in nodes:
+            with contextlib.suppress(OSError, rosgraph.MasterException, xmlrpc.client.Error):
+                host = urlparse(self._master.lookupNode(self._namespace + node)).hostname or ""
+                if host and fault_of_name(host):
+                    found[node] = host
+        return found
 
     def _topics(self, set_up: SetUp, graph: Graph) -> dict[str, Topic]:
         """What the nodes of a robot with a body need. Where a launch file renames one, the node's own word counts."""

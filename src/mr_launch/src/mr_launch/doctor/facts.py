@@ -169,8 +169,9 @@ class SetUp:
 @dataclass(frozen=True)
 class Facts:
     """All of them. `topics` by what they are for: scan, odometry, velocity, map; `running`: nodes that answer;
-    `last_words`: the last error in the log of a node that does not; `peers`: robots that are to be in reach; `offered`:
-    somebody offers the action move_base."""
+    `last_words`: the last error in the log of a node that does not; `astray`: of such nodes, the host at which the
+    master knows them, where that is not this computer; `peers`: robots that are to be in reach; `offered`: somebody
+    offers the action move_base."""
 
     computer: Computer = field(default_factory=Computer)
     interface: Interface | None = None
@@ -184,5 +185,6 @@ class Facts:
     links: tuple[Link, ...] = ()
     radio: Radio | None = None
     last_words: Mapping[str, str] = field(default_factory=dict)
+    astray: Mapping[str, str] = field(default_factory=dict)
     offered: bool = True
     peers: tuple[str, ...] = ()

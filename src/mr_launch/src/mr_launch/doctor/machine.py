@@ -114,12 +114,13 @@ def own_name() -> OwnName:
     for variable in ("ROS_HOSTNAME", "ROS_IP"):
         name = os.environ.get(variable)
         if name:
-            return OwnName(name, variable, _fault_of_name(name))
+            return OwnName(name, variable, fault_of_name(name))
     name = socket.gethostname()
-    return OwnName(name, HOST_NAME, _fault_of_name(name))
+    return OwnName(name, HOST_NAME, fault_of_name(name))
 
 
-def _fault_of_name(name: str) -> str:
+def fault_of_name(name: str) -> str:
+    """Why a host's name or address does not lead to this computer; empty if it does."""
     try:
         found = socket.getaddrinfo(name, None, type=socket.SOCK_DGRAM)
     except (OSError, UnicodeError) as error:

@@ -51,6 +51,14 @@ def check_robot_names(facts: Facts) -> Iterator[Finding]:
         yield Finding("name", "the robot is called localhost, as others may be", "give it a name with robot_name:=")
 
 
+def check_hosts(facts: Facts) -> Iterator[Finding]:
+    """Nodes may have been started with another environment than the doctor."""
+    for host in sorted(set(facts.astray.values())):
+        nodes = ", ".join(node for node, place in facts.astray.items() if place == host)
+        what = f"{nodes} cannot be reached at {host}, which does not lead to this computer"
+        yield Finding("name", what, "unset ROS_IP and ROS_HOSTNAME or correct them, and start the nodes again")
+
+
 def check_nodes(facts: Facts) -> Iterator[Finding]:
     """A node whose parameters are wrong is named by these."""
     if facts.set_up is None:
@@ -64,7 +72,9 @@ def check_nodes(facts: Facts) -> Iterator[Finding]:
 
 
 def _explained(facts: Facts, node: str) -> bool:
-    """Something else that was found keeps the node from running."""
+    """Something else that was found keeps the node from running, or from being reached."""
+    if node in facts.astray:
+        return True
     if node != "adhoc_communication":
         return False
     return any(list(check(facts)) for check in (check_interface, check_hub, check_rights, check_key))
