@@ -221,7 +221,7 @@ TEST_F(PacketSocketLinkTest, TunnelsAreRefused) {
   }
 }
 
-std::string refusal_of(const std::string& interface) {
+std::string refusal_to_open(const std::string& interface) {
   try {
     PacketSocketLink link(interface, std::nullopt, "near");
   } catch (const LinkError& error) {
@@ -236,8 +236,8 @@ TEST_F(PacketSocketLinkTest, PortsOfABridgeAreRefused) {
   if (std::system("ip link add br0 type bridge 2> /dev/null") != 0) GTEST_SKIP() << "no bridge is granted here";
   run("ip link set near0 master br0");
   const std::string why = "interface 'near0' is a port of bridge br0, which takes all that it hears: use br0";
-  EXPECT_EQ(refusal_of("near0"), why);
-  EXPECT_EQ(refusal_of("br0"), "");
+  EXPECT_EQ(refusal_to_open("near0"), why);
+  EXPECT_EQ(refusal_to_open("br0"), "");
   near.tend();
   EXPECT_FALSE(near.is_up());
   EXPECT_EQ(near.trouble(), why);
@@ -250,7 +250,8 @@ TEST_F(PacketSocketLinkTest, PortsOfABridgeAreRefused) {
 TEST_F(PacketSocketLinkTest, SlavesOfABondAreRefused) {
   if (std::system("ip link add bond7 type bond 2> /dev/null") != 0) GTEST_SKIP() << "no bond is granted here";
   run("ip link set near0 down && ip link set near0 master bond7");
-  EXPECT_EQ(refusal_of("near0"), "interface 'near0' is a port of bond bond7, which takes all that it hears: use bond7");
+  EXPECT_EQ(refusal_to_open("near0"),
+            "interface 'near0' is a port of bond bond7, which takes all that it hears: use bond7");
 }
 
 TEST_F(PacketSocketLinkTest, InterfaceThatIsMadeAnewAndOfNoUseSaysWhy) {
