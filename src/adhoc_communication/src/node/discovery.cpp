@@ -38,14 +38,14 @@ Discovery::Discovery(ros::NodeHandle& node, const std::string& new_robot_topic, 
 void Discovery::announce(const std::string& robot) {
   const std::lock_guard<std::mutex> lock(mutex_);
   present_.insert(robot);
-  publish(new_robot_, robot);
+  errands_.add([publisher = new_robot_, robot] { publish(publisher, robot); });
 }
 
 void Discovery::announce_loss(const std::string& robot) {
   const std::lock_guard<std::mutex> lock(mutex_);
   present_.erase(robot);
   last_lost_ = robot;
-  publish(remove_robot_, robot);
+  errands_.add([publisher = remove_robot_, robot] { publish(publisher, robot); });
 }
 
 void Discovery::greet(const ros::SingleSubscriberPublisher& subscriber) {

@@ -8,6 +8,8 @@
 #include <set>
 #include <string>
 
+#include "node/errands.hpp"
+
 namespace adhoc_communication {
 
 /// new_robot and remove_robot (std_msgs/String). Plain latching would keep the last name only; here a late subscriber
@@ -15,8 +17,12 @@ namespace adhoc_communication {
 /// away.
 class Discovery {
  public:
+  static constexpr std::size_t kMostWaiting = 1000;
+
   Discovery(ros::NodeHandle& node, const std::string& new_robot_topic, const std::string& remove_robot_topic);
 
+  // These return at once: a thread of its own publishes. While the ROS master hangs, names wait; beyond kMostWaiting
+  // the oldest are not published, though who subscribes later is told the truth.
   void announce(const std::string& robot);
   void announce_loss(const std::string& robot);
 
@@ -29,6 +35,7 @@ class Discovery {
   std::string last_lost_;
   ros::Publisher new_robot_;
   ros::Publisher remove_robot_;
+  Errands errands_{kMostWaiting};
 };
 
 }  // namespace adhoc_communication
