@@ -247,13 +247,6 @@ TEST_F(PacketSocketLinkTest, PortsOfABridgeAreRefused) {
   EXPECT_EQ(near.trouble(), "");
 }
 
-TEST_F(PacketSocketLinkTest, SlavesOfABondAreRefused) {
-  if (std::system("ip link add bond7 type bond 2> /dev/null") != 0) GTEST_SKIP() << "no bond is granted here";
-  run("ip link set near0 down && ip link set near0 master bond7");
-  EXPECT_EQ(refusal_to_open("near0"),
-            "interface 'near0' is a port of bond bond7, which takes all that it hears: use bond7");
-}
-
 TEST_F(PacketSocketLinkTest, InterfaceThatIsMadeAnewAndOfNoUseSaysWhy) {
   PacketSocketLink near("near0", std::nullopt, "near");
   run("ip link delete near0");
