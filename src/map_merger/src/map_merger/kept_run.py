@@ -30,13 +30,14 @@ def value_of(anchor: Anchor, source: str) -> Dict[str, object]:
 
 def anchor_of(value: object, robot: str, source: str) -> Optional[Anchor]:
     """The run to go on with; None if nothing that can be used was kept, or not of this robot and source."""
+    if not isinstance(value, dict):
+        return None
     try:
-        assert isinstance(value, dict)
         x, y, yaw, resolution = (float(number) for number in value["corner"])
         seconds, nanoseconds = (int(number) for number in value["boot"])
         updates = int(value["updates"])
         is_own = (value["robot"], value["source"]) == (robot, source)
-    except (AssertionError, KeyError, OverflowError, TypeError, ValueError):
+    except (KeyError, OverflowError, TypeError, ValueError):
         return None
     usable = all(map(math.isfinite, (x, y, yaw))) and 0.0 < resolution < math.inf and updates >= 0
     if not source or not is_own or not usable:

@@ -1,0 +1,56 @@
+"""The run of the own map on the robot's ROS master, and who makes that map."""
+
+import contextlib
+import xmlrpc.client
+from typing import Any, Optional
+
+import rosgraph
+import rospy
+
+from . import kept_run
+from .messages import Anchor
+
+_FAILED = (OSError, rosgraph.MasterException, xmlrpc.client.Error)
+
+
+class OwnRun:
+    """Keeps the run beside the node, and tells when the local map is made by another process than so far."""
+
+    def __init__(self, robot: str, topic: str) -> None:
+        """`topic`: of the local map; empty: there is none, and nothing is kept."""
+        self._robot, self._topic = robot, rospy.resolve_name(topic) if topic else ""
+        self._parameter = rospy.get_name() + "_run"
+        self._source = self._publisher()
+        self._connection: Optional[dict] = None
+        self._kept = -1
+
+    def former(self) -> Optional[Anchor]:
+        """The run that the node left when it ended, if the local map has been made by the same process since."""
+        return kept_run.anchor_of(rospy.get_param(self._parameter, None), self._robot, self._source)
+
+    def keep(self, anchor: Optional[Anchor]) -> None:
+        """To be called again and again."""
+        if anchor is None or not self._source or anchor.updates == self._kept:
+            return
+        with contextlib.suppress(*_FAILED):
+            rospy.set_param(self._parameter, kept_run.value_of(anchor, self._source))
+            self._kept = anchor.updates
+
+    def is_over(self, message: Any) -> bool:
+        """Whether a message of the local map comes from another process: its frame is another one then."""
+        if message._connection_header is self._connection:
+            return False
+        self._connection = message._connection_header
+        before, self._source = self._source, self._publisher() or self._source
+        return bool(before) and before != self._source
+
+    def _publisher(self) -> str:
+        """Names the process that publishes the local map; empty if that is none, several, or cannot be found out."""
+        if not self._topic:
+            return ""
+        master = rosgraph.Master(rospy.get_name())
+        try:
+            nodes = [node for name, nodes in master.getSystemState()[0] if name == self._topic for node in nodes]
+            return str(master.lookupNode(nodes[0])) if len(nodes) == 1 else ""
+        except _FAILED:
+            return ""
