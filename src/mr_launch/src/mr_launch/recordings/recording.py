@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Callable
 
 from mr_launch.errors import UserError
 from mr_launch.plan import PLAN_FILE, Plan, bag_name
@@ -74,10 +75,8 @@ def _found(path: Path) -> Recording:
 
 def with_messages(recording: Recording) -> Recording:
     """Without the robots whose bags hold no message. Raises UserError if none is left."""
-    heard = tuple(robot for robot in recording.robots if _has_messages(robot))
-    if not heard:
-        raise UserError(f"no message in any bag of {recording.folder}")
-    return replace(recording, robots=heard, silent=tuple(each.name for each in recording.robots if each not in heard))
+    heard, silent = _parted(recording, _has_messages, f"no message in any bag of {recording.folder}")
+    return replace(recording, robots=heard, silent=silent)
 
 
 def _has_messages(robot: RecordedRobot) -> bool:
@@ -87,10 +86,19 @@ def _has_messages(robot: RecordedRobot) -> bool:
 
 def with_bodies(recording: Recording) -> Recording:
     """Without base stations, whose bags have neither scans nor a map of their own. Raises UserError if none is left."""
-    there = tuple(robot for robot in recording.robots if _has_body(robot))
-    if not there:
-        raise UserError(f"no scans and no own map in any bag of {recording.folder}; base stations are not played")
-    return replace(recording, robots=there, bodiless=tuple(each.name for each in recording.robots if each not in there))
+    none = f"no scans and no own map in any bag of {recording.folder}; base stations are not played"
+    there, bodiless = _parted(recording, _has_body, none)
+    return replace(recording, robots=there, bodiless=bodiless)
+
+
+def _parted(
+    recording: Recording, is_played: Callable[[RecordedRobot], bool], none: str
+) -> tuple[tuple[RecordedRobot, ...], tuple[str, ...]]:
+    """The robots to be played, and the names of the others. Raises UserError(`none`) if there are none to be played."""
+    played = tuple(robot for robot in recording.robots if is_played(robot))
+    if not played:
+        raise UserError(none)
+    return played, tuple(robot.name for robot in recording.robots if robot not in played)
 
 
 def _has_body(robot: RecordedRobot) -> bool:
