@@ -5,6 +5,7 @@
 
 #include "moving_team.hpp"
 #include "rows.hpp"
+#include "wire/frame_header.hpp"
 
 namespace adhoc_communication::bench {
 namespace {
@@ -199,6 +200,34 @@ Row delivered(const Mission& mission, Air air, const std::string& what, const Ta
               detail + mission.shortfall()};
 }
 
+/// What the frames of a mission were, as shares.
+std::string kinds_of_frames(Team& team) {
+  using wire::FrameType;
+  const std::pair<const char*, std::vector<FrameType>> kinds[] = {
+      {"beacons", {FrameType::kBeacon}},
+      {"requests", {FrameType::kRouteRequest}},
+      {"answers and errors", {FrameType::kRouteReply, FrameType::kRouteError, FrameType::kRouteReplyAcknowledgment}},
+      {"data", {FrameType::kData}},
+      {"acknowledgments", {FrameType::kHopAcknowledgment, FrameType::kTransportAcknowledgment}},
+      {"group data", {FrameType::kGroupData}},
+      {"reports", {FrameType::kGroupReport}},
+      {"trees", {FrameType::kGroupActivation, FrameType::kGroupRefusal}}};
+  Statistics::ByType sent{};
+  double all = 0;
+  for (std::size_t robot = 0; robot < kRobots; ++robot) {
+    const Statistics statistics = team.engine(robot).statistics();
+    for (std::size_t type = 0; type < sent.size(); ++type) sent[type] += statistics.frames_sent_by_type[type];
+    all += static_cast<double>(statistics.frames_sent);
+  }
+  std::string text;
+  for (const auto& [kind, types] : kinds) {
+    double frames = 0;
+    for (const FrameType type : types) frames += static_cast<double>(sent[static_cast<std::size_t>(type)]);
+    text += format(text.empty() ? "%.0f %% " : ", %.0f %% ", 100 * frames / all) + kind;
+  }
+  return text;
+}
+
 Row repeats(const Effort& effort) {
   std::uint64_t hashes[3];
   for (int i = 0; i < 3; ++i) {
@@ -234,7 +263,8 @@ void measure_mission(Air air, const Effort& effort, Rows& rows) {
   rows.add(delivered(mission, air, "10 groups of 10, 1 kB/s each", mission.group(), " (counted for each member)"));
   rows.add({name_of(air) + ": frames for each packet delivered", "<= 40", per_packet, "frames",
             complete && per_packet <= 40,
-            format("%.3g frames, %.3g packets, path or not", frames, packets) + mission.shortfall()});
+            format("%.3g frames, %.3g packets, path or not: ", frames, packets) + kinds_of_frames(mission.team()) +
+                mission.shortfall()});
   rows.add({name_of(air) + ": hearings in a second of one core", ">= 200000", heard / cpu, "1/s",
             heard / cpu >= 200'000, format("%.3g hearings in %.1f s of processor time", heard, cpu)});
   rows.add({name_of(air) + format(": %.3g virtual minutes on one core", effort.minutes), format("<= %.3g", bar), wall,
