@@ -71,11 +71,28 @@ void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& n
   const auto seen = seen_.find(key(request));
   if (seen == seen_.end()) return;  // it had to make room
   if (load_.heavy(now)) return;
-  const std::vector<MacAddress> needy = in_need(request, seen->second, neighbors, now);
+  std::vector<MacAddress> needy = in_need(request, seen->second, neighbors, now);
+  const auto is_needless = [&](const MacAddress& neighbor) {
+    return ends_at(request, neighbor) || silent_with_it(neighbor, holders_of(seen->second, neighbors), neighbors, now);
+  };
+  needy.erase(std::remove_if(needy.begin(), needy.end(), is_needless), needy.end());
   const std::size_t copies = std::min(needy.size(), kMostConfirmations);
   for (std::size_t i = 0; i < copies; ++i) {
     outbox_.unicast(needy[i], wire::FrameType::kRouteRequest, to_bytes(request));
   }
+}
+
+/// The neighbour would not pass it on: nothing is lost if it did not get it, unless it may be the one asked for.
+bool RequestFlood::ends_at(const wire::RouteRequest& request, const MacAddress& neighbor) {
+  return request.hop_limit <= 1 && request.destination != MacAddress{} && request.destination != neighbor;
+}
+
+/// A neighbour that hears another holder, too, has the request from two, and may be silent because of that: where it
+/// has hardly missed all of them, its silence is no sign of it.
+bool RequestFlood::silent_with_it(const MacAddress& neighbor, const Holders& holders, const Neighbors& neighbors,
+                                  Time now) {
+  const double others = chance_to_miss(neighbor, holders, neighbors, now);
+  return others < 1.0 && others * neighbors.beacon_loss(neighbor) <= kTolerableMiss;
 }
 
 /// In a crowd: others have broadcast the request to all who need it.

@@ -1,7 +1,8 @@
 // RFC 3561 sections 6.3 and 6.5: which route requests were seen, and passing them on.
 //
 // A lost broadcast is the weak point of a flood. So whoever has broadcast a request listens; a neighbour that has not
-// been heard with it after kConfirm, and hardly hears others who have it, gets it once more as an acknowledged unicast.
+// been heard with it after kConfirm, and hardly hears others who have it, gets it once more as an acknowledged unicast,
+// unless it would not pass it on.
 // While requests come thick and fast nobody gets such copies, and of those who hear one from several the others are
 // silent: searches are repeated, and air that floods have taken is lost to all.
 // On a crowded channel requests wait until the radio has room, and so do others: whoever had to wait gives them more
@@ -79,6 +80,8 @@ class RequestFlood {
   void confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now);
   bool needless(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) const;
   using Holders = std::vector<wire::NeighborTag>;
+  static bool ends_at(const wire::RouteRequest& request, const MacAddress& neighbor);
+  static bool silent_with_it(const MacAddress& neighbor, const Holders& holders, const Neighbors& neighbors, Time now);
   static Holders holders_of(const Seen& seen, const Neighbors& neighbors);
   static std::vector<MacAddress> in_need(const wire::RouteRequest& request, const Seen& seen,
                                          const Neighbors& neighbors, Time now);
