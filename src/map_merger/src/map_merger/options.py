@@ -145,11 +145,16 @@ def options_of(given: Mapping[str, Any], host_name: str) -> Options:
     return Options(**values)
 
 
-def warnings_of(given: Mapping[str, Any]) -> List[str]:
-    """One text for each parameter that was set though it has no effect."""
+def warnings_of(given: Mapping[str, Any], host_name: str) -> List[str]:
+    """One text for each parameter that was set, is none of which `options_of` complains, and has no effect."""
     reasons = dict(WITHOUT_EFFECT)
     if given.get("topology", "distributed") == "distributed" and given.get("base_station"):
         reasons["base_station"] = "topology is distributed"
+    own, named = str(given.get("robot_name") or host_name), [str(robot) for robot in given.get("initial_poses", {})]
+    if named and own not in named and given.get("has_local_map", True):
+        reasons["initial_poses"] = (
+            f"it has no pose of this robot, {own}, but of {', '.join(sorted(named))}: call it there as robot_name does"
+        )
     return [f"parameter {name} has no effect: {reasons[name]}" for name in sorted(given) if name in reasons]
 
 

@@ -118,11 +118,26 @@ def test_initial_poses_are_metres_and_radians():
     assert options.initial_poses == {"robot_0": Pose(1.0, 2.0, 0.5)}
 
 
+@pytest.mark.parametrize("name", [{"robot_name": "bob"}, {"robot_name": 7}, {}])
+def test_start_poses_without_the_robots_own_give_one_warning_with_the_names_there_are(name):
+    own = str(name.get("robot_name", "host"))
+    poses = {"Host": [0, 0, 0], "Bob": [1, 0, 0], 8: [2, 0, 0]}
+    (warning,) = warnings_of({**name, "initial_poses": poses}, "host")
+    assert f"initial_poses has no effect: it has no pose of this robot, {own}, but of 8, Bob, Host" in warning
+    own_pose = {name.get("robot_name", "host"): [3, 0, 0]}
+    assert warnings_of({**name, "initial_poses": {**poses, **own_pose}}, "host") == []
+    assert warnings_of({**name, "initial_poses": {}}, "host") == []
+
+
+def test_a_base_without_a_map_needs_no_start_pose():
+    assert warnings_of({"has_local_map": False, "initial_poses": {"bob": [0, 0, 0]}}, "base") == []
+
+
 def test_a_parameter_without_effect_gives_one_warning_with_the_reason():
     for name, reason in WITHOUT_EFFECT.items():
-        (warning,) = warnings_of({name: "x", "split_size": 4})
+        (warning,) = warnings_of({name: "x", "split_size": 4}, "host")
         assert name in warning and reason in warning
-    assert warnings_of({"split_size": 4}) == []
+    assert warnings_of({"split_size": 4}, "host") == []
 
 
 def test_the_centralized_topology_needs_a_base_and_every_robot_but_the_base_a_map():
@@ -138,7 +153,7 @@ def test_the_centralized_topology_needs_a_base_and_every_robot_but_the_base_a_ma
 
 
 def test_a_base_in_the_distributed_topology_gives_one_warning():
-    (warning,) = warnings_of({"base_station": "base"})
+    (warning,) = warnings_of({"base_station": "base"}, "host")
     assert "base_station has no effect: topology is distributed" in warning
-    assert warnings_of({"base_station": "base", "topology": "centralized"}) == []
-    assert warnings_of({"base_station": ""}) == []
+    assert warnings_of({"base_station": "base", "topology": "centralized"}, "host") == []
+    assert warnings_of({"base_station": ""}, "host") == []
