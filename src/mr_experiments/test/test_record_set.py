@@ -1,6 +1,7 @@
 """Folders of records: what is read, how it is grouped, and what is refused."""
 
 import json
+from pathlib import Path
 
 import pytest
 from sample_records import failed_record, make_record, write_record
@@ -70,6 +71,17 @@ def test_trials_of_different_odometry_are_not_put_together(tmp_path):
 def test_worlds_of_one_name_in_two_folders_have_figures_of_their_own():
     one, other = Chapter("a/map.yaml", "paper", 7), Chapter("b/map.yaml", "paper", 7)
     assert one.slug != other.slug and one.title != other.title
+
+
+def test_one_world_named_in_two_ways_is_one_group(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("flat.world").write_text("model ( )")
+    for seed, world in enumerate(("flat.world", "./flat.world", str(tmp_path.resolve() / "flat.world"))):
+        record = make_record(1, seed)
+        record["trial"]["world"] = world
+        write_record(tmp_path, record)
+    (group,) = load_records(tmp_path).groups
+    assert group.chapter.title.startswith("flat, ") and group.chapter.slug.startswith("flat-")
 
 
 def test_times_of_death_that_are_drawn_from_the_seed_are_no_difference(tmp_path):

@@ -289,6 +289,36 @@ def test_teams_are_as_large_as_the_world_allows_unless_told(tmp_path, fake_missi
     assert "two.world defines 2 robots; asked for 3: ask for others with --robots" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("given", ["two.world", "./two.world", "link.world", "../{folder}/two.world", "{path}"])
+def test_a_run_goes_on_however_its_world_is_named(tmp_path, fake_mission, capsys, monkeypatch, given):
+    world = tmp_path / "two.world"
+    world.write_text(TWO)
+    (tmp_path / "link.world").symlink_to(world)
+    monkeypatch.chdir(tmp_path)
+    fake_mission({})
+    call = ["--robots", "1", "--trials", "1", "--out", "records", "--world"]
+    assert main([*call, "two.world"]) == 1
+    before = (tmp_path / "records" / "two-r1-paper-7-s1.json").read_text()
+    capsys.readouterr()
+    assert main([*call, given.format(folder=tmp_path.name, path=world)]) == 1
+    assert "1 of 1 trials are recorded" in capsys.readouterr().out
+    assert [path.read_text() for path in (tmp_path / "records").iterdir()] == [before]
+
+
+def test_a_run_of_before_worlds_had_one_name_goes_on(tmp_path, fake_mission, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("two.world").write_text(TWO)
+    fake_mission({})
+    call = ["--world", "two.world", "--robots", "1", "--trials", "1", "--out", "records"]
+    assert main(call) == 1
+    path = Path("records/two-r1-paper-7-s1.json")
+    record = json.loads(path.read_text())
+    record["trial"]["world"] = "./two.world"
+    path.write_text(json.dumps(record))
+    assert main(call) == 1
+    assert "1 of 1 trials are recorded" in capsys.readouterr().out
+
+
 def test_reasons_of_failed_trials_are_told_also_when_they_are_recorded_already(short, fake_mission, capsys):
     fake_mission({1: lambda: 1 / 0})
     assert main([*short, "--trials", "2"]) == 1

@@ -26,10 +26,12 @@ def begun_record(plan: Plan, versions: Mapping[str, str]) -> MissionRecord:
 
 
 def asked_settings(plan: Plan) -> dict[str, Any]:
-    """Settings have the names that they have in virtual time."""
+    """Settings, and worlds, have the names that they have in virtual time."""
+    from mr_sim.world_names import name_of
+
     options = plan.options
     return {
-        "world": options.world,
+        "world": name_of(options.world),
         "robots": len(plan.robots),
         "seed": options.seed,
         "scenario": STACK,

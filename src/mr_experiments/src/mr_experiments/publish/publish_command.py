@@ -13,9 +13,9 @@ from mr_experiments.bench.explore_missions import read_rows
 from mr_experiments.common.command_line import BAD_CALL, CallError, Parser
 from mr_experiments.publish.mission_table import mission_rows, world_rows
 from mr_experiments.publish.published import PublishError, render
-from mr_experiments.report.record_set import is_record, load_records, refuse_doubles
+from mr_experiments.report.record_set import is_record, load_record, load_records, refuse_doubles
 from mr_experiments.report.stack_missions import is_of_stack
-from mr_measures.record.files import RecordError, read_record
+from mr_measures.record.files import RecordError
 from mr_measures.record.mission_record import MissionRecord
 
 Row = Mapping[str, Any]
@@ -124,7 +124,7 @@ def _records(folder: Path) -> list[tuple[Path, MissionRecord]]:
     others = [path for path, each in documents.items() if not is_record(each)]
     if others:
         print(f"publish: no records of missions, passed over: {', '.join(map(str, others))}", file=sys.stderr)
-    return [(path.resolve(), read_record(path)) for path in documents if path not in others]
+    return [(path.resolve(), load_record(path)) for path in documents if path not in others]
 
 
 def _of_worlds(files: Sequence[str]) -> list[dict[str, Any]]:

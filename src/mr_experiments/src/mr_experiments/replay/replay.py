@@ -35,6 +35,7 @@ from mr_measures.record.files import RecordError, read_record
 from mr_measures.record.mission_record import MissionRecord, RobotMaps
 from mr_page.document import self_contained
 from mr_sim.raster import Grid
+from mr_sim.world_names import told_here
 
 MAX_SNAPSHOT_CHARACTERS = 16_000_000  # in one page; with more, snapshots are left out evenly
 REVEAL_STEP = 0.5  # s, least step in which a reconstructed map grows
@@ -98,7 +99,7 @@ def _head(record: MissionRecord) -> dict[str, Any]:
     """Title, plain values of the trial, and how it came out."""
     asked, outcome = record.asked, record.outcome
     count = len(record.robots)
-    title = f"{asked.world}, {count} robot{'s' if count != 1 else ''}, {asked.scenario}, seed {asked.seed}"
+    title = f"{told_here(asked.world)}, {count} robot{'s' if count != 1 else ''}, {asked.scenario}, seed {asked.seed}"
     return {
         "title": title,
         "trial": {name: value for name, value in asked.settings.items() if isinstance(value, (str, int, float))},

@@ -14,8 +14,9 @@ from matplotlib.figure import Figure
 
 from mr_experiments.common.statistics import Ratio, mean_ratio, median_ratio
 from mr_experiments.report.figure_style import INK, STYLE, team_colour, write_png
+from mr_experiments.report.record_set import load_record
 from mr_experiments.report.stack_missions import Attempt, read_attempts
-from mr_measures.record.files import RecordError, read_record
+from mr_measures.record.files import RecordError
 from mr_measures.record.mission_record import FINISHED
 
 LOW, HIGH = 0.85, 1.15  # of the ratio of exploration times: nearer than this is as good as equal
@@ -82,7 +83,7 @@ def virtual_runs(folder: Path) -> dict[int, Runs]:
     found: dict[int, list[Attempt]] = {}
     kinds: set[tuple[str, str, int]] = set()
     for path in sorted(folder.glob("*.json")):
-        record = read_record(path)
+        record = load_record(path)
         asked = record.asked
         kinds.add((asked.world, asked.scenario, asked.strategy))
         found.setdefault(asked.robots, []).append(Attempt.of(path.stem, record))

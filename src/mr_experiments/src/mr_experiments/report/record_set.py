@@ -10,7 +10,8 @@ from typing import Any, Callable, Iterable, Mapping, TypeVar
 
 from mr_experiments.report.stack_missions import begun_missions, failed_by_note, is_of_stack
 from mr_measures.record.files import STACK_RECORD, RecordError, read_record
-from mr_measures.record.mission_record import BIAS, STATUSES, MissionRecord
+from mr_measures.record.mission_record import BIAS, STATUSES, Asked, MissionRecord
+from mr_sim.world_names import name_of, told_here
 from mr_sim.worlds import label_of
 
 _Key = TypeVar("_Key")
@@ -55,7 +56,8 @@ class Chapter:
     @property
     def _label(self) -> str:
         """Files in two folders may have one name."""
-        return self.world if "/" in self.world else label_of(self.world)
+        world = told_here(self.world)
+        return world if "/" in world else label_of(world)
 
     @property
     def slug(self) -> str:
@@ -182,8 +184,10 @@ def _of_stack(folder: Path) -> dict[Path, MissionRecord | None]:
 
 
 def load_record(path: Path) -> MissionRecord:
-    """Without its snapshots, which are large. Raises RecordError."""
-    return replace(read_record(path), snapshots=())
+    """Without its snapshots, which are large, and with the one name of its world. Raises RecordError."""
+    record = read_record(path)
+    asked = Asked({**record.asked.settings, "world": name_of(record.asked.world)})
+    return replace(record, asked=asked, snapshots=())
 
 
 def _order(record: MissionRecord) -> tuple[str, str, int, int, int]:

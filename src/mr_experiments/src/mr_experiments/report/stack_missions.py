@@ -10,6 +10,7 @@ from typing import Any
 
 from mr_measures.record.files import STACK_RECORD, RecordError, read_record
 from mr_measures.record.mission_record import FAILED, STACK, Asked, MissionRecord, Outcome
+from mr_sim.world_names import name_of
 from mr_sim.worlds import label_of
 
 ATTEMPTS = "attempts.jsonl"
@@ -85,6 +86,7 @@ def failed_by_note(note: Mapping[str, Any]) -> MissionRecord | None:
         asked = Asked({**settings, "scenario": STACK, "strategy": note.get("strategy", STRATEGY)})
     except ValueError:
         return None
+    asked = Asked({**asked.settings, "world": name_of(asked.world)})
     return MissionRecord(asked, Outcome(FAILED, 0.0, "it left no record"), versions={"code": str(note.get("code", ""))})
 
 

@@ -32,6 +32,7 @@ from mr_experiments.trial.trial import Trial, TrialError
 from mr_experiments.trial.trial_world import world_of
 from mr_measures.record.files import RecordError, read_record, write_record
 from mr_measures.record.mission_record import FAILED, MissionRecord
+from mr_sim.world_names import name_of
 
 TELL_PERIOD = 0.5  # s of real time between two words on how it goes
 
@@ -88,7 +89,8 @@ def _read_done(trial: Trial, path: Path) -> Done:
         record = read_record(path)
     except RecordError as error:
         raise TrialError(f"{error}; choose another --out or remove it to run the trial again") from None
-    recorded, asked = record.asked.settings, json.loads(json.dumps(trial.to_json()))
+    recorded = {**record.asked.settings, "world": name_of(record.asked.world)}  # older ones have it as it was given
+    asked = json.loads(json.dumps(trial.to_json()))
     if recorded != asked:
         raise TrialError(
             f"{path} is the record of another trial ({_difference(recorded, asked)}); choose another --out or remove it"

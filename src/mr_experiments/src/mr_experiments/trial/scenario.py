@@ -16,6 +16,7 @@ from mr_experiments.trial.trial import DISTRIBUTED, Trial, TrialError, known_str
 from mr_grid import Pose
 from mr_measures.record.ros_packages import folder_of
 from mr_sim.world import BIAS
+from mr_sim.world_names import name_of
 
 DEFAULT = "paper"
 
@@ -49,9 +50,9 @@ class Scenario:
     def trial(self, robots: int, strategy: int, seed: int, world: str = "") -> Trial:
         """Robots that join or die but are not in the team do not count."""
         return Trial(
-            world or self.world, robots, seed, self.name, strategy, self.limit, self.fast, self.radio, self.known_poses,
-            self.starts[:robots], _of(self.joins, robots), _drawn(_of(self.deaths, robots), seed), self.topology,
-            self.partition, self.base, self.odometry,
+            name_of(world or self.world), robots, seed, self.name, strategy, self.limit, self.fast, self.radio,
+            self.known_poses, self.starts[:robots], _of(self.joins, robots), _drawn(_of(self.deaths, robots), seed),
+            self.topology, self.partition, self.base, self.odometry,
         )  # fmt: skip
 
 
