@@ -165,6 +165,22 @@ def test_a_driver_of_the_wheels_that_begins_anew_moves_no_robot(node: SlamNode, 
     ]
 
 
+def test_something_too_far_away_to_be_drawn_is_told_once_with_the_remedy(
+    node: SlamNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn_once", told.append)
+    for step in range(10):
+        message = scan(1000.0 + 0.05 * step - 0.02)
+        if step == 5:
+            message.range_max = 300.0
+            message.ranges[7] = 150.0
+        node._on_odometry(odometry(1000.0 + 0.05 * step))
+        node._on_scan(message)
+    (text,) = told
+    assert "something 150 m away; from 80 m on" in text and "a larger ~resolution reaches farther" in text
+
+
 def test_while_drivers_start_nothing_is_said_of_the_lasers_place(
     node: SlamNode, said: List[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

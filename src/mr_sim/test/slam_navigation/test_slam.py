@@ -1,6 +1,8 @@
 """The SLAM engine on the world engine: drift, slipping wheels, moving robots, the lattice of the map."""
 
 import math
+import subprocess
+import sys
 from dataclasses import replace
 from typing import Callable, List, Tuple
 
@@ -318,6 +320,44 @@ def test_beams_without_echo_of_a_laser_that_sees_far_free_no_more_than_they_may(
     rows, columns = np.nonzero(slam.map().cells == 0)
     assert 0.05 * np.ptp(rows) == pytest.approx(2.0 * free, abs=0.2)
     assert 0.05 * np.ptp(columns) == pytest.approx(2.0 * free, abs=0.2)
+
+
+@pytest.mark.parametrize("resolution", [0.05, 0.1])
+def test_what_is_hit_beyond_the_reach_of_the_map_counts_as_nothing(resolution: float) -> None:
+    """A single hit of the sun or of glass made a map of hundreds of metres, and of gigabytes."""
+    slam = Slam(SlamOptions(resolution=resolution))
+    reach = 1600 * resolution
+    assert slam.reach == pytest.approx(reach)
+    ranges = np.full(360, 5.0, dtype=np.float32)
+    ranges[[0, 45, 90]] = 500.0, 0.99 * reach, 2.0 * reach
+    scan = LaserScan(ranges, 0.0, 2.0 * math.pi / 360, 0.1, 500.0, Pose())
+    update = slam.process(scan, Pose(), 0.0)
+    assert update.beyond == pytest.approx(2.0 * reach)
+    assert max(slam.map().cells.shape) < 1600
+    assert occupied(slam, *(0.99 * reach * math.sqrt(0.5) for _ in range(2)), 3.0 * resolution) == 1
+    assert occupied(slam, 0.0, reach, 10.0 * resolution) == 0
+    assert slam.process(replace(scan, ranges=np.full(360, 5.0, np.float32)), Pose(), 9.0).beyond == 0.0
+
+
+@pytest.mark.parametrize("farthest", [79.0, 150.0, 250.0])
+def test_memory_of_a_laser_that_sees_far_is_bounded(farthest: float) -> None:
+    """A child, for what was once taken is not given back: m of range, MB of memory."""
+    code = f"""
+import math, resource
+import numpy as np
+from mr_grid import Pose
+from mr_robot.slam.engine import LaserScan, Slam
+slam, turn = Slam(), 2.0 * math.pi / 720
+taken = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+before = taken()
+for step in range(40):
+    ranges = np.where(np.arange(720) % 4 == 0, {farthest}, 4.0).astype(np.float32)
+    slam.process(LaserScan(ranges, -math.pi, turn, 0.1, 300.0, Pose()), Pose(0.1 * step), 0.1 * step)
+slam.map()
+print(taken() - before)
+"""
+    taken = float(subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout)
+    assert taken < 250.0
 
 
 def test_same_input_same_bits() -> None:

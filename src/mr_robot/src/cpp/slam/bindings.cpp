@@ -137,6 +137,7 @@ PYBIND11_MODULE(_slam, module) {
       .def("process", &process, py::arg("ranges"), py::arg("odometry"), py::arg("mount"), py::arg("angle_min"),
            py::arg("angle_increment"), py::arg("range_min"), py::arg("range_max"), py::arg("time"),
            py::arg("swept") = PoseTuple{0.0, 0.0, 0.0})
+      .def_property_readonly("reach", &Slam::reach)
       .def("pose_at",
            [](const Slam& slam, const PoseTuple& odometry) { return to_tuple(slam.pose_at(to_pose(odometry))); })
       .def("map_to_odometry", [](const Slam& slam) { return to_tuple(slam.map_to_odometry()); })

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mr_robot::slam {
 namespace {
 
-constexpr int kBlock = 32;              // the grid grows by whole blocks of cells
-constexpr float kMemory = 60.0F;        // hits after which a surface is a running mean
-constexpr double kSurfaceReach = 0.02;  // m, a beam passing a surface this near has seen through it
-constexpr double kBehind = 0.1;         // m, and it must end this far behind it
+constexpr int kBlock = Surfaces::kBlock;  // the grid grows by whole blocks of cells
+constexpr float kMemory = 60.0F;          // hits after which a surface is a running mean
+constexpr double kSurfaceReach = 0.02;    // m, a beam passing a surface this near has seen through it
+constexpr double kBehind = 0.1;           // m, and it must end this far behind it
 
 int block_floor(int value) { return static_cast<int>(std::floor(static_cast<double>(value) / kBlock)) * kBlock; }
 
@@ -33,7 +34,7 @@ bool GridMap::contains(const Cell& cell) const {
 
 const Surface* GridMap::surface(const Cell& cell) const {
   if (!contains(cell)) return nullptr;
-  return has_surface(cell) ? &surfaces_[index_of(cell)] : nullptr;
+  return has_surface(cell) ? &surface_of(cell) : nullptr;
 }
 
 std::size_t GridMap::index_of(const Cell& cell) const {
@@ -67,8 +68,8 @@ void GridMap::grow_to(Cell low, Cell high) {
     }
     cells = std::move(moved);
   };
-  move_cells(surfaces_);
   move_cells(seen_);
+  surfaces_.resize(width / kBlock, height / kBlock, (origin_.x - low.x) / kBlock, (origin_.y - low.y) / kBlock);
   touched_.assign(seen_.size(), 0);  // maps grow between two scans
   origin_ = low;
   width_ = width;
@@ -76,7 +77,9 @@ void GridMap::grow_to(Cell low, Cell high) {
   words_ = (width + 63) / 64;
   marks_.assign(static_cast<std::size_t>(words_) * height, 0);
   for (int y = low.y; y < low.y + height; ++y) {
-    for (int x = low.x; x < low.x + width; ++x) mark_surface({x, y});
+    for (int x = low.x; x < low.x + width; ++x) {
+      if (surfaces_.holds(x - low.x, y - low.y)) mark_surface({x, y});
+    }
   }
 }
 
@@ -95,7 +98,7 @@ void GridMap::mark_surface(const Cell& cell) {
   const int column = cell.x - origin_.x;
   uint64_t& word = marks_[static_cast<std::size_t>(cell.y - origin_.y) * words_ + column / 64];
   const uint64_t mark = uint64_t{1} << (column % 64);
-  word = surfaces_[index_of(cell)].hits > 0.0F ? word | mark : word & ~mark;
+  word = std::as_const(*this).surface_of(cell).hits > 0.0F ? word | mark : word & ~mark;
 }
 
 // `step`: added to the log-odds of being occupied.
@@ -165,7 +168,7 @@ void GridMap::add_hit(const Beam& beam, const Frame& robot) {
   const bool first = touch(cell);
   if (first) change_odds(cell, occupied_step_);
   if (!beam.has_normal) return;
-  add_to_surface(surfaces_[index_of(cell)], end, robot.turned(beam.normal), first);
+  add_to_surface(surface_of(cell), end, robot.turned(beam.normal), first);
   mark_surface(cell);
 }
 
@@ -200,11 +203,11 @@ void GridMap::free_cell(const Cell& cell, const Ray& ray) {
   uint32_t& touched = touched_[index_of(cell)];
   if (touched >= 2 * scan_number_) return;
   const bool walled = has_surface(cell);
-  if (walled && !sees_through(surfaces_[index_of(cell)], ray)) return;
+  if (walled && !sees_through(surface_of(cell), ray)) return;
   touched = 2 * scan_number_;
   change_odds(cell, -free_step_);
   if (walled && grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x] > 0) {
-    surfaces_[index_of(cell)] = Surface{};
+    surface_of(cell) = Surface{};
     mark_surface(cell);
   }
 }
@@ -266,7 +269,7 @@ bool GridMap::blocked(const Point& eye, const Point& end) const {
   const Ray ray{eye, end, {(end.x - eye.x) / length, (end.y - eye.y) / length}};
   bool found = false;
   walk(ray, length, [&](const Cell& cell) {
-    found = contains(cell) && has_surface(cell) && sees_through(surfaces_[index_of(cell)], ray);
+    found = contains(cell) && has_surface(cell) && sees_through(surface_of(cell), ray);
     return !found;
   });
   return found;

@@ -8,20 +8,12 @@
 #include <vector>
 
 #include "scan.hpp"
+#include "surfaces.hpp"
 
 namespace mr_robot::slam {
 
 struct Cell {
   int x = 0, y = 0;  // index on the lattice whose cell (0, 0) has its lower left corner at the map's origin
-};
-
-// Mean of the hits in a cell.
-struct Surface {
-  float x = 0.0F, y = 0.0F;                // m, map frame
-  float normal_x = 0.0F, normal_y = 0.0F;  // towards the side it was seen from
-  float hits = 0.0F;                       // 0: no surface
-  float scans = 0.0F;                      // in which it was hit: few for what moves
-  int origin = 0;                          // what the first of these was inserted with
 };
 
 struct GridOptions {
@@ -75,6 +67,8 @@ class GridMap {
 
   bool contains(const Cell& cell) const;
   std::size_t index_of(const Cell& cell) const;
+  const Surface& surface_of(const Cell& cell) const { return surfaces_(cell.x - origin_.x, cell.y - origin_.y); }
+  Surface& surface_of(const Cell& cell) { return surfaces_.at(cell.x - origin_.x, cell.y - origin_.y); }
   bool has_surface(const Cell& cell) const;
   bool occupied(const Cell& cell) const;
   void mark_surface(const Cell& cell);
@@ -97,7 +91,7 @@ class GridMap {
   mrpt::maps::COccupancyGridMap2D grid_;
   int occupied_step_, free_step_, odds_limit_;  // in MRPT's steps
   // Of each cell, in arrays of their own: beams pass many cells, and of most they need but a part of this.
-  std::vector<Surface> surfaces_;
+  Surfaces surfaces_;
   std::vector<uint8_t> seen_;
   // Twice the number of the last scan that saw through the cell, and one more if the scan hit it.
   std::vector<uint32_t> touched_;
@@ -123,7 +117,7 @@ void GridMap::visit_surfaces(const Cell& low, const Cell& high, Visit visit) con
       if (word == left / 64) bits &= ~uint64_t{0} << (left % 64);
       if (word == right / 64) bits &= ~uint64_t{0} >> (63 - right % 64);
       for (; bits != 0; bits &= bits - 1) {
-        visit(surfaces_[static_cast<std::size_t>(row) * width_ + word * 64 + __builtin_ctzll(bits)]);
+        visit(surfaces_(word * 64 + __builtin_ctzll(bits), row));
       }
     }
   }

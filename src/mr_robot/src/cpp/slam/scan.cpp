@@ -72,7 +72,7 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
   for (std::size_t i = 0; i < size; ++i) {
     const double range = ranges[i];
     if (std::isnan(range) || range < std::max(geometry.range_min, 1e-3)) continue;
-    const bool hit = range < geometry.range_max - 1e-3;
+    const bool hit = range < std::min(geometry.range_max - 1e-3, options.reach);
     const double length = hit ? range : std::min(geometry.range_max, options.free_range);
     const double angle = geometry.angle_min + static_cast<double>(i) * geometry.angle_increment;
     Point end = mount * Point{length * std::cos(angle), length * std::sin(angle)};

@@ -21,6 +21,8 @@ struct ScanOptions {
   double small_object_size = 0.7;
   // m, beams that hit nothing show no free space beyond: a laser of a long range gives none for glass and black cloth
   double free_range = 20.0;
+  // m from the laser, from which on what is hit counts as nothing: the map would grow to hold it
+  double reach = 80.0;
 };
 
 struct Beam {

@@ -21,6 +21,11 @@ bool near(const Pose& a, const Pose& b) {
   return slam::distance(a, b) < kSameDistance && std::abs(normalized(a.yaw - b.yaw)) < kSameAngle;
 }
 
+SlamOptions with_reach(SlamOptions options) {
+  options.scan.reach = kReach * options.grid.resolution;
+  return options;
+}
+
 }  // namespace
 
 bool Elsewhere::far_from_first(const Pose& odometry) const {
@@ -38,7 +43,8 @@ bool Elsewhere::add(const Match& match, const Pose& odometry) {
   return stays_ >= kStays || (count_ >= kSayTheSame && far_from_first(odometry));
 }
 
-Slam::Slam(const SlamOptions& options) : options_(options), map_(options.grid), memory_(options.grid, options.scan) {}
+Slam::Slam(const SlamOptions& options)
+    : options_(with_reach(options)), map_(options_.grid), memory_(options_.grid, options_.scan) {}
 
 bool Slam::moved(const Pose& from, const Pose& to, double distance, double angle) const {
   // A whisker below the threshold, so that steps of exactly that length count.

@@ -43,6 +43,8 @@ class Elsewhere {
   int stays_ = 0;  // matches in a row that say that the wheels slip
 };
 
+constexpr int kReach = 1600;  // cells from the laser that are drawn: who reads the map has to bear its size
+
 class Slam {
  public:
   explicit Slam(const SlamOptions& options);
@@ -51,6 +53,8 @@ class Slam {
   SlamUpdate process(const float* ranges, std::size_t size, const LaserGeometry& geometry, const Pose& odometry,
                      double time);
 
+  // m from the laser, from which on what is hit counts as nothing.
+  double reach() const { return options_.scan.reach; }
   Pose pose_at(const Pose& odometry) const;
   // Odometry frame in the map frame.
   Pose map_to_odometry() const;

@@ -73,6 +73,7 @@ class SlamUpdate:
     matched: bool  # whether the scan confirmed it; otherwise odometry alone
     inserted: bool  # whether the map that is handed out changed
     share: float  # of the scan that lies on known surfaces
+    beyond: float = 0.0  # m to the farthest thing that was too far away to be drawn; 0: there is none
 
 
 class OdometryHistory:
@@ -163,7 +164,17 @@ class Slam:
             scan.swept,
         )  # fmt: skip
         self.revision += inserted
-        return SlamUpdate(Pose(*pose), matched, inserted, share)
+        return SlamUpdate(Pose(*pose), matched, inserted, share, self._beyond(ranges, scan.range_max))
+
+    @property
+    def reach(self) -> float:
+        """m from the laser, from which on what is hit counts as nothing: 1600 cells."""
+        return float(self._core.reach)
+
+    def _beyond(self, ranges: np.ndarray, range_max: float) -> float:
+        if range_max <= self.reach:
+            return 0.0
+        return float(ranges[(ranges >= self.reach) & (ranges < range_max)].max(initial=0.0))
 
     def pose_at(self, odometry: Pose) -> Pose:
         """Robot in the map frame when its odometry says `odometry`."""

@@ -129,6 +129,11 @@ class SlamNode:
             return newest is None or last <= newest[0]
         scan = ros_io.scan_value(message, mount, odometry.between(odometry_after))
         update = self._slam.process(scan, odometry, time)
+        if update.beyond:
+            rospy.logwarn_once(
+                f"the laser sees something {update.beyond:.0f} m away; from {self._slam.reach:g} m on that counts as "
+                "nothing, so that the map stays small enough for all who read it: a larger ~resolution reaches farther"
+            )
         if not update.matched:
             rospy.logwarn_throttle(10.0, f"scan does not match the map ({update.share:.0%} of it does)")
         if not 0.0 <= time - self._published_at < self._map_interval:
