@@ -106,6 +106,7 @@ class World:
         self.core.add_robot(
             start=robot.start,
             footprint=robot.footprint,
+            seen=robot.seen,
             linear_bounds=robot.linear_bounds,
             lateral_bounds=robot.lateral_bounds,
             angular_bounds=robot.angular_bounds,
@@ -116,7 +117,6 @@ class World:
             walk_seed=walk_seed,
             base_steps=_steps(robot.update_interval, self.interval),
             command_timeout=command_timeout,
-            visible=robot.visible,
             solid=robot.solid,
             noise_seed=noise_seed,
             rangers=[

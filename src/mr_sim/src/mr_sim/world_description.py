@@ -42,6 +42,7 @@ class RobotDescription:
     name: str
     start: Pose  # world frame
     footprint: tuple[Polygon, ...]  # robot's frame
+    seen: tuple[Polygon, ...]  # of these, what lasers of others see
     linear_bounds: tuple[float, float]
     lateral_bounds: tuple[float, float]  # to the left; both 0 but for drive "omni"
     angular_bounds: tuple[float, float]
@@ -49,7 +50,6 @@ class RobotDescription:
     localization_origin: Pose  # world frame
     odom_error: tuple[float, float, float, float]  # shares along x, y, z and of the turn
     update_interval: float
-    visible: bool
     solid: bool
     rangers: tuple[RangerDescription, ...]
 

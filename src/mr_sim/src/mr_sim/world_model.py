@@ -5,7 +5,7 @@ SI units throughout: metres, radians (the files say degrees), seconds (the files
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mr_grid import IDENTITY, Pose
@@ -17,7 +17,6 @@ from mr_sim.world_reader import Context, PassedOver, Reader, refuse_misspelling,
 from mr_sim.world_words import (
     GRIPPER_WORDS,
     MODEL_WORDS,
-    PART_WORDS,
     PASSED_OVER_MODELS,
     POSITION_WORDS,
     RANGER_WORDS,
@@ -25,6 +24,14 @@ from mr_sim.world_words import (
 )
 
 DRIVES = ("diff", "omni")
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Of a robot's body: its model's own, or that of a model in it. `polygons`: in the robot's frame."""
+
+    polygons: tuple[Polygon, ...]
+    visible: bool
 
 
 class _Builder:
@@ -105,12 +112,20 @@ class _Builder:
                 block.place,
                 f'a camera is the only sensor of "{name or unnamed}", and it is not simulated: add a ranger',
             )
-        footprint = (*moved(part_polygons(reader, self._world), reader.origin()), *self._parts(block, IDENTITY))
+        parts = self._parts(block, IDENTITY)
+        body = _Part(moved(part_polygons(reader, self._world), reader.origin()), reader.visible())
+        solid = reader.flag("obstacle_return", True)
+        if not solid and any(part.polygons for part in parts):
+            self._context.passed_over.models.add("body with obstacle_return 0 of a robot that has parts")
+            body, solid = _Part((), False), True
+        parts = [body, *parts]
+        footprint = tuple(polygon for part in parts for polygon in part.polygons)
         self.robots.append(
             RobotDescription(
                 name=name,
                 start=start,
                 footprint=footprint,
+                seen=tuple(polygon for part in parts if part.visible for polygon in part.polygons),
                 linear_bounds=(bounds[0], bounds[1]),
                 lateral_bounds=(bounds[2], bounds[3]) if drive == "omni" else (0.0, 0.0),
                 angular_bounds=(bounds[6], bounds[7]),
@@ -118,31 +133,31 @@ class _Builder:
                 localization_origin=reader.pose("localization_origin") if reader.has("localization_origin") else start,
                 odom_error=(error[0], error[1], error[2], error[3]),
                 update_interval=reader.interval("update_interval", 100.0),
-                visible=reader.visible() and bool(footprint),
-                solid=reader.flag("obstacle_return", True) and bool(footprint),
+                solid=solid and bool(footprint),
                 rangers=rangers,
             )
         )
 
-    def _parts(self, block: Block, pose: Pose) -> tuple[Polygon, ...]:
-        """Bodies, in the robot's frame, of what a robot's model holds at `pose`."""
-        polygons: list[Polygon] = []
+    def _parts(self, block: Block, pose: Pose) -> list["_Part"]:
+        """Bodies of what a robot's model holds at `pose`."""
+        parts: list[_Part] = []
         for child in block.children:
             if child.kind == "position":
                 raise WorldFileError(child.place, f'"{child.word}" inside a position model is not supported')
             if child.kind == "window":
                 self._context.passed_over.models.add("window")
             elif child.kind not in ("block", "sensor"):
-                reader = self._reader(child, PART_WORDS)
+                reader = self._reader(child, MODEL_WORDS)
                 here = pose.compose(reader.pose())
                 if not reader.flag("obstacle_return", True):
                     self._context.passed_over.models.add("part of a robot with obstacle_return 0")
                 else:
-                    polygons.extend(moved(part_polygons(reader, self._world), here.compose(reader.origin())))
+                    body = moved(part_polygons(reader, self._world), here.compose(reader.origin()))
+                    parts.append(_Part(body, reader.visible()))
                 if any(inner.kind in ("ranger", "laser") for inner in child.children):
                     self._context.passed_over.models.add("ranger that is not mounted on the robot itself")
-                polygons.extend(self._parts(child, here))
-        return tuple(polygons)
+                parts.extend(self._parts(child, here))
+        return parts
 
     def _rangers(self, block: Block) -> tuple[RangerDescription, ...]:
         """All sensors of a robot. The first ones of its rangers have the numbers that stageros gives them, the others,

@@ -9,15 +9,17 @@ from collections.abc import Iterable
 WORLD_WORDS = frozenset(
     {"resolution", "interval_sim", "speedup", "quit_time", "name", "unit_length", "unit_angle"}
 )  # fmt: skip
-PART_WORDS = frozenset(
-    {"name", "pose", "size", "origin", "bitmap", "boundary", "noblocks", "obstacle_return"}
-)  # of a model that is part of a robot's body
-MODEL_WORDS = PART_WORDS | {"ranger_return", "laser_return"}
+MODEL_WORDS = frozenset(
+    {
+        "name", "pose", "size", "origin", "bitmap", "boundary", "noblocks", "obstacle_return", "ranger_return",
+        "laser_return",
+    }
+)  # fmt: skip
 POSITION_WORDS = MODEL_WORDS | {
     "drive", "localization", "localization_origin", "odom_error", "velocity_bounds", "update_interval",
 }  # fmt: skip
 GRIPPER_WORDS = frozenset({"paddle_size", "paddle_state"})
-RANGER_WORDS = PART_WORDS | {
+RANGER_WORDS = MODEL_WORDS | {
     "update_interval", "noise", "range", "range_min", "range_max", "fov", "samples", "scount", "spose", "sview",
 }  # fmt: skip
 SENSOR_WORDS = frozenset({"pose", "range", "fov", "samples", "noise"})

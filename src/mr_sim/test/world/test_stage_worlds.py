@@ -218,7 +218,7 @@ def test_noblocks(load):
     cells = rasterise(world.obstacles, 0.1).cells
     assert cells[0].all() and not cells[5, 5]
     (robot,) = load("position ( noblocks 1 )").robots
-    assert robot.footprint == () and not robot.visible and not robot.solid
+    assert robot.footprint == robot.seen == () and not robot.solid
 
 
 # --- Sensors ---

@@ -28,14 +28,25 @@ Ranger make_ranger(const PoseTuple& mount, double range_max, double field_of_vie
   return {to_pose(mount), range_max, field_of_view, samples, noise_variance, noise_share, noise_bearing};
 }
 
-int add_robot(World& world, const PoseTuple& start,
-              const std::vector<std::vector<std::pair<double, double>>>& footprint,
+using Points = std::vector<std::vector<std::pair<double, double>>>;
+
+std::vector<Polygon> to_polygons(const Points& points) {
+  std::vector<Polygon> polygons;
+  for (const auto& corners : points) {
+    Polygon& polygon = polygons.emplace_back();
+    for (const auto& [x, y] : corners) polygon.push_back({x, y});
+  }
+  return polygons;
+}
+
+int add_robot(World& world, const PoseTuple& start, const Points& footprint, const Points& seen,
               std::pair<double, double> linear_bounds, std::pair<double, double> lateral_bounds,
               std::pair<double, double> angular_bounds, const PoseTuple& localization_origin, bool exact_localization,
               const PoseTuple& bias, const PoseTuple& walk, uint64_t walk_seed, int base_steps, double command_timeout,
-              bool visible, bool solid, uint64_t noise_seed, const std::vector<Ranger>& rangers) {
+              bool solid, uint64_t noise_seed, const std::vector<Ranger>& rangers) {
   RobotOptions options{to_pose(start),
-                       {},
+                       to_polygons(footprint),
+                       to_polygons(seen),
                        linear_bounds.first,
                        linear_bounds.second,
                        lateral_bounds.first,
@@ -49,15 +60,9 @@ int add_robot(World& world, const PoseTuple& start,
                        walk_seed,
                        base_steps,
                        command_timeout,
-                       visible,
                        solid,
                        noise_seed,
                        rangers};
-  for (const auto& points : footprint) {
-    Polygon polygon;
-    for (const auto& [x, y] : points) polygon.push_back({x, y});
-    options.footprint.push_back(std::move(polygon));
-  }
   return world.add_robot(std::move(options));
 }
 
@@ -110,10 +115,11 @@ PYBIND11_MODULE(_world, module) {
              return std::make_unique<World>(std::move(obstacles), std::move(visible), interval);
            }),
            py::arg("obstacles"), py::arg("visible"), py::arg("interval"))
-      .def("add_robot", &add_robot, py::kw_only(), py::arg("start"), py::arg("footprint"), py::arg("linear_bounds"),
-           py::arg("lateral_bounds"), py::arg("angular_bounds"), py::arg("localization_origin"),
-           py::arg("exact_localization"), py::arg("bias"), py::arg("walk"), py::arg("walk_seed"), py::arg("base_steps"),
-           py::arg("command_timeout"), py::arg("visible"), py::arg("solid"), py::arg("noise_seed"), py::arg("rangers"))
+      .def("add_robot", &add_robot, py::kw_only(), py::arg("start"), py::arg("footprint"), py::arg("seen"),
+           py::arg("linear_bounds"), py::arg("lateral_bounds"), py::arg("angular_bounds"),
+           py::arg("localization_origin"), py::arg("exact_localization"), py::arg("bias"), py::arg("walk"),
+           py::arg("walk_seed"), py::arg("base_steps"), py::arg("command_timeout"), py::arg("solid"),
+           py::arg("noise_seed"), py::arg("rangers"))
       .def("command", &World::command, py::arg("robot"), py::arg("linear"), py::arg("lateral"), py::arg("angular"))
       .def("step", &World::step)
       .def_property_readonly("time", &World::time)

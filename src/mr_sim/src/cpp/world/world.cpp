@@ -234,7 +234,7 @@ void World::scan(int index, int ranger_index, float* ranges) {
   const Pose eye = compose({robot.state.x, robot.state.y, robot.state.yaw}, ranger.mount);
   see_walls(ranger, beams, eye, ranges);
   for (int i = 0; i < size(); ++i) {
-    if (i != index && robots_[i].options.visible) see_robot(robots_[i], ranger, beams, eye, ranges);
+    if (i != index && !robots_[i].options.seen.empty()) see_robot(robots_[i], ranger, beams, eye, ranges);
   }
   add_noise(ranger, robot.noise, ranges);
 }
@@ -269,7 +269,7 @@ void World::see_robot(const Robot& target, const Ranger& ranger, const Beams& be
   const double bearing = std::atan2(centre.y, centre.x);
   const double half_width = distance > target.radius ? std::asin(target.radius / distance) : M_PI;
   const std::vector<Polygon> outline =
-      place(target.options.footprint, relative(eye, {target.state.x, target.state.y, target.state.yaw}));
+      place(target.options.seen, relative(eye, {target.state.x, target.state.y, target.state.yaw}));
   // Only beams that may meet the target's circle are tested; a field of view may reach around to it from either side.
   for (const double turn : {-2.0 * M_PI, 0.0, 2.0 * M_PI}) {
     const double from = bearing + turn - half_width - beams.first;

@@ -31,6 +31,7 @@ struct OdometryError {
 struct RobotOptions {
   Pose start;                       // world frame
   std::vector<Polygon> footprint;   // robot frame
+  std::vector<Polygon> seen;        // of these, by ranger_return: what other robots' lasers see
   double linear_min, linear_max;    // velocity_bounds, m/s
   double lateral_min, lateral_max;  // m/s to the left; both 0 but for an omnidirectional drive
   double angular_min, angular_max;  // rad/s
@@ -41,7 +42,6 @@ struct RobotOptions {
   uint64_t walk_seed;
   int base_steps;          // simulation steps per base update
   double command_timeout;  // s of simulated time without a command after which the robot stops
-  bool visible;            // ranger_return: other robots' lasers see it
   bool solid;              // obstacle_return: it bumps into walls and robots, and they into it
   uint64_t noise_seed;
   std::vector<Ranger> rangers;
