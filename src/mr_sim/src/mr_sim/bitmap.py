@@ -1,5 +1,6 @@
 """Pictures of a world: dark pixels are solid."""
 
+import os
 from pathlib import Path
 
 import cv2
@@ -17,7 +18,7 @@ Rectangle = tuple[int, int, int, int]
 def read_image(path: str | Path) -> np.ndarray | None:
     """uint8 (rows, columns, 3), blue first; None for what is no picture, or too large a one."""
     try:
-        return cv2.imread(str(path), cv2.IMREAD_COLOR) if Path(path).is_file() else None
+        return cv2.imread(str(path), cv2.IMREAD_COLOR) if os.path.isfile(path) else None
     except cv2.error:
         return None
 

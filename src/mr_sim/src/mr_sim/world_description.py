@@ -105,9 +105,11 @@ def bounds_of(obstacles: Sequence[Obstacle]) -> tuple[float, float, float, float
 def fitting_resolution(obstacles: Sequence[Obstacle], resolution: float) -> float:
     """m; a coarser one where the world would have too many cells, in tenths of its order of magnitude."""
     left, low, right, high = bounds_of(obstacles)
-    area = (right - left) * (high - low)
-    if not math.isfinite(area) or area <= ENOUGH_CELLS * resolution**2:
+    width, height = right - left, high - low
+    # Two cells more each way, for what begins and ends within one.
+    if (width / resolution + 2.0) * (height / resolution + 2.0) <= ENOUGH_CELLS:
         return resolution
-    least = math.sqrt(area / (ENOUGH_CELLS))
+    half = (width + height) / (ENOUGH_CELLS - 4.0)
+    least = half + math.sqrt(half**2 + width * height / (ENOUGH_CELLS - 4.0))
     unit = 10.0 ** (math.floor(math.log10(least)) - 1)
     return round(math.ceil(least / unit) * unit, 9)

@@ -115,7 +115,7 @@ class _Definition:
 def find_file(name: str, world: Path, mentioned_in: Path) -> Path | None:
     """A file that a world names: beside the world file, as in Stage, or else beside the file that mentions it."""
     for folder in (world.parent, mentioned_in.parent):
-        if (folder / name).is_file():
+        if os.path.isfile(folder / name):
             return folder / name
     return None
 
@@ -124,7 +124,7 @@ def _on_stage_path(name: str) -> Path | None:
     """Stage looks for the bare name of a missing file in the folders of STAGEPATH; the project's worlds come last."""
     given = [Path(folder) for folder in os.environ.get("STAGEPATH", "").split(":") if folder]
     found = (folder / Path(name).name for folder in [*given, *world_folders()])
-    return next((path for path in found if path.is_file()), None)
+    return next((path for path in found if os.path.isfile(path)), None)
 
 
 def _decoded(octets: bytes) -> str:

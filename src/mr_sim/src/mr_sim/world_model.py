@@ -10,7 +10,14 @@ from pathlib import Path
 
 from mr_grid import IDENTITY, Pose
 from mr_sim.bodies import Polygon, bitmap_of, moved, part_polygons, polygons_of, size_of
-from mr_sim.world_description import Obstacle, RangerDescription, RobotDescription, WorldDescription, fitting_resolution
+from mr_sim.world_description import (
+    Obstacle,
+    RangerDescription,
+    RobotDescription,
+    WorldDescription,
+    bounds_of,
+    fitting_resolution,
+)
 from mr_sim.world_file import Block, WorldFile, WorldFileError, parse_world_file
 from mr_sim.world_rangers import MAX_RANGERS, sensors_of
 from mr_sim.world_reader import Context, PassedOver, Reader, refuse_misspelling, units_of
@@ -24,6 +31,7 @@ from mr_sim.world_words import (
 )
 
 DRIVES = ("diff", "omni")
+FARTHEST = 1.0e6  # m from the origin that a world may reach
 
 
 @dataclass(frozen=True)
@@ -106,6 +114,8 @@ class _Builder:
         if any(low > high for low, high in zip(bounds[::2], bounds[1::2], strict=True)):
             raise reader.fail("velocity_bounds", "has a minimum above its maximum")
         error = reader.numbers("odom_error", (0.03, 0.03, 0.0, 0.05), "ffff")
+        if min(error) < 0.0:
+            raise reader.fail("odom_error", "must not be negative")
         rangers = self._rangers(block)
         if not rangers and any(child.kind == "camera" for child in block.children):
             raise WorldFileError(
@@ -181,6 +191,7 @@ def load_world(path: str | Path) -> WorldDescription:
         builder.add(block, IDENTITY)
     quit_time = reader.number("quit_time", 0.0, minimum=0.0)
     resolution = reader.number("resolution", 0.02, above=0.0)
+    _check_extent(file, builder.obstacles)
     fitting = fitting_resolution(builder.obstacles, resolution)
     if fitting > resolution:
         place = file.root.properties["resolution"].place if reader.has("resolution") else file.root.place
@@ -195,6 +206,16 @@ def load_world(path: str | Path) -> WorldDescription:
         robots=_named(builder.robots),
         warning=passed_over.text(),
     )
+
+
+def _check_extent(file: WorldFile, obstacles: Sequence[Obstacle]) -> None:
+    bounds = bounds_of(obstacles)
+    if not all(abs(bound) <= FARTHEST for bound in bounds):
+        farthest = max(map(abs, bounds))
+        raise WorldFileError(
+            str(file.path),
+            f"a model reaches {farthest:g} m from the origin, more than {FARTHEST:g} m: correct its pose or size",
+        )
 
 
 def _named(robots: Sequence[RobotDescription]) -> tuple[RobotDescription, ...]:

@@ -153,6 +153,7 @@ def test_boundary_makes_a_wall_around(load):
         ("position ( pose [ 1 2 3 ] )", '"pose" needs 4 numbers'),
         ('position ( pose [ 1 2 3 "4" ] )', '"pose" needs 4 numbers'),
         ("position ( velocity_bounds [ 1 -1 0 0 0 0 -90 90 ] )", "minimum above its maximum"),
+        ("position ( odom_error [ 0.03 -0.03 0 0 ] )", '"odom_error" must not be negative'),
         ("position ( update_interval 0 )", "must be from 0.01 to 1e+07 ms, not 0"),
         ("position ( update_interval 1e300 )", "must be from 0.01 to 1e+07 ms, not 1e+300"),
         ("interval_sim 1e-300", '"interval_sim" must be from 0.01'),
@@ -161,6 +162,8 @@ def test_boundary_makes_a_wall_around(load):
         ("position ( position ( ) )", '"position" inside a position model'),
         ('model ( bitmap "none.png" )', "does not exist"),
         ('model ( bitmap "" )', "needs a file name"),
+        (f'model ( bitmap "{"a" * 300}" )', "does not exist"),
+        (f'include "{"a" * 300}"', "no such file"),
         ("model ( size [ 1 -1 1 ] )", "must not be negative"),
         ("position ( gripper ( padle_size [ 0.5 0.1 ] ) )", 'did you mean "paddle_size"?'),
         ("position ( ranger ( ) camera ( orign [ 1 0 0 0 ] ) )", 'did you mean "origin"?'),
@@ -251,6 +254,23 @@ def test_unusable_bitmaps(load, image, tmp_path):
     image("white.png", np.full((3, 3), 255, dtype=np.uint8))
     with pytest.raises(WorldFileError, match=r"white\.png: has no dark pixel"):
         rasterise(load('model ( bitmap "white.png" )').obstacles, 0.1)
+
+
+@pytest.mark.parametrize("size", [(1.0, 1.0), (1999999.0, 0.01), (1999999.0, 0.1), (0.1, 1999999.0), (1.9e6, 1.9e6)])
+@pytest.mark.parametrize("resolution", [0.02, 1.0e300])
+def test_a_world_of_any_shape_has_cells_that_can_be_held(load, size, resolution):
+    """Of long ones the few cells across counted too little, and the square of 1e300 was too much."""
+    world = load(f"resolution {resolution}\nmodel ( size [ {size[0]} {size[1]} 1 ] noblocks 1 boundary 1 )")
+    columns, rows = (math.ceil(length / world.resolution) + 1 for length in size)
+    assert columns * rows < 100_000_000
+
+
+@pytest.mark.parametrize("text", ["pose [ 1e7 0 0 0 ]", "size [ 1e308 1 1 ]", "size [ 1 1 1 ] origin [ 0 -1e308 0 0 ]"])
+def test_a_model_that_is_too_far_away_is_told(load, text):
+    with pytest.raises(
+        WorldFileError, match=r"test\.world: a model reaches .* m from the origin, .*: correct its pose"
+    ):
+        load(f"model ( {text} )")
 
 
 @pytest.mark.parametrize("resolution", [1.0e-3, 1.0e-320])
