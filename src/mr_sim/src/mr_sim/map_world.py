@@ -100,7 +100,7 @@ def _load(path: Path) -> _Map:
             f'{path}: "image" is no picture that can be read, or too large a one: {path.parent / str(values["image"])}'
         )
     brightness = image.mean(axis=2)
-    darkness = (brightness if values.get("negate") else 255.0 - brightness) / 255.0
+    darkness = (brightness if _negated(path, values.get("negate", 0)) else 255.0 - brightness) / 255.0
     free = np.flipud(darkness < free_below)
     if not free.any():
         raise MapError(f"{path}: nothing in the map is free")
@@ -112,9 +112,17 @@ def _number(path: Path, values: dict[str, Any], key: str) -> float:
     if isinstance(value, str):
         with contextlib.suppress(ValueError):  # YAML 1.1 takes 5e-2 for a text
             value = float(value)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise MapError(f'{path}: "{key}" must be a number, not {value!r}')
-    return float(value)
+    with contextlib.suppress(OverflowError):  # of a whole number
+        if not isinstance(value, bool) and isinstance(value, (int, float)) and math.isfinite(value):
+            return float(value)
+    raise MapError(f'{path}: "{key}" must be a number, not {value!r:.40}')
+
+
+def _negated(path: Path, value: Any) -> bool:
+    """A text is none: "0" would be true."""
+    if not isinstance(value, (bool, int, float)) or value not in (0, 1):
+        raise MapError(f'{path}: "negate" must be 0 or 1, not {value!r:.40}')
+    return bool(value)
 
 
 def _origin(path: Path, value: Any) -> Pose:

@@ -136,6 +136,9 @@ def test_map_gives_no_warning(write_map, tmp_path):
         ({"origin": "[1, 2, west]"}, '"origin" must be a number'),
         ({"mode": "raw"}, '"mode" must be trinary or scale'),
         ({"free_thresh": 0.0}, "nothing in the map is free"),
+        ({"free_thresh": 10**400}, '"free_thresh" must be a number, not 1000'),
+        ({"negate": "'0'"}, "\"negate\" must be 0 or 1, not '0'"),
+        ({"image": "a" * 300}, '"image" is no picture'),
         ({"image": "[unclosed"}, "plan.yaml: "),
     ],
 )
