@@ -94,6 +94,7 @@ def test_radio_without_limits(scenario_file):
         ("description: x\nrobots: [0]", "robots: a team has at least one robot, not 0"),
         ("description: x\nstrategies: [12]", "strategies: 12 is unknown; there are 0, 1"),
         ("description: x\nlimit: long", "limit: expected a number, not 'long'"),
+        (f"description: x\nlimit: {10**400}", "limit: expected a number, not 1000"),
         ("description: x\nlimit: true", "limit: expected a number, not True"),
         ("description: x\nlimit: -5", "limit: expected a positive number, not -5"),
         ("description: x\nlimit: .inf", "limit: expected a finite number"),

@@ -228,6 +228,7 @@ def short(tmp_path):
     [
         (["--scenario", "nothing"], "no scenario 'nothing'; there are"),
         (["--world", "nowhere"], 'no world "nowhere"'),
+        (["--world", "a" * 300], 'no world "aaaa'),
         (["--robots", "99"], "asked for 99: ask for others with --robots"),
         (["--starts", "1", "2"], "--starts takes X Y DEGREES for each robot, not 2 numbers"),
         (["--starts", "1", "2", "0", "--robots", "2"], "gives 1 start pose; 2 robots are asked for"),

@@ -16,7 +16,7 @@ def name_of(world: str) -> str:
     another file by its whole path, without links. What is no file here stays as it is."""
     named = _of_project(world)
     path = Path(world) if named is None else named
-    if not path.is_file():
+    if not os.path.isfile(path):
         return world
     file = _without_links(path)
     own = _of_project(file.stem)
@@ -33,10 +33,10 @@ def told_here(name: str) -> str:
 
 def _of_project(name: str) -> Path | None:
     """As `find_world` finds it: what lies in the current folder comes first."""
-    if "/" in name or Path(name).is_file():
+    if "/" in name or os.path.isfile(name):
         return None
     file = f"{name.removesuffix('.world')}.world"
-    return next((folder / file for folder in world_folders() if (folder / file).is_file()), None)
+    return next((folder / file for folder in world_folders() if os.path.isfile(folder / file)), None)
 
 
 def _without_links(path: Path) -> Path:

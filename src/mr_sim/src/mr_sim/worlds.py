@@ -36,18 +36,18 @@ def find_world(name: str, folder: Path = GENERATED, starts: Sequence[Pose] = ())
     generated one or the `.yaml` file of a map; the files of the last two are then written to `folder`. `starts`: of the
     robots in a map, world frame, else there is one. Raises WorldNotFoundError, OSError if they cannot be written."""
     path = Path(name)
-    if path.is_file():
+    if os.path.isfile(path):  # that, unlike Path.is_file, also of names that are too long to be one
         return _from_map(name, folder, starts) if is_map(name) else path
     if is_generated(name):
         return _generated(name, folder)
     names = [name] if name.endswith(".world") else [name, f"{name}.world"]
     for place in world_folders():
         for candidate in names:
-            if "/" not in name and (place / candidate).is_file():
+            if "/" not in name and os.path.isfile(place / candidate):
                 return place / candidate
     if is_map(name) or "/" in name:
         raise WorldNotFoundError(
-            f'no world "{name}": {"that is a folder" if path.is_dir() else "there is no such file"}'
+            f'no world "{name}": {"that is a folder" if os.path.isdir(path) else "there is no such file"}'
         )
     known = sorted({world.stem for place in world_folders() for world in place.glob("*.world")})
     meant = nearest(name.removesuffix(".world"), known)

@@ -131,8 +131,8 @@ def _number(value: Any) -> float:
         if isinstance(value, bool):
             raise TypeError
         number = float(value)
-    except (TypeError, ValueError):
-        raise TrialError(f"expected a number, not {value!r}") from None
+    except (TypeError, ValueError, OverflowError):
+        raise TrialError(f"expected a number, not {value!r:.40}") from None
     if math.isnan(number):
         raise TrialError("expected a number, not nan")
     return number
